@@ -1,0 +1,21 @@
+# burin_library(room USES <public libraries> PRIVATE_USES <libraries only its .cpp files see>)
+#
+# Makes the static library `burin_<room>` (exported as burin::<room>) from every .cpp file of the current folder.
+# Headers are included as "room/header.h".
+function(burin_library room)
+  cmake_parse_arguments(ARG "" "" "USES;PRIVATE_USES" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS *.cpp)
+  add_library(burin_${room} STATIC ${sources})
+  add_library(burin::${room} ALIAS burin_${room})
+  set_target_properties(burin_${room} PROPERTIES EXPORT_NAME ${room})
+  target_compile_features(burin_${room} PUBLIC cxx_std_20)
+  target_include_directories(burin_${room} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+                                                  $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/burin>)
+  target_link_libraries(burin_${room} PUBLIC ${ARG_USES} PRIVATE ${ARG_PRIVATE_USES})
+  burin_warnings(burin_${room})
+endfunction()
+
+# Strict warnings for our own code only: never forced on those who link us.
+function(burin_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic $<$<BOOL:${BURIN_WARNINGS_AS_ERRORS}>:-Werror>)
+endfunction()

@@ -1,0 +1,46 @@
+// render/footprint_grid.h - what each pixel of a view cuts out of the board's face.
+// Frame: board xy, mm. Pixels: centre of the top-left pixel is (0, 0), so corner (c, r) lies at (c - 0.5, r - 0.5).
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <vector>
+
+#include "render/lens.h"
+#include "render/surface.h"
+
+namespace burin {
+
+/// A rectangle of a photo's pixels: columns x0 .. x0 + width - 1, rows y0 .. y0 + height - 1.
+struct PixelWindow {
+  int x0 = 0, y0 = 0, width = 0, height = 0;
+};
+
+/// Pixels and their footprints. Pixel (c, r) has the corners (c, r), (c + 1, r), (c + 1, r + 1), (c, r + 1).
+/// A pixel any of whose corners misses the face (or is hidden) has NaN there, and renders as `Image` value 0.
+struct FootprintGrid {
+  PixelWindow window;                             ///< of the photo; x0 = y0 = 0 for a grid that is not a photo's
+  std::vector<double> corner_x_mm, corner_y_mm;   ///< (width + 1) * (height + 1), row-major
+  std::vector<Eigen::Vector3d> center_mm;         ///< width * height: the footprint's centre on the face, board frame
+  std::vector<Eigen::Vector3d> normal;            ///< width * height: the face's unit normal there
+  std::optional<Eigen::Matrix3d> board_from_pixel;  ///< homography from window pixels to board xy, where there is one
+
+  int width() const { return window.width; }
+  int height() const { return window.height; }
+};
+
+/// The footprints of a photo's pixels, for a board that is flat or bowed, through any of mrcal's lens models.
+FootprintGrid camera_grid(const Lens& lens, const Eigen::Isometry3d& T_camera_board, const Surface& surface,
+                          const PixelWindow& window);
+
+/// A grid of width x height rectangles laid on the board between min_mm and max_mm, row 0 at the top (largest y): the
+/// pixels of a picture as it lies on the board, whatever camera looks at it. Designs use it.
+FootprintGrid board_grid(const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm, int width, int height,
+                         const Surface& surface);
+
+/// Smallest window of the photo that holds the board rectangle min_mm .. max_mm (and `margin_px` around), clipped to the
+/// photo. Width or height 0 if it lies outside.
+PixelWindow window_of(const Lens& lens, const Eigen::Isometry3d& T_camera_board, const Surface& surface,
+                      const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm, int margin_px);
+
+}  // namespace burin

@@ -1,0 +1,32 @@
+// render/scratches.h - the scratches of a board: two end points each, in carving order.
+// Frame: board, mm. DESIGN 4, `scratches.csv`.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace burin {
+
+/// Flat arrays, one entry a scratch. `width_um`, `depth_um` and `alpha` are empty where all scratches share the
+/// tool's width and the material's depth and alpha; otherwise they have size() entries.
+struct Scratches {
+  std::vector<double> x0_mm, y0_mm, x1_mm, y1_mm;
+  std::vector<double> width_um, depth_um, alpha;
+
+  std::size_t size() const { return x0_mm.size(); }
+};
+
+/// Reads `scratches.csv`. Throws Error naming the line for a missing column, a value that is not a finite number,
+/// a scratch shorter than a nanometre, or a width, depth or alpha that is not positive.
+Scratches read_scratches(const std::filesystem::path& file);
+
+/// Writes `scratches.csv` atomically, with 1e-5 mm.
+void write_scratches(const Scratches& scratches, const std::filesystem::path& file);
+
+/// The scratches as a machine carves them: affine (2x3, mm) applied to both ends.
+Scratches transformed(const Scratches& scratches, const Eigen::Matrix<double, 2, 3>& affine);
+
+}  // namespace burin
