@@ -5,6 +5,10 @@
 function(burin_library room)
   cmake_parse_arguments(ARG "" "" "USES;PRIVATE_USES" ${ARGN})
   file(GLOB sources CONFIGURE_DEPENDS *.cpp)
+  if(NOT sources)  # a room with headers only still is a library that others can link
+    set(sources ${CMAKE_CURRENT_BINARY_DIR}/no_sources.cpp)
+    file(WRITE ${sources} "")
+  endif()
   add_library(burin_${room} STATIC ${sources})
   add_library(burin::${room} ALIAS burin_${room})
   set_target_properties(burin_${room} PROPERTIES EXPORT_NAME ${room})
