@@ -7,9 +7,9 @@ find_package(OpenImageIO REQUIRED)
 find_package(embree 3 REQUIRED)
 find_package(OpenCV 4 REQUIRED COMPONENTS core imgproc calib3d features2d)
 find_package(Ceres 2.1 REQUIRED)
-find_package(CLI11 REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(xsimd REQUIRED)
+# Debian's xsimd asks to link xtl for complex numbers; there is no such library to link, and we have no complex numbers.
+set_property(TARGET xsimd PROPERTY INTERFACE_LINK_LIBRARIES "")
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(apriltag REQUIRED IMPORTED_TARGET apriltag)
 

@@ -1,0 +1,56 @@
+// tools/commands.h - the subcommands of `burin`, one function and one file each.
+//
+// How a command is made. `add_NAME_command(burin)` lives in tools/NAME_command.cpp and does three things:
+//
+//   void add_toolpath_command(CLI::App& burin) {
+//     struct Options { std::filesystem::path scratches, out; };
+//     auto options = std::make_shared<Options>();                        // lives as long as the callback
+//     CLI::App* command = burin.add_subcommand("toolpath", "Turn scratches into a file that a machine carves");
+//     command->add_option("SCRATCHES.csv", options->scratches, "The scratches to carve")->required();
+//     command->add_option("--out", options->out, "Where to write")->required();
+//     command->footer(example("burin toolpath scratches.csv --out board.gcode"));
+//     command->callback([options] {
+//       ProgressBar bar;                                                 // tools/progress_bar.h
+//       const auto path = plan(read_scratches(options->scratches), bar.progress());
+//       write_text(gcode(path), options->out);
+//       bar.clear();
+//       fmt::print("Wrote {}: 40000 scratches, about 6 h 20 min; send it to the machine.\n", options->out.string());
+//     });
+//   }
+//
+// Rules that all commands keep:
+// - A thin layer: options in, library calls, files out. What another program could use belongs in a library.
+// - Work that cannot be done throws burin::Error from the callback; main prints the sentence and exits with 1.
+//   Do not use CLI11's file validators: a missing file is work that cannot be done (1), not a wrong command line (2),
+//   and the library's own message says what to do about it. Contradictory options throw CLI::ValidationError: exit 2.
+// - Results go to stdout and end in one line that says what was made and what to do next. Findings that do not stop
+//   the work ("note: ...") go to stderr through note(). Nothing else is printed.
+// - Outputs are written only when they are complete (write_atomically), folders made with make_output_folder.
+// - `--help` ends with an example that works on the files it names.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <CLI/App.hpp>
+#include <string>
+
+namespace burin {
+
+void add_simulate_command(CLI::App& burin);
+void add_capture_command(CLI::App& burin);
+void add_calibrate_command(CLI::App& burin);
+void add_refine_command(CLI::App& burin);
+void add_design_command(CLI::App& burin);
+void add_render_command(CLI::App& burin);
+void add_toolpath_command(CLI::App& burin);
+void add_report_command(CLI::App& burin);
+void add_loop_command(CLI::App& burin);
+void add_check_command(CLI::App& burin);
+
+/// The footer of a command's `--help`: a working command line (or several, one a line).
+inline std::string example(const std::string& command_lines) { return "Example:\n  " + command_lines; }
+
+/// Tells the person about something that does not stop the work: a photo left out, a value assumed. To stderr.
+inline void note(const std::string& sentence) { fmt::print(stderr, "note: {}\n", sentence); }
+
+}  // namespace burin
