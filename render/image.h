@@ -32,7 +32,7 @@ Image read_picture(const std::filesystem::path& file);
 /// Values are written as they are (clamped to 0..1 for integer formats): encode before calling.
 void write_picture(const Image& image, const std::filesystem::path& file, int png_bits = 8);
 
-/// Mean of the channels, with the given weights for three channels (default: Rec. 709 luminance).
+/// Rec. 709 luminance of three channels (0.2126 R + 0.7152 G + 0.0722 B); one channel is returned as it is.
 Image luminance(const Image& image);
 
 /// Area-averaging (down) or bilinear (up) resize.

@@ -18,10 +18,11 @@ using Json = nlohmann::ordered_json;
 /// were asked for, so that finish() can name the ones that nobody knows. Every error names file, field and remedy.
 class JsonObject {
  public:
-  JsonObject(const Json& json, std::string where);  ///< `where`: "board.json" or "board.json: tags"; throws if no object
+  JsonObject(const Json& json,
+             std::string where);  ///< `where`: "board.json" or "board.json: tags"; throws if no object
 
   const std::string& where() const { return where_; }
-  bool has(const std::string& key) const;
+  bool has(const std::string& key) const;  ///< the key then counts as known
 
   double number(const std::string& key);  ///< finite
   double number(const std::string& key, double fallback);
@@ -41,6 +42,7 @@ class JsonObject {
   JsonObject object(const std::string& key);
   std::vector<JsonObject> objects(const std::string& key);  ///< an array of objects
   const Json& raw(const std::string& key);                  ///< any value; throws if missing
+  std::vector<std::string> keys() const;                    ///< in the file's order, for objects used as maps
 
   /// Throws naming the first key that was never asked for, and the keys that are known here.
   void finish() const;
@@ -51,7 +53,7 @@ class JsonObject {
  private:
   const Json* json_;
   std::string where_;
-  std::set<std::string> asked_;
+  mutable std::set<std::string> asked_;
 };
 
 /// Parses a JSON file and checks its "format" ("burin/board") and "version". Throws Error with line and column on
@@ -60,7 +62,8 @@ Json read_json(const std::filesystem::path& file, const std::string& format, int
 
 /// Writes beside the final name and renames into place; makes no folders. `write` gets the temporary file's path (same
 /// extension). Throws Error naming `file` if the folder is missing or cannot be written, leaving nothing behind.
-void write_atomically(const std::filesystem::path& file, const std::function<void(const std::filesystem::path&)>& write);
+void write_atomically(const std::filesystem::path& file,
+                      const std::function<void(const std::filesystem::path&)>& write);
 
 /// Pretty-printed JSON, doubles with the digits they need; atomic.
 void write_json(const Json& json, const std::filesystem::path& file);
@@ -68,6 +71,12 @@ void write_text(const std::string& text, const std::filesystem::path& file);
 
 /// Makes a folder and its parents for output. Throws Error naming it if that fails or if it is not writable.
 void make_output_folder(const std::filesystem::path& folder);
+
+/// A path that a JSON file names, made usable from the working directory: paths are relative to the file's folder.
+std::filesystem::path resolve_path(const std::filesystem::path& file, const std::string& named);
+
+/// The other way round: `path` as `file` should name it, relative to its folder where that is possible.
+std::string path_beside(const std::filesystem::path& file, const std::filesystem::path& path);
 
 Json to_json(const Eigen::Ref<const Eigen::MatrixXd>& m);  ///< a vector as a flat array, a matrix as an array of rows
 
