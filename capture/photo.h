@@ -1,5 +1,7 @@
 // capture/photo.h - one photo as linear values, and a bracket of them merged.
-// Pixels are those of the sensor: EXIF orientation is never applied.
+// Pixels are those of the sensor: EXIF orientation is never applied. Pixel centres are at whole numbers (DESIGN 2).
+// Values: 1 is the white level (DESIGN 3.4); a merged view is divided by the exposure, so that all views of a session
+// share one scale.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "capture/noise.h"
 #include "capture/session.h"
 #include "render/image.h"
 
@@ -15,26 +18,50 @@ namespace burin {
 /// A photo, linear, 1 being the white level; 1 or 3 channels.
 struct LinearPhoto {
   Image value;
-  std::vector<std::uint8_t> clipped;  ///< width * height: 1 where any channel is at (or near) the white level or unusable
+  std::vector<std::uint8_t>
+      clipped;      ///< width * height: 1 where any channel is at (or near) the white level or unusable
+  StoredAs stored;  ///< how finely the file kept the values
 };
 
 /// Reads PNG, TIFF, JPEG, EXR and raw files. `photo.encoding` says how stored values become linear.
-/// Raw: linear, no tone curve, no white balance, black level removed. 12-bit data in the high end of 16 clips at its own
-/// top. Throws Error for a file that is missing, broken, or of an unknown kind.
+/// Raw: linear, no tone curve, no white balance, no colour matrix, black level removed, colour mosaic filled in
+/// linearly. 12-bit data in the high end of 16 clips at its own top. An alpha channel is ignored. Throws Error for a
+/// file that is missing, broken, cut short, or of an unknown kind.
 LinearPhoto read_photo(const Photo& photo);
 
 /// One view under one lamp: all its exposures in one picture.
 struct MergedView {
   std::string view, light;
-  Image value;  ///< linear value / exposure_factor: gain * vignette * radiance. Same scale for all views: never rescaled.
-  Image sigma;  ///< standard deviation of the noise of each value, from photon and read noise and quantisation
+  Image
+      value;  ///< linear value / exposure_factor: gain * vignette * radiance. Same scale for all views: never rescaled.
+  Image sigma;                      ///< standard deviation of the noise of each value; infinite where not valid
   std::vector<std::uint8_t> valid;  ///< 0 where no exposure holds the pixel (clipped in all of them)
 };
 
-/// Merges the exposures of one view and lamp, weighting by noise; clipped pixels come from the shorter exposures.
+/// Merges the exposures of one view and lamp. Each exposure is weighted by the inverse variance that `noise` predicts
+/// for it (from the value of the longest exposure that holds the pixel, then from the merged value, so that a pixel's
+/// own noise hardly moves its weights). Pixels within two of a clipped one are taken from shorter exposures too:
+/// sensors bloom and JPEG rings there. Where none is left, `value` is the shortest exposure's, a lower bound.
+/// Throws Error when sizes or channels differ, or when no photo is given.
+MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise);
+
+/// The same, with the noise of these photos alone (estimate_noise).
 MergedView merge_bracket(std::span<const Photo> photos);
 
-/// All (view, light) pairs of a session in order of first appearance. Throws Error when photo sizes differ.
+/// The noise of photos like these, from the photos themselves: differences between the exposures of a bracket, or, with
+/// one exposure a view, differences between neighbouring pixels (see noise.h). At most four brackets are read.
+NoiseModel estimate_noise(std::span<const Photo> photos);
+
+/// Photos of one view under one light, in order of first appearance; indices into session.photos.
+struct Bracket {
+  std::string view, light;
+  std::vector<int> photos;
+};
+std::vector<Bracket> brackets_of(const Session& session);
+
+/// All (view, light) pairs of a session in order of first appearance, each merged with the noise estimated for its
+/// encoding and ISO. Works in parallel; the same files give the same bits for any number of threads.
+/// Throws Error when photo sizes differ.
 std::vector<MergedView> merge_session(const Session& session);
 
 }  // namespace burin

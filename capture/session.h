@@ -32,7 +32,8 @@ Session read_session(const std::filesystem::path& file);
 /// Writes `session.json`, paths relative to its folder; atomically.
 void write_session(const Session& session, const std::filesystem::path& file);
 
-/// The factor exposure_s * (iso / 100) / f_number^2 of DESIGN 3.4. A photo's linear value is gain * this * vignette * radiance.
+/// The factor exposure_s * (iso / 100) / f_number^2 of DESIGN 3.4. A photo's linear value is gain * this * vignette *
+/// radiance.
 double exposure_factor(const Photo& photo);
 
 }  // namespace burin
