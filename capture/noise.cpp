@@ -189,10 +189,15 @@ NoiseModel fit_noise(std::span<const NoiseSample> samples) {
   }
   const Eigen::Vector3d scale = A.colwise().norm().transpose().cwiseMax(1e-300);
   A *= scale.cwiseInverse().asDiagonal();
-  // Three unknowns: try every set of them being zero, keep the best that has no negative one.
+  // With linear files `stored` and `read` are the same constant: all of it is then called read noise.
+  const bool linear = std::all_of(samples.begin(), samples.end(), [&](const NoiseSample& s) {
+    const double level = samples[0].coefficient[2] / samples[0].coefficient[1];
+    return std::abs(s.coefficient[2] / s.coefficient[1] - level) <= 1e-6 * level;
+  });
+  // Try every set of the unknowns being zero, keep the best that has no negative one.
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   double best_cost = b.squaredNorm();
-  for (int set = 1; set < 8; ++set) {
+  for (int set = 1; set < (linear ? 4 : 8); ++set) {
     std::vector<int> columns;
     for (int k = 0; k < 3; ++k)
       if ((set >> k) & 1) columns.push_back(k);
