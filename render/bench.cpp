@@ -5,6 +5,7 @@
 #include <set>
 
 #include "render/error.h"
+#include "render/groove.h"
 #include "render/json_file.h"
 #include "render/material_json.h"
 
@@ -132,11 +133,6 @@ void fail_unless_unique(const List& list, Name name, const JsonObject& json, con
   for (const auto& item : list)
     if (!seen.insert(name(item)).second)
       json.fail_field(key, "\"" + name(item) + "\" is listed twice", "give each a name of its own");
-}
-
-double half_width_um(double width_um, double depth_um) {
-  // The paper's Eqn. 2 solved for height 0 (DESIGN 3.1); expm1 keeps shallow grooves exact.
-  return width_um / 2 * std::sqrt(-std::expm1(-2 * depth_um / width_um));
 }
 
 Json view_json(const View& view) {

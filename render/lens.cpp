@@ -30,19 +30,20 @@ std::string known_models() {
   return names;
 }
 
-mrcal_lensmodel_t lens_model(const std::string& name) {
+/// `where` is the file or part of the program that names the model.
+mrcal_lensmodel_t lens_model(const std::string& name, const std::string& where) {
   mrcal_lensmodel_t model;
   if (!mrcal_lensmodel_from_name(&model, name.c_str()) || !mrcal_lensmodel_type_is_valid(model.type))
-    fail("lens model \"" + name + "\"", "mrcal does not know it", "use one of " + known_models());
+    fail(where, "mrcal knows no lens model \"" + name + "\"", "use one of " + known_models());
   if (model.type == MRCAL_LENSMODEL_CAHVORE)
-    fail("lens model \"" + name + "\"", "mrcal gives neither gradients nor an inverse for it",
+    fail(where, "mrcal gives neither gradients nor an inverse for " + name,
          "convert it with mrcal-convert-lensmodel, to LENSMODEL_OPENCV8 for instance");
   if (model.type == MRCAL_LENSMODEL_SPLINED_STEREOGRAPHIC) {
     // mrcal takes any numbers here and aborts the program later.
     const auto& config = model.LENSMODEL_SPLINED_STEREOGRAPHIC__config;
     if ((config.order != 2 && config.order != 3) || config.Nx < config.order + 1 || config.Ny < config.order + 1 ||
         config.fov_x_deg < 1 || config.fov_x_deg >= 360)
-      fail("lens model \"" + name + "\"", "its configuration makes no spline",
+      fail(where, "the configuration in \"" + name + "\" makes no spline",
            "order is 2 or 3, Nx and Ny are at least order + 1, fov_x_deg lies between 1 and 359");
   }
   return model;
@@ -50,7 +51,7 @@ mrcal_lensmodel_t lens_model(const std::string& name) {
 
 /// The model, after checking that the lens has its number of parameters and that they are numbers.
 mrcal_lensmodel_t checked_model(const Lens& lens, const std::string& where) {
-  const mrcal_lensmodel_t model = lens_model(lens.model);
+  const mrcal_lensmodel_t model = lens_model(lens.model, where);
   const int expected = mrcal_lensmodel_num_params(&model);
   if (lens.intrinsics.size() != static_cast<std::size_t>(expected))
     fail(where, lens.model + " has " + std::to_string(lens.intrinsics.size()) + " intrinsics",
@@ -129,7 +130,7 @@ void unproject(const Lens& lens, std::span<const Eigen::Vector2d> q_px, std::spa
 }
 
 int lens_parameter_count(const std::string& model) {
-  const mrcal_lensmodel_t parsed = lens_model(model);
+  const mrcal_lensmodel_t parsed = lens_model(model, "lens");
   return mrcal_lensmodel_num_params(&parsed);
 }
 
@@ -153,7 +154,8 @@ Lens read_cameramodel(const std::filesystem::path& file) {
   if (!mrcal_lensmodel_name(name.data(), static_cast<int>(name.size()), &model->lensmodel))
     fail(file.string(), "mrcal cannot name its lens model", "use one of " + known_models());
   lens.model = name.data();
-  const int count = lens_parameter_count(lens.model);
+  const mrcal_lensmodel_t checked = lens_model(lens.model, file.string());
+  const int count = mrcal_lensmodel_num_params(&checked);
   lens.intrinsics.assign(model->intrinsics, model->intrinsics + count);
   lens.width = static_cast<int>(model->imagersize[0]);
   lens.height = static_cast<int>(model->imagersize[1]);

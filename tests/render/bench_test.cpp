@@ -1,0 +1,216 @@
+// Proves: bench.json and its .cameramodel go out and in again whole, to the last bit; each wrong value is named.
+#include "render/bench.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/error.h"
+#include "render/groove.h"
+#include "render/json_file.h"
+#include "tests/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+Lens some_lens() {
+  return {"LENSMODEL_OPENCV4", {1000.25, 1001, 639.5, 1.0 / 3 + 479, -0.1, 0.02, 1e-4, -1.0 / 3e4}, 1280, 960};
+}
+
+/// A bench in which every field differs from its default.
+Bench full_bench(const TemporaryFolder& folder) {
+  Bench bench;
+  bench.lens = some_lens();
+  bench.camera = folder / "lens.cameramodel";
+  View view;
+  view.name = "v00";
+  view.T_camera_board.linear() = Eigen::AngleAxisd(2.9, Eigen::Vector3d(1, 0.2, -0.1).normalized()).toRotationMatrix();
+  view.T_camera_board.translation() = Eigen::Vector3d(-100, 50.125, 800.0 / 3);
+  bench.views.push_back(view);
+  view.name = "v01";
+  view.center_sigma_mm = Eigen::Vector3d(0.1, 0.2, 0.3);
+  view.reprojection_rms_px = 0.0213;
+  view.tags = 28;
+  bench.views.push_back(view);
+  Light light;
+  light.id = "spot";
+  light.position_mm = {150, -500, 900.0 / 7};
+  light.position_sigma_mm = Eigen::Vector3d(1, 2, 3);
+  light.intensity = {1e6, 2e6, 3e6};
+  light.intensity_sigma = Eigen::Vector3d(1e3, 2e3, 3e3);
+  light.axis = Eigen::Vector3d(0.1, 0.5, -0.87).normalized();
+  light.falloff_exponent = 2.5;
+  light.falloff_exponent_sigma = 0.1;
+  bench.lights = {light, Light()};
+  bench.material = {0.061, 14.2, 0.17, {0.9, 0.8, 0.7}};
+  bench.material_sigma = {0.001, 0.4, 0.004};
+  bench.sensor = {3.5, {-0.1, 0.02, -0.003}, 0.6};
+  bench.ambient = {0.01, 0.02, 0.03};
+  bench.bow_mm = {0.1, -0.02, 0.03};
+  bench.tags = {{0, {15.02, 14.97}, 0, 0}, {4, {100, 14.5}, 16.01, 90.5}};
+  bench.machine_affine << 1.001, 0.002, -0.3, -0.0015, 0.999, 0.4;
+  bench.machine_affine_sigma = Affine2::Constant(1e-5);
+  bench.verdict["depth_um"] = {false, "no photo straddles the cut-off"};
+  bench.verdict["light.spot.position_mm"] = {true, ""};
+  return bench;
+}
+
+TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
+  const TemporaryFolder folder;
+  const Bench bench = full_bench(folder);
+  write_bench(bench, 400, folder / "bench.json");
+  const Bench back = read_bench(folder / "bench.json");
+  EXPECT_EQ(back.camera, bench.camera);
+  EXPECT_EQ(back.lens.model, bench.lens.model);
+  EXPECT_EQ(back.lens.intrinsics, bench.lens.intrinsics);
+  EXPECT_EQ(back.lens.width, 1280);
+  EXPECT_EQ(back.lens.height, 960);
+  ASSERT_EQ(back.views.size(), 2u);
+  EXPECT_EQ(back.views[0].T_camera_board.matrix(), bench.views[0].T_camera_board.matrix());
+  EXPECT_FALSE(back.views[0].center_sigma_mm || back.views[0].reprojection_rms_px || back.views[0].tags);
+  EXPECT_EQ(back.views[1].name, "v01");
+  EXPECT_EQ(back.views[1].center_sigma_mm, bench.views[1].center_sigma_mm);
+  EXPECT_EQ(back.views[1].reprojection_rms_px, 0.0213);
+  EXPECT_EQ(back.views[1].tags, 28);
+  ASSERT_EQ(back.lights.size(), 2u);
+  const Light& light = back.lights[0];
+  EXPECT_EQ(light.id, "spot");
+  EXPECT_EQ(light.position_mm, bench.lights[0].position_mm);
+  EXPECT_EQ(light.position_sigma_mm, bench.lights[0].position_sigma_mm);
+  EXPECT_EQ(light.intensity, bench.lights[0].intensity);
+  EXPECT_EQ(light.intensity_sigma, bench.lights[0].intensity_sigma);
+  EXPECT_EQ(light.axis, bench.lights[0].axis);
+  EXPECT_EQ(light.falloff_exponent, 2.5);
+  EXPECT_EQ(light.falloff_exponent_sigma, 0.1);
+  EXPECT_EQ(back.material.alpha, 0.061);
+  EXPECT_EQ(back.material.depth_um, 14.2);
+  EXPECT_EQ(back.material.base_alpha, 0.17);
+  EXPECT_EQ(back.material.f0, bench.material.f0);
+  EXPECT_EQ(back.material_sigma.alpha, 0.001);
+  EXPECT_EQ(back.material_sigma.depth_um, 0.4);
+  EXPECT_EQ(back.material_sigma.base_alpha, 0.004);
+  EXPECT_EQ(back.sensor.gain, 3.5);
+  EXPECT_EQ(back.sensor.vignette, bench.sensor.vignette);
+  EXPECT_EQ(back.sensor.psf_sigma_px, 0.6);
+  EXPECT_EQ(back.ambient, bench.ambient);
+  EXPECT_EQ(back.bow_mm, bench.bow_mm);
+  ASSERT_EQ(back.tags.size(), 2u);
+  EXPECT_EQ(back.tags[0].center_mm, bench.tags[0].center_mm);
+  EXPECT_EQ(back.tags[1].size_mm, 16.01);
+  EXPECT_EQ(back.tags[1].rotation_deg, 90.5);
+  EXPECT_EQ(back.machine_affine, bench.machine_affine);
+  EXPECT_EQ(back.machine_affine_sigma, bench.machine_affine_sigma);
+  ASSERT_EQ(back.verdict.size(), 2u);
+  EXPECT_FALSE(back.verdict.at("depth_um").determined);
+  EXPECT_EQ(back.verdict.at("depth_um").reason, "no photo straddles the cut-off");
+
+  write_bench(back, 400, folder / "again.json");
+  EXPECT_EQ(file_text(folder / "again.json"), file_text(folder / "bench.json"));
+}
+
+TEST(Bench, HalfWidthIsDerivedFromTheToolAndTheCameraIsWrittenBesideOnly) {
+  const TemporaryFolder folder;
+  Bench bench = full_bench(folder);
+  bench.camera.clear();
+  write_bench(bench, 400, folder / "bench.json");
+  EXPECT_TRUE(std::filesystem::exists(folder / "camera.cameramodel"));
+  const Json json = Json::parse(file_text(folder / "bench.json"));
+  EXPECT_DOUBLE_EQ(json["material"]["half_width_um"].get<double>(), half_width_um(400.0, 14.2));
+  EXPECT_EQ(json["camera"], "camera.cameramodel");
+
+  // A lens that is kept elsewhere is named, not overwritten.
+  std::filesystem::create_directories(folder / "round-01");
+  bench.camera = folder / "camera.cameramodel";
+  bench.lens.intrinsics[0] = 5;
+  write_bench(bench, 400, folder / "round-01/bench.json");
+  EXPECT_EQ(Json::parse(file_text(folder / "round-01/bench.json"))["camera"], "../camera.cameramodel");
+  EXPECT_EQ(read_bench(folder / "round-01/bench.json").lens.intrinsics[0], 1000.25);
+}
+
+class BenchErrors : public ::testing::Test {
+ protected:
+  BenchErrors() { write_cameramodel(some_lens(), folder_ / "camera.cameramodel"); }
+
+  /// Reads a bench that has `fields` beside format, version and camera.
+  Bench read(const std::string& fields) {
+    return read_bench(
+        folder_.write("bench.json", R"({"format": "burin/bench", "version": 1, "camera": "camera.cameramodel")" +
+                                        (fields.empty() ? "" : ", " + fields) + "}"));
+  }
+  void expect(const std::string& fields, const std::string& field, const std::string& what) {
+    EXPECT_THAT([&] { read(fields); }, ThrowsMessage<Error>(AllOf(HasSubstr("bench.json: " + field), HasSubstr(what))))
+        << fields;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(BenchErrors, WrongValuesAreNamed) {
+  expect(R"("views": [{"view": "a", "T_camera_board": [[1,0,0,0],[0,1,0,0],[0,0,2,800],[0,0,0,1]]}])",
+         "views[0].T_camera_board", "rigid motion");
+  expect(R"("views": [{"view": "a", "T_camera_board": [[1,0,0,0],[0,1,0,0],[0,0,-1,800],[0,0,0,1]]}])",
+         "views[0].T_camera_board", "rigid motion");
+  expect(R"("views": [{"view": "a", "T_camera_board": [[1,0,0,0],[0,1,0,0],[0,0,1,800],[0,0,0,2]]}])",
+         "views[0].T_camera_board", "last row");
+  expect(R"("views": [{"view": "a", "T_camera_board": [[1,0,0],[0,1,0],[0,0,1]]}])", "views[0].T_camera_board",
+         "4 rows");
+  const std::string view = R"({"view": "a", "T_camera_board": [[1,0,0,0],[0,1,0,0],[0,0,1,800],[0,0,0,1]])";
+  expect("\"views\": [" + view + "}, " + view + "}]", "views", "\"a\" is listed twice");
+  expect("\"views\": [" + view + R"(, "center_sigma_mm": [1, -1, 1]}])", "views[0].center_sigma_mm", "0 or greater");
+  expect("\"views\": [" + view + R"(, "tag": 4}])", "views[0].tag", "did you mean \"tags\"?");
+  expect(R"("lights": [{"id": "lamp"}])", "lights[0].position_mm", "is missing");
+  expect(R"("lights": [{"position_mm": [0, 0, 1], "intensity": [1, -1, 1]}])", "lights[0].intensity", "0 or greater");
+  expect(R"("lights": [{"position_mm": [0, 0, 1], "axis": [0, 0, 0]}])", "lights[0].axis", "direction");
+  expect(R"("lights": [{"position_mm": [0, 0, 1], "falloff_exponent": -1}])", "lights[0].falloff_exponent", "negative");
+  expect(R"("material": {"alpha": 2})", "material.alpha", "roughness");
+  expect(R"("material": {"alpha_sigma": -2})", "material.alpha_sigma", "0 or greater");
+  expect(R"("sensor": {"gain": 0})", "sensor.gain", "greater than 0");
+  expect(R"("sensor": {"psf_sigma_px": -1})", "sensor.psf_sigma_px", "negative");
+  expect(R"("ambient": [0, 0, -1])", "ambient", "0 or greater");
+  expect(R"("machine": {"affine": [[1, 2, 0], [2, 4, 0]]})", "machine.affine", "determinant is 0");
+  expect(R"("machine": {"affine": [[1, 2], [2, 4]]})", "machine.affine[0]", "rows of 3");
+  expect(R"("board": {"bow": [0, 0, 0]})", "board.bow", "did you mean \"bow_mm\"?");
+  expect(R"("verdict": {"depth_um": {"determined": "yes"}})", "verdict.depth_um.determined", "true or false");
+  expect(R"("lamps": [])", "lamps", "unknown key");
+}
+
+TEST_F(BenchErrors, ANominalBenchOfAFewLinesIsEnough) {
+  const Bench bench = read(R"("lights": [{"position_mm": [150, -500, 900], "axis": [0, 1, -1]}])");
+  EXPECT_NEAR(bench.lights[0].axis.norm(), 1, 1e-15);
+  EXPECT_EQ(bench.lights[0].id, "lamp");
+  EXPECT_EQ(bench.material.alpha, Material().alpha);
+  EXPECT_EQ(bench.sensor.gain, 1);
+  EXPECT_EQ(bench.machine_affine.leftCols<2>(), Eigen::Matrix2d::Identity());
+}
+
+TEST_F(BenchErrors, TheCameraModelThatIsMissingIsNamed) {
+  const auto file =
+      folder_.write("bench.json", R"({"format": "burin/bench", "version": 1, "camera": "other.cameramodel"})");
+  EXPECT_THAT([&] { read_bench(file); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("other.cameramodel"), HasSubstr("does not exist"))));
+}
+
+TEST_F(BenchErrors, ViewsAndLampsAreFoundByName) {
+  const Bench bench = full_bench(folder_);
+  EXPECT_EQ(&find_view(bench, "v01", "design.json"), &bench.views[1]);
+  EXPECT_EQ(&find_light(bench, "spot", "design.json"), &bench.lights[0]);
+  EXPECT_THAT([&] { find_view(bench, "v07", "design.json: views[0].view"); },
+              ThrowsMessage<Error>(
+                  AllOf(HasSubstr("design.json: views[0].view"), HasSubstr("\"v07\""), HasSubstr("v00, v01"))));
+  EXPECT_THAT([&] { find_light(Bench(), "lamp", "x"); }, ThrowsMessage<Error>(HasSubstr("none at all")));
+}
+
+TEST(Bench, TheNominalBenchOfTheLoopRigIsRead) {
+  const std::filesystem::path file = std::filesystem::path(BURIN_SHARED_DIR) / "rigs/bench-loop/bench.json";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no bench at " << file;
+  const Bench bench = read_bench(file);
+  EXPECT_EQ(bench.views.size(), 3u);
+  EXPECT_EQ(bench.lens.intrinsics.size(), 12u);
+  EXPECT_EQ(bench.lens.width, 800);
+}
+
+}  // namespace
+}  // namespace burin

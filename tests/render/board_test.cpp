@@ -1,0 +1,127 @@
+// Proves: board.json is read with its defaults and written back whole; each value out of range is named.
+#include "render/board.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "render/error.h"
+#include "tests/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+std::string board_text(const std::string& fields) {
+  return R"({"format": "burin/board", "version": 1)" + (fields.empty() ? "" : ", " + fields) + "}";
+}
+
+Board read_text(const std::string& fields) {
+  const TemporaryFolder folder;
+  return read_board(folder.write("board.json", board_text(fields)));
+}
+
+TEST(Board, LeftOutSectionsTakeTheDefaults) {
+  const Board board = read_text(R"("size_mm": [200, 100])");
+  const TagSet tags;
+  EXPECT_EQ(board.carve_min_mm, Eigen::Vector2d(0, 0));
+  EXPECT_EQ(board.carve_max_mm, Eigen::Vector2d(200, 100));
+  EXPECT_EQ(board.tags.sigma_mm, tags.sigma_mm);
+  EXPECT_EQ(board.tags.family, tags.family);
+  EXPECT_TRUE(board.scratches.empty());
+  EXPECT_EQ(board.tool_width_um, Board().tool_width_um);
+  EXPECT_EQ(board.material.f0, Material().f0);
+}
+
+TEST(Board, RoundTrip) {
+  const TemporaryFolder folder;
+  Board board;
+  board.size_mm = {300, 200};
+  board.carve_min_mm = {30, 31.5};
+  board.carve_max_mm = {270, 1.0 / 3 + 150};
+  board.tags = {"tag36h11", 0.05, 0.3, 0.8, 0.05, {{3, {15, 15}, 16, 0}, {7, {100.25, 12}, 14.5, -90}}};
+  board.scratches = folder / "deep/scratches.csv";
+  board.tool_width_um = 512;
+  board.material = {0.06, 14.25, 0.2, {0.9, 0.8, 0.7}};
+  board.mesh = folder / "board.obj";
+  write_board(board, folder / "board.json");
+  EXPECT_THAT(file_text(folder / "board.json"), HasSubstr("\"deep/scratches.csv\""));
+  const Board back = read_board(folder / "board.json");
+  EXPECT_EQ(back.size_mm, board.size_mm);
+  EXPECT_EQ(back.carve_min_mm, board.carve_min_mm);
+  EXPECT_EQ(back.carve_max_mm, board.carve_max_mm);
+  EXPECT_EQ(back.tags.family, "tag36h11");
+  EXPECT_EQ(back.tags.z_mm, 0.05);
+  EXPECT_EQ(back.tags.sigma_mm, 0.3);
+  EXPECT_EQ(back.tags.white_albedo, 0.8);
+  EXPECT_EQ(back.tags.black_albedo, 0.05);
+  ASSERT_EQ(back.tags.list.size(), 2u);
+  EXPECT_EQ(back.tags.list[1].id, 7);
+  EXPECT_EQ(back.tags.list[1].center_mm, Eigen::Vector2d(100.25, 12));
+  EXPECT_EQ(back.tags.list[1].rotation_deg, -90);
+  EXPECT_EQ(back.scratches, board.scratches);
+  EXPECT_EQ(back.mesh, board.mesh);
+  EXPECT_EQ(back.tool_width_um, 512);
+  EXPECT_EQ(back.material.alpha, 0.06);
+  EXPECT_EQ(back.material.depth_um, 14.25);
+  EXPECT_EQ(back.material.base_alpha, 0.2);
+  EXPECT_EQ(back.material.f0, board.material.f0);
+}
+
+TEST(Board, ValuesOutOfRangeAreNamed) {
+  const auto expect = [](const std::string& fields, const std::string& field, const std::string& what) {
+    EXPECT_THAT([&] { read_text(fields); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("board.json: " + field), HasSubstr(what))))
+        << fields;
+  };
+  const std::string size = R"("size_mm": [200, 100])";
+  expect("", "size_mm", "is missing");
+  expect(R"("size_mm": [200, -100])", "size_mm", "-100");
+  expect(R"("size_mm": [200, 100, 3])", "size_mm", "2 numbers");
+  expect(size + R"(, "carve_mm": [[10, 10], [210, 90]])", "carve_mm", "within the board");
+  expect(size + R"(, "carve_mm": [[90, 10], [20, 90]])", "carve_mm", "lower-left");
+  expect(size + R"(, "material": {"alpha": 0})", "material.alpha", "above 0 and up to 1");
+  expect(size + R"(, "material": {"alpha": 1.2})", "material.alpha", "1.2");
+  expect(size + R"(, "material": {"base_alpha": -1})", "material.base_alpha", "roughness");
+  expect(size + R"(, "material": {"depth_um": 0})", "material.depth_um", "greater than 0");
+  expect(size + R"(, "material": {"f0": [0.9, 2, 0.9]})", "material.f0", "0 to 1");
+  expect(size + R"(, "material": {"dept_um": 4})", "material.dept_um", "did you mean \"depth_um\"?");
+  expect(size + R"(, "tool": {"width_um": -4})", "tool.width_um", "-4");
+  expect(size + R"(, "tool": {"width": 4})", "tool.width", "did you mean \"width_um\"?");
+  expect(size + R"(, "tags": {"sigma_mm": 0})", "tags.sigma_mm", "greater than 0");
+  expect(size + R"(, "tags": {"white_albedo": 1.5})", "tags.white_albedo", "0 to 1");
+  expect(size + R"(, "tags": {"list": [{"id": 1, "center_mm": [5, 5], "size_mm": 0}]})", "tags.list[0].size_mm",
+         "greater than 0");
+  expect(size + R"(, "tags": {"list": [{"id": 1, "center_mm": [5, 500], "size_mm": 9}]})", "tags.list[0].center_mm",
+         "outside");
+  expect(size + R"(, "tags": {"list": [{"id": 1, "center_mm": [5, 5], "size_mm": 9},
+                                       {"id": 1, "center_mm": [50, 5], "size_mm": 9}]})",
+         "tags.list[1].id", "twice");
+  expect(size + R"(, "scratch": "s.csv")", "scratch", "did you mean \"scratches\"?");
+}
+
+TEST(Board, TagCornersStandInAprilTagsOrderAndTurnCounterClockwise) {
+  const auto upright = tag_corners_mm({0, {10, 20}, 4, 0});
+  EXPECT_TRUE(upright[0].isApprox(Eigen::Vector2d(8, 18)));
+  EXPECT_TRUE(upright[1].isApprox(Eigen::Vector2d(12, 18)));
+  EXPECT_TRUE(upright[2].isApprox(Eigen::Vector2d(12, 22)));
+  EXPECT_TRUE(upright[3].isApprox(Eigen::Vector2d(8, 22)));
+  const auto turned = tag_corners_mm({0, {10, 20}, 4, 90});  // its lower left now lies at the lower right
+  EXPECT_TRUE(turned[0].isApprox(Eigen::Vector2d(12, 18)));
+  EXPECT_TRUE(turned[1].isApprox(Eigen::Vector2d(12, 22)));
+}
+
+TEST(Board, TheRigsBoardsAreRead) {
+  const std::filesystem::path rigs = std::filesystem::path(BURIN_SHARED_DIR) / "rigs";
+  if (!std::filesystem::exists(rigs)) GTEST_SKIP() << "no photographed benches at " << rigs;
+  for (const char* name : {"a", "b", "bench-loop"}) {
+    const Board board = read_board(rigs / name / "board.json");
+    EXPECT_EQ(board.tags.list.size(), 20u) << name;
+    EXPECT_EQ(board.scratches, (rigs / name / "scratches.csv").lexically_normal());
+  }
+}
+
+}  // namespace
+}  // namespace burin
