@@ -19,13 +19,13 @@ struct ViewScene {
   FootprintGrid grid;
   Eigen::Vector3d camera_center_mm{0, 0, 0};
   Light light;
-  Material material;            ///< shared alpha and depth where the scratches carry none
-  double tool_width_um = 400;   ///< shared width where the scratches carry none
+  Material material;           ///< shared alpha and depth where the scratches carry none
+  double tool_width_um = 400;  ///< shared width where the scratches carry none
   Eigen::Vector3d ambient{0, 0, 0};
 };
 
 struct RenderOptions {
-  int channels = 1;     ///< 1: mean of R, G, B (what a mono sensor sees); 3: R, G, B
+  int channels = 1;         ///< 1: mean of R, G, B (what a mono sensor sees); 3: R, G, B
   bool use_double = false;  ///< the slow exact twin
 };
 
@@ -73,17 +73,35 @@ class ViewRenderer {
 
 /// The parameters of a bench that a photo can tell about, for render_with_derivatives().
 enum class SceneParameter {
-  alpha, depth_um, width_um, base_alpha,                 // shared; where scratches carry their own depth or alpha,
-                                                         // the derivative is by a common factor's change, in the
-                                                         // unit of material.alpha / material.depth_um
-  light_x_mm, light_y_mm, light_z_mm,
-  log_intensity,                                         // common factor on all channels
-  light_axis_x, light_axis_y, light_axis_z,              // free components of the (not renormalised) axis
+  alpha,
+  depth_um,
+  width_um,
+  base_alpha,  // shared; where scratches carry their own depth or alpha,
+               // the derivative is by a common factor's change, in the
+               // unit of material.alpha / material.depth_um
+  light_x_mm,
+  light_y_mm,
+  light_z_mm,
+  log_intensity,  // common factor on all channels
+  light_axis_x,
+  light_axis_y,
+  light_axis_z,  // free components of the (not renormalised) axis
   falloff_exponent,
-  machine_00, machine_01, machine_02, machine_10, machine_11, machine_12,  // affine on the scratches' ends as given
-  pose_rx, pose_ry, pose_rz,                             // rotation vector, applied on the left of T_camera_board
-  pose_tx_mm, pose_ty_mm, pose_tz_mm,                    // added to its translation
-  bow_0_mm, bow_1_mm, bow_2_mm,
+  machine_00,
+  machine_01,
+  machine_02,
+  machine_10,
+  machine_11,
+  machine_12,  // affine on the scratches' ends as given
+  pose_rx,
+  pose_ry,
+  pose_rz,  // rotation vector, applied on the left of T_camera_board
+  pose_tx_mm,
+  pose_ty_mm,
+  pose_tz_mm,  // added to its translation
+  bow_0_mm,
+  bow_1_mm,
+  bow_2_mm,
 };
 
 /// Radiance and its derivative by each of `parameters`, all at once: what a Gauss-Newton fit to a photo needs.
@@ -102,8 +120,9 @@ struct CameraView {
 };
 
 /// `scene.grid` and `scene.camera_center_mm` must be those of `camera` (see make_scene).
-RadianceDerivatives render_with_derivatives(const ViewScene& scene, const CameraView& camera, const Scratches& scratches,
-                                            std::span<const SceneParameter> parameters, const RenderOptions& options = {});
+RadianceDerivatives render_with_derivatives(const ViewScene& scene, const CameraView& camera,
+                                            const Scratches& scratches, std::span<const SceneParameter> parameters,
+                                            const RenderOptions& options = {});
 
 /// The scene of a view of a bench, seen by a window of its photo.
 ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& camera, const Light& light);

@@ -1,0 +1,216 @@
+// No pair of pixel and scratch is missed, and few are found in vain: PixelIndex against all pairs of two convex
+// polygons by separating axes, for perspective, a distorting lens, a bowed face, a view near the horizon, boards cut by
+// the window and pixels larger and smaller than the groove. Not proved here: what the pairs contribute
+// (view_renderer_test).
+#include "render/pairs.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <set>
+
+#include "render/error.h"
+
+namespace burin {
+namespace {
+
+using Corners = std::array<Eigen::Vector2d, 4>;
+
+Corners strip_corners(const Strip& s) {
+  const Eigen::Vector2d d = (s.p1_mm - s.p0_mm).normalized();
+  const Eigen::Vector2d x = s.half_width_mm * Eigen::Vector2d(d.y(), -d.x());
+  return {s.p0_mm - x, s.p0_mm + x, s.p1_mm + x, s.p1_mm - x};
+}
+
+/// How deep two convex quadrilaterals overlap: the least overlap over all of their edges' normals; negative if apart.
+double overlap_mm(const Corners& a, const Corners& b) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Corners* q : {&a, &b}) {
+    for (int i = 0; i < 4; ++i) {
+      const Eigen::Vector2d e = (*q)[(i + 1) % 4] - (*q)[i];
+      if (!(e.norm() > 0)) continue;
+      const Eigen::Vector2d n = Eigen::Vector2d(e.y(), -e.x()).normalized();
+      double a0 = 1e300, a1 = -1e300, b0 = 1e300, b1 = -1e300;
+      for (int k = 0; k < 4; ++k) {
+        a0 = std::min(a0, n.dot(a[k]));
+        a1 = std::max(a1, n.dot(a[k]));
+        b0 = std::min(b0, n.dot(b[k]));
+        b1 = std::max(b1, n.dot(b[k]));
+      }
+      least = std::min(least, std::min(a1, b1) - std::max(a0, b0));
+    }
+  }
+  return least;
+}
+
+Lens strong_lens(int width, int height) {
+  Lens lens;
+  lens.model = "LENSMODEL_OPENCV8";
+  lens.width = width;
+  lens.height = height;
+  lens.intrinsics = {1.1 * width, 1.1 * width, 0.51 * width, 0.48 * height, -0.25, 0.08, 0.002, -0.001, 0, 0, 0, 0};
+  return lens;
+}
+
+Lens pinhole(int width, int height) {
+  Lens lens = strong_lens(width, height);
+  lens.model = "LENSMODEL_PINHOLE";
+  lens.intrinsics.resize(4);
+  return lens;
+}
+
+/// A camera that looks at `target` from `center`, image up roughly board y.
+Eigen::Isometry3d looking_at(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
+  const Eigen::Vector3d z = (target - center).normalized();
+  const Eigen::Vector3d x = z.cross(Eigen::Vector3d(0.1, 1, 0.05)).normalized();
+  Eigen::Matrix3d R;
+  R << x.transpose(), z.cross(x).transpose(), z.transpose();
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = R;
+  T.translation() = -R * center;
+  return T;
+}
+
+std::vector<Strip> random_strips(int count, double size_mm, double half_width_mm, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> where(-0.1 * size_mm, 1.1 * size_mm), length(0.001, 0.3), turn(0, 2 * M_PI);
+  std::vector<Strip> strips;
+  for (int i = 0; i < count; ++i) {
+    // A quarter of them lies along an axis, where edges coincide with those of a grid on the board.
+    const double angle = i % 4 == 0 ? M_PI / 2 * (i / 4 % 4) : turn(random);
+    const Eigen::Vector2d p(where(random), where(random)), d(std::cos(angle), std::sin(angle));
+    strips.push_back({p, p + size_mm * length(random) * d, half_width_mm});
+  }
+  return strips;
+}
+
+struct Count {
+  std::size_t touching = 0, missed = 0, in_vain = 0;
+};
+
+Count compare(const FootprintGrid& grid, const std::vector<Strip>& strips) {
+  const PixelIndex index(grid);
+  Count count;
+  for (const Strip& strip : strips) {
+    std::vector<PixelSpan> spans;
+    index.find(strip, spans);
+    std::set<std::pair<int, int>> found;
+    for (const PixelSpan& s : spans)
+      for (int c = s.begin; c < s.end; ++c)
+        EXPECT_TRUE(found.insert({c, s.row}).second) << "pixel reported twice: " << c << ", " << s.row;
+    const Corners q = strip_corners(strip);
+    for (int r = 0; r < grid.height(); ++r) {
+      for (int c = 0; c < grid.width(); ++c) {
+        const Corners p = footprint_corners_mm(grid, c, r);
+        const bool valid = std::isfinite(signed_area_mm2(p)) && signed_area_mm2(p) != 0;
+        const double overlap = valid ? overlap_mm(p, q) : -1;
+        const bool reported = found.count({c, r}) > 0;
+        EXPECT_TRUE(valid || !reported) << "a pixel without a footprint was reported";
+        if (overlap > 1e-9) {
+          ++count.touching;
+          count.missed += !reported;
+        } else if (overlap < -1e-9) {
+          count.in_vain += reported;
+        }
+      }
+    }
+  }
+  return count;
+}
+
+void expect_complete(const FootprintGrid& grid, double size_mm, const char* what, double in_vain_limit = 0.1) {
+  for (const double half_width_mm : {0.002, 0.05, 2.0}) {
+    const Count n = compare(grid, random_strips(200, size_mm, half_width_mm, 7));
+    EXPECT_GT(n.touching, 200u) << what;
+    EXPECT_EQ(n.missed, 0u) << what << ", half width " << half_width_mm << ", of " << n.touching;
+    EXPECT_LE(n.in_vain, in_vain_limit * n.touching) << what << ", half width " << half_width_mm;
+  }
+}
+
+const Surface kFlat{{100, 100}, {0, 0, 0}};
+
+TEST(PixelIndex, GridOnTheBoard) {
+  expect_complete(board_grid({0, 0}, {100, 100}, 64, 50, kFlat), 100, "board grid", 0.01);
+  expect_complete(board_grid({20, 30}, {70, 80}, 33, 70, kFlat), 100, "part of the board", 0.01);
+}
+
+TEST(PixelIndex, PixelsSmallerThanTheGroove) {
+  const FootprintGrid grid = board_grid({49, 49}, {51, 51}, 70, 60, kFlat);
+  const Count n = compare(grid, random_strips(2000, 100, 0.2, 3));
+  EXPECT_GT(n.touching, 500u);
+  EXPECT_EQ(n.missed, 0u);
+}
+
+TEST(PixelIndex, PerspectiveThroughAPinhole) {
+  const auto T = looking_at({60, -80, 120}, {50, 50, 0});
+  const FootprintGrid grid = camera_grid(pinhole(80, 60), T, kFlat, {0, 0, 80, 60});
+  ASSERT_TRUE(grid.board_from_pixel.has_value());
+  expect_complete(grid, 100, "pinhole", 0.01);
+}
+
+TEST(PixelIndex, DistortingLensAndBowedFace) {
+  const auto T = looking_at({60, -80, 120}, {50, 50, 0});
+  expect_complete(camera_grid(strong_lens(80, 60), T, kFlat, {0, 0, 80, 60}), 100, "distorted");
+  const Surface bowed{{100, 100}, {1.5, -0.7, 2}};
+  expect_complete(camera_grid(strong_lens(80, 60), T, bowed, {0, 0, 80, 60}), 100, "distorted, bowed");
+  expect_complete(camera_grid(strong_lens(80, 60), T, bowed, {13, 9, 41, 37}), 100, "a window of it");
+}
+
+TEST(PixelIndex, NearTheHorizon) {
+  // The camera stands 3 mm above the face, at its edge: rows go from 5 mm to the horizon, some of them beyond it.
+  const auto T = looking_at({50, -10, 3}, {50, 60, 0});
+  for (const Lens& lens : {pinhole(60, 60), strong_lens(60, 60)}) {
+    const FootprintGrid grid = camera_grid(lens, T, kFlat, {0, 0, 60, 60});
+    expect_complete(grid, 100, lens.model.c_str(), 0.6);
+  }
+}
+
+TEST(PixelIndex, NoFootprintNoPair) {
+  FootprintGrid grid = board_grid({0, 0}, {100, 100}, 16, 16, kFlat);
+  for (double& x : grid.corner_x_mm) x = NAN;
+  const PixelIndex index(grid);
+  std::vector<PixelSpan> spans;
+  index.find({{0, 0}, {100, 100}, 1}, spans);
+  EXPECT_TRUE(spans.empty());
+}
+
+TEST(FindPairs, ByPixelInScratchOrder) {
+  const FootprintGrid grid = board_grid({0, 0}, {100, 100}, 40, 40, kFlat);
+  const auto strips = random_strips(1500, 100, 0.05, 5);
+  const PixelPairs pairs = find_pairs(PixelIndex(grid), 40, 40, strips);
+  ASSERT_EQ(pairs.begin.size(), 1601u);
+  std::size_t expected = 0;
+  const PixelIndex index(grid);
+  for (const Strip& strip : strips) {
+    std::vector<PixelSpan> spans;
+    index.find(strip, spans);
+    for (const PixelSpan& s : spans) expected += s.end - s.begin;
+  }
+  EXPECT_EQ(pairs.scratch.size(), expected);
+  for (int i = 0; i < 1600; ++i)
+    for (std::size_t k = pairs.begin[i] + 1; k < pairs.begin[i + 1]; ++k)
+      EXPECT_LT(pairs.scratch[k - 1], pairs.scratch[k]);
+}
+
+TEST(CheckScratches, NamesWhatIsWrong) {
+  Scratches s;
+  s.x0_mm = {1, 2};
+  s.y0_mm = {1, 2};
+  s.x1_mm = {3, NAN};
+  s.y1_mm = {1, 2};
+  try {
+    check_scratches(s);
+    FAIL() << "a NaN passed";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("x1_mm of scratch 1 is nan"), std::string::npos) << e.what();
+  }
+  s.x1_mm[1] = 4;
+  s.depth_um = {1, 0};
+  EXPECT_THROW(check_scratches(s), Error);
+  s.depth_um = {1};
+  EXPECT_THROW(check_scratches(s), Error);
+}
+
+}  // namespace
+}  // namespace burin
