@@ -1,0 +1,85 @@
+#include "tools/command_line.h"
+
+#include <fmt/core.h>
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+#include <cstdio>
+#include <exception>
+#include <memory>
+
+#include "render/error.h"
+#include "tools/commands.h"
+
+namespace burin {
+namespace {
+
+enum ExitCode { kDone = 0, kNotDone = 1, kWrongCommandLine = 2 };
+
+std::unique_ptr<CLI::App> make_app() {
+  auto burin = std::make_unique<CLI::App>(
+      "Turns pictures into scratches on a metal board, and photographs of that board into better scratches.", "burin");
+  burin->set_version_flag("--version", "burin " BURIN_VERSION);
+  burin->footer("`burin COMMAND --help` shows a command's options and an example.");
+  burin->require_subcommand(1);
+#ifdef BURIN_COMMAND_simulate
+  add_simulate_command(*burin);
+#endif
+#ifdef BURIN_COMMAND_capture
+  add_capture_command(*burin);
+#endif
+#ifdef BURIN_COMMAND_calibrate
+  add_calibrate_command(*burin);
+#endif
+#ifdef BURIN_COMMAND_refine
+  add_refine_command(*burin);
+#endif
+#ifdef BURIN_COMMAND_design
+  add_design_command(*burin);
+#endif
+#ifdef BURIN_COMMAND_render
+  add_render_command(*burin);
+#endif
+#ifdef BURIN_COMMAND_toolpath
+  add_toolpath_command(*burin);
+#endif
+#ifdef BURIN_COMMAND_report
+  add_report_command(*burin);
+#endif
+#ifdef BURIN_COMMAND_loop
+  add_loop_command(*burin);
+#endif
+#ifdef BURIN_COMMAND_check
+  add_check_command(*burin);
+#endif
+  return burin;
+}
+
+void parse(CLI::App& app, const std::vector<std::string>& arguments) {
+  // CLI11 takes the arguments as a stack, the first on top.
+  app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+}
+
+}  // namespace
+
+void run_command(const std::vector<std::string>& arguments) { parse(*make_app(), arguments); }
+
+int run_program(const std::vector<std::string>& arguments) {
+  const auto app = make_app();
+  try {
+    parse(*app, arguments);
+  } catch (const CLI::ParseError& error) {
+    return app->exit(error) == 0 ? kDone : kWrongCommandLine;
+  } catch (const Error& error) {
+    fmt::print(stderr, "burin: {}\n", error.what());
+    return kNotDone;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "burin: {}; this is a fault in Burin, please report it with the command you gave\n",
+               error.what());
+    return kNotDone;
+  }
+  return kDone;
+}
+
+}  // namespace burin

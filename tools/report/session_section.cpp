@@ -1,0 +1,433 @@
+// How a calibrated session is shown: prediction beside photo, tags and residuals, numbers with their uncertainty.
+#include <fmt/core.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "capture/photo.h"
+#include "capture/session.h"
+#include "render/bench.h"
+#include "render/board.h"
+#include "render/brdf.h"
+#include "render/error.h"
+#include "render/footprint_grid.h"
+#include "render/groove.h"
+#include "render/scratches.h"
+#include "render/view_renderer.h"
+#include "tools/report/html.h"
+#include "tools/report/rectified.h"
+#include "tools/report/residuals.h"
+#include "tools/report/section.h"
+
+namespace burin {
+namespace {
+
+constexpr int kRectifiedSidePx = 420;
+constexpr int kPhotoWidthPx = 900;
+constexpr int kWindowMarginPx = 6;
+constexpr double kWhitePercentile = 0.995;  // of the photo: the few brightest glints may saturate
+constexpr float kDifferenceScale = 0.25F;   // of the displayed white
+constexpr double kDegrees = 180 / kPi;
+
+struct Loaded {
+  Session session;
+  Board board;
+  Bench bench;
+  std::vector<MergedView> merged;
+  Scratches carved;  // as the bench says they were carved; empty if the board names none
+  ResidualTable residuals;
+};
+
+Surface surface_of(const Loaded& in) { return {in.board.size_mm, in.bench.bow_mm}; }
+
+Eigen::Vector3d board_center_mm(const Board& board) { return {board.size_mm.x() / 2, board.size_mm.y() / 2, 0}; }
+
+const View* view_named(const Bench& bench, const std::string& name) {
+  const auto it = std::find_if(bench.views.begin(), bench.views.end(), [&](const View& v) { return v.name == name; });
+  return it == bench.views.end() ? nullptr : &*it;
+}
+
+const Light* light_named(const Bench& bench, const std::string& id) {
+  const auto it = std::find_if(bench.lights.begin(), bench.lights.end(), [&](const Light& l) { return l.id == id; });
+  return it == bench.lights.end() ? nullptr : &*it;
+}
+
+double vignette_at(const Sensor& sensor, const Lens& lens, double x, double y) {
+  const double cx = (lens.width - 1) / 2.0, cy = (lens.height - 1) / 2.0;
+  const double r2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) * 4 /
+                    (static_cast<double>(lens.width) * lens.width + static_cast<double>(lens.height) * lens.height);
+  const Eigen::Vector3d& v = sensor.vignette;
+  return 1 + r2 * (v[0] + r2 * (v[1] + r2 * v[2]));
+}
+
+// What the bench says that this photo must show of the carve area: linear value over the exposure factor.
+Image predicted_view(const Loaded& in, const View& view, const Light& light, int channels, const PixelWindow& window) {
+  const CameraView camera = make_camera_view(in.bench, in.board, view, window);
+  RenderOptions options;
+  options.channels = channels;
+  ViewRenderer renderer(make_scene(in.bench, in.board, camera, light), options);
+  Image value;
+  renderer.forward(in.carved, value);
+  for (int y = 0; y < value.height; ++y)
+    for (int x = 0; x < value.width; ++x)
+      for (int c = 0; c < value.channels; ++c)
+        value.at(x, y, c) *= static_cast<float>(
+            in.bench.sensor.gain * vignette_at(in.bench.sensor, in.bench.lens, x + window.x0, y + window.y0));
+  return value;
+}
+
+Image with_clipped_missing(const MergedView& merged) {
+  Image out = merged.value;
+  for (std::size_t i = 0; i < merged.valid.size(); ++i)
+    if (!merged.valid[i])
+      for (int c = 0; c < out.channels; ++c) out.data[i * out.channels + c] = std::numeric_limits<float>::quiet_NaN();
+  return out;
+}
+
+struct Agreement {
+  double relative_rms = std::numeric_limits<double>::quiet_NaN();  // of photo - predicted, over the photo's own RMS
+  double ratio = std::numeric_limits<double>::quiet_NaN();         // mean of photo over mean of predicted
+};
+
+Agreement agreement(const Image& photo, const Image& predicted) {
+  double squares = 0, photo_squares = 0, photo_sum = 0, predicted_sum = 0;
+  for (std::size_t i = 0; i < photo.data.size(); ++i) {
+    const double p = photo.data[i], q = predicted.data[i];
+    if (!std::isfinite(p) || !std::isfinite(q)) continue;
+    squares += (p - q) * (p - q);
+    photo_squares += p * p;
+    photo_sum += p;
+    predicted_sum += q;
+  }
+  Agreement out;
+  if (photo_squares > 0) out.relative_rms = std::sqrt(squares / photo_squares);
+  if (predicted_sum > 0) out.ratio = photo_sum / predicted_sum;
+  return out;
+}
+
+// --- photo beside prediction -----------------------------------------------------------------------------------------
+
+std::string comparison(const Loaded& in, const MergedView& merged, const View& view, const Light& light) {
+  const Surface surface = surface_of(in);
+  const PixelWindow window = window_of(in.bench.lens, view.T_camera_board, surface, in.board.carve_min_mm,
+                                       in.board.carve_max_mm, kWindowMarginPx);
+  if (window.width == 0 || window.height == 0) return "<p>The carve area lies outside this photo.</p>";
+  const BoardFrame frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, kRectifiedSidePx);
+  const Image photo = rectified(with_clipped_missing(merged), 0, 0, in.bench.lens, view.T_camera_board, surface, frame);
+  const Image predicted = rectified(predicted_view(in, view, light, merged.value.channels, window), window.x0,
+                                    window.y0, in.bench.lens, view.T_camera_board, surface, frame);
+  const float white = percentile(photo, kWhitePercentile);
+  const Agreement fit = agreement(photo, predicted);
+  const bool clipped = std::any_of(merged.valid.begin(), merged.valid.end(), [](auto v) { return v == 0; });
+
+  std::vector<std::string> figures;
+  figures.push_back(figure(shown(predicted, white), "<b>Predicted</b> from the measured bench."));
+  figures.push_back(
+      figure(shown(photo, white), std::string("<b>Photographed</b>, seen from straight above, same exposure.") +
+                                      (clipped ? " Pixels clipped in every exposure are left black." : "")));
+  figures.push_back(figure(difference_shown(photo, predicted, white, kDifferenceScale),
+                           fmt::format("<b>Difference.</b> Red: the photo is brighter; blue: darker; full colour at "
+                                       "±{:.0f} % of white. RMS {:.1f} % of "
+                                       "the photo's own; mean brightness {:.3f} of the predicted.",
+                                       100 * kDifferenceScale, 100 * fit.relative_rms, fit.ratio),
+                           PictureKind::png));
+  return figure_row(figures);
+}
+
+// --- tags and residuals over the photo -------------------------------------------------------------------------------
+
+std::vector<Tag> tags_of(const Loaded& in) { return in.bench.tags.empty() ? in.board.tags.list : in.bench.tags; }
+
+std::string tag_outlines(const Loaded& in, const View& view, double scale) {
+  const Surface surface = surface_of(in);
+  std::string svg;
+  for (const Tag& tag : tags_of(in)) {
+    std::vector<Eigen::Vector3d> p_camera;
+    for (const Eigen::Vector2d& corner : tag_corners_mm(tag))
+      p_camera.push_back(
+          view.T_camera_board *
+          Eigen::Vector3d(corner.x(), corner.y(), in.board.tags.z_mm + height_mm(surface, corner.x(), corner.y())));
+    if (std::any_of(p_camera.begin(), p_camera.end(), [](const auto& p) { return !(p.z() > 0); })) continue;
+    std::vector<Eigen::Vector2d> q_px(p_camera.size());
+    project(in.bench.lens, p_camera, q_px);
+    std::string points;
+    for (const Eigen::Vector2d& q : q_px) points += fmt::format("{:.1f},{:.1f} ", q.x() * scale, q.y() * scale);
+    svg += fmt::format("<polygon points=\"{}\" fill=\"none\" stroke=\"#19c3ff\" stroke-width=\"1.2\"/>", points);
+  }
+  return svg;
+}
+
+// Arrows much longer than the residuals are, by a round factor that makes the typical one visible.
+double arrow_factor(const ResidualTable& residuals) {
+  const double rms = residuals.rms_px();
+  if (!(rms > 0)) return 100;
+  const double wanted = 12 / rms;
+  const double decade = std::pow(10, std::floor(std::log10(wanted)));
+  return wanted / decade >= 5 ? 5 * decade : wanted / decade >= 2 ? 2 * decade : decade;
+}
+
+std::string residual_photo(const Loaded& in, const MergedView& merged, const View& view, double factor) {
+  const int width = std::min(kPhotoWidthPx, merged.value.width);
+  const double scale = static_cast<double>(width) / merged.value.width;
+  const int height = std::max(1, static_cast<int>(std::lround(merged.value.height * scale)));
+  const Image small = resized(merged.value, width, height);
+  std::string svg = tag_outlines(in, view, scale);
+  double squares = 0;
+  int corners = 0;
+  for (const CornerResidual& r : in.residuals.corners) {
+    if (r.view != view.name) continue;
+    const Eigen::Vector2d from = r.q_px * scale, to = from + r.residual_px * factor * scale;
+    svg += fmt::format(
+        "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"1.6\"/>", from.x(),
+        from.y(), to.x(), to.y(), r.left_out ? "#ff3b30" : "#ffcf33");
+    if (!r.left_out) {
+      squares += r.residual_px.squaredNorm();
+      ++corners;
+    }
+  }
+  std::string caption = fmt::format("<b>{}</b>", html(view.name));
+  if (view.tags) caption += fmt::format(", {} tags", *view.tags);
+  if (view.reprojection_rms_px)
+    caption += fmt::format(", {:.3f} px RMS an axis", *view.reprojection_rms_px);
+  else if (corners > 0)
+    caption += fmt::format(", {:.3f} px RMS an axis", std::sqrt(squares / (2 * corners)));
+  return figure(shown(small, percentile(small, 0.98)), caption, PictureKind::jpeg, svg);
+}
+
+// --- numbers ---------------------------------------------------------------------------------------------------------
+
+std::string verdict_cell(const Bench& bench, const std::string& parameter, bool measured) {
+  const auto it = bench.verdict.find(parameter);
+  if (it == bench.verdict.end())
+    return measured ? "<span class=\"good\">determined</span>" : "<span class=\"unknown\">assumed</span>";
+  return fmt::format("<span class=\"{}\">{}</span><br><span class=\"soft\">{}</span>",
+                     it->second.determined ? "good" : "bad", it->second.determined ? "determined" : "not determined",
+                     html(it->second.reason));
+}
+
+bool is_determined(const Bench& bench, const std::string& parameter) {
+  const auto it = bench.verdict.find(parameter);
+  return it == bench.verdict.end() || it->second.determined;
+}
+
+// A value that the photos did not determine is never printed as if they had.
+std::string value_cell(const Bench& bench, const std::string& parameter, double value,
+                       const std::optional<double>& sigma, const std::string& unit) {
+  const std::string space = unit.empty() ? "" : " ";
+  if (!is_determined(bench, parameter))
+    return fmt::format("<span class=\"unknown\">unknown; {}{}{} is assumed</span>", number(value), space, unit);
+  if (sigma) return with_sigma(value, *sigma) + space + unit;
+  return number(value) + space + unit;
+}
+
+std::string position_cell(const Eigen::Vector3d& p, const std::optional<Eigen::Vector3d>& sigma) {
+  if (!sigma) return fmt::format("{:.1f}, {:.1f}, {:.1f} mm", p.x(), p.y(), p.z());
+  return fmt::format("{}, {}, {} mm", with_sigma(p.x(), sigma->x()), with_sigma(p.y(), sigma->y()),
+                     with_sigma(p.z(), sigma->z()));
+}
+
+std::string numbers(const Loaded& in) {
+  const Bench& bench = in.bench;
+  const Material& material = bench.material;
+  const MaterialSigma& sigma = bench.material_sigma;
+  const Material& believed = in.board.material;
+  Table out;
+  out.header = {"Quantity", "Value", "Believed before", "From the photos?", "What is normal"};
+  const auto material_row = [&](const char* name, const char* key, double value, const std::optional<double>& s,
+                                double before, const char* unit, const char* normal) {
+    out.rows.push_back({name, value_cell(bench, key, value, s, unit), number(before) + (*unit ? " " : "") + unit,
+                        verdict_cell(bench, key, s.has_value()), normal});
+  };
+  material_row("Roughness of the grooves, alpha", "alpha", material.alpha, sigma.alpha, believed.alpha, "",
+               "0.02 (polished) to 0.12; below 0.1 % of its value is rarely honest");
+  material_row("Depth of the grooves, d", "depth_um", material.depth_um, sigma.depth_um, believed.depth_um, "µm",
+               "5 to 30 µm; needs photos whose half vectors straddle the cut-off");
+  const double rim = groove_rim(in.board.tool_width_um, material.depth_um);
+  out.rows.push_back({"Half-width of the grooves, w (from d)",
+                      is_determined(bench, "depth_um") ? fmt::format("{:.1f} µm", in.board.tool_width_um / 2 * rim)
+                                                       : "<span class=\"unknown\">unknown, as d is</span>",
+                      fmt::format("{:.1f} µm", half_width_um(in.board.tool_width_um, believed.depth_um)), "", ""});
+  out.rows.push_back(
+      {"Cut-off angle, 2 atan(2w / wt)",
+       is_determined(bench, "depth_um") ? fmt::format("{:.1f}°", 2 * std::atan(rim) * kDegrees)
+                                        : "<span class=\"unknown\">unknown, as d is</span>",
+       fmt::format("{:.1f}°", 2 * std::atan(groove_rim(in.board.tool_width_um, believed.depth_um)) * kDegrees), "",
+       "half vectors that lean further give no glint"});
+  material_row("Roughness of the plain face", "base_alpha", material.base_alpha, sigma.base_alpha, believed.base_alpha,
+               "", "0.05 (mirror-like) to 0.3 (brushed)");
+  for (const Light& light : bench.lights) {
+    const std::string key = "light." + light.id + ".position_mm";
+    out.rows.push_back({fmt::format("Lamp “{}”: position", html(light.id)),
+                        is_determined(bench, key) ? position_cell(light.position_mm, light.position_sigma_mm)
+                                                  : "<span class=\"unknown\">unknown</span>",
+                        "", verdict_cell(bench, key, light.position_sigma_mm.has_value()),
+                        "±1 to 10 mm for a lamp a metre away, most of it along the ray to the lamp"});
+    if (light.falloff_exponent != 0 || light.falloff_exponent_sigma)
+      out.rows.push_back(
+          {fmt::format("Lamp “{}”: fall-off exponent", html(light.id)),
+           light.falloff_exponent_sigma ? with_sigma(light.falloff_exponent, *light.falloff_exponent_sigma)
+                                        : number(light.falloff_exponent),
+           "", verdict_cell(bench, "light." + light.id + ".falloff_exponent", light.falloff_exponent_sigma.has_value()),
+           "0 is a bare lamp; a spot has 2 to 40"});
+  }
+  out.rows.push_back({"Bow of the board",
+                      fmt::format("{:.3f}, {:.3f}, {:.3f} mm", bench.bow_mm[0], bench.bow_mm[1], bench.bow_mm[2]),
+                      "flat", verdict_cell(bench, "bow_mm", bench.bow_mm.norm() > 0), "below 0.2 mm"});
+  return table(out);
+}
+
+// The machine's affine map in words: scales, turn, skew, offset, and the largest shift over the carve area.
+std::string machine_numbers(const Loaded& in) {
+  const Affine2& m = in.bench.machine_affine;
+  const auto& s = in.bench.machine_affine_sigma;
+  const Eigen::Matrix2d A = m.leftCols<2>();
+  const Eigen::Vector2d low = in.board.carve_min_mm, high = in.board.carve_max_mm, middle = (low + high) / 2;
+  double largest = 0;
+  for (const Eigen::Vector2d& p : {low, high, Eigen::Vector2d(low.x(), high.y()), Eigen::Vector2d(high.x(), low.y())})
+    largest = std::max(largest, (A * p + m.col(2) - p).norm());
+  const double scale_x = A.col(0).norm(), scale_y = A.col(1).norm();
+  const double turn = std::atan2(A(1, 0), A(0, 0));
+  const double skew = std::acos(std::clamp(A.col(0).dot(A.col(1)) / (scale_x * scale_y), -1.0, 1.0)) - kPi / 2;
+  const Eigen::Vector2d offset = A * middle + m.col(2) - middle;
+  const auto sigma = [&](int r, int c) { return s ? std::optional<double>((*s)(r, c)) : std::nullopt; };
+  const auto show = [](double v, const std::optional<double>& sig, double unit) {
+    return sig ? with_sigma(v * unit, *sig * unit) : fmt::format("{:.3f}", v * unit);
+  };
+  Table out;
+  out.header = {"Machine", "Measured", "What is normal"};
+  out.rows = {
+      {"Scale along x", show(scale_x - 1, sigma(0, 0), 1000) + " ‰", "within ±2 ‰"},
+      {"Scale along y", show(scale_y - 1, sigma(1, 1), 1000) + " ‰", "within ±2 ‰"},
+      {"Turn of the board on the machine", show(turn * kDegrees, sigma(1, 0), kDegrees) + "°", "within ±0.1°"},
+      {"Skew of the axes", show(-skew * kDegrees, sigma(0, 1), kDegrees) + "°", "within ±0.05°"},
+      {"Offset at the middle of the carve area", fmt::format("{:.3f}, {:.3f} mm", offset.x(), offset.y()),
+       "within ±0.3 mm"},
+      {"Largest shift over the carve area", fmt::format("{:.3f} mm", largest), "the next tool path takes it out"}};
+  return table(out);
+}
+
+std::string view_numbers(const Loaded& in) {
+  Table out;
+  out.header = {
+      "View", "Tags", "Residual an axis", "on the board", "Camera's centre", "Distance", "Half vector's lean"};
+  const Eigen::Vector3d center = board_center_mm(in.board);
+  for (const View& view : in.bench.views) {
+    const Eigen::Vector3d eye = view.T_camera_board.inverse().translation();
+    const double distance = (eye - center).norm();
+    const double mm_per_px = in.bench.lens.intrinsics.empty() ? 0 : distance / in.bench.lens.intrinsics[0];
+    std::string lean;
+    if (!in.bench.lights.empty()) {
+      const Eigen::Vector3d h =
+          ((in.bench.lights[0].position_mm - center).normalized() + (eye - center).normalized()).normalized();
+      lean = fmt::format("{:.1f}°", std::acos(std::clamp(h.z(), -1.0, 1.0)) * kDegrees);
+    }
+    const auto rms = view.reprojection_rms_px;
+    out.rows.push_back({html(view.name), view.tags ? std::to_string(*view.tags) : "",
+                        rms ? fmt::format("{:.3f} px", *rms) : "",
+                        rms ? fmt::format("{:.1f} µm", *rms * mm_per_px * 1000) : "",
+                        position_cell(eye, view.center_sigma_mm), fmt::format("{:.0f} mm", distance), lean});
+  }
+  return table(out) +
+         "<p class=\"soft\">Normal: 0.02 to 0.1 px an axis for sharp photos with tags of 40 px or more; above 0.3 px "
+         "something moved, is out of focus, or lies elsewhere than <code>board.json</code> says.</p>";
+}
+
+std::string outcome_of(const Loaded& in) {
+  const Bench& bench = in.bench;
+  double squares = 0, tags_per_view = 0;
+  int counted = 0;
+  for (const View& view : bench.views)
+    if (view.reprojection_rms_px) {
+      squares += *view.reprojection_rms_px * *view.reprojection_rms_px;
+      tags_per_view += view.tags.value_or(0);
+      ++counted;
+    }
+  std::string out = fmt::format("The bench was measured from {} views", bench.views.size());
+  if (counted > 0)
+    out += fmt::format(" (tags fit to {:.3f} px, {:.0f} of them a view)", std::sqrt(squares / counted),
+                       tags_per_view / counted);
+  out += ".";
+  std::vector<std::string> known, unknown;
+  for (const Light& light : bench.lights) {
+    if (!light.position_sigma_mm) continue;
+    if (is_determined(bench, "light." + light.id + ".position_mm"))
+      known.push_back(fmt::format("the lamp “{}” to ±{:.1f} mm", html(light.id), light.position_sigma_mm->norm()));
+  }
+  if (bench.material_sigma.alpha && is_determined(bench, "alpha"))
+    known.push_back("alpha = " + with_sigma(bench.material.alpha, *bench.material_sigma.alpha));
+  if (bench.material_sigma.depth_um && is_determined(bench, "depth_um"))
+    known.push_back("depth d = " + with_sigma(bench.material.depth_um, *bench.material_sigma.depth_um) + " µm");
+  for (const auto& [name, verdict] : bench.verdict)
+    if (!verdict.determined) unknown.push_back(html(name));
+  const auto joined = [](const std::vector<std::string>& parts) {
+    std::string text;
+    for (std::size_t i = 0; i < parts.size(); ++i)
+      text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+    return text;
+  };
+  if (!known.empty()) out += " It found " + joined(known) + ".";
+  if (!unknown.empty())
+    out +=
+        " <span class=\"bad\">Not determined by these photos: " + joined(unknown) + "</span>; the reasons are below.";
+  return out;
+}
+
+}  // namespace
+
+std::optional<Section> session_section(const std::filesystem::path& folder, const std::filesystem::path& session,
+                                       const Progress& progress) {
+  const auto session_file = session.empty() ? folder / "session.json" : session;
+  if (!std::filesystem::exists(folder / "bench.json") || !std::filesystem::exists(session_file)) return std::nullopt;
+
+  Loaded in;
+  in.session = read_session(session_file);
+  in.board = read_board(in.session.board);
+  in.bench = read_bench(folder / "bench.json");
+  if (!in.board.scratches.empty() && std::filesystem::exists(in.board.scratches))
+    in.carved = transformed(read_scratches(in.board.scratches), in.bench.machine_affine);
+  in.residuals = read_residuals(folder / "residuals.vnl");
+  if (progress) progress("reading photos for the report", 0);
+  in.merged = merge_session(in.session);
+
+  Section out;
+  out.outcome = outcome_of(in);
+  out.body += "<h2>The numbers</h2>\n" + numbers(in) + machine_numbers(in);
+  out.body +=
+      "<h2>Photo beside prediction</h2>\n<p>Each view as the measured bench predicts it and as it was photographed, "
+      "laid "
+      "flat on the carve area (x right, y up). Both are shown with one exposure, chosen for that view.</p>\n";
+  std::vector<std::string> photos;
+  const double factor = arrow_factor(in.residuals);
+  for (std::size_t i = 0; i < in.merged.size(); ++i) {
+    if (progress) progress("drawing views", static_cast<double>(i) / static_cast<double>(in.merged.size()));
+    const MergedView& merged = in.merged[i];
+    const View* view = view_named(in.bench, merged.view);
+    const Light* light = light_named(in.bench, merged.light);
+    out.body += fmt::format("<h3>View {}{}</h3>\n", html(merged.view),
+                            in.bench.lights.size() > 1 ? ", lamp “" + html(merged.light) + "”" : "");
+    if (!view || !light) {
+      out.body += "<p>This view was left out of the calibration: it has no pose or no lamp in bench.json.</p>\n";
+      continue;
+    }
+    out.body += comparison(in, merged, *view, *light);
+    const bool first_of_view = std::none_of(in.merged.begin(), in.merged.begin() + static_cast<std::ptrdiff_t>(i),
+                                            [&](const MergedView& m) { return m.view == merged.view; });
+    if (first_of_view) photos.push_back(residual_photo(in, merged, *view, factor));
+  }
+  out.body += fmt::format(
+      "<h2>Tags and residuals</h2>\n<p>Blue: where the solved bench says each tag is. {}</p>\n",
+      in.residuals.corners.empty()
+          ? "No residuals.vnl lies beside bench.json, so no arrows are drawn."
+          : fmt::format("Yellow: from each found corner, its residual, drawn {:g} times as long as it is; red: corners "
+                        "that were left out. Arrows that point the same way over an area mean a lens model that does "
+                        "not fit; one long arrow means a tag that sits elsewhere.",
+                        factor));
+  out.body += figure_row(photos) + view_numbers(in);
+  return out;
+}
+
+}  // namespace burin
