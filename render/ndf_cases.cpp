@@ -200,6 +200,7 @@ std::vector<NdfCase> read_ndf_cases(const std::filesystem::path& file) {
   std::vector<NdfCase> cases;
   std::string line;
   for (std::size_t number = 1; std::getline(in, line); ++number) {
+    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
     if (trimmed(line).empty()) continue;
     const std::string where = file.string() + ":" + std::to_string(number);
     std::vector<std::string> cells = split(line);
@@ -279,7 +280,8 @@ std::string ndf_line(const NdfComparison& c) {
 std::string ndf_gradient_line(const NdfComparison& c) {
   std::string line;
   for (int i = 0; i < int(kDerivatives.size()); ++i) {
-    line += (i ? " " : "       ") + derivative_column(i, false) + formatted("=%.9e", derivative(c.computed, i, false));
+    line += (i ? " " : "       ") + derivative_column(i, false) +
+            formatted("=%.9e", derivative(c.computed, i, false) + 0.0);
   }
   return line;
 }
