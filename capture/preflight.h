@@ -1,0 +1,27 @@
+// capture/preflight.h - what is wrong with a session's photos, before anything is solved from them.
+//
+// Errors: photos that cannot be read, sizes that differ, another camera, another focal length.
+// Warnings: much of a view clipped in every exposure, no exposure that is bright enough, blur, another aperture,
+// exposures that contradict their EXIF, a camera that moved within a view, too few views.
+// Notes: files with an EXIF orientation (pixels stay as the sensor had them).
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "capture/exif.h"
+#include "capture/finding.h"
+#include "capture/photo_look.h"
+#include "capture/session.h"
+#include "render/progress.h"
+
+namespace burin {
+
+/// Judges photos that have been looked at; `exif` and `looks` have one entry a photo of the session.
+std::vector<Finding> preflight(const Session& session, std::span<const Exif> exif, std::span<const PhotoLook> looks);
+
+/// The same for a session that was read from its manifest. Photos that cannot be read are among the findings, and then
+/// nothing else is judged.
+std::vector<Finding> preflight(const Session& session, const Progress& progress = {});
+
+}  // namespace burin
