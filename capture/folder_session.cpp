@@ -153,8 +153,9 @@ FolderSession session_from(const PhotoSource& source, const Progress& progress) 
     photo.view = name;
     result.session.photos.push_back(photo);
     result.exif.push_back(exif);
-    result.looks.push_back(std::move(*looks[i]));
   }
+  for (std::optional<PhotoLook>& look : looks)
+    if (look) result.looks.push_back(std::move(*look));
   return result;
 }
 
