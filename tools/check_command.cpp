@@ -40,6 +40,7 @@ void check_ndf(const Options& options) {
 void add_check_command(CLI::App& burin) {
   CLI::App* check = burin.add_subcommand("check", "Compare Burin with known answers");
   check->require_subcommand(1);
+  check->footer(example("burin check ndf CASES.csv"));
   auto options = std::make_shared<Options>();
   CLI::App* ndf = check->add_subcommand(
       "ndf",

@@ -57,6 +57,18 @@ std::unique_ptr<CLI::App> make_app() {
 }
 
 void parse(CLI::App& app, const std::vector<std::string>& arguments) {
+  // CLI11 would say only that a command is missing.
+  if (!arguments.empty() && !arguments[0].starts_with('-')) {
+    std::string names;
+    bool known = false;
+    for (const CLI::App* command : app.get_subcommands({})) {
+      known = known || command->get_name() == arguments[0];
+      names += (names.empty() ? "" : ", ") + command->get_name();
+    }
+    if (!known)
+      throw CLI::ExtrasError(fmt::format("there is no command '{}'; there are: {}", arguments[0], names),
+                             CLI::ExitCodes::ExtrasError);
+  }
   // CLI11 takes the arguments as a stack, the first on top.
   app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
 }

@@ -1,0 +1,19 @@
+// Uses one thing of each room that another project links, and prints what it got.
+#include <capture/session.h>
+#include <optimize/adam.h>
+#include <render/board.h>
+#include <render/groove.h>
+
+#include <cstdio>
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  const burin::Board board = burin::read_board(argv[1]);
+  burin::Photo photo;
+  photo.exposure_s = 0.01;
+  photo.f_number = 10;
+  std::printf("tags=%zu half_width_um=%.3f factor=%.6f adam=%zu\n", board.tags.list.size(),
+              burin::half_width_um(board.tool_width_um, board.material.depth_um), burin::exposure_factor(photo),
+              burin::Adam(3).size());
+  return 0;
+}
