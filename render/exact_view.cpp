@@ -12,25 +12,6 @@
 #include "render/scratch_pair.h"
 
 namespace burin {
-namespace {
-
-/// G(wi, wo; alpha) of a pixel and its derivative by alpha.
-struct Shadowing {
-  double G = 0, dG_dalpha = 0;
-};
-
-Shadowing shadowing(const PixelShading& p, double alpha) {
-  const auto one = [alpha](double c) {
-    const double tan2 = (1 - c * c) / (c * c), root = std::sqrt(1 + alpha * alpha * tan2);
-    const double g = 2 / (1 + root);
-    return Shadowing{g, -0.5 * g * g * alpha * tan2 / root};
-  };
-  const Shadowing i = one(p.cos_i), o = one(p.cos_o);
-  return {i.G * o.G, i.dG_dalpha * o.G + i.G * o.dG_dalpha};
-}
-
-}  // namespace
-
 std::array<double, 3> channel_factors(const ViewScene& scene, double cos_ho, int channels) {
   std::array<double, 3> f{};
   for (int c = 0; c < 3; ++c) f[c] = schlick_F(cos_ho, scene.material.f0[c]) * scene.light.intensity[c];
@@ -112,7 +93,7 @@ void ExactView::forward(const Scratches& scratches, PixelPairs pairs, bool keep_
               const ScratchFrame& f = frames[pairs_.scratch[k]];
               const Quad q = in_scratch(f, corners);
               const Eigen::Vector3d h = in_scratch(f, p.h_face);
-              const Shadowing g = shadowing(p, f.groove.alpha);
+              const Shadowing g = shadowing(p.cos_i, p.cos_o, f.groove.alpha);
               FootprintValue value;
               if (keep_jacobian) {
                 const FootprintGradient d = footprint_integral_gradient(f.groove, q, h);
@@ -179,12 +160,10 @@ void ExactView::backward(const Image& dE_dradiance, ScratchGradients& gradients)
     for (int c = 0; c < channels; ++c) by_lobes += dE_dradiance.data[i * channels + c] * factor[c] * p.direct;
     by_light[i] = by_lobes / pixels_.area_mm2[i];
     if (covered_[i] < 1) by_area[i] = -by_lobes * p.base / pixels_.area_mm2[i];
-    // The plain face's roughness, scaled out of D G by its own slope.
     const double base_alpha = scene_.material.base_alpha;
-    const Shadowing g = shadowing(p, base_alpha);
-    const double cos_h = p.h_face.z(), a2 = base_alpha * base_alpha, q = cos_h * cos_h * (a2 - 1) + 1;
-    const double dD_dalpha = 2 * base_alpha / (kPi * q * q) * (1 - 2 * a2 * cos_h * cos_h / q);
-    const double base_slope = dD_dalpha * g.G + ggx_D(cos_h, base_alpha) * g.dG_dalpha;
+    const Shadowing g = shadowing(p.cos_i, p.cos_o, base_alpha);
+    const BaseLobe base = base_lobe(p.h_face.z(), base_alpha);
+    const double base_slope = base.dD_dalpha * g.G + base.D * g.dG_dalpha;
     gradients.shared_base_alpha += by_lobes * (1 - std::min(1.0, covered_[i])) * base_slope;
   }
   std::vector<std::array<double, 7>> sums(scratch_count_, std::array<double, 7>{});

@@ -33,6 +33,25 @@ PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d
   return p;
 }
 
+Shadowing shadowing(double cos_i, double cos_o, double alpha) {
+  struct One {
+    double g, by_alpha, by_cos;
+  };
+  const auto one = [alpha](double c) {
+    const double tan2 = (1 - c * c) / (c * c), root = std::sqrt(1 + alpha * alpha * tan2);
+    const double g = 2 / (1 + root), scale = 0.5 * g * g * alpha / root;
+    return One{g, -scale * tan2, scale * alpha / (c * c * c)};
+  };
+  const One i = one(cos_i), o = one(cos_o);
+  return {i.g * o.g, i.by_alpha * o.g + i.g * o.by_alpha, i.by_cos * o.g, i.g * o.by_cos};
+}
+
+BaseLobe base_lobe(double cos_h, double alpha) {
+  const double a2 = alpha * alpha, q = cos_h * cos_h * (a2 - 1) + 1;
+  const double D = a2 / (kPi * q * q);
+  return {D, 2 * alpha / (kPi * q * q) * (1 - 2 * a2 * cos_h * cos_h / q), -4 * cos_h * (a2 - 1) * D / q};
+}
+
 void check_scene_values(const Eigen::Vector3d& camera_center_mm, const Light& light, const Material& material,
                         double tool_width_um, const Eigen::Vector3d& ambient) {
   const auto number = [](bool good, const std::string& name, double value, const char* remedy) {

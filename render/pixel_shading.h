@@ -35,6 +35,18 @@ struct PixelShading {
 PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d& normal,
                          const Eigen::Vector3d& camera_center_mm, const Light& light, double base_alpha);
 
+/// Smith's G(wi, wo; alpha) of DESIGN 3.4 with its derivatives. Both cosines above 0.
+struct Shadowing {
+  double G = 0, dG_dalpha = 0, dG_dcos_i = 0, dG_dcos_o = 0;
+};
+Shadowing shadowing(double cos_i, double cos_o, double alpha);
+
+/// D(h, z; base_alpha) of the plain face with its derivatives. cos_h above 0.
+struct BaseLobe {
+  double D = 0, dD_dalpha = 0, dD_dcos_h = 0;
+};
+BaseLobe base_lobe(double cos_h, double alpha);
+
 /// Throws Error for a lamp, material or camera with values that are not numbers or out of range.
 void check_scene_values(const Eigen::Vector3d& camera_center_mm, const Light& light, const Material& material,
                         double tool_width_um, const Eigen::Vector3d& ambient);

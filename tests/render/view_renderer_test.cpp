@@ -159,5 +159,119 @@ TEST(ViewRenderer, BackwardAgainstCentralDifferences) {
   shared(w.scene.tool_width_um, 1e-3, g.shared_width_um, "width_um");
 }
 
+/// The world with one parameter of a bench changed by `step`, everything else made anew from it.
+World moved(World w, SceneParameter parameter, double step) {
+  const int p = static_cast<int>(parameter);
+  const auto among = [&](SceneParameter first, int count) {
+    const int i = p - static_cast<int>(first);
+    return i >= 0 && i < count ? i : -1;
+  };
+  Material& material = w.bench.material;
+  Light& light = w.bench.lights[0];
+  const auto scale = [](std::vector<double>& values, double factor) {
+    for (double& v : values) v *= factor;
+  };
+  if (parameter == SceneParameter::alpha) {
+    scale(w.scratches.alpha, 1 + step / material.alpha);
+    material.alpha += step;
+  } else if (parameter == SceneParameter::depth_um) {
+    scale(w.scratches.depth_um, 1 + step / material.depth_um);
+    material.depth_um += step;
+  } else if (parameter == SceneParameter::width_um) {
+    scale(w.scratches.width_um, 1 + step / w.board.tool_width_um);
+    w.board.tool_width_um += step;
+  } else if (parameter == SceneParameter::base_alpha) {
+    material.base_alpha += step;
+  } else if (parameter == SceneParameter::log_intensity) {
+    light.intensity *= std::exp(step);
+  } else if (parameter == SceneParameter::falloff_exponent) {
+    light.falloff_exponent += step;
+  } else if (const int i = among(SceneParameter::light_x_mm, 3); i >= 0) {
+    light.position_mm[i] += step;
+  } else if (const int i = among(SceneParameter::light_axis_x, 3); i >= 0) {
+    light.axis[i] += step;
+  } else if (const int i = among(SceneParameter::machine_00, 6); i >= 0) {
+    Affine2 A = (Affine2() << 1, 0, 0, 0, 1, 0).finished();
+    A(i / 3, i % 3) += step;
+    w.scratches = transformed(w.scratches, A);
+  } else if (const int i = among(SceneParameter::pose_rx, 3); i >= 0) {
+    w.camera.T_camera_board = Eigen::AngleAxisd(step, Eigen::Vector3d::Unit(i)) * w.camera.T_camera_board;
+  } else if (const int i = among(SceneParameter::pose_tx_mm, 3); i >= 0) {
+    w.camera.T_camera_board.translation()[i] += step;
+  } else if (const int i = among(SceneParameter::bow_0_mm, 3); i >= 0) {
+    w.bench.bow_mm[i] += step;
+    w.camera.surface.bow_mm[i] += step;
+  }
+  w.scene = make_scene(w.bench, w.board, w.camera, light);
+  return w;
+}
+
+std::vector<double> radiance_in_double(const World& w, int channels) {
+  const ViewPixels pixels = view_pixels(w.scene, channels);
+  ExactView view(w.scene, pixels);
+  Image image;
+  const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material.depth_um);
+  view.forward(w.scratches, find_pairs(PixelIndex(w.scene.grid), w.scene.grid.width(), w.scene.grid.height(), strips),
+               false, image);
+  return view.radiance();
+}
+
+std::vector<SceneParameter> all_parameters() {
+  std::vector<SceneParameter> all;
+  for (int i = 0; i <= static_cast<int>(SceneParameter::bow_2_mm); ++i) all.push_back(static_cast<SceneParameter>(i));
+  return all;
+}
+
+void expect_derivatives(const World& w, const char* what) {
+  const auto parameters = all_parameters();
+  for (const int channels : {1, 3}) {
+    const RadianceDerivatives d = render_with_derivatives(w.scene, w.camera, w.scratches, parameters, {channels});
+    const std::vector<double> here = radiance_in_double(w, channels);
+    for (std::size_t i = 0; i < here.size(); ++i)
+      ASSERT_NEAR(d.radiance.data[i], here[i], 1e-6 * std::abs(here[i])) << what;
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      const bool position = parameters[k] >= SceneParameter::light_x_mm && parameters[k] <= SceneParameter::light_z_mm;
+      const bool turn = parameters[k] >= SceneParameter::pose_rx && parameters[k] <= SceneParameter::pose_rz;
+      // Radiance is only piecewise smooth (corners cross rims): steps as small as double allows, in mm on the board.
+      const double step = position ? 1e-4 : turn ? 1e-7 : 1e-6;
+      const auto plus = radiance_in_double(moved(w, parameters[k], step), channels);
+      const auto minus = radiance_in_double(moved(w, parameters[k], -step), channels);
+      double largest = 0, error2 = 0, size2 = 0;
+      for (std::size_t i = 0; i < plus.size(); ++i) {
+        const double difference = (plus[i] - minus[i]) / (2 * step);
+        largest = std::max(largest, std::abs(difference));
+        error2 += std::pow(difference - d.d_radiance[k].data[i], 2);
+        size2 += difference * difference;
+      }
+      EXPECT_GT(largest, 0) << what << ", parameter " << k;
+      // The worst rounding is that of a difference of 1e-6 in double; a wrong term would be off by parts of one.
+      EXPECT_LT(std::sqrt(error2 / size2), 2e-5) << what << ", parameter " << k << ", " << channels << " channels";
+    }
+  }
+}
+
+TEST(SceneDerivatives, AgainstCentralDifferences) {
+  World w = small_world(120);
+  expect_derivatives(w, "own widths, depths and roughnesses");
+  w.scratches.width_um.clear();
+  w.scratches.depth_um.clear();
+  w.scratches.alpha.clear();
+  expect_derivatives(w, "shared ones");
+}
+
+TEST(SceneDerivatives, WhereGroovesCoverTheFaceWhole) {
+  World w = small_world(900);
+  for (double& v : w.scratches.width_um) v *= 3;
+  expect_derivatives(w, "clamped covered area");
+}
+
+TEST(SceneDerivatives, FlatFaceAndBareLamp) {
+  World w = small_world(120);
+  w.bench.bow_mm.setZero();
+  w.camera.surface.bow_mm.setZero();
+  w.scene = make_scene(w.bench, w.board, w.camera, w.bench.lights[0]);
+  expect_derivatives(w, "flat face");
+}
+
 }  // namespace
 }  // namespace burin
