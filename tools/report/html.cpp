@@ -31,6 +31,8 @@ p { margin: 6px 0 12px; max-width: 78ch; }
 .soft, figcaption, footer { color: var(--soft); }
 .figures { display: flex; flex-wrap: wrap; gap: 18px; margin: 10px 0 22px; align-items: flex-start; }
 figure { margin: 0; flex: 1 1 220px; max-width: 560px; min-width: 180px; }
+.large figure { flex-basis: 440px; }
+.wide figure { max-width: none; }
 figure .frame { position: relative; line-height: 0; background: #000; border-radius: 3px; overflow: hidden; }
 figure img { width: 100%; height: auto; display: block; }
 figure svg { position: absolute; inset: 0; width: 100%; height: 100%; }
@@ -105,8 +107,8 @@ std::string figure(const Image& shown, const std::string& caption_html, PictureK
       shown.width, shown.height, data_address(shown, kind), overlay, caption_html);
 }
 
-std::string figure_row(std::span<const std::string> figures) {
-  std::string out = "<div class=\"figures\">\n";
+std::string figure_row(std::span<const std::string> figures, bool large) {
+  std::string out = large ? "<div class=\"figures large\">\n" : "<div class=\"figures\">\n";
   for (const std::string& one : figures) out += one;
   return out + "</div>\n";
 }

@@ -23,8 +23,8 @@ std::string data_address(const Image& shown, PictureKind kind);
 std::string figure(const Image& shown, const std::string& caption_html, PictureKind kind = PictureKind::jpeg,
                    const std::string& svg_overlay = "");
 
-/// Figures side by side, wrapping where the page is narrow.
-std::string figure_row(std::span<const std::string> figures);
+/// Figures side by side, wrapping where the page is narrow; `large` ones two a row.
+std::string figure_row(std::span<const std::string> figures, bool large = false);
 
 /// A table; cells are HTML. The first column is the row's name.
 struct Table {

@@ -142,7 +142,7 @@ std::string comparison(const Loaded& in, const MergedView& merged, const View& v
 
 std::vector<Tag> tags_of(const Loaded& in) { return in.bench.tags.empty() ? in.board.tags.list : in.bench.tags; }
 
-std::string tag_outlines(const Loaded& in, const View& view, double scale) {
+std::string tag_outlines(const Loaded& in, const View& view, const Eigen::Vector2d& corner_px, double scale) {
   const Surface surface = surface_of(in);
   std::string svg;
   for (const Tag& tag : tags_of(in)) {
@@ -155,7 +155,8 @@ std::string tag_outlines(const Loaded& in, const View& view, double scale) {
     std::vector<Eigen::Vector2d> q_px(p_camera.size());
     project(in.bench.lens, p_camera, q_px);
     std::string points;
-    for (const Eigen::Vector2d& q : q_px) points += fmt::format("{:.1f},{:.1f} ", q.x() * scale, q.y() * scale);
+    for (const Eigen::Vector2d& q : q_px)
+      points += fmt::format("{:.1f},{:.1f} ", (q.x() - corner_px.x()) * scale, (q.y() - corner_px.y()) * scale);
     svg += fmt::format("<polygon points=\"{}\" fill=\"none\" stroke=\"#19c3ff\" stroke-width=\"1.2\"/>", points);
   }
   return svg;
@@ -170,35 +171,49 @@ double arrow_factor(const ResidualTable& residuals) {
   return wanted / decade >= 5 ? 5 * decade : wanted / decade >= 2 ? 2 * decade : decade;
 }
 
+// The part of the photo that holds the board, with everything that is known about its corners drawn over it.
 std::string residual_photo(const Loaded& in, const MergedView& merged, const View& view, double factor) {
-  const int width = std::min(kPhotoWidthPx, merged.value.width);
-  const double scale = static_cast<double>(width) / merged.value.width;
-  const int height = std::max(1, static_cast<int>(std::lround(merged.value.height * scale)));
-  const Image small = resized(merged.value, width, height);
-  std::string svg = tag_outlines(in, view, scale);
-  double squares = 0;
-  int corners = 0;
+  PixelWindow window = window_of(in.bench.lens, view.T_camera_board, surface_of(in), {0, 0}, in.board.size_mm, 24);
+  if (window.width == 0 || window.height == 0) window = {0, 0, merged.value.width, merged.value.height};
+  Image part(window.width, window.height, merged.value.channels);
+  for (int y = 0; y < part.height; ++y)
+    for (int x = 0; x < part.width; ++x)
+      for (int c = 0; c < part.channels; ++c) part.at(x, y, c) = merged.value.at(x + window.x0, y + window.y0, c);
+  const int width = std::min(kPhotoWidthPx, part.width);
+  const double scale = static_cast<double>(width) / part.width;
+  const Image small = resized(part, width, std::max(1, static_cast<int>(std::lround(part.height * scale))));
+  const Eigen::Vector2d corner(window.x0, window.y0);
+
+  std::string svg = tag_outlines(in, view, corner, scale);
   for (const CornerResidual& r : in.residuals.corners) {
     if (r.view != view.name) continue;
-    const Eigen::Vector2d from = r.q_px * scale, to = from + r.residual_px * factor * scale;
+    const Eigen::Vector2d from = (r.q_px - corner) * scale, to = from + r.residual_px * factor * scale;
     svg += fmt::format(
         "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"1.6\"/>", from.x(),
         from.y(), to.x(), to.y(), r.left_out ? "#ff3b30" : "#ffcf33");
-    if (!r.left_out) {
-      squares += r.residual_px.squaredNorm();
-      ++corners;
-    }
   }
   std::string caption = fmt::format("<b>{}</b>", html(view.name));
   if (view.tags) caption += fmt::format(", {} tags", *view.tags);
-  if (view.reprojection_rms_px)
-    caption += fmt::format(", {:.3f} px RMS an axis", *view.reprojection_rms_px);
-  else if (corners > 0)
-    caption += fmt::format(", {:.3f} px RMS an axis", std::sqrt(squares / (2 * corners)));
+  if (view.reprojection_rms_px) caption += fmt::format(", {:.3f} px RMS an axis", *view.reprojection_rms_px);
   return figure(shown(small, percentile(small, 0.98)), caption, PictureKind::jpeg, svg);
 }
 
 // --- numbers ---------------------------------------------------------------------------------------------------------
+
+// "light.lamp.position_mm" in words.
+std::string parameter_name(const std::string& key) {
+  if (key == "depth_um") return "the depth d";
+  if (key == "base_alpha") return "the plain face's roughness";
+  if (key == "bow_mm") return "the board's bow";
+  if (key == "machine.affine" || key == "machine_affine") return "the machine's map";
+  if (key.starts_with("light.")) {
+    const auto dot = key.rfind('.');
+    const std::string id = key.substr(6, dot - 6), field = key.substr(dot + 1);
+    const std::string what = field == "position_mm" ? "position" : field == "intensity" ? "intensity" : field;
+    return fmt::format("the {} of lamp “{}”", html(what), html(id));
+  }
+  return html(key);
+}
 
 std::string verdict_cell(const Bench& bench, const std::string& parameter, bool measured) {
   const auto it = bench.verdict.find(parameter);
@@ -302,8 +317,8 @@ std::string machine_numbers(const Loaded& in) {
   out.rows = {
       {"Scale along x", show(scale_x - 1, sigma(0, 0), 1000) + " ‰", "within ±2 ‰"},
       {"Scale along y", show(scale_y - 1, sigma(1, 1), 1000) + " ‰", "within ±2 ‰"},
-      {"Turn of the board on the machine", show(turn * kDegrees, sigma(1, 0), kDegrees) + "°", "within ±0.1°"},
-      {"Skew of the axes", show(-skew * kDegrees, sigma(0, 1), kDegrees) + "°", "within ±0.05°"},
+      {"Turn of the board on the machine", show(turn, sigma(1, 0), kDegrees) + "°", "within ±0.1°"},
+      {"Skew of the axes", show(-skew, sigma(0, 1), kDegrees) + "°", "within ±0.05°"},
       {"Offset at the middle of the carve area", fmt::format("{:.3f}, {:.3f} mm", offset.x(), offset.y()),
        "within ±0.3 mm"},
       {"Largest shift over the carve area", fmt::format("{:.3f} mm", largest), "the next tool path takes it out"}};
@@ -362,7 +377,7 @@ std::string outcome_of(const Loaded& in) {
   if (bench.material_sigma.depth_um && is_determined(bench, "depth_um"))
     known.push_back("depth d = " + with_sigma(bench.material.depth_um, *bench.material_sigma.depth_um) + " µm");
   for (const auto& [name, verdict] : bench.verdict)
-    if (!verdict.determined) unknown.push_back(html(name));
+    if (!verdict.determined) unknown.push_back(parameter_name(name));
   const auto joined = [](const std::vector<std::string>& parts) {
     std::string text;
     for (std::size_t i = 0; i < parts.size(); ++i)
@@ -426,7 +441,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
                         "that were left out. Arrows that point the same way over an area mean a lens model that does "
                         "not fit; one long arrow means a tag that sits elsewhere.",
                         factor));
-  out.body += figure_row(photos) + view_numbers(in);
+  out.body += figure_row(photos, true) + view_numbers(in);
   return out;
 }
 
