@@ -44,6 +44,9 @@ ViewPixels view_pixels(const ViewScene& scene, int channels) {
   if (n == 0 || grid.corner_x_mm.size() != corners || grid.corner_y_mm.size() != corners ||
       grid.center_mm.size() != n || grid.normal.size() != n)
     fail("scene.grid", "it is empty, or its arrays do not fit its window", "make it with camera_grid or board_grid");
+  if (!scene.hidden_from_light.empty() && scene.hidden_from_light.size() != n)
+    fail("scene.hidden_from_light", "it does not fit the grid's pixels",
+         "make it with hidden_pixels, or leave it empty");
 
   ViewPixels pixels;
   pixels.channels = channels;
@@ -56,8 +59,13 @@ ViewPixels view_pixels(const ViewScene& scene, int channels) {
         const double area = std::abs(signed_area_mm2(footprint_corners_mm(grid, c, r)));
         if (!(std::isfinite(area) && area > 0 && grid.center_mm[i].allFinite() && grid.normal[i].allFinite())) continue;
         pixels.area_mm2[i] = area;
-        pixels.shading[i] = shade_pixel(grid.center_mm[i], grid.normal[i], scene.camera_center_mm, scene.light,
-                                        scene.material.base_alpha);
+        PixelShading& shading = pixels.shading[i];
+        shading = shade_pixel(grid.center_mm[i], grid.normal[i], scene.camera_center_mm, scene.light,
+                              scene.material.base_alpha);
+        if (!scene.hidden_from_light.empty() && scene.hidden_from_light[i]) {
+          shading.lit = false;
+          shading.direct = shading.base = 0;
+        }
       }
     }
   });

@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "render/board_mesh.h"
 #include "render/error.h"
 #include "render/exact_view.h"
 #include "render/pairs.h"
@@ -81,7 +82,13 @@ CameraView make_camera_view(const Bench& bench, const Board& board, const View& 
 
 ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& camera, const Light& light) {
   ViewScene scene;
-  scene.grid = camera_grid(camera.lens, camera.T_camera_board, camera.surface, camera.window);
+  if (board.mesh.empty()) {
+    scene.grid = camera_grid(camera.lens, camera.T_camera_board, camera.surface, camera.window);
+  } else {
+    const BoardMesh mesh(read_obj(board.mesh), board.size_mm, board.mesh.string());
+    scene.grid = camera_grid(camera.lens, camera.T_camera_board, mesh, camera.window);
+    scene.hidden_from_light = hidden_pixels(scene.grid, mesh, light.position_mm);
+  }
   scene.camera_center_mm = camera.T_camera_board.inverse().translation();
   scene.light = light;
   scene.material = bench.material;

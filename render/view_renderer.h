@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -22,6 +23,9 @@ struct ViewScene {
   Material material;           ///< shared alpha and depth where the scratches carry none
   double tool_width_um = 400;  ///< shared width where the scratches carry none
   Eigen::Vector3d ambient{0, 0, 0};
+  /// 1 for pixels whose face the lamp does not reach, width * height; empty: it reaches all that face it. make_scene
+  /// fills it for boards given as a mesh (render/board_mesh.h); for other occluders fill it with hidden_pixels().
+  std::vector<std::uint8_t> hidden_from_light;
 };
 
 struct RenderOptions {
@@ -124,7 +128,8 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
                                             const Scratches& scratches, std::span<const SceneParameter> parameters,
                                             const RenderOptions& options = {});
 
-/// The scene of a view of a bench, seen by a window of its photo.
+/// The scene of a view of a bench, seen by a window of its photo. A board with a mesh is cast through it: its
+/// footprints are the mesh's, `camera.surface` is not used, and render_with_derivatives does not serve it.
 ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& camera, const Light& light);
 CameraView make_camera_view(const Bench& bench, const Board& board, const View& view, const PixelWindow& window);
 
