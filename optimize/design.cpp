@@ -1,0 +1,414 @@
+#include "optimize/design.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+#include <utility>
+
+#include "optimize/adam.h"
+#include "optimize/glint.h"
+#include "optimize/picture_metrics.h"
+#include "optimize/target.h"
+#include "render/brdf.h"
+#include "render/error.h"
+#include "render/view_renderer.h"
+
+namespace burin {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+void check_options(const DesignOptions& o, const Board& board) {
+  const auto need = [](bool ok, const char* field, const char* what, const char* remedy) {
+    if (!ok) fail(std::string("design option ") + field, what, remedy);
+  };
+  need(o.pixels >= 16 && o.pixels <= 8192, "pixels", "is out of range", "give 16 to 8192; 512 is usual");
+  need(o.iterations >= 0 && o.iterations <= 1000000, "iterations", "is out of range", "100 is usual");
+  need(o.rate > 0 && o.rate < 1 && o.final_rate > 0, "rate", "is out of range", "0.001 is usual");
+  need(o.loss.perceptual >= 0 && o.loss.l2 >= 0 && o.loss.gram >= 0 && o.loss.perceptual + o.loss.l2 + o.loss.gram > 0,
+       "loss", "has a negative weight, or all are 0", "the paper's are perceptual 1, gram 0.01");
+  need(o.min_length > 0 && o.min_length < 0.5, "min_length", "is out of range", "0.001 is usual");
+  const double shortest = o.min_length * board.size_mm.maxCoeff();
+  need(o.max_length_mm == 0 || o.max_length_mm > shortest, "max_length_mm", "is below the smallest length",
+       "give more, or 0 for any length");
+  need(o.drop_light >= 0 && o.drop_light < 1 && o.drop_count >= 0 && o.drop_count < 1, "drop",
+       "is not a share from 0 to 1", "0.03 of the light is usual");
+  const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
+  if (!(area.minCoeff() > 4 * shortest))
+    fail("board: carve_mm", "is too small to carve in", "give a rectangle with sides of several mm");
+}
+
+// A view being designed.
+struct WorkView {
+  DesignView spec;
+  GlintView glint;
+  Target target;
+  double rotation_deg = 0;
+  int exposure_group = 0;
+  ViewRenderer renderer;
+  PictureLoss loss;
+  Image radiance, picture, dE_dpicture, dE_dradiance;
+  LossValue value;
+};
+
+// The legal place of a scratch: ends inside the area, no shorter and no longer than allowed.
+struct Limits {
+  Eigen::Vector2d min_mm, max_mm;
+  double shortest_mm = 0, longest_mm = 0;
+
+  void apply(Scratches& s, std::size_t i, const Eigen::Vector2d& direction_before) const {
+    Eigen::Vector2d a(s.x0_mm[i], s.y0_mm[i]), b(s.x1_mm[i], s.y1_mm[i]);
+    a = a.cwiseMax(min_mm).cwiseMin(max_mm);
+    b = b.cwiseMax(min_mm).cwiseMin(max_mm);
+    const double length = (b - a).norm();
+    const double most = longest_mm > 0 ? longest_mm : length;
+    if (length < shortest_mm || length > most) {
+      const Eigen::Vector2d u = length > 1e-9 ? Eigen::Vector2d((b - a) / length) : direction_before;
+      // A hair inside the limit, so that rounding on the way to a file cannot cross it.
+      const double half = length < shortest_mm ? 0.5 * shortest_mm + 2e-5 : 0.5 * most - 2e-5;
+      const Eigen::Vector2d reach = half * u.cwiseAbs();
+      const Eigen::Vector2d middle = ((a + b) / 2).cwiseMax(min_mm + reach).cwiseMin(max_mm - reach);
+      a = middle - half * u;
+      b = middle + half * u;
+    }
+    s.x0_mm[i] = a.x();
+    s.y0_mm[i] = a.y();
+    s.x1_mm[i] = b.x();
+    s.y1_mm[i] = b.y();
+  }
+};
+
+Eigen::Vector2d direction_of(const Scratches& s, std::size_t i) {
+  const Eigen::Vector2d d(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
+  const double length = d.norm();
+  return length > 0 ? Eigen::Vector2d(d / length) : Eigen::Vector2d(1, 0);
+}
+
+// Uniform in [0, 1), the same on every platform.
+double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+
+Scratches random_start(std::size_t count, const Limits& limits, double mean_length_mm, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  Scratches s;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector2d middle(limits.min_mm.x() + uniform(random) * (limits.max_mm.x() - limits.min_mm.x()),
+                                 limits.min_mm.y() + uniform(random) * (limits.max_mm.y() - limits.min_mm.y()));
+    const double angle = kPi * uniform(random), half = mean_length_mm * (0.25 + 0.5 * uniform(random));
+    const Eigen::Vector2d u(std::cos(angle), std::sin(angle));
+    s.x0_mm.push_back(middle.x() - half * u.x());
+    s.y0_mm.push_back(middle.y() - half * u.y());
+    s.x1_mm.push_back(middle.x() + half * u.x());
+    s.y1_mm.push_back(middle.y() + half * u.y());
+    limits.apply(s, i, u);
+  }
+  return s;
+}
+
+double mean_light(const Image& encoded) {
+  double sum = 0;
+  for (const float v : encoded.data) sum += std::pow(static_cast<double>(v), 2.2);
+  return sum / static_cast<double>(encoded.data.size());
+}
+
+double mean_value(const Image& image) {
+  double sum = 0;
+  for (const float v : image.data) sum += v;
+  return sum / static_cast<double>(image.data.size());
+}
+
+std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, const Bench& bench,
+                                    const DesignOptions& options, std::vector<std::string>& warnings) {
+  const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
+  const double longer = area.maxCoeff();
+  const int width = std::max(1, static_cast<int>(std::lround(options.pixels * area.x() / longer)));
+  const int height = std::max(1, static_cast<int>(std::lround(options.pixels * area.y() / longer)));
+  const Surface surface{board.size_mm, bench.bow_mm};
+  std::vector<WorkView> views;
+  std::map<std::string, int> groups;
+  std::vector<GlintView> glints;
+  for (const DesignView& v : spec.views) {
+    const View& view = find_view(bench, v.view, "design");
+    const Light& light = find_light(bench, v.light, "design");
+    glints.push_back({v.view, view.T_camera_board.inverse().translation(), light.position_mm});
+  }
+  // Before any picture is loaded: a bench that cannot work is the first thing to know.
+  for (std::string& w : check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um,
+                                     bench.material.depth_um, bench.material.alpha))
+    warnings.push_back(std::move(w));
+  for (std::size_t k = 0; k < spec.views.size(); ++k) {
+    const DesignView& v = spec.views[k];
+    const View& view = find_view(bench, v.view, "design");
+    const double rotation = v.target.upright_in_view
+                                ? viewer_rotation_deg(view, (board.carve_min_mm + board.carve_max_mm) / 2)
+                                : v.target.rotation_deg;
+    Target target = load_target(v.target, rotation, area, width, height);
+    for (std::string& w : target.warnings) warnings.push_back(std::move(w));
+    ViewScene scene;
+    scene.grid = board_grid(board.carve_min_mm, board.carve_max_mm, width, height, surface);
+    scene.camera_center_mm = glints[k].camera_mm;
+    scene.light = find_light(bench, v.light, "design");
+    scene.material = bench.material;
+    scene.tool_width_um = board.tool_width_um;
+    scene.ambient = bench.ambient;
+    const std::string group = options.exposure_of == ExposureOf::light ? v.light : v.view + " under " + v.light;
+    const int index = groups.emplace(group, static_cast<int>(groups.size())).first->second;
+    LossWeights weights = options.loss;
+    weights.perceptual *= v.weight;
+    weights.l2 *= v.weight;
+    weights.gram *= v.weight;
+    PictureLoss loss(with_gamma_offset(target.picture), target.mask, weights);
+    views.push_back({v,
+                     glints[k],
+                     std::move(target),
+                     rotation,
+                     index,
+                     ViewRenderer(std::move(scene)),
+                     std::move(loss),
+                     {},
+                     {},
+                     {},
+                     {},
+                     {}});
+  }
+  return views;
+}
+
+// The iterations kept for the contact sheet: dense at first, where most happens.
+std::vector<int> contact_iterations(int iterations, int frames) {
+  std::vector<int> kept;
+  for (int f = 0; f < frames; ++f) {
+    const double t = frames > 1 ? static_cast<double>(f) / (frames - 1) : 1;
+    kept.push_back(static_cast<int>(std::lround(iterations * t * t)));
+  }
+  return kept;
+}
+
+// Which scratches stay, ascending, and how much light the dropped ones carried.
+std::vector<std::size_t> strong_scratches(const std::vector<double>& contribution, const DesignOptions& options) {
+  std::vector<std::size_t> order(contribution.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return contribution[a] < contribution[b]; });
+  std::size_t drop = 0;
+  if (options.drop_count > 0) {
+    drop = static_cast<std::size_t>(options.drop_count * static_cast<double>(order.size()));
+  } else if (options.drop_light > 0) {
+    const double total = std::accumulate(contribution.begin(), contribution.end(), 0.0);
+    double sum = 0;
+    while (drop < order.size() && (sum += contribution[order[drop]]) <= options.drop_light * total) ++drop;
+  }
+  drop = std::min(drop, order.size() - 1);
+  std::vector<std::size_t> kept(order.begin() + static_cast<std::ptrdiff_t>(drop), order.end());
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
+
+Scratches subset(const Scratches& s, const std::vector<std::size_t>& kept) {
+  const auto pick = [&](const std::vector<double>& from) {
+    std::vector<double> to;
+    if (!from.empty())
+      for (const std::size_t i : kept) to.push_back(from[i]);
+    return to;
+  };
+  return {pick(s.x0_mm),    pick(s.y0_mm),    pick(s.x1_mm), pick(s.y1_mm),
+          pick(s.width_um), pick(s.depth_um), pick(s.alpha)};
+}
+
+}  // namespace
+
+DesignResult design(const DesignSpec& spec, const Board& board, const Bench& bench, const DesignOptions& options,
+                    const Progress& progress) {
+  const Clock::time_point began = Clock::now();
+  check_options(options, board);
+  if (spec.scratches < 1 || spec.views.empty())
+    fail("design", "no scratches or no views were asked for", "ask for at least one of each");
+  const auto report = [&](const char* stage, double fraction) {
+    if (progress) progress(stage, fraction);
+  };
+  report("reading targets", 0);
+
+  DesignResult result;
+  std::vector<WorkView> views = prepare_views(spec, board, bench, options, result.warnings);
+  const auto count = static_cast<std::size_t>(spec.scratches);
+  result.started_with = count;
+
+  const Limits limits{board.carve_min_mm, board.carve_max_mm, options.min_length * board.size_mm.maxCoeff(),
+                      options.max_length_mm};
+  const double mean_length = options.start_length_mm > 0 ? options.start_length_mm
+                                                         : 0.03 * (board.carve_max_mm - board.carve_min_mm).maxCoeff();
+  Scratches scratches = random_start(count, limits, mean_length, options.seed);
+
+  // One exposure a group, in logarithms.
+  const int group_count = 1 + std::max_element(views.begin(), views.end(), [](const WorkView& a, const WorkView& b) {
+                                return a.exposure_group < b.exposure_group;
+                              })->exposure_group;
+  std::vector<double> log_exposure(group_count, 0.0);
+  {
+    std::vector<double> wanted(group_count, 0.0), given(group_count, 0.0);
+    for (WorkView& v : views) {
+      v.renderer.forward(scratches, v.radiance);
+      wanted[v.exposure_group] += mean_light(v.target.picture);
+      given[v.exposure_group] += mean_value(v.radiance);
+    }
+    for (int g = 0; g < group_count; ++g) {
+      if (!(given[g] > 0))
+        fail("design", "the first picture is black", "check the lamp's intensity and position in the bench");
+      log_exposure[g] = std::log(options.start_exposure * wanted[g] / given[g]);
+    }
+  }
+  std::vector<double> start_exposure(views.size());
+
+  // Optional shared parameters, in logarithms.
+  std::vector<double> log_shared{std::log(board.tool_width_um), std::log(bench.material.depth_um),
+                                 std::log(bench.material.alpha)};
+  const bool optimise_shared = options.optimise_width || options.optimise_depth || options.optimise_alpha;
+  const auto spread_shared = [&] {
+    if (options.optimise_width) scratches.width_um.assign(count, std::exp(log_shared[0]));
+    if (options.optimise_depth) scratches.depth_um.assign(count, std::exp(log_shared[1]));
+    if (options.optimise_alpha) scratches.alpha.assign(count, std::exp(log_shared[2]));
+  };
+  spread_shared();
+
+  Adam adam_x0(count), adam_y0(count), adam_x1(count), adam_y1(count), adam_exposure(group_count), adam_shared(3);
+  ScratchGradients gradients;
+  std::vector<Eigen::Vector2d> directions(count);
+  const std::vector<int> contact = contact_iterations(options.iterations, options.contact_frames);
+  const Clock::time_point iterations_began = Clock::now();
+  int iteration = 0;
+  for (;; ++iteration) {
+    const bool last = iteration == options.iterations || result.stopped_early;
+    gradients.resize(count);
+    std::vector<double> d_log_exposure(group_count, 0.0);
+    DesignIteration record;
+    result.pairs = 0;
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      WorkView& v = views[k];
+      const double exposure = std::exp(log_exposure[v.exposure_group]);
+      v.renderer.forward_with_jacobian(scratches, v.radiance);
+      picture_from_radiance(v.radiance, exposure, v.picture);
+      v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
+      record.loss += v.value.total;
+      record.view_loss.push_back(v.value.total);
+      result.pairs += v.renderer.pair_count();
+      if (!last) {
+        d_log_exposure[v.exposure_group] +=
+            radiance_gradient(v.radiance, exposure, v.picture, v.dE_dpicture, v.dE_dradiance);
+        v.renderer.backward(v.dE_dradiance, gradients);
+      }
+      if (iteration == 0) start_exposure[k] = exposure;
+    }
+    record.seconds = seconds_since(iterations_began);
+    result.history.push_back(record);
+    if (!std::isfinite(record.loss))
+      fail("design", "the loss is not finite at iteration " + std::to_string(iteration),
+           "check the bench's numbers; report this if they are sound");
+    if (iteration == 0)
+      for (WorkView& v : views) {
+        DesignedView out;
+        const double exposure =
+            best_exposure(v.radiance, v.target.picture, std::exp(log_exposure[v.exposure_group]), v.target.mask);
+        out.start = shown_picture(v.radiance, exposure);
+        out.start_psnr_db = psnr_db(out.start, v.target.picture, v.target.mask);
+        out.start_ssim = ssim(out.start, v.target.picture);
+        result.views.push_back(std::move(out));
+      }
+    if (last || std::find(contact.begin(), contact.end(), iteration) != contact.end()) {
+      ContactFrame frame{iteration, {}};
+      for (const WorkView& v : views) {
+        frame.pictures.push_back(v.picture);
+        for (float& p : frame.pictures.back().data) p = std::min(1.0F, p);
+      }
+      result.frames.push_back(std::move(frame));
+    }
+    if (options.watch) {
+      DesignFrame frame{iteration, record.loss, record.view_loss, {}};
+      for (const WorkView& v : views) frame.pictures.push_back(&v.picture);
+      options.watch(frame);
+    }
+    report("designing", options.iterations > 0 ? static_cast<double>(iteration) / options.iterations : 1);
+    if (last) break;
+
+    const double t = static_cast<double>(iteration) / std::max(1, options.iterations - 1);
+    const double rate = options.final_rate + (options.rate - options.final_rate) * 0.5 * (1 + std::cos(kPi * t));
+    for (std::size_t i = 0; i < count; ++i) directions[i] = direction_of(scratches, i);
+    adam_x0.step(scratches.x0_mm, gradients.x0_mm, rate * board.size_mm.x());
+    adam_y0.step(scratches.y0_mm, gradients.y0_mm, rate * board.size_mm.y());
+    adam_x1.step(scratches.x1_mm, gradients.x1_mm, rate * board.size_mm.x());
+    adam_y1.step(scratches.y1_mm, gradients.y1_mm, rate * board.size_mm.y());
+    for (std::size_t i = 0; i < count; ++i) limits.apply(scratches, i, directions[i]);
+    if (options.exposure_rate > 0) adam_exposure.step(log_exposure, d_log_exposure, options.exposure_rate);
+    if (optimise_shared) {
+      // Gradients by the logarithms: d/dlog p = p d/dp, summed over the scratches.
+      const auto sum = [](const std::vector<double>& g) { return std::accumulate(g.begin(), g.end(), 0.0); };
+      const std::vector<double> d_log{options.optimise_width ? std::exp(log_shared[0]) * sum(gradients.width_um) : 0.0,
+                                      options.optimise_depth ? std::exp(log_shared[1]) * sum(gradients.depth_um) : 0.0,
+                                      options.optimise_alpha ? std::exp(log_shared[2]) * sum(gradients.alpha) : 0.0};
+      adam_shared.step(log_shared, d_log, options.log_rate);
+      log_shared[2] = std::min(log_shared[2], 0.0);
+      spread_shared();
+    }
+    if (options.time_limit_s > 0) {
+      const double each = seconds_since(iterations_began) / (iteration + 1);
+      // Room for the last look, dropping and the figures, which cost about two iterations.
+      if (seconds_since(began) + 3 * each > options.time_limit_s) result.stopped_early = true;
+    }
+  }
+  result.iteration_seconds = seconds_since(iterations_began);
+  result.final_loss = result.history.back().loss;
+  report("dropping weak scratches", 0);
+
+  std::vector<double> contribution(count, 0.0);
+  for (const WorkView& v : views) {
+    // Each view's light in units of its own white, so that a bright lamp's views do not rule.
+    std::vector<double> light(count, 0.0);
+    v.renderer.add_contributions(light);
+    const double exposure = std::exp(log_exposure[v.exposure_group]);
+    for (std::size_t i = 0; i < count; ++i) contribution[i] += exposure * light[i];
+  }
+  const std::vector<std::size_t> kept = strong_scratches(contribution, options);
+  result.dropped = count - kept.size();
+  result.scratches = result.dropped > 0 ? subset(scratches, kept) : scratches;
+
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    WorkView& v = views[k];
+    DesignedView& out = result.views[k];
+    out.loss = v.value;
+    out.view = v.spec.view;
+    out.light = v.spec.light;
+    out.rotation_deg = v.rotation_deg;
+    out.exposure = std::exp(log_exposure[v.exposure_group]);
+    if (result.dropped > 0) v.renderer.forward(result.scratches, v.radiance);
+    picture_from_radiance(v.radiance, out.exposure, v.picture);
+    result.loss_after_drop += v.loss.evaluate(v.picture, v.dE_dpicture).total;
+    out.target = v.target.picture;
+    out.best_exposure = best_exposure(v.radiance, out.target, out.exposure, v.target.mask);
+    out.shown = shown_picture(v.radiance, out.best_exposure);
+    out.psnr_db = psnr_db(out.shown, out.target, v.target.mask);
+    out.ssim = ssim(out.shown, out.target);
+    // The plain face alone, at the same exposure: nothing can be darker.
+    Image face;
+    Scratches none;
+    v.renderer.forward(none, face);
+    for (float& f : face.data) f *= static_cast<float>(out.best_exposure);
+    out.achievable = within_contrast(out.target, face);
+    out.achievable_psnr_db = psnr_db(out.achievable, out.target, v.target.mask);
+    report("measuring", static_cast<double>(k + 1) / static_cast<double>(views.size()));
+  }
+  for (DesignedView& a : result.views)
+    for (const DesignedView& b : result.views) {
+      a.ghost.push_back(correlation(a.shown, b.target));
+      a.target_correlation.push_back(correlation(a.target, b.target));
+    }
+  if (options.optimise_width) result.width_um = std::exp(log_shared[0]);
+  if (options.optimise_depth) result.depth_um = std::exp(log_shared[1]);
+  if (options.optimise_alpha) result.alpha = std::exp(log_shared[2]);
+  result.total_seconds = seconds_since(began);
+  return result;
+}
+
+}  // namespace burin

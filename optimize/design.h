@@ -1,0 +1,115 @@
+// optimize/design.h - the inverse problem: scratches that show a target picture in each view of a bench.
+//
+// Minimises the loss of optimize/loss.h, summed over views, over both ends of every scratch (paper, 3.4-3.5; two end
+// points beat midpoint, direction and length, Fig. 20) and over the lamps' exposure, with Adam; afterwards drops the
+// scratches that hardly contribute. The pixels are those of the picture as it lies on the carve area (board_grid), seen
+// from each view's camera centre under its lamp: the lens does not matter. The bench may be nominal or measured; its
+// machine's affine is not applied, because the tool path compensates for it.
+// Frame: board, mm. Same seed, same bits, for any number of threads. Sources: DESIGN 3.5 and 7.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "optimize/design_file.h"
+#include "optimize/loss.h"
+#include "render/bench.h"
+#include "render/board.h"
+#include "render/image.h"
+#include "render/progress.h"
+#include "render/scratches.h"
+
+namespace burin {
+
+/// Where scratches begin: anywhere in any direction (the paper), or where and how the pictures want them
+/// (optimize/start.h).
+enum class Start { random, guided };
+
+/// What has a brightness of its own: each lamp (one photo setting for all its views) or each view (an eye adapts).
+enum class ExposureOf { light, view };
+
+/// Of one iteration, for those who watch.
+struct DesignFrame {
+  int iteration = 0;  ///< 0: the start
+  double loss = 0;
+  std::vector<double> view_loss;
+  std::vector<const Image*> pictures;  ///< a view, gamma-encoded as optimised, valid during the call
+};
+
+struct DesignOptions {
+  int pixels = 512;  ///< of the grid along the carve area's longer side
+  int iterations = 100;
+  std::uint64_t seed = 1;
+  double rate = 1e-3;        ///< Adam's, in uv (fractions of the board's width and height) an iteration
+  double final_rate = 1e-3;  ///< the rate falls along a half cosine to this
+  LossWeights loss;
+  Start start = Start::random;
+  double start_length_mm = 0;  ///< mean length at the start; 0: chosen from the number of scratches
+  double min_length = 1e-3;    ///< shortest scratch, as a fraction of the board's longer edge
+  double max_length_mm = 0;    ///< longest scratch; 0: any
+  ExposureOf exposure_of = ExposureOf::light;
+  double start_exposure = 0.2;  ///< random start: times the exposure that matches the pictures' means
+  double exposure_rate = 0.02;  ///< Adam's, in log(exposure) an iteration; 0 holds it
+  bool optimise_width = false, optimise_depth = false, optimise_alpha = false;  ///< one number for all scratches
+  double log_rate = 0.01;    ///< Adam's, in log(width), log(depth), log(alpha) an iteration
+  double drop_light = 0.03;  ///< the weakest scratches that together carry this share of the light are dropped
+  double drop_count = 0;     ///< or this share of the scratches, weakest first (if > 0)
+  double time_limit_s = 0;   ///< stop iterating so that everything ends about then; 0: no limit
+  int contact_frames = 8;    ///< iterations kept for the contact sheet
+  std::function<void(const DesignFrame&)> watch;  ///< called once an iteration; may be empty
+};
+
+/// One view of the result. Pictures are gamma-encoded, clipped at white.
+struct DesignedView {
+  std::string view, light;
+  double rotation_deg = 0;  ///< as laid, with "viewer" resolved
+  Image target;
+  Image start, shown;            ///< at exposure_start and best_exposure
+  Image achievable;              ///< the target within the contrast that the plain face leaves
+  double exposure = 0;           ///< as optimised: picture = (exposure * radiance)^(1 / 2.2)
+  double best_exposure = 0;      ///< the one scalar with which `shown` comes closest to the target
+  double psnr_db = 0, ssim = 0;  ///< of `shown`
+  double start_psnr_db = 0, start_ssim = 0;
+  double achievable_psnr_db = 0;           ///< of `achievable`: what the face's own light costs
+  LossValue loss;                          ///< at `exposure`, before dropping
+  std::vector<double> ghost;               ///< correlation of `shown` with each view's target (its own included)
+  std::vector<double> target_correlation;  ///< of this view's target with each view's target
+};
+
+struct DesignIteration {
+  double loss = 0;
+  std::vector<double> view_loss;
+  double seconds = 0;  ///< since the first iteration began
+};
+
+/// Frames of the contact sheet: one picture a view.
+struct ContactFrame {
+  int iteration = 0;
+  std::vector<Image> pictures;
+};
+
+struct DesignResult {
+  Scratches scratches;  ///< after dropping; with width, depth or alpha columns if those were optimised
+  std::vector<DesignedView> views;
+  std::vector<DesignIteration> history;  ///< loss before each iteration's step
+  std::vector<ContactFrame> frames;
+  std::vector<std::string> warnings;
+  double final_loss = 0, loss_after_drop = 0;
+  std::size_t started_with = 0, dropped = 0, relocated = 0;
+  std::size_t pairs = 0;         ///< (pixel, scratch) pairs of the last iteration, all views
+  double iteration_seconds = 0;  ///< in the iterations
+  double total_seconds = 0;
+  bool stopped_early = false;                       ///< by the time limit
+  std::optional<double> width_um, depth_um, alpha;  ///< if optimised
+};
+
+/// Designs a board. Throws Error for a view or lamp the bench does not have, targets that cannot be used, a bench on
+/// which no groove can glint, options out of range. Collisions of views and the like are warnings in the result.
+/// `progress` may throw to stop the work.
+DesignResult design(const DesignSpec& spec, const Board& board, const Bench& bench, const DesignOptions& options,
+                    const Progress& progress);
+
+}  // namespace burin
