@@ -234,14 +234,21 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
 
   DesignResult result;
   std::vector<WorkView> views = prepare_views(spec, board, bench, options, result.warnings);
-  const auto count = static_cast<std::size_t>(spec.scratches);
+  const auto count = options.from ? options.from->size() : static_cast<std::size_t>(spec.scratches);
+  if (count == 0) fail("design", "there are no scratches to go on from", "give a scratches.csv that holds some");
   result.started_with = count;
 
   const Limits limits{board.carve_min_mm, board.carve_max_mm, options.min_length * board.size_mm.maxCoeff(),
                       options.max_length_mm};
   const double mean_length = options.start_length_mm > 0 ? options.start_length_mm
                                                          : 0.03 * (board.carve_max_mm - board.carve_min_mm).maxCoeff();
-  Scratches scratches = random_start(count, limits, mean_length, options.seed);
+  Scratches scratches;
+  if (options.from) {
+    scratches = *options.from;
+    for (std::size_t i = 0; i < count; ++i) limits.apply(scratches, i, direction_of(scratches, i));
+  } else {
+    scratches = random_start(count, limits, mean_length, options.seed);
+  }
 
   // One exposure a group, in logarithms.
   const int group_count = 1 + std::max_element(views.begin(), views.end(), [](const WorkView& a, const WorkView& b) {
@@ -249,17 +256,18 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
                               })->exposure_group;
   std::vector<double> log_exposure(group_count, 0.0);
   {
-    std::vector<double> wanted(group_count, 0.0), given(group_count, 0.0);
+    std::vector<double> wanted(group_count, 0.0), given(group_count, 0.0), best(group_count, 0.0), members = best;
     for (WorkView& v : views) {
       v.renderer.forward(scratches, v.radiance);
-      wanted[v.exposure_group] += mean_light(v.target.picture);
-      given[v.exposure_group] += mean_value(v.radiance);
+      const double target = mean_light(v.target.picture), mean = mean_value(v.radiance);
+      if (!(mean > 0)) fail("view " + v.spec.view, "is black", "check the lamp's intensity and position in the bench");
+      wanted[v.exposure_group] += target;
+      given[v.exposure_group] += mean;
+      best[v.exposure_group] += std::log(best_exposure(v.radiance, v.target.picture, target / mean, v.target.mask));
+      members[v.exposure_group] += 1;
     }
-    for (int g = 0; g < group_count; ++g) {
-      if (!(given[g] > 0))
-        fail("design", "the first picture is black", "check the lamp's intensity and position in the bench");
-      log_exposure[g] = std::log(options.start_exposure * wanted[g] / given[g]);
-    }
+    for (int g = 0; g < group_count; ++g)
+      log_exposure[g] = options.from ? best[g] / members[g] : std::log(options.start_exposure * wanted[g] / given[g]);
   }
   std::vector<double> start_exposure(views.size());
 
@@ -357,6 +365,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       // Room for the last look, dropping and the figures, which cost about two iterations.
       if (seconds_since(began) + 3 * each > options.time_limit_s) result.stopped_early = true;
     }
+    if (options.stop && options.stop()) result.stopped_early = true;
   }
   result.iteration_seconds = seconds_since(iterations_began);
   result.final_loss = result.history.back().loss;

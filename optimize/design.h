@@ -54,12 +54,14 @@ struct DesignOptions {
   double start_exposure = 0.2;  ///< random start: times the exposure that matches the pictures' means
   double exposure_rate = 0.02;  ///< Adam's, in log(exposure) an iteration; 0 holds it
   bool optimise_width = false, optimise_depth = false, optimise_alpha = false;  ///< one number for all scratches
-  double log_rate = 0.01;    ///< Adam's, in log(width), log(depth), log(alpha) an iteration
-  double drop_light = 0.03;  ///< the weakest scratches that together carry this share of the light are dropped
-  double drop_count = 0;     ///< or this share of the scratches, weakest first (if > 0)
-  double time_limit_s = 0;   ///< stop iterating so that everything ends about then; 0: no limit
-  int contact_frames = 8;    ///< iterations kept for the contact sheet
+  double log_rate = 0.01;         ///< Adam's, in log(width), log(depth), log(alpha) an iteration
+  double drop_light = 0.03;       ///< the weakest scratches that together carry this share of the light are dropped
+  double drop_count = 0;          ///< or this share of the scratches, weakest first (if > 0)
+  double time_limit_s = 0;        ///< stop iterating so that everything ends about then; 0: no limit
+  int contact_frames = 8;         ///< iterations kept for the contact sheet
+  std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's)
   std::function<void(const DesignFrame&)> watch;  ///< called once an iteration; may be empty
+  std::function<bool()> stop;  ///< asked once an iteration: true ends the iterations, keeping what there is
 };
 
 /// One view of the result. Pictures are gamma-encoded, clipped at white.

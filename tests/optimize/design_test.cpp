@@ -1,0 +1,217 @@
+// Proves that a small design converges on two views with the loss and picture quality it states, that a seed gives the
+// same bits for one thread and two, that ends stay inside the carve area and above the smallest length, that dropping
+// drops what it says, and that wrong input is refused in words. Quality on real pictures is measured by benchmarks.
+#include "optimize/design.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "optimize/design_output.h"
+#include "render/error.h"
+#include "render/json_file.h"
+
+namespace burin {
+namespace {
+
+using testing::HasSubstr;
+
+// A folder of its own for each test.
+class DesignTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() /
+              ("burin-design-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+    // Two pictures with nothing in common: a disc, and a ramp with a bar.
+    Image disc(64, 64, 1, 0.25F), ramp(64, 64, 1);
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        if (std::hypot(x - 31.5, y - 31.5) < 20) disc.at(x, y) = 0.8F;
+        ramp.at(x, y) = x > 40 && x < 50 ? 0.8F : 0.3F + 0.4F * y / 63;
+      }
+    write_picture(disc, folder_ / "disc.png");
+    write_picture(ramp, folder_ / "ramp.png");
+    board_.size_mm = {60, 60};
+    board_.carve_min_mm = {5, 5};
+    board_.carve_max_mm = {55, 55};
+    board_.tool_width_um = 400;
+    board_.material.alpha = 0.05;
+    board_.material.depth_um = 14;
+    bench_.material = board_.material;
+    bench_.material.base_alpha = 0.05;
+    Light lamp;
+    lamp.position_mm = {30, -400, 600};
+    bench_.lights = {lamp};
+    bench_.views = {view("left", {-180, -110, 600}), view("right", {240, -110, 600})};
+    spec_.scratches = 2500;
+    spec_.views = {{"left", "lamp", {}, 1}, {"right", "lamp", {}, 1}};
+    spec_.views[0].target.picture = folder_ / "disc.png";
+    spec_.views[1].target.picture = folder_ / "ramp.png";
+    options_.pixels = 64;
+    options_.iterations = 40;
+    options_.rate = 5e-3;  // the pixels are large
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  static View view(const std::string& name, const Eigen::Vector3d& centre_mm) {
+    View v;
+    v.name = name;
+    // Looks straight down (x right, y down, z forward in the camera); where it looks does not matter to a design.
+    Eigen::Matrix3d R;
+    R << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+    v.T_camera_board.linear() = R;
+    v.T_camera_board.translation() = -R * centre_mm;
+    return v;
+  }
+
+  std::string error_of() {
+    try {
+      design(spec_, board_, bench_, options_, {});
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  std::filesystem::path folder_;
+  Board board_;
+  Bench bench_;
+  DesignSpec spec_;
+  DesignOptions options_;
+};
+
+TEST_F(DesignTest, ConvergesOnTwoViews) {
+  const DesignResult result = design(spec_, board_, bench_, options_, {});
+  EXPECT_LT(result.final_loss, 0.2 * result.history.front().loss);
+  for (const DesignedView& v : result.views) EXPECT_GT(v.psnr_db, v.start_psnr_db + 3) << v.view;
+  // Each picture is its own target rather than the other's.
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_GT(result.views[k].ghost[k], 0.8);
+}
+
+TEST_F(DesignTest, SameSeedSameBitsForAnyNumberOfThreads) {
+  options_.iterations = 4;
+  const auto with_threads = [&](int threads) {
+    tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    return design(spec_, board_, bench_, options_, {});
+  };
+  const DesignResult one = with_threads(1), two = with_threads(2);
+  EXPECT_EQ(one.scratches.x0_mm, two.scratches.x0_mm);
+  EXPECT_EQ(one.scratches.y1_mm, two.scratches.y1_mm);
+  EXPECT_EQ(one.final_loss, two.final_loss);
+  options_.seed = 2;
+  EXPECT_NE(with_threads(1).scratches.x0_mm, one.scratches.x0_mm);
+}
+
+TEST_F(DesignTest, ScratchesObeyTheLimits) {
+  options_.iterations = 10;
+  options_.rate = 5e-3;
+  options_.min_length = 0.02;
+  options_.max_length_mm = 2;
+  options_.drop_light = 0;
+  const DesignResult result = design(spec_, board_, bench_, options_, {});
+  EXPECT_EQ(result.scratches.size(), 2500U);
+  EXPECT_EQ(result.dropped, 0U);
+  for (std::size_t i = 0; i < result.scratches.size(); ++i) {
+    const Scratches& s = result.scratches;
+    const double length = std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
+    EXPECT_GE(length, 0.02 * 60);
+    EXPECT_LE(length, 2);
+    for (const double x : {s.x0_mm[i], s.y0_mm[i], s.x1_mm[i], s.y1_mm[i]}) {
+      EXPECT_GE(x, 5);
+      EXPECT_LE(x, 55);
+    }
+  }
+}
+
+TEST_F(DesignTest, DropsByCountOrByLight) {
+  options_.iterations = 5;
+  options_.drop_count = 0.4;
+  EXPECT_EQ(design(spec_, board_, bench_, options_, {}).scratches.size(), 1500U);
+  options_.drop_count = 0;
+  options_.drop_light = 0.03;
+  const DesignResult result = design(spec_, board_, bench_, options_, {});
+  EXPECT_GT(result.dropped, 0U);
+  EXPECT_LT(result.loss_after_drop, 1.5 * result.final_loss);
+}
+
+TEST_F(DesignTest, GoesOnFromScratchesAndStopsWhenAsked) {
+  const DesignResult first = design(spec_, board_, bench_, options_, {});
+  options_.from = first.scratches;
+  int calls = 0;
+  options_.stop = [&] { return ++calls == 3; };
+  const DesignResult second = design(spec_, board_, bench_, options_, {});
+  EXPECT_TRUE(second.stopped_early);
+  EXPECT_EQ(second.history.size(), 4U);
+  EXPECT_LT(second.history.front().loss, 0.5 * first.history.front().loss);
+}
+
+TEST_F(DesignTest, FreeDepthIsReportedAndWritten) {
+  options_.iterations = 5;
+  options_.optimise_depth = true;
+  const DesignResult result = design(spec_, board_, bench_, options_, {});
+  ASSERT_TRUE(result.depth_um.has_value());
+  EXPECT_NE(*result.depth_um, 14);
+  EXPECT_EQ(result.scratches.depth_um.size(), result.scratches.size());
+  EXPECT_EQ(result.scratches.depth_um.front(), *result.depth_um);
+}
+
+TEST_F(DesignTest, WritesAllItsFiles) {
+  options_.iterations = 3;
+  const DesignResult result = design(spec_, board_, bench_, options_, {});
+  write_design_result(result, spec_, board_, bench_, folder_ / "out");
+  for (const char* name : {"scratches.csv", "preview-left.png", "preview-right-start.png", "target-left.png",
+                           "achievable-right.png", "contact-sheet.png"})
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "out" / name)) << name;
+  EXPECT_EQ(read_scratches(folder_ / "out" / "scratches.csv").size(), result.scratches.size());
+  const Json report = read_json(folder_ / "out" / "design-report.json", "burin/design-report", 1);
+  EXPECT_EQ(report["history"].size(), 4U);
+  EXPECT_EQ(report["views"][1]["view"], "right");
+  EXPECT_EQ(read_picture(folder_ / "out" / "preview-left.png").width, 64);
+}
+
+TEST_F(DesignTest, ProgressMayStopTheWork) {
+  struct Stop {};
+  EXPECT_THROW(design(spec_, board_, bench_, options_,
+                      [](std::string_view, double fraction) {
+                        if (fraction > 0.3) throw Stop();
+                      }),
+               Stop);
+}
+
+TEST_F(DesignTest, ViewOrLampThatTheBenchLacks) {
+  spec_.views[1].view = "top";
+  EXPECT_THAT(error_of(), AllOf(HasSubstr("top"), HasSubstr("left")));
+  spec_.views[1].view = "right";
+  spec_.views[1].light = "sun";
+  EXPECT_THAT(error_of(), AllOf(HasSubstr("sun"), HasSubstr("lamp")));
+}
+
+TEST_F(DesignTest, MissingOrBrokenTarget) {
+  spec_.views[0].target.picture = folder_ / "nothing.png";
+  EXPECT_THAT(error_of(), HasSubstr("nothing.png"));
+  write_text("not a picture", folder_ / "broken.png");
+  spec_.views[0].target.picture = folder_ / "broken.png";
+  EXPECT_THAT(error_of(), HasSubstr("broken.png"));
+}
+
+TEST_F(DesignTest, BenchOnWhichNoGrooveGlints) {
+  bench_.material.depth_um = 0.2;
+  EXPECT_THAT(error_of(),
+              AllOf(HasSubstr("no groove can glint"), HasSubstr("degrees too little"), HasSubstr("um deep")));
+}
+
+TEST_F(DesignTest, OptionsOutOfRange) {
+  options_.loss = {0, 0, 0};
+  EXPECT_THAT(error_of(), HasSubstr("loss"));
+  options_.loss = {};
+  options_.pixels = 2;
+  EXPECT_THAT(error_of(), HasSubstr("pixels"));
+}
+
+}  // namespace
+}  // namespace burin

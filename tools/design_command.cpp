@@ -1,0 +1,171 @@
+#include <CLI/App.hpp>
+#include <CLI/Error.hpp>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "optimize/design.h"
+#include "optimize/design_output.h"
+#include "render/error.h"
+#include "render/json_file.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace burin {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+// Ctrl-C asks the design to stop after the current iteration; a second one ends the program as usual.
+class StopOnInterrupt {
+ public:
+  StopOnInterrupt() {
+    interrupted = 0;
+    before_ = std::signal(SIGINT, [](int) {
+      interrupted = 1;
+      std::signal(SIGINT, SIG_DFL);
+    });
+  }
+  ~StopOnInterrupt() { std::signal(SIGINT, before_); }
+  StopOnInterrupt(const StopOnInterrupt&) = delete;
+  StopOnInterrupt& operator=(const StopOnInterrupt&) = delete;
+
+ private:
+  void (*before_)(int);
+};
+
+// "30", "30s", "5min", "1.5h" in seconds.
+double seconds_of(const std::string& text) {
+  char* end = nullptr;
+  const double value = std::strtod(text.c_str(), &end);
+  const std::string unit = end;
+  const double factor = unit.empty() || unit == "s" ? 1 : unit == "min" || unit == "m" ? 60 : unit == "h" ? 3600 : 0;
+  if (end == text.c_str() || factor == 0 || !(value > 0) || !std::isfinite(value))
+    throw CLI::ValidationError("--time", "\"" + text + "\" is no time; give 30s, 5min or 1h");
+  return value * factor;
+}
+
+// All views side by side, targets below: one picture that is refreshed while the work runs.
+class LivePreview {
+ public:
+  LivePreview(std::filesystem::path file, double every_s) : file_(std::move(file)), every_s_(every_s) {}
+
+  void show(const DesignFrame& frame) {
+    const auto now = std::chrono::steady_clock::now();
+    if (shown_ && std::chrono::duration<double>(now - last_).count() < every_s_) return;
+    std::vector<Image> row;
+    for (const Image* picture : frame.pictures) row.push_back(*picture);
+    write_picture(tiled({row}, 4), file_);
+    last_ = std::chrono::steady_clock::now();
+    shown_ = true;
+  }
+
+ private:
+  std::filesystem::path file_;
+  double every_s_;
+  std::chrono::steady_clock::time_point last_;
+  bool shown_ = false;
+};
+
+struct Options {
+  std::filesystem::path spec, out, bench, board, from;
+  int scratches = 0;
+  std::string start = "random", exposure = "light", time, free_parameters;
+  DesignOptions design;
+  bool live = false;
+};
+
+void run(const Options& o) {
+  DesignSpec spec = read_design(o.spec);
+  if (!o.bench.empty()) spec.bench = o.bench;
+  if (!o.board.empty()) spec.board = o.board;
+  if (o.scratches > 0) spec.scratches = o.scratches;
+  const Board board = read_board(spec.board);
+  const Bench bench = read_bench(spec.bench);
+  DesignOptions options = o.design;
+  options.start = o.start == "guided" ? Start::guided : Start::random;
+  options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
+  if (!o.time.empty()) options.time_limit_s = seconds_of(o.time);
+  if (!o.from.empty()) options.from = read_scratches(o.from);
+  make_output_folder(o.out);
+
+  ProgressBar bar;
+  const StopOnInterrupt on_interrupt;
+  options.stop = [] { return interrupted != 0; };
+  LivePreview live(o.out / "live.png", 2);
+  std::string stage;
+  if (o.live) options.watch = [&](const DesignFrame& frame) { live.show(frame); };
+  const DesignResult result = design(spec, board, bench, options, bar.progress());
+  write_design_result(result, spec, board, bench, o.out);
+  bar.clear();
+
+  for (const std::string& warning : result.warnings) note(warning);
+  fmt::print("view        PSNR dB   SSIM    face allows   own / highest other target's correlation\n");
+  for (std::size_t k = 0; k < result.views.size(); ++k) {
+    const DesignedView& v = result.views[k];
+    double other = 0;
+    for (std::size_t j = 0; j < v.ghost.size(); ++j)
+      if (j != k && std::abs(v.ghost[j]) > std::abs(other)) other = v.ghost[j];
+    fmt::print("{:<10}  {:6.2f}   {:.3f}   {:6.2f} dB     {:5.2f} / {:5.2f}\n", v.view, v.psnr_db, v.ssim,
+               v.achievable_psnr_db, v.ghost[k], other);
+  }
+  fmt::print("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} scratches of {} kept (loss {:.0f})\n",
+             result.history.front().loss, result.final_loss, result.history.size() - 1, result.iteration_seconds,
+             result.scratches.size(), result.started_with, result.loss_after_drop);
+  if (result.width_um) fmt::print("width_um {:.1f}\n", *result.width_um);
+  if (result.depth_um) fmt::print("depth_um {:.2f}\n", *result.depth_um);
+  if (result.alpha) fmt::print("alpha {:.4f}\n", *result.alpha);
+  if (result.stopped_early)
+    fmt::print("Stopped early. Go on with: burin design {} --out {} --from {}\n", o.spec.string(), o.out.string(),
+               (o.out / "scratches.csv").string());
+  fmt::print("Wrote {}: look at preview-*.png, then make the tool path with `burin toolpath {} --board {}`.\n",
+             o.out.string(), (o.out / "scratches.csv").string(), spec.board.string());
+}
+
+}  // namespace
+
+void add_design_command(CLI::App& burin) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = burin.add_subcommand("design", "Turn pictures into scratches for a bench, nominal or measured");
+  c->add_option("DESIGN.json", o->spec, "What the board is to show")->required();
+  c->add_option("--out", o->out, "Folder for scratches.csv, previews and the report")->required();
+  c->add_option("--bench", o->bench, "Design for this bench instead of the one that DESIGN.json names");
+  c->add_option("--board", o->board, "Design for this board instead of the one that DESIGN.json names");
+  c->add_option("--scratches", o->scratches, "How many to start with, instead of DESIGN.json's")
+      ->check(CLI::Range(1, 2000000));
+  c->add_option("--iterations", o->design.iterations, "Steps of the optimiser")->capture_default_str();
+  c->add_option("--time", o->time, "Stop after about this long: 30s, 5min, 1h");
+  c->add_option("--pixels", o->design.pixels, "Pixels along the longer side of the carve area")->capture_default_str();
+  c->add_option("--seed", o->design.seed, "Of the random start")->capture_default_str();
+  c->add_option("--start", o->start, "Where scratches begin")->check(CLI::IsMember({"random"}))->capture_default_str();
+  c->add_option("--from", o->from, "Go on from these scratches instead of starting anew");
+  c->add_option("--start-length", o->design.start_length_mm, "Mean length at the start, mm (0: chosen)");
+  c->add_option("--start-exposure", o->design.start_exposure, "Random start: times the exposure that matches the means")
+      ->capture_default_str();
+  c->add_option("--rate", o->design.rate, "Adam's rate, in fractions of the board's edge")->capture_default_str();
+  c->add_option("--final-rate", o->design.final_rate, "Its value at the end")->capture_default_str();
+  c->add_option("--perceptual", o->design.loss.perceptual, "Weight of the perceptual loss")->capture_default_str();
+  c->add_option("--l2", o->design.loss.l2, "Weight of the plain squared difference")->capture_default_str();
+  c->add_option("--gram", o->design.loss.gram, "Weight of the Gram term")->capture_default_str();
+  c->add_option("--exposure-of", o->exposure, "One exposure a light, or a view")
+      ->check(CLI::IsMember({"light", "view"}))
+      ->capture_default_str();
+  c->add_flag("--free-width", o->design.optimise_width, "Optimise the cutter's width too (one for all)");
+  c->add_flag("--free-depth", o->design.optimise_depth, "Optimise the depth too (one for all)");
+  c->add_flag("--free-alpha", o->design.optimise_alpha, "Optimise the roughness too (one for all)");
+  c->add_option("--min-length", o->design.min_length, "Shortest scratch, in fractions of the board's edge")
+      ->capture_default_str();
+  c->add_option("--max-length", o->design.max_length_mm, "Longest scratch, mm (0: any)")->capture_default_str();
+  c->add_option("--drop-light", o->design.drop_light, "Drop the weakest scratches that carry this share of the light")
+      ->capture_default_str();
+  c->add_option("--drop-count", o->design.drop_count, "Or this share of the scratches");
+  c->add_flag("--live", o->live, "Refresh OUT/live.png while it runs");
+  c->footer(example("burin design design.json --out round-01"));
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace burin
