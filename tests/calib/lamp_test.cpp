@@ -1,0 +1,119 @@
+// What is proved: the lamp seed on photographed benches whose lamp is known (poses, lens and bow from truth.json, so
+// that only the lamp's fit is on trial): position, spot exponent and base_alpha; the closed-form seed on exact shading;
+// tag patterns against AprilTag's own rule for its borders. Not proved: that poses found from tags are good enough
+// (calibrate_test), glints (refine_test).
+#include "calib/lamp.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "calib/light_samples.h"
+#include "calib/tag_pattern.h"
+#include "capture/photo.h"
+#include "render/error.h"
+#include "tests/calib/rig_bench.h"
+
+namespace burin {
+namespace {
+
+TEST(TagPattern, BordersAreAsAprilTagDefinesThem) {
+  // tag36h11: a white ring around a black ring around 6 x 6 bits; the corners that are reported enclose the black ring.
+  const TagPattern classic = tag_pattern("tag36h11", 3);
+  EXPECT_EQ(classic.total_cells, 10);
+  EXPECT_EQ(classic.border_cells, 8);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(classic.color_at(i - 4.5, 4.5), 1);
+    EXPECT_EQ(classic.color_at(i - 4.5, -4.5), 1);
+  }
+  for (int i = 1; i < 9; ++i) EXPECT_EQ(classic.color_at(i - 4.5, 3.5), 0);
+  EXPECT_EQ(classic.color_at(5.1, 0), -1);
+  EXPECT_THROW(tag_pattern("tag99h9", 0), Error);
+  EXPECT_THROW(tag_pattern("tag36h11", 100000), Error);
+}
+
+TEST(LampFromShading, ExactShadingGivesTheLampBack) {
+  const Eigen::Vector3d lamp(-80, 400, 700);
+  std::vector<Eigen::Vector3d> points;
+  std::vector<double> shading;
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d p(15.0 + 53 * (i % 5), 15.0 + 80 * (i / 5), 0.1);
+    points.push_back(p);
+    shading.push_back(3.7 * (lamp.z() - p.z()) / std::pow((lamp - p).norm(), 3));
+  }
+  const auto seed = lamp_from_shading(points, shading);
+  ASSERT_TRUE(seed.has_value());
+  EXPECT_LT((*seed - lamp).norm(), 1e-5);
+  // Brightness that grows without bound away from a point is no lamp in front of the board.
+  for (std::size_t i = 0; i < points.size(); ++i) shading[i] = 1 + (points[i] - points[7]).squaredNorm();
+  EXPECT_FALSE(lamp_from_shading(points, shading).has_value());
+}
+
+struct RigLamp {
+  Bench bench;
+  nlohmann::json truth;
+  std::vector<std::string> findings;
+};
+
+RigLamp lamps_of_rig(const std::string& name) {
+  Rig rig = read_rig(name);
+  RigLamp out;
+  out.truth = rig.truth;
+  out.bench = with_lamps(merge_session(rig.session), rig.board, rig.designed, rig.true_poses, out.findings);
+  return out;
+}
+
+TEST(WithLamps, CleanBenchWithinAMillimetre) {
+  BURIN_NEEDS_RIG("a");
+  const RigLamp rig = lamps_of_rig("a");
+  ASSERT_EQ(rig.bench.lights.size(), 1U);
+  const Light& lamp = rig.bench.lights[0];
+  const double error = (lamp.position_mm - true_lamp_position(rig.truth)).norm();
+  EXPECT_LT(error, 1.0);
+  EXPECT_EQ(lamp.falloff_exponent, 0);  // a bare lamp is not taken for a spot
+  EXPECT_NEAR(rig.bench.material.base_alpha, rig.truth["material"]["base_alpha"].get<double>(), 0.001);
+  EXPECT_TRUE(rig.bench.verdict.at("light.lamp.position_mm").determined);
+}
+
+TEST(WithLamps, SpotInAnAmateursRoom) {
+  BURIN_NEEDS_RIG("b");
+  const RigLamp rig = lamps_of_rig("b");
+  ASSERT_EQ(rig.bench.lights.size(), 1U);
+  const Light& lamp = rig.bench.lights[0];
+  EXPECT_LT((lamp.position_mm - true_lamp_position(rig.truth)).norm(), 3.0);
+  EXPECT_NEAR(lamp.falloff_exponent, 9, 1);
+  const Eigen::Vector3d axis(rig.truth["lights"][0]["axis"][0].get<double>(),
+                             rig.truth["lights"][0]["axis"][1].get<double>(),
+                             rig.truth["lights"][0]["axis"][2].get<double>());
+  EXPECT_LT(std::acos(lamp.axis.normalized().dot(axis.normalized())) * 180 / M_PI, 2.0);
+}
+
+TEST(Binned, KeepsPlacesAndMeans) {
+  // A ramp: the mean of a binned pixel is the ramp at its centre, and the scaled lens sees the same direction there.
+  LightView view;
+  view.lens.model = "LENSMODEL_PINHOLE";
+  view.lens.intrinsics = {500, 510, 31.5, 20.25};
+  view.lens.width = 64;
+  view.lens.height = 48;
+  view.window = {5, 7, 40, 30};
+  view.value = Image(40, 30, 1);
+  view.sigma = Image(40, 30, 1, 0.1F);
+  view.valid.assign(40 * 30, 1);
+  for (int y = 0; y < 30; ++y)
+    for (int x = 0; x < 40; ++x) view.value.at(x, y) = static_cast<float>(3 * (x + 5) + 2 * (y + 7));
+  const LightView half = binned(view, 3);
+  for (int y = 0; y < half.window.height; ++y)
+    for (int x = 0; x < half.window.width; ++x) {
+      const double px = 3.0 * (x + half.window.x0) + 1, py = 3.0 * (y + half.window.y0) + 1;
+      EXPECT_NEAR(half.value.at(x, y), 3 * px + 2 * py, 1e-3);
+      EXPECT_NEAR((x + half.window.x0 - half.lens.intrinsics[2]) / half.lens.intrinsics[0], (px - 31.5) / 500, 1e-12);
+      EXPECT_NEAR((y + half.window.y0 - half.lens.intrinsics[3]) / half.lens.intrinsics[1], (py - 20.25) / 510, 1e-12);
+    }
+  EXPECT_NEAR(half.sigma.at(0, 0), 0.1 / 3, 1e-6);
+}
+
+}  // namespace
+}  // namespace burin
