@@ -1,0 +1,188 @@
+#include "capture/simulated_camera.h"
+
+#include <OpenImageIO/imageio.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <utility>
+
+#include "capture/point_sampler.h"
+#include "render/error.h"
+#include "render/json_file.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Poisson electrons. Above 200 the normal distribution is as good: its skewness would be less than 0.07.
+double electrons(double mean, std::mt19937_64& random) {
+  if (mean <= 0) return 0;
+  if (mean < 200) return std::poisson_distribution<int>(mean)(random);
+  return std::round(mean + std::sqrt(mean) * std::normal_distribution<>()(random));
+}
+
+std::uint64_t seed_of(const BenchTruth& truth, const TruthPhoto& photo) {
+  std::uint64_t seed = truth.seed;
+  for (const char c : photo.file.generic_string()) seed = (seed ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
+  return seed;
+}
+
+void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& value, const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  const bool srgb = truth.sensor.encoding == Encoding::srgb;
+  const bool jpeg = extension == ".jpg" || extension == ".jpeg";
+  if (jpeg && !srgb) fail(file.string(), "a JPEG cannot hold linear values", "name the photo .png or .tif");
+
+  OIIO::ImageSpec spec(value.width, value.height, value.channels,
+                       srgb ? OIIO::TypeDesc::UINT8 : OIIO::TypeDesc::UINT16);
+  spec.attribute("ExposureTime", static_cast<float>(photo.photo.exposure_s));
+  spec.attribute("FNumber", static_cast<float>(photo.photo.f_number));
+  spec.attribute("Exif:PhotographicSensitivity", static_cast<int>(std::lround(photo.photo.iso)));
+  if (!photo.datetime.empty()) {
+    spec.attribute("DateTime", photo.datetime);
+    spec.attribute("Exif:DateTimeOriginal", photo.datetime);
+  }
+  if (!truth.make.empty()) spec.attribute("Make", truth.make);
+  if (!truth.model.empty()) spec.attribute("Model", truth.model);
+  if (truth.focal_mm) spec.attribute("Exif:FocalLength", static_cast<float>(*truth.focal_mm));
+  if (truth.focal_35mm) spec.attribute("Exif:FocalLengthIn35mmFilm", static_cast<int>(std::lround(*truth.focal_35mm)));
+  spec.attribute("Exif:ColorSpace", srgb ? 1 : 65535);
+  spec.attribute("Orientation", 1);
+  if (srgb)
+    spec.attribute("oiio:ColorSpace", "sRGB");
+  else
+    spec.attribute("oiio:ColorSpace", "Linear");
+  if (jpeg) spec.attribute("Compression", "jpeg:" + std::to_string(truth.sensor.jpeg_quality));
+  if (extension == ".png") spec.attribute("png:compressionLevel", 3);
+
+  write_atomically(file, [&](const fs::path& temporary) {
+    auto out = OIIO::ImageOutput::create(temporary.string());
+    if (!out || !out->open(temporary.string(), spec))
+      fail(file.string(), "cannot be written (" + (out ? out->geterror() : OIIO::geterror()) + ")",
+           "name the photo .png, .tif or .jpg, and check that the folder can be written");
+    bool done = false;
+    if (srgb) {
+      std::vector<std::uint8_t> stored(value.data.size());
+      std::transform(value.data.begin(), value.data.end(), stored.begin(),
+                     [](float v) { return static_cast<std::uint8_t>(std::lround(255 * linear_to_srgb(v))); });
+      done = out->write_image(OIIO::TypeDesc::UINT8, stored.data());
+    } else {
+      const int shift = 16 - truth.sensor.bits;
+      const float top = static_cast<float>((1 << truth.sensor.bits) - 1);
+      std::vector<std::uint16_t> stored(value.data.size());
+      std::transform(value.data.begin(), value.data.end(), stored.begin(),
+                     [&](float v) { return static_cast<std::uint16_t>(std::lround(top * v) << shift); });
+      done = out->write_image(OIIO::TypeDesc::UINT16, stored.data());
+    }
+    if (!done || !out->close())
+      fail(file.string(), "cannot be written (" + out->geterror() + ")", "check that the disk is not full");
+  });
+}
+
+}  // namespace
+
+Image blurred(const Image& radiance, double psf_sigma_px) {
+  if (!(psf_sigma_px > 0)) return radiance;
+  Image result = radiance;
+  const int size = 2 * static_cast<int>(std::ceil(4 * psf_sigma_px)) + 1;
+  const cv::Mat view(result.height, result.width, CV_32FC(result.channels), result.data.data());
+  cv::Mat smooth;
+  cv::GaussianBlur(view, smooth, {size, size}, psf_sigma_px, psf_sigma_px, cv::BORDER_REPLICATE);
+  smooth.copyTo(view);
+  return result;
+}
+
+Image exposed(const BenchTruth& truth, const Image& radiance, const Photo& photo,
+              std::optional<std::uint64_t> noise_seed) {
+  const int w = radiance.width, h = radiance.height, channels = truth.sensor.channels;
+  const double scale = truth.optics.gain * exposure_factor(photo);
+  const double well_e = truth.sensor.full_well_e * 100 / photo.iso;
+  const Eigen::Vector3d& vignette = truth.optics.vignette;
+  const double half_diagonal = std::hypot(w, h) / 2;
+  Image value(w, h, channels);
+  tbb::parallel_for(0, h, [&](int y) {
+    std::mt19937_64 random;
+    std::normal_distribution<> normal;
+    if (noise_seed) {
+      std::seed_seq seed{static_cast<std::uint32_t>(*noise_seed), static_cast<std::uint32_t>(*noise_seed >> 32),
+                         static_cast<std::uint32_t>(y)};
+      random.seed(seed);
+    }
+    for (int x = 0; x < w; ++x) {
+      const double r = std::hypot(x - (w - 1) / 2.0, y - (h - 1) / 2.0) / half_diagonal, r2 = r * r;
+      const double here = scale * (1 + r2 * (vignette[0] + r2 * (vignette[1] + r2 * vignette[2])));
+      for (int c = 0; c < channels; ++c) {
+        double v = channels == 3 ? radiance.at(x, y, c)
+                                 : (radiance.at(x, y, 0) + radiance.at(x, y, 1) + radiance.at(x, y, 2)) / 3.0;
+        v *= here;
+        if (noise_seed) v = (electrons(v * well_e, random) + truth.sensor.read_noise_e * normal(random)) / well_e;
+        value.at(x, y, c) = static_cast<float>(std::clamp(v, 0.0, 1.0));
+      }
+    }
+  });
+  return value;
+}
+
+void simulate(const fs::path& truth_json, const fs::path& out_dir, const SimulateOptions& options,
+              const Progress& progress) {
+  BenchTruth truth = read_bench_truth(truth_json);
+  if (options.samples) truth.samples = *options.samples;
+  for (const std::string& name : options.views)
+    if (std::none_of(truth.views.begin(), truth.views.end(), [&](const TruthView& v) { return v.name == name; })) {
+      std::string names;
+      for (const TruthView& v : truth.views) names += (names.empty() ? "" : ", ") + v.name;
+      fail(truth_json.string(), "there is no view \"" + name + "\"", "choose among " + names);
+    }
+  const Scratches designed = options.scratches.empty() ? designed_scratches(truth) : read_scratches(options.scratches);
+  const Scratches carved = carved_scratches(truth, designed);
+  const PointSampler sampler(truth, carved);
+
+  make_output_folder(out_dir);
+  // A session that stands from an earlier run would vouch for photos that are about to change.
+  std::error_code none;
+  fs::remove(out_dir / "session.json", none);
+  write_scratches(designed, out_dir / "scratches.csv");
+  write_scratches(carved, out_dir / "carved.csv");
+  Board believed = truth.believed;
+  believed.scratches = out_dir / "scratches.csv";
+  write_board(believed, out_dir / "board.json");
+
+  std::vector<const TruthView*> views;
+  for (const TruthView& view : truth.views)
+    if (options.views.empty() ||
+        std::find(options.views.begin(), options.views.end(), view.name) != options.views.end())
+      views.push_back(&view);
+  Session session;
+  session.board = out_dir / "board.json";
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const TruthView& view = *views[i];
+    const Progress within = [&](std::string_view, double fraction) {
+      if (progress) progress("photographing", (static_cast<double>(i) + fraction) / static_cast<double>(views.size()));
+    };
+    for (const Light& light : truth.lights) {
+      std::vector<const TruthPhoto*> photos;
+      for (const TruthPhoto& photo : view.photos)
+        if (photo.photo.light == light.id) photos.push_back(&photo);
+      if (photos.empty()) continue;
+      const Image radiance = blurred(sampler.radiance(view, light, within), truth.optics.psf_sigma_px);
+      for (const TruthPhoto* photo : photos) {
+        const fs::path file = out_dir / photo->file;
+        make_output_folder(file.parent_path());
+        write_photo(truth, *photo, exposed(truth, radiance, photo->photo, seed_of(truth, *photo)), file);
+      }
+    }
+    for (const TruthPhoto& photo : view.photos) {
+      session.photos.push_back(photo.photo);
+      session.photos.back().file = out_dir / photo.file;
+    }
+  }
+  if (truth.writes_session) write_session(session, out_dir / "session.json");
+}
+
+}  // namespace burin

@@ -1,0 +1,43 @@
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "capture/simulated_camera.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace burin {
+
+void add_simulate_command(CLI::App& burin) {
+  struct Options {
+    std::filesystem::path truth, out;
+    SimulateOptions simulate;
+    int samples = 0;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      burin.add_subcommand("simulate", "Photograph a bench whose truth is known, as a camera would have");
+  command->add_option("TRUTH.json", options->truth, "The bench as it really is")->required();
+  command->add_option("--out", options->out, "The folder for photos, board.json, session.json")->required();
+  command->add_option("--scratches", options->simulate.scratches, "Carve this design (CSV) instead of the truth's own");
+  command->add_option("--views", options->simulate.views, "Photograph from these places only");
+  command->add_option("--samples", options->samples, "Points a pixel where scratches are, instead of the truth's")
+      ->check(CLI::Range(1, 1000000));
+  command->footer(example("burin simulate truth.json --out bench --views v00 v01"));
+  command->callback([options] {
+    ProgressBar bar;
+    if (options->samples > 0) options->simulate.samples = options->samples;
+    simulate(options->truth, options->out, options->simulate, bar.progress());
+    bar.clear();
+    const std::string out = options->out.string();
+    if (std::filesystem::exists(options->out / "session.json"))
+      fmt::print("Wrote {0}: photos, board.json, session.json; next: burin calibrate {0}/session.json --out DIR\n",
+                 out);
+    else
+      fmt::print("Wrote {0}: photos and board.json; next: burin capture {0}/photos --board {0}/board.json --out {0}\n",
+                 out);
+  });
+}
+
+}  // namespace burin
