@@ -41,7 +41,9 @@ class Machine {
     const Words words = parse(text);
     for (const double g : words.g) modal(g);
     if (words.has('F')) feed_mm_min_ = words['F'] * unit_mm_;
-    if (dwelling_) {
+    if (elsewhere_) {
+      go_elsewhere(words);
+    } else if (dwelling_) {
       dwell(words);
     } else if (words.has('X') || words.has('Y') || words.has('Z')) {
       move(words);
@@ -117,29 +119,33 @@ class Machine {
         break;
       case 280:
       case 300:
-        at_.setConstant(kUnknown), moving_ = false, homing_ = true;
-        break;
+      case 530: elsewhere_ = true; break;
       case 20:
       case 30:
         error("has an arc (G2, G3)", "write straight moves only");
       case 910:
         error("has relative coordinates (G91)", "write absolute ones (G90)");
       case 100:
-      case 430:
-      case 431:
       case 510:
       case 520:
-      case 530:
       case 680:
       case 920:
         error("shifts or turns the coordinates (G" + std::to_string(code / 10) + ")", "set offsets on the machine");
       default:
         // Planes, compensation off, work offsets, path modes, feed modes: they move nothing.
-        static constexpr std::array kHarmless{170, 400, 490, 540, 550, 560, 570, 580, 590, 610,
-                                              611, 640, 690, 800, 901, 911, 930, 940, 970};
+        static constexpr std::array kHarmless{170, 180, 190, 400, 430, 431, 490, 540, 550, 560, 570, 580, 590,
+                                              610, 611, 640, 690, 800, 901, 911, 940, 970};
         if (std::find(kHarmless.begin(), kHarmless.end(), code) == kHarmless.end())
           error("has an unknown code G" + std::to_string(code / 10), "remove it or check the file on the machine");
     }
+  }
+
+  /// Home, or a place in the machine's own coordinates: where that is the file does not tell.
+  void go_elsewhere(const Words& words) {
+    elsewhere_ = false;
+    const bool all = !words.has('X') && !words.has('Y') && !words.has('Z');
+    for (int axis = 0; axis < 3; ++axis)
+      if (all || words.has("XYZ"[axis])) at_[axis] = kUnknown;
   }
 
   void dwell(const Words& words) {
@@ -153,10 +159,6 @@ class Machine {
   }
 
   void move(const Words& words) {
-    if (homing_) {  // the axis words of G28 name axes, not places
-      homing_ = false;
-      return;
-    }
     if (unit_mm_ == 0 || !absolute_)
       error("moves before units and absolute coordinates are set", "begin the file with G21 G90");
     if (!moving_) error("moves without saying how", "write G0 or G1 first");
@@ -209,7 +211,7 @@ class Machine {
   std::string name_;
   Replay replay_;
   bool carves_below_face_ = true;
-  bool rapid_ = true, moving_ = false, absolute_ = false, dwelling_ = false, homing_ = false;
+  bool rapid_ = true, moving_ = false, absolute_ = false, dwelling_ = false, elsewhere_ = false;
   double unit_mm_ = 0, feed_mm_min_ = 0;
   Eigen::Vector3d at_ = Eigen::Vector3d::Constant(kUnknown);
 };

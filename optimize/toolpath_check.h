@@ -1,9 +1,9 @@
 // optimize/toolpath_check.h - reads a G-code file as a machine would, and says what it would do.
 //
 // What is followed: G0, G1, G4, G20, G21, G90, F, and X Y Z words in any case and spacing, comments in ( ) and after ;,
-// line numbers, % and block-delete lines. What does not move anything (M, S, T, G17, G40, G49, G54-G59, G61, G64, G80,
-// G93-G94, ...) is passed over; G28 and G30 go somewhere that the file does not tell. Everything that would make the
-// replay wrong instead is an error that names the line: arcs, relative coordinates, offsets, unknown codes.
+// line numbers, % and block-delete lines. What does not move anything (M, S, T, G17, G40, G43, G49, G54-G59, G61, G64,
+// G80, G94, ...) is passed over; G28, G30 and G53 go somewhere that the file does not tell. Everything that would make
+// the replay wrong instead is an error that names the line: arcs, relative coordinates, offsets, unknown codes.
 // Machine coordinates (optimize/machine_profile.h), mm.
 #pragma once
 
