@@ -62,6 +62,7 @@ class Machine {
 
   Words parse(std::string_view text) const {
     Words words;
+    bool message = false;
     std::size_t i = 0;
     while (i < text.size()) {
       const char c = static_cast<char>(std::toupper(static_cast<unsigned char>(text[i])));
@@ -80,11 +81,14 @@ class Machine {
         double value = 0;
         const auto result =
             std::from_chars(text.data() + i, text.data() + text.size(), value, std::chars_format::fixed);
+        if (result.ec != std::errc{} && message) break;
         if (result.ec != std::errc{}) error(std::string("no number after ") + c, "correct the line");
         i = static_cast<std::size_t>(result.ptr - text.data());
         if (c == 'G') {
           words.g.push_back(value);
-        } else if (c != 'M') {
+        } else if (c == 'M') {
+          message = true;  // M117 and its like are followed by text
+        } else {
           if (words.has(c)) error(std::string(1, c) + " stands twice in a line", "keep one of them");
           words.given[c - 'A'] = true;
           words.value[c - 'A'] = value;
@@ -119,7 +123,9 @@ class Machine {
         break;
       case 280:
       case 300:
-      case 530: elsewhere_ = true; break;
+      case 530:
+        elsewhere_ = true;
+        break;
       case 20:
       case 30:
         error("has an arc (G2, G3)", "write straight moves only");
@@ -133,8 +139,8 @@ class Machine {
         error("shifts or turns the coordinates (G" + std::to_string(code / 10) + ")", "set offsets on the machine");
       default:
         // Planes, compensation off, work offsets, path modes, feed modes: they move nothing.
-        static constexpr std::array kHarmless{170, 180, 190, 400, 430, 431, 490, 540, 550, 560, 570, 580, 590,
-                                              610, 611, 640, 690, 800, 901, 911, 940, 970};
+        static constexpr std::array kHarmless{170, 180, 190, 400, 430, 431, 490, 540, 550, 560, 570,
+                                              580, 590, 610, 611, 640, 690, 800, 901, 911, 940, 970};
         if (std::find(kHarmless.begin(), kHarmless.end(), code) == kHarmless.end())
           error("has an unknown code G" + std::to_string(code / 10), "remove it or check the file on the machine");
     }
@@ -188,7 +194,8 @@ class Machine {
     if (!rapid_ && feed_mm_min_ <= 0) error("a G1 without a feed rate", "add F");
     replay_.duration_s += duration_s(along_mm, up_mm);
     if (in_metal) {
-      replay_.scratches.push_back({at_.head<2>(), to.head<2>(), carves_below_face_ ? -to.z() : 0, replay_.lines});
+      replay_.scratches.push_back(
+          {at_.head<2>(), to.head<2>(), carves_below_face_ ? -to.z() : kUnknown, replay_.lines});
       replay_.carve_mm += along_mm;
     } else {
       replay_.travel_mm += along_mm;
@@ -250,7 +257,7 @@ class StrokeIndex {
     const auto near = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
       return (a - b).norm() <= tolerance_mm_;
     };
-    return std::abs(p.depth_mm - depth_mm) <= tolerance_mm_ &&
+    return (std::isnan(depth_mm) || std::abs(p.depth_mm - depth_mm) <= tolerance_mm_) &&
            ((near(p.from_mm, from) && near(p.to_mm, to)) || (near(p.from_mm, to) && near(p.to_mm, from)));
   }
   Cell cell(const Eigen::Vector2d& sum_of_ends) const {  // ends within the tolerance move their sum by at most twice it

@@ -22,7 +22,7 @@ namespace burin {
 /// One stroke in the metal: a straight move along the board below its face.
 struct ReplayedScratch {
   Eigen::Vector2d from_mm, to_mm;
-  double depth_mm = 0;
+  double depth_mm = 0;   ///< NaN for a head that presses instead of plunging: the file does not tell
   std::size_t line = 0;  ///< of the file, from 1
 };
 

@@ -47,13 +47,14 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-/// The known key that was probably meant: nearly the same letters, or the same word with another unit or none.
+/// The known key that was probably meant: nearly the same letters, or one word within the other.
 std::string near_match(const std::string& key, const std::vector<std::string>& known) {
   std::string best;
   std::size_t best_distance = std::max<std::size_t>(2, key.size() / 3) + 1;
   for (const std::string& candidate : known) {
     std::size_t distance = edit_distance(key, candidate);
-    if (key.size() >= 3 && candidate.size() >= 3 && (candidate.starts_with(key) || key.starts_with(candidate)))
+    if (key.size() >= 3 && candidate.size() >= 3 &&
+        (candidate.find(key) != std::string::npos || key.find(candidate) != std::string::npos))
       distance = std::min<std::size_t>(distance, 2);
     if (distance < best_distance) best_distance = distance, best = candidate;
   }
@@ -236,15 +237,22 @@ void JsonObject::finish() const {
   }
 }
 
-Json read_json(const std::filesystem::path& file, const std::string& format, int version) {
+std::string read_text(const std::filesystem::path& file) {
   std::error_code error;
-  if (fs::is_directory(file, error)) fail(file.string(), "is a folder", "name the JSON file in it");
+  if (fs::is_directory(file, error)) fail(file.string(), "is a folder", "name a file in it");
   if (!fs::exists(file, error)) fail(file.string(), "does not exist", "check the path");
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail(file.string(), "cannot be opened", "check its permissions");
-  const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-  if (stream.bad()) fail(file.string(), "cannot be read", "check the disk and the file's permissions");
+  const std::uintmax_t bytes = fs::file_size(file, error);
+  if (!stream || error) fail(file.string(), "cannot be opened", "check that it is a plain file that you may read");
+  std::string text(bytes, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(bytes));
+  if (static_cast<std::uintmax_t>(stream.gcount()) != bytes)
+    fail(file.string(), "cannot be read whole", "check the disk and the file's permissions");
+  return text;
+}
 
+Json read_json(const std::filesystem::path& file, const std::string& format, int version) {
+  const std::string text = read_text(file);
   Json json;
   DuplicateKeyCheck check;
   try {

@@ -60,6 +60,9 @@ class JsonObject {
 /// broken JSON. The caller keeps the Json alive while reading its JsonObject (which already asked for both keys).
 Json read_json(const std::filesystem::path& file, const std::string& format, int version);
 
+/// The whole of a file. Throws Error if it is missing, a folder or unreadable.
+std::string read_text(const std::filesystem::path& file);
+
 /// Writes beside the final name and renames into place; makes no folders. `write` gets the temporary file's path (same
 /// extension). Throws Error naming `file` if the folder is missing or cannot be written, leaving nothing behind.
 void write_atomically(const std::filesystem::path& file,

@@ -7,19 +7,14 @@ extern "C" {  // mrcal.h has no guard for C++ of its own
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
-#include <system_error>
 
 #include "render/error.h"
 #include "render/json_file.h"
 
 namespace burin {
 namespace {
-
-namespace fs = std::filesystem;
 
 static_assert(sizeof(mrcal_point2_t) == sizeof(Eigen::Vector2d) && sizeof(mrcal_point3_t) == sizeof(Eigen::Vector3d));
 
@@ -135,13 +130,7 @@ int lens_parameter_count(const std::string& model) {
 }
 
 Lens read_cameramodel(const std::filesystem::path& file) {
-  std::error_code error;
-  if (fs::is_directory(file, error)) fail(file.string(), "is a folder", "name a .cameramodel file");
-  if (!fs::exists(file, error)) fail(file.string(), "does not exist", "check the path of the camera model");
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail(file.string(), "cannot be opened", "check its permissions");
-  const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-
+  const std::string text = read_text(file);
   const auto free_model = [](mrcal_cameramodel_t* model) { mrcal_free_cameramodel(&model); };
   const std::unique_ptr<mrcal_cameramodel_t, decltype(free_model)> model(
       text.empty() ? nullptr : mrcal_read_cameramodel_string(text.data(), static_cast<int>(text.size())), free_model);

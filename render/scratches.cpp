@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -88,16 +87,7 @@ void append_number(std::string& text, double value, bool place) {
 }  // namespace
 
 Scratches read_scratches(const std::filesystem::path& file) {
-  std::error_code error;
-  if (fs::is_directory(file, error)) fail(file.string(), "is a folder", "name the CSV file in it");
-  if (!fs::exists(file, error)) fail(file.string(), "does not exist", "check the path");
-  std::ifstream stream(file, std::ios::binary);
-  const std::uintmax_t bytes = fs::file_size(file, error);
-  if (!stream || error) fail(file.string(), "cannot be opened", "check its permissions");
-  std::string text(bytes, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(bytes));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != bytes) fail(file.string(), "cannot be read whole", "try again");
-
+  const std::string text = read_text(file);
   std::string_view rest = text;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);  // the mark that some spreadsheets put first
   const std::vector<const Column*> columns = read_header(file, next_line(rest));

@@ -1,0 +1,73 @@
+// Proves: profiles are found, read with what differs, and refused with a clear sentence; the time of a move has the
+// limits that mechanics gives it.
+#include "optimize/machine_profile.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/error.h"
+#include "tests/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+TEST(MachineProfile, BuiltInOnesAreFoundAndOthersNamed) {
+  for (const char* name : {"grbl", "linuxcnc", "marlin"}) EXPECT_EQ(machine_profile(name).name, name);
+  EXPECT_THAT([] { machine_profile("shapeoko"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("\"shapeoko\""), HasSubstr("grbl, linuxcnc or marlin"))));
+}
+
+TEST(MachineProfile, APersonsFileSaysWhatDiffers) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("router.json", R"({"format": "burin/machine", "version": 1, "based_on": "marlin",
+      "carve_feed_mm_min": 900, "dwell_s": 0.05, "decimals": 3, "travel_mm": [[0, 0], [400, 300]], "end": ["M84"]})");
+  const MachineProfile machine = machine_profile(file.string());
+  EXPECT_EQ(machine.name, "router");
+  EXPECT_EQ(machine.dialect, GcodeDialect::marlin);
+  EXPECT_EQ(machine.carve_feed_mm_min, 900);
+  EXPECT_EQ(machine.rapid_mm_min, machine_profile("marlin").rapid_mm_min);
+  EXPECT_EQ(machine.dwell_s, 0.05);
+  EXPECT_EQ(machine.travel->max_mm, Eigen::Vector2d(400, 300));
+  EXPECT_EQ(machine.end, std::vector<std::string>{"M84"});
+  EXPECT_EQ(machine.start, machine_profile("marlin").start);
+}
+
+TEST(MachineProfile, WrongValuesAreNamed) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::string& field, const std::string& message) {
+    const auto file = folder.write("m.json", R"({"format": "burin/machine", "version": 1, )" + field + "}");
+    EXPECT_THAT([&] { read_machine_profile(file); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("m.json"), HasSubstr(message))))
+        << field;
+  };
+  expect(R"("carve_feed_mm_min": 0)", "carve_feed_mm_min: is 0");
+  expect(R"("acceleration_mm_s2": -1)", "greater than 0");
+  expect(R"("feed_mm_min": 100)", "feed_mm_min: unknown key; did you mean \"carve_feed_mm_min\"?");
+  expect(R"("based_on": "mach3")", "grbl, linuxcnc or marlin");
+  expect(R"("decimals": 9)", "2 to 6");
+  expect(R"("max_lines": 5)", "at least 100");
+  expect(R"("dwell_s": -0.1)", "dwell_s: is negative");
+  expect(R"("travel_mm": [[10, 0], [0, 10]])", "lower-left");
+  expect(R"("start": "G21")", "array of lines");
+  expect(R"("start": ["G21\nG90"])", "one line of text");
+}
+
+TEST(MachineProfile, MovesTakeTheTimeOfATrapezoid) {
+  const double feed = 1200, acceleration = 200;  // 20 mm/s, reached after 1 mm
+  EXPECT_EQ(move_time_s(0, feed, acceleration), 0);
+  EXPECT_NEAR(move_time_s(2, feed, acceleration), 0.2, 1e-12);               // ramps only: 0.1 s up, 0.1 s down
+  EXPECT_NEAR(move_time_s(22, feed, acceleration), 0.2 + 20.0 / 20, 1e-12);  // and a second at full speed
+  EXPECT_NEAR(move_time_s(0.5, feed, acceleration), 2 * std::sqrt(0.5 / 200), 1e-12);
+  EXPECT_NEAR(move_time_s(100, feed, 1e12), 5, 1e-6);  // without inertia: length over speed
+  for (double length = 0.1; length < 5; length *= 1.1)
+    EXPECT_LT(move_time_s(length, feed, acceleration), move_time_s(1.1 * length, feed, acceleration));
+}
+
+}  // namespace
+}  // namespace burin

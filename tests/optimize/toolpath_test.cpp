@@ -1,0 +1,300 @@
+// Proves: what comes out of a file, read back by an independent path (replay of G-code, the numbers of SVG and DXF), is
+// what was designed, once each, not mirrored; a machine with a known fault carves the design after compensation; parts
+// can be started on their own; every input that cannot be carved is refused by name.
+#include "optimize/toolpath.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <regex>
+#include <sstream>
+
+#include "optimize/toolpath_check.h"
+#include "render/error.h"
+#include "tests/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::ThrowsMessage;
+
+Board board_200x100() {
+  Board board;
+  board.size_mm = {200, 100};
+  board.carve_min_mm = {10, 10};
+  board.carve_max_mm = {190, 90};
+  board.material.depth_um = 14;
+  return board;
+}
+
+Scratches random_scratches(std::size_t count) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> x(15, 185), y(15, 85), step(-4, 4);
+  Scratches s;
+  for (std::size_t i = 0; i < count; ++i) {
+    s.x0_mm.push_back(x(random)), s.y0_mm.push_back(y(random));
+    s.x1_mm.push_back(s.x0_mm[i] + step(random)), s.y1_mm.push_back(s.y0_mm[i] + step(random));
+  }
+  return s;
+}
+
+Bench bench_with_machine(const Affine2& affine) {
+  Bench bench;
+  bench.machine_affine = affine;
+  return bench;
+}
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + part.size())) ++count;
+  return count;
+}
+
+/// Largest distance between the scratches as designed and as found, matched by row (either end first).
+double worst_mm(const Scratches& designed, const std::vector<CarvingStep>& order,
+                const std::vector<std::array<double, 4>>& found) {
+  double worst = designed.size() == found.size() ? 0 : 1e9;
+  for (std::size_t k = 0; k < std::min(order.size(), found.size()); ++k) {
+    const std::size_t i = order[k].scratch;
+    std::array<double, 4> expected{designed.x0_mm[i], designed.y0_mm[i], designed.x1_mm[i], designed.y1_mm[i]};
+    if (order[k].reversed) expected = {expected[2], expected[3], expected[0], expected[1]};
+    for (int c = 0; c < 4; ++c) worst = std::max(worst, std::abs(expected[c] - found[k][c]));
+  }
+  return worst;
+}
+
+TEST(Toolpath, GcodeOfEveryMachineIsTheDesignReplayed) {
+  const TemporaryFolder folder;
+  const Scratches s = random_scratches(500);
+  for (const char* name : {"grbl", "linuxcnc", "marlin"}) {
+    const MachineProfile machine = machine_profile(name);
+    const auto file = folder / (std::string(name) + ".gcode");
+    const ToolpathReport report = write_toolpath(s, board_200x100(), nullptr, machine, {}, file);
+    ASSERT_EQ(report.files, std::vector{file});
+    const std::string text = file_text(file);
+    const Replay replay = replay_gcode(text, machine, name);
+    std::vector<std::array<double, 4>> found;
+    for (const ReplayedScratch& r : replay.scratches) {
+      found.push_back({r.from_mm.x(), r.from_mm.y(), r.to_mm.x(), r.to_mm.y()});
+      EXPECT_NEAR(r.depth_mm, 0.014, 1e-4);
+    }
+    EXPECT_LT(worst_mm(s, report.order, found), 0.51e-4) << name;  // four decimals
+    EXPECT_THAT(text, AllOf(HasSubstr("G21"), HasSubstr("G90")));
+    EXPECT_NEAR(replay.min_mm.z(), -0.014, 1e-9);
+    EXPECT_NEAR(replay.max_mm.z(), machine.safe_z_mm, 1e-9);
+    EXPECT_NEAR(report.duration_s, replay.duration_s, 1e-9);
+    EXPECT_LT(report.travel_mm, report.file_order_travel_mm);
+    for (std::istringstream lines(text); lines;) {
+      std::string line;
+      std::getline(lines, line);
+      EXPECT_LT(line.size(), 80u);  // grbl's line buffer
+    }
+  }
+}
+
+TEST(Toolpath, TheEstimateIsTheReplaysTime) {
+  // Two independent sums: over planned scratches, and over the moves of the file.
+  const Scratches s = random_scratches(300);
+  MachineProfile machine = machine_profile("grbl");
+  machine.dwell_s = 0.25;
+  const Toolpath path = plan_toolpath(s, board_200x100(), nullptr, machine);
+  const auto parts = gcode_parts(path, machine);
+  ASSERT_EQ(parts.size(), 1u);
+  EXPECT_EQ(count_of(parts[0].text, "G4 P0.250"), 300u);
+  // They differ by the first lift and the way to the first scratch, whose beginnings the file does not tell.
+  EXPECT_NEAR(parts[0].duration_s, path.duration_s, 5);
+  EXPECT_GT(path.duration_s, 300 * 0.25);
+  machine.acceleration_mm_s2 /= 10, machine.acceleration_z_mm_s2 /= 10;
+  EXPECT_GT(plan_toolpath(s, board_200x100(), nullptr, machine).duration_s, 1.5 * path.duration_s);
+}
+
+TEST(Toolpath, SvgIsInMillimetresAndNotMirrored) {
+  const TemporaryFolder folder;
+  const Scratches s = random_scratches(50);
+  const ToolpathReport report =
+      write_toolpath(s, board_200x100(), nullptr, machine_profile("grbl"), {}, folder / "b.svg");
+  const std::string text = file_text(folder / "b.svg");
+  EXPECT_THAT(text, HasSubstr(R"(width="200mm" height="100mm" viewBox="0 0 200 100")"));
+  std::vector<std::array<double, 4>> found;
+  const std::regex line("<line x1=\"([-.0-9]+)\" y1=\"([-.0-9]+)\" x2=\"([-.0-9]+)\" y2=\"([-.0-9]+)\"/>");
+  for (std::sregex_iterator it(text.begin(), text.end(), line), end; it != end; ++it)
+    found.push_back({std::stod((*it)[1]), 100 - std::stod((*it)[2]), std::stod((*it)[3]), 100 - std::stod((*it)[4])});
+  EXPECT_LT(worst_mm(s, report.order, found), 0.51e-4);
+}
+
+TEST(Toolpath, DxfIsR12InMillimetresWithYUp) {
+  const TemporaryFolder folder;
+  const Scratches s = random_scratches(50);
+  const ToolpathReport report =
+      write_toolpath(s, board_200x100(), nullptr, machine_profile("grbl"), {}, folder / "b.dxf");
+  const std::string text = file_text(folder / "b.dxf");
+  EXPECT_THAT(text, AllOf(HasSubstr("$ACADVER\n1\nAC1009\n"), HasSubstr("$INSUNITS\n70\n4\n")));
+  EXPECT_TRUE(text.ends_with("0\nENDSEC\n0\nEOF\n"));
+  // Group codes and values alternate; collect 10 20 11 21 of each LINE.
+  std::istringstream stream(text);
+  std::vector<std::array<double, 4>> found;
+  bool in_line = false;
+  for (std::string code, value; std::getline(stream, code) && std::getline(stream, value);) {
+    if (code == "0") {
+      in_line = value == "LINE";
+      if (in_line) found.push_back({});
+    } else if (in_line) {
+      for (int c = 0; c < 4; ++c)
+        if (code == std::array{"10", "20", "11", "21"}[c]) found.back()[c] = std::stod(value);
+    }
+  }
+  EXPECT_LT(worst_mm(s, report.order, found), 0.51e-4);
+}
+
+TEST(Toolpath, AMachineWithAKnownFaultCarvesTheDesign) {
+  Affine2 fault;
+  fault << 1.004, 0.003, -0.4, -0.002, 0.997, 0.6;
+  const Scratches s = random_scratches(200);
+  const Bench bench = bench_with_machine(fault);
+  const MachineProfile machine = machine_profile("grbl");
+  const Toolpath path = plan_toolpath(s, board_200x100(), &bench, machine);
+  EXPECT_TRUE(path.compensated);
+  const Replay replay = replay_gcode(gcode_parts(path, machine)[0].text, machine, "x");
+  std::vector<std::array<double, 4>> carved;  // what the faulty machine makes of the file
+  for (const ReplayedScratch& r : replay.scratches) {
+    const Eigen::Vector2d p0 = fault * r.from_mm.homogeneous(), p1 = fault * r.to_mm.homogeneous();
+    carved.push_back({p0.x(), p0.y(), p1.x(), p1.y()});
+  }
+  EXPECT_LT(worst_mm(s, path.order, carved), 0.6e-4);  // the file's rounding through the map
+  EXPECT_FALSE(plan_toolpath(s, board_200x100(), nullptr, machine).compensated);
+  const Bench nominal;
+  EXPECT_FALSE(plan_toolpath(s, board_200x100(), &nominal, machine).compensated);
+}
+
+TEST(Toolpath, DepthsAreCommandsNotMeasurements) {
+  Scratches s = random_scratches(2);
+  const Board board = board_200x100();  // the machine was told 14 um
+  Bench bench;
+  bench.material.depth_um = 28;  // and made 28 of it
+  const MachineProfile machine = machine_profile("grbl");
+  const auto depths = [&] {
+    const Toolpath path = plan_toolpath(s, board, &bench, machine, {.keep_order = true});
+    return std::pair(path.scratches[0].depth_mm, path.scratches[1].depth_mm);
+  };
+  EXPECT_EQ(depths(), std::pair(0.014, 0.014));
+  s.depth_um = {20, 30};  // depths to be reached: half of each must be told, once that is measured
+  EXPECT_EQ(depths(), std::pair(0.020, 0.030));
+  bench.material_sigma.depth_um = 0.5;
+  EXPECT_EQ(depths(), std::pair(0.010, 0.015));
+  bench.verdict["depth_um"] = {false, "no photo straddles the cut-off"};
+  EXPECT_EQ(depths(), std::pair(0.020, 0.030));
+}
+
+TEST(Toolpath, PartsStartOnTheirOwnAndTogetherCarveAll) {
+  const TemporaryFolder folder;
+  const Scratches s = random_scratches(900);
+  MachineProfile machine = machine_profile("grbl");
+  const auto write = [&](const ToolpathOptions& options) {
+    return write_toolpath(s, board_200x100(), nullptr, machine, options, folder / "board.gcode");
+  };
+  const ToolpathReport whole = write({});
+  EXPECT_EQ(whole.files.size(), 1u);
+  EXPECT_EQ(folder.file_count(), 1u);
+
+  ToolpathOptions options;
+  options.part_s = 120;
+  options.frame = true;
+  const ToolpathReport report = write(options);
+  ASSERT_GT(report.files.size(), 4u);
+  EXPECT_EQ(report.files[0], folder / "board-01.gcode");
+  EXPECT_EQ(report.files.back(), folder / "board-frame.gcode");
+  EXPECT_EQ(folder.file_count(), report.files.size());  // the whole job's file is gone: nobody may carve it twice
+  std::vector<ReplayedScratch> carved;
+  for (std::size_t k = 0; k + 1 < report.files.size(); ++k) {
+    const Replay part = replay_gcode(file_text(report.files[k]), machine, "part");  // replay starts knowing nothing
+    EXPECT_LT(part.duration_s, 125) << k;
+    EXPECT_NEAR(part.duration_s, report.file_duration_s[k], 1e-9);
+    carved.insert(carved.end(), part.scratches.begin(), part.scratches.end());
+  }
+  const Toolpath path = plan_toolpath(s, board_200x100(), nullptr, machine);
+  EXPECT_TRUE(check_toolpath(carved, path.scratches, 1e-3).good());
+  const Replay frame = replay_gcode(file_text(report.files.back()), machine, "frame");
+  EXPECT_TRUE(frame.scratches.empty());
+  EXPECT_NEAR(frame.max_mm.x(), path.max_mm.x(), 1e-4);
+  EXPECT_EQ(frame.min_mm.z(), machine.safe_z_mm);
+
+  machine.max_lines = 1000;
+  const ToolpathReport by_lines = write({});
+  EXPECT_GT(by_lines.files.size(), 3u);
+  EXPECT_EQ(folder.file_count(), by_lines.files.size() + 1);  // and the frame
+  for (const auto& file : by_lines.files) EXPECT_LE(count_of(file_text(file), "\n"), 1000u);
+}
+
+TEST(Toolpath, OtherPeoplesFilesStay) {
+  const TemporaryFolder folder;
+  folder.write("board-07.gcode", "G21 G90\n");  // not ours: no first line that says so
+  folder.write("board-old.gcode", "(Burin tool path)\n");
+  write_toolpath(random_scratches(5), board_200x100(), nullptr, machine_profile("grbl"), {}, folder / "board.gcode");
+  EXPECT_EQ(folder.file_count(), 3u);
+}
+
+TEST(Toolpath, WhatCannotBeCarvedIsNamed) {
+  const TemporaryFolder folder;
+  MachineProfile machine = machine_profile("grbl");
+  const auto expect = [&](const Scratches& s, const Bench* bench, const char* out, const auto& message) {
+    EXPECT_THAT([&] { write_toolpath(s, board_200x100(), bench, machine, {}, folder / out); },
+                ThrowsMessage<Error>(message));
+    EXPECT_EQ(folder.file_count(), 0u);
+  };
+  Scratches s = random_scratches(3);
+  expect(s, nullptr, "board.cnc", AllOf(HasSubstr(".cnc"), HasSubstr(".gcode")));
+  expect(s, nullptr, "no/board.gcode", HasSubstr("no folder"));
+  expect({}, nullptr, "board.gcode", HasSubstr("no scratch to carve"));
+  s.x1_mm[1] = 195;
+  expect(s, nullptr, "board.gcode", AllOf(HasSubstr("row 2"), HasSubstr("carve area"), HasSubstr("195.000")));
+  s.x1_mm[1] = std::nan("");
+  expect(s, nullptr, "board.gcode", AllOf(HasSubstr("row 2"), HasSubstr("not a number")));
+
+  s = random_scratches(3);
+  machine.travel = MachineBounds{{0, 0}, {200, 100}};
+  Affine2 shift;
+  shift << 1, 0, 60, 0, 1, 0;  // carves 60 mm too far right: some ends would have to be left of the machine's zero
+  const Bench bench = bench_with_machine(shift);
+  s.x0_mm = {90, 80, 30}, s.x1_mm = {91, 81, 31};
+  expect(s, &bench, "board.gcode",
+         AllOf(HasSubstr("row 3"), HasSubstr("compensated"), HasSubstr("travel of grbl"), HasSubstr("-30.000")));
+
+  machine = machine_profile("grbl");
+  machine.per_scratch = {"G0 X{x0} Y{y0}", "G1 Z{zcarve} F100"};
+  expect(random_scratches(3), nullptr, "board.gcode", AllOf(HasSubstr("{zcarve}"), HasSubstr("z_carve")));
+  machine.per_scratch = {"G0 X{x0} Y{y0}", "G1 Z{z_carve} F100", "G0 Z{z_safe}"};  // forgets to carve
+  expect(random_scratches(3), nullptr, "board.gcode", HasSubstr("3 scratches lost"));
+  machine.per_scratch = {"G0 X{x0} Y{y0}", "G1 Z{z_carve} F100", "G0 X{x1} Y{y1}", "G0 Z{z_safe}"};
+  expect(random_scratches(3), nullptr, "board.gcode", HasSubstr("G0 through the metal"));
+}
+
+TEST(Toolpath, AHeadThatPressesInsteadOfPlunging) {
+  MachineProfile machine = machine_profile("grbl");
+  machine.per_scratch = {"G0 X{x0} Y{y0}", "M3 S{depth_um}", "G4 P{dwell_s}", "G1 X{x1} Y{y1} F{feed}", "M5"};
+  const Toolpath path = plan_toolpath(random_scratches(10), board_200x100(), nullptr, machine);
+  const Replay replay = replay_gcode(gcode_parts(path, machine)[0].text, machine, "x");
+  EXPECT_TRUE(std::isnan(replay.scratches.at(0).depth_mm));  // the file does not tell
+  EXPECT_TRUE(check_toolpath(replay.scratches, path.scratches, 1e-3).good());
+}
+
+TEST(Toolpath, Durations) {
+  EXPECT_EQ(duration_from_text("30min"), 1800);
+  EXPECT_EQ(duration_from_text("45s"), 45);
+  EXPECT_EQ(duration_from_text("1.5h"), 5400);
+  EXPECT_EQ(duration_from_text("1h30min"), 5400);
+  for (const char* wrong : {"", "30", "min", "-5min", "5 years", "0s", "nanmin"})
+    EXPECT_THAT([&] { duration_from_text(wrong); }, ThrowsMessage<Error>(HasSubstr("30min"))) << wrong;
+  EXPECT_EQ(duration_text(42.4), "42 s");
+  EXPECT_EQ(duration_text(720), "12 min");
+  EXPECT_EQ(duration_text(6.5 * 3600), "6 h 30 min");
+}
+
+}  // namespace
+}  // namespace burin

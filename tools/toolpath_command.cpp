@@ -1,0 +1,112 @@
+// burin toolpath - scratches into files that a machine carves. The work is in optimize/toolpath.h.
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "optimize/toolpath.h"
+#include "optimize/toolpath_check.h"
+#include "render/bench.h"
+#include "render/board.h"
+#include "render/error.h"
+#include "render/json_file.h"
+#include "render/scratches.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace burin {
+namespace {
+
+struct Options {
+  std::filesystem::path scratches, board, bench, out, ordered;
+  std::vector<std::filesystem::path> replay;
+  std::string machine = "grbl", part;
+  bool keep_order = false, frame = false;
+};
+
+void write(const Options& options) {
+  const MachineProfile machine = machine_profile(options.machine);
+  const Scratches scratches = read_scratches(options.scratches);
+  const Board board = read_board(options.board);
+  std::optional<Bench> bench;
+  if (!options.bench.empty()) bench = read_bench(options.bench);
+  ToolpathOptions settings;
+  settings.keep_order = options.keep_order;
+  settings.frame = options.frame;
+  if (!options.part.empty()) settings.part_s = duration_from_text(options.part);
+
+  ProgressBar bar;
+  const ToolpathReport report =
+      write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
+  bar.clear();
+  if (!options.ordered.empty()) write_scratches(in_carving_order(scratches, report.order), options.ordered);
+
+  for (std::size_t i = 0; i < report.files.size(); ++i)
+    fmt::print("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));
+  fmt::print("covers X {:.2f} to {:.2f}, Y {:.2f} to {:.2f} mm; {}\n", report.min_mm.x(), report.max_mm.x(),
+             report.min_mm.y(), report.max_mm.y(),
+             report.compensated ? "compensated by the measured machine.affine" : "not compensated");
+  fmt::print("carves {:.1f} m, travels {:.1f} m in the air ({:.1f} m in the file's own order)\n",
+             report.carve_mm / 1000, report.travel_mm / 1000, report.file_order_travel_mm / 1000);
+  fmt::print(
+      "Wrote {} scratches for {}, about {}: set work zero at the board's lower left corner, on its face, and carve.\n",
+      report.scratch_count, machine.name, duration_text(report.duration_s));
+}
+
+void replay(const Options& options) {
+  const MachineProfile machine = machine_profile(options.machine);
+  std::vector<ReplayedScratch> carved;
+  double duration_s = 0;
+  for (const std::filesystem::path& file : options.replay) {
+    const Replay done = replay_gcode(read_text(file), machine, file.string());
+    carved.insert(carved.end(), done.scratches.begin(), done.scratches.end());
+    duration_s += done.duration_s;
+    fmt::print("{}: {} lines, {} scratches, {:.1f} m in the metal, {:.1f} m in the air, {}\n", file.string(),
+               done.lines, done.scratches.size(), done.carve_mm / 1000, done.travel_mm / 1000,
+               duration_text(done.duration_s));
+    fmt::print("  X {:.3f} to {:.3f}, Y {:.3f} to {:.3f}, Z {:.3f} to {:.3f} mm\n", done.min_mm.x(), done.max_mm.x(),
+               done.min_mm.y(), done.max_mm.y(), done.min_mm.z(), done.max_mm.z());
+  }
+  std::optional<Bench> bench;
+  if (!options.bench.empty()) bench = read_bench(options.bench);
+  ToolpathOptions settings;
+  settings.keep_order = true;
+  const Toolpath planned = plan_toolpath(read_scratches(options.scratches), read_board(options.board),
+                                         bench ? &*bench : nullptr, machine, settings);
+  fail_unless_good(check_toolpath(carved, planned.scratches, 1e-3), options.replay.front().string());
+  fmt::print("Replayed: all {} scratches are carved once and as planned, in about {} on {}.\n", carved.size(),
+             duration_text(duration_s), machine.name);
+}
+
+}  // namespace
+
+void add_toolpath_command(CLI::App& burin) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = burin.add_subcommand("toolpath", "Turn scratches into files that a machine carves");
+  command->add_option("SCRATCHES.csv", options->scratches, "The scratches to carve")->required();
+  command->add_option("--board", options->board, "board.json: size, carve area, depth")->required();
+  command->add_option("--bench", options->bench, "A measured bench.json: its machine.affine is compensated");
+  command->add_option("--machine", options->machine, "grbl, linuxcnc, marlin, or a burin/machine JSON file")
+      ->capture_default_str();
+  CLI::Option* out = command->add_option("--out", options->out, "Where to write: .gcode, .nc, .ngc, .svg or .dxf");
+  command->add_option("--chunks", options->part, "Split G-code into files of about this long, such as 30min");
+  command->add_flag("--keep-order", options->keep_order, "Carve in the file's order, not the shortest way");
+  command->add_flag("--frame", options->frame, "Also write a file that moves round the scratches in the air");
+  command->add_option("--ordered", options->ordered, "Also write the scratches in the order they are carved, a CSV");
+  CLI::Option* check = command->add_option(
+      "--replay", options->replay, "Write nothing: replay this G-code (all its parts) and check it against them");
+  out->excludes(check);
+  command->footer(
+      example("burin toolpath scratches.csv --board board.json --bench bench.json --machine grbl --out board.gcode\n"
+              "  burin toolpath scratches.csv --board board.json --bench bench.json --replay board.gcode"));
+  command->callback([options] {
+    if (options->out.empty() && options->replay.empty()) throw CLI::RequiredError("--out FILE (or --replay FILE)");
+    if (options->replay.empty())
+      write(*options);
+    else
+      replay(*options);
+  });
+}
+
+}  // namespace burin
