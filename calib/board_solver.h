@@ -42,7 +42,7 @@ struct BoardSolverOptions {
 };
 
 /// One measured corner and what became of it.
-struct CornerResidual {
+struct SolvedCorner {
   std::string view;
   int picture = 0;  ///< index into the ViewTags that were given
   int tag = 0;      ///< id
@@ -64,7 +64,7 @@ struct BoardSolution {
   std::vector<Tag> tags;                   ///< of board.json, where they really are; those that were used
   std::vector<Eigen::Vector3d> tag_sigma;  ///< x, y (mm), turn (rad), one a tag
   double edge_mm = 0, edge_sigma_mm = 0;   ///< how much further out the tags' sides are than size_mm says
-  std::vector<CornerResidual> corners;
+  std::vector<SolvedCorner> corners;
   double rms_px = 0;                        ///< of the used corners, per axis
   double rms_board_mm = 0;                  ///< the same on the board, roughly: rms_px over pixels per mm
   std::vector<std::string> not_determined;  ///< names of parameters that the photos hardly determine

@@ -1,0 +1,74 @@
+#include <CLI/Error.hpp>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include "calib/calibrate.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace burin {
+
+void add_calibrate_command(CLI::App& burin) {
+  struct Options {
+    std::filesystem::path session, out, camera;
+    std::string lens_model;
+    bool seed_only = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      burin.add_subcommand("calibrate", "Find lens, camera poses, bow, tags and lamp from a session's photos");
+  command->add_option("SESSION.json", options->session, "The session, as burin capture writes it")->required();
+  command->add_option("--out", options->out, "The folder for bench.json, camera.cameramodel and residuals.vnl")
+      ->required();
+  auto* camera = command->add_option("--camera", options->camera,
+                                     "A lens that is known (.cameramodel, splined ones too): it is not solved for");
+  command->add_flag("--camera-as-seed", options->seed_only, "Start from --camera and solve for the lens all the same")
+      ->needs(camera);
+  command
+      ->add_option("--lens-model", options->lens_model,
+                   "LENSMODEL_OPENCV4, 5 or 8; without it, the smallest that the photos support")
+      ->excludes(camera);
+  command->footer(example("burin calibrate session/session.json --out bench"));
+  command->callback([options] {
+    const Session session = read_session(options->session);
+    const Board board = read_board(session.board);
+    CalibrateOptions o;
+    o.lens_model = options->lens_model;
+    if (!options->camera.empty()) {
+      o.lens = read_cameramodel(options->camera);
+      o.fix_lens = !options->seed_only;
+    }
+    ProgressBar bar;
+    const Calibration c = calibrate(session, board, o, bar.progress());
+    write_calibration(c, options->out);
+    bar.clear();
+    for (const Finding& finding : c.findings) note(sentence(finding));
+    const BoardSolution& g = c.geometry;
+    fmt::print("lens     {}: focal lengths {:.2f} and {:.2f} px{}\n", g.lens.model, g.lens.intrinsics[0],
+               g.lens.intrinsics[1],
+               o.fix_lens ? ", as given" : fmt::format(", +- {:.2f} px", std::sqrt(g.lens_covariance(0, 0))));
+    fmt::print("corners  {:.4f} px RMS per axis, {:.4f} mm on the board (0.01 to 0.05 px is normal)\n", g.rms_px,
+               g.rms_board_mm);
+    double worst = 0;
+    for (const View& view : g.views) worst = std::max(worst, view.center_sigma_mm->maxCoeff());
+    fmt::print("cameras  {} views, centres known to {:.3f} mm or better along each axis\n", g.views.size(), worst);
+    fmt::print("board    bow {:.4f}, {:.4f}, {:.4f} mm, +- {:.4f} mm; {} tags used\n", g.bow_mm[0], g.bow_mm[1],
+               g.bow_mm[2], g.bow_sigma_mm.maxCoeff(), g.tags.size());
+    if (g.check)
+      fmt::print("check    mrcal's own solver agrees to {:.5f} px, {:.4f} mm\n", g.check->max_shift_px,
+                 g.check->max_center_mm);
+    for (const Light& light : c.bench.lights) {
+      fmt::print("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
+                 light.position_mm.z());
+      if (light.position_sigma_mm)
+        fmt::print(", +- {:.1f}, {:.1f}, {:.1f} mm", light.position_sigma_mm->x(), light.position_sigma_mm->y(),
+                   light.position_sigma_mm->z());
+      fmt::print("\n");
+    }
+    const std::string bench = (options->out / "bench.json").string();
+    fmt::print("Wrote {}; next: burin refine {} --bench {}\n", bench, options->session.string(), bench);
+  });
+}
+
+}  // namespace burin
