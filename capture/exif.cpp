@@ -17,10 +17,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// EXIF's fractions come as floats: 1/60 s is to be 1/60, and 5.6 not 5.599999905.
+// EXIF's fractions come as floats, and some were written with few digits: 1/60 s is to be 1/60, and 5.6
+// not 5.599999905.
 double tidied(float value) {
   const double inverse = std::round(1.0 / value);
-  if (inverse >= 2 && std::abs(value * inverse - 1) < 2e-7) return 1 / inverse;
+  if (inverse >= 2 && inverse <= 8000 && std::abs(value * inverse - 1) < 5e-5) return 1 / inverse;
   const double unit = std::pow(10, std::floor(std::log10(value)) - 6);
   return std::stod(OIIO::Strutil::sprintf("%.7g", std::round(value / unit) * unit));
 }

@@ -23,26 +23,19 @@ Encoding encoding_of(JsonObject& object) {
   object.fail_field("encoding", "\"" + text + "\" is not known", "say \"linear\", \"srgb\" or \"raw\"");
 }
 
-// Manifests travel with their folder, so paths are kept relative to it wherever the two share a root.
-std::string relative_to(const fs::path& path, const fs::path& folder) {
-  const fs::path relative = fs::absolute(path).lexically_normal().lexically_proximate(folder);
-  return relative.generic_string();
-}
-
 }  // namespace
 
 Session read_session(const fs::path& file) {
   const Json json = read_json(file, "burin/session", 1);
   JsonObject root(json, file.string());
-  const fs::path folder = file.parent_path();
 
   Session session;
   session.file = file;
-  session.board = folder / root.text("board");
+  session.board = resolve_path(file, root.text("board"));
   std::set<fs::path> seen;
   for (JsonObject& entry : root.objects("photos")) {
     Photo photo;
-    photo.file = (folder / entry.text("file")).lexically_normal();
+    photo.file = resolve_path(file, entry.text("file")).lexically_normal();
     photo.view = entry.text("view");
     photo.light = entry.text("light", photo.light);
     photo.exposure_s = entry.positive("exposure_s");
@@ -66,17 +59,16 @@ Session read_session(const fs::path& file) {
 }
 
 void write_session(const Session& session, const fs::path& file) {
-  const fs::path folder = fs::absolute(file).lexically_normal().parent_path();
   Json json;
   json["format"] = "burin/session";
   json["version"] = 1;
-  json["board"] = relative_to(session.board, folder);
+  json["board"] = path_beside(file, session.board);
   json["photos"] = Json::array();
   for (const Photo& photo : session.photos) {
     const auto* name = std::find_if(kEncodings.begin(), kEncodings.end(),
                                     [&](const auto& entry) { return entry.first == photo.encoding; });
     Json entry;
-    entry["file"] = relative_to(photo.file, folder);
+    entry["file"] = path_beside(file, photo.file);
     entry["view"] = photo.view;
     entry["light"] = photo.light;
     entry["exposure_s"] = photo.exposure_s;

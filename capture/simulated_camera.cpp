@@ -1,12 +1,19 @@
 #include "capture/simulated_camera.h"
 
 #include <OpenImageIO/imageio.h>
+#include <OpenImageIO/tiffutils.h>
 #include <tbb/parallel_for.h>
+#include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <opencv2/imgproc.hpp>
 #include <random>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "capture/point_sampler.h"
@@ -29,6 +36,89 @@ std::uint64_t seed_of(const BenchTruth& truth, const TruthPhoto& photo) {
   std::uint64_t seed = truth.seed;
   for (const char c : photo.file.generic_string()) seed = (seed ^ static_cast<unsigned char>(c)) * 0x100000001b3ULL;
   return seed;
+}
+
+// EXIF keeps times as fractions: 1/60 s, or as many millionths as it takes.
+std::array<std::uint32_t, 2> fraction(double value) {
+  const double inverse = std::round(1 / value);
+  if (value < 1 && std::abs(value * inverse - 1) < 1e-9) return {1, static_cast<std::uint32_t>(inverse)};
+  const double unit = value < 1000 ? 1e6 : 1;
+  return {static_cast<std::uint32_t>(std::lround(value * unit)), static_cast<std::uint32_t>(unit)};
+}
+
+// OpenImageIO 2.4 rounds EXIF's fractions to five digits. This puts exact ones into an EXIF block (TIFF's little-endian
+// layout: directories of 12-byte entries, fractions at an offset), wherever the tag is among them.
+void set_fraction(std::span<char> tiff, std::uint16_t tag, double value) {
+  const auto number = [&](std::size_t at, int bytes) {
+    std::uint32_t v = 0;
+    for (int i = 0; i < bytes && at + i < tiff.size(); ++i)
+      v |= static_cast<std::uint32_t>(static_cast<unsigned char>(tiff[at + i])) << (8 * i);
+    return v;
+  };
+  constexpr std::uint16_t kExifDirectory = 34665;
+  std::size_t directory = number(4, 4);
+  for (int depth = 0; depth < 2 && directory != 0 && directory + 2 < tiff.size(); ++depth) {
+    const std::size_t count = number(directory, 2);
+    std::size_t next = 0;
+    for (std::size_t entry = directory + 2; entry < directory + 2 + 12 * count; entry += 12) {
+      const std::size_t offset = number(entry + 8, 4);
+      if (number(entry, 2) == kExifDirectory) next = offset;
+      if (number(entry, 2) != tag || offset + 8 > tiff.size()) continue;
+      const auto parts = fraction(value);
+      for (int i = 0; i < 8; ++i) tiff[offset + i] = static_cast<char>(parts[i / 4] >> (8 * (i % 4)));
+      return;
+    }
+    directory = next;
+  }
+}
+
+void set_fractions(std::span<char> tiff, const BenchTruth& truth, const Photo& photo) {
+  set_fraction(tiff, 33434, photo.exposure_s);
+  set_fraction(tiff, 33437, photo.f_number);
+  if (truth.focal_mm) set_fraction(tiff, 37386, *truth.focal_mm);
+}
+
+std::vector<char> bytes_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write_bytes(const std::vector<char>& bytes, const fs::path& file) {
+  std::ofstream out(file, std::ios::binary);
+  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!out.flush()) fail(file.string(), "cannot be written", "check that the disk is not full");
+}
+
+// OpenImageIO 2.4 reads the EXIF chunk of PNG files but writes none: it is put in after the header (PNG 1.5, eXIf).
+void add_exif_to_png(const fs::path& file, const OIIO::ImageSpec& spec, const BenchTruth& truth, const Photo& photo) {
+  constexpr std::ptrdiff_t kHeaderEnd = 33;  // signature and IHDR
+  std::vector<char> exif;
+  OIIO::encode_exif(spec, exif, OIIO::endian::little);
+  set_fractions(exif, truth, photo);
+  const auto big_endian = [](unsigned long v) {
+    return std::array<char, 4>{static_cast<char>(v >> 24), static_cast<char>(v >> 16), static_cast<char>(v >> 8),
+                               static_cast<char>(v)};
+  };
+  std::vector<char> chunk{'e', 'X', 'I', 'f'};
+  chunk.insert(chunk.end(), exif.begin(), exif.end());
+  const auto check =
+      big_endian(crc32(0, reinterpret_cast<const Bytef*>(chunk.data()), static_cast<uInt>(chunk.size())));
+  const auto length = big_endian(exif.size());
+  chunk.insert(chunk.begin(), length.begin(), length.end());
+  chunk.insert(chunk.end(), check.begin(), check.end());
+  std::vector<char> png = bytes_of(file);
+  png.insert(png.begin() + kHeaderEnd, chunk.begin(), chunk.end());
+  write_bytes(png, file);
+}
+
+void exact_exif_of_jpeg(const fs::path& file, const BenchTruth& truth, const Photo& photo) {
+  std::vector<char> jpeg = bytes_of(file);
+  constexpr std::string_view kMark("Exif\0\0II*\0", 10);
+  const auto mark = std::search(jpeg.begin(), jpeg.begin() + std::min<std::ptrdiff_t>(4096, std::ssize(jpeg)),
+                                kMark.begin(), kMark.end());
+  if (std::distance(mark, jpeg.end()) < 64) return;
+  set_fractions(std::span(jpeg).subspan(static_cast<std::size_t>(mark - jpeg.begin()) + 6), truth, photo);
+  write_bytes(jpeg, file);
 }
 
 void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& value, const fs::path& file) {
@@ -82,6 +172,8 @@ void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& 
     }
     if (!done || !out->close())
       fail(file.string(), "cannot be written (" + out->geterror() + ")", "check that the disk is not full");
+    if (extension == ".png") add_exif_to_png(temporary, spec, truth, photo.photo);
+    if (jpeg) exact_exif_of_jpeg(temporary, truth, photo.photo);
   });
 }
 

@@ -10,6 +10,7 @@ find_package(Ceres 2.1 REQUIRED)
 find_package(xsimd REQUIRED)
 # Debian's xsimd asks to link xtl for complex numbers; there is no such library to link, and we have no complex numbers.
 set_property(TARGET xsimd PROPERTY INTERFACE_LINK_LIBRARIES "")
+find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(apriltag REQUIRED IMPORTED_TARGET apriltag)
 

@@ -38,8 +38,8 @@ void add_capture_command(CLI::App& burin) {
       fail(options->photos.string(),
            fmt::format("{} error{} found, no session was written", errors, errors == 1 ? " was" : "s were"),
            "mend or take away the photos named above");
-    fmt::print("Wrote {}: {} photos of {} views; next: burin calibrate {} --out DIR\n", result.written.string(),
-               result.session.photos.size(), result.views, result.written.string());
+    fmt::print("Wrote {}: {} photos of {} view{}; next: burin calibrate {} --out DIR\n", result.written.string(),
+               result.session.photos.size(), result.views, result.views == 1 ? "" : "s", result.written.string());
   });
 }
 
