@@ -1,9 +1,11 @@
 #include "optimize/carving_order.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <random>
 #include <utility>
 
 namespace burin {
@@ -125,6 +127,12 @@ class Tour {
     return order_[i] == end ? order_[i == 0 ? size() - 1 : i - 1] ^ 1 : order_[i + 1 == size() ? 0 : i + 1];
   }
 
+  /// How far apart two ends stand in the order, the shorter way round: about what a move that joins them costs.
+  int steps_between(End a, End b) const {
+    const int steps = std::abs(position_[a >> 1] - position_[b >> 1]);
+    return std::min(steps, size() - steps);
+  }
+
   /// Ways a-b and c-d in the air become a-c and b-d. a and c must both be entering or both be leaving.
   void two_opt(End a, End b, End c, End d) {
     if (is_entering(a))
@@ -173,7 +181,7 @@ std::vector<End> greedy_order(const Tour& tour, const Progress& progress) {
   std::vector<std::pair<double, End>> found;
   for (std::size_t i = 0; i < n; ++i) {
     if (progress && i % 4096 == 0)
-      progress("ordering scratches", 0.3 * static_cast<double>(i) / static_cast<double>(n));
+      progress("ordering scratches", 0.1 * static_cast<double>(i) / static_cast<double>(n));
     grid.nearest(
         at, 1, [](End) { return true; }, found);
     const End entering = found.front().second;
@@ -207,10 +215,45 @@ class Improvement {
 
   void run(const Progress& progress) {
     for (const End entering : tour_.order()) enqueue(entering), enqueue(entering ^ 1);
+    work_off_queue(progress);
+  }
+
+  /// Swaps two short neighbouring runs at random, improves around them, and takes everything back unless the tour
+  /// became shorter: the way out of local optima.
+  void kick(std::size_t kicks, const Progress& progress) {
+    const int n = tour_.size();
+    if (n < 8) return;
+    std::mt19937_64 random(1);  // fixed: the same scratches give the same order
+    const auto below = [&random](int limit) { return static_cast<int>(random() % static_cast<std::uint64_t>(limit)); };
+    const int longest = std::min(50, n / 3 - 1);
+    most_steps_ =
+        std::max(1000, 50'000'000 / n);  // turning round longer runs, and back again, would cost more than it finds
+    for (std::size_t k = 0; k < kicks; ++k) {
+      if (progress && k % 16384 == 0)
+        progress("ordering scratches", 0.2 + 0.8 * static_cast<double>(k) / static_cast<double>(kicks));
+      const int first = below(n), first_run = 1 + below(longest), second_run = 1 + below(longest);
+      const auto at = [&](int i) { return tour_.order()[i % n]; };
+      const End u = at(first), w = at(first + first_run - 1) ^ 1, after = at(first + first_run);
+      const End c = at(first + first_run + second_run - 1) ^ 1;
+      const End before = tour_.partner(u), pc = tour_.partner(c);
+      done_.clear();
+      gain_mm_ = tour_.distance(before, u) + tour_.distance(w, after) + tour_.distance(c, pc) -
+                 tour_.distance(before, after) - tour_.distance(c, u) - tour_.distance(w, pc);
+      move_run(u, w, before, after, c, pc, true);
+      for (const End end : {u, w, before, after, c, pc}) enqueue(end);
+      work_off_queue({});
+      if (gain_mm_ >= 0) continue;
+      for (auto move = done_.rbegin(); move != done_.rend(); ++move)
+        tour_.two_opt((*move)[0], (*move)[2], (*move)[1], (*move)[3]);
+    }
+  }
+
+ private:
+  void work_off_queue(const Progress& progress) {
     for (std::size_t done = 0; !queue_.empty(); ++done) {
       if (progress && done % 16384 == 0)
         progress("ordering scratches",
-                 0.3 + 0.7 * static_cast<double>(done) / static_cast<double>(done + queue_.size()));
+                 0.1 + 0.1 * static_cast<double>(done) / static_cast<double>(done + queue_.size()));
       const End end = queue_.front();
       queue_.pop_front();
       waiting_[end] = false;
@@ -219,7 +262,6 @@ class Improvement {
     }
   }
 
- private:
   static constexpr double kLeastGain_mm = 1e-7;  // below it rounding could make moves go in circles
   static constexpr int kLongestRun = 3;
 
@@ -240,8 +282,11 @@ class Improvement {
       if (tour_.is_entering(a) != tour_.is_entering(c)) continue;
       const End d = tour_.partner(c);
       if (c == b || d == a) continue;
-      if (ab + tour_.distance(c, d) - ac - tour_.distance(b, d) < kLeastGain_mm) continue;
-      tour_.two_opt(a, b, c, d);
+      if (tour_.steps_between(a, c) > most_steps_) continue;
+      const double gain = ab + tour_.distance(c, d) - ac - tour_.distance(b, d);
+      if (gain < kLeastGain_mm) continue;
+      gain_mm_ += gain;
+      two_opt(a, b, c, d);
       for (const End end : {a, b, c, d}) enqueue(end);
       return true;
     }
@@ -262,8 +307,11 @@ class Improvement {
         if (c < 0) break;
         const double uc = tour_.distance(u, c);
         const End pc = tour_.partner(c);
+        if (tour_.steps_between(u, c) > most_steps_) continue;
         if (in_run(u, w, c, length) || in_run(u, w, pc, length)) continue;
-        if (taken_out + tour_.distance(c, pc) - uc - tour_.distance(w, pc) < kLeastGain_mm) continue;
+        const double gain = taken_out + tour_.distance(c, pc) - uc - tour_.distance(w, pc);
+        if (gain < kLeastGain_mm) continue;
+        gain_mm_ += gain;
         move_run(u, w, before, after, c, pc, u_entering);
         for (const End end : {u, w, before, after, c, pc}) enqueue(end);
         return true;
@@ -288,13 +336,18 @@ class Improvement {
   /// before-u..w-after and c-pc become before-after and c-u..w-pc: two or three moves of 2-opt.
   void move_run(End u, End w, End before, End after, End c, End pc, bool u_entering) {
     if (u_entering != tour_.is_entering(c)) {
-      tour_.two_opt(before, u, c, pc);
-      tour_.two_opt(before, c, after, w);
-      tour_.two_opt(c, w, u, pc);
+      two_opt(before, u, c, pc);
+      two_opt(before, c, after, w);
+      two_opt(c, w, u, pc);
     } else {
-      tour_.two_opt(before, u, pc, c);
-      tour_.two_opt(before, pc, after, w);
+      two_opt(before, u, pc, c);
+      two_opt(before, pc, after, w);
     }
+  }
+
+  void two_opt(End a, End b, End c, End d) {
+    tour_.two_opt(a, b, c, d);
+    done_.push_back({a, b, c, d});
   }
 
   Tour& tour_;
@@ -302,6 +355,9 @@ class Improvement {
   std::vector<End> neighbours_;
   std::vector<bool> waiting_;
   std::deque<End> queue_;
+  int most_steps_ = std::numeric_limits<int>::max();
+  std::vector<std::array<End, 4>> done_;  // moves since the last kick, to take them back
+  double gain_mm_ = 0;                    // by them
 };
 
 }  // namespace
@@ -311,7 +367,9 @@ std::vector<CarvingStep> carving_order(const Scratches& scratches, const Carving
   if (scratches.size() == 0) return {};
   Tour tour(scratches, options);
   tour.set_order(greedy_order(tour, progress));
-  Improvement(tour, options.neighbours).run(progress);
+  Improvement improvement(tour, options.neighbours);
+  improvement.run(progress);
+  improvement.kick(static_cast<std::size_t>(std::max(0, options.kicks_per_scratch)) * scratches.size(), progress);
 
   // Read the closed tour from the start, in the direction that leaves it at its end 1.
   std::vector<CarvingStep> steps;
