@@ -1,0 +1,388 @@
+#include "calib/photo_equations.h"
+
+#include <ceres/jet.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "calib/lamp.h"
+#include "calib/overlap.h"
+
+namespace burin {
+namespace {
+
+cv::Mat as_mat(Image& image) { return {image.height, image.width, CV_32F, image.data.data()}; }
+
+// A Gaussian on the pixel grid. On the photo's own pixels it is sampled, as DESIGN has it; on binned pixels it is
+// narrower than they are, and three taps of the same variance say more than a sampled Gaussian.
+cv::Mat blur_kernel(double sigma_px, int bin) {
+  const double sigma = sigma_px / bin;
+  if (bin > 1 && sigma < 0.5) {
+    const float side = static_cast<float>(0.5 * sigma * sigma);
+    return (cv::Mat_<float>(3, 1) << side, 1 - 2 * side, side);
+  }
+  const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma)));
+  cv::Mat kernel(2 * radius + 1, 1, CV_32F);
+  double sum = 0;
+  for (int i = -radius; i <= radius; ++i) sum += std::exp(-0.5 * i * i / (sigma * sigma));
+  for (int i = -radius; i <= radius; ++i)
+    kernel.at<float>(i + radius) = static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum);
+  return kernel;
+}
+
+Image blurred(Image image, const cv::Mat& kernel) {
+  cv::Mat in = as_mat(image);
+  Image out(image.width, image.height, 1);
+  cv::sepFilter2D(in, as_mat(out), CV_32F, kernel, kernel, cv::Point(-1, -1), 0, cv::BORDER_REPLICATE);
+  return out;
+}
+
+Eigen::Matrix2d machine_linear(const Unknowns& x) {
+  return (Eigen::Matrix2d() << x[unknown::machine], x[unknown::machine + 1], x[unknown::machine + 2],
+          x[unknown::machine + 3])
+      .finished();
+}
+
+Eigen::Vector2d machine_shift(const Unknowns& x) { return {x[unknown::machine + 4], x[unknown::machine + 5]}; }
+
+// Puts the unknowns into a photo's scene: a bare lamp; the spot's fall-off is multiplied later, being smooth.
+const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
+  ViewScene& scene = photo.scene;
+  scene.material.alpha = std::exp(x[unknown::log_alpha]);
+  scene.material.depth_um = std::exp(x[unknown::log_depth]);
+  scene.material.base_alpha = std::exp(x[unknown::log_base_alpha]);
+  scene.light.position_mm = x.segment<3>(unknown::lamp_position);
+  scene.light.intensity.setConstant(std::exp(x[unknown::log_intensity]));
+  scene.light.falloff_exponent = 0;
+  scene.ambient.setZero();
+  return scene;
+}
+
+// log of the spot's fall-off at a point, by lamp position (3) and spot (3).
+using SpotJet = ceres::Jet<double, 6>;
+SpotJet log_falloff(const Unknowns& x, const Eigen::Vector3d& p) {
+  LampModel<SpotJet> lamp;
+  for (int i = 0; i < 3; ++i) lamp.position_mm[i] = SpotJet(x[unknown::lamp_position + i], i);
+  for (int i = 0; i < 2; ++i) lamp.aim_mm[i] = SpotJet(x[unknown::spot + i], 3 + i);
+  lamp.exponent = SpotJet(x[unknown::spot + 2], 5);
+  const Eigen::Matrix<SpotJet, 3, 1> axis = Eigen::Matrix<SpotJet, 3, 1>(
+      lamp.aim_mm.x() - lamp.position_mm.x(), lamp.aim_mm.y() - lamp.position_mm.y(), -lamp.position_mm.z());
+  const Eigen::Matrix<SpotJet, 3, 1> from(SpotJet(p.x()) - lamp.position_mm.x(), SpotJet(p.y()) - lamp.position_mm.y(),
+                                          SpotJet(p.z()) - lamp.position_mm.z());
+  const auto dot = [](const Eigen::Matrix<SpotJet, 3, 1>& a, const Eigen::Matrix<SpotJet, 3, 1>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  };
+  SpotJet cosine = dot(axis, from) / sqrt(dot(axis, axis) * dot(from, from));
+  if (cosine.a < 1e-6) cosine = SpotJet(1e-6);
+  return lamp.exponent * log(cosine);
+}
+
+struct Loss {
+  double rho, weight;  // of s = r^2: rho(s) and rho'(s)
+};
+Loss cauchy_loss(double s, double scale) {
+  const double c2 = scale * scale;
+  return {c2 * std::log1p(s / c2), 1 / (1 + s / c2)};
+}
+
+void multiply(Image& image, const std::vector<float>& by) {
+  for (std::size_t i = 0; i < by.size(); ++i) image.data[i] *= by[i];
+}
+
+// Fall-off of each pixel's place; empty for a bare lamp.
+std::vector<float> falloff_image(const PhotoData& photo, const Unknowns& x) {
+  if (!(x[unknown::spot + 2] > 0)) return {};
+  std::vector<float> out(photo.weight.size(), 0);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Eigen::Vector3d& p = photo.scene.grid.center_mm[i];
+    if (std::isfinite(p.x())) out[i] = static_cast<float>(std::exp(log_falloff(x, p).a));
+  }
+  return out;
+}
+
+double vignette_of(const PhotoData& photo, const Unknowns& x, std::size_t i) {
+  return vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i]));
+}
+
+// Lamp light before blur, in place: rendered radiance times the spot's fall-off.
+Image rendered_light(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                     const std::vector<float>& falloff) {
+  Image light = render_with_derivatives(scene_at(photo, x), photo.camera, carved, {}).radiance;
+  if (!falloff.empty()) multiply(light, falloff);
+  return light;
+}
+
+}  // namespace
+
+PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& board, const Bench& bench,
+                          double margin_px) {
+  PhotoData data;
+  data.photo = binned_view;
+  data.bin = bin;
+  data.camera.lens = binned_view.lens;
+  data.camera.T_camera_board = bench.views[binned_view.view].T_camera_board;
+  data.camera.surface = {board.size_mm, bench.bow_mm};
+  data.camera.window = binned_view.window;
+  Light light;  // everything about it is an unknown
+  data.scene = make_scene(bench, board, data.camera, light);
+  data.scene.ambient.setZero();
+  data.scene.material.f0 = board.material.f0;
+
+  const FootprintGrid& grid = data.scene.grid;
+  const int width = grid.width(), height = grid.height();
+  data.radius2.resize(static_cast<std::size_t>(width) * height);
+  data.weight.assign(data.radius2.size(), 0);
+  // One margin for the whole photo, from the pixel's size at the board's center.
+  const std::size_t middle = static_cast<std::size_t>(height / 2) * (width + 1) + width / 2;
+  const double pixel_mm = std::max(std::hypot(grid.corner_x_mm[middle + 1] - grid.corner_x_mm[middle],
+                                              grid.corner_y_mm[middle + 1] - grid.corner_y_mm[middle]),
+                                   std::hypot(grid.corner_x_mm[middle + width + 1] - grid.corner_x_mm[middle],
+                                              grid.corner_y_mm[middle + width + 1] - grid.corner_y_mm[middle]));
+  constexpr double kPaperRimMm = 0.8;  // paper is cut wider than what is printed on it, and lies a little off
+  const BoardMask metal = metal_mask(board, bench, kPaperRimMm + margin_px * (std::isfinite(pixel_mm) ? pixel_mm : 1));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      data.radius2[i] = static_cast<float>(
+          vignette_radius2(binned_view.lens.width, binned_view.lens.height, x + grid.window.x0, y + grid.window.y0));
+      const Eigen::Vector3d& p = grid.center_mm[i];
+      if (!binned_view.valid[i] || !std::isfinite(p.x()) || !metal.is_free(p.x(), p.y())) continue;
+      data.weight[i] = 1 / binned_view.sigma.data[i];
+    }
+  return data;
+}
+
+Scratches carved_scratches(const ModelData& model, const Unknowns& x) {
+  const Eigen::Matrix2d A = machine_linear(x);
+  Eigen::Matrix<double, 2, 3> affine;
+  affine << A, model.center_mm - A * model.center_mm + machine_shift(x);
+  Scratches carved = transformed(*model.designed, affine);
+  const double depth = std::exp(x[unknown::log_depth]), alpha = std::exp(x[unknown::log_alpha]);
+  // What scratches carry of their own is taken as designed on a board of the believed material: ratios are kept.
+  for (double& d : carved.depth_um) d *= depth / model.board->material.depth_um;
+  for (double& a : carved.alpha) a = std::min(1.0, a * alpha / model.board->material.alpha);
+  const double gx = x[unknown::depth_gradient], gy = x[unknown::depth_gradient + 1];
+  if (gx != 0 || gy != 0) {
+    if (carved.depth_um.empty()) carved.depth_um.assign(carved.size(), depth);
+    for (std::size_t i = 0; i < carved.size(); ++i) {
+      const double u = 0.5 * (carved.x0_mm[i] + carved.x1_mm[i]) / model.board->size_mm.x() - 0.5;
+      const double v = 0.5 * (carved.y0_mm[i] + carved.y1_mm[i]) / model.board->size_mm.y() - 0.5;
+      carved.depth_um[i] *= std::max(0.05, 1 + gx * u + gy * v);
+    }
+  }
+  if (!model.last_carved_rules) return carved;
+  return visible_pieces(carved, model.board->tool_width_um, depth).pieces;
+}
+
+Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
+  Image light = rendered_light(photo, x, carved, falloff_image(photo, x));
+  const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
+  for (std::size_t i = 0; i < light.data.size(); ++i)
+    if (std::isfinite(photo.scene.grid.center_mm[i].x())) light.data[i] += ambient;
+  Image value = blurred(std::move(light), blur_kernel(std::exp(x[unknown::log_blur]), photo.bin));
+  for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] *= static_cast<float>(vignette_of(photo, x, i));
+  return value;
+}
+
+double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
+  const Image value = predict(model, photo, x, carved);
+  double cost = 0;
+  for (std::size_t i = 0; i < value.data.size(); ++i) {
+    if (!(photo.weight[i] > 0)) continue;
+    const double r = photo.weight[i] * (static_cast<double>(value.data[i]) - photo.photo.value.data[i]);
+    cost += 0.5 * cauchy_loss(r * r, model.cauchy).rho;
+  }
+  return cost;
+}
+
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                               const Scratches& carved, const FreeUnknowns& free, double tile_mm) {
+  using P = SceneParameter;
+  const std::size_t pixels = photo.weight.size();
+  const int width = photo.scene.grid.width(), height = photo.scene.grid.height();
+  const auto any = [&](int first, int count) {
+    return std::any_of(free.begin() + first, free.begin() + first + count, [](bool f) { return f; });
+  };
+
+  // What the renderer must differentiate by, and where each derivative lies in its answer.
+  std::vector<P> wanted;
+  const auto ask = [&](bool want, std::initializer_list<P> parameters) {
+    const int at = static_cast<int>(wanted.size());
+    if (want) wanted.insert(wanted.end(), parameters);
+    return at;
+  };
+  const int at_alpha = ask(free[unknown::log_alpha], {P::alpha});
+  const bool want_depth = free[unknown::log_depth] || any(unknown::depth_gradient, 2);
+  const int at_depth = ask(want_depth, {P::depth_um});
+  const int at_base = ask(free[unknown::log_base_alpha], {P::base_alpha});
+  const bool want_lamp = any(unknown::lamp_position, 3), want_machine = any(unknown::machine, 6);
+  const bool want_pose = any(unknown::pose, 6);
+  const int at_lamp = ask(want_lamp, {P::light_x_mm, P::light_y_mm, P::light_z_mm});
+  const int at_machine =
+      ask(want_machine, {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
+  const int at_pose = ask(want_pose, {P::pose_rx, P::pose_ry, P::pose_rz, P::pose_tx_mm, P::pose_ty_mm, P::pose_tz_mm});
+
+  const ViewScene& scene = scene_at(photo, x);
+  RadianceDerivatives rendered = render_with_derivatives(scene, photo.camera, carved, wanted);
+
+  // The spot's fall-off multiplies everything that the lamp sends.
+  const bool is_spot = x[unknown::spot + 2] > 0;
+  std::vector<float> falloff;
+  std::array<Image, 6> spot_images;  // light * d log falloff / d (position, spot)
+  if (is_spot) {
+    falloff.assign(pixels, 0);
+    for (Image& image : spot_images) image = Image(width, height, 1);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const Eigen::Vector3d& p = photo.scene.grid.center_mm[i];
+      if (!std::isfinite(p.x())) continue;
+      const SpotJet log_f = log_falloff(x, p);
+      falloff[i] = static_cast<float>(std::exp(log_f.a));
+      for (int k = 0; k < 6; ++k)
+        spot_images[k].data[i] = rendered.radiance.data[i] * falloff[i] * static_cast<float>(log_f.v[k]);
+    }
+    multiply(rendered.radiance, falloff);
+    for (Image& image : rendered.d_radiance) multiply(image, falloff);
+  }
+
+  const double blur_sigma = std::exp(x[unknown::log_blur]);
+  const cv::Mat kernel = blur_kernel(blur_sigma, photo.bin);
+  const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
+  Image light = std::move(rendered.radiance), total = light;
+  for (std::size_t i = 0; i < pixels; ++i)
+    if (std::isfinite(photo.scene.grid.center_mm[i].x())) total.data[i] += ambient;
+
+  // Columns of the Jacobian, before vignetting (which is applied in the last loop).
+  std::vector<int> index;  // into Unknowns
+  std::vector<Image> columns;
+  const auto add_column = [&](int at, Image image) {
+    index.push_back(at);
+    columns.push_back(blurred(std::move(image), kernel));
+  };
+  const auto scaled = [](Image image, double by) {
+    for (float& v : image.data) v *= static_cast<float>(by);
+    return image;
+  };
+  if (free[unknown::log_alpha])
+    add_column(unknown::log_alpha, scaled(rendered.d_radiance[at_alpha], scene.material.alpha));
+  if (want_depth) {
+    // By a common factor of all depths; a gradient multiplies it by the place on the board, being smooth.
+    const Image by_factor = scaled(rendered.d_radiance[at_depth], scene.material.depth_um);
+    for (int axis = 0; axis < 2; ++axis) {
+      if (!free[unknown::depth_gradient + axis]) continue;
+      Image by_gradient = by_factor;
+      for (std::size_t i = 0; i < pixels; ++i) {
+        const Eigen::Vector3d& p = photo.scene.grid.center_mm[i];
+        if (!std::isfinite(p.x())) continue;
+        const double u = p.x() / model.board->size_mm.x() - 0.5, v = p.y() / model.board->size_mm.y() - 0.5;
+        const double factor = 1 + x[unknown::depth_gradient] * u + x[unknown::depth_gradient + 1] * v;
+        by_gradient.data[i] *= static_cast<float>((axis == 0 ? u : v) / factor);
+      }
+      add_column(unknown::depth_gradient + axis, std::move(by_gradient));
+    }
+    if (free[unknown::log_depth]) add_column(unknown::log_depth, by_factor);
+  }
+  if (free[unknown::log_base_alpha])
+    add_column(unknown::log_base_alpha, scaled(rendered.d_radiance[at_base], scene.material.base_alpha));
+  for (int k = 0; k < 3; ++k) {
+    if (!free[unknown::lamp_position + k]) continue;
+    Image image = std::move(rendered.d_radiance[at_lamp + k]);
+    if (is_spot)
+      for (std::size_t i = 0; i < pixels; ++i) image.data[i] += spot_images[k].data[i];
+    add_column(unknown::lamp_position + k, std::move(image));
+  }
+  for (int k = 0; k < 3; ++k)
+    if (free[unknown::spot + k] && is_spot) add_column(unknown::spot + k, std::move(spot_images[3 + k]));
+  if (free[unknown::log_intensity]) add_column(unknown::log_intensity, light);
+  if (want_machine) {
+    // The renderer moves the ends q as given: dq = M q + m. Ours: q = c + A (p - c) + t, so dq = dA A^-1 (q - c - t) +
+    // dt.
+    const Eigen::Matrix2d A_inverse = machine_linear(x).inverse();
+    const Eigen::Vector2d fixed = model.center_mm + machine_shift(x);
+    for (int row = 0; row < 2; ++row) {
+      const Image* by_row = &rendered.d_radiance[at_machine + 3 * row];  // m00 m01 m02, or m10 m11 m12
+      for (int column = 0; column < 2; ++column) {
+        const int at = unknown::machine + 2 * row + column;
+        if (!free[at]) continue;
+        const Eigen::RowVector2d M = A_inverse.row(column);  // dA = e_row e_column^T
+        const double m = -(M * fixed)(0);
+        Image image(width, height, 1);
+        for (std::size_t i = 0; i < pixels; ++i)
+          image.data[i] =
+              static_cast<float>(M[0] * by_row[0].data[i] + M[1] * by_row[1].data[i] + m * by_row[2].data[i]);
+        add_column(at, std::move(image));
+      }
+      if (free[unknown::machine + 4 + row]) add_column(unknown::machine + 4 + row, by_row[2]);
+    }
+  }
+  for (int k = 0; k < 6; ++k)
+    if (free[unknown::pose + k]) add_column(unknown::pose + k, std::move(rendered.d_radiance[at_pose + k]));
+  if (free[unknown::log_blur]) {
+    constexpr double kStep = 0.02;
+    Image wider = blurred(total, blur_kernel(blur_sigma * (1 + kStep), photo.bin));
+    const Image narrower = blurred(total, blur_kernel(blur_sigma * (1 - kStep), photo.bin));
+    for (std::size_t i = 0; i < pixels; ++i)
+      wider.data[i] = (wider.data[i] - narrower.data[i]) / static_cast<float>(2 * kStep);
+    index.push_back(unknown::log_blur);
+    columns.push_back(std::move(wider));
+  }
+  const std::size_t rendered_columns = columns.size();
+  if (free[unknown::ambient]) index.push_back(unknown::ambient);
+  for (int k = 0; k < 3; ++k)
+    if (free[unknown::vignette + k]) index.push_back(unknown::vignette + k);
+  const Image base = blurred(std::move(total), kernel);
+
+  PhotoEquations out;
+  const auto n = static_cast<Eigen::Index>(index.size());
+  Eigen::MatrixXd JtJ = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd Jtr = Eigen::VectorXd::Zero(n);
+  const int tile_columns = tile_mm > 0 ? static_cast<int>(std::ceil(model.board->size_mm.x() / tile_mm)) : 0;
+  const int tile_rows = tile_mm > 0 ? static_cast<int>(std::ceil(model.board->size_mm.y() / tile_mm)) : 0;
+  Eigen::MatrixXd tiles = Eigen::MatrixXd::Zero(n, tile_columns * tile_rows);
+  Eigen::MatrixXd rows(n, width);  // one row of the photo at a time: a column a pixel
+  Eigen::VectorXd r(width);
+  for (int y = 0; y < height; ++y) {
+    Eigen::Index used = 0;
+    for (int px = 0; px < width; ++px) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + px;
+      if (!(photo.weight[i] > 0)) continue;
+      const double vignette = vignette_of(photo, x, i);
+      const double residual = photo.weight[i] * (vignette * base.data[i] - photo.photo.value.data[i]);
+      const Loss loss = cauchy_loss(residual * residual, model.cauchy);
+      out.cost += 0.5 * loss.rho;
+      const double root = std::sqrt(loss.weight), scale = root * photo.weight[i] * vignette;
+      r[used] = root * residual;
+      std::size_t k = 0;
+      for (; k < rendered_columns; ++k) rows(static_cast<Eigen::Index>(k), used) = scale * columns[k].data[i];
+      auto row = static_cast<Eigen::Index>(k);
+      if (free[unknown::ambient]) rows(row++, used) = scale * model.f0;
+      double radius_power = photo.radius2[i];
+      for (int v = 0; v < 3; ++v, radius_power *= photo.radius2[i])
+        if (free[unknown::vignette + v]) rows(row++, used) = root * photo.weight[i] * radius_power * base.data[i];
+      if (tile_mm > 0) {
+        const Eigen::Vector3d& p = photo.scene.grid.center_mm[i];
+        const int tx = std::clamp(static_cast<int>(p.x() / tile_mm), 0, tile_columns - 1);
+        const int ty = std::clamp(static_cast<int>(p.y() / tile_mm), 0, tile_rows - 1);
+        tiles.col(ty * tile_columns + tx) += r[used] * rows.col(used);
+      }
+      ++used;
+    }
+    if (used == 0) continue;
+    JtJ.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(used));
+    Jtr.noalias() += rows.leftCols(used) * r.head(used);
+  }
+  JtJ.triangularView<Eigen::StrictlyUpper>() = JtJ.transpose();
+
+  out.JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
+  out.Jtr = Eigen::VectorXd::Zero(unknown::count);
+  if (tile_mm > 0) out.tile_scores = Eigen::MatrixXd::Zero(unknown::count, tiles.cols());
+  for (Eigen::Index a = 0; a < n; ++a) {
+    out.Jtr[index[a]] = Jtr[a];
+    if (tile_mm > 0) out.tile_scores.row(index[a]) = tiles.row(a);
+    for (Eigen::Index b = 0; b < n; ++b) out.JtJ(index[a], index[b]) = JtJ(a, b);
+  }
+  return out;
+}
+
+}  // namespace burin

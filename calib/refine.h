@@ -1,0 +1,72 @@
+// calib/refine.h - what the grooves, the lamp and the machine really are, from every pixel of the photos.
+// Frame: board, mm. DESIGN 3.1, 3.4, 3.6.
+//
+// One least-squares problem over all photos: residual = photo value / exposure factor
+//   - vignette(r) * blur( I(w) * radiance of a bare unit lamp + ambient * F0 ),
+// weighted by the photo's noise and a model error that is estimated from the residuals, under a Cauchy loss. Unknown:
+// alpha, d, base_alpha, lamp position and intensity (aim and exponent of a spot), ambient light, vignetting, blur, the
+// machine's affine map, and if asked d's linear gradient over the board. The renderer's own derivatives
+// (render_with_derivatives) fill the Jacobian; each photo's is compressed to its normal equations, so memory does not
+// grow with the pixels. Coarse (binned) photos first: there the machine may be off by more than a groove's width.
+//
+// Sigmas are not those of white noise. Three estimates are made, and the largest is reported: the inverse of the normal
+// equations times the residuals' scatter; a sandwich whose scores are summed over 20 mm squares of the board (errors
+// that a place has in all photos: dust, a groove's own depth); the delete-one-photo jackknife (errors that a photo has
+// as a whole: its pose, its exposure).
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "capture/photo.h"
+#include "capture/session.h"
+#include "render/bench.h"
+#include "render/board.h"
+#include "render/progress.h"
+#include "render/scratches.h"
+
+namespace burin {
+
+/// Where scratches cross: their light and areas add, or the later groove replaces the earlier one.
+enum class Overlap { automatic, add, last };
+
+struct RefineOptions {
+  Overlap overlap = Overlap::automatic;  ///< automatic: whichever explains the photos better
+  bool fit_lamp = true;                  ///< false keeps bench.lights' positions
+  bool fit_depth_gradient = true;       ///< try a linear gradient of depth over the board, keep it if it is significant
+  double finest_pixel_mm = 0.0;         ///< photos are binned until a pixel is at least this large on the board
+  int max_iterations = 12;              ///< of the trust region, at each resolution
+  std::size_t max_pixels = 12'000'000;  ///< of all photos together at the finest resolution; they are binned to fit
+};
+
+/// How one photo (a view under one lamp, exposures merged) is explained.
+struct PhotoFit {
+  std::string view, light;
+  std::size_t pixels = 0;   ///< used
+  double residual_rms = 0;  ///< of photo - prediction, linear, relative to the photo's RMS value; outliers excluded
+  double residual_to_noise = 0;  ///< robust RMS of residual / the photo's own noise: 1 where the model is perfect
+  double outliers = 0;           ///< fraction of pixels beyond 4 sigma of noise and model error
+};
+
+struct Refinement {
+  Bench bench;  ///< completed: material, lights, sensor, ambient, machine_affine, sigmas, verdict
+  std::vector<PhotoFit> photos;
+  double model_error = 0;  ///< relative, what the residuals say that the model misses beyond noise
+  Overlap overlap = Overlap::add;
+  Eigen::Vector2d depth_gradient{0, 0};  ///< depth_um (1 + gx (u - 1/2) + gy (v - 1/2)), u = x / width, v = y / height
+  Eigen::Vector2d depth_gradient_sigma{0, 0};
+  std::vector<std::string> findings;  ///< sentences for a person: what was left out, what looks wrong
+};
+
+/// Reads the session's photos and completes `measured` (lens, poses, tags, bow from calibration; its lamps, where they
+/// have no position sigma, are found from scratch). `designed` are the scratches as designed. Throws Error if too
+/// little is left to work on: no photo with a pose, no scratch in view.
+Refinement refine(const Session& session, const Board& board, const Scratches& designed, const Bench& measured,
+                  const RefineOptions& options = {}, const Progress& progress = {});
+
+/// The same for photos in memory.
+Refinement refine(std::span<const MergedView> photos, const Board& board, const Scratches& designed,
+                  const Bench& measured, const RefineOptions& options = {}, const Progress& progress = {});
+
+}  // namespace burin

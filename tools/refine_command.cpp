@@ -1,0 +1,107 @@
+#include <CLI/Error.hpp>
+#include <CLI/Validators.hpp>
+#include <filesystem>
+#include <map>
+#include <memory>
+
+#include "calib/refine.h"
+#include "render/error.h"
+#include "render/groove.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace burin {
+namespace {
+
+// "0.0800 +- 0.0003", or with the reason why it is not known.
+std::string with_sigma(const Bench& bench, const std::string& name, double value, const std::optional<double>& sigma,
+                       int digits) {
+  const auto verdict = bench.verdict.find(name);
+  const bool determined = verdict != bench.verdict.end() && verdict->second.determined;
+  if (!determined || !sigma)
+    return fmt::format("not determined (left at {:.{}f}): {}", value, digits,
+                       verdict == bench.verdict.end() ? "not fitted" : verdict->second.reason);
+  return fmt::format("{:.{}f} +- {:.{}f}", value, digits, *sigma, digits + 1);
+}
+
+void print_result(const Refinement& r, const Board& board) {
+  const Bench& b = r.bench;
+  fmt::print("alpha    {}\n", with_sigma(b, "alpha", b.material.alpha, b.material_sigma.alpha, 4));
+  fmt::print("depth    {} um", with_sigma(b, "depth_um", b.material.depth_um, b.material_sigma.depth_um, 2));
+  fmt::print("; half-width {:.1f} um\n", half_width_um(board.tool_width_um, b.material.depth_um));
+  if (!r.depth_gradient.isZero())
+    fmt::print("         varies by {:.1f} +- {:.1f} % from left to right, {:.1f} +- {:.1f} % from bottom to top\n",
+               100 * r.depth_gradient.x(), 100 * r.depth_gradient_sigma.x(), 100 * r.depth_gradient.y(),
+               100 * r.depth_gradient_sigma.y());
+  fmt::print("face     base_alpha {}\n",
+             with_sigma(b, "base_alpha", b.material.base_alpha, b.material_sigma.base_alpha, 4));
+  for (const Light& light : b.lights) {
+    fmt::print("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
+               light.position_mm.z());
+    if (light.position_sigma_mm)
+      fmt::print(", +- {:.2f}, {:.2f}, {:.2f} mm", light.position_sigma_mm->x(), light.position_sigma_mm->y(),
+                 light.position_sigma_mm->z());
+    if (light.falloff_exponent > 0) fmt::print("; a spot, exponent {:.1f}", light.falloff_exponent);
+    fmt::print("\n");
+  }
+  double worst = 0;
+  for (const double x : {board.carve_min_mm.x(), board.carve_max_mm.x()})
+    for (const double y : {board.carve_min_mm.y(), board.carve_max_mm.y()}) {
+      const Eigen::Vector2d moved = b.machine_affine * Eigen::Vector3d(x, y, 1) - Eigen::Vector2d(x, y);
+      worst = std::max(worst, moved.norm());
+    }
+  fmt::print("machine  off by at most {:.3f} mm over the carve area; {}\n", worst,
+             b.verdict.count("machine.affine") ? b.verdict.at("machine.affine").reason : "");
+  fmt::print("photos   {:>10} {:>9} {:>13} {:>12} {:>9}\n", "view", "pixels", "residual", "/ its noise", "outliers");
+  for (const PhotoFit& photo : r.photos)
+    fmt::print("         {:>10} {:>9} {:>11.2f} % {:>12.2f} {:>7.1f} %\n", photo.view, photo.pixels,
+               100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
+  fmt::print(
+      "         1 is a perfect model; beyond noise it misses {:.1f} % of a pixel's light; crossing scratches: {}\n",
+      100 * r.model_error, r.overlap == Overlap::last ? "the last one carved is seen" : "their light adds");
+}
+
+}  // namespace
+
+void add_refine_command(CLI::App& burin) {
+  struct Options {
+    std::filesystem::path session, bench;
+    Overlap overlap = Overlap::automatic;
+    bool keep_lamp = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = burin.add_subcommand(
+      "refine", "Find roughness, depth, lamp and the machine's errors from the photos; completes bench.json");
+  command->add_option("SESSION.json", options->session, "The session that was calibrated")->required();
+  command->add_option("--bench", options->bench, "The bench.json that burin calibrate wrote; it is completed")
+      ->required();
+  const std::map<std::string, Overlap> overlaps{
+      {"auto", Overlap::automatic}, {"add", Overlap::add}, {"last", Overlap::last}};
+  command
+      ->add_option("--crossings", options->overlap,
+                   "Where scratches cross: their light adds, the last one is seen, or whichever fits (auto)")
+      ->transform(CLI::CheckedTransformer(overlaps));
+  command->add_flag("--keep-lamp", options->keep_lamp, "Believe the lamp positions of bench.json");
+  command->footer(example("burin refine session/session.json --bench bench/bench.json"));
+  command->callback([options] {
+    const Session session = read_session(options->session);
+    const Board board = read_board(session.board);
+    const Bench measured = read_bench(options->bench);
+    if (board.scratches.empty())
+      fail(session.board.string(), "it names no scratches",
+           "give the designed scratches as \"scratches\": \"FILE.csv\"");
+    const Scratches designed = read_scratches(board.scratches);
+    RefineOptions o;
+    o.overlap = options->overlap;
+    o.fit_lamp = !options->keep_lamp;
+    ProgressBar bar;
+    const Refinement result = refine(session, board, designed, measured, o, bar.progress());
+    write_bench(result.bench, board.tool_width_um, options->bench);
+    bar.clear();
+    for (const std::string& finding : result.findings) note(finding);
+    print_result(result, board);
+    fmt::print("Completed {}; next: burin design design.json --out DIR, with this bench\n", options->bench.string());
+  });
+}
+
+}  // namespace burin
