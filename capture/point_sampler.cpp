@@ -259,8 +259,11 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   thread_local std::vector<int> near_things, near;
   things.near(low, high, near_things);
   near_grooves(low, high, near);
-  int wanted = near.empty() ? truth.samples_plain : truth.samples;
-  if (whole && near.empty() && near_things.empty()) wanted = std::min(wanted, 4);  // plain face: smooth
+  const Vector3d f0 = truth.board.material.f0;
+  const Vector3d F = f0 + (Vector3d::Ones() - f0) * mean(&Corner::fresnel);
+  if (whole && near.empty() && near_things.empty())  // plain face, and smooth: nothing to sample
+    return light.intensity.cwiseProduct(F) * mean(&Corner::base) + truth.ambient.cwiseProduct(f0);
+  const int wanted = near.empty() ? truth.samples_plain : truth.samples;
   const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(wanted))));
 
   // Each groove as this pixel sees it.
@@ -352,16 +355,13 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
       }
     }
 
-  const double geometry = mean(&Corner::geometry), fresnel = mean(&Corner::fresnel);
   // Sum of the bilinear base light over the points that show it.
   double base_light = 0;
   if (plain > 0)
     base_light = corner[0]->base * (plain - sum_u - sum_v + sum_uv) + corner[1]->base * (sum_u - sum_uv) +
                  corner[2]->base * (sum_v - sum_uv) + corner[3]->base * sum_uv;
   if (!truth.last_rules && metal > 0) base_light *= 1 - std::min(1.0, covered / metal);
-  const double reflected = groove_light * geometry + base_light;
-  const Vector3d f0 = truth.board.material.f0;
-  const Vector3d F = f0 + (Vector3d::Ones() - f0) * fresnel;
+  const double reflected = groove_light * mean(&Corner::geometry) + base_light;
   const Vector3d sum = others + light.intensity.cwiseProduct(F) * reflected + metal * truth.ambient.cwiseProduct(f0);
   return sum / (side * side);
 }

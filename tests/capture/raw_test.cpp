@@ -1,0 +1,189 @@
+// Proves: raw files give sensor values in proportion to light: a linear ramp stays one, the black level is gone, the
+// maker's white is 1, red, green and blue get no white balance and no matrix, and a noted orientation turns nothing.
+// The DNG is made by hand, from the DNG 1.4 specification. Does not prove anything about cameras' own formats, which
+// LibRaw unpacks.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "capture/exif.h"
+#include "capture/photo.h"
+#include "render/error.h"
+#include "tests/capture/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+// A little-endian TIFF of one directory, written tag by tag.
+class TiffWriter {
+ public:
+  void shorts(int tag, const std::vector<int>& v) { add(tag, 3, 2, {v.begin(), v.end()}); }
+  void longs(int tag, const std::vector<std::uint32_t>& v) { add(tag, 4, 4, v); }
+  void bytes(int tag, const std::vector<std::uint32_t>& v, int type = 1) { add(tag, type, 1, v); }
+  void text(int tag, const std::string& s) {
+    std::vector<std::uint32_t> v(s.begin(), s.end());
+    v.push_back(0);
+    add(tag, 2, 1, v);
+  }
+  void fractions(int tag, const std::vector<std::uint32_t>& v, bool with_sign = false) {
+    add(tag, with_sign ? 10 : 5, 4, v);
+    tags_[tag].count = static_cast<std::uint32_t>(v.size() / 2);
+  }
+
+  /// The file: header, directory, what the directory points to, pixels (at the offset that tag 273 is given).
+  std::string file(const std::vector<std::uint16_t>& pixels) {
+    longs(273, {0});
+    const std::uint32_t directory_end = 8 + 2 + 12 * static_cast<std::uint32_t>(tags_.size()) + 4;
+    std::uint32_t extra = directory_end;
+    for (const auto& [tag, field] : tags_)
+      if (field.data.size() > 4) extra += static_cast<std::uint32_t>(field.data.size() + field.data.size() % 2);
+    longs(273, {extra});
+    std::string head("II*\0", 4), tail;
+    number(head, 8, 4);
+    number(head, static_cast<std::uint32_t>(tags_.size()), 2);
+    for (const auto& [tag, field] : tags_) {
+      number(head, static_cast<std::uint32_t>(tag), 2);
+      number(head, static_cast<std::uint32_t>(field.type), 2);
+      number(head, field.count, 4);
+      if (field.data.size() > 4) {
+        number(head, directory_end + static_cast<std::uint32_t>(tail.size()), 4);
+        tail += field.data;
+        if (tail.size() % 2) tail += '\0';
+      } else {
+        head += field.data + std::string(4 - field.data.size(), '\0');
+      }
+    }
+    number(head, 0, 4);
+    head += tail;
+    for (const std::uint16_t p : pixels) number(head, p, 2);
+    return head;
+  }
+
+ private:
+  struct Field {
+    int type;
+    std::uint32_t count;
+    std::string data;
+  };
+  std::map<int, Field> tags_;
+
+  static void number(std::string& out, std::uint32_t v, int bytes) {
+    for (int i = 0; i < bytes; ++i) out += static_cast<char>(v >> (8 * i));
+  }
+  void add(int tag, int type, int bytes, const std::vector<std::uint32_t>& v) {
+    Field field{type, static_cast<std::uint32_t>(v.size()), {}};
+    for (const std::uint32_t x : v) number(field.data, x, bytes);
+    tags_[tag] = field;
+  }
+};
+
+constexpr int kWidth = 320, kHeight = 240, kBlack = 512, kWhite = 15000;
+
+std::string dng(const std::vector<std::uint16_t>& pixels, int orientation) {
+  TiffWriter tiff;
+  tiff.longs(254, {0});
+  tiff.longs(256, {kWidth});
+  tiff.longs(257, {kHeight});
+  tiff.shorts(258, {16});
+  tiff.shorts(259, {1});      // not compressed
+  tiff.shorts(262, {32803});  // colour mosaic
+  tiff.text(271, "Burin");
+  tiff.text(272, "Burin Test");
+  tiff.shorts(274, {orientation});
+  tiff.shorts(277, {1});
+  tiff.longs(278, {kHeight});
+  tiff.longs(279, {kWidth * kHeight * 2});
+  tiff.shorts(284, {1});
+  tiff.shorts(33421, {2, 2});
+  tiff.bytes(33422, {0, 1, 1, 2});  // red green / green blue
+  tiff.fractions(33434, {1, 50});   // exposure time
+  tiff.fractions(33437, {8, 1});    // f-number
+  tiff.bytes(50706, {1, 4, 0, 0});  // DNG 1.4
+  tiff.text(50708, "Burin Test");
+  tiff.shorts(50714, {kBlack});
+  tiff.longs(50717, {kWhite});
+  // A matrix and a neutral that would change colours a good deal if anyone applied them.
+  tiff.fractions(50721,
+                 {9, 10, static_cast<std::uint32_t>(-2), 10, 1, 10, static_cast<std::uint32_t>(-3), 10, 12, 10, 1, 10,
+                  0, 10, 2, 10, 6, 10},
+                 true);
+  tiff.fractions(50728, {4, 10, 10, 10, 6, 10});
+  tiff.shorts(50778, {21});
+  return tiff.file(pixels);
+}
+
+// Ramp along x: red 0.2 times, green 1 times, blue 0.5 times the light.
+double light(int x) { return static_cast<double>(x) / kWidth; }
+double share(int channel) { return channel == 0 ? 0.2 : channel == 1 ? 1.0 : 0.5; }
+
+struct RawTest : testing::Test {
+  TemporaryFolder folder;
+  Photo photo{folder.path / "p.dng", "v00", "lamp", 0.02, 200, 8, Encoding::raw};
+
+  void write(int orientation) {
+    std::vector<std::uint16_t> pixels;
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x) {
+        const int channel = y % 2 == 0 ? (x % 2 == 0 ? 0 : 1) : (x % 2 == 0 ? 1 : 2);
+        pixels.push_back(static_cast<std::uint16_t>(kBlack + light(x) * share(channel) * (kWhite - kBlack) + 0.5));
+      }
+    folder.write("p.dng", dng(pixels, orientation));
+  }
+};
+
+TEST_F(RawTest, LinearRampInLinearRampOut) {
+  for (const int orientation : {1, 6}) {
+    write(orientation);
+    const LinearPhoto p = read_photo(photo);
+    ASSERT_EQ(p.value.width, kWidth) << "orientation " << orientation;
+    ASSERT_EQ(p.value.height, kHeight);
+    ASSERT_EQ(p.value.channels, 3);
+    // One raw level is 7e-5 of white; filling in the mosaic linearly is exact on a ramp. Borders are left out.
+    for (int y = 8; y < kHeight - 8; y += 7)
+      for (int x = 8; x < kWidth - 8; ++x)
+        for (int c = 0; c < 3; ++c)
+          EXPECT_NEAR(p.value.at(x, y, c), light(x) * share(c), 2e-4) << x << " " << y << " " << c;
+  }
+}
+
+TEST_F(RawTest, ClipsAtTheMakersWhite) {
+  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(kWidth) * kHeight, kBlack + (kWhite - kBlack) / 2);
+  for (int y = 100; y < 140; ++y)
+    for (int x = 100; x < 140; ++x) pixels[y * kWidth + x] = kWhite + 800;
+  folder.write("p.dng", dng(pixels, 1));
+  const LinearPhoto p = read_photo(photo);
+  EXPECT_FLOAT_EQ(p.value.at(120, 120, 1), 1);
+  EXPECT_TRUE(p.clipped[120 * kWidth + 120]);
+  EXPECT_FALSE(p.clipped[50 * kWidth + 50]);
+  EXPECT_NEAR(p.value.at(50, 50, 0), 0.5, 1e-3) << "no exposure of LibRaw's own";
+}
+
+TEST_F(RawTest, ExifIsRead) {
+  write(6);
+  const Exif exif = read_exif(photo.file);
+  EXPECT_EQ(exif.kind, "raw");
+  EXPECT_EQ(encoding_of(exif).encoding, Encoding::raw);
+  EXPECT_NEAR(exif.exposure_s.value_or(0), 0.02, 1e-9);
+  EXPECT_NEAR(exif.f_number.value_or(0), 8, 1e-6);
+  EXPECT_FALSE(exif.iso) << "the file holds none";
+  EXPECT_TRUE(is_raw_name(photo.file));
+}
+
+TEST_F(RawTest, WrongEncodingIsRefused) {
+  write(1);
+  photo.encoding = Encoding::linear;
+  EXPECT_THROW(read_photo(photo), Error);
+}
+
+TEST_F(RawTest, CutShortIsRefused) {
+  write(1);
+  std::filesystem::resize_file(photo.file, std::filesystem::file_size(photo.file) / 2);
+  EXPECT_THROW(read_photo(photo), Error);
+}
+
+}  // namespace
+}  // namespace burin
