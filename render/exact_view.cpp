@@ -34,7 +34,7 @@ std::array<double, 3> ambient_radiance(const ViewScene& scene, int channels) {
   return a;
 }
 
-ViewPixels view_pixels(const ViewScene& scene, int channels) {
+void check_view(const ViewScene& scene, int channels) {
   check_scene_values(scene.camera_center_mm, scene.light, scene.material, scene.tool_width_um, scene.ambient);
   if (channels != 1 && channels != 3)
     fail("RenderOptions", "channels is " + std::to_string(channels), "it must be 1 or 3");
@@ -47,7 +47,12 @@ ViewPixels view_pixels(const ViewScene& scene, int channels) {
   if (!scene.hidden_from_light.empty() && scene.hidden_from_light.size() != n)
     fail("scene.hidden_from_light", "it does not fit the grid's pixels",
          "make it with hidden_pixels, or leave it empty");
+}
 
+ViewPixels view_pixels(const ViewScene& scene, int channels) {
+  check_view(scene, channels);
+  const FootprintGrid& grid = scene.grid;
+  const auto n = static_cast<std::size_t>(grid.width()) * grid.height();
   ViewPixels pixels;
   pixels.channels = channels;
   pixels.shading.resize(n);

@@ -24,6 +24,9 @@ struct ViewPixels {
 
 /// Throws Error for scene values out of range, a grid whose arrays do not fit its window, or channels other than 1
 /// and 3.
+void check_view(const ViewScene& scene, int channels);
+
+/// Checks the scene and shades every pixel.
 ViewPixels view_pixels(const ViewScene& scene, int channels);
 
 /// F_c(cos_ho) intensity_c of each channel, or its mean in [0] for a mono sensor; and its derivative by cos_ho.

@@ -6,6 +6,7 @@
 #include "render/board_mesh.h"
 #include "render/error.h"
 #include "render/exact_view.h"
+#include "render/fast_view.h"
 #include "render/pairs.h"
 
 namespace burin {
@@ -19,24 +20,37 @@ void ScratchGradients::resize(std::size_t scratch_count) {
 struct ViewRenderer::State {
   ViewScene scene;
   RenderOptions options;
-  ViewPixels pixels;
   PixelIndex index;
-  ExactView exact;
+  ViewPixels pixels;  // of the exact twin
+  std::unique_ptr<ExactView> exact;
+  std::unique_ptr<FastView> fast;
   std::size_t scratch_count = 0;
 
-  State(ViewScene s, const RenderOptions& o)
-      : scene(std::move(s)),
-        options(o),
-        pixels(view_pixels(scene, options.channels)),
-        index(scene.grid),
-        exact(scene, pixels) {}
+  State(ViewScene s, const RenderOptions& o) : scene(std::move(s)), options(o), index(checked_grid()) {
+    if (options.use_double) {
+      pixels = view_pixels(scene, options.channels);
+      exact = std::make_unique<ExactView>(scene, pixels);
+    } else {
+      fast = std::make_unique<FastView>(scene, index, options.channels, options.simd);
+    }
+  }
+
+  const FootprintGrid& checked_grid() const {
+    check_view(scene, options.channels);
+    return scene.grid;
+  }
 
   void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
     check_scratches(scratches);
     scratch_count = scratches.size();
+    if (fast) {
+      const BatchMode with = options.material_gradients ? BatchMode::material : BatchMode::ends;
+      fast->forward(scratches, keep_jacobian ? with : BatchMode::value, radiance);
+      return;
+    }
     const std::vector<Strip> strips = strips_of(scratches, scene.tool_width_um, scene.material.depth_um);
-    exact.forward(scratches, find_pairs(index, scene.grid.width(), scene.grid.height(), strips), keep_jacobian,
-                  radiance);
+    exact->forward(scratches, find_pairs(index, scene.grid.width(), scene.grid.height(), strips), keep_jacobian,
+                   radiance);
   }
 };
 
@@ -64,17 +78,25 @@ void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradien
   if (gradients.x0_mm.size() != state_->scratch_count)
     fail("ViewRenderer::backward", "the gradients are for " + std::to_string(gradients.x0_mm.size()) + " scratches",
          "resize() them to the " + std::to_string(state_->scratch_count) + " of the last forward_with_jacobian()");
-  state_->exact.backward(dE_dradiance, gradients);
+  if (state_->fast)
+    state_->fast->backward(dE_dradiance, gradients);
+  else
+    state_->exact->backward(dE_dradiance, gradients);
 }
 
 void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
   if (contribution.size() != state_->scratch_count)
     fail("ViewRenderer::add_contributions", "there are " + std::to_string(contribution.size()) + " numbers",
          "give one for each of the " + std::to_string(state_->scratch_count) + " scratches of the last forward()");
-  state_->exact.add_contributions(contribution);
+  if (state_->fast)
+    state_->fast->add_contributions(contribution);
+  else
+    state_->exact->add_contributions(contribution);
 }
 
-std::size_t ViewRenderer::pair_count() const { return state_->exact.pair_count(); }
+std::size_t ViewRenderer::pair_count() const {
+  return state_->fast ? state_->fast->pair_count() : state_->exact->pair_count();
+}
 
 CameraView make_camera_view(const Bench& bench, const Board& board, const View& view, const PixelWindow& window) {
   return {bench.lens, view.T_camera_board, Surface{board.size_mm, bench.bow_mm}, window};

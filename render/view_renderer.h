@@ -11,6 +11,7 @@
 #include "render/bench.h"
 #include "render/footprint_grid.h"
 #include "render/image.h"
+#include "render/pair_batch.h"
 #include "render/scratches.h"
 
 namespace burin {
@@ -31,6 +32,10 @@ struct ViewScene {
 struct RenderOptions {
   int channels = 1;         ///< 1: mean of R, G, B (what a mono sensor sees); 3: R, G, B
   bool use_double = false;  ///< the slow exact twin
+  /// Whether forward_with_jacobian() keeps derivatives by width, depth and alpha too (always with use_double). Designs
+  /// that only move ends are faster and smaller without.
+  bool material_gradients = true;
+  SimdWidth simd = SimdWidth::best;  ///< packets of the fast path
 };
 
 /// dE/d(...) summed over views: one entry a scratch. backward() adds to it; resize() zeroes it.

@@ -3,7 +3,9 @@
 // that the whole agrees with photographs that we did not make is rig_prediction_test.
 #include "render/view_renderer.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 #include <random>
@@ -11,6 +13,8 @@
 
 #include "render/error.h"
 #include "render/exact_view.h"
+#include "render/groove.h"
+#include "render/scratch_pair.h"
 
 namespace burin {
 namespace {
@@ -271,6 +275,283 @@ TEST(SceneDerivatives, FlatFaceAndBareLamp) {
   w.camera.surface.bow_mm.setZero();
   w.scene = make_scene(w.bench, w.board, w.camera, w.bench.lights[0]);
   expect_derivatives(w, "flat face");
+}
+
+double relative_rms(const std::vector<double>& a, const std::vector<double>& exact) {
+  double error2 = 0, size2 = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    error2 += (a[i] - exact[i]) * (a[i] - exact[i]);
+    size2 += exact[i] * exact[i];
+  }
+  return std::sqrt(error2 / size2);
+}
+
+/// Image within 1e-6 of its peak and gradients within 1e-4, both RMS, for the packets of one width.
+void expect_fast_is_exact(const World& w, int channels, SimdWidth simd, const std::string& what) {
+  const Image weights = random_weights(w, channels, 9);
+  RenderOptions options{channels, true};
+  ViewRenderer exact(w.scene, options);
+  options.use_double = false;
+  options.simd = simd;
+  ViewRenderer fast(w.scene, options);
+  Image expected, image, value_only;
+  exact.forward_with_jacobian(w.scratches, expected);
+  fast.forward(w.scratches, value_only);
+  fast.forward_with_jacobian(w.scratches, image);
+  EXPECT_EQ(fast.pair_count(), exact.pair_count()) << what;
+  double peak = 0, error2 = 0, value_error2 = 0;
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    peak = std::max<double>(peak, expected.data[i]);
+    error2 += std::pow(static_cast<double>(image.data[i]) - expected.data[i], 2);
+    value_error2 += std::pow(static_cast<double>(value_only.data[i]) - expected.data[i], 2);
+  }
+  EXPECT_LT(std::sqrt(error2 / image.data.size()), 1e-6 * peak) << what;
+  EXPECT_LT(std::sqrt(value_error2 / image.data.size()), 1e-6 * peak) << what;
+
+  ScratchGradients g, ge;
+  g.resize(w.scratches.size());
+  ge.resize(w.scratches.size());
+  fast.backward(weights, g);
+  exact.backward(weights, ge);
+  EXPECT_LT(relative_rms(g.x0_mm, ge.x0_mm), 1e-4) << what << " x0";
+  EXPECT_LT(relative_rms(g.y0_mm, ge.y0_mm), 1e-4) << what << " y0";
+  EXPECT_LT(relative_rms(g.x1_mm, ge.x1_mm), 1e-4) << what << " x1";
+  EXPECT_LT(relative_rms(g.y1_mm, ge.y1_mm), 1e-4) << what << " y1";
+  EXPECT_LT(relative_rms(g.width_um, ge.width_um), 1e-4) << what << " width";
+  EXPECT_LT(relative_rms(g.depth_um, ge.depth_um), 1e-4) << what << " depth";
+  EXPECT_LT(relative_rms(g.alpha, ge.alpha), 1e-4) << what << " alpha";
+  EXPECT_NEAR(g.shared_base_alpha, ge.shared_base_alpha, 1e-4 * std::abs(ge.shared_base_alpha)) << what;
+
+  std::vector<double> sent(w.scratches.size(), 0), sent_exact(w.scratches.size(), 0);
+  fast.add_contributions(sent);
+  exact.add_contributions(sent_exact);
+  EXPECT_LT(relative_rms(sent, sent_exact), 1e-5) << what << " contributions";
+}
+
+TEST(FastView, AgreesWithDoubleForEveryWidthOfPackets) {
+  const World w = small_world(400);
+  for (const SimdWidth simd : {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512}) {
+    if (!has_kernel(simd)) continue;
+    for (const int channels : {1, 3})
+      expect_fast_is_exact(w, channels, simd, std::to_string(kernel_lanes(simd)) + " lanes");
+  }
+}
+
+TEST(FastView, AgreesWithDoubleForDesigns) {
+  // The paper's fine deep grooves and a real one's, in a picture laid on the board, where axis-parallel scratches have
+  // edges along and across them; pixels larger and smaller than the groove.
+  for (const auto& [width_um, depth_um, alpha] : {std::array{30.0, 30.0, 0.04}, std::array{75.0, 38.4, 0.02},
+                                                  std::array{400.0, 14.0, 0.08}, std::array{400.0, 14.0, 0.02}}) {
+    for (const double pixel_mm : {0.6, 0.05}) {
+      World w = small_world(300);
+      const double size = 64 * pixel_mm;
+      w.board.size_mm = {20, 20};
+      const Eigen::Vector2d low(10 - size / 8, 10 - size / 8), high(10 + size / 8, 10 + size / 8);
+      w.scene.grid = board_grid(pixel_mm > 0.1 ? Eigen::Vector2d(0, 0) : low,
+                                pixel_mm > 0.1 ? Eigen::Vector2d(20, 20) : high, 40, 37, {w.board.size_mm, {0, 0, 0}});
+      w.scratches.width_um.clear();
+      w.scratches.depth_um.clear();
+      w.scratches.alpha.clear();
+      w.scene.tool_width_um = width_um;
+      w.scene.material.depth_um = depth_um;
+      w.scene.material.alpha = alpha;
+      expect_fast_is_exact(w, 1, SimdWidth::best,
+                           "wt " + std::to_string(width_um) + ", alpha " + std::to_string(alpha) + ", pixels of " +
+                               std::to_string(pixel_mm) + " mm");
+    }
+  }
+}
+
+TEST(FastView, WithoutMaterialGradientsTheEndsAreTheSame) {
+  const World w = small_world(200);
+  const Image weights = random_weights(w, 1, 3);
+  ScratchGradients all, ends;
+  for (const bool material : {true, false}) {
+    RenderOptions options;
+    options.material_gradients = material;
+    ViewRenderer renderer(w.scene, options);
+    Image image;
+    renderer.forward_with_jacobian(w.scratches, image);
+    ScratchGradients& g = material ? all : ends;
+    g.resize(w.scratches.size());
+    renderer.backward(weights, g);
+  }
+  EXPECT_LT(relative_rms(ends.x0_mm, all.x0_mm), 1e-6);
+  EXPECT_LT(relative_rms(ends.y1_mm, all.y1_mm), 1e-6);
+  EXPECT_EQ(*std::max_element(ends.alpha.begin(), ends.alpha.end()), 0);
+}
+
+TEST(ViewRenderer, SameBitsForAnyNumberOfThreads) {
+  const World w = small_world(700);
+  const Image weights = random_weights(w, 1, 4);
+  for (const bool use_double : {false, true}) {
+    Image first;
+    ScratchGradients first_g;
+    std::vector<Image> first_d;
+    for (const int threads : {1, 2, 3, 8}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      ViewRenderer renderer(w.scene, {1, use_double});
+      Image image;
+      renderer.forward_with_jacobian(w.scratches, image);
+      ScratchGradients g;
+      g.resize(w.scratches.size());
+      renderer.backward(weights, g);
+      const auto d = render_with_derivatives(w.scene, w.camera, w.scratches, all_parameters());
+      if (threads == 1) {
+        first = image;
+        first_g = g;
+        first_d = d.d_radiance;
+      }
+      EXPECT_EQ(image.data, first.data) << threads << " threads";
+      EXPECT_EQ(g.x0_mm, first_g.x0_mm) << threads << " threads";
+      EXPECT_EQ(g.y1_mm, first_g.y1_mm) << threads << " threads";
+      EXPECT_EQ(g.alpha, first_g.alpha) << threads << " threads";
+      EXPECT_EQ(g.shared_base_alpha, first_g.shared_base_alpha) << threads << " threads";
+      for (std::size_t k = 0; k < d.d_radiance.size(); ++k) EXPECT_EQ(d.d_radiance[k].data, first_d[k].data);
+    }
+  }
+}
+
+TEST(ViewRenderer, AFineGridHoldsTheWholeScratch) {
+  // What pixels of any size see of a scratch adds up to the whole scratch in one footprint; its area is 2 w L.
+  World w = small_world(0);
+  w.scratches.x0_mm = {7.1};
+  w.scratches.y0_mm = {8.2};
+  w.scratches.x1_mm = {11.3};
+  w.scratches.y1_mm = {12.4};
+  Material& m = w.scene.material;
+  w.scene.ambient.setZero();
+  m.base_alpha = 1;
+  m.alpha = 0.3;
+  // Far lamp and camera: one half vector for all pixels.
+  w.scene.light = Light{};
+  w.scene.light.position_mm = {2e6, -3e6, 9e6};
+  w.scene.light.intensity = {1e20, 1e20, 1e20};
+  w.scene.camera_center_mm = {-1e6, 4e6, 9e6};
+  std::vector<double> sums;
+  for (const int n : {1, 7, 64, 301}) {
+    w.scene.grid = board_grid({5, 5}, {15, 15}, n, n, {{20, 20}, {0, 0, 0}});
+    for (const bool use_double : {true, false}) {
+      ViewRenderer renderer(w.scene, {1, use_double});
+      Image with, without;
+      renderer.forward(w.scratches, with);
+      renderer.forward(Scratches{}, without);
+      double sum = 0;
+      for (std::size_t i = 0; i < with.data.size(); ++i)
+        sum += (static_cast<double>(with.data[i]) - without.data[i]) / (static_cast<double>(n) * n);
+      sums.push_back(sum);
+    }
+  }
+  for (const double sum : sums) EXPECT_NEAR(sum, sums[0], 1e-4 * std::abs(sums[0]));
+  const ViewPixels pixels = view_pixels(w.scene, 1);
+  const PixelPairs pairs =
+      find_pairs(PixelIndex(w.scene.grid), 301, 301, strips_of(w.scratches, w.scene.tool_width_um, m.depth_um));
+  double area = 0;
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    for (std::size_t k = pairs.begin[i]; k < pairs.begin[i + 1]; ++k) {
+      const ScratchFrame f = scratch_frame(w.scratches, 0, w.scene.tool_width_um, m.depth_um, m.alpha);
+      const auto corners = footprint_corners_mm(w.scene.grid, static_cast<int>(i % 301), static_cast<int>(i / 301));
+      area += footprint_integral(f.groove, in_scratch(f, corners), in_scratch(f, pixels.shading[i].h_face)).area_mm2;
+    }
+  }
+  EXPECT_NEAR(area, 2e-3 * half_width_um(w.scene.tool_width_um, m.depth_um) * std::hypot(4.2, 4.2), 1e-9);
+}
+
+TEST(ViewRenderer, LampBehindTheBoardAndCameraBelowTheHorizonAreDark) {
+  World w = small_world();
+  for (const bool use_double : {false, true}) {
+    ViewScene scene = w.scene;
+    scene.light.position_mm.z() = -30;
+    Image image;
+    ViewRenderer behind(scene, {1, use_double});
+    behind.forward(w.scratches, image);
+    const double room = scene.ambient.cwiseProduct(scene.material.f0).mean();
+    for (const float v : image.data) EXPECT_TRUE(v == 0 || std::abs(v - room) < 1e-9) << v;
+    EXPECT_GT(*std::max_element(image.data.begin(), image.data.end()), 0);
+
+    scene = w.scene;
+    scene.camera_center_mm = {10, 10, -5};
+    ViewRenderer below(scene, {1, use_double});
+    below.forward(w.scratches, image);
+    for (const float v : image.data) EXPECT_EQ(v, 0);
+  }
+}
+
+TEST(ViewRenderer, BadInputIsNamed) {
+  World w = small_world();
+  const auto message = [](const auto& act) {
+    try {
+      act();
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("nothing was thrown");
+  };
+  ViewRenderer renderer(w.scene);
+  Image image;
+  Scratches broken = w.scratches;
+  broken.y1_mm[7] = NAN;
+  EXPECT_THAT(message([&] { renderer.forward(broken, image); }), testing::HasSubstr("y1_mm of scratch 7 is nan"));
+  ScratchGradients g;
+  g.resize(w.scratches.size());
+  renderer.forward(w.scratches, image);
+  EXPECT_THAT(message([&] { renderer.backward(image, g); }), testing::HasSubstr("forward_with_jacobian"));
+  renderer.forward_with_jacobian(w.scratches, image);
+  EXPECT_THAT(message([&] { renderer.backward(Image(3, 3, 1), g); }), testing::HasSubstr("another size"));
+  g.resize(3);
+  EXPECT_THAT(message([&] { renderer.backward(image, g); }), testing::HasSubstr("resize()"));
+  ViewScene scene = w.scene;
+  scene.material.alpha = 0;
+  EXPECT_THAT(message([&] { ViewRenderer r(scene); }), testing::HasSubstr("material.alpha"));
+  scene = w.scene;
+  scene.light.position_mm.x() = NAN;
+  EXPECT_THAT(message([&] { ViewRenderer r(scene); }), testing::HasSubstr("light.position_mm"));
+  scene = w.scene;
+  scene.grid.center_mm.clear();
+  EXPECT_THAT(message([&] { ViewRenderer r(scene); }), testing::HasSubstr("scene.grid"));
+}
+
+TEST(ViewRenderer, FuzzNeverGivesNaN) {
+  // Random benches, most of them absurd: grazing and inverted cameras, lamps on the face, mirror-like and rough
+  // grooves, grooves wider than the board, scratches without length or as thin as rounding.
+  std::mt19937 random(2);
+  const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
+  const auto decades = [&](double a, double b) { return std::pow(10, uniform(a, b)); };
+  for (int round = 0; round < 150; ++round) {
+    World w = small_world(30);
+    Light& lamp = w.bench.lights[0];
+    lamp.position_mm = {uniform(-30, 50), uniform(-30, 50), round % 7 == 0 ? 0 : uniform(-5, 60)};
+    lamp.falloff_exponent = round % 3 == 0 ? 0 : decades(-1, 2);
+    w.bench.material.alpha = decades(-3.4, 0);
+    w.bench.material.base_alpha = decades(-3, 0);
+    w.bench.bow_mm = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+    w.camera.surface.bow_mm = w.bench.bow_mm;
+    w.camera.T_camera_board =
+        looking_at({uniform(-20, 40), uniform(-20, 40), uniform(-3, 60)}, {uniform(0, 20), uniform(0, 20), 0});
+    for (std::size_t s = 0; s < w.scratches.size(); ++s) {
+      w.scratches.alpha[s] = decades(-3.4, 0);
+      w.scratches.width_um[s] = decades(-1, 5);
+      w.scratches.depth_um[s] = w.scratches.width_um[s] * decades(-5, 0.4);
+      const double length = s % 5 == 0 ? decades(-12, -3) : decades(-2, 1.5);
+      w.scratches.x1_mm[s] = w.scratches.x0_mm[s] + (s % 10 == 0 ? 0 : length);
+      if (s % 3 == 0) w.scratches.y1_mm[s] = w.scratches.y0_mm[s];
+    }
+    w.scene = make_scene(w.bench, w.board, w.camera, lamp);
+    for (const bool use_double : {false, true}) {
+      ViewRenderer renderer(w.scene, {3, use_double});
+      Image image;
+      renderer.forward_with_jacobian(w.scratches, image);
+      ScratchGradients g;
+      g.resize(w.scratches.size());
+      renderer.backward(random_weights(w, 3, round), g);
+      for (const float v : image.data) ASSERT_TRUE(std::isfinite(v) && v >= 0) << "round " << round << " " << v;
+      for (const auto* values : {&g.x0_mm, &g.y0_mm, &g.x1_mm, &g.y1_mm, &g.width_um, &g.depth_um, &g.alpha})
+        for (const double v : *values) ASSERT_TRUE(std::isfinite(v)) << "round " << round;
+    }
+    const auto d = render_with_derivatives(w.scene, w.camera, w.scratches, all_parameters());
+    for (const Image& image : d.d_radiance)
+      for (const float v : image.data) ASSERT_TRUE(std::isfinite(v)) << "round " << round;
+  }
 }
 
 }  // namespace
