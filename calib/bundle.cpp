@@ -202,9 +202,13 @@ std::vector<double> lens_prior_sigma(const Lens& lens) {
   const bool rational = sigma.size() > 9;
   sigma[0] = sigma[1] = 10 * size;
   sigma[2] = sigma[3] = size;
-  for (std::size_t i = 4; i < sigma.size(); ++i) sigma[i] = i == 6 || i == 7 ? 1.0 : (rational ? 10.0 : 100.0);
+  for (std::size_t i = 4; i < sigma.size(); ++i) sigma[i] = i == 6 || i == 7 ? 1.0 : (rational ? 3.0 : 100.0);
   return sigma;
 }
+
+// A focal length or a centre that is known no better is no calibration, however wide its prior was.
+constexpr double kFocalKnown = 0.02;   // of the focal length
+constexpr double kCenterKnown = 0.05;  // of the picture's longer side
 
 bool has_core_and_few(const Lens& lens) { return lens.intrinsics.size() >= 4 && lens.intrinsics.size() <= 16; }
 
@@ -323,6 +327,9 @@ BundleSummary solve_bundle(Bundle& b, const BundleOptions& o) {
   options.function_tolerance = 1e-12;
   options.parameter_tolerance = 1e-12;
   options.gradient_tolerance = 1e-12;
+  // Without damping, numerator and denominator of a rational lens may leave Cholesky no digits (and Ceres says so
+  // aloud).
+  options.max_trust_region_radius = 1e9;
   options.logging_type = ceres::SILENT;
   options.use_nonmonotonic_steps = false;
   auto ordering = std::make_shared<ceres::ParameterBlockOrdering>();
@@ -478,8 +485,13 @@ BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
     else
       out.tag_sigma.emplace_back(C.diagonal().segment<3>(at->second).cwiseMax(0).cwiseSqrt());
   }
-  for (int i = 0; i < tag_columns; ++i)
-    if (S(i, i) < 1e29 && std::sqrt(std::max(C(i, i), 0.0)) > 0.5 * prior[i]) out.not_determined.push_back(name[i]);
+  const bool lens_free = column.count(work.lens.data()) > 0;
+  for (int i = 0; i < tag_columns; ++i) {
+    double limit = 0.5 * prior[i];
+    if (lens_free && has_core_and_few(b.lens) && i < 4)
+      limit = i < 2 ? kFocalKnown * std::abs(work.lens[i]) : kCenterKnown * std::max(b.lens.width, b.lens.height);
+    if (S(i, i) < 1e29 && std::sqrt(std::max(C(i, i), 0.0)) > limit) out.not_determined.push_back(name[i]);
+  }
 
   for (std::size_t v = 0; v < views.size(); ++v) {
     Matrix6 P = Matrix6::Zero();

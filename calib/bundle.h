@@ -66,8 +66,9 @@ struct BundleUncertainty {
   std::vector<Eigen::Matrix<double, 6, 6>> pose;  ///< of (rotation vector added to log R, translation mm)
   Eigen::Matrix3d bow_mm2 = Eigen::Matrix3d::Zero();
   double edge_sigma_mm = 0;
-  std::vector<Eigen::Vector3d> tag_sigma;   ///< shift x, shift y (mm), turn (rad)
-  std::vector<std::string> not_determined;  ///< parameters whose sigma is more than half the prior's
+  std::vector<Eigen::Vector3d> tag_sigma;  ///< shift x, shift y (mm), turn (rad)
+  std::vector<std::string>
+      not_determined;  ///< sigma above half the prior's, 2 % of a focal length, 5 % of the picture for its centre
 };
 
 struct BundleSummary {
