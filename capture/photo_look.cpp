@@ -78,6 +78,8 @@ PhotoLook look_at(const Photo& photo) {
 
 std::optional<Comparison> compare(const PhotoLook& a, double factor_a, const PhotoLook& b, double factor_b) {
   if (a.small.width != b.small.width || a.small.height != b.small.height) return std::nullopt;
+  constexpr double kLostInTheDark = 0.02;  // of the white level, for a photo's brightest parts: details are noise
+  if (std::min(a.bright, b.bright) < kLostInTheDark) return std::nullopt;
   // Both are cut at one range of radiance, which both hold: what clips in one is then equally flat in the other.
   const double low = std::max(a.noise_floor / factor_a, b.noise_floor / factor_b);
   const double high = 0.9 * std::min(1 / factor_a, 1 / factor_b);

@@ -30,7 +30,7 @@ struct Comparison {
   double shift_px = 0;     ///< how far b's picture lies from a's, photo pixels; of use where correlation is high
 };
 
-/// Nothing if the two share too little that both hold (5 % of the pixels), or differ in size.
+/// Nothing if the two share too little that both hold (5 % of the pixels), if one is all dark, or if sizes differ.
 std::optional<Comparison> compare(const PhotoLook& a, double factor_a, const PhotoLook& b, double factor_b);
 
 }  // namespace burin

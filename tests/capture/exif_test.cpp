@@ -1,0 +1,119 @@
+// Proves: what EXIF says is read from the kinds of files that photos come in, exactly; what it does not say stays
+// unsaid; how values are encoded is taken from the file and, where it is silent, said to be assumed.
+#include "capture/exif.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "capture/simulated_camera.h"
+#include "render/error.h"
+#include "tests/capture/small_truth.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ExifTest : testing::Test {
+  TemporaryFolder folder;
+
+  void write(const std::string& name, OIIO::TypeDesc type, const std::function<void(OIIO::ImageSpec&)>& change = {}) {
+    OIIO::ImageSpec spec(16, 8, 3, type);
+    if (change) change(spec);
+    auto out = OIIO::ImageOutput::create((folder.path / name).string());
+    ASSERT_TRUE(out->open((folder.path / name).string(), spec));
+    ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, std::vector<float>(16 * 8 * 3, 0.5F).data()));
+    ASSERT_TRUE(out->close());
+  }
+};
+
+// What the simulated camera writes, in PNG and in JPEG, is what is read: fractions to the last digit.
+TEST_F(ExifTest, SimulatedPhotosSayHowTheyWereTaken) {
+  Json json = small_truth();
+  json["exif"]["focal_35mm"] = 53;
+  for (const bool jpeg : {false, true}) {
+    const std::string name = jpeg ? "photos/v00.jpg" : "photos/v00.png";
+    json["sensor"]["encoding"] = jpeg ? "srgb" : "linear";
+    json["views"][0]["photos"][0]["file"] = name;
+    json["views"][0]["photos"][0]["iso"] = 200;
+    for (const double exposure_s : {1.0 / 60, 1.0 / 640, 0.3, 2.5}) {
+      json["views"][0]["photos"][0]["exposure_s"] = exposure_s;
+      simulate(write_truth(folder, json), folder.path / "out");
+      const Exif exif = read_exif(folder.path / "out" / name);
+      EXPECT_NEAR(exif.exposure_s.value_or(0), exposure_s, 1e-6 * exposure_s) << name;
+      EXPECT_DOUBLE_EQ(exif.f_number.value_or(0), 8) << name;
+      EXPECT_DOUBLE_EQ(exif.iso.value_or(0), 200) << name;
+      EXPECT_DOUBLE_EQ(exif.focal_mm.value_or(0), 35) << name;
+      EXPECT_DOUBLE_EQ(exif.focal_35mm.value_or(0), 53) << name;
+      EXPECT_EQ(exif.model, "M12") << name;
+      EXPECT_DOUBLE_EQ(exif.time_s.value_or(0), 1714564800) << "2024-05-01 12:00:00, " << name;
+      EXPECT_EQ(exif.width, 320) << name;
+      EXPECT_EQ(exif.orientation, 1) << name;
+      EXPECT_EQ(encoding_of(exif).encoding, jpeg ? Encoding::srgb : Encoding::linear);
+    }
+  }
+}
+
+TEST_F(ExifTest, SilentFilesStaySilent) {
+  write("p.jpg", OIIO::TypeDesc::UINT8);
+  const Exif exif = read_exif(folder.path / "p.jpg");
+  EXPECT_FALSE(exif.exposure_s);
+  EXPECT_FALSE(exif.f_number);
+  EXPECT_FALSE(exif.iso);
+  EXPECT_FALSE(exif.time_s);
+  EXPECT_FALSE(exif.focal_mm);
+}
+
+TEST_F(ExifTest, EncodingIsWhatTheFileSays) {
+  const auto encoding = [&](const std::string& name) { return encoding_of(read_exif(folder.path / name)); };
+  write("a.png", OIIO::TypeDesc::UINT16, [](OIIO::ImageSpec& s) { s.attribute("oiio:ColorSpace", "sRGB"); });
+  EXPECT_EQ(encoding("a.png").encoding, Encoding::srgb);
+  EXPECT_FALSE(encoding("a.png").assumed);
+  write("b.png", OIIO::TypeDesc::UINT16, [](OIIO::ImageSpec& s) { s.attribute("oiio:ColorSpace", "Linear"); });
+  EXPECT_EQ(encoding("b.png").encoding, Encoding::linear);
+  EXPECT_TRUE(encoding("b.png").assumed);
+  write("c.tif", OIIO::TypeDesc::UINT16);
+  EXPECT_EQ(encoding("c.tif").encoding, Encoding::linear);
+  EXPECT_TRUE(encoding("c.tif").assumed);
+  write("d.tif", OIIO::TypeDesc::UINT8);
+  EXPECT_EQ(encoding("d.tif").encoding, Encoding::srgb);
+  EXPECT_TRUE(encoding("d.tif").assumed);
+  write("e.exr", OIIO::TypeDesc::FLOAT);
+  EXPECT_EQ(encoding("e.exr").encoding, Encoding::linear);
+  EXPECT_FALSE(encoding("e.exr").assumed);
+  write("f.jpg", OIIO::TypeDesc::UINT8);
+  EXPECT_EQ(encoding("f.jpg").encoding, Encoding::srgb);
+}
+
+TEST_F(ExifTest, OrientationAndApexValues) {
+  write("p.jpg", OIIO::TypeDesc::UINT8, [](OIIO::ImageSpec& s) {
+    s.attribute("Orientation", 6);
+    s.attribute("Exif:ShutterSpeedValue", 5.0F);  // 2^-5 s
+    s.attribute("Exif:ApertureValue", 6.0F);      // f/8
+  });
+  const Exif exif = read_exif(folder.path / "p.jpg");
+  EXPECT_EQ(exif.orientation, 6);
+  EXPECT_NEAR(exif.exposure_s.value_or(0), 1.0 / 32, 1e-6);
+  EXPECT_NEAR(exif.f_number.value_or(0), 8, 1e-4);
+}
+
+TEST_F(ExifTest, NoPictureIsAnError) {
+  EXPECT_THROW(read_exif(folder.path / "none.jpg"), Error);
+  folder.write("text.jpg", "no picture");
+  EXPECT_THROW(read_exif(folder.path / "text.jpg"), Error);
+}
+
+TEST_F(ExifTest, RigB) {
+  const fs::path file = fs::path(BURIN_SHARED_DIR) / "rigs/b/photos/IMG_4128.JPG";
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is not beside the checkout";
+  const Exif exif = read_exif(file);
+  EXPECT_DOUBLE_EQ(exif.exposure_s.value_or(0), 1.0 / 15);
+  EXPECT_DOUBLE_EQ(exif.f_number.value_or(0), 9);
+  EXPECT_DOUBLE_EQ(exif.focal_35mm.value_or(0), 53);
+  EXPECT_EQ(exif.make, "Kestrel");
+}
+
+}  // namespace
+}  // namespace burin

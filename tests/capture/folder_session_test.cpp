@@ -1,0 +1,269 @@
+// Proves: a plain folder of photos becomes the session that a person would have written: brackets found by the
+// pictures, not by the clock alone; what stands in the way of that is an error that names file and remedy, and then
+// nothing is written. Photos come from the simulated camera; the rig's own truth says how its photos belong together.
+// Also proves pre-flight's findings one by one (capture/preflight.h), each next to a session that does not have it.
+#include "capture/folder_session.h"
+
+#include <OpenImageIO/imageio.h>
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "capture/preflight.h"
+#include "capture/simulated_camera.h"
+#include "render/error.h"
+#include "tests/capture/small_truth.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+using Severity = Finding::Severity;
+
+// Three exposures from each of four places; each test changes a photo or two before `capture`.
+struct FolderSessionTest : testing::Test {
+  TemporaryFolder folder;
+  Json json = small_truth();
+
+  FolderSessionTest() {
+    json["samples"] = 16;
+    json["session"] = false;
+    json["sensor"]["gain"] = 4000;
+    json["views"] = Json::array();
+    for (int v = 0; v < 4; ++v) add_view(v, 8.0 * v, 0);
+  }
+
+  /// The camera stands shift_mm to the side; exposures two seconds apart, places a minute and a half.
+  void add_view(int v, double shift_mm, int minute_offset, std::vector<double> exposures_s = {0.01, 0.04, 0.0025}) {
+    Json view;
+    view["view"] = "place" + std::to_string(v);
+    view["T_camera_board"] = {{1, 0, 0, -50 + shift_mm}, {0, -1, 0, 40}, {0, 0, -1, 400}, {0, 0, 0, 1}};
+    for (std::size_t k = 0; k < exposures_s.size(); ++k) {
+      const int s = 90 * v + 60 * minute_offset + 2 * static_cast<int>(k);
+      char time[32];
+      std::snprintf(time, sizeof time, "2024:05:01 12:%02d:%02d", s / 60, s % 60);
+      view["photos"].push_back({{"file", "photos/IMG_" + std::to_string(100 + 10 * v + k) + ".png"},
+                                {"exposure_s", exposures_s[k]},
+                                {"f_number", 8},
+                                {"datetime", time}});
+    }
+    json["views"].push_back(view);
+  }
+
+  void take_photos() { simulate(write_truth(folder, json), folder.path); }
+
+  CaptureResult capture() const {
+    return capture_folder(folder.path / "photos", folder.path / "board.json", folder.path / "out");
+  }
+
+  /// Reads a photo, lets the caller change pixels and header, writes it back.
+  void change(const std::string& name, const std::function<void(std::vector<float>&, OIIO::ImageSpec&)>& how) const {
+    const std::string file = (folder.path / "photos" / name).string();
+    auto in = OIIO::ImageInput::open(file);
+    OIIO::ImageSpec spec = in->spec();
+    std::vector<float> pixels(spec.image_pixels() * spec.nchannels);
+    ASSERT_TRUE(in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()));
+    in->close();
+    how(pixels, spec);
+    // TIFF keeps EXIF when OpenImageIO writes it; the PNG gives way.
+    const std::string tiff = fs::path(file).replace_extension(".tif").string();
+    auto out = OIIO::ImageOutput::create(tiff);
+    ASSERT_TRUE(out->open(tiff, spec));
+    ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+    ASSERT_TRUE(out->close());
+    fs::remove(file);
+  }
+
+  static std::string text_of(const std::vector<Finding>& findings, Severity severity) {
+    std::string text;
+    for (const Finding& f : findings)
+      if (f.severity == severity) text += sentence(f) + "\n";
+    return text;
+  }
+};
+
+TEST_F(FolderSessionTest, BracketsBecomeViews) {
+  take_photos();
+  const CaptureResult result = capture();
+  EXPECT_EQ(text_of(result.findings, Severity::error), "");
+  EXPECT_EQ(text_of(result.findings, Severity::warning), "");
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("linear was assumed"));
+  EXPECT_EQ(result.views, 4);
+  const Session session = read_session(folder.path / "out/session.json");
+  ASSERT_EQ(session.photos.size(), 12U);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(session.photos[i].view, "v0" + std::to_string(i / 3));
+    EXPECT_EQ(session.photos[i].file.filename(), "IMG_" + std::to_string(100 + 10 * (i / 3) + i % 3) + ".png");
+    EXPECT_EQ(session.photos[i].encoding, Encoding::linear);
+  }
+  EXPECT_NEAR(session.photos[1].exposure_s, 0.04, 1e-9);
+  EXPECT_TRUE(fs::equivalent(session.board, folder.path / "board.json"));
+}
+
+// Photos a second apart from two places must not be merged, and one place kept for minutes is not torn by a slow hand.
+TEST_F(FolderSessionTest, PicturesDecideNotTheClockAlone) {
+  for (int v = 0; v < 4; ++v)
+    for (int k = 0; k < 3; ++k) {
+      char time[32];
+      std::snprintf(time, sizeof time, "2024:05:01 12:00:%02d", 3 * v + k);
+      json["views"][v]["photos"][k]["datetime"] = time;
+    }
+  take_photos();
+  EXPECT_EQ(capture().views, 4);
+  for (int v = 0; v < 4; ++v)
+    for (int k = 0; k < 3; ++k) {
+      char time[32];
+      std::snprintf(time, sizeof time, "2024:05:01 12:%02d:%02d", (3 * v + k) * 40 / 60, (3 * v + k) * 40 % 60);
+      json["views"][v]["photos"][k]["datetime"] = time;
+    }
+  take_photos();
+  EXPECT_EQ(capture().views, 4);
+}
+
+// A hand-held bracket: 1.5 pixels between exposures. Merging would blur; each photo gets a pose of its own.
+TEST_F(FolderSessionTest, ABracketThatMovedIsTakenApart) {
+  add_view(4, 40, 0, {0.01});
+  add_view(5, 40.75, -1, {0.02});  // half a minute after
+  take_photos();
+  const CaptureResult result = capture();
+  EXPECT_EQ(result.views, 6);
+  EXPECT_THAT(text_of(result.findings, Severity::warning),
+              AllOf(testing::ContainsRegex("1\\.[2-8] px aside"), HasSubstr("tripod")));
+}
+
+TEST_F(FolderSessionTest, MissingExifIsAnErrorAndNothingIsWritten) {
+  take_photos();
+  change("IMG_111.png", [](auto&, OIIO::ImageSpec& spec) {
+    spec.erase_attribute("ExposureTime");
+    spec.erase_attribute("FNumber");
+  });
+  const CaptureResult result = capture();
+  EXPECT_THAT(text_of(result.findings, Severity::error),
+              AllOf(HasSubstr("IMG_111.tif"), HasSubstr("exposure time and aperture"), HasSubstr("exiftool")));
+  EXPECT_TRUE(result.written.empty());
+  EXPECT_FALSE(fs::exists(folder.path / "out"));
+}
+
+TEST_F(FolderSessionTest, BrokenPhotosAreNamed) {
+  take_photos();
+  const fs::path whole = folder.path / "photos/IMG_120.png";
+  fs::resize_file(whole, fs::file_size(whole) / 2);
+  folder.write("photos/IMG_121.png", "no picture");
+  const CaptureResult result = capture();
+  EXPECT_THAT(text_of(result.findings, Severity::error), AllOf(HasSubstr("IMG_120.png"), HasSubstr("IMG_121.png")));
+  EXPECT_TRUE(result.written.empty());
+}
+
+TEST_F(FolderSessionTest, OtherFilesArePassedOver) {
+  take_photos();
+  folder.write("photos/notes.txt", "f/8");
+  folder.write("photos/.hidden", "");
+  const CaptureResult result = capture();
+  EXPECT_EQ(result.session.photos.size(), 12U);
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("notes.txt"));
+}
+
+TEST_F(FolderSessionTest, FoldersThatDoNotServe) {
+  take_photos();
+  const fs::path board = folder.path / "board.json";
+  EXPECT_THROW(capture_folder(folder.path / "none", board, folder.path / "out"), Error);
+  fs::create_directories(folder.path / "empty");
+  EXPECT_THROW(capture_folder(folder.path / "empty", board, folder.path / "out"), Error);
+  EXPECT_THROW(capture_folder(folder.path / "photos", folder.path / "none.json", folder.path / "out"), Error);
+  folder.write("file", "");
+  EXPECT_THROW(capture_folder(folder.path / "photos", board, folder.path / "file/out"), Error);
+}
+
+TEST_F(FolderSessionTest, SizesAndRotatedFiles) {
+  take_photos();
+  change("IMG_101.png", [](auto& pixels, OIIO::ImageSpec& spec) {
+    spec.height = 200;
+    spec.full_height = 200;
+    pixels.resize(static_cast<std::size_t>(320) * 200);
+  });
+  change("IMG_112.png", [](auto&, OIIO::ImageSpec& spec) {
+    std::swap(spec.width, spec.height);
+    std::swap(spec.full_width, spec.full_height);
+  });
+  const std::string errors = text_of(capture().findings, Severity::error);
+  EXPECT_THAT(errors,
+              AllOf(HasSubstr("IMG_101.tif: is 320 x 200 pixels"), HasSubstr("IMG_112.tif"), HasSubstr("rotated")));
+}
+
+TEST_F(FolderSessionTest, FocalLengthCameraAndAperture) {
+  take_photos();
+  change("IMG_101.png", [](auto&, OIIO::ImageSpec& spec) { spec.attribute("Exif:FocalLength", 50.0F); });
+  change("IMG_111.png", [](auto&, OIIO::ImageSpec& spec) { spec.attribute("Model", "Other"); });
+  change("IMG_121.png", [](auto&, OIIO::ImageSpec& spec) { spec.attribute("Orientation", 6); });
+  const CaptureResult result = capture();
+  EXPECT_THAT(text_of(result.findings, Severity::error),
+              AllOf(HasSubstr("IMG_101.tif: was taken at 50 mm"), HasSubstr("IMG_111.tif"), HasSubstr("Other")));
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("orientation"));
+}
+
+TEST_F(FolderSessionTest, BlurClippingAndFalseExposures) {
+  take_photos();
+  change("IMG_110.png", [](auto& pixels, OIIO::ImageSpec&) {
+    for (int pass = 0; pass < 6; ++pass) {  // a smear of a dozen pixels: the camera shook
+      auto before = pixels;
+      for (std::size_t i = 2; i + 2 < pixels.size(); ++i)
+        pixels[i] = (before[i - 2] + before[i - 1] + before[i] + before[i + 1] + before[i + 2]) / 5;
+      before = pixels;
+      for (std::size_t i = 640; i + 640 < pixels.size(); ++i)
+        pixels[i] = (before[i - 640] + before[i - 320] + before[i] + before[i + 320] + before[i + 640]) / 5;
+    }
+  });
+  change("IMG_122.png", [](auto& pixels, OIIO::ImageSpec&) {
+    for (float& v : pixels) v *= 0.8F;
+  });
+  const std::string warnings = text_of(capture().findings, Severity::warning);
+  EXPECT_THAT(warnings, AllOf(HasSubstr("IMG_110.tif: is blurred"), HasSubstr("IMG_122.tif"), HasSubstr("darker")));
+}
+
+TEST_F(FolderSessionTest, TooBrightTooDarkTooFew) {
+  json["views"].erase(json["views"].begin() + 2, json["views"].end());
+  for (auto& photo : json["views"][0]["photos"]) photo["exposure_s"] = 2;
+  for (auto& photo : json["views"][1]["photos"]) photo["exposure_s"] = 0.0001;
+  take_photos();
+  const std::string warnings = text_of(capture().findings, Severity::warning);
+  EXPECT_THAT(warnings,
+              AllOf(HasSubstr("clipped even in its shortest"), HasSubstr("is dark"), HasSubstr("2 places only")));
+}
+
+TEST_F(FolderSessionTest, AWrittenSessionIsJudgedTheSameWay) {
+  take_photos();
+  const CaptureResult result = capture();
+  ASSERT_FALSE(result.written.empty());
+  const Session session = read_session(result.written);
+  EXPECT_TRUE(preflight(session).empty());
+  folder.write("photos/IMG_100.png", "no picture");
+  EXPECT_THAT(text_of(preflight(session), Severity::error), HasSubstr("IMG_100.png"));
+}
+
+// The rig's truth says which photos belong together; only this test reads it.
+TEST(FolderSessionOfRigs, RigBsBracketsAreFound) {
+  const fs::path rig = fs::path(BURIN_SHARED_DIR) / "rigs/b";
+  if (!fs::exists(rig / "truth.json")) GTEST_SKIP() << rig << " is not beside the checkout";
+  const BenchTruth truth = read_bench_truth(rig / "truth.json");
+  TemporaryFolder out;
+  const CaptureResult result = capture_folder(rig / "photos", rig / "board.json", out.path);
+  ASSERT_FALSE(result.written.empty());
+  ASSERT_EQ(result.session.photos.size(), 30U);
+  std::size_t i = 0;
+  for (const TruthView& view : truth.views)
+    for (const TruthPhoto& photo : view.photos) {
+      const Photo& found = result.session.photos[i++];
+      EXPECT_EQ(found.file.filename(), photo.file.filename());
+      EXPECT_EQ(found.view, view.name);
+      EXPECT_DOUBLE_EQ(found.exposure_s, photo.photo.exposure_s);
+      EXPECT_EQ(found.encoding, Encoding::srgb);
+    }
+}
+
+}  // namespace
+}  // namespace burin
