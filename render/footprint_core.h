@@ -88,16 +88,16 @@ inline constexpr float kAtanTail<float>[] = {0.19999990973f,  -0.14284550739f,  
 struct Node {
   double x, mean_weight;
 };
-template <class Scalar>
-inline constexpr Node kGauss[] = {
+inline constexpr Node kGauss16[] = {
     {0.98940093499164993260, 0.027152459411754094852 / 2}, {0.94457502307323257608, 0.062253523938647892863 / 2},
     {0.86563120238783174388, 0.095158511682492784810 / 2}, {0.75540440835500303390, 0.12462897125553387205 / 2},
     {0.61787624440264374845, 0.14959598881657673208 / 2},  {0.45801677765722738634, 0.16915651939500253819 / 2},
     {0.28160355077925891323, 0.18260341504492358887 / 2},  {0.095012509837637440185, 0.18945061045506849629 / 2}};
-template <>
-inline constexpr Node kGauss<float>[] = {{0.93246951420315202781, 0.17132449237917034504 / 2},
-                                         {0.66120938646626451366, 0.36076157304813860757 / 2},
-                                         {0.23861918608319690863, 0.46791393457269104739 / 2}};
+inline constexpr Node kGauss6[] = {{0.93246951420315202781, 0.17132449237917034504 / 2},
+                                   {0.66120938646626451366, 0.36076157304813860757 / 2},
+                                   {0.23861918608319690863, 0.46791393457269104739 / 2}};
+inline constexpr Node kGauss4[] = {{0.86113631159405257522, 0.34785484513745385737 / 2},
+                                   {0.33998104358485626480, 0.65214515486254614263 / 2}};
 
 template <class T>
 T square(const T& x) {
@@ -117,7 +117,7 @@ struct Lobes {
 
 /// From a unit half vector in the scratch frame and a roughness, 0 < alpha <= 1.
 template <class T>
-Lobes<T> make_lobes(const T& hx, const T& hy, const T& hz, const T& alpha) {
+[[gnu::always_inline]] inline Lobes<T> make_lobes(const T& hx, const T& hy, const T& hz, const T& alpha) {
   using std::abs;
   using std::max;
   using std::sqrt;
@@ -197,7 +197,7 @@ struct Scales {
 template <bool kMean, class T>
 Scales<T> closed_scales(const T& p, const T& t1, const T& t2) {
   const T length = t2 - t1;
-  const T scale = kMean ? T(1) / (p * length) : T(1) / p;
+  const T scale = T(1) / (kMean ? p * length : p);
   return {scale, kMean ? T(2) * scale * scale : scale * scale};
 }
 
@@ -215,25 +215,32 @@ struct LobeIntegrals {
 };
 
 template <int kPower, class T>
-LobeIntegrals<kPower, T> lobe_integrals(const T& s, const T& s2, const T& tau1, const T& tau2, const T& delta) {
+[[gnu::always_inline]] inline LobeIntegrals<kPower, T> lobe_integrals(const T& s, const T& s2, const T& tau1,
+                                                                      const T& tau2, const T& delta) {
   using std::abs;
   using std::log1p;
   using std::max;
-  using std::min;
   using std::sqrt;
   using Scalar = typename ScalarOf<T>::Type;
   constexpr Scalar kHalfPi = Scalar(1.57079632679489661923);
   LobeIntegrals<kPower, T> I;
   const T N1 = tau1 * tau1 + s2, N2 = tau2 * tau2 + s2;
   const T sum = tau1 + tau2, product = tau1 * tau2;
-  const T inv_NN = T(1) / (N1 * N2);
-  const T rho = sqrt(inv_NN);
+  const T rho = T(1) / sqrt(N1 * N2), inv_NN = rho * rho;
   const T c = (s2 + product) * rho, sn = s * delta * rho;
   const auto narrow = c >= T(0);
   const T v = sn / (T(1) + abs(c)), x = v * v;
-  T S = T(std::end(kAtanTail<Scalar>)[-1]);
-  for (std::size_t i = std::size(kAtanTail<Scalar>) - 1; i-- > 0;) S = S * x + T(kAtanTail<Scalar>[i]);
-  const T v3 = v * x, inv_1x = T(1) / (T(1) + x);
+  // S(x) as its even and odd terms side by side: half the wait of one long chain.
+  constexpr std::size_t terms = std::size(kAtanTail<Scalar>);
+  static_assert(terms % 2 == 0);
+  const T x2 = x * x;
+  T even = T(kAtanTail<Scalar>[terms - 2]), odd = T(kAtanTail<Scalar>[terms - 1]);
+  for (std::size_t i = terms - 2; i > 0; i -= 2) {
+    even = even * x2 + T(kAtanTail<Scalar>[i - 2]);
+    odd = odd * x2 + T(kAtanTail<Scalar>[i - 1]);
+  }
+  const T S = even + x * odd;
+  const T v3 = v * x, inv_1x = T(0.5) + T(0.5) * abs(c);  // 1 / (1 + x) = cos^2 of half the angle
   const T twice_atan = T(2) * (v + v3 * (x * S - T(Scalar(1) / Scalar(3))));
   const T Delta = select(narrow, twice_atan, T(2 * kHalfPi) - twice_atan);
   const T inv_s = T(1) / s, inv_s2 = inv_s * inv_s;
@@ -245,7 +252,7 @@ LobeIntegrals<kPower, T> lobe_integrals(const T& s, const T& s2, const T& tau1, 
   const T lean = chi * sn;
   I.J[2] = T(0.5) * (F2 + lean) * inv_s * inv_s2;
   const T difference = delta * sum;  // N2 - N1
-  const T log_ratio = log1p(abs(difference) / min(N1, N2));
+  const T log_ratio = log1p(abs(difference) * max(N1, N2) * inv_NN);
   I.K[0] = T(0.5) * difference;
   I.K[1] = T(0.5) * select(difference >= T(0), log_ratio, -log_ratio);
   I.K[2] = T(0.5) * difference * inv_NN;
@@ -267,8 +274,8 @@ struct LobePolynomial {
 };
 
 template <int kPower, int kAll, class T>
-Moments<T> integrate(const LobePolynomial<kPower, T>& f, const LobeIntegrals<kAll, T>& I, const T& s2, const T& tau_m,
-                     const Scales<T>& scales) {
+[[gnu::always_inline]] inline Moments<T> integrate(const LobePolynomial<kPower, T>& f, const LobeIntegrals<kAll, T>& I,
+                                                   const T& s2, const T& tau_m, const Scales<T>& scales) {
   T m0 = f.c0 * I.J[0], m1 = T(0);
   for (int j = 1; j <= kPower; ++j) {
     m0 = m0 + f.a[j] * I.J[j] + f.b[j] * I.K[j];
@@ -279,7 +286,8 @@ Moments<T> integrate(const LobePolynomial<kPower, T>& f, const LobeIntegrals<kAl
 
 // (A + (a1 + b1 tau)/N + (a2 + b2 tau)/N^2) * (c + (a + b tau)/N).
 template <class T>
-LobePolynomial<3, T> times(const LobePolynomial<2, T>& f, const T& c, const T& a, const T& b, const T& s2) {
+[[gnu::always_inline]] inline LobePolynomial<3, T> times(const LobePolynomial<2, T>& f, const T& c, const T& a,
+                                                         const T& b, const T& s2) {
   LobePolynomial<3, T> g;
   g.c0 = c * f.c0;
   g.a[1] = c * f.a[1] + f.c0 * a + f.b[1] * b;
@@ -296,7 +304,8 @@ template <class T>
 struct LobeForm {
   T A, g, f, e, s2;
 
-  LobePolynomial<2, T> weighted(const T& squares, const T& ones) const {  // squares * R^2 + ones * R
+  [[gnu::always_inline]] LobePolynomial<2, T> weighted(const T& squares,
+                                                       const T& ones) const {  // squares * R^2 + ones * R
     LobePolynomial<2, T> w;
     const T slope = T(2) * A * squares + ones;
     w.c0 = A * (A * squares + ones);
@@ -308,135 +317,150 @@ struct LobeForm {
   }
 };
 
-template <class T>
-Moments<T> operator+(const Moments<T>& a, const Moments<T>& b) {
-  return {a.m0 + b.m0, a.m1 + b.m1};
-}
-
-// What the sums of one lobe are: value is R^2 + R; turn and radial are its derivatives.
+// Moments of a lobe's value, R^2 + R, and, if asked, of its derivatives by turn and radial: parts 0, 1, 2.
 template <bool kDerivatives, class T>
-MomentDerivatives<T> lobe_closed(const T& p, const T& e, const T& s2, const T& s, const T& t1, const T& t2,
-                                 const Scales<T>& scales) {
+struct LobeMoments {
+  static constexpr int kParts = kDerivatives ? 3 : 1;
+  Moments<T> part[kParts];
+};
+
+template <bool kDerivatives, class T>
+[[gnu::always_inline]] inline LobeMoments<kDerivatives, T> lobe_closed(const T& p, const T& e, const T& s2, const T& s,
+                                                                       const T& t1, const T& t2,
+                                                                       const Scales<T>& scales) {
   const T tau1 = p * t1 + e, tau2 = p * t2 + e, delta = p * (t2 - t1), tau_m = T(0.5) * (tau1 + tau2);
   const T A = T(1) / p;
   const LobeForm<T> R{A, T(2) * (T(1) - s2 * A), T(2) * e * A, e, s2};
-  MomentDerivatives<T> m{};
+  LobeMoments<kDerivatives, T> m;
+  const auto I = lobe_integrals < kDerivatives ? 3 : 2 > (s, s2, tau1, tau2, delta);
+  m.part[0] = integrate(R.weighted(T(1), T(1)), I, s2, tau_m, scales);
   if constexpr (kDerivatives) {
-    const auto I = lobe_integrals<3>(s, s2, tau1, tau2, delta);
-    m.value = integrate(R.weighted(T(1), T(1)), I, s2, tau_m, scales);
-    m.turn = integrate(times(R.weighted(T(2), T(1)), e * A, -(R.f * s2), -R.g, s2), I, s2, tau_m, scales);
+    m.part[1] = integrate(times(R.weighted(T(2), T(1)), e * A, -(R.f * s2), -R.g, s2), I, s2, tau_m, scales);
     // 2 R^3 - R^2 - R = (2 R^2 - R - 1) R
     LobePolynomial<2, T> w = R.weighted(T(2), T(-1));
     w.c0 = w.c0 - T(1);
-    m.radial_over_r2 = integrate(times(w, A, R.g, -R.f, s2), I, s2, tau_m, scales);
-  } else {
-    const auto I = lobe_integrals<2>(s, s2, tau1, tau2, delta);
-    m.value = integrate(R.weighted(T(1), T(1)), I, s2, tau_m, scales);
+    m.part[2] = integrate(times(w, A, R.g, -R.f, s2), I, s2, tau_m, scales);
   }
   return m;
 }
 
-template <bool kDerivatives, class T, class Integrand>
-MomentDerivatives<T> gauss(const T& t1, const T& t2, const Scales<T>& scales, const Integrand& integrand) {
+// Moments over [t1, t2] of kParts integrands at once: integrand(t, out) fills out[kParts].
+template <int kParts, class T, std::size_t n, class Integrand>
+[[gnu::always_inline]] inline void gauss(const Node (&rule)[n], const T& t1, const T& t2, const Scales<T>& scales,
+                                         Moments<T>* m, const Integrand& integrand) {
   using Scalar = typename ScalarOf<T>::Type;
   const T tm = T(0.5) * (t1 + t2), half = T(0.5) * (t2 - t1);
-  MomentDerivatives<T> m{};
-  const auto add = [](Moments<T>& to, const T& plus, const T& minus, const Node& node) {
-    to.m0 = to.m0 + T(Scalar(node.mean_weight)) * (plus + minus);
-    to.m1 = to.m1 + T(Scalar(node.mean_weight * node.x)) * (plus - minus);
-  };
-  for (const Node& node : kGauss<Scalar>) {
+  for (int i = 0; i < kParts; ++i) m[i] = {T(0), T(0)};
+  for (const Node& node : rule) {
     const T d = half * T(Scalar(node.x));
-    T v[3], w[3];
+    T v[kParts], w[kParts];
     integrand(tm + d, v);
     integrand(tm - d, w);
-    add(m.value, v[0], w[0], node);
-    if constexpr (kDerivatives) {
-      add(m.turn, v[1], w[1], node);
-      add(m.radial_over_r2, v[2], w[2], node);
+    for (int i = 0; i < kParts; ++i) {
+      m[i].m0 = m[i].m0 + T(Scalar(node.mean_weight)) * (v[i] + w[i]);
+      m[i].m1 = m[i].m1 + T(Scalar(node.mean_weight * node.x)) * (v[i] - w[i]);
     }
   }
-  for (Moments<T>* x : {&m.value, &m.turn, &m.radial_over_r2}) {
-    x->m0 = x->m0 * scales.zeroth;
-    x->m1 = x->m1 * scales.first;
+  for (int i = 0; i < kParts; ++i) {
+    m[i].m0 = m[i].m0 * scales.zeroth;
+    m[i].m1 = m[i].m1 * scales.first;
   }
-  return m;
 }
 
 // One lobe by Gauss-Legendre. The back lobe's R is at most 1 where n.h >= 0, so its Q may be summed as it stands; so
 // may the front lobe's where p < 1/2 (h far below the face), where its peak is out of reach.
-template <bool kDerivatives, bool kBack, class T>
-MomentDerivatives<T> lobe_gauss(const T& p, const T& q, const T& e, const T& k, const T& s2, const T& t1, const T& t2,
-                                const Scales<T>& scales) {
-  const T inv_p = T(1) / p;
-  return gauss<kDerivatives>(t1, t2, scales, [&](const T& t, T* out) {
+template <bool kDerivatives, bool kBack, class T, std::size_t n>
+[[gnu::always_inline]] inline LobeMoments<kDerivatives, T> lobe_gauss(const Node (&rule)[n], const T& p, const T& q,
+                                                                      const T& e, const T& k, const T& s2, const T& t1,
+                                                                      const T& t2, const Scales<T>& scales) {
+  LobeMoments<kDerivatives, T> m;
+  const T inv_p = kBack ? p : T(1) / p, two_e = e + e;
+  gauss<LobeMoments<kDerivatives, T>::kParts>(rule, t1, t2, scales, m.part, [&](const T& t, T* out) {
     const T a = T(1) + t * t;
-    T Q = q + t * (T(2) * e + p * t);
+    T Q = q + t * (two_e + p * t);
     if constexpr (!kBack) Q = select(p >= T(0.5), (square(p * t + e) + s2) * inv_p, Q);
     const T inv_Q = T(1) / Q;
     const T R = a * inv_Q;
-    out[0] = R * (R + T(1));
+    out[0] = R * R + R;
     if constexpr (kDerivatives) {
-      out[1] = -(R * (T(2) * R + T(1)) * (T(2) * t * k + (T(1) - t * t) * e) * inv_Q);
-      out[2] = R * (R - T(1)) * (T(2) * R + T(1));
+      out[1] = -(out[0] + R * R) * (T(2) * t * k + (T(1) - t * t) * e) * inv_Q;
+      out[2] = (out[0] + R * R) * (R - T(1));
     }
   });
-}
-
-template <class T>
-void blend(Moments<T>& to, const Moments<T>& from, const auto& mask) {
-  to.m0 = select(mask, from.m0, to.m0);
-  to.m1 = select(mask, from.m1, to.m1);
-}
-
-template <bool kDerivatives, bool kMean, bool kBack, class T>
-MomentDerivatives<T> lobe(const T& p, const T& q, const T& e, const T& k, const T& s2, const T& s, const T& t1,
-                          const T& t2) {
-  // Poles of the lobe at tau = +- i s, seen from the interval's middle, against its half length.
-  const T tau_m = T(0.5) * p * (t1 + t2) + e, half = T(0.5) * p * (t2 - t1);
-  const auto far = tau_m * tau_m + s2 >= T(4) * half * half;
-  const auto near = !far;
-  const auto by_gauss = [&] {
-    return lobe_gauss<kDerivatives, kBack>(p, q, e, k, s2, t1, t2, gauss_scales<kMean>(t1, t2));
-  };
-  if (!any(near)) return by_gauss();
-  MomentDerivatives<T> m = lobe_closed<kDerivatives>(p, e, s2, s, t1, t2, closed_scales<kMean>(p, t1, t2));
-  if (any(far)) {
-    const auto g = by_gauss();
-    blend(m.value, g.value, far);
-    if constexpr (kDerivatives) {
-      blend(m.turn, g.turn, far);
-      blend(m.radial_over_r2, g.radial_over_r2, far);
-    }
-  }
   return m;
 }
 
+template <bool kDerivatives, class T>
+void blend(LobeMoments<kDerivatives, T>& to, const LobeMoments<kDerivatives, T>& from, const auto& mask) {
+  for (int i = 0; i < LobeMoments<kDerivatives, T>::kParts; ++i) {
+    to.part[i].m0 = select(mask, from.part[i].m0, to.part[i].m0);
+    to.part[i].m1 = select(mask, from.part[i].m1, to.part[i].m1);
+  }
+}
+
+// What few intervals need, kept out of the way of the many: the back lobe near its poles, which deep grooves and low
+// half vectors reach. Rewrites the lanes of `m` whose interval is not short against its distance from them.
 template <bool kDerivatives, bool kMean, class T>
-MomentDerivatives<T> both_lobes(const Lobes<T>& l, const T& t1, const T& t2) {
+[[gnu::noinline]] void lobe_back_near(LobeMoments<kDerivatives, T>& m, const T& p, const T& q, const T& e, const T& k,
+                                      const T& s2, const T& s, const T& t1, const T& t2, const T& poles2,
+                                      const T& half2) {
+  const auto scales = gauss_scales<kMean>(t1, t2);
+  blend(m, lobe_gauss<kDerivatives, true>(kGauss6, p, q, e, k, s2, t1, t2, scales), poles2 < T(25) * half2);
+  const auto near = poles2 < T(4) * half2;
+  if (any(near)) blend(m, lobe_closed<kDerivatives>(p, e, s2, s, t1, t2, closed_scales<kMean>(p, t1, t2)), near);
+}
+
+// Each lane takes what suits its interval, whatever its neighbours take: results do not depend on how work is packed.
+template <bool kDerivatives, bool kMean, bool kBack, class T>
+[[gnu::always_inline]] inline LobeMoments<kDerivatives, T> lobe(const T& p, const T& q, const T& e, const T& k,
+                                                                const T& s2, const T& s, const T& t1, const T& t2) {
+  constexpr bool kFloat = sizeof(typename ScalarOf<T>::Type) == 4;
+  // Poles of the lobe at tau = +- i s, seen from the interval's middle, against its half length.
+  const T tau_m = T(0.5) * p * (t1 + t2) + e, half = T(0.5) * p * (t2 - t1);
+  const T poles2 = tau_m * tau_m + s2, half2 = half * half;
+  const auto scales = gauss_scales<kMean>(t1, t2);
+  if constexpr (!kFloat) {
+    if (poles2 >= T(4) * half2) return lobe_gauss<kDerivatives, kBack>(kGauss16, p, q, e, k, s2, t1, t2, scales);
+    return lobe_closed<kDerivatives>(p, e, s2, s, t1, t2, closed_scales<kMean>(p, t1, t2));
+  } else if constexpr (!kBack) {
+    auto m = lobe_closed<kDerivatives>(p, e, s2, s, t1, t2, closed_scales<kMean>(p, t1, t2));
+    const auto far = poles2 >= T(64) * half2;
+    if (any(far)) blend(m, lobe_gauss<kDerivatives, kBack>(kGauss4, p, q, e, k, s2, t1, t2, scales), far);
+    return m;
+  } else {
+    auto m = lobe_gauss<kDerivatives, kBack>(kGauss4, p, q, e, k, s2, t1, t2, scales);
+    if (any(poles2 < T(25) * half2)) {
+      lobe_back_near<kDerivatives, kMean>(m, p, q, e, k, s2, s, t1, t2, poles2, half2);
+    }
+    return m;
+  }
+}
+
+template <bool kDerivatives, bool kMean, class T>
+[[gnu::always_inline]] inline MomentDerivatives<T> both_lobes(const Lobes<T>& l, const T& t1, const T& t2) {
   const auto front = lobe<kDerivatives, kMean, false>(l.p, l.q, l.e, l.k, l.s2, l.s, t1, t2);
   const auto back = lobe<kDerivatives, kMean, true>(l.q, l.p, T(-l.e), T(-l.k), l.s2, l.s, t1, t2);
-  MomentDerivatives<T> m{};
-  const auto sum = [](const Moments<T>& a, const Moments<T>& b, const T& scale) {
-    return Moments<T>{(a.m0 + b.m0) * scale, (a.m1 + b.m1) * scale};
+  const auto sum = [&](int i, const T& scale) {
+    return Moments<T>{(front.part[i].m0 + back.part[i].m0) * scale, (front.part[i].m1 + back.part[i].m1) * scale};
   };
-  m.value = sum(front.value, back.value, T(0.25));
+  MomentDerivatives<T> m;
+  m.value = sum(0, T(0.25));
   if constexpr (kDerivatives) {
-    m.turn = sum(front.turn, back.turn, T(0.25));
+    m.turn = sum(1, T(0.25));
+    m.radial_over_r2 = sum(2, T(0.25) / l.r2);
     // As r -> 0 the two lobes' radial parts cancel and r^2 divides what is left: take the integrand itself there,
     // radial / r^2 = 4 (n.h)^2 / (1 - u^2)^3. It is smooth: all poles are near t = +- i.
     const auto rough = l.r2 < T(0.01f);
-    const auto fine = !rough;
-    if (any(fine)) m.radial_over_r2 = sum(front.radial_over_r2, back.radial_over_r2, T(0.25) / l.r2);
     if (any(rough)) {
-      const auto direct = gauss<true>(t1, t2, gauss_scales<kMean>(t1, t2), [&](const T& t, T* out) {
+      LobeMoments<false, T> direct;
+      gauss<1>(kGauss16, t1, t2, gauss_scales<kMean>(t1, t2), direct.part, [&](const T& t, T* out) {
         const T inv_a = T(1) / (T(1) + t * t);
         const T nh = ((T(1) - t * t) * l.hz - T(2) * t * l.hx) * inv_a;
         const T inv = T(1) / (T(1) - l.r2 * nh * nh);
-        out[0] = out[1] = inv;
-        out[2] = T(4) * nh * nh * inv * inv * inv;
+        out[0] = T(4) * nh * nh * inv * inv * inv;
       });
-      blend(m.radial_over_r2, direct.radial_over_r2, rough);
+      m.radial_over_r2.m0 = select(rough, direct.part[0].m0, m.radial_over_r2.m0);
+      m.radial_over_r2.m1 = select(rough, direct.part[0].m1, m.radial_over_r2.m1);
     }
   }
   return m;

@@ -84,7 +84,6 @@ Counted operator/(Counted a, Counted b) { return counted(a.v / b.v); }
 Counted sqrt(Counted a) { return counted(std::sqrt(a.v)); }
 Counted log1p(Counted a) { return counted(std::log1p(a.v)); }
 Counted abs(Counted a) { return Counted(std::abs(a.v)); }
-Counted min(Counted a, Counted b) { return Counted(std::min(a.v, b.v)); }
 Counted max(Counted a, Counted b) { return Counted(std::max(a.v, b.v)); }
 Counted select(bool mask, Counted a, Counted b) { return mask ? a : b; }
 bool operator<(Counted a, Counted b) { return a.v < b.v; }
