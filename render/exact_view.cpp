@@ -49,6 +49,16 @@ void check_view(const ViewScene& scene, int channels) {
          "make it with hidden_pixels, or leave it empty");
 }
 
+PixelShading shade_pixel(const ViewScene& scene, std::size_t pixel) {
+  PixelShading p = shade_pixel(scene.grid.center_mm[pixel], scene.grid.normal[pixel], scene.camera_center_mm,
+                               scene.light, scene.material.base_alpha);
+  if (!scene.hidden_from_light.empty() && scene.hidden_from_light[pixel]) {
+    p.lit = false;
+    p.direct = p.base = 0;
+  }
+  return p;
+}
+
 ViewPixels view_pixels(const ViewScene& scene, int channels) {
   check_view(scene, channels);
   const FootprintGrid& grid = scene.grid;
@@ -64,13 +74,7 @@ ViewPixels view_pixels(const ViewScene& scene, int channels) {
         const double area = std::abs(signed_area_mm2(footprint_corners_mm(grid, c, r)));
         if (!(std::isfinite(area) && area > 0 && grid.center_mm[i].allFinite() && grid.normal[i].allFinite())) continue;
         pixels.area_mm2[i] = area;
-        PixelShading& shading = pixels.shading[i];
-        shading = shade_pixel(grid.center_mm[i], grid.normal[i], scene.camera_center_mm, scene.light,
-                              scene.material.base_alpha);
-        if (!scene.hidden_from_light.empty() && scene.hidden_from_light[i]) {
-          shading.lit = false;
-          shading.direct = shading.base = 0;
-        }
+        pixels.shading[i] = shade_pixel(scene, i);
       }
     }
   });

@@ -26,6 +26,9 @@ struct ViewPixels {
 /// and 3.
 void check_view(const ViewScene& scene, int channels);
 
+/// The shading of one pixel that has a footprint; not lit where the lamp is hidden from it.
+PixelShading shade_pixel(const ViewScene& scene, std::size_t pixel);
+
 /// Checks the scene and shades every pixel.
 ViewPixels view_pixels(const ViewScene& scene, int channels);
 

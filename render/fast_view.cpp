@@ -179,8 +179,7 @@ void FastView::Data::make_tiles() {
       auto q = footprint_corners_mm(grid, x, y);
       const double area = signed_area_mm2(q);
       if (area < 0) std::swap(q[1], q[3]);
-      const PixelShading p = shade_pixel(grid.center_mm[pixel], grid.normal[pixel], scene.camera_center_mm, scene.light,
-                                         scene.material.base_alpha);
+      const PixelShading p = shade_pixel(scene, pixel);
       if (!p.visible) return;
       ambient_on[i] = 1;
       if (!p.lit) return;

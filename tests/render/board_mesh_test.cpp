@@ -361,9 +361,11 @@ TEST_F(BoardMeshFiles, BenchesRenderThroughTheMesh) {
   EXPECT_LT(std::sqrt(difference / sum), 3e-3);
 
   scene.hidden_from_light.assign(160 * 120, 1);
-  ViewRenderer(scene, {1, true}).forward(scratches, in_shadow);
-  for (const float v : in_shadow.data) EXPECT_LE(v, 1.0001e-7);
-  EXPECT_GT(*std::max_element(in_shadow.data.begin(), in_shadow.data.end()), 0.9e-7);
+  for (const bool use_double : {true, false}) {
+    ViewRenderer(scene, {1, use_double}).forward(scratches, in_shadow);
+    for (const float v : in_shadow.data) EXPECT_LE(v, 1.0001e-7);
+    EXPECT_GT(*std::max_element(in_shadow.data.begin(), in_shadow.data.end()), 0.9e-7);
+  }
   scene.hidden_from_light.resize(5);
   EXPECT_THROW(ViewRenderer(scene, {1, true}), Error);
 }
