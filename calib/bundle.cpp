@@ -16,15 +16,14 @@ extern "C" {  // mrcal's headers have no guard for C++ of their own
 #include <memory>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <span>
 
 #include "render/error.h"
 
 namespace burin {
 namespace {
 
-using Pose = std::array<double, 6>;       // rotation vector, translation: R p + t
-using Shared = std::array<double, 4>;     // edge_mm, bow
-using Placement = std::array<double, 3>;  // shift x, y, turn
+using Pose = std::array<double, 6>;  // rotation vector, translation: R p + t
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 mrcal_lensmodel_t model_of(const Lens& lens) {
@@ -42,9 +41,9 @@ Pose to_pose(const Eigen::Isometry3d& T) {
   return {r.x(), r.y(), r.z(), T.translation().x(), T.translation().y(), T.translation().z()};
 }
 
-Eigen::Isometry3d to_isometry(const Pose& p) {
+Eigen::Isometry3d to_isometry(const double* p) {
   Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R;
-  mrcal_R_from_r(R.data(), nullptr, p.data());
+  mrcal_R_from_r(R.data(), nullptr, p);
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   T.linear() = R;
   T.translation() = Eigen::Vector3d(p[3], p[4], p[5]);
@@ -214,19 +213,41 @@ bool has_core_and_few(const Lens& lens) { return lens.intrinsics.size() >= 4 && 
 
 // Parameters as Ceres sees them, and the problem around them.
 struct Work {
-  std::vector<double> lens;
-  std::vector<Pose> poses;
-  Shared shared{};
-  std::vector<Placement> placements;
+  // One array holds all: Ceres orders blocks by their addresses, and sums must be in one order always.
+  std::vector<double> all;
+  std::span<double> lens, shared;
+  std::vector<double*> poses, placements;
   std::vector<int> view_corners;  // used corners a view
   std::vector<bool> tag_seen;
   std::unique_ptr<ceres::Problem> problem;
 
-  explicit Work(const Bundle& b) : lens(b.lens.intrinsics), view_corners(b.views.size()), tag_seen(b.tags.size()) {
-    for (const auto& T : b.views) poses.push_back(to_pose(T));
-    shared = {b.edge_mm, b.surface.bow_mm[0], b.surface.bow_mm[1], b.surface.bow_mm[2]};
-    for (const auto& t : b.tags) placements.push_back({t.shift_mm.x(), t.shift_mm.y(), t.turn_rad});
+  explicit Work(const Bundle& b) : view_corners(b.views.size()), tag_seen(b.tags.size()) {
+    const std::size_t n_lens = b.lens.intrinsics.size();
+    all.resize(6 * b.views.size() + n_lens + 4 + 3 * b.tags.size());
+    double* at = all.data();
+    for (const auto& T : b.views) {
+      const Pose pose = to_pose(T);
+      std::copy(pose.begin(), pose.end(), at);
+      poses.push_back(at);
+      at += 6;
+    }
+    lens = {at, n_lens};
+    std::copy(b.lens.intrinsics.begin(), b.lens.intrinsics.end(), at);
+    at += n_lens;
+    shared = {at, 4};
+    shared[0] = b.edge_mm;
+    for (int i = 0; i < 3; ++i) shared[1 + i] = b.surface.bow_mm[i];
+    at += 4;
+    for (const auto& t : b.tags) {
+      at[0] = t.shift_mm.x();
+      at[1] = t.shift_mm.y();
+      at[2] = t.turn_rad;
+      placements.push_back(at);
+      at += 3;
+    }
   }
+  Work(const Work&) = delete;
+  Work& operator=(const Work&) = delete;
 
   void build(const Bundle& b, const BundleOptions& o) {
     problem = std::make_unique<ceres::Problem>();
@@ -234,9 +255,9 @@ struct Work {
     std::vector<Eigen::Vector2d> centers(b.tags.size());
     for (const BundleCorner& c : b.corners) {
       if (!c.used) continue;
-      std::vector<double*> blocks = {lens.data(), poses[c.view].data(), shared.data()};
+      std::vector<double*> blocks = {lens.data(), poses[c.view], shared.data()};
       if (c.tag >= 0) {
-        blocks.push_back(placements[c.tag].data());
+        blocks.push_back(placements[c.tag]);
         tag_seen[c.tag] = true;
         centers[c.tag] = c.center_mm;
       }
@@ -273,28 +294,28 @@ struct Work {
     for (std::size_t i = 0; i < b.tags.size(); ++i) {
       if (!tag_seen[i]) continue;
       if (o.fix_tags) {
-        problem->SetParameterBlockConstant(placements[i].data());
+        problem->SetParameterBlockConstant(placements[i]);
         continue;
       }
       const TagPlacement& t = b.tags[i];
       problem->AddResidualBlock(new DiagonalPrior({0, 0, 0}, {t.sigma_mm, t.sigma_mm, t.sigma_rad}),
-                                o.robust_priors ? new ceres::CauchyLoss(2.0) : nullptr, placements[i].data());
-      seen.push_back(placements[i].data());
+                                o.robust_priors ? new ceres::CauchyLoss(2.0) : nullptr, placements[i]);
+      seen.push_back(placements[i]);
       seen_centers.push_back(centers[i]);
     }
     if (o.hold_tag_set && seen.size() >= 3) problem->AddResidualBlock(new TagSetHeld(seen_centers), nullptr, seen);
     for (std::size_t v = 0; v < poses.size(); ++v)
-      if (view_corners[v] && o.fix_poses) problem->SetParameterBlockConstant(poses[v].data());
+      if (view_corners[v] && o.fix_poses) problem->SetParameterBlockConstant(poses[v]);
   }
 };
 
 }  // namespace
 
 Eigen::Vector3d bundle_point_mm(const Bundle& b, const BundleCorner& c) {
-  const Shared shared = {b.edge_mm, b.surface.bow_mm[0], b.surface.bow_mm[1], b.surface.bow_mm[2]};
+  const std::array<double, 4> shared = {b.edge_mm, b.surface.bow_mm[0], b.surface.bow_mm[1], b.surface.bow_mm[2]};
   if (c.tag < 0) return board_point(c, b.surface.size_mm, shared.data(), nullptr, nullptr, nullptr);
   const TagPlacement& t = b.tags[c.tag];
-  const Placement placement = {t.shift_mm.x(), t.shift_mm.y(), t.turn_rad};
+  const std::array<double, 3> placement = {t.shift_mm.x(), t.shift_mm.y(), t.turn_rad};
   return board_point(c, b.surface.size_mm, shared.data(), placement.data(), nullptr, nullptr);
 }
 
@@ -336,20 +357,20 @@ BundleSummary solve_bundle(Bundle& b, const BundleOptions& o) {
   bool free_pose = false;
   for (std::size_t v = 0; v < work.poses.size(); ++v)
     if (work.view_corners[v]) {
-      ordering->AddElementToGroup(work.poses[v].data(), 0);
+      ordering->AddElementToGroup(work.poses[v], 0);
       free_pose = true;
     }
   ordering->AddElementToGroup(work.lens.data(), 1);
   ordering->AddElementToGroup(work.shared.data(), 1);
   for (std::size_t i = 0; i < work.placements.size(); ++i)
-    if (work.tag_seen[i]) ordering->AddElementToGroup(work.placements[i].data(), 1);
+    if (work.tag_seen[i]) ordering->AddElementToGroup(work.placements[i], 1);
   if (free_pose) options.linear_solver_ordering = ordering;
   ceres::Solver::Summary summary;
   ceres::Solve(options, work.problem.get(), &summary);
   if (summary.termination_type == ceres::FAILURE)
     fail("the solve for lens and poses", "could not start: " + summary.message,
          "check that board.json describes the photographed board");
-  b.lens.intrinsics = work.lens;
+  b.lens.intrinsics.assign(work.lens.begin(), work.lens.end());
   for (std::size_t v = 0; v < b.views.size(); ++v)
     if (work.view_corners[v]) b.views[v] = to_isometry(work.poses[v]);
   b.edge_mm = work.shared[0];
@@ -399,7 +420,7 @@ BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
   }
   const int tag_columns = columns;
   for (std::size_t i = 0; i < work.placements.size(); ++i)
-    if (work.tag_seen[i]) add(work.placements[i].data(), 3);
+    if (work.tag_seen[i]) add(work.placements[i], 3);
 
   struct Eliminated {
     Matrix6 H = Matrix6::Zero();
@@ -426,7 +447,7 @@ BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
     int view_block = -1;
     for (std::size_t k = 0; k < blocks.size(); ++k)
       for (std::size_t v = 0; v < work.poses.size() && view_block < 0; ++v)
-        if (blocks[k] == work.poses[v].data() && !o.fix_poses) {
+        if (blocks[k] == work.poses[v] && !o.fix_poses) {
           view = &views[v];
           view_block = static_cast<int>(k);
         }
@@ -479,7 +500,7 @@ BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
     if (problem.GetManifold(work.shared.data()) && !o.fix_bow) out.edge_sigma_mm = 0;
   }
   for (std::size_t i = 0; i < work.placements.size(); ++i) {
-    const auto at = column.find(work.placements[i].data());
+    const auto at = column.find(work.placements[i]);
     if (at == column.end())
       out.tag_sigma.emplace_back(0, 0, 0);
     else
@@ -503,7 +524,7 @@ BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
       // centre = -R^T t
       Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R;
       std::array<double, 27> R_by_r;
-      mrcal_R_from_r(R.data(), R_by_r.data(), work.poses[v].data());
+      mrcal_R_from_r(R.data(), R_by_r.data(), work.poses[v]);
       const Eigen::Vector3d t(work.poses[v][3], work.poses[v][4], work.poses[v][5]);
       Eigen::Matrix<double, 3, 6> D;
       for (int k = 0; k < 3; ++k) {
@@ -719,8 +740,9 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
   for (std::size_t v = 0; v < b.views.size(); ++v) {
     if (slot[v] < 0) continue;
     const mrcal_pose_t& m = poses[slot[v]];
-    theirs.views[v] = to_isometry(
-        {m.r.xyz[0], m.r.xyz[1], m.r.xyz[2], m.t.xyz[0] / kMetre, m.t.xyz[1] / kMetre, m.t.xyz[2] / kMetre});
+    const Pose pose = {m.r.xyz[0],          m.r.xyz[1],          m.r.xyz[2],
+                       m.t.xyz[0] / kMetre, m.t.xyz[1] / kMetre, m.t.xyz[2] / kMetre};
+    theirs.views[v] = to_isometry(pose.data());
     out.max_center_mm = std::max(out.max_center_mm,
                                  (theirs.views[v].inverse().translation() - b.views[v].inverse().translation()).norm());
   }

@@ -4,9 +4,11 @@
 #include <cstdio>
 #include <set>
 
+#include "calib/lamp.h"
 #include "capture/photo.h"
 #include "render/error.h"
 #include "render/json_file.h"
+#include "render/scratches.h"
 
 namespace burin {
 namespace {
@@ -157,6 +159,16 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   for (Tag& tag : out.bench.tags) tag.size_mm += 2 * out.geometry.edge_mm;
   out.bench.material = board.material;
   add_verdicts(out.geometry, options.fix_lens, out.bench);
+
+  if (options.find_lamps) {
+    report("looking for the lamp", 0);
+    const Scratches designed = board.scratches.empty() ? Scratches{} : read_scratches(board.scratches);
+    std::vector<std::string> notes;
+    out.bench = with_lamps(merged, board, designed, out.bench, notes);
+    for (const std::string& n : notes)
+      out.findings.push_back({Finding::Severity::warning, {}, n, "burin refine needs a lamp to start from"});
+    report("looking for the lamp", 1);
+  }
   return out;
 }
 

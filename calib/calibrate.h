@@ -29,6 +29,7 @@ struct CalibrateOptions {
   std::optional<Lens> lens;  ///< a lens of one's own: a start for the solve, or fixed
   bool fix_lens = false;     ///< needs `lens`; then one view is enough
   bool check_with_mrcal = true;
+  bool find_lamps = true;
 };
 
 struct Calibration {

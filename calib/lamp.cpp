@@ -47,7 +47,8 @@ struct LogResidual {
     const T radiance = sample->kind == SampleKind::face ? face_radiance(lamp, shared[1], T(exp(shared[0])), f0, *sample)
                                                         : paper_radiance(lamp, shared[1], albedo, *sample);
     const T value = vignette_at(shared + 2, sample->radius2) * radiance;
-    if (!(value > T(0))) return false;
+    using std::isfinite;
+    if (!(value > T(0)) || !isfinite(value)) return false;  // a step too far: Ceres takes a shorter one
     residual[0] = weight * log(value / sample->value);
     return true;
   }
