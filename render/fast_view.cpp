@@ -62,6 +62,11 @@ struct EndPair {
   std::array<float, 4> by_end;  // light: first, second; area: first, second
 };
 
+/// dE / d(Dhat G) and dE / d(groove area) of a pixel.
+struct PixelWeight {
+  float light = 0, area = 0;
+};
+
 struct Tile {
   Eigen::Vector2d origin{0, 0};
   std::size_t span_begin = 0, run_begin = 0, pair_begin = 0;
@@ -121,9 +126,9 @@ struct FastView::Data {
   std::size_t pair_count = 0;
   std::vector<std::uint16_t> pair_place;
   std::vector<float> pair_light;
-  std::vector<std::array<float, 4>> pair_ends;      // light: shift, turn; area: shift, turn
-  std::vector<std::array<float, 4>> pair_material;  // light: width, alpha, rim; area: rim
-  std::vector<std::vector<EndPair>> ends;           // by tile
+  std::vector<Eigen::Array4f> pair_ends;      // light: shift, turn; area: shift, turn
+  std::vector<Eigen::Array4f> pair_material;  // light: width, alpha, rim; area: rim
+  std::vector<std::vector<EndPair>> ends;     // by tile
   tbb::enumerable_thread_specific<std::unique_ptr<Workspace>> workspaces{[] { return std::make_unique<Workspace>(); }};
 
   Data(const ViewScene& s, const PixelIndex& i, int c, SimdWidth width)
@@ -350,15 +355,25 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
   const std::array<float*, 8> targets{b.across_x,  b.across_y,   b.per_mm, b.t_origin,
                                       b.first_end, b.second_end, b.alpha,  b.rim};
   const auto fill_scratch = [&] {
+    // Whole vectors of 16; what they write too far is written again.
     for (std::size_t c = 0; c < constants.size(); ++c)
-      std::fill(targets[c] + filled, targets[c] + b.count, constants[c]);
+      for (int k = filled; k < b.count; k += 16)
+        Eigen::Map<Eigen::Array<float, 16, 1>>(targets[c] + k).setConstant(constants[c]);
     filled = b.count;
   };
+  // Pixels are met in no order: have the tile near before the first is needed.
   const PixelRecord* tile_records = &records[t * kTilePixels];
+  for (int k = 0; k < kTilePixels; ++k) __builtin_prefetch(tile_records + k);
+  constexpr std::size_t kAhead = 12;  // spans
   std::uint32_t line = ~0U;
   std::size_t written = pair;
   for (std::size_t s = tile.span_begin; s < tile.span_end; ++s) {
     const TileSpan& span = spans[s];
+    if (s + kAhead < tile.span_end) {
+      const auto* next = reinterpret_cast<const char*>(&lines[spans[s + kAhead].line]);
+      __builtin_prefetch(next);
+      __builtin_prefetch(next + 64);
+    }
     if (span.line != line) {
       fill_scratch();
       line = span.line;
@@ -445,14 +460,14 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
   std::vector<double> by_base_alpha(d.tiles.size(), 0);
   tbb::parallel_for(std::size_t{0}, d.tiles.size(), [&](std::size_t t) {
     const Tile& tile = d.tiles[t];
-    std::array<float, kTilePixels> by_light{}, by_area{};
+    std::array<PixelWeight, kTilePixels> weight;
     d.each_pixel(t, [&](int x, int y, std::size_t i) {
       const float* in = &dE_dradiance.data[(static_cast<std::size_t>(y) * dE_dradiance.width + x) * d.channels];
       float by_lobes = 0;
       for (int c = 0; c < d.channels; ++c) by_lobes += in[c] * d.factor[i * d.channels + c];
       const std::size_t place = i - t * kTilePixels;
-      by_light[place] = by_lobes * d.inv_area[i];
-      by_area[place] = d.covered[i] < 1 ? -by_lobes * d.base[i] * d.inv_area[i] : 0.0F;
+      weight[place].light = by_lobes * d.inv_area[i];
+      weight[place].area = d.covered[i] < 1 ? -by_lobes * d.base[i] * d.inv_area[i] : 0.0F;
       by_base_alpha[t] += static_cast<double>(by_lobes) * (1 - std::min(1.0F, d.covered[i])) * d.base_slope[i];
     });
     const std::vector<EndPair>& tile_ends = d.ends[t];
@@ -460,29 +475,19 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
     for (std::size_t r = tile.run_begin; r < tile.run_end; ++r) {
       const Run& run = d.runs[r];
       const ScratchLine& l = d.lines[run.line];
-      std::array<float, 4> sum{}, material{};
+      Eigen::Array4f sum = Eigen::Array4f::Zero(), material = Eigen::Array4f::Zero();
       for (std::size_t k = tile.pair_begin + run.pair_begin; k < tile.pair_begin + run.pair_begin + run.pair_count;
            ++k) {
-        const float wl = by_light[d.pair_place[k]], wa = by_area[d.pair_place[k]];
-        const std::array<float, 4>& j = d.pair_ends[k];
-        sum[0] += wl * j[0];
-        sum[1] += wl * j[1];
-        sum[2] += wa * j[2];
-        sum[3] += wa * j[3];
-        if (d.mode == BatchMode::material) {
-          const std::array<float, 4>& m = d.pair_material[k];
-          material[0] += wl * m[0];
-          material[1] += wl * m[1];
-          material[2] += wl * m[2];
-          material[3] += wa * m[3];
-        }
+        const float wl = weight[d.pair_place[k]].light, wa = weight[d.pair_place[k]].area;
+        sum += Eigen::Array4f(wl, wl, wa, wa) * d.pair_ends[k];
+        if (d.mode == BatchMode::material) material += Eigen::Array4f(wl, wl, wl, wa) * d.pair_material[k];
       }
       double by_first = 0, by_second = 0;
       for (; end < tile_ends.size() && tile_ends[end].pair < run.pair_begin + run.pair_count; ++end) {
-        const std::uint16_t place = d.pair_place[tile.pair_begin + tile_ends[end].pair];
+        const PixelWeight& w = weight[d.pair_place[tile.pair_begin + tile_ends[end].pair]];
         const std::array<float, 4>& e = tile_ends[end].by_end;
-        by_first += by_light[place] * e[0] + by_area[place] * e[2];
-        by_second += by_light[place] * e[1] + by_area[place] * e[3];
+        by_first += w.light * e[0] + w.area * e[2];
+        by_second += w.light * e[1] + w.area * e[3];
       }
       const double shift = (static_cast<double>(sum[0]) + sum[2]) * l.per_mm;
       const double turn = (static_cast<double>(sum[1]) + sum[3]) / l.length_mm;

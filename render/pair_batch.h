@@ -31,7 +31,8 @@ enum class SimdWidth : std::uint8_t { best, generic, avx2, avx512 };
 
 struct alignas(64) PairBatch {
   static constexpr int kCapacity = 256;
-  using Lanes = float[kCapacity];
+  /// An odd number of cache lines: lanes of the same place must not all fall into the same set of the cache.
+  using Lanes = float[kCapacity + 16];
 
   int count = 0;  ///< lanes in use
 
@@ -59,8 +60,8 @@ struct alignas(64) PairBatch {
   Lanes light_first, light_second, area_first, area_second;  ///< by place in end_lane
 
   // Room for the kernels.
-  static constexpr int kPieces = 1024;
-  using Pieces = float[kPieces];
+  static constexpr int kPieces = 512;
+  using Pieces = float[kPieces + 16];
   Lanes raw_V, raw_shift, raw_turn, raw_width, raw_radial, raw_rim, raw_first, raw_second;
   Lanes piece_t1, piece_t2, piece_top1, piece_top2, piece_bottom1, piece_bottom2;
   int extra_count = 0;

@@ -10,6 +10,9 @@
 #include "render/footprint_core.h"
 #include "render/pair_batch.h"
 
+// A packet that is passed to a function goes through memory: inside these everything is inlined.
+#define BURIN_FLATTEN __attribute__((flatten))
+
 namespace burin::batch {
 
 template <class P>
@@ -113,7 +116,7 @@ struct Kernel {
   };
 
   template <BatchMode kMode>
-  static Sums evaluate(const Piece& p, const F& hx, const F& hy, const F& hz, const F& alpha) {
+  BURIN_FLATTEN static Sums evaluate(const Piece& p, const F& hx, const F& hy, const F& hz, const F& alpha) {
     const auto lobes = footprint::make_lobes(hx, hy, hz, alpha);
     const F length = p.t2 - p.t1, half(0.5F);
     const F top = half * (p.top1 + p.top2), bottom = half * (p.bottom1 + p.bottom2);
@@ -142,7 +145,7 @@ struct Kernel {
 
   /// Evaluates the extra pieces and adds what they give to their pairs.
   template <BatchMode kMode>
-  static void flush_extra(PairBatch& b) {
+  __attribute__((noinline)) static void flush_extra(PairBatch& b) {
     // Harmless pieces up to a full packet.
     const int padded = (b.extra_count + kLanes - 1) / kLanes * kLanes;
     for (int i = b.extra_count; i < padded; ++i) {
@@ -189,9 +192,9 @@ struct Kernel {
 
   /// Appends a packet's pieces, where `bits` are set, for the lanes that `lane_of` names.
   template <BatchMode kMode, class LaneOf>
-  static void push_extra(PairBatch& b, const Piece& p, std::uint64_t bits, const float* hx, const float* hy,
-                         const float* hz, const float* alpha, const float* first, const float* second,
-                         const LaneOf& lane_of) {
+  __attribute__((noinline)) static void push_extra(PairBatch& b, const Piece& p, std::uint64_t bits, const float* hx,
+                                                   const float* hy, const float* hz, const float* alpha,
+                                                   const float* first, const float* second, const LaneOf& lane_of) {
     if (bits == 0) return;
     if (b.extra_count + 2 * kLanes > PairBatch::kPieces) flush_extra<kMode>(b);
     alignas(64) float t1[kLanes], t2[kLanes], top1[kLanes], top2[kLanes], bottom1[kLanes], bottom2[kLanes];
@@ -246,7 +249,7 @@ struct Kernel {
 
   /// Geometry of one packet of pairs: areas, the first piece of each, further pieces pushed to `extra`.
   template <BatchMode kMode>
-  static void cut_packet(PairBatch& b, int i) {
+  BURIN_FLATTEN static void cut_packet(PairBatch& b, int i) {
     const F across_x = load(b.across_x + i), across_y = load(b.across_y + i), per_mm = load(b.per_mm + i);
     const F tx = across_x * per_mm, ty = across_y * per_mm, t_origin = load(b.t_origin + i);
     Edges e;
@@ -370,7 +373,7 @@ struct Kernel {
 
   /// Geometry of a packet of pairs that an end of the scratch may bound: eight breakpoints, up to seven pieces.
   template <BatchMode kMode>
-  static void cut_end_packet(PairBatch& b, int from) {
+  BURIN_FLATTEN static void cut_end_packet(PairBatch& b, int from) {
     const int n = b.end_count - from < kLanes ? b.end_count - from : kLanes;
     alignas(64) float in[17][kLanes];
     for (int k = 0; k < kLanes; ++k) {
@@ -570,3 +573,5 @@ struct Kernel {
 };
 
 }  // namespace burin::batch
+
+#undef BURIN_FLATTEN

@@ -24,6 +24,18 @@ constexpr double kRounding = 1e-11;
 
 using Polygon = std::array<Eigen::Vector3d, 6>;
 
+/// max(least, ceil(v)) and min(most, floor(v)) for least, most >= 0; where floor(v) is negative, -1. Without a rounding
+/// instruction the library's functions would cost more than all the rest of a row.
+int ceil_from(int least, double v) {
+  if (!(v > least)) return least;
+  const int i = static_cast<int>(std::min(v, 2e9));
+  return i < v ? i + 1 : i;
+}
+int floor_to(int most, double v) {
+  if (v >= most) return most;
+  return v >= 0 ? static_cast<int>(v) : -1;
+}
+
 /// The part of a convex polygon (homogeneous) where w >= w_min.
 int clip_w(const Polygon& in, int n, double w_min, Polygon& out) {
   int m = 0;
@@ -253,30 +265,35 @@ void PixelIndex::draw(const Block& b, const Strip& strip, std::vector<PixelSpan>
   }
   const double e = b.error_px;
   if (!(x_high >= b.x0 - e && x_low <= b.x1 + e && y_high >= b.y0 - e && y_low <= b.y1 + e)) return;
-  const int row0 = static_cast<int>(std::max<double>(b.y0, std::ceil(y_low - 1 - e)));
-  const int row1 = static_cast<int>(std::min<double>(b.y1 - 1, std::floor(y_high + e)));
+  const int row0 = ceil_from(b.y0, y_low - 1 - e), row1 = floor_to(b.y1 - 1, y_high + e);
 
-  // Within the slab of a row the polygon is convex, so the columns it touches are those between its extremes there.
+  // Within the slab of a row the polygon is convex, so the columns it touches are those between its extremes there: the
+  // ends of what the slab leaves of each edge. An edge that it leaves nothing of has its ends swapped and drops out.
+  struct Edge {
+    double x, y0, y1, slope;
+  };
+  std::array<Edge, 6> edges;
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector3d *p0 = &q[i], *p1 = &q[i + 1 < n ? i + 1 : 0];
+    if (p0->y() > p1->y()) std::swap(p0, p1);
+    const double dy = p1->y() - p0->y();
+    edges[i] = {p0->x(), p0->y(), p1->y(), dy > 0 ? (p1->x() - p0->x()) / dy : 0};
+  }
+  constexpr double kFar = std::numeric_limits<double>::infinity();
   for (int row = row0; row <= row1; ++row) {
     const double top = row - e, bottom = row + 1 + e;
-    double low = std::numeric_limits<double>::infinity(), high = -low;
+    double low = kFar, high = -kFar;
     for (int i = 0; i < n; ++i) {
-      const Eigen::Vector3d &p0 = q[i], &p1 = q[i + 1 < n ? i + 1 : 0];
-      double xa = p0.x(), ya = p0.y(), xb = p1.x(), yb = p1.y();
-      if (ya > yb) {
-        std::swap(xa, xb);
-        std::swap(ya, yb);
-      }
-      if (yb < top || ya > bottom) continue;
-      const double slope = yb > ya ? (xb - xa) / (yb - ya) : 0;
-      const double x_top = ya < top ? xa + slope * (top - ya) : xa;
-      const double x_bottom = yb > bottom ? xb + slope * (bottom - yb) : xb;
-      low = std::min({low, x_top, x_bottom});
-      high = std::max({high, x_top, x_bottom});
+      const Edge& edge = edges[i];
+      const double y0 = std::max(top, edge.y0), y1 = std::min(bottom, edge.y1);
+      const double x0 = edge.x + edge.slope * (y0 - edge.y0), x1 = edge.x + edge.slope * (y1 - edge.y0);
+      const bool there = y0 <= y1;
+      low = std::min(low, there ? std::min(x0, x1) : kFar);
+      high = std::max(high, there ? std::max(x0, x1) : -kFar);
     }
+    // A horizontal edge has no slope to follow: its far end is an end of its neighbours.
     if (!(low <= high)) continue;
-    const int begin = static_cast<int>(std::max<double>(b.x0, std::ceil(low - 1 - e)));
-    const int end = static_cast<int>(std::min<double>(b.x1 - 1, std::floor(high + e))) + 1;
+    const int begin = ceil_from(b.x0, low - 1 - e), end = floor_to(b.x1 - 1, high + e) + 1;
     if (begin < end) emit(b, row, begin, end, spans);
   }
 }
