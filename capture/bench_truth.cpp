@@ -27,7 +27,7 @@ double roughness(JsonObject& json, const std::string& key, double fallback) {
 }
 
 Eigen::Vector3d colour(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback) {
-  const Eigen::Vector3d v = json.vec3(key, fallback);
+  Eigen::Vector3d v = json.vec3(key, fallback);
   if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "write three numbers, none negative");
   return v;
 }

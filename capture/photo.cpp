@@ -100,7 +100,7 @@ float own_top(const std::vector<float>& values, float white_from) {
   return at_top >= 64 && at_top > 4 * below ? top * 0.96F : white_from;
 }
 
-void read_pixels(OIIO::ImageInput& input, const Photo& photo, OIIO::TypeDesc type, int channels, void* data) {
+void read_pixels(OIIO::ImageInput& input, const Photo& photo, const OIIO::TypeDesc& type, int channels, void* data) {
   if (!input.read_image(0, 0, 0, channels, type, data))
     fail(photo.file.string(), "is damaged or cut short (" + input.geterror() + ")", "copy it from the camera again");
 }
@@ -264,6 +264,7 @@ std::vector<std::vector<Photo>> grouped(std::span<const Photo> photos) {
 
 std::vector<NoiseSample> measure(const std::vector<Photo>& bracket) {
   std::vector<LinearPhoto> photos;
+  photos.reserve(bracket.size());
   for (const Photo& photo : bracket) photos.push_back(read_photo(photo));
   std::vector<NoiseSample> samples;
   for (std::size_t a = 0; a < photos.size(); ++a)

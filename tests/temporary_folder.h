@@ -1,4 +1,4 @@
-// tests/temporary_folder.h - a folder of its own for one test, removed when the test ends.
+// tests/temporary_folder.h - a folder of its own for one test (or several), removed when the test ends.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,8 +15,9 @@ class TemporaryFolder {
  public:
   TemporaryFolder() {
     const auto* const test = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            ("burin-" + std::string(test->test_suite_name()) + "-" + test->name() + "-" + std::to_string(::getpid()));
+    path_ =
+        std::filesystem::temp_directory_path() / ("burin-" + std::string(test->test_suite_name()) + "-" + test->name() +
+                                                  "-" + std::to_string(::getpid()) + "-" + std::to_string(next_++));
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }
@@ -30,8 +31,9 @@ class TemporaryFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  /// Writes a file into the folder, as a person's editor would.
+  /// Writes a file into the folder, as a person's editor would; makes the folders it needs.
   std::filesystem::path write(const std::string& name, const std::string& text) const {
+    std::filesystem::create_directories((path_ / name).parent_path());
     std::ofstream(path_ / name, std::ios::binary) << text;
     return path_ / name;
   }
@@ -43,6 +45,7 @@ class TemporaryFolder {
   }
 
  private:
+  static inline int next_ = 0;
   std::filesystem::path path_;
 };
 

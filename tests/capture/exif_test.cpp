@@ -22,8 +22,8 @@ struct ExifTest : testing::Test {
   void write(const std::string& name, OIIO::TypeDesc type, const std::function<void(OIIO::ImageSpec&)>& change = {}) {
     OIIO::ImageSpec spec(16, 8, 3, type);
     if (change) change(spec);
-    auto out = OIIO::ImageOutput::create((folder.path / name).string());
-    ASSERT_TRUE(out->open((folder.path / name).string(), spec));
+    auto out = OIIO::ImageOutput::create((folder / name).string());
+    ASSERT_TRUE(out->open((folder / name).string(), spec));
     ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, std::vector<float>(16 * 8 * 3, 0.5F).data()));
     ASSERT_TRUE(out->close());
   }
@@ -40,8 +40,8 @@ TEST_F(ExifTest, SimulatedPhotosSayHowTheyWereTaken) {
     json["views"][0]["photos"][0]["iso"] = 200;
     for (const double exposure_s : {1.0 / 60, 1.0 / 640, 0.3, 2.5}) {
       json["views"][0]["photos"][0]["exposure_s"] = exposure_s;
-      simulate(write_truth(folder, json), folder.path / "out");
-      const Exif exif = read_exif(folder.path / "out" / name);
+      simulate(write_truth(folder, json), folder / "out");
+      const Exif exif = read_exif(folder / "out" / name);
       EXPECT_NEAR(exif.exposure_s.value_or(0), exposure_s, 1e-6 * exposure_s) << name;
       EXPECT_DOUBLE_EQ(exif.f_number.value_or(0), 8) << name;
       EXPECT_DOUBLE_EQ(exif.iso.value_or(0), 200) << name;
@@ -58,7 +58,7 @@ TEST_F(ExifTest, SimulatedPhotosSayHowTheyWereTaken) {
 
 TEST_F(ExifTest, SilentFilesStaySilent) {
   write("p.jpg", OIIO::TypeDesc::UINT8);
-  const Exif exif = read_exif(folder.path / "p.jpg");
+  const Exif exif = read_exif(folder / "p.jpg");
   EXPECT_FALSE(exif.exposure_s);
   EXPECT_FALSE(exif.f_number);
   EXPECT_FALSE(exif.iso);
@@ -67,7 +67,7 @@ TEST_F(ExifTest, SilentFilesStaySilent) {
 }
 
 TEST_F(ExifTest, EncodingIsWhatTheFileSays) {
-  const auto encoding = [&](const std::string& name) { return encoding_of(read_exif(folder.path / name)); };
+  const auto encoding = [&](const std::string& name) { return encoding_of(read_exif(folder / name)); };
   write("a.png", OIIO::TypeDesc::UINT16, [](OIIO::ImageSpec& s) { s.attribute("oiio:ColorSpace", "sRGB"); });
   EXPECT_EQ(encoding("a.png").encoding, Encoding::srgb);
   EXPECT_FALSE(encoding("a.png").assumed);
@@ -93,16 +93,16 @@ TEST_F(ExifTest, OrientationAndApexValues) {
     s.attribute("Exif:ShutterSpeedValue", 5.0F);  // 2^-5 s
     s.attribute("Exif:ApertureValue", 6.0F);      // f/8
   });
-  const Exif exif = read_exif(folder.path / "p.jpg");
+  const Exif exif = read_exif(folder / "p.jpg");
   EXPECT_EQ(exif.orientation, 6);
   EXPECT_NEAR(exif.exposure_s.value_or(0), 1.0 / 32, 1e-6);
   EXPECT_NEAR(exif.f_number.value_or(0), 8, 1e-4);
 }
 
 TEST_F(ExifTest, NoPictureIsAnError) {
-  EXPECT_THROW(read_exif(folder.path / "none.jpg"), Error);
+  EXPECT_THROW(read_exif(folder / "none.jpg"), Error);
   folder.write("text.jpg", "no picture");
-  EXPECT_THROW(read_exif(folder.path / "text.jpg"), Error);
+  EXPECT_THROW(read_exif(folder / "text.jpg"), Error);
 }
 
 TEST_F(ExifTest, RigB) {

@@ -55,15 +55,13 @@ struct FolderSessionTest : testing::Test {
     json["views"].push_back(view);
   }
 
-  void take_photos() { simulate(write_truth(folder, json), folder.path); }
+  void take_photos() { simulate(write_truth(folder, json), folder.path()); }
 
-  CaptureResult capture() const {
-    return capture_folder(folder.path / "photos", folder.path / "board.json", folder.path / "out");
-  }
+  CaptureResult capture() const { return capture_folder(folder / "photos", folder / "board.json", folder / "out"); }
 
   /// Reads a photo, lets the caller change pixels and header, writes it back.
   void change(const std::string& name, const std::function<void(std::vector<float>&, OIIO::ImageSpec&)>& how) const {
-    const std::string file = (folder.path / "photos" / name).string();
+    const std::string file = (folder / "photos" / name).string();
     auto in = OIIO::ImageInput::open(file);
     OIIO::ImageSpec spec = in->spec();
     std::vector<float> pixels(spec.image_pixels() * spec.nchannels);
@@ -94,7 +92,7 @@ TEST_F(FolderSessionTest, BracketsBecomeViews) {
   EXPECT_EQ(text_of(result.findings, Severity::warning), "");
   EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("linear was assumed"));
   EXPECT_EQ(result.views, 4);
-  const Session session = read_session(folder.path / "out/session.json");
+  const Session session = read_session(folder / "out/session.json");
   ASSERT_EQ(session.photos.size(), 12U);
   for (int i = 0; i < 12; ++i) {
     EXPECT_EQ(session.photos[i].view, "v0" + std::to_string(i / 3));
@@ -102,7 +100,7 @@ TEST_F(FolderSessionTest, BracketsBecomeViews) {
     EXPECT_EQ(session.photos[i].encoding, Encoding::linear);
   }
   EXPECT_NEAR(session.photos[1].exposure_s, 0.04, 1e-9);
-  EXPECT_TRUE(fs::equivalent(session.board, folder.path / "board.json"));
+  EXPECT_TRUE(fs::equivalent(session.board, folder / "board.json"));
 }
 
 // Photos a second apart from two places must not be merged, and one place kept for minutes is not torn by a slow hand.
@@ -146,12 +144,12 @@ TEST_F(FolderSessionTest, MissingExifIsAnErrorAndNothingIsWritten) {
   EXPECT_THAT(text_of(result.findings, Severity::error),
               AllOf(HasSubstr("IMG_111.tif"), HasSubstr("exposure time and aperture"), HasSubstr("exiftool")));
   EXPECT_TRUE(result.written.empty());
-  EXPECT_FALSE(fs::exists(folder.path / "out"));
+  EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
 TEST_F(FolderSessionTest, BrokenPhotosAreNamed) {
   take_photos();
-  const fs::path whole = folder.path / "photos/IMG_120.png";
+  const fs::path whole = folder / "photos/IMG_120.png";
   fs::resize_file(whole, fs::file_size(whole) / 2);
   folder.write("photos/IMG_121.png", "no picture");
   const CaptureResult result = capture();
@@ -170,13 +168,13 @@ TEST_F(FolderSessionTest, OtherFilesArePassedOver) {
 
 TEST_F(FolderSessionTest, FoldersThatDoNotServe) {
   take_photos();
-  const fs::path board = folder.path / "board.json";
-  EXPECT_THROW(capture_folder(folder.path / "none", board, folder.path / "out"), Error);
-  fs::create_directories(folder.path / "empty");
-  EXPECT_THROW(capture_folder(folder.path / "empty", board, folder.path / "out"), Error);
-  EXPECT_THROW(capture_folder(folder.path / "photos", folder.path / "none.json", folder.path / "out"), Error);
+  const fs::path board = folder / "board.json";
+  EXPECT_THROW(capture_folder(folder / "none", board, folder / "out"), Error);
+  fs::create_directories(folder / "empty");
+  EXPECT_THROW(capture_folder(folder / "empty", board, folder / "out"), Error);
+  EXPECT_THROW(capture_folder(folder / "photos", folder / "none.json", folder / "out"), Error);
   folder.write("file", "");
-  EXPECT_THROW(capture_folder(folder.path / "photos", board, folder.path / "file/out"), Error);
+  EXPECT_THROW(capture_folder(folder / "photos", board, folder / "file/out"), Error);
 }
 
 TEST_F(FolderSessionTest, SizesAndRotatedFiles) {
@@ -251,7 +249,7 @@ TEST(FolderSessionOfRigs, RigBsBracketsAreFound) {
   if (!fs::exists(rig / "truth.json")) GTEST_SKIP() << rig << " is not beside the checkout";
   const BenchTruth truth = read_bench_truth(rig / "truth.json");
   TemporaryFolder out;
-  const CaptureResult result = capture_folder(rig / "photos", rig / "board.json", out.path);
+  const CaptureResult result = capture_folder(rig / "photos", rig / "board.json", out.path());
   ASSERT_FALSE(result.written.empty());
   ASSERT_EQ(result.session.photos.size(), 30U);
   std::size_t i = 0;

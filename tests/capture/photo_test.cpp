@@ -15,7 +15,7 @@
 #include <random>
 
 #include "render/error.h"
-#include "tests/capture/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 namespace {
@@ -57,14 +57,14 @@ void write_noisy(const fs::path& file, const Image& truth, double exposure, doub
 struct PhotoTest : testing::Test {
   TemporaryFolder folder;
   Photo photo(const std::string& name, Encoding encoding, double exposure_s = 1) const {
-    return {folder.path / name, "v00", "lamp", exposure_s, 100, 1, encoding};
+    return {folder / name, "v00", "lamp", exposure_s, 100, 1, encoding};
   }
 };
 
 TEST_F(PhotoTest, TwelveBitsInSixteenHaveTheirOwnWhite) {
   std::vector<std::uint16_t> stored{0, 16, 32752, 62000, 65504, 65520};
   for (auto& v : stored) v = v / 16 * 16;
-  write_file(folder.path / "p.png", OIIO::ImageSpec(3, 2, 1, OIIO::TypeDesc::UINT16), stored);
+  write_file(folder / "p.png", OIIO::ImageSpec(3, 2, 1, OIIO::TypeDesc::UINT16), stored);
   const LinearPhoto p = read_photo(photo("p.png", Encoding::linear));
   EXPECT_EQ(p.value.data[0], 0);
   EXPECT_FLOAT_EQ(p.value.data[1], 1.0F / 4095);
@@ -74,7 +74,7 @@ TEST_F(PhotoTest, TwelveBitsInSixteenHaveTheirOwnWhite) {
 }
 
 TEST_F(PhotoTest, SixteenBitsKeepTheirWhite) {
-  write_file(folder.path / "p.tif", OIIO::ImageSpec(3, 1, 1, OIIO::TypeDesc::UINT16),
+  write_file(folder / "p.tif", OIIO::ImageSpec(3, 1, 1, OIIO::TypeDesc::UINT16),
              std::vector<std::uint16_t>{1, 32767, 65535});
   const LinearPhoto p = read_photo(photo("p.tif", Encoding::linear));
   EXPECT_FLOAT_EQ(p.value.data[0], 1.0F / 65535);
@@ -83,7 +83,7 @@ TEST_F(PhotoTest, SixteenBitsKeepTheirWhite) {
 
 TEST_F(PhotoTest, SrgbIsDecodedPerValue) {
   std::vector<std::uint8_t> stored{0, 10, 128, 200, 250, 255};
-  write_file(folder.path / "p.png", OIIO::ImageSpec(2, 1, 3, OIIO::TypeDesc::UINT8), stored);
+  write_file(folder / "p.png", OIIO::ImageSpec(2, 1, 3, OIIO::TypeDesc::UINT8), stored);
   const LinearPhoto p = read_photo(photo("p.png", Encoding::srgb));
   ASSERT_EQ(p.value.channels, 3);
   // IEC 61966-2-1, worked by hand.
@@ -94,7 +94,7 @@ TEST_F(PhotoTest, SrgbIsDecodedPerValue) {
 }
 
 TEST_F(PhotoTest, FloatFilesAndAlpha) {
-  write_file(folder.path / "p.exr", OIIO::ImageSpec(2, 1, 4, OIIO::TypeDesc::FLOAT),
+  write_file(folder / "p.exr", OIIO::ImageSpec(2, 1, 4, OIIO::TypeDesc::FLOAT),
              std::vector<float>{0.25F, 0.5F, 0.75F, 0.5F, NAN, 0, 0, 1});
   const LinearPhoto p = read_photo(photo("p.exr", Encoding::linear));
   ASSERT_EQ(p.value.channels, 3);
@@ -112,7 +112,7 @@ TEST_F(PhotoTest, OrientationIsNotApplied) {
     for (int y = 0; y < 16; ++y)
       for (int x = 0; x < 16; ++x)
         for (int c = 0; c < 3; ++c) stored[(y * 48 + x) * 3 + c] = 200;
-    write_file(folder.path / name, spec, stored);
+    write_file(folder / name, spec, stored);
     const LinearPhoto p = read_photo(photo(name, Encoding::srgb));
     EXPECT_EQ(p.value.width, 48) << name;
     EXPECT_EQ(p.value.height, 32) << name;
@@ -128,8 +128,7 @@ TEST_F(PhotoTest, BrokenFilesAreNamed) {
   EXPECT_THAT(error_of(photo("empty.jpg", Encoding::srgb)), HasSubstr("empty.jpg"));
   folder.write("text.png", "this is no picture");
   EXPECT_THAT(error_of(photo("text.png", Encoding::linear)), HasSubstr("text.png"));
-  write_file(folder.path / "p.png", OIIO::ImageSpec(4, 4, 1, OIIO::TypeDesc::UINT16),
-             std::vector<std::uint16_t>(16, 9));
+  write_file(folder / "p.png", OIIO::ImageSpec(4, 4, 1, OIIO::TypeDesc::UINT16), std::vector<std::uint16_t>(16, 9));
   EXPECT_THAT(error_of(photo("p.png", Encoding::raw)), HasSubstr("not a raw file"));
 }
 
@@ -139,12 +138,12 @@ TEST_F(PhotoTest, FilesCutShortAreRefused) {
   std::vector<std::uint8_t> pixels(200 * 200 * 3);
   for (auto& p : pixels) p = static_cast<std::uint8_t>(random());
   for (const char* name : {"p.jpg", "p.png", "p.tif", "p.exr"}) {
-    write_file(folder.path / name, OIIO::ImageSpec(200, 200, 3, OIIO::TypeDesc::UINT8), pixels);
+    write_file(folder / name, OIIO::ImageSpec(200, 200, 3, OIIO::TypeDesc::UINT8), pixels);
     const Encoding encoding = Encoding::srgb;
     EXPECT_EQ(error_of(photo(name, encoding)), "no error") << name;
-    const auto size = fs::file_size(folder.path / name);
+    const auto size = fs::file_size(folder / name);
     for (const double part : {0.9, 0.5, 0.1}) {
-      fs::resize_file(folder.path / name, static_cast<std::uintmax_t>(part * static_cast<double>(size)));
+      fs::resize_file(folder / name, static_cast<std::uintmax_t>(part * static_cast<double>(size)));
       EXPECT_THAT(error_of(photo(name, encoding)), HasSubstr(name)) << part;
     }
   }
@@ -161,7 +160,7 @@ TEST_F(PhotoTest, BracketMergesWithoutBiasAndWithTrueSigmas) {
   for (int k = 0; k < 2; ++k) {
     const double exposure = k == 0 ? 1 : 0.125;
     const std::string name = "p" + std::to_string(k) + ".png";
-    write_noisy(folder.path / name, truth, exposure, kElectrons, kRead, 17 + k);
+    write_noisy(folder / name, truth, exposure, kElectrons, kRead, 17 + k);
     photos.push_back(photo(name, Encoding::linear, exposure));
   }
   const NoiseModel noise = estimate_noise(photos);
@@ -191,7 +190,7 @@ TEST_F(PhotoTest, OneExposureTellsItsNoiseToo) {
   Image truth(512, 512, 1);
   for (int y = 0; y < 512; ++y)
     for (int x = 0; x < 512; ++x) truth.at(x, y) = static_cast<float>(0.02 + 0.8 * x * y / (512.0 * 512));
-  write_noisy(folder.path / "p.png", truth, 1, 18000, 9, 5);
+  write_noisy(folder / "p.png", truth, 1, 18000, 9, 5);
   const NoiseModel noise = estimate_noise(std::vector<Photo>{photo("p.png", Encoding::linear)});
   EXPECT_NEAR(1 / noise.photon, 18000, 0.1 * 18000);
 }
@@ -200,7 +199,7 @@ TEST_F(PhotoTest, ClippedInAllExposuresIsInvalidAndGrown) {
   std::vector<std::uint16_t> stored(32 * 32, 4096);
   stored[10 * 32 + 10] = 65535;
   stored[0] = 4097;  // so that all 16 bits are in use
-  write_file(folder.path / "p.png", OIIO::ImageSpec(32, 32, 1, OIIO::TypeDesc::UINT16), stored);
+  write_file(folder / "p.png", OIIO::ImageSpec(32, 32, 1, OIIO::TypeDesc::UINT16), stored);
   const MergedView m = merge_bracket(std::vector<Photo>{photo("p.png", Encoding::linear)}, NoiseModel{});
   int invalid = 0;
   for (const auto v : m.valid) invalid += !v;
@@ -212,10 +211,8 @@ TEST_F(PhotoTest, ClippedInAllExposuresIsInvalidAndGrown) {
 }
 
 TEST_F(PhotoTest, SizesThatDifferAreRefused) {
-  write_file(folder.path / "p.png", OIIO::ImageSpec(4, 4, 1, OIIO::TypeDesc::UINT16),
-             std::vector<std::uint16_t>(16, 9));
-  write_file(folder.path / "q.png", OIIO::ImageSpec(4, 3, 1, OIIO::TypeDesc::UINT16),
-             std::vector<std::uint16_t>(12, 9));
+  write_file(folder / "p.png", OIIO::ImageSpec(4, 4, 1, OIIO::TypeDesc::UINT16), std::vector<std::uint16_t>(16, 9));
+  write_file(folder / "q.png", OIIO::ImageSpec(4, 3, 1, OIIO::TypeDesc::UINT16), std::vector<std::uint16_t>(12, 9));
   Session session;
   session.photos = {photo("p.png", Encoding::linear), photo("q.png", Encoding::linear)};
   for (const bool bracket : {true, false}) {

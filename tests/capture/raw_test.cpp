@@ -13,7 +13,7 @@
 #include "capture/exif.h"
 #include "capture/photo.h"
 #include "render/error.h"
-#include "tests/capture/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 namespace {
@@ -122,7 +122,7 @@ double share(int channel) { return channel == 0 ? 0.2 : channel == 1 ? 1.0 : 0.5
 
 struct RawTest : testing::Test {
   TemporaryFolder folder;
-  Photo photo{folder.path / "p.dng", "v00", "lamp", 0.02, 200, 8, Encoding::raw};
+  Photo photo{folder / "p.dng", "v00", "lamp", 0.02, 200, 8, Encoding::raw};
 
   void write(int orientation) {
     std::vector<std::uint16_t> pixels;

@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "render/error.h"
-#include "tests/capture/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 namespace {
@@ -18,7 +18,7 @@ using testing::HasSubstr;
 
 struct SessionTest : testing::Test {
   TemporaryFolder folder;
-  fs::path file = folder.path / "session.json";
+  fs::path file = folder / "session.json";
 
   SessionTest() {
     folder.write("board.json", "{}");
@@ -45,9 +45,9 @@ struct SessionTest : testing::Test {
 
 TEST_F(SessionTest, RoundTrip) {
   Session session;
-  session.board = folder.path / "board.json";
-  session.photos = {{folder.path / "photos/a.png", "v00", "lamp", 1.0 / 30, 100, 8, Encoding::srgb},
-                    {folder.path / "photos/b.png", "v01", "other", 0.1, 250, 5.6, Encoding::raw}};
+  session.board = folder / "board.json";
+  session.photos = {{folder / "photos/a.png", "v00", "lamp", 1.0 / 30, 100, 8, Encoding::srgb},
+                    {folder / "photos/b.png", "v01", "other", 0.1, 250, 5.6, Encoding::raw}};
   write_session(session, file);
   const Session back = read_session(file);
   EXPECT_EQ(back.file, file);
@@ -66,19 +66,19 @@ TEST_F(SessionTest, RoundTrip) {
 
 TEST_F(SessionTest, PathsAreRelativeToTheManifest) {
   Session session;
-  session.board = folder.path / "board.json";
-  session.photos = {{folder.path / "photos/a.png", "v00", "lamp", 0.1, 100, 8, Encoding::linear}};
-  fs::create_directories(folder.path / "out");
-  write_session(session, folder.path / "out/session.json");
-  std::ifstream in(folder.path / "out/session.json");
+  session.board = folder / "board.json";
+  session.photos = {{folder / "photos/a.png", "v00", "lamp", 0.1, 100, 8, Encoding::linear}};
+  fs::create_directories(folder / "out");
+  write_session(session, folder / "out/session.json");
+  std::ifstream in(folder / "out/session.json");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   EXPECT_THAT(text, HasSubstr("\"../photos/a.png\""));
   EXPECT_THAT(text, HasSubstr("\"../board.json\""));
   // The whole tree may move.
   TemporaryFolder elsewhere;
-  fs::copy(folder.path, elsewhere.path / "moved", fs::copy_options::recursive);
-  EXPECT_TRUE(fs::equivalent(read_session(elsewhere.path / "moved/out/session.json").photos[0].file,
-                             elsewhere.path / "moved/photos/a.png"));
+  fs::copy(folder.path(), elsewhere / "moved", fs::copy_options::recursive);
+  EXPECT_TRUE(fs::equivalent(read_session(elsewhere / "moved/out/session.json").photos[0].file,
+                             elsewhere / "moved/photos/a.png"));
 }
 
 TEST_F(SessionTest, ErrorsNameFileFieldAndRemedy) {
@@ -97,14 +97,14 @@ TEST_F(SessionTest, ErrorsNameFileFieldAndRemedy) {
       testing::AllOf(HasSubstr("session.json"), HasSubstr("z.png")));
   EXPECT_THAT(error_of(R"({"file": "photos/a.png", "exposure_s": 1, "f_number": 8, "encoding": "linear"})"),
               HasSubstr("view"));
-  EXPECT_THROW(read_session(folder.path / "none.json"), Error);
+  EXPECT_THROW(read_session(folder / "none.json"), Error);
 }
 
 TEST_F(SessionTest, UnwritableFolder) {
   Session session;
-  session.board = folder.path / "board.json";
-  EXPECT_THROW(write_session(session, folder.path / "missing/session.json"), Error);
-  EXPECT_FALSE(fs::exists(folder.path / "missing"));
+  session.board = folder / "board.json";
+  EXPECT_THROW(write_session(session, folder / "missing/session.json"), Error);
+  EXPECT_FALSE(fs::exists(folder / "missing"));
 }
 
 TEST_F(SessionTest, ExposureFactorIsThatOfTheDesign) {

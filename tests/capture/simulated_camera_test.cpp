@@ -41,7 +41,7 @@ struct SimulatedCamera : testing::Test {
 
   std::string error_of(const SimulateOptions& options = {}) const {
     try {
-      simulate(write_truth(folder, json), folder.path / "out", options);
+      simulate(write_truth(folder, json), folder / "out", options);
     } catch (const Error& error) {
       return error.what();
     }
@@ -202,7 +202,7 @@ TEST_F(SimulatedCamera, NoiseClippingAndRounding) {
 }
 
 TEST_F(SimulatedCamera, WritesASessionThatReplays) {
-  const fs::path out = folder.path / "out";
+  const fs::path out = folder / "out";
   simulate(write_truth(folder, json), out);
   const Session session = read_session(out / "session.json");
   ASSERT_EQ(session.photos.size(), 1U);
@@ -223,21 +223,21 @@ TEST_F(SimulatedCamera, SameBitsForAnyThreadsAndAnyViews) {
   const fs::path file = write_truth(folder, json);
   {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
-    simulate(file, folder.path / "one");
+    simulate(file, folder / "one");
   }
   {
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 4);
-    simulate(file, folder.path / "four");
+    simulate(file, folder / "four");
   }
   SimulateOptions options;
   options.views = {"v01"};
-  simulate(file, folder.path / "part", options);
-  const std::string v01 = bytes(folder.path / "one/photos/v01.png");
+  simulate(file, folder / "part", options);
+  const std::string v01 = bytes(folder / "one/photos/v01.png");
   ASSERT_FALSE(v01.empty());
-  EXPECT_TRUE(v01 == bytes(folder.path / "four/photos/v01.png"));
-  EXPECT_TRUE(v01 == bytes(folder.path / "part/photos/v01.png"));
-  EXPECT_FALSE(fs::exists(folder.path / "part/photos/v00.png"));
-  EXPECT_FALSE(v01 == bytes(folder.path / "one/photos/v00.png")) << "views must not share their noise";
+  EXPECT_TRUE(v01 == bytes(folder / "four/photos/v01.png"));
+  EXPECT_TRUE(v01 == bytes(folder / "part/photos/v01.png"));
+  EXPECT_FALSE(fs::exists(folder / "part/photos/v00.png"));
+  EXPECT_FALSE(v01 == bytes(folder / "one/photos/v00.png")) << "views must not share their noise";
 }
 
 TEST_F(SimulatedCamera, CarvesTheDesignItIsGiven) {
@@ -245,9 +245,9 @@ TEST_F(SimulatedCamera, CarvesTheDesignItIsGiven) {
   json["machine"] = {{"affine", {{1.01, 0, 0.5}, {0, 0.99, -0.2}}}};
   json["material"]["depth_gradient"] = {0.1, 0};
   SimulateOptions options;
-  options.scratches = folder.path / "design.csv";
-  simulate(write_truth(folder, json), folder.path / "out", options);
-  const Scratches carved = read_scratches(folder.path / "out/carved.csv");
+  options.scratches = folder / "design.csv";
+  simulate(write_truth(folder, json), folder / "out", options);
+  const Scratches carved = read_scratches(folder / "out/carved.csv");
   ASSERT_EQ(carved.size(), 1U);
   EXPECT_NEAR(carved.x0_mm[0], 40.9, 1e-5);
   EXPECT_NEAR(carved.y1_mm[0], 34.45, 1e-5);
@@ -279,13 +279,13 @@ TEST_F(SimulatedCamera, ErrorsNameFieldAndRemedy) {
   json["scratches"]["random"]["length_mm"] = {90, 95};
   EXPECT_THAT(error_of(), HasSubstr("length_mm"));
   json = good;
-  fs::remove_all(folder.path / "out");
+  fs::remove_all(folder / "out");
   folder.write("out", "a file where the folder should be");
   EXPECT_THAT(error_of(), HasSubstr("out"));
 }
 
 TEST_F(SimulatedCamera, NothingOldVouchesForNewPhotos) {
-  const fs::path out = folder.path / "out";
+  const fs::path out = folder / "out";
   simulate(write_truth(folder, json), out);
   ASSERT_TRUE(fs::exists(out / "session.json"));
   const auto stop = [](std::string_view, double) { throw Error("stopped"); };

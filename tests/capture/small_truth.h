@@ -6,7 +6,7 @@
 #include <string>
 
 #include "render/json_file.h"
-#include "tests/capture/temporary_folder.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 

@@ -34,7 +34,7 @@ TEST_P(Command, RefusesAnOptionThatItDoesNotKnow) {
   EXPECT_EQ(folder.file_count(), 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Burin, Command, ::testing::Values("capture", "report", "check"),
+INSTANTIATE_TEST_SUITE_P(Burin, Command, ::testing::Values("capture", "simulate", "report", "check"),
                          [](const auto& info) { return std::string(info.param); });
 
 TEST(CommandLine, VersionAndHelpAreDone) {
