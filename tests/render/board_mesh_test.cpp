@@ -9,12 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <string>
 
 #include "render/error.h"
 #include "render/view_renderer.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 namespace {
@@ -280,12 +280,8 @@ TEST(BoardMesh, OccludersAndSelfShadow) {
 
 class BoardMeshFiles : public ::testing::Test {
  protected:
-  std::filesystem::path write(const std::string& text) {
-    const auto file = std::filesystem::path(::testing::TempDir()) /
-                      (std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + ".obj");
-    std::ofstream(file) << text;
-    return file;
-  }
+  std::filesystem::path write(const std::string& text) { return folder_.write("mesh.obj", text); }
+
   std::string message(const std::string& text) {
     try {
       const auto file = write(text);
@@ -295,6 +291,8 @@ class BoardMeshFiles : public ::testing::Test {
     }
     return "no error";
   }
+
+  TemporaryFolder folder_;
 };
 
 const std::string kQuad =
@@ -407,7 +405,7 @@ TEST_F(BoardMeshFiles, RefusesBrokenMeshes) {
   EXPECT_THAT(message(""), HasSubstr("no face"));
   EXPECT_THAT(message(std::string("\0\x7f\xff solid\n\x01", 11)), HasSubstr("no face"));
   EXPECT_THROW(read_obj("/nowhere/board.obj"), Error);
-  EXPECT_THROW(read_obj(::testing::TempDir()), Error);
+  EXPECT_THROW(read_obj(folder_.path()), Error);
   EXPECT_THROW(BoardMesh(read_obj(write(kQuad + "f 1/1 2/2 3/3\n")), {0, 200}, "quad"), Error);
 }
 

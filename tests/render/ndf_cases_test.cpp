@@ -5,10 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <string>
 
 #include "render/error.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 namespace {
@@ -18,12 +18,7 @@ using ::testing::HasSubstr;
 
 class NdfCases : public ::testing::Test {
  protected:
-  std::filesystem::path write(const std::string& text) {
-    const auto file = std::filesystem::path(::testing::TempDir()) /
-                      (std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()) + "_cases.csv");
-    std::ofstream(file, std::ios::binary) << text;
-    return file;
-  }
+  std::filesystem::path write(const std::string& text) { return folder_.write("cases.csv", text); }
 
   std::string message(const std::string& text) {
     try {
@@ -33,6 +28,8 @@ class NdfCases : public ::testing::Test {
     }
     return "no error";
   }
+
+  TemporaryFolder folder_;
 };
 
 const std::string kHeader =
@@ -98,7 +95,7 @@ TEST_F(NdfCases, BrokenTables) {
     row.replace(row.find(from), from.size(), to);
     return kHeader + "\n" + row + "\n";
   };
-  EXPECT_THAT(message(with("18.4", "deep")), AllOf(HasSubstr("_cases.csv:2: depth_um"), HasSubstr("'deep'")));
+  EXPECT_THAT(message(with("18.4", "deep")), AllOf(HasSubstr("cases.csv:2: depth_um"), HasSubstr("'deep'")));
   EXPECT_THAT(message(with("18.4", "nan")), AllOf(HasSubstr(":2: depth_um"), HasSubstr("finite")));
   EXPECT_THAT(message(with("18.4", "1e999")), AllOf(HasSubstr(":2: depth_um"), HasSubstr("finite")));
   EXPECT_THAT(message(with("18.4", "")), HasSubstr(":2: depth_um"));
@@ -111,7 +108,7 @@ TEST_F(NdfCases, BrokenTables) {
   EXPECT_THAT(message(kHeader + "\n"), HasSubstr("no rows"));
   EXPECT_THAT(message(""), HasSubstr("no rows"));
   EXPECT_THROW(read_ndf_cases("/nowhere/cases.csv"), Error);
-  EXPECT_THROW(read_ndf_cases(::testing::TempDir()), Error);
+  EXPECT_THROW(read_ndf_cases(folder_.path()), Error);
 }
 
 }  // namespace
