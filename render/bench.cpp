@@ -16,21 +16,21 @@ namespace fs = std::filesystem;
 
 std::optional<double> optional_sigma(JsonObject& json, const std::string& key) {
   if (!json.has(key)) return std::nullopt;
-  const double v = json.number(key);
+  double v = json.number(key);
   if (v < 0) json.fail_field(key, "is " + Json(v).dump(), "a standard deviation is 0 or greater");
   return v;
 }
 
 std::optional<Eigen::Vector3d> optional_sigma3(JsonObject& json, const std::string& key) {
   if (!json.has(key)) return std::nullopt;
-  const Eigen::Vector3d v = json.vec3(key);
+  Eigen::Vector3d v = json.vec3(key);
   if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "standard deviations are 0 or greater");
   return v;
 }
 
 /// Three numbers of light, R G B, none negative.
 Eigen::Vector3d colour(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback) {
-  const Eigen::Vector3d v = json.vec3(key, fallback);
+  Eigen::Vector3d v = json.vec3(key, fallback);
   if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "light is 0 or greater");
   return v;
 }
