@@ -61,13 +61,13 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, std::vector<Finding
   return photo;
 }
 
-// One note for many photos that say the same.
+// One finding for many photos that say the same. Errors stay: each photo has to be mended.
 void merge_notes(std::vector<Finding>& findings) {
   std::vector<Finding> merged;
   std::vector<int> count;
   for (Finding& finding : findings) {
     const auto same = std::find_if(merged.begin(), merged.end(), [&](const Finding& f) {
-      return finding.severity == note && f.severity == note && f.what == finding.what;
+      return finding.severity != error && f.severity == finding.severity && f.what == finding.what;
     });
     if (same == merged.end()) {
       merged.push_back(std::move(finding));

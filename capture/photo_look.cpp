@@ -114,7 +114,10 @@ std::optional<Comparison> compare(const PhotoLook& a, double factor_a, const Pho
   result.ratio = quantile(std::move(ratios), 0.5);
   cv::Mat window;
   cv::createHanningWindow(window, detail_a.size(), CV_32F);
-  const cv::Point2d shift = cv::phaseCorrelate(detail_a, detail_b, window);
+  cv::Point2d shift = cv::phaseCorrelate(detail_a, detail_b, window);
+  // OpenCV pads to a size that its Fourier transform likes, and is half a pixel off where that size is odd.
+  if (cv::getOptimalDFTSize(detail_a.cols) % 2 == 1) shift.x -= 0.5;
+  if (cv::getOptimalDFTSize(detail_a.rows) % 2 == 1) shift.y -= 0.5;
   result.shift_px = std::hypot(shift.x, shift.y) * a.scale;
   return result;
 }
