@@ -115,7 +115,7 @@ def write_bench():
     for minute, (name, eye) in enumerate(eyes.items()):
         eye = [e + rng.gauss(0, 6) for e in eye]
         aim = [c + rng.gauss(0, 4) for c in CENTER[:2]] + [0.0]
-        photos = [{"file": f"photos/{name}_{tag}.png", "light": "lamp", "exposure_s": exposure, "iso": 100,
+        photos = [{"file": f"photos/{name}_{tag}.tif", "light": "lamp", "exposure_s": exposure, "iso": 100,
                    "f_number": 8, "datetime": f"2025:05:17 10:{minute:02d}:{second:02d}"}
                   for tag, exposure, second in (("a", 0.0125, 0), ("b", 0.0015625, 2))]
         views.append({"view": name, "T_camera_board": look_at(eye, aim, rng.gauss(0, 2)), "photos": photos})
@@ -143,7 +143,7 @@ def write_bench():
                     "falloff_exponent": 0}],
         "views": views, "psf_sigma_px": 0.45, "ambient": [0.004, 0.004, 0.004],
         "background": {"albedo": [0.03, 0.03, 0.03], "noise": 0.4, "z_mm": -2},
-        "exif": {"make": "Altair", "model": "M07", "focal_mm": 50}, "session": True})
+        "exif": {"make": "Altair", "model": "M07", "focal_mm": 50}, "session": False})
 
 
 # --- the pictures ----------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ namespace burin {
 double ResidualTable::rms_px() const {
   double squares = 0;
   std::size_t count = 0;
-  for (const CornerResidual& r : corners) {
+  for (const ShownResidual& r : corners) {
     if (r.left_out) continue;
     squares += r.residual_px.squaredNorm();
     ++count;
@@ -56,7 +56,7 @@ ResidualTable read_residuals(const std::filesystem::path& file) {
       }
       return 0.0;
     };
-    CornerResidual r;
+    ShownResidual r;
     r.view = field("view");
     r.tag = static_cast<int>(value("tag"));
     r.q_px = {value("x_px"), value("y_px")};

@@ -13,7 +13,7 @@
 
 namespace burin {
 
-struct CornerResidual {
+struct ShownResidual {
   std::string view;
   int tag = 0;
   Eigen::Vector2d q_px{0, 0}, residual_px{0, 0};
@@ -21,7 +21,7 @@ struct CornerResidual {
 };
 
 struct ResidualTable {
-  std::vector<CornerResidual> corners;
+  std::vector<ShownResidual> corners;
 
   double rms_px() const;  ///< per axis, of the corners that were used; 0 if there are none
 };

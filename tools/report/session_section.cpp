@@ -185,7 +185,7 @@ std::string residual_photo(const Loaded& in, const MergedView& merged, const Vie
   const Eigen::Vector2d corner(window.x0, window.y0);
 
   std::string svg = tag_outlines(in, view, corner, scale);
-  for (const CornerResidual& r : in.residuals.corners) {
+  for (const ShownResidual& r : in.residuals.corners) {
     if (r.view != view.name) continue;
     const Eigen::Vector2d from = (r.q_px - corner) * scale, to = from + r.residual_px * factor * scale;
     svg += fmt::format(

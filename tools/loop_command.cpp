@@ -1,0 +1,262 @@
+// burin loop: pictures to scratches, photographs of the carved board to a measured bench, and a better board from it.
+//
+// A project is a folder with board.json, design.json and a nominal bench.json. Every step is a burin command that a
+// person could have typed (and sees); it leaves files whose presence means that it is done, because they are moved into
+// place whole. So the loop goes on where it stopped, whatever stopped it; to do a step again, delete what it left.
+//
+//   round-NN/design.json          what this round designs for: the measured bench of the round before
+//   round-NN/design/              `burin design`: previews, design-report.json
+//   round-NN/scratches.csv        as designed
+//   round-NN/board.gcode, .svg    `burin toolpath`: compensated by the machine's measured map
+//   round-NN/sent.csv             the same path in board coordinates, as the machine is told it, in carving order
+//   round-NN/board.json           the board to be photographed: its scratches are sent.csv
+//   round-NN/photos/              a person's; or, where the project holds a truth.json, the simulated camera's
+//   round-NN/session.json         `burin capture`
+//   round-NN/bench.json, ...      `burin calibrate`, completed by `burin refine`
+//   round-NN/report.html          `burin report`
+//
+// truth.json stands for the workshop: it is read by `burin simulate` alone, to carve and to photograph.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "optimize/design_file.h"
+#include "optimize/machine_profile.h"
+#include "optimize/toolpath_check.h"
+#include "render/bench.h"
+#include "render/board.h"
+#include "render/error.h"
+#include "render/json_file.h"
+#include "render/scratches.h"
+#include "tools/command_line.h"
+#include "tools/commands.h"
+#include "tools/project.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kPartSuffix = ".part";
+
+struct Loop {
+  Project project;
+  std::string machine = "grbl";
+  int simulated_rounds = 1;
+};
+
+class Steps {
+ public:
+  /// Whether the step's result is still to be made. Says once where the loop goes on.
+  bool needed(const fs::path& result, const std::string& name) {
+    if (fs::exists(result)) {
+      some_done_ = true;
+      return false;
+    }
+    if (some_done_ && !said_) fmt::print("Going on with: {}\n", name);
+    said_ = true;
+    fmt::print("\n== {}\n", name);
+    std::fflush(stdout);
+    return true;
+  }
+
+ private:
+  bool some_done_ = false, said_ = false;
+};
+
+void run_step(const std::vector<std::string>& arguments) {
+  std::string line = "burin";
+  for (const std::string& a : arguments) line += " " + a;
+  fmt::print("> {}\n", line);
+  std::fflush(stdout);
+  run_command(arguments);
+}
+
+// A folder that a step fills and that takes its final name only when the step is done.
+fs::path part_folder(const fs::path& result) {
+  fs::path part = result;
+  part += kPartSuffix;
+  fs::remove_all(part);
+  return part;
+}
+
+void copy_atomically(const fs::path& from, const fs::path& to) {
+  write_atomically(
+      to, [&](const fs::path& temporary) { fs::copy_file(from, temporary, fs::copy_options::overwrite_existing); });
+}
+
+// This round's design.json: the project's pictures, for the bench as it is known now.
+void write_round_design(const Project& project, int number, const fs::path& file) {
+  DesignSpec spec = read_design(project.folder / "design.json");
+  if (number > 1) {
+    const fs::path measured_file = project.bench_before(number);
+    const Bench nominal = read_bench(spec.bench), measured = read_bench(measured_file);
+    const Board board = read_board(spec.board);
+    for (DesignView& view : spec.views) {
+      const View& designed = find_view(nominal, view.view, (project.folder / "design.json").string());
+      const View* taken = measured_view(measured, designed, board);
+      if (!taken)
+        fail(measured_file.string(), fmt::format("no photo was taken from the designed view \"{}\"", designed.name),
+             "photograph the board from there too, or change that view in the project's bench.json");
+      view.view = taken->name;
+    }
+    spec.bench = measured_file;
+  }
+  write_design(spec, file);
+}
+
+// What the machine was told, read back from the file that it is given.
+void write_sent_scratches(const Loop& loop, const fs::path& round) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(round)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("board") && entry.path().extension() == ".gcode") files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  Scratches sent;
+  const MachineProfile machine = machine_profile(loop.machine);
+  for (const fs::path& file : files)
+    for (const ReplayedScratch& s : replay_gcode(read_text(file), machine, file.string()).scratches) {
+      sent.x0_mm.push_back(s.from_mm.x());
+      sent.y0_mm.push_back(s.from_mm.y());
+      sent.x1_mm.push_back(s.to_mm.x());
+      sent.y1_mm.push_back(s.to_mm.y());
+    }
+  write_scratches(sent, round / "sent.csv");
+}
+
+void write_round_board(const Project& project, const fs::path& round) {
+  Board board = read_board(project.folder / "board.json");
+  board.scratches = round / "sent.csv";
+  write_board(board, round / "board.json");
+}
+
+void design_round(const Loop& loop, int number, Steps& steps) {
+  const Project& project = loop.project;
+  const fs::path round = project.round(number);
+  make_output_folder(round);
+  const std::string name = round.filename().string();
+  if (steps.needed(round / "scratches.csv", name + ": design")) {
+    write_round_design(project, number, round / "design.json");
+    const fs::path part = part_folder(round / "design");
+    run_step({"design", (round / "design.json").string(), "--out", part.string()});
+    fs::remove_all(round / "design");
+    fs::rename(part, round / "design");
+    copy_atomically(round / "design" / "scratches.csv", round / "scratches.csv");
+  }
+  if (steps.needed(round / "board.json", name + ": tool path")) {
+    for (const char* file : {"board.svg", "board.gcode"})
+      run_step({"toolpath", (round / "scratches.csv").string(), "--board", (project.folder / "board.json").string(),
+                "--bench", project.bench_before(number).string(), "--machine", loop.machine, "--out",
+                (round / file).string()});
+    write_sent_scratches(loop, round);
+    write_round_board(project, round);
+  }
+}
+
+// The workshop, where the project holds a truth.json. Returns false if a person has to go there.
+bool carve_and_photograph(const Loop& loop, int number, Steps& steps) {
+  const Project& project = loop.project;
+  const fs::path round = project.round(number), photos = round / "photos";
+  if (fs::exists(photos) && !fs::is_empty(photos)) {
+    steps.needed(photos, "");
+    return true;
+  }
+  if (!fs::exists(project.folder / "truth.json") || number > loop.simulated_rounds) return false;
+  fs::remove(photos);
+  steps.needed(photos, round.filename().string() + ": carve and photograph (simulated from truth.json)");
+  const fs::path part = part_folder(round / "workshop");
+  run_step({"simulate", (project.folder / "truth.json").string(), "--scratches", (round / "sent.csv").string(), "--out",
+            part.string()});
+  fs::rename(part / "photos", photos);
+  fs::remove_all(part);
+  return true;
+}
+
+void measure_round(const Loop& loop, int number, Steps& steps) {
+  const Project& project = loop.project;
+  const fs::path round = project.round(number);
+  const std::string name = round.filename().string();
+  if (steps.needed(round / "session.json", name + ": capture"))
+    run_step(
+        {"capture", (round / "photos").string(), "--board", (round / "board.json").string(), "--out", round.string()});
+  if (steps.needed(round / "calibration" / "bench.json", name + ": calibrate")) {
+    const fs::path part = part_folder(round / "calibration");
+    run_step({"calibrate", (round / "session.json").string(), "--out", part.string()});
+    fs::remove_all(round / "calibration");
+    fs::rename(part, round / "calibration");
+  }
+  if (steps.needed(round / "bench.json", name + ": refine")) {
+    const fs::path part = part_folder(round / "refinement");
+    fs::copy(round / "calibration", part, fs::copy_options::recursive);
+    run_step({"refine", (round / "session.json").string(), "--bench", (part / "bench.json").string()});
+    for (const auto& entry : fs::directory_iterator(part))
+      if (entry.path().filename() != "bench.json") copy_atomically(entry.path(), round / entry.path().filename());
+    copy_atomically(part / "bench.json", round / "bench.json");
+    fs::remove_all(part);
+  }
+  if (steps.needed(round / "report.html", name + ": report")) run_step({"report", round.string()});
+}
+
+void say_what_to_do(const Project& project, int number) {
+  const fs::path round = project.round(number);
+  const DesignSpec spec = read_design(round / "design.json");
+  std::string views;
+  for (const DesignView& view : spec.views) views += (views.empty() ? "" : ", ") + view.view;
+  fmt::print(
+      "Your turn:\n"
+      "  1. Carve {} (work zero at the board's lower left corner, on its face).\n"
+      "  2. Stick the tags of {} on it, lay it under the lamp, and photograph it: from each designed view ({}), from\n"
+      "     three places near the mirror direction, where the plain face shines, and from five or more further ones, "
+      "with\n"
+      "     the camera tilted and the board in other parts of the frame. Two exposures each, three stops apart; keep\n"
+      "     focus and zoom as they are. Some views must hardly glint: only half vectors on both sides of the grooves'\n"
+      "     cut-off angle tell how deep they are.\n"
+      "  3. Put the photos into {} and run `burin loop {}` again.\n\n",
+      (round / "board.gcode").string(), (project.folder / "board.json").string(), views, (round / "photos").string(),
+      project.folder.string());
+}
+
+void run_loop(const Loop& loop) {
+  const Project& project = loop.project;
+  for (const char* file : {"board.json", "design.json", "bench.json"})
+    if (!fs::exists(project.folder / file))
+      fail((project.folder / file).string(), "a loop project needs this file",
+           "see samples/small-bench for a complete project");
+  Steps steps;
+  int number = 1;
+  for (;; ++number) {
+    design_round(loop, number, steps);
+    if (!carve_and_photograph(loop, number, steps)) break;
+    measure_round(loop, number, steps);
+  }
+  // The last round is designed and not yet carved: for the bench as it is, if any board was photographed.
+  fmt::print("\n== report\n");
+  run_step({"report", project.folder.string()});
+  if (!fs::exists(project.folder / "truth.json")) say_what_to_do(project, number);
+  fmt::print("The loop has turned {} time{}; the next board to carve is {}.\n", number - 1, number == 2 ? "" : "s",
+             (project.round(number) / "board.gcode").string());
+}
+
+}  // namespace
+
+void add_loop_command(CLI::App& burin) {
+  auto loop = std::make_shared<Loop>();
+  CLI::App* command = burin.add_subcommand(
+      "loop", "Design, carve, photograph, measure, and design again for the bench as it is; goes on where it stopped");
+  command
+      ->add_option("PROJECT_DIR", loop->project.folder,
+                   "A folder with board.json, design.json and a nominal bench.json")
+      ->required();
+  command->add_option("--rounds", loop->simulated_rounds, "With a truth.json: how many boards to carve and photograph")
+      ->check(CLI::Range(1, 99))
+      ->capture_default_str();
+  command->add_option("--machine", loop->machine, "grbl, linuxcnc, marlin, or a burin/machine JSON file")
+      ->capture_default_str();
+  command->footer(example("burin loop samples/small-bench"));
+  command->callback([loop] { run_loop(*loop); });
+}
+
+}  // namespace burin
