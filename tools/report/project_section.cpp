@@ -43,8 +43,7 @@ Shown nearest_exposure(const Image& linear, const Image& target) {
   Image radiance = luminance(linear);
   const float brightest = percentile(radiance, 0.99);
   if (!(brightest > 0)) return {};
-  for (float& v : radiance.data)
-    v = std::isfinite(v) ? std::max(0.0F, v) : 10 * brightest;  // clipped in every exposure
+  for (float& v : radiance.data) v = std::isinf(v) ? 10 * brightest : v > 0 ? v : 0;  // infinite: clipped
   const double exposure = best_exposure(radiance, target, 1 / brightest);
   Shown out;
   out.picture = shown(radiance, static_cast<float>(1 / exposure));
@@ -63,7 +62,7 @@ Shown photographed(const fs::path& round, const View& view, const Bench& bench, 
   MergedView merged = merge_bracket(photos);
   for (std::size_t i = 0; i < merged.valid.size(); ++i)
     if (!merged.valid[i])
-      for (int c = 0; c < merged.value.channels; ++c) merged.value.data[i * merged.value.channels + c] = NAN;
+      for (int c = 0; c < merged.value.channels; ++c) merged.value.data[i * merged.value.channels + c] = INFINITY;
   const BoardFrame frame{board.carve_min_mm, board.carve_max_mm, target.width, target.height};
   return nearest_exposure(
       rectified(merged.value, 0, 0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm}, frame), target);

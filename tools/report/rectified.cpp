@@ -15,8 +15,10 @@ float bilinear(const Image& image, double x, double y, int channel) {
   if (!(c0 >= 0 && r0 >= 0 && c0 + 1 < image.width && r0 + 1 < image.height))
     return std::numeric_limits<float>::quiet_NaN();
   const auto fx = static_cast<float>(x - c0), fy = static_cast<float>(y - r0);
-  return (1 - fy) * ((1 - fx) * image.at(c0, r0, channel) + fx * image.at(c0 + 1, r0, channel)) +
-         fy * ((1 - fx) * image.at(c0, r0 + 1, channel) + fx * image.at(c0 + 1, r0 + 1, channel));
+  const float a = image.at(c0, r0, channel), b = image.at(c0 + 1, r0, channel);
+  const float c = image.at(c0, r0 + 1, channel), d = image.at(c0 + 1, r0 + 1, channel);
+  if (std::isinf(a) || std::isinf(b) || std::isinf(c) || std::isinf(d)) return std::numeric_limits<float>::infinity();
+  return (1 - fy) * ((1 - fx) * a + fx * b) + fy * ((1 - fx) * c + fx * d);
 }
 
 }  // namespace

@@ -20,14 +20,14 @@ struct BoardFrame {
 BoardFrame board_frame(const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm, int long_side_px);
 
 /// Samples `photo` (pixel (0, 0) of it being pixel (x0, y0) of the camera) at the frame's places on the face; bilinear,
-/// each value the mean of 2 x 2 samples. NaN where the photo does not reach.
+/// each value the mean of 2 x 2 samples. NaN where the photo does not reach; infinite (clipped) beside what is.
 Image rectified(const Image& photo, int x0, int y0, const Lens& lens, const Eigen::Isometry3d& T_camera_board,
                 const Surface& surface, const BoardFrame& frame);
 
 /// The value below which `fraction` of the finite values lie; 0 if there are none.
 float percentile(const Image& image, double fraction);
 
-/// Linear values as shown: value / white, then gamma 1/2.2, NaN and negative values black.
+/// Linear values as shown: value / white, then gamma 1/2.2; NaN and negative values black, infinite ones white.
 Image shown(const Image& linear, float white);
 
 /// photo - predicted over `white`, red where the photo is brighter and blue where it is darker, white where they agree;

@@ -10,6 +10,7 @@
 
 #include "capture/photo.h"
 #include "capture/session.h"
+#include "capture/simulated_camera.h"
 #include "render/bench.h"
 #include "render/board.h"
 #include "render/brdf.h"
@@ -72,6 +73,7 @@ Image predicted_view(const Loaded& in, const View& view, const Light& light, int
   ViewRenderer renderer(make_scene(in.bench, in.board, camera, light), options);
   Image value;
   renderer.forward(in.carved, value);
+  value = blurred(value, in.bench.sensor.psf_sigma_px);
   for (int y = 0; y < value.height; ++y)
     for (int x = 0; x < value.width; ++x)
       for (int c = 0; c < value.channels; ++c)
@@ -80,11 +82,12 @@ Image predicted_view(const Loaded& in, const View& view, const Light& light, int
   return value;
 }
 
-Image with_clipped_missing(const MergedView& merged) {
+// Clipped in every exposure: brighter than anything that is known, and compared with nothing.
+Image with_clipped_infinite(const MergedView& merged) {
   Image out = merged.value;
   for (std::size_t i = 0; i < merged.valid.size(); ++i)
     if (!merged.valid[i])
-      for (int c = 0; c < out.channels; ++c) out.data[i * out.channels + c] = std::numeric_limits<float>::quiet_NaN();
+      for (int c = 0; c < out.channels; ++c) out.data[i * out.channels + c] = std::numeric_limits<float>::infinity();
   return out;
 }
 
@@ -117,7 +120,8 @@ std::string comparison(const Loaded& in, const MergedView& merged, const View& v
                                        in.board.carve_max_mm, kWindowMarginPx);
   if (window.width == 0 || window.height == 0) return "<p>The carve area lies outside this photo.</p>";
   const BoardFrame frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, kRectifiedSidePx);
-  const Image photo = rectified(with_clipped_missing(merged), 0, 0, in.bench.lens, view.T_camera_board, surface, frame);
+  const Image photo =
+      rectified(with_clipped_infinite(merged), 0, 0, in.bench.lens, view.T_camera_board, surface, frame);
   const Image predicted = rectified(predicted_view(in, view, light, merged.value.channels, window), window.x0,
                                     window.y0, in.bench.lens, view.T_camera_board, surface, frame);
   const float white = percentile(photo, kWhitePercentile);
@@ -128,7 +132,7 @@ std::string comparison(const Loaded& in, const MergedView& merged, const View& v
   figures.push_back(figure(shown(predicted, white), "<b>Predicted</b> from the measured bench."));
   figures.push_back(
       figure(shown(photo, white), std::string("<b>Photographed</b>, seen from straight above, same exposure.") +
-                                      (clipped ? " Pixels clipped in every exposure are left black." : "")));
+                                      (clipped ? " White: clipped in every exposure (grey in the difference)." : "")));
   figures.push_back(figure(difference_shown(photo, predicted, white, kDifferenceScale),
                            fmt::format("<b>Difference.</b> Red: the photo is brighter; blue: darker; full colour at "
                                        "±{:.0f} % of white. RMS {:.1f} % of "
@@ -258,7 +262,7 @@ std::string numbers(const Loaded& in) {
                         verdict_cell(bench, key, s.has_value()), normal});
   };
   material_row("Roughness of the grooves, alpha", "alpha", material.alpha, sigma.alpha, believed.alpha, "",
-               "0.02 (polished) to 0.12; below 0.1 % of its value is rarely honest");
+               "0.02 (polished) to 0.12");
   material_row("Depth of the grooves, d", "depth_um", material.depth_um, sigma.depth_um, believed.depth_um, "µm",
                "5 to 30 µm; needs photos whose half vectors straddle the cut-off");
   const double rim = groove_rim(in.board.tool_width_um, material.depth_um);
