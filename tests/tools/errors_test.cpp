@@ -1,6 +1,6 @@
 // What a person does wrong is said in one sentence that names the file and the remedy; the exit code is 1, and nothing
 // is left behind that looks like a result. Each case of bad input goes through the program itself, as a person would
-// meet it. The photos are those of the simulated camera: two small views of the sample's bench.
+// meet it. The photos are those of the simulated camera: three views of the sample's bench.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ void expect_refusal(const Outcome& run, const std::string& about, const std::str
   EXPECT_THAT(sentence, ::testing::Not(HasSubstr("fault in Burin"))) << "an error that nobody foresaw";
 }
 
-// A folder with board.json, scratches.csv, photos of two views and the session.json that names them.
+// A folder with board.json, scratches.csv, photos of three views and the session.json that names them.
 class PhotographedBoard : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
@@ -58,7 +58,7 @@ class PhotographedBoard : public ::testing::Test {
     truth["scratches"]["random"]["count"] = 200;
     write(*photographed_ / "truth.json", truth);
     const std::string line = quoted(BURIN_PROGRAM) + " simulate " + quoted((*photographed_ / "truth.json").string()) +
-                             " --views d0 c3 --samples 4 --out " + quoted((*photographed_ / "bench").string()) +
+                             " --views d0 d1 c3 --samples 4 --out " + quoted((*photographed_ / "bench").string()) +
                              " >/dev/null";
     ASSERT_EQ(std::system(line.c_str()), 0);
   }
@@ -109,12 +109,13 @@ TEST_F(PhotographedBoard, NoTagsFound) {
   truth["session"] = true;
   truth["samples_plain"] = 1;
   truth["scratches"]["random"]["count"] = 1;
-  truth["board"]["tags"]["white_albedo"] = 0.04;
+  truth["board"]["tags"]["white_albedo"] = 0.0401;
   write(folder_ / "dark.json", truth);
   ASSERT_EQ(
-      run_burin(folder_, {"simulate", "dark.json", "--views", "d0", "c3", "--samples", "1", "--out", "dark"}).exit_code,
+      run_burin(folder_, {"simulate", "dark.json", "--views", "d0", "d1", "c3", "--samples", "1", "--out", "dark"})
+          .exit_code,
       0);
-  expect_refusal(run_burin(folder_, {"calibrate", "dark/session.json", "--out", "measured"}), "session.json", "tag");
+  expect_refusal(run_burin(folder_, {"calibrate", "dark/session.json", "--out", "measured"}), "d0_a.png", "no tags");
   expect_nothing_measured();
 }
 
