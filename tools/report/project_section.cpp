@@ -13,9 +13,10 @@
 #include "optimize/target.h"
 #include "render/bench.h"
 #include "render/board.h"
-#include "render/json_file.h"
+#include "render/scratches.h"
 #include "tools/project.h"
 #include "tools/report/html.h"
+#include "tools/report/predicted.h"
 #include "tools/report/rectified.h"
 #include "tools/report/section.h"
 
@@ -30,12 +31,6 @@ constexpr int kSidePx = 360;
 struct Shown {
   Image picture;  // gamma-encoded; no pixels where there is none
   double psnr_db = 0;
-};
-
-// What one round makes of one view of the project's design.
-struct RoundView {
-  Shown promised, photographed;
-  std::string photographed_as;  // the measured view's name
 };
 
 // Linear values of one exposure beside a gamma-encoded target, at the exposure that comes nearest.
@@ -68,18 +63,18 @@ Shown photographed(const fs::path& round, const View& view, const Bench& bench, 
       rectified(merged.value, 0, 0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm}, frame), target);
 }
 
-Shown promised(const fs::path& round, std::size_t view_index, const Image& target) {
-  const fs::path file = round / "design" / "design-report.json";
-  if (!fs::exists(file)) return {};
-  const Json json = read_json(file, "burin/design-report", 1);
-  JsonObject report(json, file.string());
-  std::vector<JsonObject> views = report.objects("views");
-  if (view_index >= views.size()) return {};
-  Shown out;
-  out.picture = resized(luminance(read_picture(round / "design" / views[view_index].text("preview"))), target.width,
-                        target.height);
-  out.psnr_db = views[view_index].number("psnr_db");
-  return out;
+// What a photo of the round's board should look like from there, for the bench that it was designed for.
+Shown promised(const fs::path& scratches, const Board& board, const Bench& bench, const View& view,
+               const std::string& light, const Image& target) {
+  if (!fs::exists(scratches)) return {};
+  const PixelWindow window = carve_window(bench, board, view);
+  if (window.width == 0 || window.height == 0) return {};
+  const BoardFrame frame{board.carve_min_mm, board.carve_max_mm, target.width, target.height};
+  const Image photo = predicted_photo(bench, board, read_scratches(scratches), view,
+                                      find_light(bench, light, scratches.string()), 1, window);
+  return nearest_exposure(
+      rectified(photo, window.x0, window.y0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm}, frame),
+      target);
 }
 
 std::string decibels(const Shown& shown) {
@@ -106,7 +101,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
     if (fs::exists(project.round(r) / "bench.json")) results.header.push_back(fmt::format("Round {}: photographed", r));
   }
   std::string pictures;
-  double first_photo_sum = 0, next_promise_sum = 0, last_photo_sum = 0;
+  double first_promise_sum = 0, first_photo_sum = 0, next_promise_sum = 0, last_photo_sum = 0;
   int measured_rounds = 0, compared = 0;
   while (measured_rounds < rounds && fs::exists(project.round(measured_rounds + 1) / "bench.json")) ++measured_rounds;
 
@@ -122,12 +117,17 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
     row.push_back(figure(target, "<b>Target</b>"));
     for (int r = 1; r <= rounds; ++r) {
       const fs::path round = project.round(r);
-      const Shown promise = promised(round, k, target);
+      if (!fs::exists(round / "scratches.csv")) continue;
+      const Bench known = read_bench(project.bench_before(r));
+      const View* from = r == 1 ? &nominal_view : measured_view(known, nominal_view, board);
+      const Shown promise =
+          from ? promised(round / "scratches.csv", board, known, *from, designed.light, target) : Shown{};
       cells.push_back(decibels(promise));
       if (!promise.picture.data.empty())
-        row.push_back(figure(promise.picture, fmt::format("<b>Round {}, promised</b> for the {} bench: {}", r,
+        row.push_back(figure(promise.picture, fmt::format("<b>Round {}, promised</b> by the {} bench: {}", r,
                                                           r == 1 ? "believed" : "measured", decibels(promise))));
-      if (r == measured_rounds + 1 && r > 1) next_promise_sum += promise.psnr_db;
+      if (r == measured_rounds + 1) next_promise_sum += promise.psnr_db;
+      if (r == 1) first_promise_sum += promise.psnr_db;
       if (!fs::exists(round / "bench.json")) continue;
       const Bench measured = read_bench(round / "bench.json");
       const View* taken = measured_view(measured, nominal_view, board);
@@ -152,8 +152,11 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   } else {
     out.outcome = fmt::format("The loop has turned {} time{}.", measured_rounds, measured_rounds == 1 ? "" : "s");
     if (compared > 0) {
-      out.outcome += fmt::format(" The board designed for the believed bench came out at {:.1f} dB on average",
-                                 first_photo_sum / compared);
+      out.outcome += fmt::format(
+          " The board designed for the believed bench should have shown its pictures at {:.1f} dB, and was "
+          "photographed at "
+          "{:.1f} dB",
+          first_promise_sum / compared, first_photo_sum / compared);
       if (measured_rounds > 1)
         out.outcome += fmt::format("; the board of round {} at {:.1f} dB", measured_rounds, last_photo_sum / compared);
       if (rounds > measured_rounds)
@@ -163,9 +166,9 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
     }
   }
   out.body =
-      "<h2>Round after round</h2>\n<p>Promised: what the design's renderer shows for the bench that it was made "
-      "for. Photographed: the photo taken from there, laid flat on the carve area, at the one exposure that comes "
-      "nearest to the target. Each is compared with the target after gamma 1/2.2, as PSNR.</p>\n" +
+      "<h2>Round after round</h2>\n<p>Promised: the photo that the bench it was designed for would "
+      "give. Photographed: the photo taken from there. All are laid flat on the carve area, at the one exposure that "
+      "comes nearest to the target. Each is compared with the target after gamma 1/2.2, as PSNR.</p>\n" +
       table(results) + pictures;
   // The whole of the newest: the measured bench, and the design made for it.
   if (measured_rounds > 0) {

@@ -10,7 +10,6 @@
 
 #include "capture/photo.h"
 #include "capture/session.h"
-#include "capture/simulated_camera.h"
 #include "render/bench.h"
 #include "render/board.h"
 #include "render/brdf.h"
@@ -18,8 +17,8 @@
 #include "render/footprint_grid.h"
 #include "render/groove.h"
 #include "render/scratches.h"
-#include "render/view_renderer.h"
 #include "tools/report/html.h"
+#include "tools/report/predicted.h"
 #include "tools/report/rectified.h"
 #include "tools/report/residuals.h"
 #include "tools/report/section.h"
@@ -29,7 +28,6 @@ namespace {
 
 constexpr int kRectifiedSidePx = 420;
 constexpr int kPhotoWidthPx = 900;
-constexpr int kWindowMarginPx = 6;
 constexpr double kWhitePercentile = 0.995;  // of the photo: the few brightest glints may saturate
 constexpr float kDifferenceScale = 0.25F;   // of the displayed white
 constexpr double kDegrees = 180 / kPi;
@@ -55,31 +53,6 @@ const View* view_named(const Bench& bench, const std::string& name) {
 const Light* light_named(const Bench& bench, const std::string& id) {
   const auto it = std::find_if(bench.lights.begin(), bench.lights.end(), [&](const Light& l) { return l.id == id; });
   return it == bench.lights.end() ? nullptr : &*it;
-}
-
-double vignette_at(const Sensor& sensor, const Lens& lens, double x, double y) {
-  const double cx = (lens.width - 1) / 2.0, cy = (lens.height - 1) / 2.0;
-  const double r2 = ((x - cx) * (x - cx) + (y - cy) * (y - cy)) * 4 /
-                    (static_cast<double>(lens.width) * lens.width + static_cast<double>(lens.height) * lens.height);
-  const Eigen::Vector3d& v = sensor.vignette;
-  return 1 + r2 * (v[0] + r2 * (v[1] + r2 * v[2]));
-}
-
-// What the bench says that this photo must show of the carve area: linear value over the exposure factor.
-Image predicted_view(const Loaded& in, const View& view, const Light& light, int channels, const PixelWindow& window) {
-  const CameraView camera = make_camera_view(in.bench, in.board, view, window);
-  RenderOptions options;
-  options.channels = channels;
-  ViewRenderer renderer(make_scene(in.bench, in.board, camera, light), options);
-  Image value;
-  renderer.forward(in.carved, value);
-  value = blurred(value, in.bench.sensor.psf_sigma_px);
-  for (int y = 0; y < value.height; ++y)
-    for (int x = 0; x < value.width; ++x)
-      for (int c = 0; c < value.channels; ++c)
-        value.at(x, y, c) *= static_cast<float>(
-            in.bench.sensor.gain * vignette_at(in.bench.sensor, in.bench.lens, x + window.x0, y + window.y0));
-  return value;
 }
 
 // Clipped in every exposure: brighter than anything that is known, and compared with nothing.
@@ -116,14 +89,14 @@ Agreement agreement(const Image& photo, const Image& predicted) {
 
 std::string comparison(const Loaded& in, const MergedView& merged, const View& view, const Light& light) {
   const Surface surface = surface_of(in);
-  const PixelWindow window = window_of(in.bench.lens, view.T_camera_board, surface, in.board.carve_min_mm,
-                                       in.board.carve_max_mm, kWindowMarginPx);
+  const PixelWindow window = carve_window(in.bench, in.board, view);
   if (window.width == 0 || window.height == 0) return "<p>The carve area lies outside this photo.</p>";
   const BoardFrame frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, kRectifiedSidePx);
   const Image photo =
       rectified(with_clipped_infinite(merged), 0, 0, in.bench.lens, view.T_camera_board, surface, frame);
-  const Image predicted = rectified(predicted_view(in, view, light, merged.value.channels, window), window.x0,
-                                    window.y0, in.bench.lens, view.T_camera_board, surface, frame);
+  const Image predicted =
+      rectified(predicted_photo(in.bench, in.board, in.carved, view, light, merged.value.channels, window), window.x0,
+                window.y0, in.bench.lens, view.T_camera_board, surface, frame);
   const float white = percentile(photo, kWhitePercentile);
   const Agreement fit = agreement(photo, predicted);
   const bool clipped = std::any_of(merged.valid.begin(), merged.valid.end(), [](auto v) { return v == 0; });
