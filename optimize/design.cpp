@@ -11,6 +11,7 @@
 #include "optimize/adam.h"
 #include "optimize/glint.h"
 #include "optimize/picture_metrics.h"
+#include "optimize/start.h"
 #include "optimize/target.h"
 #include "render/brdf.h"
 #include "render/error.h"
@@ -54,6 +55,9 @@ struct WorkView {
   PictureLoss loss;
   Image radiance, picture, dE_dpicture, dE_dradiance;
   LossValue value;
+  Image face;          ///< radiance of the face without scratches
+  Image unit;          ///< measure_units()
+  Image light_weight;  ///< light_weight()
 };
 
 // The legal place of a scratch: ends inside the area, no shorter and no longer than allowed.
@@ -173,9 +177,85 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                      {},
                      {},
                      {},
+                     {},
+                     {},
+                     {},
                      {}});
   }
   return views;
+}
+
+// ---- Placing scratches by the model of optimize/start.h ------------------------------------------------------------
+
+double pitch_mm(const WorkView& v, const Limits& limits) {
+  return (limits.max_mm.x() - limits.min_mm.x()) / v.target.picture.width;
+}
+
+StrokeRules stroke_rules(const Limits& limits, double mean_length_mm, double alpha) {
+  StrokeRules rules;
+  rules.min_mm = limits.min_mm;
+  rules.max_mm = limits.max_mm;
+  const double most = 0.9 * (limits.max_mm - limits.min_mm).minCoeff();
+  rules.longest_mm = std::min(limits.longest_mm > 0 ? limits.longest_mm : most, 2 * mean_length_mm);
+  rules.shortest_mm = std::min(std::max(limits.shortest_mm, 0.3 * mean_length_mm), rules.longest_mm);
+  rules.alpha = alpha;
+  return rules;
+}
+
+// The model's pictures: what `shown` radiance (a view) leaves missing at these exposures.
+std::vector<LightView> light_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,
+                                   const Limits& limits, bool from_face) {
+  std::vector<LightView> out;
+  for (const WorkView& v : views) {
+    const auto e = static_cast<float>(std::exp(log_exposure[v.exposure_group]));
+    const Image& shown = from_face ? v.face : v.radiance;
+    LightView view{v.glint, v.target.picture, v.light_weight, v.unit};
+    for (std::size_t i = 0; i < shown.data.size(); ++i)
+      view.missing.data[i] = std::pow(std::max(0.0F, view.missing.data[i]), 2.2F) - e * shown.data[i];
+    const auto scale = e * static_cast<float>(pitch_mm(v, limits));
+    for (float& u : view.unit.data) u *= scale;
+    out.push_back(std::move(view));
+  }
+  return out;
+}
+
+void set_scratch(Scratches& s, std::size_t i, const Stroke& stroke) {
+  s.x0_mm[i] = stroke.a_mm.x();
+  s.y0_mm[i] = stroke.a_mm.y();
+  s.x1_mm[i] = stroke.b_mm.x();
+  s.y1_mm[i] = stroke.b_mm.y();
+}
+
+Scratches append(Scratches s, const std::vector<Stroke>& strokes) {
+  for (const Stroke& stroke : strokes) {
+    for (auto* a : {&s.x0_mm, &s.y0_mm, &s.x1_mm, &s.y1_mm}) a->push_back(0);
+    set_scratch(s, s.size() - 1, stroke);
+  }
+  return s;
+}
+
+// Moves the scratches whose absence costs least to where the pictures miss most, as far as that pays on the model.
+// Returns the moved ones.
+std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkView>& views,
+                                  const std::vector<double>& log_exposure, const Limits& limits,
+                                  const StrokeRules& rules, double share, std::uint64_t seed) {
+  std::vector<LightView> light = light_views(views, log_exposure, limits, false);
+  const std::vector<double> worth = worth_of(light, rules, scratches);
+  std::vector<std::size_t> order(worth.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto candidates = static_cast<std::ptrdiff_t>(share * static_cast<double>(order.size()));
+  std::partial_sort(order.begin(), order.begin() + candidates, order.end(),
+                    [&](std::size_t a, std::size_t b) { return worth[a] != worth[b] ? worth[a] < worth[b] : a < b; });
+  order.resize(static_cast<std::size_t>(candidates));
+  for (const std::size_t i : order) lift_stroke(light, rules, scratches, i);
+  std::vector<Stroke> strokes = place_strokes(light, rules, order.size(), seed, 0);
+  std::stable_sort(strokes.begin(), strokes.end(), [](const Stroke& a, const Stroke& b) { return a.gain > b.gain; });
+  std::vector<std::size_t> moved;
+  for (std::size_t k = 0; k < strokes.size() && strokes[k].gain > worth[order[k]]; ++k) {
+    set_scratch(scratches, order[k], strokes[k]);
+    moved.push_back(order[k]);
+  }
+  return moved;
 }
 
 // The iterations kept for the contact sheet: dense at first, where most happens.
@@ -240,21 +320,51 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
 
   const Limits limits{board.carve_min_mm, board.carve_max_mm, options.min_length * board.size_mm.maxCoeff(),
                       options.max_length_mm};
-  const double mean_length = options.start_length_mm > 0 ? options.start_length_mm
-                                                         : 0.03 * (board.carve_max_mm - board.carve_min_mm).maxCoeff();
-  Scratches scratches;
-  if (options.from) {
-    scratches = *options.from;
-    for (std::size_t i = 0; i < count; ++i) limits.apply(scratches, i, direction_of(scratches, i));
-  } else {
-    scratches = random_start(count, limits, mean_length, options.seed);
-  }
-
+  const Eigen::Vector2d area = limits.max_mm - limits.min_mm;
+  // Guided: the scratches of a view, laid end to end, cover its pixels once.
+  const double pixel_mm = pitch_mm(views.front(), limits);
+  const double covering =
+      std::clamp(area.x() * area.y() * static_cast<double>(views.size()) / (static_cast<double>(count) * pixel_mm),
+                 3 * pixel_mm, 0.2 * area.minCoeff());
+  const double mean_length = options.start_length_mm > 0      ? options.start_length_mm
+                             : options.start == Start::guided ? covering
+                                                              : 0.03 * area.maxCoeff();
+  const StrokeRules rules = stroke_rules(limits, mean_length, bench.material.alpha);
   // One exposure a group, in logarithms.
   const int group_count = 1 + std::max_element(views.begin(), views.end(), [](const WorkView& a, const WorkView& b) {
                                 return a.exposure_group < b.exposure_group;
                               })->exposure_group;
   std::vector<double> log_exposure(group_count, 0.0);
+  for (WorkView& v : views) {
+    v.renderer.forward({}, v.face);
+    v.light_weight = light_weight(v.target.picture, v.target.mask);
+    v.unit = measure_units(v.renderer, v.glint, limits.min_mm, limits.max_mm);
+  }
+  Scratches scratches;
+  if (options.from) {
+    scratches = *options.from;
+    for (std::size_t i = 0; i < count; ++i) limits.apply(scratches, i, direction_of(scratches, i));
+  } else if (options.start == Start::random) {
+    scratches = random_start(count, limits, mean_length, options.seed);
+  } else {
+    // The exposure with which `count` scratches of this length and brightness give the light that is wanted.
+    std::vector<double> wanted(group_count, 0.0), given(group_count, 0.0);
+    for (const WorkView& v : views) {
+      wanted[v.exposure_group] += mean_light(v.target.picture);
+      given[v.exposure_group] += mean_value(v.face) + options.start_brightness * mean_value(v.unit) * mean_length *
+                                                          static_cast<double>(count) /
+                                                          static_cast<double>(views.size()) /
+                                                          static_cast<double>(v.face.data.size());
+    }
+    for (int g = 0; g < group_count; ++g) log_exposure[g] = std::log(wanted[g] / given[g]);
+    report("placing scratches", 0);
+    std::vector<LightView> light = light_views(views, log_exposure, limits, true);
+    scratches = append({}, place_strokes(light, rules, count, options.seed));
+    // Where the model finds no more to gain, the rest start anywhere: relocation may yet find them a place.
+    const Scratches rest = random_start(count - scratches.size(), limits, mean_length, options.seed + 1);
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      scratches = append(std::move(scratches), {{{rest.x0_mm[i], rest.y0_mm[i]}, {rest.x1_mm[i], rest.y1_mm[i]}, 0}});
+  }
   {
     std::vector<double> wanted(group_count, 0.0), given(group_count, 0.0), best(group_count, 0.0), members = best;
     for (WorkView& v : views) {
@@ -266,8 +376,9 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       best[v.exposure_group] += std::log(best_exposure(v.radiance, v.target.picture, target / mean, v.target.mask));
       members[v.exposure_group] += 1;
     }
+    const bool matched = options.from || options.start == Start::guided;
     for (int g = 0; g < group_count; ++g)
-      log_exposure[g] = options.from ? best[g] / members[g] : std::log(options.start_exposure * wanted[g] / given[g]);
+      log_exposure[g] = matched ? best[g] / members[g] : std::log(options.start_exposure * wanted[g] / given[g]);
   }
   std::vector<double> start_exposure(views.size());
 
@@ -349,6 +460,16 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     adam_x1.step(scratches.x1_mm, gradients.x1_mm, rate * board.size_mm.x());
     adam_y1.step(scratches.y1_mm, gradients.y1_mm, rate * board.size_mm.y());
     for (std::size_t i = 0; i < count; ++i) limits.apply(scratches, i, directions[i]);
+    const bool may_move =
+        t < options.relocate_until &&
+        (options.time_limit_s <= 0 || seconds_since(began) < options.relocate_until * options.time_limit_s);
+    if (options.relocate_every > 0 && iteration > 0 && iteration % options.relocate_every == 0 && may_move) {
+      const std::vector<std::size_t> moved = relocate(scratches, views, log_exposure, limits, rules,
+                                                      options.relocate_share, options.seed + 1000 + iteration);
+      for (const std::size_t i : moved)
+        for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->restart(i);
+      result.relocated += moved.size();
+    }
     if (options.exposure_rate > 0) adam_exposure.step(log_exposure, d_log_exposure, options.exposure_rate);
     if (optimise_shared) {
       // Gradients by the logarithms: d/dlog p = p d/dp, summed over the scratches.
@@ -400,9 +521,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     out.psnr_db = psnr_db(out.shown, out.target, v.target.mask);
     out.ssim = ssim(out.shown, out.target);
     // The plain face alone, at the same exposure: nothing can be darker.
-    Image face;
-    Scratches none;
-    v.renderer.forward(none, face);
+    Image face = v.face;
     for (float& f : face.data) f *= static_cast<float>(out.best_exposure);
     out.achievable = within_contrast(out.target, face);
     out.achievable_psnr_db = psnr_db(out.achievable, out.target, v.target.mask);

@@ -46,10 +46,14 @@ struct DesignOptions {
   double rate = 1e-3;        ///< Adam's, in uv (fractions of the board's width and height) an iteration
   double final_rate = 1e-3;  ///< the rate falls along a half cosine to this
   LossWeights loss;
-  Start start = Start::random;
-  double start_length_mm = 0;  ///< mean length at the start; 0: chosen from the number of scratches
-  double min_length = 1e-3;    ///< shortest scratch, as a fraction of the board's longer edge
-  double max_length_mm = 0;    ///< longest scratch; 0: any
+  Start start = Start::guided;
+  double start_length_mm = 0;     ///< mean length at the start; 0: chosen from the number of scratches
+  double start_brightness = 0.6;  ///< guided start: mean part of its lobe that a scratch shows
+  int relocate_every = 10;        ///< iterations between relocations of useless scratches; 0: never
+  double relocate_until = 0.7;    ///< part of the iterations (or of the time limit) after which none are moved
+  double relocate_share = 0.05;   ///< of the scratches, at most, each time
+  double min_length = 1e-3;       ///< shortest scratch, as a fraction of the board's longer edge
+  double max_length_mm = 0;       ///< longest scratch; 0: any
   ExposureOf exposure_of = ExposureOf::light;
   double start_exposure = 0.2;  ///< random start: times the exposure that matches the pictures' means
   double exposure_rate = 0.02;  ///< Adam's, in log(exposure) an iteration; 0 holds it

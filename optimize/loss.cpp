@@ -320,6 +320,12 @@ LossValue PictureLoss::evaluate(const Image& picture, Image& dE_dpicture) {
   return value;
 }
 
+Image blurred(const Image& image) {
+  Image out(image.width, image.height, 1);
+  for_bands(image.height, [&](int first, int end, int) { blur_rows(image, out, first, end); });
+  return out;
+}
+
 void picture_from_radiance(const Image& radiance, double exposure, Image& picture) {
   if (picture.data.size() != radiance.data.size() || picture.width != radiance.width)
     picture = Image(radiance.width, radiance.height, radiance.channels);

@@ -60,6 +60,9 @@ class PictureLoss {
   std::unique_ptr<State> state_;
 };
 
+/// The loss' 3x3 Gaussian (1 2 1)/4 in both directions, zeros outside. One channel.
+Image blurred(const Image& image);
+
 /// Radiance to picture: (max(0, exposure * radiance) + kGammaOffset)^(1 / 2.2). The offset keeps the slope finite in
 /// black; targets are passed through with_gamma_offset() so that equal light stays equal value.
 inline constexpr double kGammaOffset = 1e-3;

@@ -74,7 +74,7 @@ class LivePreview {
 struct Options {
   std::filesystem::path spec, out, bench, board, from;
   int scratches = 0;
-  std::string start = "random", exposure = "light", time, free_parameters;
+  std::string start = "guided", exposure = "light", time, free_parameters;
   DesignOptions design;
   bool live = false;
 };
@@ -141,9 +141,19 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--time", o->time, "Stop after about this long: 30s, 5min, 1h");
   c->add_option("--pixels", o->design.pixels, "Pixels along the longer side of the carve area")->capture_default_str();
   c->add_option("--seed", o->design.seed, "Of the random start")->capture_default_str();
-  c->add_option("--start", o->start, "Where scratches begin")->check(CLI::IsMember({"random"}))->capture_default_str();
+  c->add_option("--start", o->start, "Where scratches begin: where the pictures want them, or anywhere")
+      ->check(CLI::IsMember({"guided", "random"}))
+      ->capture_default_str();
   c->add_option("--from", o->from, "Go on from these scratches instead of starting anew");
   c->add_option("--start-length", o->design.start_length_mm, "Mean length at the start, mm (0: chosen)");
+  c->add_option("--start-brightness", o->design.start_brightness, "Guided start: part of its lobe a scratch shows")
+      ->capture_default_str();
+  c->add_option("--relocate-every", o->design.relocate_every, "Iterations between relocations (0: never)")
+      ->capture_default_str();
+  c->add_option("--relocate-share", o->design.relocate_share, "Share of the scratches considered each time")
+      ->capture_default_str();
+  c->add_option("--relocate-until", o->design.relocate_until, "Part of the run after which none are moved")
+      ->capture_default_str();
   c->add_option("--start-exposure", o->design.start_exposure, "Random start: times the exposure that matches the means")
       ->capture_default_str();
   c->add_option("--rate", o->design.rate, "Adam's rate, in fractions of the board's edge")->capture_default_str();
