@@ -55,9 +55,8 @@ struct WorkView {
   PictureLoss loss;
   Image radiance, picture, dE_dpicture, dE_dradiance;
   LossValue value;
-  Image face;          ///< radiance of the face without scratches
-  Image unit;          ///< measure_units()
-  Image light_weight;  ///< light_weight()
+  Image face;  ///< radiance of the face without scratches
+  Image unit;  ///< measure_units()
 };
 
 // The legal place of a scratch: ends inside the area, no shorter and no longer than allowed.
@@ -179,7 +178,6 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                      {},
                      {},
                      {},
-                     {},
                      {}});
   }
   return views;
@@ -203,15 +201,17 @@ StrokeRules stroke_rules(const Limits& limits, double mean_length_mm, double alp
 }
 
 // The model's pictures: what `shown` radiance (a view) leaves missing at these exposures.
-std::vector<LightView> light_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,
-                                   const Limits& limits, bool from_face) {
-  std::vector<LightView> out;
+std::vector<StrokeView> light_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,
+                                    const Limits& limits, bool from_face) {
+  std::vector<StrokeView> out;
   for (const WorkView& v : views) {
     const auto e = static_cast<float>(std::exp(log_exposure[v.exposure_group]));
     const Image& shown = from_face ? v.face : v.radiance;
-    LightView view{v.glint, v.target.picture, v.light_weight, v.unit};
-    for (std::size_t i = 0; i < shown.data.size(); ++i)
-      view.missing.data[i] = std::pow(std::max(0.0F, view.missing.data[i]), 2.2F) - e * shown.data[i];
+    Image light = shown;
+    for (float& l : light.data) l *= e;
+    StrokeView view{v.glint, v.target.picture, light_weight(light, v.target.picture, v.target.mask), v.unit};
+    for (std::size_t i = 0; i < light.data.size(); ++i)
+      view.missing.data[i] = std::pow(std::max(0.0F, view.missing.data[i]), 2.2F) - light.data[i];
     const auto scale = e * static_cast<float>(pitch_mm(v, limits));
     for (float& u : view.unit.data) u *= scale;
     out.push_back(std::move(view));
@@ -239,7 +239,7 @@ Scratches append(Scratches s, const std::vector<Stroke>& strokes) {
 std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkView>& views,
                                   const std::vector<double>& log_exposure, const Limits& limits,
                                   const StrokeRules& rules, double share, std::uint64_t seed) {
-  std::vector<LightView> light = light_views(views, log_exposure, limits, false);
+  std::vector<StrokeView> light = light_views(views, log_exposure, limits, false);
   const std::vector<double> worth = worth_of(light, rules, scratches);
   std::vector<std::size_t> order(worth.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -268,19 +268,19 @@ std::vector<int> contact_iterations(int iterations, int frames) {
   return kept;
 }
 
-// Which scratches stay, ascending, and how much light the dropped ones carried.
-std::vector<std::size_t> strong_scratches(const std::vector<double>& contribution, const DesignOptions& options) {
-  std::vector<std::size_t> order(contribution.size());
+// Which scratches stay, ascending: the least worthy are dropped, as many as the options' share of the light or count.
+std::vector<std::size_t> worthy_scratches(const std::vector<double>& worth, const std::vector<double>& light,
+                                          const DesignOptions& options) {
+  std::vector<std::size_t> order(worth.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return contribution[a] < contribution[b]; });
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth[a] < worth[b]; });
   std::size_t drop = 0;
   if (options.drop_count > 0) {
     drop = static_cast<std::size_t>(options.drop_count * static_cast<double>(order.size()));
   } else if (options.drop_light > 0) {
-    const double total = std::accumulate(contribution.begin(), contribution.end(), 0.0);
+    const double total = std::accumulate(light.begin(), light.end(), 0.0);
     double sum = 0;
-    while (drop < order.size() && (sum += contribution[order[drop]]) <= options.drop_light * total) ++drop;
+    while (drop < order.size() && (sum += light[order[drop]]) <= options.drop_light * total) ++drop;
   }
   drop = std::min(drop, order.size() - 1);
   std::vector<std::size_t> kept(order.begin() + static_cast<std::ptrdiff_t>(drop), order.end());
@@ -314,7 +314,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
 
   DesignResult result;
   std::vector<WorkView> views = prepare_views(spec, board, bench, options, result.warnings);
-  const auto count = options.from ? options.from->size() : static_cast<std::size_t>(spec.scratches);
+  auto count = options.from ? options.from->size() : static_cast<std::size_t>(spec.scratches);
   if (count == 0) fail("design", "there are no scratches to go on from", "give a scratches.csv that holds some");
   result.started_with = count;
 
@@ -337,7 +337,6 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   std::vector<double> log_exposure(group_count, 0.0);
   for (WorkView& v : views) {
     v.renderer.forward({}, v.face);
-    v.light_weight = light_weight(v.target.picture, v.target.mask);
     v.unit = measure_units(v.renderer, v.glint, limits.min_mm, limits.max_mm);
   }
   Scratches scratches;
@@ -358,7 +357,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     }
     for (int g = 0; g < group_count; ++g) log_exposure[g] = std::log(wanted[g] / given[g]);
     report("placing scratches", 0);
-    std::vector<LightView> light = light_views(views, log_exposure, limits, true);
+    std::vector<StrokeView> light = light_views(views, log_exposure, limits, true);
     scratches = append({}, place_strokes(light, rules, count, options.seed));
     // Where the model finds no more to gain, the rest start anywhere: relocation may yet find them a place.
     const Scratches rest = random_start(count - scratches.size(), limits, mean_length, options.seed + 1);
@@ -398,6 +397,26 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   std::vector<Eigen::Vector2d> directions(count);
   const std::vector<int> contact = contact_iterations(options.iterations, options.contact_frames);
   const Clock::time_point iterations_began = Clock::now();
+  // Weak scratches go before the end, so that the last iterations make up for them.
+  const int drop_at = static_cast<int>(std::lround(options.drop_at * options.iterations));
+  const auto drop_weak = [&] {
+    report("dropping weak scratches", 0);
+    // Each view's light in units of its own white, so that a bright lamp's views do not rule.
+    std::vector<double> light_sum(count, 0.0);
+    for (const WorkView& v : views) {
+      std::vector<double> light(count, 0.0);
+      v.renderer.add_contributions(light);
+      for (std::size_t i = 0; i < count; ++i) light_sum[i] += std::exp(log_exposure[v.exposure_group]) * light[i];
+    }
+    const std::vector<double> worth = worth_of(light_views(views, log_exposure, limits, false), rules, scratches);
+    const std::vector<std::size_t> kept = worthy_scratches(worth, light_sum, options);
+    result.dropped = count - kept.size();
+    if (result.dropped == 0) return;
+    result.loss_before_drop = result.history.back().loss;
+    scratches = subset(scratches, kept);
+    for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->keep(kept);
+    count = kept.size();
+  };
   int iteration = 0;
   for (;; ++iteration) {
     const bool last = iteration == options.iterations || result.stopped_early;
@@ -470,6 +489,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
         for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->restart(i);
       result.relocated += moved.size();
     }
+    if (iteration == drop_at && iteration > 0) drop_weak();
     if (options.exposure_rate > 0) adam_exposure.step(log_exposure, d_log_exposure, options.exposure_rate);
     if (optimise_shared) {
       // Gradients by the logarithms: d/dlog p = p d/dp, summed over the scratches.
@@ -489,32 +509,20 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     if (options.stop && options.stop()) result.stopped_early = true;
   }
   result.iteration_seconds = seconds_since(iterations_began);
-  result.final_loss = result.history.back().loss;
-  report("dropping weak scratches", 0);
-
-  std::vector<double> contribution(count, 0.0);
-  for (const WorkView& v : views) {
-    // Each view's light in units of its own white, so that a bright lamp's views do not rule.
-    std::vector<double> light(count, 0.0);
-    v.renderer.add_contributions(light);
-    const double exposure = std::exp(log_exposure[v.exposure_group]);
-    for (std::size_t i = 0; i < count; ++i) contribution[i] += exposure * light[i];
-  }
-  const std::vector<std::size_t> kept = strong_scratches(contribution, options);
-  result.dropped = count - kept.size();
-  result.scratches = result.dropped > 0 ? subset(scratches, kept) : scratches;
+  if (result.dropped == 0 && !result.stopped_early) drop_weak();
+  result.scratches = scratches;
 
   for (std::size_t k = 0; k < views.size(); ++k) {
     WorkView& v = views[k];
     DesignedView& out = result.views[k];
-    out.loss = v.value;
     out.view = v.spec.view;
     out.light = v.spec.light;
     out.rotation_deg = v.rotation_deg;
     out.exposure = std::exp(log_exposure[v.exposure_group]);
-    if (result.dropped > 0) v.renderer.forward(result.scratches, v.radiance);
+    v.renderer.forward(result.scratches, v.radiance);
     picture_from_radiance(v.radiance, out.exposure, v.picture);
-    result.loss_after_drop += v.loss.evaluate(v.picture, v.dE_dpicture).total;
+    out.loss = v.loss.evaluate(v.picture, v.dE_dpicture);
+    result.final_loss += out.loss.total;
     out.target = v.target.picture;
     out.best_exposure = best_exposure(v.radiance, out.target, out.exposure, v.target.mask);
     out.shown = shown_picture(v.radiance, out.best_exposure);

@@ -44,13 +44,13 @@ struct DesignOptions {
   int iterations = 100;
   std::uint64_t seed = 1;
   double rate = 1e-3;        ///< Adam's, in uv (fractions of the board's width and height) an iteration
-  double final_rate = 1e-3;  ///< the rate falls along a half cosine to this
+  double final_rate = 3e-4;  ///< the rate falls along a half cosine to this
   LossWeights loss;
   Start start = Start::guided;
   double start_length_mm = 0;     ///< mean length at the start; 0: chosen from the number of scratches
   double start_brightness = 0.6;  ///< guided start: mean part of its lobe that a scratch shows
-  int relocate_every = 10;        ///< iterations between relocations of useless scratches; 0: never
-  double relocate_until = 0.7;    ///< part of the iterations (or of the time limit) after which none are moved
+  int relocate_every = 10;         ///< iterations between relocations of useless scratches; 0: never
+  double relocate_until = 0.5;    ///< part of the iterations (or of the time limit) after which none are moved
   double relocate_share = 0.05;   ///< of the scratches, at most, each time
   double min_length = 1e-3;       ///< shortest scratch, as a fraction of the board's longer edge
   double max_length_mm = 0;       ///< longest scratch; 0: any
@@ -61,6 +61,7 @@ struct DesignOptions {
   double log_rate = 0.01;         ///< Adam's, in log(width), log(depth), log(alpha) an iteration
   double drop_light = 0.03;       ///< the weakest scratches that together carry this share of the light are dropped
   double drop_count = 0;          ///< or this share of the scratches, weakest first (if > 0)
+  double drop_at = 0.8;           ///< part of the iterations after which they are dropped; the rest make up for them
   double time_limit_s = 0;        ///< stop iterating so that everything ends about then; 0: no limit
   int contact_frames = 8;         ///< iterations kept for the contact sheet
   std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's)
@@ -80,7 +81,7 @@ struct DesignedView {
   double psnr_db = 0, ssim = 0;  ///< of `shown`
   double start_psnr_db = 0, start_ssim = 0;
   double achievable_psnr_db = 0;           ///< of `achievable`: what the face's own light costs
-  LossValue loss;                          ///< at `exposure`, before dropping
+  LossValue loss;                          ///< at `exposure`
   std::vector<double> ghost;               ///< correlation of `shown` with each view's target (its own included)
   std::vector<double> target_correlation;  ///< of this view's target with each view's target
 };
@@ -103,7 +104,8 @@ struct DesignResult {
   std::vector<DesignIteration> history;  ///< loss before each iteration's step
   std::vector<ContactFrame> frames;
   std::vector<std::string> warnings;
-  double final_loss = 0, loss_after_drop = 0;
+  double final_loss = 0;        ///< of the scratches as returned, at the optimised exposures
+  double loss_before_drop = 0;  ///< when the weak ones were dropped; 0 if none were
   std::size_t started_with = 0, dropped = 0, relocated = 0;
   std::size_t pairs = 0;         ///< (pixel, scratch) pairs of the last iteration, all views
   double iteration_seconds = 0;  ///< in the iterations

@@ -135,7 +135,7 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
   json["stopped_early"] = result.stopped_early;
   json["loss_start"] = result.history.front().loss;
   json["loss_final"] = result.final_loss;
-  json["loss_after_drop"] = result.loss_after_drop;
+  json["loss_before_drop"] = result.loss_before_drop;
   json["views"] = views;
   json["contact_sheet"] = "contact-sheet.png";
   json["contact_iterations"] = Json::array();

@@ -6,7 +6,7 @@
 //
 // design-report.json, "format": "burin/design-report", "version": 1:
 //   scratches, started_with, dropped, relocated, pairs, stopped_early      counts
-//   loss_start, loss_final, loss_after_drop                                sums over views
+//   loss_start, loss_final, loss_before_drop                                sums over views
 //   history: [ { "loss", "views": [..], "seconds" } ]                      before each iteration's step
 //   views: [ { "view", "light", "rotation_deg", "preview", "start", "target", "achievable" (file names),
 //              "psnr_db", "ssim", "start_psnr_db", "start_ssim", "achievable_psnr_db", "loss", "exposure",

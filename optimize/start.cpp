@@ -30,7 +30,7 @@ struct Grid {
   }
 };
 
-Grid grid_of(const std::vector<LightView>& views, const StrokeRules& rules) {
+Grid grid_of(const std::vector<StrokeView>& views, const StrokeRules& rules) {
   return {rules.min_mm, rules.max_mm, views.front().missing.width, views.front().missing.height};
 }
 
@@ -76,7 +76,7 @@ struct PathSums {
   double gain(double b) const { return b * (2 * linear - b * square); }
 };
 
-PathSums sums_along(const LightView& view, const Path& path) {
+PathSums sums_along(const StrokeView& view, const Path& path) {
   PathSums s;
   for (const auto& [i, length] : path.cells) {
     const float light = length * view.unit.data[i], w = view.weight.data[i];
@@ -86,7 +86,7 @@ PathSums sums_along(const LightView& view, const Path& path) {
   return s;
 }
 
-void subtract(LightView& view, const Path& path, double b) {
+void subtract(StrokeView& view, const Path& path, double b) {
   for (const auto& [i, length] : path.cells) view.missing.data[i] -= static_cast<float>(b) * length * view.unit.data[i];
 }
 
@@ -97,12 +97,12 @@ struct Candidate {
 
 double angle_of(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return std::atan2(b.y() - a.y(), b.x() - a.x()); }
 
-std::vector<double> lobes_at(const std::vector<LightView>& views, const StrokeRules& rules, const Eigen::Vector2d& a,
+std::vector<double> lobes_at(const std::vector<StrokeView>& views, const StrokeRules& rules, const Eigen::Vector2d& a,
                              const Eigen::Vector2d& b) {
   const Eigen::Vector2d m = (a + b) / 2;
   const double angle = angle_of(a, b);
   std::vector<double> lobes;
-  for (const LightView& view : views) {
+  for (const StrokeView& view : views) {
     const Lean lean = lean_at(view.glint, {m.x(), m.y(), 0});
     lobes.push_back(lobe(lean.angle, angle - lean.scratch_direction(), rules.alpha));
   }
@@ -159,19 +159,25 @@ Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen:
   return unit;
 }
 
-Image light_weight(const Image& encoded_target, const Image& mask) {
+Image light_weight(const Image& shown_light, const Image& encoded_target, const Image& mask) {
   // Softer in black than the curve itself: a stroke cannot be as dim as black asks for anyway.
-  constexpr float kSoftening = 0.01F;
+  constexpr float kSoftening = 0.003F, kGamma = 1 / 2.2F;
   Image weight = encoded_target;
-  for (std::size_t i = 0; i < weight.data.size(); ++i) {
-    const float light = std::pow(std::max(0.0F, weight.data[i]), 2.2F) + kSoftening;
-    const float slope = std::pow(light, 1 / 2.2F - 1) / 2.2F;
-    weight.data[i] = slope * slope * (mask.data.empty() ? 1 : mask.data[i] * mask.data[i]);
-  }
+  tbb::parallel_for(0, weight.height, [&](int y) {
+    for (std::size_t i = static_cast<std::size_t>(y) * weight.width; i < static_cast<std::size_t>(y + 1) * weight.width;
+         ++i) {
+      const float wanted = std::pow(std::max(0.0F, weight.data[i]), 2.2F) + kSoftening;
+      const float shown = std::max(0.0F, shown_light.data[i]) + kSoftening, difference = wanted - shown;
+      const float slope = std::abs(difference) > 1e-3F * wanted
+                              ? (std::pow(wanted, kGamma) - std::pow(shown, kGamma)) / difference
+                              : kGamma * std::pow(wanted, kGamma - 1);
+      weight.data[i] = slope * slope * (mask.data.empty() ? 1 : mask.data[i] * mask.data[i]);
+    }
+  });
   return weight;
 }
 
-std::vector<Stroke> place_strokes(std::vector<LightView>& views, const StrokeRules& rules, std::size_t count,
+std::vector<Stroke> place_strokes(std::vector<StrokeView>& views, const StrokeRules& rules, std::size_t count,
                                   std::uint64_t seed, double least_gain) {
   if (views.empty()) fail("start", "there are no views", "give at least one");
   const Grid grid = grid_of(views, rules);
@@ -226,7 +232,7 @@ std::vector<Stroke> place_strokes(std::vector<LightView>& views, const StrokeRul
   return strokes;
 }
 
-std::vector<double> worth_of(const std::vector<LightView>& views, const StrokeRules& rules,
+std::vector<double> worth_of(const std::vector<StrokeView>& views, const StrokeRules& rules,
                              const Scratches& scratches) {
   const Grid grid = grid_of(views, rules);
   std::vector<double> worth(scratches.size(), 0.0);
@@ -244,7 +250,7 @@ std::vector<double> worth_of(const std::vector<LightView>& views, const StrokeRu
   return worth;
 }
 
-void lift_stroke(std::vector<LightView>& views, const StrokeRules& rules, const Scratches& scratches,
+void lift_stroke(std::vector<StrokeView>& views, const StrokeRules& rules, const Scratches& scratches,
                  std::size_t index) {
   const Grid grid = grid_of(views, rules);
   const Eigen::Vector2d a(scratches.x0_mm[index], scratches.y0_mm[index]),

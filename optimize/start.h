@@ -7,8 +7,8 @@
 // direction that gives it the brightness which the picture still misses there. What it shows in the other views counts
 // against it. (Matching pursuit - Mallat & Zhang, IEEE TSP 41(12), 1993 - with a random choice of atoms.)
 //
-// Errors are squared differences of light, weighted with the square of the gamma curve's slope, which makes them those
-// of the gamma-encoded picture to first order. Frame: board, mm; images as board_grid lays them, row 0 at the top.
+// Errors are squared differences of light with a weight a pixel, which makes them those of the gamma-encoded pictures.
+// Frame: board, mm; images as board_grid lays them, row 0 at the top.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +24,7 @@
 namespace burin {
 
 /// What the model knows of one view. All images have the grid's size; light is relative to white.
-struct LightView {
+struct StrokeView {
   GlintView glint;
   Image missing;  ///< target light minus shown light; strokes placed are subtracted
   Image weight;   ///< of a squared error in light
@@ -51,19 +51,22 @@ struct Stroke {
 Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen::Vector2d& min_mm,
                     const Eigen::Vector2d& max_mm);
 
-/// Squared slope of the gamma curve at the light of a gamma-encoded target: LightView::weight.
-Image light_weight(const Image& encoded_target, const Image& mask);
+/// StrokeView::weight: the squared secant of the gamma curve between the light that is shown and the light of a
+/// gamma-encoded target, times the mask squared, so that weight * missing^2 is the squared error of the encoded
+/// picture.
+Image light_weight(const Image& shown_light, const Image& encoded_target, const Image& mask);
 
 /// Places `count` strokes one after the other, subtracting each from views[].missing. Deterministic for a seed.
 /// Stops early once no candidate in many tries lowers the error by more than `least_gain`.
-std::vector<Stroke> place_strokes(std::vector<LightView>& views, const StrokeRules& rules, std::size_t count,
+std::vector<Stroke> place_strokes(std::vector<StrokeView>& views, const StrokeRules& rules, std::size_t count,
                                   std::uint64_t seed, double least_gain = 0);
 
 /// By how much the weighted squared error would grow without each scratch, on the model; negative: it does harm.
-std::vector<double> worth_of(const std::vector<LightView>& views, const StrokeRules& rules, const Scratches& scratches);
+std::vector<double> worth_of(const std::vector<StrokeView>& views, const StrokeRules& rules,
+                             const Scratches& scratches);
 
 /// Takes the light of scratch `index` out of the pictures: adds it to views[].missing.
-void lift_stroke(std::vector<LightView>& views, const StrokeRules& rules, const Scratches& scratches,
+void lift_stroke(std::vector<StrokeView>& views, const StrokeRules& rules, const Scratches& scratches,
                  std::size_t index);
 
 }  // namespace burin

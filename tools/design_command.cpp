@@ -113,9 +113,9 @@ void run(const Options& o) {
     fmt::print("{:<10}  {:6.2f}   {:.3f}   {:6.2f} dB     {:5.2f} / {:5.2f}\n", v.view, v.psnr_db, v.ssim,
                v.achievable_psnr_db, v.ghost[k], other);
   }
-  fmt::print("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} scratches of {} kept (loss {:.0f})\n",
-             result.history.front().loss, result.final_loss, result.history.size() - 1, result.iteration_seconds,
-             result.scratches.size(), result.started_with, result.loss_after_drop);
+  fmt::print("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} scratches of {} kept\n", result.history.front().loss,
+             result.final_loss, result.history.size() - 1, result.iteration_seconds, result.scratches.size(),
+             result.started_with);
   if (result.width_um) fmt::print("width_um {:.1f}\n", *result.width_um);
   if (result.depth_um) fmt::print("depth_um {:.2f}\n", *result.depth_um);
   if (result.alpha) fmt::print("alpha {:.4f}\n", *result.alpha);

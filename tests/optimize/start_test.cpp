@@ -36,12 +36,12 @@ StrokeRules rules() {
   return r;
 }
 
-std::vector<LightView> two_views() {
-  std::vector<LightView> views;
+std::vector<StrokeView> two_views() {
+  std::vector<StrokeView> views;
   for (const GlintView& glint : {kLeft, kRight}) {
     ViewRenderer renderer(scene_of(glint));
-    LightView view{glint, Image(kPixels, kPixels, 1, 0.4F), Image(kPixels, kPixels, 1, 1.0F),
-                   measure_units(renderer, glint, {0, 0}, {kSize, kSize})};
+    StrokeView view{glint, Image(kPixels, kPixels, 1, 0.4F), Image(kPixels, kPixels, 1, 1.0F),
+                    measure_units(renderer, glint, {0, 0}, {kSize, kSize})};
     // Of white 1, a full scratch gives half.
     const float mean = std::accumulate(view.unit.data.begin(), view.unit.data.end(), 0.0F) / (kPixels * kPixels);
     for (float& u : view.unit.data) u *= 0.5F / mean;
@@ -52,9 +52,9 @@ std::vector<LightView> two_views() {
   return views;
 }
 
-double weighted_error(const std::vector<LightView>& views) {
+double weighted_error(const std::vector<StrokeView>& views) {
   double sum = 0;
-  for (const LightView& v : views)
+  for (const StrokeView& v : views)
     for (std::size_t i = 0; i < v.missing.data.size(); ++i)
       sum += static_cast<double>(v.weight.data[i]) * v.missing.data[i] * v.missing.data[i];
   return sum;
@@ -92,7 +92,7 @@ TEST(Start, ModelAgreesWithTheRendererOnTurnedScratches) {
 }
 
 TEST(Start, GainsAreTheFallOfTheError) {
-  std::vector<LightView> views = two_views();
+  std::vector<StrokeView> views = two_views();
   const double before = weighted_error(views);
   const std::vector<Stroke> strokes = place_strokes(views, rules(), 150, 3);
   ASSERT_EQ(strokes.size(), 150U);
@@ -113,19 +113,19 @@ TEST(Start, GainsAreTheFallOfTheError) {
 }
 
 TEST(Start, WorthIsTheRiseOfTheErrorWhenLifted) {
-  std::vector<LightView> views = two_views();
+  std::vector<StrokeView> views = two_views();
   const Scratches scratches = as_scratches(place_strokes(views, rules(), 120, 4));
   const std::vector<double> worth = worth_of(views, rules(), scratches);
   const double before = weighted_error(views);
   for (const std::size_t i : {0U, 17U, 119U}) {
-    std::vector<LightView> lifted = views;
+    std::vector<StrokeView> lifted = views;
     lift_stroke(lifted, rules(), scratches, i);
     EXPECT_NEAR(weighted_error(lifted) - before, worth[i], 1e-4 * before);
   }
 }
 
 TEST(Start, SameSeedSameStrokes) {
-  std::vector<LightView> a = two_views(), b = two_views(), c = two_views();
+  std::vector<StrokeView> a = two_views(), b = two_views(), c = two_views();
   const auto first = place_strokes(a, rules(), 20, 5), again = place_strokes(b, rules(), 20, 5),
              other = place_strokes(c, rules(), 20, 6);
   EXPECT_EQ(first[19].a_mm, again[19].a_mm);
@@ -133,8 +133,8 @@ TEST(Start, SameSeedSameStrokes) {
 }
 
 TEST(Start, NothingToGainPlacesNothing) {
-  std::vector<LightView> views = two_views();
-  for (LightView& v : views) std::fill(v.missing.data.begin(), v.missing.data.end(), -0.1F);
+  std::vector<StrokeView> views = two_views();
+  for (StrokeView& v : views) std::fill(v.missing.data.begin(), v.missing.data.end(), -0.1F);
   EXPECT_TRUE(place_strokes(views, rules(), 10, 1).empty());
 }
 
