@@ -278,6 +278,51 @@ TEST(BoardMesh, OccludersAndSelfShadow) {
   EXPECT_FALSE(v.hidden_from(low_lamp, {150 - 100, 100, 100}, Eigen::Vector3d(1, 0, 1).normalized()));
 }
 
+// Proves that no pair of pixel and scratch is missed where pixels do not map to the board by anything smooth: a sheet
+// in waves steep enough to hide parts of itself, with an occluder before it, against all pairs.
+TEST(BoardMesh, PairsOnFoldedFacesAreFound) {
+  const auto waves = [](double x, double y) {
+    const double phase = x / 12, slope = 1.5 * std::cos(phase);
+    return Placed{{x, y, 18 * std::sin(phase)}, Eigen::Vector3d(-slope, 0, 1).normalized()};
+  };
+  const std::vector<TriangleMesh> occluders{plate(100, 80, 140, 130, 50)};
+  const BoardMesh mesh(sheet(150, waves, true), kSize, "waves", occluders);
+  const auto T = look_at({-500, -200, 450}, kMiddle);
+  Lens pinhole = lens();
+  pinhole.intrinsics[0] = pinhole.intrinsics[1] = 150;
+  pinhole.intrinsics[2] = 39.5;
+  pinhole.intrinsics[3] = 29.5;
+  pinhole.width = 80;
+  pinhole.height = 60;
+  ViewScene scene;
+  scene.grid = camera_grid(pinhole, T, mesh, {0, 0, 80, 60});
+  scene.camera_center_mm = T.inverse().translation();
+  scene.light.position_mm = {300, 500, 800};
+  scene.material.alpha = 0.3;
+  scene.hidden_from_light = hidden_pixels(scene.grid, mesh, scene.light.position_mm);
+  Scratches scratches;
+  for (int i = 0; i < 150; ++i) {
+    const double x = std::fmod(i * 61.803398875, 280) + 10, y = std::fmod(i * 37.37, 180) + 10, a = i * 0.7;
+    scratches.x0_mm.push_back(x);
+    scratches.y0_mm.push_back(y);
+    scratches.x1_mm.push_back(x + 25 * std::cos(a));
+    scratches.y1_mm.push_back(y + 25 * std::sin(a));
+  }
+  const Image all = render_brute_force(scene, scratches);
+  Image found, fast;
+  ViewRenderer(scene, {1, true}).forward(scratches, found);
+  ViewRenderer(scene, {1, false}).forward(scratches, fast);
+  const float most = *std::max_element(all.data.begin(), all.data.end());
+  EXPECT_GT(most, 0);
+  int dark = 0;
+  for (std::size_t i = 0; i < all.data.size(); ++i) {
+    EXPECT_NEAR(found.data[i], all.data[i], 1e-6 * most);
+    EXPECT_NEAR(fast.data[i], all.data[i], 1e-5 * most);
+    dark += all.data[i] == 0;
+  }
+  EXPECT_LT(dark, 80 * 60 * 9 / 10);
+}
+
 class BoardMeshFiles : public ::testing::Test {
  protected:
   std::filesystem::path write(const std::string& text) { return folder_.write("mesh.obj", text); }
