@@ -86,7 +86,14 @@ struct Solver {
     const int needed = options.fix_lens ? 1 : 3;
     if (left >= needed) return;
     std::string names;
-    for (const Finding& f : out.findings) names += "; " + sentence(f);
+    std::size_t said = 0;
+    for (const Finding& f : out.findings) {
+      if (said++ == 2) {
+        names += "; and " + std::to_string(out.findings.size() - 2) + " more";
+        break;
+      }
+      names += "; " + sentence(f);
+    }
     fail("the session",
          std::to_string(left) + " usable view" + (left == 1 ? "" : "s") + " cannot tell lens and poses" + names,
          "photograph the board from at least " + std::to_string(needed) +
@@ -135,11 +142,21 @@ struct Solver {
     bundle.views.assign(view_names.size(), Eigen::Isometry3d::Identity());
     view_dropped.assign(view_names.size(), false);
     tag_dropped.assign(bundle.tags.size(), false);
-    for (std::size_t v = 0; v < view_names.size(); ++v)
-      if (tags_in(static_cast<int>(v)) < options.min_tags)
-        drop_view(static_cast<int>(v),
-                  "only " + std::to_string(tags_in(static_cast<int>(v))) + " of its tags can be used",
-                  "go closer, light the tags, keep the whole board in the photo");
+    for (std::size_t v = 0; v < view_names.size(); ++v) {
+      const int n = tags_in(static_cast<int>(v));
+      if (n >= options.min_tags) continue;
+      std::map<std::string, int> reasons;
+      for (const ViewTags& p : pictures)
+        if (p.view == view_names[v])
+          for (const RejectedTag& r : p.rejected) ++reasons[r.reason];
+      const auto most = std::max_element(reasons.begin(), reasons.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+      drop_view(
+          static_cast<int>(v),
+          "only " + std::to_string(n) + " of its tags can be used" +
+              (most == reasons.end() ? "" : " (" + std::to_string(most->second) + " others: " + most->first + ")"),
+          "go closer, light the tags, keep the whole board in the photo");
+    }
     require_views();
   }
 

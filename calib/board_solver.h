@@ -30,6 +30,7 @@ struct ViewTags {
   std::string view;
   std::filesystem::path file;  ///< a photo to name in messages
   std::vector<TagDetection> tags;
+  std::vector<RejectedTag> rejected;  ///< for messages only
 };
 
 struct BoardSolverOptions {

@@ -122,7 +122,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
       out.rejected.push_back(r);
       out.rejected_view.push_back(merged[i].view);
     }
-    pictures.push_back({merged[i].view, files[i], std::move(tags.tags)});
+    pictures.push_back({merged[i].view, files[i], std::move(tags.tags), std::move(tags.rejected)});
     out.photos.push_back(files[i].filename().string());
   }
   if (found == 0) {

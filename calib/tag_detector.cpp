@@ -43,10 +43,14 @@ constexpr FamilyMaker kFamilies[] = {
     {"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy},
 };
 
-constexpr double kSkipModules = 0.6;     // at each end of a side: the neighbouring side's blur reaches that far
-constexpr double kStripModules = 0.5;    // half-width of the strip of pixels around a side
-constexpr double kMaxStripPx = 4;        // wider strips add paper, not edge
-constexpr double kMinStripPx = 1.5;      // narrower ones hold too few pixels
+constexpr double kSkipModules = 0.6;   // at each end of a side: the neighbouring side's blur reaches that far
+constexpr double kStripModules = 0.5;  // half-width of the strip of pixels around a side
+constexpr double kSeedStripPx = 12;    // at first, while the side is known roughly only
+constexpr double kMaxStripPx = 4;      // wider strips add paper, not edge (but for blurred photos: kStripBlurs)
+constexpr double kStripBlurs = 4;      // half-width of the strip in units of the edge's blur, where that is more
+constexpr double kMinStripPx = 1.5;    // narrower ones hold too few pixels
+constexpr double kRoughSides =
+    0.03;  // of a side: how far AprilTag may be off in large photos, searched at half resolution
 constexpr double kAprilTagCenter = 0.5;  // AprilTag has a pixel's centre at +0.5, we have it at 0
 
 const FamilyMaker& find_family(const std::string& name) {
@@ -86,10 +90,18 @@ Gray to_gray(const Image& image) {
 
 // 255 (v / white)^(1 / 2.2): AprilTag thresholds locally, gamma gives shadowed tags their contrast back.
 std::vector<std::uint8_t> compressed(const Gray& gray, double white) {
+  static const std::vector<std::uint8_t> curve = [] {
+    std::vector<std::uint8_t> table(65536);
+    for (std::size_t i = 0; i < table.size(); ++i)
+      table[i] = static_cast<std::uint8_t>(std::lround(255 * std::pow(static_cast<double>(i) / 65535, 1 / 2.2)));
+    return table;
+  }();
   std::vector<std::uint8_t> out(gray.value.size());
+  const float scale = static_cast<float>(65535 / white);
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const double v = std::clamp(gray.value[i] / white, 0.0, 1.0);
-    out[i] = static_cast<std::uint8_t>(std::lround(255 * std::pow(std::isfinite(v) ? v : 1.0, 1 / 2.2)));
+    const float v = gray.value[i] * scale;
+    out[i] = v < 65535.0F ? (v > 0 ? curve[static_cast<std::size_t>(v)] : std::uint8_t{0})
+                          : std::uint8_t{255};  // NaN: white
   }
   return out;
 }
@@ -120,16 +132,19 @@ enum class SideFault { none, clipped, no_edge };
 SideFault fit_side(const Gray& gray, std::span<const std::uint8_t> valid, const Eigen::Vector2d& a,
                    const Eigen::Vector2d& b, double modules_per_side, Side& side) {
   const double length = (b - a).norm(), module = length / modules_per_side;
-  const double half_strip = std::clamp(kStripModules * module, kMinStripPx, kMaxStripPx);
   const double reach = length / 2 - kSkipModules * module;
   side.mid = 0.5 * (a + b);
   side.along = (b - a) / length;
   side.across = {-side.along.y(), side.along.x()};
 
   // The strip follows the line as it is found, so that pixels on both sides stay balanced.
-  constexpr int kPasses = 3, kIterations = 8;
+  constexpr int kPasses = 3, kIterations = 10;
   double offset = 0, slope = 0, blur = 0.8;
+  const double widest = std::max(kMinStripPx, kStripModules * module), limit = std::max(3.0, kRoughSides * length);
   for (int pass = 0; pass < kPasses; ++pass) {
+    const double half_strip =
+        std::clamp(pass == 0 ? kSeedStripPx : std::max(kMaxStripPx, kStripBlurs * blur), kMinStripPx, widest);
+    if (pass == 0) blur = std::max(0.8, half_strip / 5);
     struct Sample {
       double s, t, value;
     };
@@ -195,7 +210,7 @@ SideFault fit_side(const Gray& gray, std::span<const std::uint8_t> valid, const 
       if (!step.allFinite()) return SideFault::no_edge;
       offset += std::clamp(step[0], -0.7, 0.7);
       slope += std::clamp(step[1], -0.1, 0.1);
-      blur = std::clamp(blur + std::clamp(step[2], -0.3, 0.3), 0.25, 6.0);
+      blur = std::clamp(blur + std::clamp(step[2], -0.4, 0.4), 0.25, 20.0);
       k0 += step[3];
       k1 += step[4];
       w0 += step[5];
@@ -205,7 +220,7 @@ SideFault fit_side(const Gray& gray, std::span<const std::uint8_t> valid, const 
       scale = std::max(1.48 * *mid, 1e-4 * std::abs(w0 - k0));
       if (iteration > 2 && std::abs(step[0]) < 1e-4 && std::abs(step[1]) * reach < 1e-4) break;
     }
-    if (std::abs(offset) > 3 || std::abs(slope) > 0.3) return SideFault::no_edge;
+    if (std::abs(offset) > limit || std::abs(slope) > 0.3) return SideFault::no_edge;
     if (pass == kPasses - 1) {
       const double variance = chi2 / std::max(1.0, weight_sum - 7);
       side.offset = offset;
@@ -258,7 +273,8 @@ std::string refine(const Gray& gray, std::span<const std::uint8_t> valid, double
   for (int i = 0; i < 4; ++i) {
     if (!intersect(sides[(i + 3) % 4], sides[i], tag.corner_px[i], tag.corner_sigma_px[i]))
       return "its sides do not meet in corners";
-    if ((tag.corner_px[i] - tag.coarse_px[i]).norm() > options.max_shift_px)
+    const double side = (tag.coarse_px[(i + 1) % 4] - tag.coarse_px[i]).norm();
+    if ((tag.corner_px[i] - tag.coarse_px[i]).norm() > std::max({options.max_shift_px, kRoughSides * side, 1.5 * blur}))
       return "its corners do not lie where its sides meet: covered or damaged";
   }
   tag.blur_px = blur;

@@ -48,7 +48,8 @@ struct TagDetectorOptions {
   double min_decision_margin = 20;
   double half_resolution_above_mpx = 4;  ///< photos with more megapixels are searched at half their resolution
   double min_side_px = 12;               ///< shorter sides cannot be refined
-  double max_shift_px = 1.5;             ///< a refined corner further from AprilTag's is no corner of a clean tag
+  double max_shift_px =
+      1.5;  ///< (or 3 % of a side) a refined corner further from AprilTag's is no corner of a clean tag
 };
 
 /// The families that libapriltag knows, most usual first.

@@ -31,7 +31,7 @@ Rig detect_rig(const fs::path& folder) {
   for (const Tag& tag : rig.board.tags.list) ids.push_back(tag.id);
   for (const auto& view : rig.truth.views) {
     const RigPhoto photo = merge_for_test(folder, rig.truth, view);
-    rig.pictures.push_back({view.name, view.photos[0].file, detector.detect(photo.linear, photo.valid, ids).tags});
+    rig.pictures.push_back({view.name, view.photos[0].file, detector.detect(photo.linear, photo.valid, ids).tags, {}});
   }
   return rig;
 }
@@ -115,7 +115,7 @@ void photograph(World& w, std::mt19937& random) {
   std::normal_distribution<double> gauss;
   w.pictures.clear();
   for (std::size_t v = 0; v < w.T_camera_board.size(); ++v) {
-    ViewTags picture{"v" + std::to_string(v), "photo" + std::to_string(v) + ".png", {}};
+    ViewTags picture{"v" + std::to_string(v), "photo" + std::to_string(v) + ".png", {}, {}};
     for (const Tag& tag : w.true_tags) {
       TagDetection d;
       d.id = tag.id;
