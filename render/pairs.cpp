@@ -24,6 +24,12 @@ constexpr double kRounding = 1e-11;
 
 using Polygon = std::array<Eigen::Vector3d, 6>;
 
+/// Four rows side by side (the vector extension of GCC and Clang, at the width that every machine has).
+constexpr int kRows = 4;
+using Rows = float __attribute__((vector_size(kRows * sizeof(float))));
+constexpr Rows kRowNumbers = {0, 1, 2, 3};
+constexpr Rows kZeroRows = {};  // plus a number: that number in every row
+
 /// max(least, ceil(v)) and min(most, floor(v)) for least, most >= 0; where floor(v) is negative, -1. Without a rounding
 /// instruction the library's functions would cost more than all the rest of a row.
 int ceil_from(int least, double v) {
@@ -263,38 +269,54 @@ void PixelIndex::draw(const Block& b, const Strip& strip, std::vector<PixelSpan>
     x_low = std::min(x_low, q[i].x());
     x_high = std::max(x_high, q[i].x());
   }
-  const double e = b.error_px;
-  if (!(x_high >= b.x0 - e && x_low <= b.x1 + e && y_high >= b.y0 - e && y_low <= b.y1 + e)) return;
-  const int row0 = ceil_from(b.y0, y_low - 1 - e), row1 = floor_to(b.y1 - 1, y_high + e);
+  if (!(x_high >= b.x0 - b.error_px && x_low <= b.x1 + b.error_px && y_high >= b.y0 - b.error_px &&
+        y_low <= b.y1 + b.error_px))
+    return;
 
-  // Within the slab of a row the polygon is convex, so the columns it touches are those between its extremes there: the
-  // ends of what the slab leaves of each edge. An edge that it leaves nothing of has its ends swapped and drops out.
+  // Rows are drawn four at a time, in float from a place near the strip. What float rounds is made up for by widening:
+  // of the columns by 4e-7 of the coordinates' size, of the rows by ten times that, which also swallows whole every
+  // edge too flat for its slope to be trusted.
+  const double x_from = std::floor(std::max<double>(x_low, b.x0)), y_from = std::floor(std::max<double>(y_low, b.y0));
+  const double size = std::max({x_high - x_from, x_from - x_low, y_high - y_from, y_from - y_low}) + 1;
+  const double e = b.error_px + 4e-7 * size, e_row = b.error_px + 4e-6 * size;
   struct Edge {
-    double x, y0, y1, slope;
+    float x0, y0, x1, y1, slope;
   };
   std::array<Edge, 6> edges;
   for (int i = 0; i < n; ++i) {
     const Eigen::Vector3d *p0 = &q[i], *p1 = &q[i + 1 < n ? i + 1 : 0];
     if (p0->y() > p1->y()) std::swap(p0, p1);
     const double dy = p1->y() - p0->y();
-    edges[i] = {p0->x(), p0->y(), p1->y(), dy > 0 ? (p1->x() - p0->x()) / dy : 0};
+    edges[i] = {static_cast<float>(p0->x() - x_from), static_cast<float>(p0->y() - y_from),
+                static_cast<float>(p1->x() - x_from), static_cast<float>(p1->y() - y_from),
+                dy > 3e-6 * size ? static_cast<float>((p1->x() - p0->x()) / dy) : 0.0F};
   }
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  for (int row = row0; row <= row1; ++row) {
-    const double top = row - e, bottom = row + 1 + e;
-    double low = kFar, high = -kFar;
+  const int row0 = ceil_from(b.y0, y_low - 1 - e_row), row1 = floor_to(b.y1 - 1, y_high + e_row);
+  constexpr float kFar = std::numeric_limits<float>::infinity();
+  for (int first = row0; first <= row1; first += kRows) {
+    // Within the slab of a row the polygon is convex, so the columns it touches are those between its extremes there:
+    // the ends of what the slab leaves of each edge.
+    const Rows far = kZeroRows + kFar;
+    Rows low = far, high = -far;
+    const Rows top = static_cast<float>(first - y_from - e_row) + kRowNumbers;
+    const Rows bottom = top + static_cast<float>(1 + 2 * e_row);
     for (int i = 0; i < n; ++i) {
       const Edge& edge = edges[i];
-      const double y0 = std::max(top, edge.y0), y1 = std::min(bottom, edge.y1);
-      const double x0 = edge.x + edge.slope * (y0 - edge.y0), x1 = edge.x + edge.slope * (y1 - edge.y0);
-      const bool there = y0 <= y1;
-      low = std::min(low, there ? std::min(x0, x1) : kFar);
-      high = std::max(high, there ? std::max(x0, x1) : -kFar);
+      const Rows x0 = kZeroRows + edge.x0, y0 = kZeroRows + edge.y0, x1 = kZeroRows + edge.x1, y1 = kZeroRows + edge.y1;
+      const Rows x_top = top <= y0 ? x0 : x0 + edge.slope * (top - y0);
+      const Rows x_bottom = bottom >= y1 ? x1 : x0 + edge.slope * (bottom - y0);
+      const auto there = (top <= y1) & (bottom >= y0);
+      const Rows x_low = x_top < x_bottom ? x_top : x_bottom, x_high = x_top < x_bottom ? x_bottom : x_top;
+      const Rows at_low = there ? x_low : far, at_high = there ? x_high : -far;
+      low = low < at_low ? low : at_low;
+      high = high > at_high ? high : at_high;
     }
-    // A horizontal edge has no slope to follow: its far end is an end of its neighbours.
-    if (!(low <= high)) continue;
-    const int begin = ceil_from(b.x0, low - 1 - e), end = floor_to(b.x1 - 1, high + e) + 1;
-    if (begin < end) emit(b, row, begin, end, spans);
+    const int rows = std::min(kRows, row1 - first + 1);
+    for (int k = 0; k < rows; ++k) {
+      if (!(low[k] <= high[k])) continue;
+      const int begin = ceil_from(b.x0, x_from + low[k] - 1 - e), end = floor_to(b.x1 - 1, x_from + high[k] + e) + 1;
+      if (begin < end) emit(b, first + k, begin, end, spans);
+    }
   }
 }
 

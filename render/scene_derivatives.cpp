@@ -222,6 +222,13 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
       const ScratchFrame& f = frames[s];
       const Quad q = in_scratch(f, corners);
       const Eigen::Vector3d h = in_scratch(f, p.h_face);
+      if (parameters.empty()) {
+        const FootprintValue value = footprint_integral(f.groove, q, h);
+        if (own_alpha) g = shadowing(p.cos_i, p.cos_o, f.groove.alpha);
+        sums.light.value += g.G * value.Dhat_mm2;
+        sums.area.value += value.area_mm2;
+        continue;
+      }
       const FootprintGradient d = footprint_integral_gradient(f.groove, q, h);
       if (d.value.area_mm2 == 0) continue;
       if (own_alpha) g = shadowing(p.cos_i, p.cos_o, f.groove.alpha);

@@ -328,6 +328,22 @@ void expect_fast_is_exact(const World& w, int channels, SimdWidth simd, const st
   EXPECT_LT(relative_rms(sent, sent_exact), 1e-5) << what << " contributions";
 }
 
+TEST(SceneDerivatives, MirrorDirectionAndCutOff) {
+  // Half vectors along the face's normal, where the plain face shines and the closed forms are most delicate, and at
+  // the grooves' steepest normal (29 degrees here), where the glint ends.
+  for (const auto& [lamp_mm, what] : {std::pair{Eigen::Vector3d(8, -6, 44), "mirror direction"},
+                                      std::pair{Eigen::Vector3d(10, -85, 20), "cut-off"}}) {
+    World w = small_world(120);
+    w.bench.lights[0].position_mm = lamp_mm;
+    w.bench.lights[0].axis = (Eigen::Vector3d(10, 10, 0) - lamp_mm).normalized();
+    w.scene = make_scene(w.bench, w.board, w.camera, w.bench.lights[0]);
+    const Eigen::Vector3d p(10, 10, 0);
+    const Eigen::Vector3d h = ((lamp_mm - p).normalized() + (w.scene.camera_center_mm - p).normalized()).normalized();
+    RecordProperty(what, std::to_string(std::acos(h.z()) * 180 / M_PI));
+    expect_derivatives(w, what);
+  }
+}
+
 TEST(FastView, AgreesWithDoubleForEveryWidthOfPackets) {
   const World w = small_world(400);
   for (const SimdWidth simd : {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512}) {
