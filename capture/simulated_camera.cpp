@@ -196,7 +196,7 @@ Image exposed(const BenchTruth& truth, const Image& radiance, const Photo& photo
   const double scale = truth.optics.gain * exposure_factor(photo);
   const double well_e = truth.sensor.full_well_e * 100 / photo.iso;
   const Eigen::Vector3d& vignette = truth.optics.vignette;
-  const double half_diagonal = std::hypot(w, h) / 2;
+  const double half_diagonal2 = (static_cast<double>(w) * w + static_cast<double>(h) * h) / 4;
   Image value(w, h, channels);
   tbb::parallel_for(0, h, [&](int y) {
     std::mt19937_64 random;
@@ -207,7 +207,7 @@ Image exposed(const BenchTruth& truth, const Image& radiance, const Photo& photo
       random.seed(seed);
     }
     for (int x = 0; x < w; ++x) {
-      const double r = std::hypot(x - (w - 1) / 2.0, y - (h - 1) / 2.0) / half_diagonal, r2 = r * r;
+      const double dx = x - (w - 1) / 2.0, dy = y - (h - 1) / 2.0, r2 = (dx * dx + dy * dy) / half_diagonal2;
       const double here = scale * (1 + r2 * (vignette[0] + r2 * (vignette[1] + r2 * vignette[2])));
       for (int c = 0; c < channels; ++c) {
         double v = channels == 3 ? radiance.at(x, y, c)
