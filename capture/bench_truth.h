@@ -93,27 +93,30 @@ struct BenchTruth {
   std::string name;
   std::uint64_t seed = 0;
   int samples = 1024, samples_plain = 64;
-  bool last_rules = false, h_at_center = false;
+  // The board and what the machine did to it.
   Board board;     ///< as it is
   Board believed;  ///< as board.json says
-  double quiet_mm = 0;
   Surface surface;
+  Eigen::Vector2d depth_gradient{0, 0};
+  Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();
+  double alpha_jitter = 0, depth_jitter = 0, wear = 0;
+  double quiet_mm = 0;
   std::filesystem::path scratches;  ///< empty: random
   RandomScratches random;
-  Eigen::Vector2d depth_gradient{0, 0};
-  double alpha_jitter = 0, depth_jitter = 0, wear = 0;
-  Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();
+  // The camera and its light.
   Lens lens;
   Sensor optics;  ///< gain, vignette, blur
   SensorTruth sensor;
   std::vector<Light> lights;
   std::vector<TruthView> views;
   Eigen::Vector3d ambient{0, 0, 0};
+  std::string make, model;
+  std::optional<double> focal_mm, focal_35mm;
+  // What else is there.
   Cloth cloth;
   Dust dust;
   std::vector<ShapeOnBoard> shapes;
-  std::string make, model;
-  std::optional<double> focal_mm, focal_35mm;
+  bool last_rules = false, h_at_center = false;
   bool writes_session = true;
 };
 
