@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "render/error.h"
 #include "render/json_file.h"
@@ -23,6 +24,20 @@ std::string lower_extension(const fs::path& file) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension;
+}
+
+/// OpenImageIO's messages may run over several lines; ours are one sentence.
+std::string one_line(std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return message;
+}
+
+/// libjpeg fills a file that was cut short with grey and only warns. The end marker stands behind the last scan: within
+/// a scan neither marker can occur.
+bool jpeg_is_whole(const fs::path& file) {
+  const std::string bytes = read_text(file);
+  const std::size_t end = bytes.rfind("\xFF\xD9"), scan = bytes.rfind("\xFF\xDA");
+  return end != std::string::npos && (scan == std::string::npos || end > scan);
 }
 
 /// One destination sample as a weighted run of source samples.
@@ -66,7 +81,7 @@ Image read_picture(const std::filesystem::path& file) {
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;
   const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &config);
-  if (!input) fail(file.string(), "is not a picture that can be read: " + OIIO::geterror(), remedy);
+  if (!input) fail(file.string(), "is not a picture that can be read: " + one_line(OIIO::geterror()), remedy);
   const OIIO::ImageSpec spec = input->spec();
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep ||
       spec.image_pixels() > 1'000'000'000ULL)
@@ -74,7 +89,9 @@ Image read_picture(const std::filesystem::path& file) {
 
   OIIO::ImageBuf buffer(OIIO::ImageSpec(spec.width, spec.height, spec.nchannels, OIIO::TypeDesc::FLOAT));
   if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, buffer.localpixels()))
-    fail(file.string(), "is broken: " + input->geterror(), remedy);
+    fail(file.string(), "is broken: " + one_line(input->geterror()), remedy);
+  if (std::string_view(input->format_name()) == "jpeg" && !jpeg_is_whole(file))
+    fail(file.string(), "is cut short", "copy it again from where it came from");
   const int orientation = spec.get_int_attribute("Orientation", 1);
   if (orientation != 1) {
     buffer.specmod().attribute("Orientation", orientation);
@@ -121,13 +138,15 @@ void write_picture(const Image& image, const std::filesystem::path& file, int pn
   }
   write_atomically(file, [&](const fs::path& temporary) {
     const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
-    if (!output) fail(file.string(), "cannot be written: " + OIIO::geterror(), "use .png, .jpg, .exr or .tif");
+    if (!output)
+      fail(file.string(), "cannot be written: " + one_line(OIIO::geterror()), "use .png, .jpg, .exr or .tif");
     OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
     if (type != OIIO::TypeDesc::FLOAT) spec.attribute("oiio:ColorSpace", "sRGB");
     if (extension == ".jpg" || extension == ".jpeg") spec.attribute("Compression", "jpeg:95");
     if (!output->open(temporary.string(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, pixels) ||
         !output->close())
-      fail(file.string(), "cannot be written: " + output->geterror(), "check the folder and the disk's free space");
+      fail(file.string(), "cannot be written: " + one_line(output->geterror()),
+           "check the folder and the disk's free space");
   });
 }
 

@@ -8,10 +8,10 @@ extern "C" {  // mrcal.h has no guard for C++ of its own
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <memory>
 
 #include "render/error.h"
 #include "render/json_file.h"
+#include "render/python_literal.h"
 
 namespace burin {
 namespace {
@@ -131,26 +131,20 @@ int lens_parameter_count(const std::string& model) {
 
 Lens read_cameramodel(const std::filesystem::path& file) {
   const std::string text = read_text(file);
-  const auto free_model = [](mrcal_cameramodel_t* model) { mrcal_free_cameramodel(&model); };
-  const std::unique_ptr<mrcal_cameramodel_t, decltype(free_model)> model(
-      text.empty() ? nullptr : mrcal_read_cameramodel_string(text.data(), static_cast<int>(text.size())), free_model);
-  if (!model)
-    fail(file.string(), "is not a camera model that mrcal can read",
-         "it needs 'lensmodel', 'intrinsics' with as many numbers as the model has, 'extrinsics' (6 numbers) and "
-         "'imagersize'");
+  const Json content = PythonLiteral(text, file.string()).value();
+  JsonObject json(content, file.string());
   Lens lens;
-  std::array<char, 1024> name;
-  if (!mrcal_lensmodel_name(name.data(), static_cast<int>(name.size()), &model->lensmodel))
-    fail(file.string(), "mrcal cannot name its lens model", "use one of " + known_models());
-  lens.model = name.data();
-  const mrcal_lensmodel_t checked = lens_model(lens.model, file.string());
-  const int count = mrcal_lensmodel_num_params(&checked);
-  lens.intrinsics.assign(model->intrinsics, model->intrinsics + count);
-  lens.width = static_cast<int>(model->imagersize[0]);
-  lens.height = static_cast<int>(model->imagersize[1]);
+  lens.model = json.text("lensmodel");
+  lens.intrinsics = json.numbers("intrinsics", -1);
+  const std::vector<double> size = json.numbers("imagersize", 2);
+  for (const double pixels : size)
+    if (!(pixels >= 1 && pixels <= 1e6 && pixels == std::floor(pixels)))
+      json.fail_field("imagersize", "is " + json.raw("imagersize").dump(), "write width and height in whole pixels");
+  lens.width = static_cast<int>(size[0]);
+  lens.height = static_cast<int>(size[1]);
   checked_model(lens, file.string());
-  if (lens.width <= 0 || lens.height <= 0 || !(lens.intrinsics[0] > 0) || !(lens.intrinsics[1] > 0))
-    fail(file.string(), "image size and focal lengths must be greater than 0", "correct 'imagersize' and 'intrinsics'");
+  if (!(lens.intrinsics[0] > 0) || !(lens.intrinsics[1] > 0))
+    json.fail_field("intrinsics", "has a focal length that is not greater than 0", "correct its first two numbers");
   return lens;
 }
 

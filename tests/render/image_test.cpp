@@ -94,6 +94,10 @@ TEST(Picture, WhatIsNoPictureIsNamed) {
   const std::string whole = file_text(folder / "whole.png");
   EXPECT_THAT([&] { read_picture(folder.write("cut.png", whole.substr(0, whole.size() / 2))); },
               ThrowsMessage<Error>(AllOf(HasSubstr("cut.png"), HasSubstr("broken"))));
+  write_picture(waves(200, 200, 3), folder / "whole.jpg");
+  const std::string jpeg = file_text(folder / "whole.jpg");
+  EXPECT_THAT([&] { read_picture(folder.write("cut.jpg", jpeg.substr(0, jpeg.size() * 3 / 4))); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("cut.jpg"), HasSubstr("cut short"))));
   EXPECT_THAT([&] { write_picture(waves(4, 4, 1), folder / "a.gif"); }, ThrowsMessage<Error>(HasSubstr(".gif")));
   EXPECT_THROW(write_picture(Image(), folder / "b.png"), Error);
   EXPECT_THROW(write_picture(waves(4, 4, 1), folder / "no/folder/b.png"), Error);

@@ -170,6 +170,7 @@ TEST(CameraModel, BrokenFilesAreNamed) {
        {std::string(), std::string("\x89PNG\r\n"), head, head + "'intrinsics': [1, 2, 3], 'imagersize': [10, 10]}",
         head + "'intrinsics': [1, 2, 3, nan], 'imagersize': [10, 10]}", head + "'intrinsics': [1, 2, 3, 4]}",
         head + "'intrinsics': [1, 2, 3, 4], 'imagersize': [0, 10]}",
+        head + "'intrinsics': [1, 2, 3, 4], 'imagersize': [10.5, 10]}", head + "'intrinsics': [1, 2, 3, 4], 'imagers",
         head + "'intrinsics': [-1, 2, 3, 4], 'imagersize': [10, 10]}"}) {
     const auto file = folder.write("x.cameramodel", text);
     EXPECT_THAT([&] { read_cameramodel(file); }, ThrowsMessage<Error>(HasSubstr("x.cameramodel"))) << text;
