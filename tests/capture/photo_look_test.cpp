@@ -24,6 +24,7 @@ PhotoLook look_of(int width, int height, double dx, double dy) {
     }
   look.clipped.assign(look.small.data.size(), 0);
   look.noise_floor = 1e-4;
+  look.bright = 0.5;
   return look;
 }
 
