@@ -87,7 +87,7 @@ std::vector<int> lattice(int count) {
 
 /// Where the ray from `origin` along `direction` meets the face from its front; NaN if it does not.
 Eigen::Vector2d meet_face(const Surface& surface, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
-  const Eigen::Vector2d missed(kNaN, kNaN);
+  Eigen::Vector2d missed(kNaN, kNaN);
   if (!(direction.z() < 0)) return missed;
   double lambda = -origin.z() / direction.z();
   const bool bowed = surface.bow_mm != Eigen::Vector3d::Zero();
@@ -105,7 +105,7 @@ Eigen::Vector2d meet_face(const Surface& surface, const Eigen::Vector3d& origin,
     if (!std::isfinite(lambda)) return missed;
   }
   if (!(lambda > 0)) return missed;
-  const Eigen::Vector2d p = (origin + lambda * direction).head<2>();
+  Eigen::Vector2d p = (origin + lambda * direction).head<2>();
   if (!(p.x() >= 0 && p.y() >= 0 && p.x() <= surface.size_mm.x() && p.y() <= surface.size_mm.y())) return missed;
   return p;
 }
