@@ -191,6 +191,7 @@ struct Solver {
     for (std::size_t i = 0; i < residuals.size(); ++i)
       if (bundle.corners[i].used) sizes[bundle.corners[i].view].push_back(residuals[i].norm());
     std::vector<double> rms;
+    rms.reserve(sizes.size());
     for (auto& s : sizes) rms.push_back(median(s) / 1.177);  // median of a Rayleigh distribution, per axis
     return rms;
   }

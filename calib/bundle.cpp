@@ -440,6 +440,7 @@ BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
     std::vector<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J;
     std::vector<double*> raw;
     for (const int size : cost->parameter_block_sizes()) J.emplace_back(m, size);
+    raw.reserve(J.size());
     for (auto& j : J) raw.push_back(j.data());
     Eigen::VectorXd r(m);
     if (!cost->Evaluate(blocks.data(), r.data(), raw.data())) continue;
@@ -648,7 +649,8 @@ double seed_focal_px(const Bundle& b) {
   const auto points = points_by_view(b);
   const double size = std::max(b.lens.width, b.lens.height);
   std::vector<double> candidates;
-  for (double f = 0.3; f < 12; f *= 1.25) candidates.push_back(f * size);
+  for (int i = 0; i < 17; ++i)
+    candidates.push_back(0.3 * std::pow(1.25, i) * size);  // up to 10 times the picture's width
   std::vector<std::vector<cv::Point3f>> object;
   std::vector<std::vector<cv::Point2f>> pixel;
   for (const auto& v : points) {

@@ -46,7 +46,8 @@ std::string list_of(const std::set<int>& ids) {
   for (std::size_t i = 0; i < merged.size(); i += step) {
     const std::string instead = explain_missing_tags(merged[i].value, merged[i].valid, family);
     if (!instead.empty())
-      fail(files[i].string(), "no tag of family " + family + " was found in any photo; " + instead,
+      fail(files[i].string(),
+           std::string("no tag of family ").append(family).append(" was found in any photo; ").append(instead),
            "set tags.family in board.json to the family on the board, and give the photos as the camera wrote them");
   }
   fail(files.front().string(), "no tags were found in any of the " + std::to_string(merged.size()) + " views",
@@ -98,6 +99,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   const std::vector<Bracket> brackets = brackets_of(session);
   const std::vector<MergedView> merged = merge_session(session);
   std::vector<std::filesystem::path> files;
+  files.reserve(brackets.size());
   for (const Bracket& b : brackets) files.push_back(session.photos[b.photos.front()].file);
   const int width = merged.front().value.width, height = merged.front().value.height;
   if (options.lens && (options.lens->width != width || options.lens->height != height))
