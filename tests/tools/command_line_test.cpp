@@ -42,7 +42,7 @@ TEST(CommandLine, VersionAndHelpAreDone) {
   EXPECT_THAT(run_burin(folder, {"--version"}).out, HasSubstr("burin "));
   const Outcome help = run_burin(folder, {"--help"});
   EXPECT_EQ(help.exit_code, 0);
-  EXPECT_THAT(help.out, HasSubstr("report"));
+  EXPECT_THAT(help.out, HasSubstr("calibrate"));
 }
 
 TEST(CommandLine, AnUnknownCommandIsNamed) {

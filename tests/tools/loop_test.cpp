@@ -1,0 +1,111 @@
+// The whole loop on a tiny copy of the sample: it stops for a person where there is no workshop, goes on where it
+// stopped, ends with a second design, and measures the bench from the photos alone (truth.json is taken away before).
+// How right each step is, is proved in its own room; here the oracle is the truth that the simulated camera used.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+Json read(const fs::path& file) { return Json::parse(file_text(file)); }
+
+// Two pictures, 600 scratches, photos of 600 x 467 pixels.
+void make_tiny_project(const TemporaryFolder& folder) {
+  const fs::path project = folder / "project";
+  fs::copy(fs::path(BURIN_SOURCE_DIR) / "samples" / "small-bench", project, fs::copy_options::recursive);
+  Json design = read(project / "design.json");
+  design["scratches"] = 600;
+  design["views"].erase(2);
+  Json truth = read(project / "truth.json");
+  constexpr double kScale = 2.0 / 3;
+  truth["camera"]["imagersize"] = {600, 467};
+  for (int i = 0; i < 4; ++i)
+    truth["camera"]["intrinsics"][i] = truth["camera"]["intrinsics"][i].get<double>() * kScale;
+  truth["samples"] = 16;
+  truth["samples_plain"] = 9;
+  Json views = Json::array();
+  for (const Json& view : truth["views"])
+    for (const char* kept : {"d0", "d1", "c0", "c2", "c3", "c5"})
+      if (view["view"] == kept) views.push_back(view);
+  truth["views"] = views;
+  std::ofstream(project / "design.json") << design;
+  std::ofstream(folder / "truth.json") << truth;  // beside the project: the workshop is not there yet
+}
+
+TEST(Loop, StopsForAPersonGoesOnAndMeasuresFromThePhotosAlone) {
+  const TemporaryFolder folder;
+  make_tiny_project(folder);
+  const fs::path project = folder / "project", round = project / "round-01";
+
+  // No workshop, no photos: it designs, writes what to carve, and says what to do.
+  const Outcome first = run_burin(folder, {"loop", "project"});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_THAT(first.out, HasSubstr("Put the photos into"));
+  EXPECT_TRUE(fs::exists(round / "board.gcode"));
+  EXPECT_FALSE(fs::exists(round / "session.json"));
+
+  // The same again: nothing to do until there are photos.
+  const std::string scratches = file_text(round / "scratches.csv");
+  const Outcome again = run_burin(folder, {"loop", "project"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_THAT(again.out, Not(HasSubstr("burin design")));
+  EXPECT_EQ(file_text(round / "scratches.csv"), scratches);
+
+  // The workshop carves what the machine was sent, and the loop goes on from there.
+  fs::copy_file(folder / "truth.json", project / "truth.json");
+  const Outcome turned = run_burin(folder, {"loop", "project"});
+  ASSERT_EQ(turned.exit_code, 0) << turned.out << turned.err;
+  EXPECT_THAT(turned.out, HasSubstr("Going on with: round-01: carve and photograph"));
+  EXPECT_THAT(turned.out, HasSubstr("The loop has turned 1 time"));
+  EXPECT_TRUE(fs::exists(project / "round-02" / "board.gcode"));
+  const std::string page = file_text(project / "report.html");
+  EXPECT_THAT(page, HasSubstr("Round 1, photographed"));
+  EXPECT_THAT(page, Not(HasSubstr("src=\"http")));
+  EXPECT_THAT(page, Not(HasSubstr("href=")));
+
+  // Stopped in the middle of refining, and without the truth: the same photos give the same bench, to the bit.
+  const std::string bench = file_text(round / "bench.json");
+  fs::remove(project / "truth.json");
+  fs::remove(round / "bench.json");
+  fs::create_directory(round / "refinement.part");
+  std::ofstream(round / "refinement.part" / "bench.json") << "{ half of a";
+  const Outcome resumed = run_burin(folder, {"loop", "project"});
+  ASSERT_EQ(resumed.exit_code, 0) << resumed.out << resumed.err;
+  EXPECT_THAT(resumed.out, HasSubstr("Going on with: round-01: refine"));
+  EXPECT_EQ(file_text(round / "bench.json"), bench);
+  EXPECT_FALSE(fs::exists(round / "refinement.part"));
+
+  // It is the true bench that was found, not the believed one (alpha 0.04, depth 11 um, lamp 13 mm away).
+  const Json measured = Json::parse(bench), truth = read(folder / "truth.json");
+  const Json &found = measured["material"], &real = truth["material"];
+  EXPECT_NEAR(found["alpha"].get<double>(), real["alpha"].get<double>(), 0.06 * real["alpha"].get<double>());
+  EXPECT_NEAR(found["depth_um"].get<double>(), real["depth_um"].get<double>(), 0.10 * real["depth_um"].get<double>());
+  double squares = 0;
+  for (int i = 0; i < 3; ++i)
+    squares += std::pow(
+        measured["lights"][0]["position_mm"][i].get<double>() - truth["lights"][0]["position_mm"][i].get<double>(), 2);
+  EXPECT_LT(std::sqrt(squares), 5) << "mm, for a lamp half a metre away";
+}
+
+TEST(Loop, ProjectWithoutAFileIsRefusedBeforeAnyWork) {
+  const TemporaryFolder folder;
+  make_tiny_project(folder);
+  fs::remove(folder / "project" / "bench.json");
+  const Outcome run = run_burin(folder, {"loop", "project"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("project/bench.json"));
+  EXPECT_FALSE(fs::exists(folder / "project" / "round-01"));
+}
+
+}  // namespace
+}  // namespace burin
