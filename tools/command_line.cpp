@@ -23,36 +23,16 @@ std::unique_ptr<CLI::App> make_app() {
   burin->set_version_flag("--version", "burin " BURIN_VERSION);
   burin->footer("`burin COMMAND --help` shows a command's options and an example.");
   burin->require_subcommand(1);
-#ifdef BURIN_COMMAND_simulate
   add_simulate_command(*burin);
-#endif
-#ifdef BURIN_COMMAND_capture
   add_capture_command(*burin);
-#endif
-#ifdef BURIN_COMMAND_calibrate
   add_calibrate_command(*burin);
-#endif
-#ifdef BURIN_COMMAND_refine
   add_refine_command(*burin);
-#endif
-#ifdef BURIN_COMMAND_design
   add_design_command(*burin);
-#endif
-#ifdef BURIN_COMMAND_render
   add_render_command(*burin);
-#endif
-#ifdef BURIN_COMMAND_toolpath
   add_toolpath_command(*burin);
-#endif
-#ifdef BURIN_COMMAND_report
   add_report_command(*burin);
-#endif
-#ifdef BURIN_COMMAND_loop
   add_loop_command(*burin);
-#endif
-#ifdef BURIN_COMMAND_check
   add_check_command(*burin);
-#endif
   return burin;
 }
 
