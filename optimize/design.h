@@ -49,7 +49,7 @@ struct DesignOptions {
   Start start = Start::guided;
   double start_length_mm = 0;     ///< mean length at the start; 0: chosen from the number of scratches
   double start_brightness = 0.6;  ///< guided start: mean part of its lobe that a scratch shows
-  int relocate_every = 10;         ///< iterations between relocations of useless scratches; 0: never
+  int relocate_every = 10;        ///< iterations between relocations of useless scratches; 0: never
   double relocate_until = 0.5;    ///< part of the iterations (or of the time limit) after which none are moved
   double relocate_share = 0.05;   ///< of the scratches, at most, each time
   double min_length = 1e-3;       ///< shortest scratch, as a fraction of the board's longer edge

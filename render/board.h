@@ -29,9 +29,9 @@ struct TagSet {
 
 /// What a groove and the plain face reflect. Shared by all scratches that do not carry their own depth or alpha.
 struct Material {
-  double alpha = 0.04;       ///< GGX roughness of the grooves' walls
-  double depth_um = 10;      ///< d in the paper's Eqn. 2
-  double base_alpha = 0.15;  ///< GGX roughness of the plain face
+  double alpha = 0.04;                   ///< GGX roughness of the grooves' walls
+  double depth_um = 10;                  ///< d in the paper's Eqn. 2
+  double base_alpha = 0.15;              ///< GGX roughness of the plain face
   Eigen::Vector3d f0{0.91, 0.92, 0.92};  ///< Fresnel reflectance at normal incidence, R G B
 };
 

@@ -10,7 +10,8 @@ namespace burin {
 inline constexpr double kPi = 3.14159265358979323846;
 
 /// GGX normal distribution D for the cosine between half vector and (groove) normal; 0 where that is not positive.
-/// Paper, Eqn. 6-7: alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2). The supplement's Eqn. 6 prints h_x where h_z is meant.
+/// Paper, Eqn. 6-7: alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2). The supplement's Eqn. 6 prints h_x where h_z is
+/// meant.
 template <typename T>
 T ggx_D(const T& cos_nh, const T& alpha) {
   if (!(cos_nh > T(0))) return T(0);

@@ -45,7 +45,8 @@ struct FootprintGradient {
 };
 
 /// In double: the oracle.
-FootprintValue footprint_integral(const GrooveSegment& groove, const Quad& corners_mm, const Eigen::Vector3d& h_scratch);
+FootprintValue footprint_integral(const GrooveSegment& groove, const Quad& corners_mm,
+                                  const Eigen::Vector3d& h_scratch);
 FootprintGradient footprint_integral_gradient(const GrooveSegment& groove, const Quad& corners_mm,
                                               const Eigen::Vector3d& h_scratch);
 

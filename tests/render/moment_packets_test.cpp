@@ -92,7 +92,8 @@ TEST(MomentPackets, EveryWidthAgreesWithDouble) {
       for (auto& v : t.r) std::fill(v.begin(), v.end(), std::numeric_limits<float>::quiet_NaN());
       moments_with_derivatives(t.intervals(), t.results(), width);
       const auto worst = worst_errors(t);
-      for (int k = 0; k < 6; ++k) EXPECT_LT(worst[k], extreme ? 2e-5 : k < 2 ? 2e-6 : 1e-5) << name(width) << " result " << k;
+      for (int k = 0; k < 6; ++k)
+        EXPECT_LT(worst[k], extreme ? 2e-5 : k < 2 ? 2e-6 : 1e-5) << name(width) << " result " << k;
       const std::vector<float> m0 = t.r[0], m1 = t.r[1];
       moments(t.intervals(), t.results(), width);
       double m0_difference = 0;
