@@ -195,7 +195,7 @@ StrokeRules stroke_rules(const Limits& limits, double mean_length_mm, double alp
   rules.max_mm = limits.max_mm;
   const double most = 0.9 * (limits.max_mm - limits.min_mm).minCoeff();
   rules.longest_mm = std::min(limits.longest_mm > 0 ? limits.longest_mm : most, 2 * mean_length_mm);
-  rules.shortest_mm = std::min(std::max(limits.shortest_mm, 0.3 * mean_length_mm), rules.longest_mm);
+  rules.shortest_mm = std::min(std::max(limits.shortest_mm, 0.1 * mean_length_mm), rules.longest_mm);
   rules.alpha = alpha;
   return rules;
 }
@@ -321,11 +321,12 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   const Limits limits{board.carve_min_mm, board.carve_max_mm, options.min_length * board.size_mm.maxCoeff(),
                       options.max_length_mm};
   const Eigen::Vector2d area = limits.max_mm - limits.min_mm;
-  // Guided: the scratches of a view, laid end to end, cover its pixels once.
+  // Guided: the scratches of a view, laid end to end, cover its pixels 2.5 times. Crossings average out the hatching:
+  // on five views, 256 x 256 pixels and 20,000 scratches, 0.6 to 3.7 dB more than covering once; five times is worse.
   const double pixel_mm = pitch_mm(views.front(), limits);
-  const double covering =
-      std::clamp(area.x() * area.y() * static_cast<double>(views.size()) / (static_cast<double>(count) * pixel_mm),
-                 3 * pixel_mm, 0.2 * area.minCoeff());
+  const double covering = std::clamp(
+      2.5 * area.x() * area.y() * static_cast<double>(views.size()) / (static_cast<double>(count) * pixel_mm),
+      3 * pixel_mm, 0.2 * area.minCoeff());
   const double mean_length = options.start_length_mm > 0      ? options.start_length_mm
                              : options.start == Start::guided ? covering
                                                               : 0.03 * area.maxCoeff();

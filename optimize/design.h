@@ -54,7 +54,7 @@ struct DesignOptions {
   double relocate_share = 0.05;   ///< of the scratches, at most, each time
   double min_length = 1e-3;       ///< shortest scratch, as a fraction of the board's longer edge
   double max_length_mm = 0;       ///< longest scratch; 0: any
-  ExposureOf exposure_of = ExposureOf::light;
+  ExposureOf exposure_of = ExposureOf::view;
   double start_exposure = 0.2;  ///< random start: times the exposure that matches the pictures' means
   double exposure_rate = 0.02;  ///< Adam's, in log(exposure) an iteration; 0 holds it
   bool optimise_width = false, optimise_depth = false, optimise_alpha = false;  ///< one number for all scratches

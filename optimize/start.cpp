@@ -208,6 +208,8 @@ std::vector<Stroke> place_strokes(std::vector<StrokeView>& views, const StrokeRu
       const PathSums straight = sums_along(views[v], path);
       if (!(straight.linear > 0)) continue;
       const double wanted = std::clamp(straight.linear / straight.square, rules.dimmest, 1.0);
+      // Other views rarely add to what it is meant for: one that is behind already need not be measured there.
+      if (straight.gain(wanted) <= best.stroke.gain) continue;
       // Turned, it crosses other pixels: measure again there, in all views.
       if (wanted < 0.98) {
         if (!segment(lean.scratch_direction() + side * turn_for(lean.angle, wanted, rules.alpha), a, b)) continue;

@@ -74,7 +74,7 @@ class LivePreview {
 struct Options {
   std::filesystem::path spec, out, bench, board, from;
   int scratches = 0;
-  std::string start = "guided", exposure = "light", time, free_parameters;
+  std::string start = "guided", exposure = "view", time;
   DesignOptions design;
   bool live = false;
 };
@@ -161,7 +161,7 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--perceptual", o->design.loss.perceptual, "Weight of the perceptual loss")->capture_default_str();
   c->add_option("--l2", o->design.loss.l2, "Weight of the plain squared difference")->capture_default_str();
   c->add_option("--gram", o->design.loss.gram, "Weight of the Gram term")->capture_default_str();
-  c->add_option("--exposure-of", o->exposure, "One exposure a light, or a view")
+  c->add_option("--exposure-of", o->exposure, "What has a brightness of its own: each view (eyes adapt), or each light")
       ->check(CLI::IsMember({"light", "view"}))
       ->capture_default_str();
   c->add_flag("--free-width", o->design.optimise_width, "Optimise the cutter's width too (one for all)");
