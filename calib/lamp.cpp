@@ -3,6 +3,7 @@
 #include <ceres/ceres.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <sstream>
@@ -34,6 +35,12 @@ LampModel<T> lamp_of(const T* position, const T* log_intensity, const T* spot) {
   return lamp;
 }
 
+bool is_finite(double v) { return std::isfinite(v); }
+template <int N>
+bool is_finite(const ceres::Jet<double, N>& v) {
+  return std::isfinite(v.a) && v.v.allFinite();
+}
+
 // log(model / photo) over its expected error: brightness runs over three decades between highlight and shade.
 struct LogResidual {
   const LightSample* sample;
@@ -47,10 +54,9 @@ struct LogResidual {
     const T radiance = sample->kind == SampleKind::face ? face_radiance(lamp, shared[1], T(exp(shared[0])), f0, *sample)
                                                         : paper_radiance(lamp, shared[1], albedo, *sample);
     const T value = vignette_at(shared + 2, sample->radius2) * radiance;
-    using std::isfinite;
-    if (!(value > T(0)) || !isfinite(value)) return false;  // a step too far: Ceres takes a shorter one
+    if (!(value > T(0))) return false;  // a step too far: Ceres takes a shorter one
     residual[0] = weight * log(value / sample->value);
-    return true;
+    return is_finite(residual[0]);
   }
 };
 
@@ -59,9 +65,9 @@ struct SharedPrior {
 
   template <typename T>
   bool operator()(const T* shared, T* residual) const {
-    constexpr double kSigmaBaseAlpha = 1.0, kSigmaVignette = 0.5;  // wide: they matter only where photos say nothing
+    constexpr double kSigmaBaseAlpha = 1.0;  // wide: it matters only where photos say nothing
     residual[0] = (shared[0] - log_base_alpha) / kSigmaBaseAlpha;
-    for (int i = 0; i < 3; ++i) residual[1 + i] = shared[2 + i] / kSigmaVignette;
+    for (int i = 0; i < 3; ++i) residual[1 + i] = shared[2 + i] / kVignettePriorSigma[i];
     return true;
   }
 };

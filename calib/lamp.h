@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -79,6 +80,9 @@ template <typename T>
 T vignette_at(const T* vignette, double radius2) {
   return 1. + radius2 * (vignette[0] + radius2 * (vignette[1] + radius2 * vignette[2]));
 }
+
+/// Prior of v1, v2, v3: lenses darken mostly as r^2, and photos hardly tell the higher orders from one another.
+inline constexpr std::array<double, 3> kVignettePriorSigma{0.5, 0.25, 0.1};
 
 struct LampOptions {
   double model_error = 0.02;  ///< relative error that a sample may have beyond its noise (uneven paper, haze, blur)

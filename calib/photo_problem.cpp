@@ -86,17 +86,17 @@ class PhotoCost : public ceres::CostFunction {
 using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 3, 1>;
 
 struct GaussPrior {
-  double weight;
-  int count;
+  std::vector<double> sigma;
   template <typename T>
   bool operator()(T const* const* x, T* residual) const {
-    for (int i = 0; i < count; ++i) residual[i] = weight * x[0][i];
+    for (std::size_t i = 0; i < sigma.size(); ++i) residual[i] = x[0][i] / sigma[i];
     return true;
   }
 };
 
-void add_prior(ceres::Problem& problem, double* block, int size, double sigma) {
-  auto* cost = new ceres::DynamicAutoDiffCostFunction<GaussPrior, 4>(new GaussPrior{1 / sigma, size});
+void add_prior(ceres::Problem& problem, double* block, const std::vector<double>& sigma) {
+  const int size = static_cast<int>(sigma.size());
+  auto* cost = new ceres::DynamicAutoDiffCostFunction<GaussPrior, 4>(new GaussPrior{sigma});
   cost->AddParameterBlock(size);
   cost->SetNumResiduals(size);
   problem.AddResidualBlock(cost, nullptr, block);
@@ -162,8 +162,8 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
                              state.block(unknown::log_intensity, sample.light),
                              state.block(unknown::spot, sample.light), state.log_paper);
   }
-  add_prior(problem, state.block(unknown::vignette, 0), 3, kVignettePriorSigma);
-  add_prior(problem, state.log_paper, 1, kPaperFactorSigma);
+  add_prior(problem, state.block(unknown::vignette, 0), {kVignettePriorSigma.begin(), kVignettePriorSigma.end()});
+  add_prior(problem, state.log_paper, {kPaperFactorSigma});
 
   for (const Block& block : kBlocks) {
     if (block.first == unknown::pose) continue;

@@ -80,10 +80,9 @@ struct PaperResidual {
   }
 };
 
-constexpr double kPaperError = 0.005;        // relative: unevenness of paper beyond noise
-constexpr double kPaperFactorSigma = 0.02;   // how well albedos in board.json are known, as a common factor
-constexpr double kVignettePriorSigma = 0.5;  // wide: matters only where nothing tells
-constexpr double kPaperLoss = 3;             // Cauchy scale, in expected errors
+inline constexpr double kPaperError = 0.005;       // relative: unevenness of paper beyond noise
+inline constexpr double kPaperFactorSigma = 0.02;  // how well albedos in board.json are known, as a common factor
+inline constexpr double kPaperLoss = 3;            // Cauchy scale, in expected errors
 
 /// The photos at one resolution, with their weights.
 struct Problem {

@@ -3,9 +3,11 @@
 #include <ceres/autodiff_cost_function.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace burin {
 namespace {
@@ -100,7 +102,7 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state
   Eigen::VectorXd prior = Eigen::VectorXd::Zero(n);
   prior[kSharedUnknowns] = 1 / (kPaperFactorSigma * kPaperFactorSigma);
   for (int i = 0; i < 3; ++i)
-    if (free[unknown::vignette + i]) prior[unknown::vignette + i] = 1 / (kVignettePriorSigma * kVignettePriorSigma);
+    if (free[unknown::vignette + i]) prior[unknown::vignette + i] = 1 / std::pow(kVignettePriorSigma[i], 2);
   H.diagonal() += prior;
 
   const Eigen::MatrixXd inverse = safe_inverse(H, free);
@@ -113,7 +115,41 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state
   meat.diagonal() += prior;  // the priors' own scatter
   out.covariances.push_back(inverse * meat * inverse);
 
+  // Errors of the model itself are alike in neighbouring places and in photos with like half vectors, so clusters that
+  // small would take them for many independent ones. Few large clusters do not: the board's quadrants, and the photos
+  // in groups along the lean of their half vectors.
+  const auto add_clusters = [&](const std::vector<Eigen::VectorXd>& scores) {
+    const auto clusters = static_cast<double>(scores.size());
+    if (scores.size() < 2) return;
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
+    for (const Eigen::VectorXd& score : scores) sum += score * score.transpose();
+    out.covariances.push_back(inverse * (clusters / (clusters - 1) * sum) * inverse);
+  };
+  std::vector<Eigen::VectorXd> quadrants(4, Eigen::VectorXd::Zero(n));
+  const auto tile_columns = static_cast<Eigen::Index>(std::ceil(data.model.board->size_mm.x() / kTileMm));
+  const Eigen::Index tile_rows = tiles.cols() / tile_columns;
+  for (Eigen::Index tile = 0; tile < tiles.cols(); ++tile) {
+    const bool right = 2 * (tile % tile_columns) >= tile_columns, upper = 2 * (tile / tile_columns) >= tile_rows;
+    quadrants[(right ? 1 : 0) + (upper ? 2 : 0)] += tiles.col(tile);
+  }
+  add_clusters(quadrants);
+
   const std::size_t count = H_photo.size();
+  std::vector<std::pair<double, std::size_t>> by_lean;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Unknowns x = state.of(data.photos[k].photo.light);
+    const Eigen::Vector3d center(data.model.center_mm.x(), data.model.center_mm.y(), 0);
+    const Eigen::Vector3d lamp = x.segment<3>(unknown::lamp_position);
+    const Eigen::Vector3d h =
+        ((lamp - center).normalized() + (data.photos[k].scene.camera_center_mm - center).normalized()).normalized();
+    by_lean.emplace_back(h.z(), k);
+  }
+  std::sort(by_lean.begin(), by_lean.end());
+  const std::size_t groups = std::min<std::size_t>(4, count / 2);
+  std::vector<Eigen::VectorXd> grouped(groups, Eigen::VectorXd::Zero(n));
+  for (std::size_t k = 0; k < count && groups > 0; ++k) grouped[k * groups / count] += g_photo[by_lean[k].second];
+  add_clusters(grouped);
+
   if (count >= 3) {
     std::vector<Eigen::VectorXd> shifts;
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);

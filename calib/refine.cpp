@@ -153,12 +153,13 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
     }
   }
 
-  if (finest < middle) data.photos = photos_at(views, finest, board, out.bench, blur());
-  stage.blur = true;
+  if (finest < middle) {
+    data.photos = photos_at(views, finest, board, out.bench, blur());
+    weigh_photos(data, state);
+    solve(data, stage, options.max_iterations, 1e-5, state, progress, "fitting photos");
+  }
   weigh_photos(data, state);
-  solve(data, stage, options.max_iterations, 1e-5, state, progress, "fitting photos");
-  weigh_photos(data, state);
-  solve(data, stage, options.max_iterations, 1e-6, state, progress, "fitting photos with their own errors");
+  solve(data, stage, options.max_iterations, 3e-6, state, progress, "fitting photos with their own errors");
   if (progress) progress("judging the result", 0);
   const Uncertainty uncertainty = uncertainty_of(data, stage, state, state.lamps.size());
 

@@ -9,10 +9,11 @@
 // (render_with_derivatives) fill the Jacobian; each photo's is compressed to its normal equations, so memory does not
 // grow with the pixels. Coarse (binned) photos first: there the machine may be off by more than a groove's width.
 //
-// Sigmas are not those of white noise. Three estimates are made, and the largest is reported: the inverse of the normal
-// equations times the residuals' scatter; a sandwich whose scores are summed over 20 mm squares of the board (errors
-// that a place has in all photos: dust, a groove's own depth); the delete-one-photo jackknife (errors that a photo has
-// as a whole: its pose, its exposure).
+// Sigmas are not those of white noise. Several estimates are made, and the largest is reported: the inverse of the
+// normal equations times the residuals' scatter; sandwiches whose scores are summed over 20 mm squares of the board
+// (errors that a place has in all photos: dust, a groove's own depth), over its quadrants, and over groups of photos
+// with like half vectors (errors of the model itself); the delete-one-photo jackknife (errors that a photo has as a
+// whole: its pose).
 #pragma once
 
 #include <span>

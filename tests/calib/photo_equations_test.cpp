@@ -1,0 +1,144 @@
+// What is proved: the gradient that the fit descends along (Jtr) is the derivative of its cost by every unknown, by
+// central differences: the renderer's derivatives, their chain through the machine's parametrisation, a spot's
+// fall-off, the blur, vignetting and the robust loss together. Not proved: that the model is right (the rigs prove
+// that, refine_test.cpp).
+#include "calib/photo_equations.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace burin {
+namespace {
+
+struct Scene {
+  Board board;
+  Bench bench;
+  Scratches designed;
+  ModelData model;
+  PhotoData photo;
+  Unknowns truth, start;
+};
+
+void fill(Scene& s, bool spot) {
+  s.board.size_mm << 60, 40;
+  s.board.carve_min_mm << 5, 5;
+  s.board.carve_max_mm << 55, 35;
+  s.board.tool_width_um = 600;
+  s.bench.lens.model = "LENSMODEL_PINHOLE";
+  s.bench.lens.intrinsics = {420, 425, 80, 60};
+  s.bench.lens.width = 160;
+  s.bench.lens.height = 120;
+  View view;
+  view.name = "v";
+  // Looks down at the board's middle, tilted by 0.4 rad about the board's x.
+  const Eigen::Matrix3d R =
+      (Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
+  view.T_camera_board.linear() = R;
+  view.T_camera_board.translation() = Eigen::Vector3d(0, 0, 200) - R * Eigen::Vector3d(30, 20, 0);
+  s.bench.views = {view};
+  s.bench.bow_mm << 0.05, 0.01, -0.03;
+  s.bench.lights.resize(1);
+
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> x(8, 52), y(8, 32), turn(0, M_PI);
+  for (int i = 0; i < 80; ++i) {
+    const double cx = x(random), cy = y(random), a = turn(random);
+    s.designed.x0_mm.push_back(cx - 3 * std::cos(a));
+    s.designed.y0_mm.push_back(cy - 3 * std::sin(a));
+    s.designed.x1_mm.push_back(cx + 3 * std::cos(a));
+    s.designed.y1_mm.push_back(cy + 3 * std::sin(a));
+  }
+  s.model.board = &s.board;
+  s.model.designed = &s.designed;
+  s.model.center_mm << 30, 20;
+  s.model.f0 = s.board.material.f0.mean();
+
+  Unknowns& t = s.truth;
+  t.setZero();
+  t[unknown::log_alpha] = std::log(0.12);
+  t[unknown::log_depth] = std::log(25);
+  t[unknown::log_base_alpha] = std::log(0.3);
+  t.segment<6>(unknown::machine) << 1.002, -0.001, 0.0015, 0.998, 0.05, -0.04;
+  t[unknown::ambient] = 0.2;
+  t.segment<3>(unknown::vignette) << -0.2, -0.05, 0.02;
+  t[unknown::log_blur] = std::log(0.8);
+  t.segment<3>(unknown::lamp_position) << 60, -60, 180;
+  t[unknown::log_intensity] = std::log(4e4);
+  if (spot) t.segment<3>(unknown::spot) << 25, 15, 6;
+
+  LightView v;
+  v.lens = s.bench.lens;
+  v.window = {0, 0, 160, 120};
+  v.value = Image(160, 120, 1);
+  v.sigma = Image(160, 120, 1, 0.05F);
+  v.valid.assign(160 * 120, 1);
+  s.photo = make_photo_data(v, 1, s.board, s.bench, 2);
+  s.photo.photo.value = predict(s.model, s.photo, t, carved_scratches(s.model, t));
+  s.start = t;
+  s.start[unknown::log_alpha] += 0.05;
+  s.start[unknown::log_depth] -= 0.07;
+  s.start[unknown::log_base_alpha] += 0.02;
+  s.start.segment<2>(unknown::machine + 4) += Eigen::Vector2d(0.02, 0.03);
+  s.start.segment<3>(unknown::lamp_position) += Eigen::Vector3d(1, -0.7, 2);
+  s.start[unknown::log_blur] += 0.05;
+  s.start[unknown::ambient] += 0.01;
+}
+
+void check_gradient(const Scene& s) {
+  FreeUnknowns free{};
+  for (int i = 0; i < unknown::count; ++i) free[i] = true;
+  const bool spot = s.start[unknown::spot + 2] > 0;
+  const PhotoEquations e = photo_equations(s.model, s.photo, s.start, carved_scratches(s.model, s.start), free, 10);
+  EXPECT_NEAR(e.cost, photo_cost(s.model, s.photo, s.start, carved_scratches(s.model, s.start)), 1e-4 * e.cost);
+  EXPECT_GT(e.cost, 100);
+  EXPECT_LT((e.tile_scores.rowwise().sum() - e.Jtr).norm(), 1e-9 * e.Jtr.norm());
+  for (int i = 0; i < unknown::pose; ++i) {
+    if (i >= unknown::spot && !spot) continue;
+    // Steps as long as a relative change of 1e-3 in the cost's curvature allows; pixels are float.
+    const double step =
+        (i >= unknown::machine && i < unknown::machine + 4) ? 1e-4
+        : (i >= unknown::lamp_position && i < unknown::log_intensity) || i == unknown::spot || i == unknown::spot + 1
+            ? 0.1
+            : 2e-3;
+    const auto cost_at = [&](double offset) {
+      Unknowns x = s.start;
+      x[i] += offset;
+      return photo_cost(s.model, s.photo, x, carved_scratches(s.model, x));
+    };
+    const double difference = (cost_at(step) - cost_at(-step)) / (2 * step);
+    // A gradient of depth is taken at the pixel's place, not at the middle of its scratch: 3 mm of 60 at most.
+    const double tolerance = i == unknown::depth_gradient || i == unknown::depth_gradient + 1 ? 0.05 : 0.005;
+    const double scale = std::sqrt(2 * e.cost * e.JtJ(i, i));  // what Jtr could be if all residuals pulled together
+    EXPECT_NEAR(e.Jtr[i], difference, tolerance * std::abs(difference) + 1e-3 * scale) << "unknown " << i;
+    EXPECT_GT(e.JtJ(i, i), 0) << "unknown " << i;
+  }
+}
+
+TEST(PhotoEquations, GradientIsTheCostsDerivativeBareLamp) {
+  Scene s;
+  fill(s, false);
+  check_gradient(s);
+}
+
+TEST(PhotoEquations, GradientIsTheCostsDerivativeSpot) {
+  Scene s;
+  fill(s, true);
+  check_gradient(s);
+}
+
+TEST(PhotoEquations, DepthOfScratchesThatCarryTheirOwnKeepsItsRatio) {
+  Scene s;
+  fill(s, false);
+  s.board.material.depth_um = 10;
+  s.designed.depth_um.assign(s.designed.size(), 10);
+  s.designed.depth_um[3] = 20;
+  const Scratches carved = carved_scratches(s.model, s.truth);
+  EXPECT_NEAR(carved.depth_um[0], 25, 1e-9);
+  EXPECT_NEAR(carved.depth_um[3], 50, 1e-9);
+}
+
+}  // namespace
+}  // namespace burin

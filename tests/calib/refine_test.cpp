@@ -1,0 +1,88 @@
+// What is proved: on photographed benches that brute force rendered (point sampling, lens blur, noise, JPEG, dust),
+// with true poses so that only this fit is on trial: alpha, depth, lamp and machine, from photos binned to 1.6 mm a
+// pixel to be quick; that a session whose half vectors never reach the grooves' cut-off reports depth as not
+// determined; that a session without photos to work on is refused. Not proved: poses from tags (calibrate_test), full
+// resolution (`burin refine` on the rigs).
+#include "calib/refine.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "render/error.h"
+#include "tests/calib/rig_bench.h"
+
+namespace burin {
+namespace {
+
+RefineOptions quick() {
+  RefineOptions options;
+  options.finest_pixel_mm = 1.6;
+  return options;
+}
+
+TEST(Refine, CleanBench) {
+  BURIN_NEEDS_RIG("a");
+  const Rig rig = read_rig("a", {"v01", "v04", "v06", "v08", "v10"});
+  RefineOptions options = quick();
+  options.overlap = Overlap::add;
+  const Refinement r = refine(rig.session, rig.board, rig.designed, rig.true_poses, options);
+  const auto& truth = rig.truth["material"];
+  EXPECT_NEAR(r.bench.material.alpha / truth["alpha"].get<double>(), 1, 0.01);
+  EXPECT_NEAR(r.bench.material.depth_um / truth["depth_um"].get<double>(), 1, 0.015);
+  EXPECT_NEAR(r.bench.material.base_alpha / truth["base_alpha"].get<double>(), 1, 0.01);
+  EXPECT_LT((r.bench.lights[0].position_mm - true_lamp_position(rig.truth)).norm(), 1.5);
+  EXPECT_LT(affine_error_mm(r.bench.machine_affine, true_affine(rig.truth), rig.board), 0.01);
+  for (const char* name : {"alpha", "depth_um", "base_alpha", "light.lamp.position_mm", "machine.affine"})
+    EXPECT_TRUE(r.bench.verdict.at(name).determined) << name << ": " << r.bench.verdict.at(name).reason;
+  ASSERT_TRUE(r.bench.material_sigma.depth_um.has_value());
+  EXPECT_EQ(r.depth_gradient, Eigen::Vector2d::Zero());  // one depth everywhere: no gradient is made up
+  ASSERT_EQ(r.photos.size(), 5U);
+  for (const PhotoFit& photo : r.photos) EXPECT_LT(photo.outliers, 0.1) << photo.view;
+}
+
+TEST(Refine, AmateursBench) {
+  BURIN_NEEDS_RIG("b");
+  const Rig rig = read_rig("b", {"v01", "v03", "v05", "v07", "v09"});
+  const Refinement r = refine(rig.session, rig.board, rig.designed, rig.true_poses, quick());
+  const auto& truth = rig.truth["material"];
+  EXPECT_EQ(r.overlap, Overlap::last);  // its grooves cut into each other, and the photos say so
+  EXPECT_NEAR(r.bench.material.alpha / truth["alpha"].get<double>(), 1, 0.06);
+  EXPECT_NEAR(r.bench.material.depth_um / truth["depth_um"].get<double>(), 1, 0.05);
+  EXPECT_LT((r.bench.lights[0].position_mm - true_lamp_position(rig.truth)).norm(), 10);
+  EXPECT_LT(affine_error_mm(r.bench.machine_affine, true_affine(rig.truth), rig.board), 0.03);
+  EXPECT_GT(r.depth_gradient.x(), 0.02);  // truth 0.07
+  // The lamp's colour: ratios of its channels.
+  const Eigen::Vector3d color = r.bench.lights[0].intensity / r.bench.lights[0].intensity[0];
+  EXPECT_NEAR(color[1], 600. / 620., 0.02);
+  EXPECT_NEAR(color[2], 555. / 620., 0.02);
+}
+
+TEST(Refine, DepthIsNotDeterminedWhereNoHalfVectorReachesTheCutOff) {
+  BURIN_NEEDS_RIG("a");
+  // Only the mirror side: the half vectors stay near the face's normal, every scratch that could glint does.
+  const Rig rig = read_rig("a", {"v00", "v01", "v02"});
+  RefineOptions options = quick();
+  options.overlap = Overlap::add;
+  const Refinement r = refine(rig.session, rig.board, rig.designed, rig.true_poses, options);
+  EXPECT_FALSE(r.bench.verdict.at("depth_um").determined) << r.bench.verdict.at("depth_um").reason;
+  EXPECT_FALSE(r.bench.material_sigma.depth_um.has_value());
+  EXPECT_NE(r.bench.verdict.at("depth_um").reason.find("photograph"), std::string::npos);  // it says what to do
+}
+
+TEST(Refine, RefusesWhatItCannotWorkOn) {
+  Board board;
+  board.size_mm << 100, 100;
+  board.carve_max_mm << 100, 100;
+  Scratches one;
+  one.x0_mm = {10};
+  one.y0_mm = {10};
+  one.x1_mm = {20};
+  one.y1_mm = {10};
+  const std::vector<MergedView> none;
+  EXPECT_THROW(refine(none, board, {}, Bench()), Error);
+  EXPECT_THROW(refine(none, board, one, Bench()), Error);
+}
+
+}  // namespace
+}  // namespace burin
