@@ -52,6 +52,7 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
 
   std::vector<JsonObject> views = report.objects("views");
   std::vector<std::string> names;
+  names.reserve(views.size());
   for (JsonObject& view : views) names.push_back(view.text("view"));
   Section out;
   std::string pictures;
