@@ -9,6 +9,7 @@
 #include <limits>
 #include <system_error>
 
+#include "optimize/carving_time.h"
 #include "optimize/toolpath_check.h"
 #include "render/error.h"
 #include "render/json_file.h"
@@ -100,15 +101,6 @@ void append_comment(std::string& text, const MachineProfile& machine, const std:
   text += machine.dialect == GcodeDialect::marlin ? "; " + comment + "\n" : "(" + comment + ")\n";
 }
 
-/// Seconds from the end of the scratch before to the end of this one, by the built-in way to carve.
-double scratch_duration_s(const Eigen::Vector2d& at_mm, const PlannedScratch& s, const MachineProfile& m) {
-  const double z_mm = m.safe_z_mm + s.depth_mm;
-  return move_time_s((s.from_mm - at_mm).norm(), m.rapid_mm_min, m.acceleration_mm_s2) +
-         move_time_s(z_mm, m.plunge_feed_mm_min, m.acceleration_z_mm_s2) + m.dwell_s +
-         move_time_s((s.to_mm - s.from_mm).norm(), m.carve_feed_mm_min, m.acceleration_mm_s2) +
-         move_time_s(z_mm, m.rapid_z_mm_min, m.acceleration_z_mm_s2);
-}
-
 /// Scratches [first, first + count) of the path for each file: as many as its time and lines allow.
 std::vector<std::pair<std::size_t, std::size_t>> split(const Toolpath& path, const MachineProfile& machine,
                                                        double part_s) {
@@ -124,8 +116,9 @@ std::vector<std::pair<std::size_t, std::size_t>> split(const Toolpath& path, con
   Eigen::Vector2d at(0, 0);
   double elapsed_s = 0;
   for (std::size_t i = 0; i < path.scratches.size(); ++i) {
-    const double s = scratch_duration_s(at, path.scratches[i], machine);
-    at = path.scratches[i].to_mm;
+    const PlannedScratch& scratch = path.scratches[i];
+    const double s = scratch_time(at, scratch.from_mm, scratch.to_mm, scratch.depth_mm, machine).total_s();
+    at = scratch.to_mm;
     const bool full = !parts.empty() && (parts.back().second >= most || (part_s > 0 && elapsed_s + s > part_s));
     if (parts.empty() || full) {
       parts.emplace_back(i, 0);
@@ -243,7 +236,7 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
     path.min_mm = path.min_mm.cwiseMin(planned.from_mm).cwiseMin(planned.to_mm);
     path.max_mm = path.max_mm.cwiseMax(planned.from_mm).cwiseMax(planned.to_mm);
     path.carve_mm += (planned.to_mm - planned.from_mm).norm();
-    path.duration_s += scratch_duration_s(at, planned, machine);
+    path.duration_s += scratch_time(at, planned.from_mm, planned.to_mm, planned.depth_mm, machine).total_s();
     at = planned.to_mm;
     path.scratches.push_back(planned);
   }
