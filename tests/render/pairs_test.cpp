@@ -11,6 +11,7 @@
 #include <set>
 
 #include "render/error.h"
+#include "tests/render/small_world.h"
 
 namespace burin {
 namespace {
@@ -58,18 +59,6 @@ Lens pinhole(int width, int height) {
   lens.model = "LENSMODEL_PINHOLE";
   lens.intrinsics.resize(4);
   return lens;
-}
-
-/// A camera that looks at `target` from `center`, image up roughly board y.
-Eigen::Isometry3d looking_at(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
-  const Eigen::Vector3d z = (target - center).normalized();
-  const Eigen::Vector3d x = z.cross(Eigen::Vector3d(0.1, 1, 0.05)).normalized();
-  Eigen::Matrix3d R;
-  R << x.transpose(), z.cross(x).transpose(), z.transpose();
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = R;
-  T.translation() = -R * center;
-  return T;
 }
 
 std::vector<Strip> random_strips(int count, double size_mm, double half_width_mm, unsigned seed) {
@@ -164,6 +153,40 @@ TEST(PixelIndex, NearTheHorizon) {
     const FootprintGrid grid = camera_grid(lens, T, kFlat, {0, 0, 60, 60});
     expect_complete(grid, 100, lens.model.c_str(), 0.6);
   }
+}
+
+TEST(PixelIndex, RandomCamerasMissNothing) {
+  // Cameras drawn at random, down to 2 degrees above the face and into its middle, with lenses straight and bent, flat
+  // and bowed faces, windows that the board's edge cuts; strips from a thousandth of a pixel to ten pixels wide, some
+  // of them along the footprints' own edges.
+  std::size_t touching = 0;
+  for (unsigned seed = 0; seed < 120; ++seed) {
+    std::mt19937 random(seed);
+    const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
+    const double elevation = M_PI / 180 * (seed % 3 == 0 ? uniform(2, 12) : uniform(12, 90)),
+                 turn = uniform(0, 2 * M_PI);
+    const Eigen::Vector3d target(uniform(0, 100), uniform(0, 100), 0);
+    const Eigen::Vector3d from(std::cos(elevation) * std::cos(turn), std::cos(elevation) * std::sin(turn),
+                               std::sin(elevation));
+    const Lens lens = seed % 2 == 0 ? strong_lens(44, 37) : pinhole(44, 37);
+    const Surface face{{100, 100}, seed % 5 < 2 ? Eigen::Vector3d(1.5, -0.7, 2) : Eigen::Vector3d(0, 0, 0)};
+    const PixelWindow window = seed % 4 == 0 ? PixelWindow{9, 5, 30, 27} : PixelWindow{0, 0, 44, 37};
+    const FootprintGrid grid = camera_grid(lens, looking_at(target + uniform(15, 250) * from, target), face, window);
+    const auto corners = footprint_corners_mm(grid, window.width / 2, window.height / 2);
+    const double pixel_mm = std::sqrt(std::abs(signed_area_mm2(corners)));
+    if (!std::isfinite(pixel_mm)) continue;
+    std::vector<Strip> strips = random_strips(60, 100, pixel_mm * std::pow(10, uniform(-3, 1)), seed);
+    for (int k = 0; k < 20; ++k) {
+      const auto q = footprint_corners_mm(grid, static_cast<int>(uniform(0, window.width)),
+                                          static_cast<int>(uniform(0, window.height)));
+      if (q[0].allFinite() && q[1].allFinite() && q[2].allFinite())
+        strips.push_back({q[k % 2], q[k % 2 + 1], 1e-3 * pixel_mm});
+    }
+    const Count n = compare(grid, strips);
+    touching += n.touching;
+    EXPECT_EQ(n.missed, 0u) << "seed " << seed << ", of " << n.touching;
+  }
+  EXPECT_GT(touching, 20000u);
 }
 
 TEST(PixelIndex, NoFootprintNoPair) {

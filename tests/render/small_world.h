@@ -1,0 +1,148 @@
+// A small bench for the renderer's tests, and the comparisons that several of them make.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "render/exact_view.h"
+#include "render/pairs.h"
+#include "render/view_renderer.h"
+
+namespace burin {
+
+struct World {
+  Board board;
+  Bench bench;
+  CameraView camera;
+  ViewScene scene;
+  Scratches scratches;
+};
+
+/// A camera that looks at `target` from `center`, image up roughly board y.
+inline Eigen::Isometry3d looking_at(const Eigen::Vector3d& center, const Eigen::Vector3d& target) {
+  const Eigen::Vector3d z = (target - center).normalized();
+  const Eigen::Vector3d x = z.cross(Eigen::Vector3d(0.1, 1, 0.05)).normalized();
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() << x.transpose(), z.cross(x).transpose(), z.transpose();
+  T.translation() = -T.linear() * center;
+  return T;
+}
+
+/// A board of 20 mm, 24 x 18 pixels of about 1 mm through a distorting lens, a bowed face, a spot lamp, room light, and
+/// scratches 0.1 mm wide with widths, depths and roughnesses of their own.
+inline World small_world(int count = 60) {
+  World w;
+  w.board.size_mm = {20, 20};
+  w.board.tool_width_um = 400;
+  w.bench.lens.width = 24;
+  w.bench.lens.height = 18;
+  w.bench.lens.intrinsics = {60, 59, 12.3, 8.1, -0.1, 0.05, 0.001, -0.001, 0, 0, 0, 0};
+  w.bench.bow_mm = {0.05, -0.03, 0.08};
+  w.bench.material = {0.08, 14, 0.18, {0.91, 0.92, 0.6}};
+  w.bench.ambient = {0.001, 0.002, 0.003};
+  Light lamp;
+  lamp.position_mm = {8, -20, 45};
+  lamp.intensity = {900, 800, 700};
+  lamp.axis = Eigen::Vector3d(0.05, 0.4, -0.9).normalized();
+  lamp.falloff_exponent = 2.5;
+  w.bench.lights = {lamp};
+  View view;
+  view.T_camera_board = looking_at({12, 26, 44}, {10, 10, 0});
+  w.camera = make_camera_view(w.bench, w.board, view, {0, 0, 24, 18});
+  w.scene = make_scene(w.bench, w.board, w.camera, lamp);
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> where(3, 17), turn(0, 2 * M_PI), length(0.1, 5), factor(0.7, 1.4);
+  for (int i = 0; i < count; ++i) {
+    const double a = i % 6 == 0 ? M_PI / 2 * (i / 6 % 4) : turn(random), l = length(random);
+    w.scratches.x0_mm.push_back(where(random));
+    w.scratches.y0_mm.push_back(where(random));
+    w.scratches.x1_mm.push_back(w.scratches.x0_mm.back() + l * std::cos(a));
+    w.scratches.y1_mm.push_back(w.scratches.y0_mm.back() + l * std::sin(a));
+    w.scratches.width_um.push_back(400 * factor(random));
+    w.scratches.depth_um.push_back(14 * factor(random));
+    w.scratches.alpha.push_back(0.08 * factor(random));
+  }
+  return w;
+}
+
+/// E = sum of weights times radiance, in double throughout: images are floats, too coarse for small steps.
+inline double weighted_sum(const World& w, const ViewPixels& pixels, const PixelIndex& index, const Image& weights) {
+  ExactView view(w.scene, pixels);
+  Image image;
+  const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material.depth_um);
+  view.forward(w.scratches, find_pairs(index, w.scene.grid.width(), w.scene.grid.height(), strips), false, image);
+  double sum = 0;
+  for (std::size_t i = 0; i < view.radiance().size(); ++i) sum += weights.data[i] * view.radiance()[i];
+  return sum;
+}
+
+inline Image random_weights(const World& w, int channels, unsigned seed) {
+  Image weights(w.scene.grid.width(), w.scene.grid.height(), channels);
+  std::mt19937 random(seed);
+  for (float& v : weights.data) v = std::uniform_real_distribution<float>(-1, 1)(random);
+  return weights;
+}
+
+inline std::vector<SceneParameter> all_parameters() {
+  std::vector<SceneParameter> all;
+  for (int i = 0; i <= static_cast<int>(SceneParameter::bow_2_mm); ++i) all.push_back(static_cast<SceneParameter>(i));
+  return all;
+}
+
+inline double relative_rms(const std::vector<double>& a, const std::vector<double>& exact) {
+  double error2 = 0, size2 = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    error2 += (a[i] - exact[i]) * (a[i] - exact[i]);
+    size2 += exact[i] * exact[i];
+  }
+  return std::sqrt(error2 / size2);
+}
+
+/// Image within 1e-6 of its peak and gradients within 1e-4, both RMS, for the packets of one width.
+inline void expect_fast_is_exact(const World& w, int channels, SimdWidth simd, const std::string& what) {
+  const Image weights = random_weights(w, channels, 9);
+  RenderOptions options{channels, true};
+  ViewRenderer exact(w.scene, options);
+  options.use_double = false;
+  options.simd = simd;
+  ViewRenderer fast(w.scene, options);
+  Image expected, image, value_only;
+  exact.forward_with_jacobian(w.scratches, expected);
+  fast.forward(w.scratches, value_only);
+  fast.forward_with_jacobian(w.scratches, image);
+  EXPECT_EQ(fast.pair_count(), exact.pair_count()) << what;
+  double peak = 0, error2 = 0, value_error2 = 0;
+  for (std::size_t i = 0; i < image.data.size(); ++i) {
+    peak = std::max<double>(peak, expected.data[i]);
+    error2 += std::pow(static_cast<double>(image.data[i]) - expected.data[i], 2);
+    value_error2 += std::pow(static_cast<double>(value_only.data[i]) - expected.data[i], 2);
+  }
+  EXPECT_LT(std::sqrt(error2 / image.data.size()), 1e-6 * peak) << what;
+  EXPECT_LT(std::sqrt(value_error2 / image.data.size()), 1e-6 * peak) << what;
+
+  ScratchGradients g, ge;
+  g.resize(w.scratches.size());
+  ge.resize(w.scratches.size());
+  fast.backward(weights, g);
+  exact.backward(weights, ge);
+  EXPECT_LT(relative_rms(g.x0_mm, ge.x0_mm), 1e-4) << what << " x0";
+  EXPECT_LT(relative_rms(g.y0_mm, ge.y0_mm), 1e-4) << what << " y0";
+  EXPECT_LT(relative_rms(g.x1_mm, ge.x1_mm), 1e-4) << what << " x1";
+  EXPECT_LT(relative_rms(g.y1_mm, ge.y1_mm), 1e-4) << what << " y1";
+  EXPECT_LT(relative_rms(g.width_um, ge.width_um), 1e-4) << what << " width";
+  EXPECT_LT(relative_rms(g.depth_um, ge.depth_um), 1e-4) << what << " depth";
+  EXPECT_LT(relative_rms(g.alpha, ge.alpha), 1e-4) << what << " alpha";
+  EXPECT_NEAR(g.shared_base_alpha, ge.shared_base_alpha, 1e-4 * std::abs(ge.shared_base_alpha)) << what;
+
+  std::vector<double> sent(w.scratches.size(), 0), sent_exact(w.scratches.size(), 0);
+  fast.add_contributions(sent);
+  exact.add_contributions(sent_exact);
+  EXPECT_LT(relative_rms(sent, sent_exact), 1e-5) << what << " contributions";
+}
+
+}  // namespace burin
