@@ -487,6 +487,8 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
                " px",
            "the lens is poorly determined: add photos with the board tilted and near the corners of the frame"});
   }
+  out.bundle = std::move(s.bundle);
+  out.options = o;
   report(1);
   return out;
 }

@@ -71,6 +71,8 @@ struct BoardSolution {
   std::vector<std::string> not_determined;  ///< names of parameters that the photos hardly determine
   std::vector<Finding> findings;            ///< views, tags and corners left out, and why
   std::optional<MrcalCheck> check;
+  Bundle bundle;          ///< as solved, with the corners' final weights: for bundle_equations()
+  BundleOptions options;  ///< of its last solve
 };
 
 /// Throws Error if fewer than two views (three without a known lens) are left.

@@ -386,7 +386,7 @@ BundleSummary solve_bundle(Bundle& b, const BundleOptions& o) {
   return out;
 }
 
-BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
+BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
   Work work(b);
   BundleOptions plain = o;
   plain.cauchy_sigma = 0;
@@ -394,41 +394,47 @@ BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
   work.build(b, plain);
   ceres::Problem& problem = *work.problem;
 
-  // Columns of the shared parameters: lens, edge and bow, tags. Constant blocks have none.
+  BundleEquations out;
   const int n_lens = static_cast<int>(work.lens.size());
   std::map<const double*, int> column;
-  std::vector<double> prior;  // sigma of each column
-  std::vector<std::string> name;
-  int columns = 0;
   auto add = [&](double* block, int size) {
-    if (!problem.HasParameterBlock(block) || problem.IsParameterBlockConstant(block)) return false;
-    column[block] = columns;
-    columns += size;
-    return true;
+    if (!problem.HasParameterBlock(block) || problem.IsParameterBlockConstant(block)) return -1;
+    const int at = out.columns;
+    column[block] = at;
+    out.columns += size;
+    return at;
   };
   static constexpr const char* kLensNames[] = {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
-  if (add(work.lens.data(), n_lens)) {
+  out.lens_at = add(work.lens.data(), n_lens);
+  if (out.lens_at >= 0) {
     const auto sigma = has_core_and_few(b.lens) ? lens_prior_sigma(b.lens) : std::vector<double>(n_lens, 1e9);
     for (int i = 0; i < n_lens; ++i) {
-      prior.push_back(sigma[i]);
-      name.push_back("lens." + (i < 12 ? std::string(kLensNames[i]) : std::to_string(i)));
+      out.prior_sigma.push_back(sigma[i]);
+      out.name.push_back("lens." + (i < 12 ? std::string(kLensNames[i]) : std::to_string(i)));
     }
   }
-  if (add(work.shared.data(), 4)) {
-    prior.insert(prior.end(), {o.edge_prior_mm, o.bow_prior_mm, o.bow_prior_mm, o.bow_prior_mm});
-    name.insert(name.end(), {"tags.edge_mm", "board.bow_mm[0]", "board.bow_mm[1]", "board.bow_mm[2]"});
+  out.shared_at = add(work.shared.data(), 4);
+  if (out.shared_at >= 0) {
+    out.prior_sigma.insert(out.prior_sigma.end(), {o.edge_prior_mm, o.bow_prior_mm, o.bow_prior_mm, o.bow_prior_mm});
+    out.name.insert(out.name.end(), {"tags.edge_mm", "board.bow_mm[0]", "board.bow_mm[1]", "board.bow_mm[2]"});
+    const bool manifold = problem.GetManifold(work.shared.data()) != nullptr;
+    out.bow_held = manifold && o.fix_bow;
+    out.edge_held = manifold && !o.fix_bow;
   }
-  const int tag_columns = columns;
   for (std::size_t i = 0; i < work.placements.size(); ++i)
-    if (work.tag_seen[i]) add(work.placements[i], 3);
+    out.tag_at.push_back(work.tag_seen[i] ? add(work.placements[i], 3) : -1);
 
-  struct Eliminated {
-    Matrix6 H = Matrix6::Zero();
-    Eigen::MatrixXd B;  // 6 x columns
-  };
-  std::vector<Eliminated> views(b.views.size());
-  for (auto& v : views) v.B = Eigen::MatrixXd::Zero(6, columns);
-  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(columns, columns);
+  const int columns = out.columns;
+  out.views.resize(b.views.size());
+  for (auto& v : out.views) {
+    v.B = Eigen::MatrixXd::Zero(6, columns);
+    v.information = Eigen::MatrixXd::Zero(columns, columns);
+    v.gradient = Eigen::VectorXd::Zero(columns);
+  }
+  out.prior = Eigen::MatrixXd::Zero(columns, columns);
+  out.prior_gradient = Eigen::VectorXd::Zero(columns);
+  std::map<const double*, std::size_t> view_of;
+  for (std::size_t v = 0; v < work.poses.size(); ++v) view_of[work.poses[v]] = v;
 
   std::vector<ceres::ResidualBlockId> ids;
   problem.GetResidualBlocks(&ids);
@@ -444,97 +450,117 @@ BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
     for (auto& j : J) raw.push_back(j.data());
     Eigen::VectorXd r(m);
     if (!cost->Evaluate(blocks.data(), r.data(), raw.data())) continue;
-    Eliminated* view = nullptr;
-    int view_block = -1;
+    BundleEquations::OfView* view = nullptr;
+    std::size_t pose_block = 0;
     for (std::size_t k = 0; k < blocks.size(); ++k)
-      for (std::size_t v = 0; v < work.poses.size() && view_block < 0; ++v)
-        if (blocks[k] == work.poses[v] && !o.fix_poses) {
-          view = &views[v];
-          view_block = static_cast<int>(k);
-        }
+      if (const auto at = view_of.find(blocks[k]); at != view_of.end()) {
+        view = &out.views[at->second];
+        pose_block = k;
+      }
     // What a manifold holds fixed has no derivative.
     for (std::size_t k = 0; k < blocks.size(); ++k)
-      if (blocks[k] == work.shared.data() && problem.GetManifold(blocks[k])) {
-        if (o.fix_bow)
-          J[k].rightCols(3).setZero();
-        else
-          J[k].leftCols(1).setZero();
+      if (blocks[k] == work.shared.data()) {
+        if (out.bow_held) J[k].rightCols(3).setZero();
+        if (out.edge_held) J[k].leftCols(1).setZero();
       }
+    Eigen::MatrixXd& information = view ? view->information : out.prior;
+    Eigen::VectorXd& gradient = view ? view->gradient : out.prior_gradient;
     for (std::size_t k = 0; k < blocks.size(); ++k) {
       const auto ck = column.find(blocks[k]);
       if (ck == column.end()) continue;
+      gradient.segment(ck->second, J[k].cols()) += J[k].transpose() * r;
       for (std::size_t l = 0; l < blocks.size(); ++l) {
         const auto cl = column.find(blocks[l]);
-        if (cl != column.end()) S.block(ck->second, cl->second, J[k].cols(), J[l].cols()) += J[k].transpose() * J[l];
+        if (cl != column.end())
+          information.block(ck->second, cl->second, J[k].cols(), J[l].cols()) += J[k].transpose() * J[l];
       }
-      if (view) view->B.middleCols(ck->second, J[k].cols()) += J[view_block].transpose() * J[k];
+      if (view && !o.fix_poses) view->B.middleCols(ck->second, J[k].cols()) += J[pose_block].transpose() * J[k];
     }
-    if (view) view->H += J[view_block].transpose() * J[view_block];
+    if (view && !o.fix_poses) {
+      view->used = true;
+      view->H += J[pose_block].transpose() * J[pose_block];
+      view->g += J[pose_block].transpose() * r;
+    }
+  }
+  for (auto& v : out.views) {
+    if (!v.used) continue;
+    const Eigen::LDLT<Matrix6> factor(v.H);
+    v.information -= v.B.transpose() * factor.solve(v.B);
+    v.gradient -= v.B.transpose() * factor.solve(v.g);
   }
   // Rows that nothing touches (held by a manifold) get their prior, so that the matrix stays invertible.
-  for (int i = 0; i < columns; ++i)
-    if (!(S(i, i) > 0)) S(i, i) = 1e30;
+  for (int i = 0; i < columns; ++i) {
+    double sum = out.prior(i, i);
+    for (const auto& v : out.views) sum += v.information(i, i);
+    if (!(sum > 0)) out.prior(i, i) = 1e30;
+  }
+  return out;
+}
 
-  std::vector<Eigen::LDLT<Matrix6>> factor(views.size());
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    if (!work.view_corners[v] || o.fix_poses) continue;
-    factor[v].compute(views[v].H);
-    S -= views[v].B.transpose() * factor[v].solve(views[v].B);
-  }
+Eigen::MatrixXd shared_covariance(const Eigen::MatrixXd& information) {
   // Scaled to a unit diagonal; eigenvalues at rounding's level are clipped, which reports huge sigmas instead of NaN.
-  Eigen::VectorXd scale = S.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(columns, columns);
-  if (columns > 0) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * S * scale.asDiagonal());
-    const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-14).cwiseInverse();
-    C = scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
-        scale.asDiagonal();
+  if (information.size() == 0) return information;
+  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information * scale.asDiagonal());
+  const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-14).cwiseInverse();
+  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
+         scale.asDiagonal();
+}
+
+Eigen::Matrix<double, 3, 6> center_by_pose(const Eigen::Isometry3d& T_camera_board) {
+  // centre = -R^T t
+  const Pose pose = to_pose(T_camera_board);
+  Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R;
+  std::array<double, 27> R_by_r;
+  mrcal_R_from_r(R.data(), R_by_r.data(), pose.data());
+  const Eigen::Vector3d t(pose[3], pose[4], pose[5]);
+  Eigen::Matrix<double, 3, 6> D;
+  for (int k = 0; k < 3; ++k) {
+    Eigen::Matrix3d dR;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) dR(i, j) = R_by_r[(i * 3 + j) * 3 + k];
+    D.col(k) = -dR.transpose() * t;
   }
+  D.rightCols<3>() = -R.transpose();
+  return D;
+}
+
+BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
+  const BundleEquations e = bundle_equations(b, o);
+  Eigen::MatrixXd S = e.prior;
+  for (const auto& v : e.views) S += v.information;
+  const Eigen::MatrixXd C = shared_covariance(S);
+  const auto n_lens = static_cast<Eigen::Index>(b.lens.intrinsics.size());
 
   BundleUncertainty out;
   out.lens = Eigen::MatrixXd::Zero(n_lens, n_lens);
-  if (column.count(work.lens.data())) out.lens = C.topLeftCorner(n_lens, n_lens);
-  if (const auto at = column.find(work.shared.data()); at != column.end()) {
-    out.edge_sigma_mm = std::sqrt(C(at->second, at->second));
-    out.bow_mm2 = C.block<3, 3>(at->second + 1, at->second + 1);
-    if (o.fix_bow) out.bow_mm2.setZero();
-    if (problem.GetManifold(work.shared.data()) && !o.fix_bow) out.edge_sigma_mm = 0;
+  if (e.lens_at >= 0) out.lens = C.block(e.lens_at, e.lens_at, n_lens, n_lens);
+  if (e.shared_at >= 0) {
+    if (!e.edge_held) out.edge_sigma_mm = std::sqrt(C(e.shared_at, e.shared_at));
+    if (!e.bow_held) out.bow_mm2 = C.block<3, 3>(e.shared_at + 1, e.shared_at + 1);
   }
-  for (std::size_t i = 0; i < work.placements.size(); ++i) {
-    const auto at = column.find(work.placements[i]);
-    if (at == column.end())
+  for (const int at : e.tag_at) {
+    if (at < 0)
       out.tag_sigma.emplace_back(0, 0, 0);
     else
-      out.tag_sigma.emplace_back(C.diagonal().segment<3>(at->second).cwiseMax(0).cwiseSqrt());
+      out.tag_sigma.emplace_back(C.diagonal().segment<3>(at).cwiseMax(0).cwiseSqrt());
   }
-  const bool lens_free = column.count(work.lens.data()) > 0;
-  for (int i = 0; i < tag_columns; ++i) {
-    double limit = 0.5 * prior[i];
-    if (lens_free && has_core_and_few(b.lens) && i < 4)
-      limit = i < 2 ? kFocalKnown * std::abs(work.lens[i]) : kCenterKnown * std::max(b.lens.width, b.lens.height);
-    if (S(i, i) < 1e29 && std::sqrt(std::max(C(i, i), 0.0)) > limit) out.not_determined.push_back(name[i]);
+  for (std::size_t i = 0; i < e.name.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    double limit = 0.5 * e.prior_sigma[i];
+    if (e.lens_at >= 0 && has_core_and_few(b.lens) && i < 4)
+      limit =
+          i < 2 ? kFocalKnown * std::abs(b.lens.intrinsics[i]) : kCenterKnown * std::max(b.lens.width, b.lens.height);
+    if (S(at, at) < 1e29 && std::sqrt(std::max(C(at, at), 0.0)) > limit) out.not_determined.push_back(e.name[i]);
   }
-
-  for (std::size_t v = 0; v < views.size(); ++v) {
+  for (std::size_t v = 0; v < e.views.size(); ++v) {
     Matrix6 P = Matrix6::Zero();
     Eigen::Matrix3d center = Eigen::Matrix3d::Zero();
-    if (work.view_corners[v] && !o.fix_poses) {
-      const Matrix6 Hinv = factor[v].solve(Matrix6::Identity());
-      const Eigen::MatrixXd G = Hinv * views[v].B;
+    if (e.views[v].used) {
+      const Matrix6 Hinv = Eigen::LDLT<Matrix6>(e.views[v].H).solve(Matrix6::Identity());
+      const Eigen::MatrixXd G = Hinv * e.views[v].B;
       P = Hinv + G * C * G.transpose();
-      // centre = -R^T t
-      Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R;
-      std::array<double, 27> R_by_r;
-      mrcal_R_from_r(R.data(), R_by_r.data(), work.poses[v]);
-      const Eigen::Vector3d t(work.poses[v][3], work.poses[v][4], work.poses[v][5]);
-      Eigen::Matrix<double, 3, 6> D;
-      for (int k = 0; k < 3; ++k) {
-        Eigen::Matrix3d dR;
-        for (int i = 0; i < 3; ++i)
-          for (int j = 0; j < 3; ++j) dR(i, j) = R_by_r[(i * 3 + j) * 3 + k];
-        D.col(k) = -dR.transpose() * t;
-      }
-      D.rightCols<3>() = -R.transpose();
+      const Eigen::Matrix<double, 3, 6> D = center_by_pose(b.views[v]);
       center = D * P * D.transpose();
     }
     out.pose.push_back(P);

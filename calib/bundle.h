@@ -80,8 +80,39 @@ struct BundleSummary {
 /// Solves in place. Throws Error if Ceres cannot evaluate the start (a point behind the camera).
 BundleSummary solve_bundle(Bundle& bundle, const BundleOptions& options);
 
+/// The normal equations at the present values, unit sigma_px taken as true, each view's pose eliminated. What one view
+/// tells of the parameters that all views share adds up: the information of any set of views is the sum of theirs and
+/// the priors', and so what a view more, or half of them, would have told follows without another solve.
+/// Shared columns: lens, edge and bow, each tag's placement; blocks that are held have none.
+struct BundleEquations {
+  struct OfView {
+    Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();  ///< by its own pose (BundleUncertainty::pose)
+    Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();  ///< J^T r
+    Eigen::MatrixXd B;                                                    ///< 6 x columns, pose by shared
+    Eigen::MatrixXd information;                                          ///< of the shared columns, pose eliminated
+    Eigen::VectorXd gradient;                                             ///< by them, pose eliminated
+    bool used = false;                                                    ///< has corners, and a pose that is free
+  };
+  int columns = 0;
+  int lens_at = -1, shared_at = -1;  ///< first column; -1: held. shared: edge, then bow's three
+  bool edge_held = false, bow_held = false;
+  std::vector<int> tag_at;          ///< first of three columns, one a tag; -1: held or not seen
+  std::vector<std::string> name;    ///< of the lens' and shared columns
+  std::vector<double> prior_sigma;  ///< of the same
+  Eigen::MatrixXd prior;            ///< information of all priors; 1e30 on the diagonal of columns that nothing moves
+  Eigen::VectorXd prior_gradient;
+  std::vector<OfView> views;
+};
+BundleEquations bundle_equations(const Bundle& bundle, const BundleOptions& options);
+
 /// Covariance at the present values, unit sigma_px taken as true.
 BundleUncertainty bundle_uncertainty(const Bundle& bundle, const BundleOptions& options);
+
+/// Inverse of shared information; directions that nothing determines come out huge, not as NaN.
+Eigen::MatrixXd shared_covariance(const Eigen::MatrixXd& information);
+
+/// Derivative of the camera's centre on the board by BundleUncertainty's pose parameters.
+Eigen::Matrix<double, 3, 6> center_by_pose(const Eigen::Isometry3d& T_camera_board);
 
 /// Predicted minus measured, px, one a corner, used or not. NaN for corners behind the camera.
 std::vector<Eigen::Vector2d> bundle_residuals_px(const Bundle& bundle);

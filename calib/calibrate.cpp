@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <set>
 
+#include "calib/identifiability.h"
 #include "calib/lamp.h"
 #include "capture/photo.h"
 #include "render/error.h"
@@ -12,12 +13,6 @@
 
 namespace burin {
 namespace {
-
-std::string number(double v, int digits) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", digits, v);
-  return text;
-}
 
 std::string list_of(const std::set<int>& ids) {
   std::string out;
@@ -52,24 +47,6 @@ std::string list_of(const std::set<int>& ids) {
   }
   fail(files.front().string(), "no tags were found in any of the " + std::to_string(merged.size()) + " views",
        "photograph the whole board, sharp, its tags at least 20 pixels wide and their paper not clipped");
-}
-
-void add_verdicts(const BoardSolution& s, bool fixed_lens, Bench& bench) {
-  const double sigma = s.lens_covariance.size() > 0 ? std::sqrt(std::max(0.0, s.lens_covariance(0, 0))) : 0;
-  bench.verdict["lens"] = {true, fixed_lens ? "given, and held fixed"
-                                            : s.lens.model + ", focal length " + number(s.lens.intrinsics[0], 2) +
-                                                  " +- " + number(sigma, 2) + " px; corners " + number(s.rms_px, 3) +
-                                                  " px RMS per axis"};
-  bench.verdict["board.bow_mm"] = {true, "from the tags, +- " + number(s.bow_sigma_mm.maxCoeff(), 4) + " mm"};
-  for (const std::string& name : s.not_determined) {
-    const bool bow = name.rfind("board.bow_mm", 0) == 0;
-    if (!bow && name.rfind("lens.", 0) != 0) continue;
-    // A lens' single terms trade against each other; only its focal length and centre must be known by themselves.
-    if (!bow && name != "lens.fx" && name != "lens.fy" && name != "lens.cx" && name != "lens.cy") continue;
-    bench.verdict[bow ? "board.bow_mm" : "lens"] = {
-        false,
-        name + " is hardly better known than before the photos: photograph the board tilted, from several sides"};
-  }
 }
 
 }  // namespace
@@ -160,7 +137,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   out.bench.tags = out.geometry.tags;
   for (Tag& tag : out.bench.tags) tag.size_mm += 2 * out.geometry.edge_mm;
   out.bench.material = board.material;
-  add_verdicts(out.geometry, options.fix_lens, out.bench);
+  judge_geometry(out.geometry, board, options.fix_lens, out.bench);
 
   if (options.find_lamps) {
     report("looking for the lamp", 0);

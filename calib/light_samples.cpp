@@ -156,18 +156,23 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
   return views;
 }
 
+Lens binned_lens(const Lens& lens, int bin) {
+  Lens out = lens;
+  // Focal lengths and centre, with pixel (0, 0) at the centre of the top-left pixel; distortion has no pixels in it.
+  for (int i = 0; i < 4; ++i) out.intrinsics[i] = lens.intrinsics[i] / bin;
+  for (int i = 2; i < 4; ++i) out.intrinsics[i] += 0.5 / bin - 0.5;
+  out.width = lens.width / bin;
+  out.height = lens.height / bin;
+  return out;
+}
+
 LightView binned(const LightView& view, int bin) {
   if (bin <= 1) return view;
   LightView out;
   out.merged = view.merged;
   out.view = view.view;
   out.light = view.light;
-  out.lens = view.lens;
-  // Focal lengths and centre, with pixel (0, 0) at the centre of the top-left pixel; distortion has no pixels in it.
-  for (int i = 0; i < 4; ++i) out.lens.intrinsics[i] = view.lens.intrinsics[i] / bin;
-  for (int i = 2; i < 4; ++i) out.lens.intrinsics[i] += 0.5 / bin - 0.5;
-  out.lens.width = view.lens.width / bin;
-  out.lens.height = view.lens.height / bin;
+  out.lens = binned_lens(view.lens, bin);
   // Binned pixels start at multiples of `bin` of the whole photo, so that all of a photo's windows share one grid.
   const int x0 = (view.window.x0 + bin - 1) / bin, y0 = (view.window.y0 + bin - 1) / bin;
   const int x1 = (view.window.x0 + view.window.width) / bin, y1 = (view.window.y0 + view.window.height) / bin;

@@ -29,6 +29,9 @@ struct LightView {
   std::vector<std::uint8_t> valid;  ///< 1 where the value is held by some exposure
 };
 
+/// The lens of pixels that are averages of bin x bin pixels.
+Lens binned_lens(const Lens& lens, int bin);
+
 /// The same view with bin x bin pixels averaged into one, the lens scaled with it. A pixel is valid if all its parts
 /// are.
 LightView binned(const LightView& view, int bin);

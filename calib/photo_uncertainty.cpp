@@ -161,6 +161,15 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state
     for (const Eigen::VectorXd& s : shifts) jackknife += (s - mean) * (s - mean).transpose();
     out.covariances.push_back(jackknife * (static_cast<double>(count) - 1) / static_cast<double>(count));
   }
+
+  out.free = free;
+  for (std::size_t k = 0; k < count; ++k) out.part_photo.push_back(k);
+  out.part_information = std::move(H_photo);
+  out.part_gradient = std::move(g_photo);
+  out.prior_information = prior;
+  out.prior_gradient = Eigen::VectorXd::Zero(n);
+  out.prior_gradient[kSharedUnknowns] = prior[kSharedUnknowns] * state.log_paper[0];
+  for (int i = unknown::vignette; i < unknown::vignette + 3; ++i) out.prior_gradient[i] = prior[i] * state.shared[i];
   return out;
 }
 

@@ -3,73 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
-#include "render/groove.h"
-#include "render/surface.h"
+#include "calib/identifiability.h"
 
 namespace burin {
-namespace {
-
-std::string number(double value, int digits = 3) {
-  std::ostringstream out;
-  out.precision(digits);
-  out << value;
-  return out.str();
-}
-
-// Pairs of scratch and photo near the groove's cut-off: how many half vectors lean less, and how many more, across the
-// scratch than its steepest normal, 2 atan(T). Only scratches that could glint count: h within 2 alpha of the plane
-// across.
-struct Straddle {
-  std::size_t inside = 0, outside = 0;
-  bool both() const {
-    constexpr std::size_t kFewest = 25;
-    return inside >= kFewest && outside >= kFewest;
-  }
-};
-
-Straddle straddle_of(const Problem& data, const State& state) {
-  Straddle out;
-  ModelData whole = data.model;
-  whole.last_carved_rules = false;
-  const Scratches carved = carved_scratches(whole, state.of(0));
-  for (const PhotoData& photo : data.photos) {
-    const Unknowns x = state.of(photo.photo.light);
-    const double alpha = std::exp(x[unknown::log_alpha]), depth = std::exp(x[unknown::log_depth]);
-    const Eigen::Vector3d lamp = x.segment<3>(unknown::lamp_position), camera = photo.scene.camera_center_mm;
-    for (std::size_t i = 0; i < carved.size(); ++i) {
-      const Eigen::Vector3d a(carved.x0_mm[i], carved.y0_mm[i], 0), b(carved.x1_mm[i], carved.y1_mm[i], 0);
-      const Eigen::Vector3d p = 0.5 * (a + b);
-      const Eigen::Vector3d n = face_normal(photo.camera.surface, p.x(), p.y());
-      const Eigen::Vector3d along = (b - a).normalized(), across = along.cross(n);
-      const Eigen::Vector3d h = ((lamp - p).normalized() + (camera - p).normalized()).normalized();
-      if (std::abs(std::asin(std::clamp(h.dot(along), -1.0, 1.0))) > 2 * alpha) continue;
-      const double width = carved.width_um.empty() ? data.model.board->tool_width_um : carved.width_um[i];
-      const double cutoff = 2 * std::atan(groove_rim(width, carved.depth_um.empty() ? depth : carved.depth_um[i]));
-      const double beyond = std::atan2(std::abs(h.dot(across)), h.dot(n)) - cutoff;
-      const double band = 0.05 + 4 * alpha, softness = 0.5 * alpha;
-      if (std::abs(beyond) > band || std::abs(beyond) < softness) continue;
-      ++(beyond > 0 ? out.outside : out.inside);
-    }
-  }
-  return out;
-}
-
-// Covariance of the affine map (one row of it: x, y, 1) that best takes the tags' true centers to the believed ones.
-Eigen::Matrix3d tag_frame_covariance(const Board& board) {
-  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  for (const Tag& tag : board.tags.list) {
-    const Eigen::Vector3d x(tag.center_mm.x(), tag.center_mm.y(), 1);
-    information += x * x.transpose();
-  }
-  const double sigma = board.tags.sigma_mm;
-  if (board.tags.list.size() < 3) return Eigen::Matrix3d::Identity() * sigma * sigma;
-  return sigma * sigma * information.inverse();
-}
-
-}  // namespace
-
 PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Scratches& carved,
                    const Bench& bench) {
   const PhotoData& photo = data.photos[k];
@@ -170,32 +107,9 @@ void fill_bench(const Problem& data, const State& state, const Uncertainty& unce
     out.depth_gradient_sigma[i] = stage.gradient ? uncertainty.sigma(unknown::depth_gradient + i) : 0;
   }
 
-  const auto judge = [&](const std::string& name, double relative_sigma, double limit, const std::string& text) {
-    const bool good = relative_sigma < limit;
-    bench.verdict[name] = {good, text + (good ? "" : "; the photos do not tell it better than that")};
-  };
-  const auto percent = [](double v) { return number(100 * v, 2) + " %"; };
-
-  const double alpha_sigma = uncertainty.sigma(unknown::log_alpha);
-  const double depth_sigma = uncertainty.sigma(unknown::log_depth);
-  const double base_sigma = uncertainty.sigma(unknown::log_base_alpha);
-  constexpr double kLimit = 0.2;
-  judge("alpha", alpha_sigma, kLimit, "one sigma is " + percent(alpha_sigma));
-  if (alpha_sigma < kLimit) bench.material_sigma.alpha = bench.material.alpha * alpha_sigma;
-  judge("base_alpha", base_sigma, kLimit, "one sigma is " + percent(base_sigma));
-  if (base_sigma < kLimit) bench.material_sigma.base_alpha = bench.material.base_alpha * base_sigma;
-
-  const Straddle straddle = straddle_of(data, state);
-  const std::string counts = std::to_string(straddle.inside) + " half vectors lean a little less and " +
-                             std::to_string(straddle.outside) + " a little more than the grooves' steepest wall";
-  if (!straddle.both()) {
-    bench.verdict["depth_um"] = {
-        false, counts + ", so no photo shows where the glints end; photograph the board from further to the side"};
-    bench.material_sigma.depth_um.reset();
-  } else {
-    judge("depth_um", depth_sigma, kLimit, "one sigma is " + percent(depth_sigma) + "; " + counts);
-    if (depth_sigma < kLimit) bench.material_sigma.depth_um = bench.material.depth_um * depth_sigma;
-  }
+  bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
+  bench.material_sigma.depth_um = bench.material.depth_um * uncertainty.sigma(unknown::log_depth);
+  bench.material_sigma.base_alpha = bench.material.base_alpha * uncertainty.sigma(unknown::log_base_alpha);
 
   Eigen::Matrix2d A;
   A << s[unknown::machine], s[unknown::machine + 1], s[unknown::machine + 2], s[unknown::machine + 3];
@@ -219,13 +133,6 @@ void fill_bench(const Problem& data, const State& state, const Uncertainty& unce
     sigma(row, 2) = sigma_of(row, {-c.x(), -c.y(), 1});
   }
   bench.machine_affine_sigma = sigma;
-  double worst = 0;  // over the carve area's corners
-  for (const double x : {board.carve_min_mm.x(), board.carve_max_mm.x()})
-    for (const double y : {board.carve_min_mm.y(), board.carve_max_mm.y()})
-      for (int row = 0; row < 2; ++row) worst = std::max(worst, sigma_of(row, {x - c.x(), y - c.y(), 1}));
-  judge("machine.affine", worst, 0.1,
-        "one sigma is at most " + number(worst, 2) + " mm over the carve area, the tags' places included");
-
   for (std::size_t light = 0; light < bench.lights.size(); ++light) {
     Light& l = bench.lights[light];
     const auto& v = state.lamps[light];
@@ -237,27 +144,16 @@ void fill_bench(const Problem& data, const State& state, const Uncertainty& unce
     l.axis = (Eigen::Vector3d(spot[0], spot[1], 0) - l.position_mm).normalized();
     const bool seen =
         std::any_of(data.photos.begin(), data.photos.end(), [&](const PhotoData& p) { return p.photo.light == light; });
-    const std::string name = "light." + l.id;
-    if (!seen) {
-      bench.verdict[name + ".position_mm"] = {false, "no photo shows the board under this lamp"};
-      continue;
-    }
+    if (!seen) continue;
     if (stage.lamp) {
       Eigen::Vector3d position_sigma;
       for (int i = 0; i < 3; ++i) position_sigma[i] = uncertainty.sigma(at(unknown::lamp_position + i));
-      judge(name + ".position_mm", position_sigma.norm() / l.position_mm.norm(), 0.05,
-            "one sigma is " + number(position_sigma.norm(), 2) + " mm");
       l.position_sigma_mm = position_sigma;
-      if (data.is_spot[light]) {
-        l.falloff_exponent_sigma = uncertainty.sigma(at(unknown::spot + 2));
-        judge(name + ".falloff_exponent", *l.falloff_exponent_sigma / std::max(1e-9, l.falloff_exponent), 0.5,
-              "one sigma is " + number(*l.falloff_exponent_sigma, 2));
-      }
+      if (data.is_spot[light]) l.falloff_exponent_sigma = uncertainty.sigma(at(unknown::spot + 2));
     }
-    const double intensity_sigma = uncertainty.sigma(at(unknown::log_intensity));
-    l.intensity_sigma = l.intensity * intensity_sigma;
-    judge(name + ".intensity", intensity_sigma, kLimit, "one sigma is " + percent(intensity_sigma));
+    l.intensity_sigma = l.intensity * uncertainty.sigma(at(unknown::log_intensity));
   }
+  judge_light(data, state, uncertainty, stage, bench);
 }
 
 }  // namespace burin

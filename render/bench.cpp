@@ -212,6 +212,10 @@ Bench read_bench(const std::filesystem::path& file) {
       Verdict verdict;
       verdict.determined = item.boolean("determined");
       verdict.reason = item.text("reason", "");
+      verdict.weakly = item.boolean("weakly", false);
+      verdict.sigma = optional_sigma(item, "sigma");
+      verdict.unit = item.text("unit", "");
+      verdict.next_photo = item.text("next_photo", "");
       item.finish();
       bench.verdict[name] = verdict;
     }
@@ -252,8 +256,14 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   json["machine"]["affine"] = to_json(bench.machine_affine);
   if (bench.machine_affine_sigma) json["machine"]["affine_sigma"] = to_json(*bench.machine_affine_sigma);
   if (!bench.verdict.empty())
-    for (const auto& [name, verdict] : bench.verdict)
-      json["verdict"][name] = {{"determined", verdict.determined}, {"reason", verdict.reason}};
+    for (const auto& [name, verdict] : bench.verdict) {
+      Json& item = json["verdict"][name] = {{"determined", verdict.determined}};
+      if (verdict.weakly) item["weakly"] = true;
+      if (verdict.sigma) item["sigma"] = *verdict.sigma;
+      if (!verdict.unit.empty()) item["unit"] = verdict.unit;
+      item["reason"] = verdict.reason;
+      if (!verdict.next_photo.empty()) item["next_photo"] = verdict.next_photo;
+    }
   write_json(json, file);
 }
 

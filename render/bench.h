@@ -46,10 +46,15 @@ struct Sensor {
   double psf_sigma_px = 0;  ///< Gaussian blur on the pixel grid, on top of the pixel's own square
 };
 
-/// What the photos say about one parameter: `determined`, and why or why not in a sentence.
+/// What the photos say about one parameter: `determined`, and why or why not in a sentence. What is determined only
+/// weakly (not `determined`, but `weakly`) is a measurement with a sigma too large to build on.
 struct Verdict {
   bool determined = false;
   std::string reason;
+  bool weakly = false;
+  std::optional<double> sigma{};  ///< one standard deviation, the worst of several numbers; in `unit`
+  std::string unit{};             ///< "%", "mm", "px", "degrees" or empty
+  std::string next_photo{};       ///< for what is not determined: the photo that would help most, in words
 };
 
 struct MaterialSigma {
