@@ -11,7 +11,7 @@
 #include "optimize/adam.h"
 #include "optimize/glint.h"
 #include "optimize/picture_metrics.h"
-#include "optimize/start.h"
+#include "optimize/stroke_search.h"
 #include "optimize/target.h"
 #include "render/brdf.h"
 #include "render/error.h"
@@ -30,15 +30,17 @@ void check_options(const DesignOptions& o, const Board& board) {
   };
   need(o.pixels >= 16 && o.pixels <= 8192, "pixels", "is out of range", "give 16 to 8192; 512 is usual");
   need(o.iterations >= 0 && o.iterations <= 1000000, "iterations", "is out of range", "100 is usual");
-  need(o.rate > 0 && o.rate < 1 && o.final_rate > 0, "rate", "is out of range", "0.001 is usual");
+  need(o.rate >= 0 && o.rate < 1 && o.final_rate >= 0 && o.final_rate < 1, "rate", "is out of range",
+       "0.001 is usual, 0 chooses");
   need(o.loss.perceptual >= 0 && o.loss.l2 >= 0 && o.loss.gram >= 0 && o.loss.perceptual + o.loss.l2 + o.loss.gram > 0,
        "loss", "has a negative weight, or all are 0", "the paper's are perceptual 1, gram 0.01");
   need(o.min_length > 0 && o.min_length < 0.5, "min_length", "is out of range", "0.001 is usual");
   const double shortest = o.min_length * board.size_mm.maxCoeff();
   need(o.max_length_mm == 0 || o.max_length_mm > shortest, "max_length_mm", "is below the smallest length",
        "give more, or 0 for any length");
-  need(o.drop_light >= 0 && o.drop_light < 1 && o.drop_count >= 0 && o.drop_count < 1, "drop",
-       "is not a share from 0 to 1", "0.03 of the light is usual");
+  need(o.drop_error >= 0 && o.drop_error < 1 && o.drop_light >= 0 && o.drop_light < 1 && o.drop_count >= 0 &&
+           o.drop_count < 1,
+       "drop", "is not a share from 0 to 1", "0.01 of the error is usual");
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   if (!(area.minCoeff() > 4 * shortest))
     fail("board: carve_mm", "is too small to carve in", "give a rectangle with sides of several mm");
@@ -183,7 +185,7 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   return views;
 }
 
-// ---- Placing scratches by the model of optimize/start.h ------------------------------------------------------------
+// ---- Placing scratches by optimize/stroke_search.h ------------------------------------------------------------
 
 double pitch_mm(const WorkView& v, const Limits& limits) {
   return (limits.max_mm.x() - limits.min_mm.x()) / v.target.picture.width;
@@ -193,30 +195,42 @@ StrokeRules stroke_rules(const Limits& limits, double mean_length_mm, double alp
   StrokeRules rules;
   rules.min_mm = limits.min_mm;
   rules.max_mm = limits.max_mm;
-  const double most = 0.9 * (limits.max_mm - limits.min_mm).minCoeff();
-  rules.longest_mm = std::min(limits.longest_mm > 0 ? limits.longest_mm : most, 2 * mean_length_mm);
+  // Flat parts of a picture want long strokes. Short ones cost the machine as much as they bring light.
+  const double most = std::min(10 * mean_length_mm, 0.9 * (limits.max_mm - limits.min_mm).norm());
+  rules.longest_mm = limits.longest_mm > 0 ? std::min(limits.longest_mm, most) : most;
   rules.shortest_mm = std::min(std::max(limits.shortest_mm, 0.1 * mean_length_mm), rules.longest_mm);
   rules.alpha = alpha;
   return rules;
 }
 
-// The model's pictures: what `shown` radiance (a view) leaves missing at these exposures.
-std::vector<StrokeView> light_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,
-                                    const Limits& limits, bool from_face) {
+// What the search sees: the face alone, or all that was rendered last, at these exposures.
+std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,
+                                     const Limits& limits, bool from_face) {
   std::vector<StrokeView> out;
   for (const WorkView& v : views) {
     const auto e = static_cast<float>(std::exp(log_exposure[v.exposure_group]));
-    const Image& shown = from_face ? v.face : v.radiance;
-    Image light = shown;
-    for (float& l : light.data) l *= e;
-    StrokeView view{v.glint, v.target.picture, light_weight(light, v.target.picture, v.target.mask), v.unit};
-    for (std::size_t i = 0; i < light.data.size(); ++i)
-      view.missing.data[i] = std::pow(std::max(0.0F, view.missing.data[i]), 2.2F) - light.data[i];
-    const auto scale = e * static_cast<float>(pitch_mm(v, limits));
-    for (float& u : view.unit.data) u *= scale;
+    StrokeView view{v.glint, from_face ? v.face : v.radiance, v.target.picture, v.target.mask, v.unit, v.spec.weight};
+    for (float& l : view.light.data) l *= e;
+    for (float& u : view.unit.data) u *= e * static_cast<float>(pitch_mm(v, limits));
     out.push_back(std::move(view));
   }
   return out;
+}
+
+// The one brightness a group with which its views, as rendered last, come closest to their targets (their mean).
+std::vector<double> fitting_exposures(const std::vector<WorkView>& views, std::vector<double> log_exposure) {
+  std::vector<double> sum(log_exposure.size(), 0.0), members = sum;
+  for (const WorkView& v : views) {
+    sum[v.exposure_group] +=
+        std::log(best_exposure(v.radiance, v.target.picture, std::exp(log_exposure[v.exposure_group]), v.target.mask));
+    members[v.exposure_group] += 1;
+  }
+  for (std::size_t g = 0; g < sum.size(); ++g) log_exposure[g] = sum[g] / members[g];
+  return log_exposure;
+}
+
+void render_all(std::vector<WorkView>& views, const Scratches& scratches) {
+  for (WorkView& v : views) v.renderer.forward(scratches, v.radiance);
 }
 
 void set_scratch(Scratches& s, std::size_t i, const Stroke& stroke) {
@@ -234,27 +248,40 @@ Scratches append(Scratches s, const std::vector<Stroke>& strokes) {
   return s;
 }
 
-// Moves the scratches whose absence costs least to where the pictures miss most, as far as that pays on the model.
-// Returns the moved ones.
+// Moves the scratches whose absence costs least to where the pictures of all views miss most, as far as that pays, then
+// searches a better place for each. The views must be as rendered. Returns the moved ones, ascending.
 std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkView>& views,
                                   const std::vector<double>& log_exposure, const Limits& limits,
                                   const StrokeRules& rules, double share, std::uint64_t seed) {
-  std::vector<StrokeView> light = light_views(views, log_exposure, limits, false);
-  const std::vector<double> worth = worth_of(light, rules, scratches);
-  std::vector<std::size_t> order(worth.size());
+  std::vector<StrokeView> light = stroke_views(views, log_exposure, limits, false);
+  const std::size_t movable = scratches.size();
+  std::vector<double> worth = worth_of(light, rules, scratches);
+  std::vector<std::size_t> order(movable);
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto candidates = static_cast<std::ptrdiff_t>(share * static_cast<double>(order.size()));
   std::partial_sort(order.begin(), order.begin() + candidates, order.end(),
                     [&](std::size_t a, std::size_t b) { return worth[a] != worth[b] ? worth[a] < worth[b] : a < b; });
   order.resize(static_cast<std::size_t>(candidates));
-  for (const std::size_t i : order) lift_stroke(light, rules, scratches, i);
-  std::vector<Stroke> strokes = place_strokes(light, rules, order.size(), seed, 0);
-  std::stable_sort(strokes.begin(), strokes.end(), [](const Stroke& a, const Stroke& b) { return a.gain > b.gain; });
-  std::vector<std::size_t> moved;
-  for (std::size_t k = 0; k < strokes.size() && strokes[k].gain > worth[order[k]]; ++k) {
-    set_scratch(scratches, order[k], strokes[k]);
-    moved.push_back(order[k]);
+  std::vector<char> changed(scratches.size(), 0);
+  {
+    std::vector<StrokeView> lifted = light;
+    lift_strokes(lifted, rules, scratches, order);
+    std::vector<Stroke> strokes = place_strokes(lifted, rules, order.size(), seed);
+    std::stable_sort(strokes.begin(), strokes.end(), [](const Stroke& a, const Stroke& b) { return a.gain > b.gain; });
+    std::size_t moved = 0;
+    while (moved < strokes.size() && strokes[moved].gain > worth[order[moved]]) ++moved;
+    order.resize(moved);
+    lift_strokes(light, rules, scratches, order);
+    for (std::size_t k = 0; k < moved; ++k) {
+      set_scratch(scratches, order[k], strokes[k]);
+      changed[order[k]] = 1;
+    }
+    add_strokes(light, rules, scratches, order);
   }
+  for (const std::size_t i : improve_strokes(light, rules, scratches, movable, seed + 1)) changed[i] = 1;
+  std::vector<std::size_t> moved;
+  for (std::size_t i = 0; i < changed.size(); ++i)
+    if (changed[i]) moved.push_back(i);
   return moved;
 }
 
@@ -268,23 +295,13 @@ std::vector<int> contact_iterations(int iterations, int frames) {
   return kept;
 }
 
-// Which scratches stay, ascending: the least worthy are dropped, as many as the options' share of the light or count.
-std::vector<std::size_t> worthy_scratches(const std::vector<double>& worth, const std::vector<double>& light,
-                                          const DesignOptions& options) {
-  std::vector<std::size_t> order(worth.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth[a] < worth[b]; });
-  std::size_t drop = 0;
-  if (options.drop_count > 0) {
-    drop = static_cast<std::size_t>(options.drop_count * static_cast<double>(order.size()));
-  } else if (options.drop_light > 0) {
-    const double total = std::accumulate(light.begin(), light.end(), 0.0);
-    double sum = 0;
-    while (drop < order.size() && (sum += light[order[drop]]) <= options.drop_light * total) ++drop;
-  }
-  drop = std::min(drop, order.size() - 1);
-  std::vector<std::size_t> kept(order.begin() + static_cast<std::ptrdiff_t>(drop), order.end());
-  std::sort(kept.begin(), kept.end());
+// Which of `count` scratches stay, ascending, when these go.
+std::vector<std::size_t> all_but(std::size_t count, const std::vector<std::size_t>& gone) {
+  std::vector<char> goes(count, 0);
+  for (const std::size_t i : gone) goes[i] = 1;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < count; ++i)
+    if (!goes[i]) kept.push_back(i);
   return kept;
 }
 
@@ -358,28 +375,32 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     }
     for (int g = 0; g < group_count; ++g) log_exposure[g] = std::log(wanted[g] / given[g]);
     report("placing scratches", 0);
-    std::vector<StrokeView> light = light_views(views, log_exposure, limits, true);
-    scratches = append({}, place_strokes(light, rules, count, options.seed));
+    std::vector<StrokeView> light = stroke_views(views, log_exposure, limits, true);
+    scratches = append({}, place_strokes(light, rules, count, options.seed, options.stop));
     // Where the model finds no more to gain, the rest start anywhere: relocation may yet find them a place.
     const Scratches rest = random_start(count - scratches.size(), limits, mean_length, options.seed + 1);
     for (std::size_t i = 0; i < rest.size(); ++i)
       scratches = append(std::move(scratches), {{{rest.x0_mm[i], rest.y0_mm[i]}, {rest.x1_mm[i], rest.y1_mm[i]}, 0}});
   }
-  {
-    std::vector<double> wanted(group_count, 0.0), given(group_count, 0.0), best(group_count, 0.0), members = best;
-    for (WorkView& v : views) {
-      v.renderer.forward(scratches, v.radiance);
-      const double target = mean_light(v.target.picture), mean = mean_value(v.radiance);
-      if (!(mean > 0)) fail("view " + v.spec.view, "is black", "check the lamp's intensity and position in the bench");
-      wanted[v.exposure_group] += target;
-      given[v.exposure_group] += mean;
-      best[v.exposure_group] += std::log(best_exposure(v.radiance, v.target.picture, target / mean, v.target.mask));
-      members[v.exposure_group] += 1;
-    }
-    const bool matched = options.from || options.start == Start::guided;
-    for (int g = 0; g < group_count; ++g)
-      log_exposure[g] = matched ? best[g] / members[g] : std::log(options.start_exposure * wanted[g] / given[g]);
+  render_all(views, scratches);
+  std::vector<double> wanted(group_count, 0.0), given(group_count, 0.0);
+  for (WorkView& v : views) {
+    const double mean = mean_value(v.radiance);
+    if (!(mean > 0)) fail("view " + v.spec.view, "is black", "check the lamp's intensity and position in the bench");
+    wanted[v.exposure_group] += mean_light(v.target.picture);
+    given[v.exposure_group] += mean;
   }
+  const bool random = !options.from && options.start == Start::random;
+  for (int g = 0; g < group_count; ++g)
+    log_exposure[g] = std::log((random ? options.start_exposure : 1) * wanted[g] / given[g]);
+  if (!random) log_exposure = fitting_exposures(views, log_exposure);
+  if (!options.from && options.start == Start::guided)
+    for (int k = 0; k < options.start_sweeps; ++k) {
+      report("searching places", static_cast<double>(k) / options.start_sweeps);
+      relocate(scratches, views, log_exposure, limits, rules, 0, options.seed + 100 + k);
+      render_all(views, scratches);
+      log_exposure = fitting_exposures(views, log_exposure);
+    }
   std::vector<double> start_exposure(views.size());
 
   // Optional shared parameters, in logarithms.
@@ -401,6 +422,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   // Weak scratches go before the end, so that the last iterations make up for them.
   const int drop_at = static_cast<int>(std::lround(options.drop_at * options.iterations));
   const auto drop_weak = [&] {
+    if (!(options.drop_count > 0 || options.drop_light > 0 || options.drop_error > 0)) return;
     report("dropping weak scratches", 0);
     // Each view's light in units of its own white, so that a bright lamp's views do not rule.
     std::vector<double> light_sum(count, 0.0);
@@ -409,8 +431,21 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       v.renderer.add_contributions(light);
       for (std::size_t i = 0; i < count; ++i) light_sum[i] += std::exp(log_exposure[v.exposure_group]) * light[i];
     }
-    const std::vector<double> worth = worth_of(light_views(views, log_exposure, limits, false), rules, scratches);
-    const std::vector<std::size_t> kept = worthy_scratches(worth, light_sum, options);
+    const double total_light = std::accumulate(light_sum.begin(), light_sum.end(), 0.0);
+    std::vector<StrokeView> shown = stroke_views(views, log_exposure, limits, false);
+    const double error = squared_error(shown);
+    const auto most = static_cast<std::size_t>(options.drop_count * static_cast<double>(count));
+    std::size_t gone = 0;
+    double rise = 0, light = 0;
+    const std::vector<std::size_t> kept =
+        all_but(count, spare_order(std::move(shown), rules, scratches, count, {}, [&](std::size_t i, double worth) {
+                  if (++gone == count) return false;  // one stays, whatever is asked
+                  rise += std::max(0.0, worth);
+                  light += light_sum[i];
+                  return options.drop_count > 0   ? gone <= most
+                         : options.drop_light > 0 ? light <= options.drop_light * total_light
+                                                  : rise <= options.drop_error * error;
+                }));
     result.dropped = count - kept.size();
     if (result.dropped == 0) return;
     result.loss_before_drop = result.history.back().loss;
@@ -418,6 +453,9 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->keep(kept);
     count = kept.size();
   };
+  // A design that starts where it should be is only set right; a random one has a way to go.
+  const double first_rate = options.rate > 0 ? options.rate : random ? 1e-3 : 0.1 / options.pixels;
+  const double last_rate = options.final_rate > 0 ? options.final_rate : random ? 1e-4 : 0.007 / options.pixels;
   int iteration = 0;
   for (;; ++iteration) {
     const bool last = iteration == options.iterations || result.stopped_early;
@@ -473,7 +511,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     if (last) break;
 
     const double t = static_cast<double>(iteration) / std::max(1, options.iterations - 1);
-    const double rate = options.final_rate + (options.rate - options.final_rate) * 0.5 * (1 + std::cos(kPi * t));
+    const double rate = last_rate + (first_rate - last_rate) * 0.5 * (1 + std::cos(kPi * t));
     for (std::size_t i = 0; i < count; ++i) directions[i] = direction_of(scratches, i);
     adam_x0.step(scratches.x0_mm, gradients.x0_mm, rate * board.size_mm.x());
     adam_y0.step(scratches.y0_mm, gradients.y0_mm, rate * board.size_mm.y());
@@ -484,10 +522,13 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
         t < options.relocate_until &&
         (options.time_limit_s <= 0 || seconds_since(began) < options.relocate_until * options.time_limit_s);
     if (options.relocate_every > 0 && iteration > 0 && iteration % options.relocate_every == 0 && may_move) {
+      render_all(views, scratches);
       const std::vector<std::size_t> moved = relocate(scratches, views, log_exposure, limits, rules,
                                                       options.relocate_share, options.seed + 1000 + iteration);
-      for (const std::size_t i : moved)
+      for (const std::size_t i : moved) {
+        limits.apply(scratches, i, direction_of(scratches, i));
         for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->restart(i);
+      }
       result.relocated += moved.size();
     }
     if (iteration == drop_at && iteration > 0) drop_weak();

@@ -25,7 +25,7 @@
 namespace burin {
 
 /// Where scratches begin: anywhere in any direction (the paper), or where and how the pictures want them
-/// (optimize/start.h).
+/// (optimize/stroke_search.h).
 enum class Start { random, guided };
 
 /// What has a brightness of its own: each lamp (one photo setting for all its views) or each view (an eye adapts).
@@ -43,27 +43,30 @@ struct DesignOptions {
   int pixels = 512;  ///< of the grid along the carve area's longer side
   int iterations = 100;
   std::uint64_t seed = 1;
-  double rate = 1e-3;        ///< Adam's, in uv (fractions of the board's width and height) an iteration
-  double final_rate = 3e-4;  ///< the rate falls along a half cosine to this
+  double rate = 0;        ///< Adam's, in uv (fractions of the board's width and height) an iteration; 0: 1e-3 from a
+                          ///< random start, else 3e-4
+  double final_rate = 0;  ///< the rate falls along a half cosine to this; 0: chosen
   LossWeights loss;
   Start start = Start::guided;
   double start_length_mm = 0;     ///< mean length at the start; 0: chosen from the number of scratches
   double start_brightness = 0.6;  ///< guided start: mean part of its lobe that a scratch shows
-  int relocate_every = 10;        ///< iterations between relocations of useless scratches; 0: never
-  double relocate_until = 0.5;    ///< part of the iterations (or of the time limit) after which none are moved
-  double relocate_share = 0.05;   ///< of the scratches, at most, each time
+  int start_sweeps = 4;           ///< guided start: times that each scratch is searched a better place
+  int relocate_every = 5;         ///< iterations between such searches; 0: never
+  double relocate_until = 0.95;   ///< part of the iterations (or of the time limit) after which there are none
+  double relocate_share = 0.02;   ///< of the scratches, the least worthy, that may change their view each time
   double min_length = 1e-3;       ///< shortest scratch, as a fraction of the board's longer edge
   double max_length_mm = 0;       ///< longest scratch; 0: any
   ExposureOf exposure_of = ExposureOf::view;
   double start_exposure = 0.2;  ///< random start: times the exposure that matches the pictures' means
   double exposure_rate = 0.02;  ///< Adam's, in log(exposure) an iteration; 0 holds it
   bool optimise_width = false, optimise_depth = false, optimise_alpha = false;  ///< one number for all scratches
-  double log_rate = 0.01;         ///< Adam's, in log(width), log(depth), log(alpha) an iteration
-  double drop_light = 0.03;       ///< the weakest scratches that together carry this share of the light are dropped
-  double drop_count = 0;          ///< or this share of the scratches, weakest first (if > 0)
-  double drop_at = 0.8;           ///< part of the iterations after which they are dropped; the rest make up for them
-  double time_limit_s = 0;        ///< stop iterating so that everything ends about then; 0: no limit
-  int contact_frames = 8;         ///< iterations kept for the contact sheet
+  double log_rate = 0.01;    ///< Adam's, in log(width), log(depth), log(alpha) an iteration
+  double drop_error = 0.01;  ///< the least worthy scratches go that together keep the squared error down by this share
+  double drop_light = 0;     ///< or those that together carry this share of the light (if > 0)
+  double drop_count = 0;     ///< or this share of the scratches (if > 0)
+  double drop_at = 0.8;      ///< part of the iterations after which they go; the rest make up for them
+  double time_limit_s = 0;   ///< stop iterating so that everything ends about then; 0: no limit
+  int contact_frames = 8;    ///< iterations kept for the contact sheet
   std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's)
   std::function<void(const DesignFrame&)> watch;  ///< called once an iteration; may be empty
   std::function<bool()> stop;  ///< asked once an iteration: true ends the iterations, keeping what there is

@@ -148,16 +148,18 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--start-length", o->design.start_length_mm, "Mean length at the start, mm (0: chosen)");
   c->add_option("--start-brightness", o->design.start_brightness, "Guided start: part of its lobe a scratch shows")
       ->capture_default_str();
-  c->add_option("--relocate-every", o->design.relocate_every, "Iterations between relocations (0: never)")
+  c->add_option("--start-sweeps", o->design.start_sweeps, "Guided start: times that each scratch seeks a better place")
       ->capture_default_str();
-  c->add_option("--relocate-share", o->design.relocate_share, "Share of the scratches considered each time")
+  c->add_option("--relocate-every", o->design.relocate_every, "Iterations between such searches (0: never)")
       ->capture_default_str();
-  c->add_option("--relocate-until", o->design.relocate_until, "Part of the run after which none are moved")
+  c->add_option("--relocate-share", o->design.relocate_share, "Share of the scratches that may change their view then")
+      ->capture_default_str();
+  c->add_option("--relocate-until", o->design.relocate_until, "Part of the run after which there are none")
       ->capture_default_str();
   c->add_option("--start-exposure", o->design.start_exposure, "Random start: times the exposure that matches the means")
       ->capture_default_str();
-  c->add_option("--rate", o->design.rate, "Adam's rate, in fractions of the board's edge")->capture_default_str();
-  c->add_option("--final-rate", o->design.final_rate, "Its value at the end")->capture_default_str();
+  c->add_option("--rate", o->design.rate, "Adam's rate, in fractions of the board's edge (0: chosen)");
+  c->add_option("--final-rate", o->design.final_rate, "Its value at the end (0: chosen)");
   c->add_option("--perceptual", o->design.loss.perceptual, "Weight of the perceptual loss")->capture_default_str();
   c->add_option("--l2", o->design.loss.l2, "Weight of the plain squared difference")->capture_default_str();
   c->add_option("--gram", o->design.loss.gram, "Weight of the Gram term")->capture_default_str();
@@ -170,8 +172,10 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--min-length", o->design.min_length, "Shortest scratch, in fractions of the board's edge")
       ->capture_default_str();
   c->add_option("--max-length", o->design.max_length_mm, "Longest scratch, mm (0: any)")->capture_default_str();
-  c->add_option("--drop-light", o->design.drop_light, "Drop the weakest scratches that carry this share of the light")
+  c->add_option("--drop-error", o->design.drop_error,
+                "Drop the least worthy scratches that lower the squared error by this share")
       ->capture_default_str();
+  c->add_option("--drop-light", o->design.drop_light, "Or those that carry this share of the light");
   c->add_option("--drop-count", o->design.drop_count, "Or this share of the scratches");
   c->add_flag("--live", o->live, "Refresh OUT/live.png while it runs");
   c->footer(example("burin design design.json --out round-01"));

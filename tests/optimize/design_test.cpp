@@ -101,9 +101,11 @@ TEST_F(DesignTest, GuidedStartAndRelocationEachLowerTheLoss) {
     options_.relocate_every = relocate_every;
     return design(spec_, board_, bench_, options_, {}).final_loss;
   };
-  const double plain = loss(Start::random, 0), moved = loss(Start::random, 4), guided = loss(Start::guided, 0);
-  EXPECT_LT(moved, plain);
-  EXPECT_LT(guided, 0.8 * plain);
+  const double plain = loss(Start::random, 0), moved = loss(Start::random, 4), guided = loss(Start::guided, 0),
+               both = loss(Start::guided, 4);
+  EXPECT_LT(moved, 0.5 * plain);
+  EXPECT_LT(guided, 0.5 * plain);
+  EXPECT_LT(both, guided);
 }
 
 TEST_F(DesignTest, SameSeedSameBitsForAnyNumberOfThreads) {
@@ -125,7 +127,7 @@ TEST_F(DesignTest, ScratchesObeyTheLimits) {
   options_.rate = 5e-3;
   options_.min_length = 0.02;
   options_.max_length_mm = 2;
-  options_.drop_light = 0;
+  options_.drop_error = 0;
   const DesignResult result = design(spec_, board_, bench_, options_, {});
   EXPECT_EQ(result.scratches.size(), 2500U);
   EXPECT_EQ(result.dropped, 0U);
@@ -141,7 +143,7 @@ TEST_F(DesignTest, ScratchesObeyTheLimits) {
   }
 }
 
-TEST_F(DesignTest, DropsByCountOrByLight) {
+TEST_F(DesignTest, DropsByCountByLightOrByError) {
   options_.iterations = 5;
   options_.drop_count = 0.4;
   EXPECT_EQ(design(spec_, board_, bench_, options_, {}).scratches.size(), 1500U);
@@ -150,6 +152,15 @@ TEST_F(DesignTest, DropsByCountOrByLight) {
   const DesignResult result = design(spec_, board_, bench_, options_, {});
   EXPECT_GT(result.dropped, 0U);
   EXPECT_LT(result.final_loss, 1.5 * result.loss_before_drop);
+  options_.drop_light = 0;
+  options_.drop_error = 0.01;
+  const DesignResult by_error = design(spec_, board_, bench_, options_, {});
+  EXPECT_GT(by_error.dropped, 0U);
+  // A hundredth of the error is 0.04 dB.
+  options_.drop_error = 0;
+  const DesignResult all = design(spec_, board_, bench_, options_, {});
+  EXPECT_EQ(all.dropped, 0U);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_GT(by_error.views[k].psnr_db, all.views[k].psnr_db - 0.15);
 }
 
 TEST_F(DesignTest, GoesOnFromScratchesAndStopsWhenAsked) {
