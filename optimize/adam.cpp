@@ -1,11 +1,38 @@
 #include "optimize/adam.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "optimize/machine_clones.h"
 #include "render/error.h"
 
 namespace burin {
+namespace {
+
+/// Parameters that a task works on: enough to be worth a task, few enough to stay in the cache.
+constexpr std::size_t kPart = 4096;
+
+/// Ages whose corrections are computed at once.
+constexpr std::size_t kAges = 256;
+
+BURIN_MACHINE_CLONES void step_part(std::size_t n, const AdamOptions& options, double rate,
+                                    const double* __restrict unbias_mean, const double* __restrict unbias_square,
+                                    const double* __restrict gradient, double* __restrict mean,
+                                    double* __restrict square, std::uint32_t* __restrict age,
+                                    double* __restrict parameter) {
+  const double beta1 = options.beta1, beta2 = options.beta2, epsilon = options.epsilon;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double g = gradient[i];
+    mean[i] = beta1 * mean[i] + (1 - beta1) * g;
+    square[i] = beta2 * square[i] + (1 - beta2) * g * g;
+    const std::uint32_t t = age[i]++;
+    parameter[i] -= rate * mean[i] * unbias_mean[t] / (std::sqrt(square[i] * unbias_square[t]) + epsilon);
+  }
+}
+
+}  // namespace
 
 Adam::Adam(std::size_t parameter_count, const AdamOptions& options)
     : options_(options), mean_(parameter_count, 0.0), square_(parameter_count, 0.0), age_(parameter_count, 0) {}
@@ -13,23 +40,18 @@ Adam::Adam(std::size_t parameter_count, const AdamOptions& options)
 void Adam::step(std::span<double> parameters, std::span<const double> gradient, double rate) {
   if (parameters.size() != size() || gradient.size() != size())
     fail("adam", "the arrays do not have the optimiser's size", "make a new Adam after changing the parameters");
-  // Powers of the betas by age: few distinct values, computed once.
-  const std::uint32_t oldest = age_.empty() ? 0 : *std::max_element(age_.begin(), age_.end()) + 1;
-  std::vector<double> unbias_mean(oldest + 1, 1.0), unbias_square(oldest + 1, 1.0);
-  double p1 = 1, p2 = 1;
-  for (std::uint32_t t = 1; t <= oldest; ++t) {
-    p1 *= options_.beta1;
-    p2 *= options_.beta2;
-    unbias_mean[t] = 1 / (1 - p1);
-    unbias_square[t] = 1 / (1 - p2);
+  // No parameter is older than the steps made.
+  if (++steps_ > unbias_mean_.size()) {
+    for (std::size_t t = unbias_mean_.size(), end = t + kAges; t < end; ++t) {
+      unbias_mean_.push_back(1 / (1 - std::pow(options_.beta1, t + 1)));
+      unbias_square_.push_back(1 / (1 - std::pow(options_.beta2, t + 1)));
+    }
   }
-  for (std::size_t i = 0; i < size(); ++i) {
-    const double g = gradient[i];
-    mean_[i] = options_.beta1 * mean_[i] + (1 - options_.beta1) * g;
-    square_[i] = options_.beta2 * square_[i] + (1 - options_.beta2) * g * g;
-    const std::uint32_t t = ++age_[i];
-    parameters[i] -= rate * mean_[i] * unbias_mean[t] / (std::sqrt(square_[i] * unbias_square[t]) + options_.epsilon);
-  }
+  tbb::parallel_for(std::size_t{0}, (size() + kPart - 1) / kPart, [&](std::size_t part) {
+    const std::size_t i = part * kPart;
+    step_part(std::min(kPart, size() - i), options_, rate, unbias_mean_.data(), unbias_square_.data(), &gradient[i],
+              &mean_[i], &square_[i], &age_[i], &parameters[i]);
+  });
 }
 
 void Adam::restart(std::size_t index) {

@@ -22,7 +22,8 @@ class Adam {
   explicit Adam(std::size_t parameter_count, const AdamOptions& options = {});
 
   /// parameters -= rate * mean / (sqrt(mean square) + epsilon), each corrected for its age. A gradient that is exactly
-  /// zero leaves a parameter without history where it is. Sizes must equal parameter_count.
+  /// zero leaves a parameter without history where it is. Sizes must equal parameter_count. Same bits for any number of
+  /// threads.
   void step(std::span<double> parameters, std::span<const double> gradient, double rate);
 
   /// Forgets the history of one parameter.
@@ -37,6 +38,8 @@ class Adam {
   AdamOptions options_;
   std::vector<double> mean_, square_;
   std::vector<std::uint32_t> age_;
+  std::size_t steps_ = 0;
+  std::vector<double> unbias_mean_, unbias_square_;  ///< by age before the step
 };
 
 }  // namespace burin

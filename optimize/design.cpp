@@ -167,12 +167,14 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
     weights.l2 *= v.weight;
     weights.gram *= v.weight;
     PictureLoss loss(with_gamma_offset(target.picture), target.mask, weights);
+    RenderOptions render;
+    render.material_gradients = options.optimise_width || options.optimise_depth || options.optimise_alpha;
     views.push_back({v,
                      glints[k],
                      std::move(target),
                      rotation,
                      index,
-                     ViewRenderer(std::move(scene)),
+                     ViewRenderer(std::move(scene), render),
                      std::move(loss),
                      {},
                      {},

@@ -12,7 +12,7 @@
 //   E_gram = kGramUnit * sum over scales s, tiles of  4^s n || G(picture) - G(target) ||_F^2,  G = (1/n) sum of f f^T
 // with f the eight responses at one of the tile's n pixels. Like the paper's term it asks for the right amount and
 // direction of local contrast wherever it sits, which is what isolated bright scratches (outliers) violate. It knows
-// no objects, as VGG's deeper layers do.
+// no objects, as VGG's deeper layers do. How it is computed: optimize/gram_term.h.
 //
 // All gradients are exact (tests: finite differences). Same bits for any number of threads. Source: DESIGN 3.5, 7.
 #pragma once
@@ -39,7 +39,8 @@ struct LossValue {
   double total = 0;
 };
 
-/// The loss against one target. Holds the target's Gram matrices and the work buffers.
+/// The loss against one target. Holds the target's moments and the work buffers: evaluate() allocates nothing when
+/// dE_dpicture has the picture's size.
 class PictureLoss {
  public:
   /// `target`: one channel. `mask`: empty (no pixels) or of the target's size, 0 (does not matter) to 1. Throws Error
@@ -59,9 +60,6 @@ class PictureLoss {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// The loss' 3x3 Gaussian (1 2 1)/4 in both directions, zeros outside. One channel.
-Image blurred(const Image& image);
 
 /// Radiance to picture: (max(0, exposure * radiance) + kGammaOffset)^(1 / 2.2). The offset keeps the slope finite in
 /// black; targets are passed through with_gamma_offset() so that equal light stays equal value.

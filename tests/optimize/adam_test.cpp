@@ -2,6 +2,7 @@
 #include "optimize/adam.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 
@@ -48,6 +49,40 @@ TEST(Adam, ConvergesWhateverTheScales) {
   for (int i = 0; i < 2000; ++i) adam.step(x, std::vector<double>{2e6 * (x[0] - 0.3), 2e-3 * (x[1] - 0.2)}, 1e-2);
   EXPECT_NEAR(x[0], 0.3, 1e-3);
   EXPECT_NEAR(x[1], 0.2, 1e-3);
+}
+
+TEST(Adam, ThreeHundredStepsAsWrittenDown) {
+  // Kingma & Ba's Algorithm 1 a number at a time, with parameters that start anew now and then; 1, 2 and 5 threads.
+  constexpr std::size_t kCount = 9001;  // some parts, none of them full packets
+  const auto gradient_of = [](std::size_t i, int t) { return std::sin(0.37 * static_cast<double>(i) + 0.11 * t); };
+  std::vector<double> expected(kCount, 0.5), mean(kCount, 0), square(kCount, 0), gradient(kCount);
+  std::vector<int> age(kCount, 0);
+  for (int t = 0; t < 300; ++t)
+    for (std::size_t i = 0; i < kCount; ++i) {
+      if (t % 100 == 50 && i % 7 == 3) mean[i] = square[i] = age[i] = 0;
+      const double g = gradient_of(i, t);
+      mean[i] = 0.9 * mean[i] + 0.1 * g;
+      square[i] = 0.999 * square[i] + 0.001 * g * g;
+      ++age[i];
+      expected[i] -=
+          1e-3 * mean[i] / (1 - std::pow(0.9, age[i])) / (std::sqrt(square[i] / (1 - std::pow(0.999, age[i]))) + 1e-12);
+    }
+  std::vector<double> first;
+  for (const int threads : {1, 2, 5}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    Adam adam(kCount);
+    std::vector<double> x(kCount, 0.5);
+    for (int t = 0; t < 300; ++t) {
+      for (std::size_t i = 0; i < kCount; ++i) {
+        if (t % 100 == 50 && i % 7 == 3) adam.restart(i);
+        gradient[i] = gradient_of(i, t);
+      }
+      adam.step(x, gradient, 1e-3);
+    }
+    if (threads == 1) first = x;
+    EXPECT_EQ(x, first) << threads << " threads";
+    for (std::size_t i = 0; i < kCount; ++i) ASSERT_NEAR(x[i], expected[i], 1e-11);
+  }
 }
 
 TEST(Adam, WrongSizeIsAnError) {
