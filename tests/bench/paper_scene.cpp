@@ -1,0 +1,88 @@
+#include "tests/bench/paper_scene.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <random>
+#include <utility>
+
+namespace burin {
+namespace {
+
+constexpr double kPi = 3.14159265358979;
+
+}  // namespace
+
+ViewScene paper_scene(int pixels, int view, int views) {
+  constexpr double kBoard = kPaperBoard_mm;
+  ViewScene scene;
+  scene.grid = board_grid({0, 0}, {kBoard, kBoard}, pixels, pixels, {{kBoard, kBoard}, {0, 0, 0}});
+  const double azimuth = kPi * view / views, r = 900;
+  const Eigen::Vector3d middle(kBoard / 2, kBoard / 2, 0);
+  scene.camera_center_mm = middle + r * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 1) / std::sqrt(2);
+  scene.light.position_mm = middle + r * Eigen::Vector3d(-std::sin(azimuth), std::cos(azimuth), 1) / std::sqrt(2);
+  scene.light.intensity = {1e6, 1e6, 1e6};
+  scene.material = {0.04, 30, 0.15, {0.91, 0.92, 0.92}};
+  scene.tool_width_um = 30;
+  return scene;
+}
+
+Scratches paper_scratches(int count) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> where(0.03 * kPaperBoard_mm, 0.97 * kPaperBoard_mm), turn(0, 2 * kPi),
+      length(0.01 * kPaperBoard_mm, 0.025 * kPaperBoard_mm);
+  Scratches s;
+  for (auto* ends : {&s.x0_mm, &s.y0_mm, &s.x1_mm, &s.y1_mm}) ends->reserve(count);
+  for (int i = 0; i < count; ++i) {
+    const double x = where(random), y = where(random), a = turn(random), half = length(random);
+    s.x0_mm.push_back(x - half * std::cos(a));
+    s.y0_mm.push_back(y - half * std::sin(a));
+    s.x1_mm.push_back(x + half * std::cos(a));
+    s.y1_mm.push_back(y + half * std::sin(a));
+  }
+  return s;
+}
+
+Image random_weights(const ViewScene& scene) {
+  Image weights(scene.grid.width(), scene.grid.height(), 1);
+  std::mt19937 random(3);
+  for (float& v : weights.data) v = std::uniform_real_distribution<float>(-1, 1)(random);
+  return weights;
+}
+
+void report_correctness(benchmark::State& state, const ViewScene& scene, const Scratches& scratches, SimdWidth simd) {
+  struct Errors {
+    double image = 0, gradient = 0;
+  };
+  static std::map<std::pair<std::size_t, SimdWidth>, Errors> known;
+  const auto [at, is_new] = known.try_emplace({scratches.size(), simd});
+  if (is_new) {
+    const Image weights = random_weights(scene);
+    Image image[2];
+    ScratchGradients g[2];
+    for (const bool use_double : {false, true}) {
+      ViewRenderer renderer(scene, {1, use_double, false, simd});
+      renderer.forward_with_jacobian(scratches, image[use_double]);
+      g[use_double].resize(scratches.size());
+      renderer.backward(weights, g[use_double]);
+    }
+    double peak = 0, error2 = 0;
+    for (std::size_t i = 0; i < image[0].data.size(); ++i) {
+      peak = std::max<double>(peak, image[1].data[i]);
+      error2 += std::pow(static_cast<double>(image[0].data[i]) - image[1].data[i], 2);
+    }
+    double gradient_error2 = 0, size2 = 0;
+    for (std::size_t s = 0; s < scratches.size(); ++s) {
+      for (const auto member :
+           {&ScratchGradients::x0_mm, &ScratchGradients::y0_mm, &ScratchGradients::x1_mm, &ScratchGradients::y1_mm}) {
+        gradient_error2 += std::pow((g[0].*member)[s] - (g[1].*member)[s], 2);
+        size2 += std::pow((g[1].*member)[s], 2);
+      }
+    }
+    at->second = {std::sqrt(error2 / image[0].data.size()) / peak, std::sqrt(gradient_error2 / size2)};
+  }
+  state.counters["image_rms"] = at->second.image;
+  state.counters["gradient_rms"] = at->second.gradient;
+}
+
+}  // namespace burin

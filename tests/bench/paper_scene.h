@@ -1,0 +1,26 @@
+// The scene of the paper's figures, for benchmarks: board, views, scratches as a design starts with them.
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include "render/view_renderer.h"
+
+namespace burin {
+
+inline constexpr double kPaperBoard_mm = 300;
+
+/// A view of the paper's board (wt = d = 1e-4 of its edge, alpha 0.04), seen as a picture laid on it; `views` of them
+/// stand in azimuths 180 degrees over `views` apart.
+ViewScene paper_scene(int pixels, int view = 0, int views = 1);
+
+/// Scratches of 2 to 5 % of the board, as designs have them. The same ones every time.
+Scratches paper_scratches(int count);
+
+/// dE/dradiance of a mono view: random numbers from -1 to 1.
+Image random_weights(const ViewScene& scene);
+
+/// Correctness beside time: `image_rms`, the RMS difference of the fast path's image to the double path's over its
+/// peak, and `gradient_rms`, that of the ends' gradients over their RMS. Computed once a scene size and width.
+void report_correctness(benchmark::State& state, const ViewScene& scene, const Scratches& scratches, SimdWidth simd);
+
+}  // namespace burin
