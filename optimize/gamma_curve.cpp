@@ -22,34 +22,35 @@ BURIN_INLINED float horner(float x, float c0, Rest... rest) {
   return c0 + x * horner(x, rest...);
 }
 
-/// log2 of a normal number above 0. The polynomial is the minimax one (Remez) of log2(1 + m) / m between sqrt(1/2) and
-/// sqrt(2), off by at most 3.8e-8.
-BURIN_INLINED float log2_of(float v) {
+/// v^(1/2.2) for a normal number above 0, to 2e-7 of it: 2^(log2(v) / 2.2), where the logarithm's whole part is kept
+/// apart, because float would round its sum with the rest by as much as that. Both polynomials are minimax ones
+/// (Remez): log2(1 + m) / m between sqrt(1/2) and sqrt(2), off by at most 3.8e-8, and 2^f for |f| <= 1/2, off
+/// by 1.9e-9.
+BURIN_INLINED float encoded(float v) {
   constexpr std::int32_t kSqrtHalf = 0x3f3504f3;
   const auto bits = std::bit_cast<std::int32_t>(v);
   const std::int32_t exponent = (bits - kSqrtHalf) >> 23;
   const float m = std::bit_cast<float>(bits - (exponent << 23)) - 1.0F;
-  const float p = horner(m, 1.442695F, -0.721347199F, 0.48091028F, -0.360716264F, 0.287939094F, -0.238675685F,
-                         0.21521226F, -0.208933794F, 0.12926425F);
-  return static_cast<float>(exponent) + p * m;
-}
+  const float log2_m = m * horner(m, 1.442695F, -0.721347199F, 0.48091028F, -0.360716264F, 0.287939094F, -0.238675685F,
+                                  0.21521226F, -0.208933794F, 0.12926425F);
 
-/// 2^v for |v| < 120. The polynomial is the minimax one of 2^f for |f| <= 1/2, off by at most 1.9e-9.
-BURIN_INLINED float exp2_of(float v) {
+  constexpr float kHigh = 59578.0F / 131072;  // the first 16 bits of 1/2.2: times the exponent, exact
+  constexpr auto kLow = static_cast<float>(1 / 2.2 - 59578.0 / 131072);
+  const float high = static_cast<float>(exponent) * kHigh;
+  const float low = static_cast<float>(exponent) * kLow + log2_m * kInverseGamma;
   constexpr float kToInteger = 12582912.0F;  // 1.5 * 2^23: what is added to it is rounded to a whole number
-  const float rounded = v + kToInteger;
-  const std::int32_t exponent = std::bit_cast<std::int32_t>(rounded) - std::bit_cast<std::int32_t>(kToInteger);
-  const float f = v - (rounded - kToInteger);
-  const float p =
-      horner(f, 1.0F, 0.693147207F, 0.240226515F, 0.0555032722F, 0.00961799451F, 0.00134004317F, 0.000154780224F);
-  return p * std::bit_cast<float>((exponent + 127) << 23);
+  const float rounded = high + low + kToInteger;
+  const float f = (high - (rounded - kToInteger)) + low;
+  const std::int32_t power = std::bit_cast<std::int32_t>(rounded) - std::bit_cast<std::int32_t>(kToInteger);
+  return std::bit_cast<float>((power + 127) << 23) *
+         horner(f, 1.0F, 0.693147207F, 0.240226515F, 0.0555032722F, 0.00961799451F, 0.00134004317F, 0.000154780224F);
 }
 
 BURIN_MACHINE_CLONES void encode_row(const float* radiance, int n, float exposure, float* picture) {
   for (int i = 0; i < n; ++i) {
     const float light = exposure * radiance[i];
     // max(0, light) without a branch, which would keep the loop from packets.
-    picture[i] = exp2_of(kInverseGamma * log2_of(0.5F * (light + std::abs(light)) + kOffset));
+    picture[i] = encoded(0.5F * (light + std::abs(light)) + kOffset);
   }
 }
 

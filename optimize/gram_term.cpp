@@ -16,8 +16,8 @@ constexpr int kSide = kGramTilePx + 2;  // of a tile and the pixels that its pat
 /// A tile's pixels less their mean (which no patch without mean sees; float keeps more digits so), from one pixel above
 /// and left of its first centre.
 struct TilePixels {
-  int width, height;  // of the tile, in centres
   alignas(64) float value[kSide][kSide + 2];
+  int width, height;  // of the tile, in centres
 };
 
 /// Moments of 3x3 patches, place 3 (dy + 1) + dx + 1 by the same.

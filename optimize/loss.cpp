@@ -97,7 +97,8 @@ struct PictureLoss::State {
     return {&picture.data[i], &target.data[i], mask.data.empty() ? nullptr : &mask.data[i]};
   }
   const float* blurred_row(int y) const {
-    return y < 0 || y >= target.height ? zeros.data() : &blurred.data[static_cast<std::size_t>(y) * target.width];
+    if (y < 0 || y >= target.height || blurred.data.empty()) return zeros.data();
+    return &blurred.data[static_cast<std::size_t>(y) * target.width];
   }
 };
 

@@ -140,6 +140,27 @@ Residuals residuals_of(const Rig& rig, const nlohmann::json& photo, const fs::pa
   return r;
 }
 
+/// Renders what each photographed place of the camera sees of the board between `low_mm` and `high_mm`, and calls
+/// use(view's truth, window, scene, radiance, milliseconds that rendering took) where that is more than a few pixels.
+template <typename Use>
+void each_view(const Rig& rig, const Light& lamp, const Eigen::Vector2d& low_mm, const Eigen::Vector2d& high_mm,
+               int channels, const Use& use) {
+  for (const auto& v : rig.truth["views"]) {
+    View view;
+    view.T_camera_board = pose_of(v["T_camera_board"]);
+    const Surface face{rig.board.size_mm, rig.bench.bow_mm};
+    const PixelWindow window = window_of(rig.bench.lens, view.T_camera_board, face, low_mm, high_mm, 0);
+    if (window.width < 50 || window.height < 50) continue;
+    const CameraView camera = make_camera_view(rig.bench, rig.board, view, window);
+    ViewRenderer renderer(make_scene(rig.bench, rig.board, camera, lamp), {channels});
+    Image radiance;
+    const auto start = std::chrono::steady_clock::now();
+    renderer.forward(rig.scratches, radiance);
+    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+    use(v, window, renderer.scene(), radiance, ms);
+  }
+}
+
 TEST(RigPrediction, CleanBenchDownToTheNoise) {
   const fs::path folder = fs::path(BURIN_SHARED_DIR) / "rigs/a";
   if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << "no rigs beside the checkout: " << folder;
@@ -147,35 +168,29 @@ TEST(RigPrediction, CleanBenchDownToTheNoise) {
   const double psf_px = rig.truth["psf_sigma_px"];
   const Light lamp = lamp_of(rig.truth["lights"][0]);
   int photos = 0;
-  for (const auto& v : rig.truth["views"]) {
-    View view;
-    view.T_camera_board = pose_of(v["T_camera_board"]);
-    const Surface face{rig.board.size_mm, rig.bench.bow_mm};
-    // Inside the ring of tags.
-    const PixelWindow window = window_of(rig.bench.lens, view.T_camera_board, face, {100, 100}, {200, 200}, 0);
-    if (window.width < 50 || window.height < 50) continue;
-    const CameraView camera = make_camera_view(rig.bench, rig.board, view, window);
-    ViewRenderer renderer(make_scene(rig.bench, rig.board, camera, lamp));
-    Image radiance;
-    const auto start = std::chrono::steady_clock::now();
-    renderer.forward(rig.scratches, radiance);
-    const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    for (const auto& photo : v["photos"]) {
-      const Residuals r = residuals_of(rig, photo, folder, radiance, window, psf_px);
-      if (r.pixels < 1000) continue;
-      printf(
-          "%-16s %7zu px  signal %.4f  residual %.5f = %.3f sigma, mean %+.3f sigma, photo / prediction %.5f  (%.0f "
-          "ms)\n",
-          photo["file"].get<std::string>().c_str(), r.pixels, r.signal, r.rms, r.rms_sigma, r.mean_sigma, r.gain, ms);
-      ++photos;
-      // No bias: neither in level nor in contrast. 1e-3 is what 1024 points a pixel leave over these few pixels.
-      EXPECT_NEAR(r.gain, 1, 1e-3);
-      EXPECT_NEAR(r.mean_sigma, 0, 0.05);
-      // The sensor's noise, and on top of it the rig's sampling: the glinting part of a groove is some 0.02 mm of a
-      // pixel's 0.35 mm, two of the 32 strata across it, which leaves up to 4 % of a pixel's light.
-      EXPECT_LT(r.rms * r.rms, std::pow(r.rms / r.rms_sigma, 2) * 1.15 + std::pow(0.06 * r.signal, 2));
-    }
-  }
+  // Inside the ring of tags.
+  each_view(
+      rig, lamp, {100, 100}, {200, 200}, 1,
+      [&](const nlohmann::json& v, const PixelWindow& window, const ViewScene&, const Image& radiance, double ms) {
+        for (const auto& photo : v["photos"]) {
+          const Residuals r = residuals_of(rig, photo, folder, radiance, window, psf_px);
+          if (r.pixels < 1000) continue;
+          printf(
+              "%-16s %7zu px  signal %.4f  residual %.5f = %.3f sigma, mean %+.3f sigma, photo / prediction %.5f "
+              " (%.0f "
+              "ms)\n",
+              photo["file"].get<std::string>().c_str(), r.pixels, r.signal, r.rms, r.rms_sigma, r.mean_sigma, r.gain,
+              ms);
+          ++photos;
+          // No bias: neither in level nor in contrast. 1e-3 is what 1024 points a pixel leave over these few
+          // pixels.
+          EXPECT_NEAR(r.gain, 1, 1e-3);
+          EXPECT_NEAR(r.mean_sigma, 0, 0.05);
+          // The sensor's noise, and on top of it the rig's sampling: the glinting part of a groove is some 0.02
+          // mm of a pixel's 0.35 mm, two of the 32 strata across it, which leaves up to 4 % of a pixel's light.
+          EXPECT_LT(r.rms * r.rms, std::pow(r.rms / r.rms_sigma, 2) * 1.15 + std::pow(0.06 * r.signal, 2));
+        }
+      });
   EXPECT_GE(photos, 20);
 }
 
@@ -217,60 +232,52 @@ TEST(RigPrediction, AmateurBenchInTheMiddle) {
   };
   const double W = rig.bench.lens.width, H = rig.bench.lens.height;
   int photos = 0;
-  for (const auto& v : rig.truth["views"]) {
-    View view;
-    view.T_camera_board = pose_of(v["T_camera_board"]);
-    const Surface face{rig.board.size_mm, rig.bench.bow_mm};
-    const PixelWindow window = window_of(rig.bench.lens, view.T_camera_board, face, {40, 40}, {200, 140}, 0);
-    if (window.width < 50 || window.height < 50) continue;
-    const CameraView camera = make_camera_view(rig.bench, rig.board, view, window);
-    const ViewScene scene = make_scene(rig.bench, rig.board, camera, lamp);
-    ViewRenderer renderer(scene, {3});
-    Image radiance;
-    renderer.forward(rig.scratches, radiance);
-    const std::vector<bool> lonely = lonely_pixels(scene, rig.scratches, 2);
-    std::array<std::vector<double>, 3> predicted;
-    for (int c = 0; c < 3; ++c) {
-      Image channel(window.width, window.height, 1);
-      for (std::size_t i = 0; i < channel.data.size(); ++i) channel.data[i] = radiance.data[3 * i + c];
-      predicted[c] = blurred(channel, rig.truth["psf_sigma_px"]);
-    }
-    for (const auto& photo : v["photos"]) {
-      const Image image = read_picture(folder / photo["file"].get<std::string>());
-      const double exposure = number(rig.truth["sensor"]["gain"]) * number(photo["exposure_s"]) *
-                              (number(photo["iso"]) / 100) / std::pow(number(photo["f_number"]), 2);
-      std::array<std::vector<double>, 3> ratios;
-      for (int y = 4; y < window.height - 4; ++y) {
-        for (int x = 4; x < window.width - 4; ++x) {
-          const std::size_t i = static_cast<std::size_t>(y) * window.width + x;
-          if (!lonely[i] || under_shape(scene.grid.center_mm[i])) continue;
-          const double px = window.x0 + x - (W - 1) / 2, py = window.y0 + y - (H - 1) / 2;
-          const double r2 = (px * px + py * py) * 4 / (W * W + H * H);
-          const double gain = exposure * (1 + r2 * (vignette[0] + r2 * (vignette[1] + r2 * vignette[2])));
-          for (int c = 0; c < 3; ++c) {
-            const double expected = gain * predicted[c][i];
-            // Chosen by what is expected alone: a choice by the photo's value would bias the ratio.
-            if (expected < 0.1 || expected > 0.6) continue;
-            ratios[c].push_back(srgb_to_linear(image.at(window.x0 + x, window.y0 + y, c)) / expected);
-          }
+  each_view(
+      rig, lamp, {40, 40}, {200, 140}, 3,
+      [&](const nlohmann::json& v, const PixelWindow& window, const ViewScene& scene, const Image& radiance, double) {
+        const std::vector<bool> lonely = lonely_pixels(scene, rig.scratches, 2);
+        std::array<std::vector<double>, 3> predicted;
+        for (int c = 0; c < 3; ++c) {
+          Image channel(window.width, window.height, 1);
+          for (std::size_t i = 0; i < channel.data.size(); ++i) channel.data[i] = radiance.data[3 * i + c];
+          predicted[c] = blurred(channel, rig.truth["psf_sigma_px"]);
         }
-      }
-      if (std::min({ratios[0].size(), ratios[1].size(), ratios[2].size()}) < 300) continue;
-      ++photos;
-      std::array<double, 3> middle{};
-      for (int c = 0; c < 3; ++c) {
-        std::sort(ratios[c].begin(), ratios[c].end());
-        const std::size_t from = ratios[c].size() / 4, to = ratios[c].size() - from;
-        for (std::size_t i = from; i < to; ++i) middle[c] += ratios[c][i] / static_cast<double>(to - from);
-      }
-      printf("%-20s %6zu px  photo / prediction, mean of the middle half: R %.4f G %.4f B %.4f\n",
-             photo["file"].get<std::string>().c_str(), ratios[1].size(), middle[0], middle[1], middle[2]);
-      // One step of 8 bits is 2.4 % of a value of 0.1; JPEG rounds colour once more.
-      EXPECT_NEAR(middle[1], 1, 0.012);
-      EXPECT_NEAR(middle[0], 1, 0.024);
-      EXPECT_NEAR(middle[2], 1, 0.024);
-    }
-  }
+        for (const auto& photo : v["photos"]) {
+          const Image image = read_picture(folder / photo["file"].get<std::string>());
+          const double exposure = number(rig.truth["sensor"]["gain"]) * number(photo["exposure_s"]) *
+                                  (number(photo["iso"]) / 100) / std::pow(number(photo["f_number"]), 2);
+          std::array<std::vector<double>, 3> ratios;
+          for (int y = 4; y < window.height - 4; ++y) {
+            for (int x = 4; x < window.width - 4; ++x) {
+              const std::size_t i = static_cast<std::size_t>(y) * window.width + x;
+              if (!lonely[i] || under_shape(scene.grid.center_mm[i])) continue;
+              const double px = window.x0 + x - (W - 1) / 2, py = window.y0 + y - (H - 1) / 2;
+              const double r2 = (px * px + py * py) * 4 / (W * W + H * H);
+              const double gain = exposure * (1 + r2 * (vignette[0] + r2 * (vignette[1] + r2 * vignette[2])));
+              for (int c = 0; c < 3; ++c) {
+                const double expected = gain * predicted[c][i];
+                // Chosen by what is expected alone: a choice by the photo's value would bias the ratio.
+                if (expected < 0.1 || expected > 0.6) continue;
+                ratios[c].push_back(srgb_to_linear(image.at(window.x0 + x, window.y0 + y, c)) / expected);
+              }
+            }
+          }
+          if (std::min({ratios[0].size(), ratios[1].size(), ratios[2].size()}) < 300) continue;
+          ++photos;
+          std::array<double, 3> middle{};
+          for (int c = 0; c < 3; ++c) {
+            std::sort(ratios[c].begin(), ratios[c].end());
+            const std::size_t from = ratios[c].size() / 4, to = ratios[c].size() - from;
+            for (std::size_t i = from; i < to; ++i) middle[c] += ratios[c][i] / static_cast<double>(to - from);
+          }
+          printf("%-20s %6zu px  photo / prediction, mean of the middle half: R %.4f G %.4f B %.4f\n",
+                 photo["file"].get<std::string>().c_str(), ratios[1].size(), middle[0], middle[1], middle[2]);
+          // One step of 8 bits is 2.4 % of a value of 0.1; JPEG rounds colour once more.
+          EXPECT_NEAR(middle[1], 1, 0.012);
+          EXPECT_NEAR(middle[0], 1, 0.024);
+          EXPECT_NEAR(middle[2], 1, 0.024);
+        }
+      });
   EXPECT_GE(photos, 6);
 }
 
