@@ -29,16 +29,17 @@ ViewScene paper_scene(int pixels, int view, int views) {
 
 Scratches paper_scratches(int count) {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> where(0.03 * kPaperBoard_mm, 0.97 * kPaperBoard_mm), turn(0, 2 * kPi),
-      length(0.01 * kPaperBoard_mm, 0.025 * kPaperBoard_mm);
+  std::uniform_real_distribution<double> where(0, kPaperBoard_mm), turn(0, kPi),
+      half_length(0.0075 * kPaperBoard_mm, 0.0225 * kPaperBoard_mm);
   Scratches s;
   for (auto* ends : {&s.x0_mm, &s.y0_mm, &s.x1_mm, &s.y1_mm}) ends->reserve(count);
   for (int i = 0; i < count; ++i) {
-    const double x = where(random), y = where(random), a = turn(random), half = length(random);
-    s.x0_mm.push_back(x - half * std::cos(a));
-    s.y0_mm.push_back(y - half * std::sin(a));
-    s.x1_mm.push_back(x + half * std::cos(a));
-    s.y1_mm.push_back(y + half * std::sin(a));
+    const double x = where(random), y = where(random), a = turn(random), half = half_length(random);
+    const auto on_board = [](double v) { return std::clamp(v, 0.0, kPaperBoard_mm); };
+    s.x0_mm.push_back(on_board(x - half * std::cos(a)));
+    s.y0_mm.push_back(on_board(y - half * std::sin(a)));
+    s.x1_mm.push_back(on_board(x + half * std::cos(a)));
+    s.y1_mm.push_back(on_board(y + half * std::sin(a)));
   }
   return s;
 }

@@ -13,7 +13,8 @@ inline constexpr double kPaperBoard_mm = 300;
 /// stand in azimuths 180 degrees over `views` apart.
 ViewScene paper_scene(int pixels, int view = 0, int views = 1);
 
-/// Scratches of 2 to 5 % of the board, as designs have them. The same ones every time.
+/// Scratches as `burin design --start random` draws them: anywhere, in any direction, 1.5 to 4.5 % of the board's edge
+/// long, ends kept on the board. The same ones every time.
 Scratches paper_scratches(int count);
 
 /// dE/dradiance of a mono view: random numbers from -1 to 1.

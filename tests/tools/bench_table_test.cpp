@@ -1,6 +1,6 @@
-// tools/bench-table, as a person runs it: benchmarks' JSON into tables, medians with their scatter, into a page between
-// its marks; a sentence and no half-written page where that cannot be done. Not proved here: that the benchmarks are
-// right.
+// tools/bench and tools/bench-table, as a person runs them: benchmarks' JSON into tables, medians with their scatter,
+// into a page between its marks; a sentence and no half-written page where that cannot be done. Not proved here: that
+// the benchmarks are right.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -84,6 +84,17 @@ TEST(BenchTable, SaysWhatIsWrong) {
   EXPECT_EQ(file_text(folder / "page.md"), "no marks\n");
   run = run_table(folder, "speed.json --onto page.md");
   EXPECT_EQ(run.exit_code, 2);
+}
+
+TEST(Bench, HelpAndWrongOptionsBeforeAnythingIsBuilt) {
+  const TemporaryFolder folder;
+  const std::string bench = quoted(std::string(BURIN_SOURCE_DIR) + "/tools/bench");
+  Outcome run = run_shell(folder, bench + " --help");
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_THAT(run.out, AllOf(HasSubstr("tools/bench --docs"), HasSubstr("--json speed.json")));
+  run = run_shell(folder, bench + " --jsn out.json");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_THAT(run.err, AllOf(HasSubstr("--jsn"), HasSubstr("--help")));
 }
 
 }  // namespace
