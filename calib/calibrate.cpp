@@ -6,6 +6,7 @@
 
 #include "calib/identifiability.h"
 #include "calib/lamp.h"
+#include "calib/next_photo.h"
 #include "capture/photo.h"
 #include "render/error.h"
 #include "render/json_file.h"
@@ -130,6 +131,8 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   out.geometry = solve_board(board, pictures, width, height, solver, progress);
   out.findings.insert(out.findings.end(), out.geometry.findings.begin(), out.geometry.findings.end());
 
+  out.pictures = std::move(pictures);
+  out.solver = solver;
   out.tool_width_um = board.tool_width_um;
   out.bench.lens = out.geometry.lens;
   out.bench.views = out.geometry.views;
@@ -137,7 +140,8 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   out.bench.tags = out.geometry.tags;
   for (Tag& tag : out.bench.tags) tag.size_mm += 2 * out.geometry.edge_mm;
   out.bench.material = board.material;
-  judge_geometry(out.geometry, board, options.fix_lens, out.bench);
+  const Combinations judged = judge_geometry(out.geometry, board, options.fix_lens, out.bench);
+  advise_geometry(out.geometry, board, judged, out.bench);
 
   if (options.find_lamps) {
     report("looking for the lamp", 0);

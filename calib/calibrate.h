@@ -39,6 +39,8 @@ struct Calibration {
   std::vector<RejectedTag> rejected;       ///< tags seen and not used,
   std::vector<std::string> rejected_view;  ///< and in which view
   std::vector<Finding> findings;           ///< what was left out and why
+  std::vector<ViewTags> pictures;          ///< the tags found in each picture,
+  BoardSolverOptions solver;               ///< and how they were solved: for calib/hold_out.h
   double tool_width_um = 400;              ///< of the board, for bench.json's half_width_um
 };
 

@@ -153,7 +153,7 @@ std::vector<HalvesVerdict> pose_halves(const BoardSolution& geometry, const std:
 
 }  // namespace
 
-void judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench) {
+Combinations judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench) {
   const BundleEquations equations = bundle_equations(geometry.bundle, geometry.options);
   EquationsInParts parts;
   std::vector<double> keys;
@@ -175,6 +175,7 @@ void judge_geometry(const BoardSolution& geometry, const Board& board, bool fixe
   const auto column = [&](int at) { return Eigen::VectorXd(Eigen::VectorXd::Unit(equations.columns, at)); };
   const auto sigma_of = [&](int at) { return std::sqrt(std::max(0.0, halves.inverse(at, at))); };
 
+  Combinations judged_here;
   const Lens& lens = geometry.lens;
   if (fixed_lens) {
     bench.verdict["lens"] = {true, "given, and held fixed"};
@@ -197,6 +198,7 @@ void judge_geometry(const BoardSolution& geometry, const Board& board, bool fixe
          << number(grow * std::max(sigmas[2], sigmas[3])) << " px; corners " << number(geometry.rms_px, 3)
          << " px RMS per axis)";
     bench.verdict["lens"] = judged(share, kFocal, "%", text.str(), halves_in_words(check, "photos"));
+    judged_here["lens"] = rows;
   }
 
   // Poses: the worst camera, and those that are worse than determined by name.
@@ -249,6 +251,7 @@ void judge_geometry(const BoardSolution& geometry, const Board& board, bool fixe
     const HalvesVerdict check = pooled(halves, rows, sigmas);
     const double sigma = widening(check) * std::sqrt(sum2 / static_cast<double>(rows.size()));
     const double believed = std::max(board.tags.sigma_mm, 1e-9);
+    judged_here["board.tags"] = rows;
     bench.verdict["board.tags"] =
         judged(sigma, {kTagsLearnt * believed, kTagsNotLearnt * believed}, "mm",
                " for a tag's place against the others' (believed before: " + number(believed) + " mm)",
@@ -264,7 +267,9 @@ void judge_geometry(const BoardSolution& geometry, const Board& board, bool fixe
     const HalvesVerdict check = pooled(halves, rows, sigmas);
     bench.verdict["board.bow_mm"] = judged(widening(check) * *std::max_element(sigmas.begin(), sigmas.end()), kBow,
                                            "mm", ", from the tags", halves_in_words(check, "photos"));
+    judged_here["board.bow_mm"] = rows;
   }
+  return judged_here;
 }
 
 // --- light, grooves, machine -----------------------------------------------------------------------------------------
@@ -309,7 +314,8 @@ EquationsInParts light_in_parts(const Problem& data, const State& state, const U
   return parts;
 }
 
-void judge_light(const Problem& data, const State& state, const Uncertainty& u, const Stage& stage, Bench& bench) {
+Combinations judge_light(const Problem& data, const State& state, const Uncertainty& u, const Stage& stage,
+                         Bench& bench) {
   const HalfSamples halves = half_samples(light_in_parts(data, state, u));
   const Eigen::Index n = u.covariances.front().rows();
   const auto unit = [&](int at) { return Eigen::VectorXd(Eigen::VectorXd::Unit(n, at)); };
@@ -319,10 +325,12 @@ void judge_light(const Problem& data, const State& state, const Uncertainty& u, 
     return pooled(halves, rows, sigmas);
   };
   const auto& s = state.shared;
+  Combinations judged_here;
 
   // Roughness and depth, whose unknowns are logarithms: sigmas are shares.
   const auto material = [&](const char* name, int at, double value, std::optional<double>& sigma) {
-    const HalvesVerdict check = check_of({unit(at)});
+    judged_here[name] = {unit(at)};
+    const HalvesVerdict check = check_of(judged_here[name]);
     const double share = 100 * widening(check) * u.sigma(at);
     const Verdict verdict = bench.verdict[name] = judged(share, kRelative, "%", "", halves_in_words(check, "photos"));
     if (verdict.determined || verdict.weakly)
@@ -376,6 +384,7 @@ void judge_light(const Problem& data, const State& state, const Uncertainty& u, 
         }
     const HalvesVerdict check = check_of(rows);
     const double grow = widening(check);
+    judged_here["machine.affine"] = rows;
     bench.verdict["machine.affine"] =
         judged(std::hypot(whole, std::sqrt(grow * grow - 1) * photos), kMachine, "mm",
                " at most over the carve area, the tags' places included (" + number(grow * photos) + " mm without)",
@@ -391,7 +400,7 @@ void judge_light(const Problem& data, const State& state, const Uncertainty& u, 
     paper = std::max(paper, light.intensity.mean() * std::max(0.0, d.normalized().z()) / d.squaredNorm() / kPi);
   }
   if (stage.ambient) {
-    const HalvesVerdict check = check_of({unit(unknown::ambient)});
+    const HalvesVerdict check = check_of(judged_here["ambient"] = {unit(unknown::ambient)});
     bench.verdict["ambient"] =
         judged(100 * widening(check) * u.sigma(unknown::ambient) / std::max(paper, 1e-300), kAmbient, "%",
                " of the lamp's own light on paper", halves_in_words(check, "photos"));
@@ -400,13 +409,13 @@ void judge_light(const Problem& data, const State& state, const Uncertainty& u, 
     constexpr double kRadius2 = 0.5;
     const Eigen::VectorXd at = kRadius2 * unit(unknown::vignette) + kRadius2 * kRadius2 * unit(unknown::vignette + 1) +
                                kRadius2 * kRadius2 * kRadius2 * unit(unknown::vignette + 2);
-    const HalvesVerdict check = check_of({at});
+    const HalvesVerdict check = check_of(judged_here["sensor.vignette"] = {at});
     bench.verdict["sensor.vignette"] =
         judged(100 * widening(check) * u.sigma(at), kVignette, "%",
                " of a pixel's value at 0.7 of the way to the picture's corner", halves_in_words(check, "photos"));
   }
   if (stage.blur) {
-    const HalvesVerdict check = check_of({unit(unknown::log_blur)});
+    const HalvesVerdict check = check_of(judged_here["sensor.psf_sigma_px"] = {unit(unknown::log_blur)});
     bench.verdict["sensor.psf_sigma_px"] =
         judged(100 * widening(check) * u.sigma(unknown::log_blur), kRelative, "%",
                " of " + number(std::exp(s[unknown::log_blur])) + " px", halves_in_words(check, "photos"));
@@ -425,7 +434,7 @@ void judge_light(const Problem& data, const State& state, const Uncertainty& u, 
     } else {
       std::vector<Eigen::VectorXd> rows;
       for (int k = 0; k < 3; ++k) rows.push_back(unit(at(unknown::lamp_position + k)));
-      const HalvesVerdict check = check_of(rows);
+      const HalvesVerdict check = check_of(judged_here[name + ".position_mm"] = rows);
       Eigen::Vector3d sigma;
       for (int k = 0; k < 3; ++k) sigma[k] = widening(check) * u.sigma(rows[k]);
       light.position_sigma_mm = sigma;
@@ -436,13 +445,14 @@ void judge_light(const Problem& data, const State& state, const Uncertainty& u, 
       verdict.sigma = sigma.norm();
       verdict.unit = "mm";
       if (data.is_spot[i]) {
-        const HalvesVerdict exponent = check_of({unit(at(unknown::spot + 2))});
+        const HalvesVerdict exponent =
+            check_of(judged_here[name + ".falloff_exponent"] = {unit(at(unknown::spot + 2))});
         light.falloff_exponent_sigma = widening(exponent) * u.sigma(at(unknown::spot + 2));
         bench.verdict[name + ".falloff_exponent"] =
             judged(100 * *light.falloff_exponent_sigma / std::max(1e-9, light.falloff_exponent), kExponent, "%", "",
                    halves_in_words(exponent, "photos"));
         rows = {unit(at(unknown::spot)), unit(at(unknown::spot + 1))};
-        const HalvesVerdict aim = check_of(rows);
+        const HalvesVerdict aim = check_of(judged_here[name + ".axis"] = rows);
         const double across = widening(aim) * std::hypot(u.sigma(rows[0]), u.sigma(rows[1]));
         bench.verdict[name + ".axis"] =
             judged(std::atan(across / distance) * 180 / kPi, kAxis, "degrees", "", halves_in_words(aim, "photos"));
@@ -453,12 +463,13 @@ void judge_light(const Problem& data, const State& state, const Uncertainty& u, 
       }
     }
     if (stage.intensity) {
-      const HalvesVerdict check = check_of({unit(at(unknown::log_intensity))});
+      const HalvesVerdict check = check_of(judged_here[name + ".intensity"] = {unit(at(unknown::log_intensity))});
       const double share = widening(check) * u.sigma(at(unknown::log_intensity));
       light.intensity_sigma = light.intensity * share;
       bench.verdict[name + ".intensity"] = judged(100 * share, kRelative, "%", "", halves_in_words(check, "photos"));
     }
   }
+  return judged_here;
 }
 
 }  // namespace burin

@@ -8,6 +8,11 @@
 // sides of the grooves' cut-off (DESIGN 3.1). Frame: board, mm.
 #pragma once
 
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
 #include "calib/board_solver.h"
 #include "calib/half_samples.h"
 #include "calib/photo_problem.h"
@@ -17,15 +22,19 @@
 
 namespace burin {
 
+/// What was judged, by its name in the verdict: the linear combinations of a problem's unknowns that it is made of.
+using Combinations = std::map<std::string, std::vector<Eigen::VectorXd>>;
+
 /// Judges "lens", "poses" (and "pose.VIEW" where one is worse than determined), "board.tags", "board.bow_mm"; widens
-/// the views' centre sigmas where their tags contradict each other.
-void judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench);
+/// the views' centre sigmas where their tags contradict each other. Combinations are of BundleEquations' columns.
+Combinations judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench);
 
 /// Judges "alpha", "depth_um", "base_alpha", "machine.affine", "ambient", "sensor.vignette", "sensor.psf_sigma_px" and,
 /// for each lamp, "light.ID.position_mm", ".intensity", ".axis" and ".falloff_exponent". `bench` holds the fitted
 /// values and their sigmas; those of what is not determined at all are taken away, those that halves contradict grow.
-void judge_light(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
-                 Bench& bench);
+/// Combinations are of the unknowns in the order of global_index().
+Combinations judge_light(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
+                         Bench& bench);
 
 /// Light's normal equations in parts, for half_samples(): one part a photo, paired within each lamp with the photo
 /// whose half vector leans most alike.

@@ -104,6 +104,32 @@ void add_prior(ceres::Problem& problem, double* block, const std::vector<double>
 
 }  // namespace
 
+State state_of(const Bench& bench, const ModelData& model) {
+  State state;
+  state.shared[unknown::log_alpha] = std::log(bench.material.alpha);
+  state.shared[unknown::log_depth] = std::log(bench.material.depth_um);
+  state.shared[unknown::log_base_alpha] = std::log(bench.material.base_alpha);
+  const Affine2& affine = bench.machine_affine;
+  const Eigen::Vector2d shift = affine.leftCols<2>() * model.center_mm + affine.col(2) - model.center_mm;
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 2; ++column) state.shared[unknown::machine + 2 * row + column] = affine(row, column);
+    state.shared[unknown::machine + 4 + row] = shift[row];
+  }
+  state.shared[unknown::ambient] = bench.ambient.mean();
+  for (int i = 0; i < 3; ++i) state.shared[unknown::vignette + i] = bench.sensor.vignette[i];
+  constexpr double kBlurAtFirstPx = 0.6;
+  state.shared[unknown::log_blur] =
+      std::log(bench.sensor.psf_sigma_px > 0 ? bench.sensor.psf_sigma_px : kBlurAtFirstPx);
+  for (const Light& light : bench.lights) {
+    const Eigen::Vector3d& p = light.position_mm;
+    const Eigen::Vector3d aim = light.axis.z() < 0 ? Eigen::Vector3d(p - light.axis * (p.z() / light.axis.z()))
+                                                   : Eigen::Vector3d(model.center_mm.x(), model.center_mm.y(), 0);
+    state.lamps.push_back({p.x(), p.y(), p.z(), std::log(std::max(1e-12, light.intensity.mean())), aim.x(), aim.y(),
+                           light.falloff_exponent});
+  }
+  return state;
+}
+
 bool frees(const Stage& stage, int first) {
   switch (first) {
     case unknown::log_alpha:

@@ -51,6 +51,9 @@ struct State {
   }
 };
 
+/// What a bench says of all of them. A lamp's aim is where its axis meets the board's plane.
+State state_of(const Bench& bench, const ModelData& model);
+
 /// Groups of unknowns that a stage frees.
 struct Stage {
   bool groove = true, base = true, gradient = false, machine = true, ambient = true, vignette = true, blur = false,

@@ -6,6 +6,7 @@
 
 #include "calib/lamp.h"
 #include "calib/light_samples.h"
+#include "calib/next_photo.h"
 #include "calib/photo_problem.h"
 #include "calib/photo_uncertainty.h"
 #include "calib/refine_result.h"
@@ -163,7 +164,8 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   if (progress) progress("judging the result", 0);
   const Uncertainty uncertainty = uncertainty_of(data, stage, state, state.lamps.size());
 
-  fill_bench(data, state, uncertainty, stage, out);
+  const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
+  advise_light(data, state, uncertainty, judged, out.bench, progress);
   fit_colors(data, merged, state, out.bench);
   out.model_error = median_of(data.photo_model_error);
   const Scratches carved = carved_scratches(data.model, state.of(0));

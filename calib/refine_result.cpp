@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "calib/identifiability.h"
-
 namespace burin {
 PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Scratches& carved,
                    const Bench& bench) {
@@ -89,8 +87,8 @@ void fit_colors(const Problem& data, std::span<const MergedView> merged, const S
   }
 }
 
-void fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
-                Refinement& out) {
+Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
+                        Refinement& out) {
   Bench& bench = out.bench;
   const Board& board = *data.model.board;
   const auto& s = state.shared;
@@ -153,7 +151,7 @@ void fill_bench(const Problem& data, const State& state, const Uncertainty& unce
     }
     l.intensity_sigma = l.intensity * uncertainty.sigma(at(unknown::log_intensity));
   }
-  judge_light(data, state, uncertainty, stage, bench);
+  return judge_light(data, state, uncertainty, stage, bench);
 }
 
 }  // namespace burin

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "calib/identifiability.h"
 #include "calib/photo_problem.h"
 #include "calib/photo_uncertainty.h"
 #include "calib/refine.h"
@@ -18,8 +19,8 @@ PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const
 /// photos.
 void fit_colors(const Problem& data, std::span<const MergedView> merged, const State& state, Bench& bench);
 
-/// Writes state and uncertainty into out.bench, and judges each parameter.
-void fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
-                Refinement& out);
+/// Writes state and uncertainty into out.bench, and judges each parameter (calib/identifiability.h).
+Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
+                        Refinement& out);
 
 }  // namespace burin

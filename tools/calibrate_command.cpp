@@ -5,6 +5,7 @@
 
 #include "calib/calibrate.h"
 #include "tools/commands.h"
+#include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"
 
 namespace burin {
@@ -12,7 +13,7 @@ namespace burin {
 void add_calibrate_command(CLI::App& burin) {
   struct Options {
     std::filesystem::path session, out, camera;
-    std::string lens_model;
+    std::string lens_model, hold_out;
     bool seed_only = false;
   };
   auto options = std::make_shared<Options>();
@@ -29,8 +30,14 @@ void add_calibrate_command(CLI::App& burin) {
       ->add_option("--lens-model", options->lens_model,
                    "LENSMODEL_OPENCV4, 5 or 8; without it, the smallest that the photos support")
       ->excludes(camera);
-  command->footer(example("burin calibrate session/session.json --out bench"));
-  command->callback([options] {
+  const auto* hold_out =
+      command
+          ->add_option("--hold-out", options->hold_out,
+                       "Solve again without some photos and predict them: names of views (v03,v07), a share (0.25), a "
+                       "number of folds (5), all (one at a time), or nothing (four folds)")
+          ->expected(0, 1);
+  command->footer(example("burin calibrate session/session.json --out bench --hold-out"));
+  command->callback([options, hold_out] {
     const Session session = read_session(options->session);
     const Board board = read_board(session.board);
     CalibrateOptions o;
@@ -42,6 +49,15 @@ void add_calibrate_command(CLI::App& burin) {
     ProgressBar bar;
     const Calibration c = calibrate(session, board, o, bar.progress());
     write_calibration(c, options->out);
+    HoldOutFile held;
+    if (hold_out->count() > 0) {
+      std::vector<std::string> views;
+      for (const View& view : c.geometry.views) views.push_back(view.name);
+      held.corners =
+          hold_out_corners(c.geometry, board, c.pictures, hold_out_folds(options->hold_out, views, o.fix_lens ? 1 : 3),
+                           c.solver, bar.progress());
+      write_hold_out(held, options->out);
+    }
     bar.clear();
     for (const Finding& finding : c.findings) note(sentence(finding));
     const BoardSolution& g = c.geometry;
@@ -58,6 +74,7 @@ void add_calibrate_command(CLI::App& burin) {
     if (g.check)
       fmt::print("check    mrcal's own solver agrees to {:.5f} px, {:.4f} mm\n", g.check->max_shift_px,
                  g.check->max_center_mm);
+    if (held.corners) fmt::print("{}", corners_in_words(*held.corners));
     for (const Light& light : c.bench.lights) {
       fmt::print("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
                  light.position_mm.z());

@@ -24,6 +24,7 @@ std::unique_ptr<CLI::App> make_app() {
   burin->footer("`burin COMMAND --help` shows a command's options and an example.");
   burin->require_subcommand(1);
   add_simulate_command(*burin);
+  add_plan_command(*burin);
   add_capture_command(*burin);
   add_calibrate_command(*burin);
   add_refine_command(*burin);

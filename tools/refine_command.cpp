@@ -8,6 +8,7 @@
 #include "render/error.h"
 #include "render/groove.h"
 #include "tools/commands.h"
+#include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"
 
 namespace burin {
@@ -18,6 +19,8 @@ std::string with_sigma(const Bench& bench, const std::string& name, double value
                        int digits) {
   const auto verdict = bench.verdict.find(name);
   const bool determined = verdict != bench.verdict.end() && verdict->second.determined;
+  if (sigma && !determined && verdict != bench.verdict.end() && verdict->second.weakly)
+    return fmt::format("{:.{}f} +- {:.{}f}, weakly: {}", value, digits, *sigma, digits + 1, verdict->second.reason);
   if (!determined || !sigma)
     return fmt::format("not determined (left at {:.{}f}): {}", value, digits,
                        verdict == bench.verdict.end() ? "not fitted" : verdict->second.reason);
@@ -68,6 +71,7 @@ void add_refine_command(CLI::App& burin) {
     std::filesystem::path session, bench;
     Overlap overlap = Overlap::automatic;
     bool keep_lamp = false;
+    std::string hold_out;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand(
@@ -82,8 +86,14 @@ void add_refine_command(CLI::App& burin) {
                    "Where scratches cross: their light adds, the last one is seen, or whichever fits (auto)")
       ->transform(CLI::CheckedTransformer(overlaps));
   command->add_flag("--keep-lamp", options->keep_lamp, "Believe the lamp positions of bench.json");
+  const auto* hold_out =
+      command
+          ->add_option("--hold-out", options->hold_out,
+                       "Fit again without some photos and predict their pixels: names of views (v03,v07), a share, a "
+                       "number of folds (each takes as long again), or nothing (a quarter of the views)")
+          ->expected(0, 1);
   command->footer(example("burin refine session/session.json --bench bench/bench.json"));
-  command->callback([options] {
+  command->callback([options, hold_out] {
     const Session session = read_session(options->session);
     const Board board = read_board(session.board);
     const Bench measured = read_bench(options->bench);
@@ -95,11 +105,25 @@ void add_refine_command(CLI::App& burin) {
     o.overlap = options->overlap;
     o.fit_lamp = !options->keep_lamp;
     ProgressBar bar;
-    const Refinement result = refine(session, board, designed, measured, o, bar.progress());
+    bar.progress()("reading photos", 0);
+    const std::vector<MergedView> merged = merge_session(session);
+    const Refinement result = refine(merged, board, designed, measured, o, bar.progress());
     write_bench(result.bench, board.tool_width_um, options->bench);
+    HoldOutFile held;
+    if (hold_out->count() > 0) {
+      std::vector<std::string> views;
+      for (const View& view : measured.views) views.push_back(view.name);
+      constexpr std::size_t kFewestLeft = 2;
+      const auto folds = hold_out_folds(options->hold_out.empty() ? "0.25" : options->hold_out, views, kFewestLeft);
+      const std::filesystem::path folder = options->bench.parent_path();
+      held = read_hold_out(folder);
+      held.pixels = hold_out_pixels(result, merged, board, designed, measured, folds, o, bar.progress());
+      write_hold_out(held, folder);
+    }
     bar.clear();
     for (const std::string& finding : result.findings) note(finding);
     print_result(result, board);
+    if (!held.pixels.empty()) fmt::print("{}", pixels_in_words(held.pixels));
     fmt::print("Completed {}; next: burin design design.json --out DIR, with this bench\n", options->bench.string());
   });
 }

@@ -17,6 +17,7 @@
 #include "render/footprint_grid.h"
 #include "render/groove.h"
 #include "render/scratches.h"
+#include "tools/hold_out_file.h"
 #include "tools/report/html.h"
 #include "tools/report/predicted.h"
 #include "tools/report/rectified.h"
@@ -39,6 +40,7 @@ struct Loaded {
   std::vector<MergedView> merged;
   Scratches carved;  // as the bench says they were carved; empty if the board names none
   ResidualTable residuals;
+  HoldOutFile held_out;
 };
 
 Surface surface_of(const Loaded& in) { return {in.board.size_mm, in.bench.bow_mm}; }
@@ -181,7 +183,13 @@ std::string residual_photo(const Loaded& in, const MergedView& merged, const Vie
 std::string parameter_name(const std::string& key) {
   if (key == "depth_um") return "the depth d";
   if (key == "base_alpha") return "the plain face's roughness";
-  if (key == "bow_mm") return "the board's bow";
+  if (key == "board.bow_mm") return "the board's bow";
+  if (key == "board.tags") return "the tags' places";
+  if (key == "poses") return "the cameras' places";
+  if (key.starts_with("pose.")) return "the camera's place in view " + html(key.substr(5));
+  if (key == "sensor.vignette") return "the vignetting";
+  if (key == "sensor.psf_sigma_px") return "the blur";
+  if (key == "ambient") return "the ambient light";
   if (key == "machine.affine" || key == "machine_affine") return "the machine's map";
   if (key.starts_with("light.")) {
     const auto dot = key.rfind('.');
@@ -192,18 +200,22 @@ std::string parameter_name(const std::string& key) {
   return html(key);
 }
 
+const char* degree_of(const Verdict& verdict) {
+  return verdict.determined ? "determined" : verdict.weakly ? "weakly" : "not determined";
+}
+
 std::string verdict_cell(const Bench& bench, const std::string& parameter, bool measured) {
   const auto it = bench.verdict.find(parameter);
   if (it == bench.verdict.end())
     return measured ? "<span class=\"good\">determined</span>" : "<span class=\"unknown\">assumed</span>";
+  const Verdict& verdict = it->second;
   return fmt::format("<span class=\"{}\">{}</span><br><span class=\"soft\">{}</span>",
-                     it->second.determined ? "good" : "bad", it->second.determined ? "determined" : "not determined",
-                     html(it->second.reason));
+                     verdict.determined ? "good" : "bad", degree_of(verdict), html(verdict.reason));
 }
 
 bool is_determined(const Bench& bench, const std::string& parameter) {
   const auto it = bench.verdict.find(parameter);
-  return it == bench.verdict.end() || it->second.determined;
+  return it == bench.verdict.end() || it->second.determined || it->second.weakly;
 }
 
 // A value that the photos did not determine is never printed as if they had.
@@ -268,8 +280,60 @@ std::string numbers(const Loaded& in) {
   }
   out.rows.push_back({"Bow of the board",
                       fmt::format("{:.3f}, {:.3f}, {:.3f} mm", bench.bow_mm[0], bench.bow_mm[1], bench.bow_mm[2]),
-                      "flat", verdict_cell(bench, "bow_mm", bench.bow_mm.norm() > 0), "below 0.2 mm"});
+                      "flat", verdict_cell(bench, "board.bow_mm", bench.bow_mm.norm() > 0), "below 0.2 mm"});
   return table(out);
+}
+
+// Every parameter that was judged, and what to photograph next for those that the photos left open.
+std::string verdicts(const Loaded& in) {
+  if (in.bench.verdict.empty()) return "";
+  Table out;
+  out.header = {"Parameter", "From the photos?", "One sigma", "Why", "The photo that would help most"};
+  for (const auto& [name, verdict] : in.bench.verdict) {
+    out.rows.push_back(
+        {parameter_name(name),
+         fmt::format("<span class=\"{}\">{}</span>", verdict.determined ? "good" : "bad", degree_of(verdict)),
+         verdict.sigma ? fmt::format("{:.2g} {}", *verdict.sigma, verdict.unit) : "",
+         fmt::format("<span class=\"soft\">{}</span>", html(verdict.reason)), html(verdict.next_photo)});
+  }
+  return "<h2>What the photos determine</h2>\n<p>Each sigma was tested by solving for halves of the photos "
+         "separately; where they contradict each other it was made larger, and the table says so.</p>\n" +
+         table(out);
+}
+
+// How photos that were not used were predicted, beside how they are explained when they are.
+std::string held_out(const Loaded& in) {
+  const HoldOutFile& held = in.held_out;
+  std::string out;
+  if (held.corners) {
+    Table corners;
+    corners.header = {"View", "Tags", "Residual when used", "Predicted without it", "What noise alone allows"};
+    for (const HeldOutView& v : held.corners->views)
+      corners.rows.push_back({html(v.view), std::to_string(v.tags), fmt::format("{:.4f} px", v.fit_rms_px),
+                              fmt::format("{:.4f} px", v.held_out_rms_px),
+                              fmt::format("{:.4f} px", v.expected_rms_px)});
+    corners.rows.push_back({"all", "", fmt::format("{:.4f} px", held.corners->fit_rms_px),
+                            fmt::format("{:.4f} px", held.corners->held_out_rms_px),
+                            fmt::format("{:.4f} px", held.corners->expected_rms_px)});
+    out +=
+        "<p>Tag corners: lens, tags and bow were solved without the photo; half its tags gave its pose, the corners "
+        "of the other half were predicted.</p>\n" +
+        table(corners);
+  }
+  if (!held.pixels.empty()) {
+    Table pixels;
+    pixels.header = {"View", "Residual when used", "Predicted without it", "Over noise, used", "Over noise, predicted"};
+    for (const HeldOutPhoto& p : held.pixels)
+      pixels.rows.push_back({html(p.fit.view), fmt::format("{:.2f} %", 100 * p.fit.residual_rms),
+                             fmt::format("{:.2f} %", 100 * p.held_out.residual_rms),
+                             fmt::format("{:.2f}", p.fit.residual_to_noise),
+                             fmt::format("{:.2f}", p.held_out.residual_to_noise)});
+    out +=
+        "<p>Pixels: grooves, lamp and machine were fitted without the photo, and its every pixel predicted. A model "
+        "that explains what it was fitted to, and no more, shows itself here.</p>\n" +
+        table(pixels);
+  }
+  return out.empty() ? "" : "<h2>Photos that were held out</h2>\n" + out;
 }
 
 // The machine's affine map in words: scales, turn, skew, offset, and the largest shift over the carve area.
@@ -363,8 +427,8 @@ std::string outcome_of(const Loaded& in) {
   };
   if (!known.empty()) out += " It found " + joined(known) + ".";
   if (!unknown.empty())
-    out +=
-        " <span class=\"bad\">Not determined by these photos: " + joined(unknown) + "</span>; the reasons are below.";
+    out += " <span class=\"bad\">Not determined by these photos, or only weakly: " + joined(unknown) +
+           "</span>; the reasons are below.";
   return out;
 }
 
@@ -382,12 +446,13 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   if (!in.board.scratches.empty() && std::filesystem::exists(in.board.scratches))
     in.carved = transformed(read_scratches(in.board.scratches), in.bench.machine_affine);
   in.residuals = read_residuals(folder / "residuals.vnl");
+  in.held_out = read_hold_out(folder);
   if (progress) progress("reading photos for the report", 0);
   in.merged = merge_session(in.session);
 
   Section out;
   out.outcome = outcome_of(in);
-  out.body += "<h2>The numbers</h2>\n" + numbers(in) + machine_numbers(in);
+  out.body += "<h2>The numbers</h2>\n" + numbers(in) + machine_numbers(in) + verdicts(in) + held_out(in);
   out.body +=
       "<h2>Photo beside prediction</h2>\n<p>Each view as the measured bench predicts it and as it was photographed, "
       "laid "

@@ -1,0 +1,214 @@
+#include <CLI/Error.hpp>
+#include <CLI/Validators.hpp>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "calib/plan.h"
+#include "render/brdf.h"
+#include "render/error.h"
+#include "render/json_file.h"
+#include "tools/commands.h"
+#include "tools/plan_drawing.h"
+#include "tools/progress_bar.h"
+
+namespace burin {
+namespace {
+
+// "0, -3 and -6 stops".
+std::string stops_in_words(const std::vector<double>& stops) {
+  if (stops.size() == 1) return "one exposure, the tags' paper at 60 % of white";
+  std::string out = "bracket: the tags' paper at 60 % of white, then";
+  for (std::size_t i = 1; i < stops.size(); ++i) out += fmt::format("{} {:.0f} stops", i == 1 ? "" : ",", stops[i]);
+  return out;
+}
+
+// A bench that was measured knows its exposure too; a nominal one has no scale.
+bool is_measured(const Plan& plan) {
+  return std::any_of(plan.bench.lights.begin(), plan.bench.lights.end(),
+                     [](const Light& light) { return light.intensity_sigma.has_value(); });
+}
+
+constexpr double kPaperAt = 0.6, kPlannedAperture = 8;
+double exposure_s(const Plan& plan, const PlannedShot& shot) {
+  return kPaperAt / (plan.bench.sensor.gain * shot.paper_radiance) * kPlannedAperture * kPlannedAperture;
+}
+
+Json plan_json(const Plan& plan, const Board& board) {
+  Json json;
+  json["format"] = "burin/plan";
+  json["version"] = 1;
+  json["straddles_cut_off"] = plan.straddles;
+  json["parameters"] = Json::array();
+  for (const PlanParameter& p : plan.parameters)
+    json["parameters"].push_back({{"name", p.name}, {"unit", p.unit}, {"goal", p.goal}, {"before", p.before}});
+  json["shots"] = Json::array();
+  for (std::size_t i = 0; i < plan.shots.size(); ++i) {
+    const PlannedShot& shot = plan.shots[i];
+    const Light& light = plan.bench.lights[shot.light];
+    Json item;
+    item["view"] = fmt::format("p{:02}", i + 1);
+    item["camera"] = place_in_words(shot.camera, board);
+    item["center_mm"] = to_json(shot.camera.center_mm());
+    item["T_camera_board"] = to_json(shot.camera.T_camera_board.matrix());
+    item["distance_mm"] = shot.camera.distance_mm;
+    item["tilt_deg"] = shot.camera.tilt_rad * 180 / kPi;
+    item["azimuth_deg"] = std::fmod(shot.camera.azimuth_rad * 180 / kPi + 360, 360);
+    item["roll_deg"] = shot.camera.roll_rad * 180 / kPi;
+    item["light"] = {{"id", light.id}, {"position_mm", to_json(light.position_mm)}};
+    item["exposure_stops"] = shot.stops;
+    if (is_measured(plan)) item["exposure_s"] = exposure_s(plan, shot);
+    Json& sigma = item["sigma_after"];
+    for (std::size_t p = 0; p < plan.parameters.size(); ++p) sigma[plan.parameters[p].name] = shot.sigma[p];
+    json["shots"].push_back(item);
+  }
+  return json;
+}
+
+void print_plan(const Plan& plan, const Board& board) {
+  fmt::print("Board on the table, its lower edge towards you; mm above the face, and from the edges.\n");
+  std::size_t lamp = plan.bench.lights.size();
+  for (std::size_t i = 0; i < plan.shots.size(); ++i) {
+    const PlannedShot& shot = plan.shots[i];
+    if (shot.light != lamp) {
+      lamp = shot.light;
+      const Light& light = plan.bench.lights[lamp];
+      fmt::print("     lamp \"{}\" {}\n", light.id, place_in_words(light.position_mm, board));
+    }
+    fmt::print("{:3}. {}\n     {}", i + 1, place_in_words(shot.camera, board), stops_in_words(shot.stops));
+    if (is_measured(plan)) fmt::print("; {:.3g} s at f/8 and ISO 100 to begin with", exposure_s(plan, shot));
+    fmt::print("\n");
+  }
+  // Sigmas by shot: a column a number of shots, at most six.
+  std::vector<std::size_t> columns;
+  for (const double share : {0., 0.1, 0.25, 0.5, 0.75, 1.})
+    columns.push_back(static_cast<std::size_t>(std::lround(share * static_cast<double>(plan.shots.size() - 1))));
+  columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+  fmt::print("\nExpected sigma after {:>13}", "no shot");
+  for (const std::size_t c : columns) fmt::print("{:>9}", c + 1);
+  fmt::print("  shots; good enough\n");
+  for (std::size_t p = 0; p < plan.parameters.size(); ++p) {
+    const PlanParameter& parameter = plan.parameters[p];
+    const std::string name =
+        parameter.unit.empty() ? parameter.name : fmt::format("{}, {}", parameter.name, parameter.unit);
+    fmt::print("  {:<26}{:>6.3g}", name, parameter.before);
+    for (const std::size_t c : columns) fmt::print("{:>9.2g}", plan.shots[c].sigma[p]);
+    fmt::print("{:>12.2g}\n", parameter.goal);
+  }
+  if (!plan.straddles)
+    fmt::print(
+        "The depth of the grooves stays unknown: with this lamp no place has half vectors on both sides of the "
+        "grooves' "
+        "cut-off. Put the lamp further to the side, or give --lamp-places 2.\n");
+}
+
+// What a plan is made for where nobody gave a bench: a 50 mm lens on 24 x 36 mm with 6000 x 4000 pixels, and a lamp one
+// and a half times the board's diagonal away, beyond its upper edge.
+Bench usual_bench(const Board& board) {
+  Bench bench;
+  constexpr int kWidth = 6000, kHeight = 4000;
+  bench.lens.model = "LENSMODEL_OPENCV5";
+  bench.lens.width = kWidth;
+  bench.lens.height = kHeight;
+  const double focal_px = 50.0 / 36.0 * kWidth;
+  bench.lens.intrinsics = {focal_px, focal_px, (kWidth - 1) / 2.0, (kHeight - 1) / 2.0, 0, 0, 0, 0, 0};
+  Light light;
+  const double reach = 1.5 * board.size_mm.norm(), tilt = 35 * kPi / 180;
+  light.position_mm = {board.size_mm.x() / 2, board.size_mm.y() / 2 + reach * std::sin(tilt), reach * std::cos(tilt)};
+  bench.lights = {light};
+  bench.material = board.material;
+  return bench;
+}
+
+}  // namespace
+
+void add_plan_command(CLI::App& burin) {
+  struct Options {
+    std::filesystem::path board, bench, scratches, camera, out;
+    std::vector<std::vector<double>> lamps;
+    PlanOptions plan;
+    bool camera_as_seed = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = burin.add_subcommand(
+      "plan", "Say which photos to take of a board: where to put camera and lamp, and what they would tell");
+  command->add_option("BOARD.json", options->board, "The board that is to be photographed")->required();
+  command->add_option("--bench", options->bench,
+                      "The bench as it is believed or was measured: lens and lamps; without it, a 50 mm lens on full "
+                      "frame and a lamp beyond the upper edge");
+  command->add_option("--scratches", options->scratches,
+                      "The scratches on it, if not those that the board names; without any, test strokes");
+  auto* camera = command->add_option("--camera", options->camera,
+                                     "The lens (.cameramodel), instead of the bench's; it counts as known");
+  command->add_flag("--camera-as-seed", options->camera_as_seed, "The lens of --camera is solved for all the same")
+      ->needs(camera);
+  command->add_option("--lamp", options->lamps, "Where a lamp stands, X Y Z in mm, instead of the bench's; once a lamp")
+      ->type_size(3);
+  command
+      ->add_option("--lamp-places", options->plan.lamp_places,
+                   "At how many places lamps may stand in all: those beyond the lamps given are proposed")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 12));
+  command->add_option("--shots", options->plan.shots, "How many to plan")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 12));
+  command->add_option("--out", options->out,
+                      "The folder for plan.json and plan.svg; without it, the plan is printed only");
+  command->footer(example("burin plan board.json --bench bench.json --shots 8 --out plan"));
+  command->callback([options] {
+    const Board board = read_board(options->board);
+    Bench bench;
+    if (options->bench.empty()) {
+      bench = usual_bench(board);
+      note("no --bench: planned for a 50 mm lens on full frame, and a lamp " +
+           place_in_words(bench.lights[0].position_mm, board));
+    } else {
+      bench = read_bench(options->bench);
+    }
+    PlanOptions plan_options = options->plan;
+    if (!options->camera.empty()) {
+      bench.lens = read_cameramodel(options->camera);
+      plan_options.fix_lens = !options->camera_as_seed;
+    }
+    if (!options->lamps.empty()) {
+      const Light usual = bench.lights.empty() ? Light{} : bench.lights.front();
+      bench.lights.clear();
+      for (const std::vector<double>& p : options->lamps) {
+        if (p.size() != 3) throw CLI::ValidationError("--lamp", "takes three numbers, X Y Z in mm");
+        Light light = usual;
+        light.id = options->lamps.size() == 1 ? usual.id : fmt::format("lamp{}", bench.lights.size() + 1);
+        light.position_mm = {p[0], p[1], p[2]};
+        light.axis =
+            (Eigen::Vector3d(board.size_mm.x() / 2, board.size_mm.y() / 2, 0) - light.position_mm).normalized();
+        if (!(light.position_mm.z() > 0))
+          fail("--lamp", fmt::format("{} mm above the face is behind the board", p[2]), "give a place in front of it");
+        bench.lights.push_back(light);
+      }
+    }
+    const std::filesystem::path file = options->scratches.empty() ? board.scratches : options->scratches;
+    Scratches designed;
+    if (!file.empty() && (!options->scratches.empty() || std::filesystem::exists(file))) {
+      designed = read_scratches(file);
+    } else {
+      designed = test_strokes(board);
+      note(fmt::format("no scratches yet: planned with {} test strokes in all directions", designed.size()));
+    }
+    ProgressBar bar;
+    const Plan plan = plan_shots(board, bench, designed, plan_options, bar.progress());
+    bar.clear();
+    print_plan(plan, board);
+    const std::string next = "take these photos, then burin capture PHOTOS_DIR --board " + options->board.string();
+    if (options->out.empty()) {
+      fmt::print("Planned {} shots; next: {} (--out DIR keeps the plan and draws it)\n", plan.shots.size(), next);
+      return;
+    }
+    make_output_folder(options->out);
+    write_json(plan_json(plan, board), options->out / "plan.json");
+    write_text(plan_drawing(plan, board), options->out / "plan.svg");
+    fmt::print("Wrote {}, plan.svg shows where to stand; next: {}\n", (options->out / "plan.json").string(), next);
+  });
+}
+
+}  // namespace burin

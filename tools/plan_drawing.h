@@ -1,0 +1,15 @@
+// tools/plan_drawing.h - a plan of photos as a drawing: the bench from above and from the side, to scale.
+#pragma once
+
+#include <string>
+
+#include "calib/plan.h"
+#include "render/board.h"
+
+namespace burin {
+
+/// SVG. Above: x right, y up, the board with its tags, numbered cameras with their lines of sight, lamps as stars.
+/// Below: the same seen from the lower edge, x right, height up.
+std::string plan_drawing(const Plan& plan, const Board& board);
+
+}  // namespace burin
