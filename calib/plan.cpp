@@ -37,7 +37,7 @@ struct Measure {
   bool of_light = false;
   bool worst = false;
   std::vector<Eigen::VectorXd> rows;  // scaled to the parameter's unit
-  int lamp = -1;                      // counts only once a shot uses that lamp
+  int lamp = -1;                      // of a proposed lamp: where it stands is no aim in itself
 
   double sigma(const Eigen::MatrixXd& covariance) const {
     double out = 0;
@@ -265,7 +265,7 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& desig
   std::set<std::pair<std::size_t, std::size_t>> taken;
   // The sum over measures of one kind; `sigmas`, if given, gets them.
   const auto score = [&](bool of_light, const Eigen::MatrixXd& covariance, bool straddles,
-                         const std::set<std::size_t>& lamps, std::vector<double>* sigmas) {
+                         std::vector<double>* sigmas) {
     double sum = 0;
     for (std::size_t i = 0; i < measures.size(); ++i) {
       const Measure& m = measures[i];
@@ -273,7 +273,7 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& desig
       double sigma = m.sigma(covariance);
       if (m.parameter.name == "depth_um" && !straddles) sigma = m.parameter.before;
       if (sigmas) (*sigmas)[i] = sigma;
-      if (m.lamp < 0 || lamps.count(static_cast<std::size_t>(m.lamp))) sum += worth(sigma, m.parameter.goal);
+      if (m.lamp < 0) sum += worth(sigma, m.parameter.goal);
     }
     return sum;
   };
@@ -285,10 +285,9 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& desig
     // Light and geometry share no unknown, so a shot's worth is the sum of both.
     std::vector<double> geometry_score(places.size());
     for (std::size_t p = 0; p < places.size(); ++p)
-      geometry_score[p] =
-          geometry.views[p].used
-              ? score(false, scaled_inverse(H_geometry + geometry.views[p].information), false, lamps_used, nullptr)
-              : std::numeric_limits<double>::infinity();
+      geometry_score[p] = geometry.views[p].used
+                              ? score(false, scaled_inverse(H_geometry + geometry.views[p].information), false, nullptr)
+                              : std::numeric_limits<double>::infinity();
     double best = std::numeric_limits<double>::infinity();
     std::size_t best_place = 0, best_lamp = 0;
     for (std::size_t direction = 0; direction < directions; ++direction)
@@ -299,8 +298,8 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& desig
         lamps.insert(lamp);
         if (lamp >= own_lamps && static_cast<int>(std::max(lamps.size(), own_lamps + 1)) > options.lamp_places)
           continue;
-        const double light_score = score(true, scaled_inverse(H_light + candidate.information),
-                                         straddles_with(candidate.straddle), lamps, nullptr);
+        const double light_score =
+            score(true, scaled_inverse(H_light + candidate.information), straddles_with(candidate.straddle), nullptr);
         for (std::size_t p = 0; p < places.size(); ++p)
           if (places[p].direction == direction && geometry_score[p] + light_score < best) {
             best = geometry_score[p] + light_score;
@@ -323,14 +322,20 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& desig
     planned.stops = bracket_stops(chosen.light);
     planned.paper_radiance = chosen.light.paper;
     planned.sigma.assign(measures.size(), 0);
-    score(false, scaled_inverse(H_geometry), straddle.both(), lamps_used, &planned.sigma);
-    score(true, scaled_inverse(H_light), straddle.both(), lamps_used, &planned.sigma);
+    score(false, scaled_inverse(H_geometry), straddle.both(), &planned.sigma);
+    score(true, scaled_inverse(H_light), straddle.both(), &planned.sigma);
     out.shots.push_back(std::move(planned));
   }
   if (out.shots.empty())
     fail("the plan", "there is no place from which lamp, tags and board are seen",
          "check the lens and the lamp's place");
   out.straddles = straddle.both();
+  // Of the lamps that were proposed, only those that serve a shot are told.
+  for (std::size_t i = measures.size(); i-- > 0;)
+    if (measures[i].lamp >= 0 && !lamps_used.count(static_cast<std::size_t>(measures[i].lamp))) {
+      out.parameters.erase(out.parameters.begin() + static_cast<std::ptrdiff_t>(i));
+      for (PlannedShot& shot : out.shots) shot.sigma.erase(shot.sigma.begin() + static_cast<std::ptrdiff_t>(i));
+    }
   return out;
 }
 

@@ -1,0 +1,67 @@
+// burin plan, as a person runs it: a list to follow, plan.json and a drawing; and what it refuses. That its sigmas are
+// right is plan_test's.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/program.h"
+
+namespace burin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+const std::string kSample = std::string(BURIN_SOURCE_DIR) + "/samples/small-bench/";
+
+TEST(PlanCommand, SaysWhereToStandAndDrawsIt) {
+  const TemporaryFolder folder;
+  const Outcome run = run_burin(
+      folder, {"plan", kSample + "board.json", "--bench", kSample + "bench.json", "--shots", "3", "--out", "plan"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("  3. camera "), HasSubstr("mm above the"), HasSubstr("Expected sigma"),
+                             HasSubstr("depth_um"), HasSubstr("Wrote plan/plan.json")));
+  const auto plan = nlohmann::json::parse(file_text(folder / "plan" / "plan.json"));
+  EXPECT_EQ(plan["format"], "burin/plan");
+  ASSERT_EQ(plan["shots"].size(), 3U);
+  for (const auto& shot : plan["shots"]) {
+    EXPECT_EQ(shot["sigma_after"].size(), plan["parameters"].size());
+    EXPECT_GT(shot["center_mm"][2].get<double>(), 0);
+    EXPECT_EQ(shot["light"]["id"], "lamp");
+  }
+  // Every camera and the lamp, in both views of the drawing.
+  const std::string svg = file_text(folder / "plan" / "plan.svg");
+  std::size_t cameras = 0, lamps = 0;
+  for (std::size_t at = 0; (at = svg.find("<circle", at)) != std::string::npos; ++at) ++cameras;
+  for (std::size_t at = 0; (at = svg.find(">lamp</text>", at)) != std::string::npos; ++at) ++lamps;
+  EXPECT_EQ(cameras, 6U);
+  EXPECT_EQ(lamps, 2U);
+}
+
+TEST(PlanCommand, LampsThatAreGivenReplaceTheBenchs) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> plan = {"plan", kSample + "board.json", "--bench", kSample + "bench.json", "--shots",
+                                         "2"};
+  std::vector<std::string> arguments = plan;
+  arguments.insert(arguments.end(), {"--lamp", "-200", "60", "500"});
+  const Outcome run = run_burin(folder, arguments);
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("500 mm above the face, 200 mm beyond the left edge"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "plan"));
+
+  arguments = plan;
+  arguments.insert(arguments.end(), {"--lamp", "-200", "60", "-500"});
+  const Outcome behind = run_burin(folder, arguments);
+  EXPECT_EQ(behind.exit_code, 1);
+  EXPECT_THAT(behind.err, HasSubstr("behind the board"));
+}
+
+TEST(PlanCommand, RefusesWrongNumbersAndMissingFiles) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_burin(folder, {"plan", kSample + "board.json", "--shots", "13"}).exit_code, 2);
+  EXPECT_EQ(run_burin(folder, {"plan", "none.json"}).exit_code, 1);
+}
+
+}  // namespace
+}  // namespace burin
