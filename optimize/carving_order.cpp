@@ -404,17 +404,14 @@ double travel_mm(const Scratches& scratches, const std::vector<CarvingStep>& ord
 }
 
 Scratches in_carving_order(const Scratches& scratches, const std::vector<CarvingStep>& order) {
-  Scratches out;
-  for (const CarvingStep& step : order) {
-    const std::size_t i = step.scratch;
-    out.x0_mm.push_back(step.reversed ? scratches.x1_mm[i] : scratches.x0_mm[i]);
-    out.y0_mm.push_back(step.reversed ? scratches.y1_mm[i] : scratches.y0_mm[i]);
-    out.x1_mm.push_back(step.reversed ? scratches.x0_mm[i] : scratches.x1_mm[i]);
-    out.y1_mm.push_back(step.reversed ? scratches.y0_mm[i] : scratches.y1_mm[i]);
-    if (!scratches.width_um.empty()) out.width_um.push_back(scratches.width_um[i]);
-    if (!scratches.depth_um.empty()) out.depth_um.push_back(scratches.depth_um[i]);
-    if (!scratches.alpha.empty()) out.alpha.push_back(scratches.alpha[i]);
-  }
+  std::vector<std::size_t> rows;
+  for (const CarvingStep& step : order) rows.push_back(step.scratch);
+  Scratches out = selected(scratches, rows);
+  for (std::size_t k = 0; k < order.size(); ++k)
+    if (order[k].reversed) {
+      std::swap(out.x0_mm[k], out.x1_mm[k]);
+      std::swap(out.y0_mm[k], out.y1_mm[k]);
+    }
   return out;
 }
 

@@ -9,12 +9,15 @@
 #include <utility>
 
 #include "optimize/adam.h"
+#include "optimize/carving_limits.h"
 #include "optimize/glint.h"
+#include "optimize/keep_out.h"
 #include "optimize/picture_metrics.h"
 #include "optimize/stroke_search.h"
 #include "optimize/target.h"
 #include "render/brdf.h"
 #include "render/error.h"
+#include "render/groove.h"
 #include "render/view_renderer.h"
 
 namespace burin {
@@ -61,57 +64,85 @@ struct WorkView {
   Image unit;  ///< measure_units()
 };
 
-// The legal place of a scratch: ends inside the area, no shorter and no longer than allowed.
-struct Limits {
-  Eigen::Vector2d min_mm, max_mm;
-  double shortest_mm = 0, longest_mm = 0;
-
-  void apply(Scratches& s, std::size_t i, const Eigen::Vector2d& direction_before) const {
-    Eigen::Vector2d a(s.x0_mm[i], s.y0_mm[i]), b(s.x1_mm[i], s.y1_mm[i]);
-    a = a.cwiseMax(min_mm).cwiseMin(max_mm);
-    b = b.cwiseMax(min_mm).cwiseMin(max_mm);
-    const double length = (b - a).norm();
-    const double most = longest_mm > 0 ? longest_mm : length;
-    if (length < shortest_mm || length > most) {
-      const Eigen::Vector2d u = length > 1e-9 ? Eigen::Vector2d((b - a) / length) : direction_before;
-      // A hair inside the limit, so that rounding on the way to a file cannot cross it.
-      const double half = length < shortest_mm ? 0.5 * shortest_mm + 2e-5 : 0.5 * most - 2e-5;
-      const Eigen::Vector2d reach = half * u.cwiseAbs();
-      const Eigen::Vector2d middle = ((a + b) / 2).cwiseMax(min_mm + reach).cwiseMin(max_mm - reach);
-      a = middle - half * u;
-      b = middle + half * u;
-    }
-    s.x0_mm[i] = a.x();
-    s.y0_mm[i] = a.y();
-    s.x1_mm[i] = b.x();
-    s.y1_mm[i] = b.y();
-  }
-};
-
-Eigen::Vector2d direction_of(const Scratches& s, std::size_t i) {
-  const Eigen::Vector2d d(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
-  const double length = d.norm();
-  return length > 0 ? Eigen::Vector2d(d / length) : Eigen::Vector2d(1, 0);
-}
+Eigen::Vector2d first_end(const Scratches& s, std::size_t i) { return {s.x0_mm[i], s.y0_mm[i]}; }
+Eigen::Vector2d second_end(const Scratches& s, std::size_t i) { return {s.x1_mm[i], s.y1_mm[i]}; }
 
 // Uniform in [0, 1), the same on every platform.
 double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
-Scratches random_start(std::size_t count, const Limits& limits, double mean_length_mm, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  Scratches s;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Eigen::Vector2d middle(limits.min_mm.x() + uniform(random) * (limits.max_mm.x() - limits.min_mm.x()),
-                                 limits.min_mm.y() + uniform(random) * (limits.max_mm.y() - limits.min_mm.y()));
-    const double angle = kPi * uniform(random), half = mean_length_mm * (0.25 + 0.5 * uniform(random));
-    const Eigen::Vector2d u(std::cos(angle), std::sin(angle));
-    s.x0_mm.push_back(middle.x() - half * u.x());
-    s.y0_mm.push_back(middle.y() - half * u.y());
-    s.x1_mm.push_back(middle.x() + half * u.x());
-    s.y1_mm.push_back(middle.y() + half * u.y());
-    limits.apply(s, i, u);
+// Anywhere in the area, in any direction.
+Stroke random_stroke(const CarvingLimits& limits, double mean_length_mm, std::mt19937_64& random) {
+  const Eigen::Vector2d middle(limits.min_mm.x() + uniform(random) * (limits.max_mm.x() - limits.min_mm.x()),
+                               limits.min_mm.y() + uniform(random) * (limits.max_mm.y() - limits.min_mm.y()));
+  const double angle = kPi * uniform(random), half = mean_length_mm * (0.25 + 0.5 * uniform(random));
+  const Eigen::Vector2d u(std::cos(angle), std::sin(angle));
+  return {middle - half * u, middle + half * u, 0};
+}
+
+void set_scratch(Scratches& s, std::size_t i, const Stroke& stroke) {
+  s.x0_mm[i] = stroke.a_mm.x();
+  s.y0_mm[i] = stroke.a_mm.y();
+  s.x1_mm[i] = stroke.b_mm.x();
+  s.y1_mm[i] = stroke.b_mm.y();
+}
+
+Scratches append(Scratches s, const std::vector<Stroke>& strokes) {
+  for (const Stroke& stroke : strokes) {
+    for (auto* a : {&s.x0_mm, &s.y0_mm, &s.x1_mm, &s.y1_mm}) a->push_back(0);
+    set_scratch(s, s.size() - 1, stroke);
   }
   return s;
+}
+
+// Every scratch to where it may be carved; one that is hopeless where it lies starts somewhere else.
+void settle(Scratches& scratches, const CarvingLimits& limits, double mean_length_mm, std::uint64_t seed) {
+  constexpr int kTries = 1000;
+  std::mt19937_64 random(seed);
+  for (std::size_t i = 0; i < scratches.size(); ++i) {
+    bool lawful = confine(scratches, i, limits, first_end(scratches, i), second_end(scratches, i));
+    for (int k = 0; !lawful && k < kTries; ++k) {
+      const Stroke stroke = random_stroke(limits, mean_length_mm, random);
+      set_scratch(scratches, i, stroke);
+      lawful = confine(scratches, i, limits, stroke.a_mm, stroke.b_mm);
+    }
+    if (!lawful)
+      fail("design", "keep-outs and tags leave no room for a scratch in the carve area",
+           "make carve_mm larger or keep_out smaller in board.json, or allow shorter scratches");
+  }
+}
+
+Scratches random_start(std::size_t count, const CarvingLimits& limits, double mean_length_mm, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::vector<Stroke> strokes;
+  for (std::size_t i = 0; i < count; ++i) strokes.push_back(random_stroke(limits, mean_length_mm, random));
+  return append({}, strokes);
+}
+
+// The rules of the machine and of the design together.
+CarvingLimits design_limits(const Board& board, const Bench& bench, const DesignOptions& options) {
+  MachineLimits machine = options.machine;
+  machine.shortest_mm = std::max(machine.shortest_mm, options.min_length * board.size_mm.maxCoeff());
+  if (options.max_length_mm > 0)
+    machine.longest_mm =
+        machine.longest_mm > 0 ? std::min(machine.longest_mm, options.max_length_mm) : options.max_length_mm;
+  if (machine.longest_mm > 0 && machine.longest_mm < machine.shortest_mm + 2 * machine.step_mm)
+    fail("design", "the longest scratch allowed is shorter than the shortest", "allow longer or shorter ones");
+  return carving_limits(board, machine, bench.material.depth_um, bench.machine_affine);
+}
+
+// 1 where a groove's middle may lie, 0 on keep-outs and tags; no pixels if all is free.
+Image carvable(const CarvingLimits& limits, double clearance_mm, int width, int height) {
+  Image mask;
+  for (const KeepOut& place : limits.keep_out)
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const Eigen::Vector2d p(limits.min_mm.x() + (x + 0.5) / width * (limits.max_mm.x() - limits.min_mm.x()),
+                                limits.max_mm.y() - (y + 0.5) / height * (limits.max_mm.y() - limits.min_mm.y()));
+        if (distance_mm(p, place) >= clearance_mm) continue;
+        if (mask.data.empty()) mask = Image(width, height, 1, 1.0F);
+        mask.at(x, y) = 0;
+      }
+  return mask;
 }
 
 double mean_light(const Image& encoded) {
@@ -126,8 +157,14 @@ double mean_value(const Image& image) {
   return sum / static_cast<double>(image.data.size());
 }
 
+std::string percent_text(double share) {
+  const std::string text = std::to_string(std::round(1000 * share) / 10);
+  return text.substr(0, text.find('.') + 2);
+}
+
 std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, const Bench& bench,
-                                    const DesignOptions& options, std::vector<std::string>& warnings) {
+                                    const DesignOptions& options, const CarvingLimits& limits,
+                                    std::vector<std::string>& warnings) {
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   const double longer = area.maxCoeff();
   const int width = std::max(1, static_cast<int>(std::lround(options.pixels * area.x() / longer)));
@@ -145,6 +182,12 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   for (std::string& w : check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um,
                                      bench.material.depth_um, bench.material.alpha))
     warnings.push_back(std::move(w));
+  const Image free =
+      carvable(limits, 1e-3 * half_width_um(board.tool_width_um, bench.material.depth_um), width, height);
+  if (!free.data.empty())
+    warnings.push_back(percent_text(1 - mean_value(free)) +
+                       " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
+                       "are not compared there");
   for (std::size_t k = 0; k < spec.views.size(); ++k) {
     const DesignView& v = spec.views[k];
     const View& view = find_view(bench, v.view, "design");
@@ -153,6 +196,10 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                                 : v.target.rotation_deg;
     Target target = load_target(v.target, rotation, area, width, height);
     for (std::string& w : target.warnings) warnings.push_back(std::move(w));
+    if (!free.data.empty()) {
+      if (target.mask.data.empty()) target.mask = Image(width, height, 1, 1.0F);
+      for (std::size_t i = 0; i < free.data.size(); ++i) target.mask.data[i] *= free.data[i];
+    }
     ViewScene scene;
     scene.grid = board_grid(board.carve_min_mm, board.carve_max_mm, width, height, surface);
     scene.camera_center_mm = glints[k].camera_mm;
@@ -189,25 +236,25 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
 
 // ---- Placing scratches by optimize/stroke_search.h ------------------------------------------------------------
 
-double pitch_mm(const WorkView& v, const Limits& limits) {
+double pitch_mm(const WorkView& v, const CarvingLimits& limits) {
   return (limits.max_mm.x() - limits.min_mm.x()) / v.target.picture.width;
 }
 
-StrokeRules stroke_rules(const Limits& limits, double mean_length_mm, double alpha) {
+StrokeRules stroke_rules(const CarvingLimits& limits, double mean_length_mm, double alpha) {
   StrokeRules rules;
   rules.min_mm = limits.min_mm;
   rules.max_mm = limits.max_mm;
   // Flat parts of a picture want long strokes. Short ones cost the machine as much as they bring light.
   const double most = std::min(10 * mean_length_mm, 0.9 * (limits.max_mm - limits.min_mm).norm());
-  rules.longest_mm = limits.longest_mm > 0 ? std::min(limits.longest_mm, most) : most;
-  rules.shortest_mm = std::min(std::max(limits.shortest_mm, 0.1 * mean_length_mm), rules.longest_mm);
+  rules.longest_mm = limits.machine.longest_mm > 0 ? std::min(limits.machine.longest_mm, most) : most;
+  rules.shortest_mm = std::min(std::max(limits.machine.shortest_mm, 0.1 * mean_length_mm), rules.longest_mm);
   rules.alpha = alpha;
   return rules;
 }
 
 // What the search sees: the face alone, or all that was rendered last, at these exposures.
 std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,
-                                     const Limits& limits, bool from_face) {
+                                     const CarvingLimits& limits, bool from_face) {
   std::vector<StrokeView> out;
   for (const WorkView& v : views) {
     const auto e = static_cast<float>(std::exp(log_exposure[v.exposure_group]));
@@ -235,30 +282,15 @@ void render_all(std::vector<WorkView>& views, const Scratches& scratches) {
   for (WorkView& v : views) v.renderer.forward(scratches, v.radiance);
 }
 
-void set_scratch(Scratches& s, std::size_t i, const Stroke& stroke) {
-  s.x0_mm[i] = stroke.a_mm.x();
-  s.y0_mm[i] = stroke.a_mm.y();
-  s.x1_mm[i] = stroke.b_mm.x();
-  s.y1_mm[i] = stroke.b_mm.y();
-}
-
-Scratches append(Scratches s, const std::vector<Stroke>& strokes) {
-  for (const Stroke& stroke : strokes) {
-    for (auto* a : {&s.x0_mm, &s.y0_mm, &s.x1_mm, &s.y1_mm}) a->push_back(0);
-    set_scratch(s, s.size() - 1, stroke);
-  }
-  return s;
-}
-
 // Moves the scratches whose absence costs least to where the pictures of all views miss most, as far as that pays, then
 // searches a better place for each. The views must be as rendered. Returns the moved ones, ascending.
 std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkView>& views,
-                                  const std::vector<double>& log_exposure, const Limits& limits,
-                                  const StrokeRules& rules, double share, std::uint64_t seed) {
+                                  const std::vector<double>& log_exposure, const CarvingLimits& limits,
+                                  const StrokeRules& rules, std::size_t movable, double share, std::uint64_t seed) {
+  const Scratches before = scratches;
   std::vector<StrokeView> light = stroke_views(views, log_exposure, limits, false);
-  const std::size_t movable = scratches.size();
   std::vector<double> worth = worth_of(light, rules, scratches);
-  std::vector<std::size_t> order(movable);
+  std::vector<std::size_t> order(movable);  // the carved ones, which come last, stay
   std::iota(order.begin(), order.end(), std::size_t{0});
   const auto candidates = static_cast<std::ptrdiff_t>(share * static_cast<double>(order.size()));
   std::partial_sort(order.begin(), order.begin() + candidates, order.end(),
@@ -283,7 +315,10 @@ std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkVi
   for (const std::size_t i : improve_strokes(light, rules, scratches, movable, seed + 1)) changed[i] = 1;
   std::vector<std::size_t> moved;
   for (std::size_t i = 0; i < changed.size(); ++i)
-    if (changed[i]) moved.push_back(i);
+    if (changed[i]) {
+      moved.push_back(i);
+      confine(scratches, i, limits, first_end(before, i), second_end(before, i));
+    }
   return moved;
 }
 
@@ -307,15 +342,35 @@ std::vector<std::size_t> all_but(std::size_t count, const std::vector<std::size_
   return kept;
 }
 
-Scratches subset(const Scratches& s, const std::vector<std::size_t>& kept) {
-  const auto pick = [&](const std::vector<double>& from) {
-    std::vector<double> to;
-    if (!from.empty())
-      for (const std::size_t i : kept) to.push_back(from[i]);
-    return to;
-  };
-  return {pick(s.x0_mm),    pick(s.y0_mm),    pick(s.x1_mm), pick(s.y1_mm),
-          pick(s.width_um), pick(s.depth_um), pick(s.alpha)};
+// What is to be designed, when going on, and what is in the metal already.
+std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, const Board& board, const Bench& bench) {
+  if (options.carved.size() > 0 && (options.optimise_width || options.optimise_depth || options.optimise_alpha))
+    fail("design", "the groove of what is carved already cannot be chosen any more",
+         "leave out --free-width, --free-depth and --free-alpha, or --carved");
+  if (!options.from) return {{}, options.carved};
+  std::vector<std::size_t> fresh, done;
+  for (std::size_t i = 0; i < options.from->size(); ++i) (options.from->is_carved(i) ? done : fresh).push_back(i);
+  Scratches carved = selected(*options.from, done), from = selected(*options.from, fresh);
+  carved.carved.clear();
+  from.carved.clear();
+  return {from, joined(carved, options.carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha)};
+}
+
+// The last word on the rules: ends on steps, pairs apart; what cannot obey is dropped, the least worthy first.
+void obey(Scratches& scratches, CarvingLimits limits, const std::vector<WorkView>& views,
+          const std::vector<double>& log_exposure, const StrokeRules& rules, const DesignOptions& options,
+          const std::vector<double>& log_shared, DesignResult& result) {
+  if (options.optimise_width) limits.width_um = std::exp(log_shared[0]);
+  std::vector<double> worth;
+  if (has_pair_rules(limits.machine))
+    worth = worth_of(stroke_views(views, log_exposure, limits, false), rules, scratches);
+  Mended mended = mend(scratches, limits, worth);
+  for (std::size_t r = 0; r < kRules; ++r) result.dropped_by_rule[r] += mended.dropped[r];
+  if (mended.rows.size() == result.carved)
+    fail("design", "no scratch can obey the machine's limits (" + dropped_text(mended.dropped) + " were dropped)",
+         "loosen them, or make the board's keep-outs smaller");
+  scratches = std::move(mended.scratches);
+  fail_unless_good(check_limits(scratches, limits), "design");
 }
 
 }  // namespace
@@ -332,13 +387,21 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   report("reading targets", 0);
 
   DesignResult result;
-  std::vector<WorkView> views = prepare_views(spec, board, bench, options, result.warnings);
-  auto count = options.from ? options.from->size() : static_cast<std::size_t>(spec.scratches);
-  if (count == 0) fail("design", "there are no scratches to go on from", "give a scratches.csv that holds some");
-  result.started_with = count;
-
-  const Limits limits{board.carve_min_mm, board.carve_max_mm, options.min_length * board.size_mm.maxCoeff(),
-                      options.max_length_mm};
+  const CarvingLimits limits = design_limits(board, bench, options);
+  std::vector<WorkView> views = prepare_views(spec, board, bench, options, limits, result.warnings);
+  const auto [from, carved] = new_and_carved(options, board, bench);
+  result.carved = carved.size();
+  if (options.from && from.size() == 0)
+    fail("design", "there are no scratches to go on from", "give a scratches.csv that holds some");
+  if (!options.from && carved.size() >= static_cast<std::size_t>(spec.scratches))
+    fail("design",
+         std::to_string(spec.scratches) + " scratches are asked for, and " + std::to_string(carved.size()) +
+             " are carved already",
+         "ask for more: the number counts what is carved");
+  // The new ones come first in `scratches`, `movable` of them; then those that are carved already, which never change.
+  std::size_t movable = options.from ? from.size() : static_cast<std::size_t>(spec.scratches) - carved.size();
+  std::size_t count = movable + carved.size();
+  result.started_with = movable;
   const Eigen::Vector2d area = limits.max_mm - limits.min_mm;
   // Guided: the scratches of a view, laid end to end, cover its pixels 2.5 times. Crossings average out the hatching:
   // on five views, 256 x 256 pixels and 20,000 scratches, 0.6 to 3.7 dB more than covering once; five times is worse.
@@ -356,33 +419,46 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
                               })->exposure_group;
   std::vector<double> log_exposure(group_count, 0.0);
   for (WorkView& v : views) {
-    v.renderer.forward({}, v.face);
+    v.renderer.forward(carved, v.face);  // what cannot be undone: the face, and what is carved in it
     v.unit = measure_units(v.renderer, v.glint, limits.min_mm, limits.max_mm);
   }
+  constexpr double kStartShare = 0.4;  // of the time limit: iterations gain more than a better start
+  const auto enough = [&] {
+    return (options.stop && options.stop()) ||
+           (options.time_limit_s > 0 && seconds_since(began) > kStartShare * options.time_limit_s);
+  };
   Scratches scratches;
   if (options.from) {
-    scratches = *options.from;
-    for (std::size_t i = 0; i < count; ++i) limits.apply(scratches, i, direction_of(scratches, i));
+    scratches = from;
   } else if (options.start == Start::random) {
-    scratches = random_start(count, limits, mean_length, options.seed);
+    scratches = random_start(movable, limits, mean_length, options.seed);
   } else {
     // The exposure with which `count` scratches of this length and brightness give the light that is wanted.
     std::vector<double> wanted(group_count, 0.0), given(group_count, 0.0);
     for (const WorkView& v : views) {
       wanted[v.exposure_group] += mean_light(v.target.picture);
       given[v.exposure_group] += mean_value(v.face) + options.start_brightness * mean_value(v.unit) * mean_length *
-                                                          static_cast<double>(count) /
+                                                          static_cast<double>(movable) /
                                                           static_cast<double>(views.size()) /
                                                           static_cast<double>(v.face.data.size());
     }
     for (int g = 0; g < group_count; ++g) log_exposure[g] = std::log(wanted[g] / given[g]);
     report("placing scratches", 0);
     std::vector<StrokeView> light = stroke_views(views, log_exposure, limits, true);
-    scratches = append({}, place_strokes(light, rules, count, options.seed, options.stop));
+    scratches = append({}, place_strokes(light, rules, movable, options.seed, enough));
+    if (scratches.size() < movable && enough())
+      result.warnings.push_back("the time ended the start early: " + std::to_string(scratches.size()) + " of " +
+                                std::to_string(movable) +
+                                " scratches begin where the pictures want them, the rest anywhere");
     // Where the model finds no more to gain, the rest start anywhere: relocation may yet find them a place.
-    const Scratches rest = random_start(count - scratches.size(), limits, mean_length, options.seed + 1);
-    for (std::size_t i = 0; i < rest.size(); ++i)
-      scratches = append(std::move(scratches), {{{rest.x0_mm[i], rest.y0_mm[i]}, {rest.x1_mm[i], rest.y1_mm[i]}, 0}});
+    scratches = joined(scratches, random_start(movable - scratches.size(), limits, mean_length, options.seed + 1),
+                       board.tool_width_um, bench.material.depth_um, bench.material.alpha);
+  }
+  settle(scratches, limits, mean_length, options.seed + 2);
+  if (carved.size() > 0) {
+    scratches = joined(scratches, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
+    scratches.carved.assign(movable, 0);
+    scratches.carved.resize(count, 1);
   }
   render_all(views, scratches);
   std::vector<double> wanted(group_count, 0.0), given(group_count, 0.0);
@@ -397,9 +473,9 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     log_exposure[g] = std::log((random ? options.start_exposure : 1) * wanted[g] / given[g]);
   if (!random) log_exposure = fitting_exposures(views, log_exposure);
   if (!options.from && options.start == Start::guided)
-    for (int k = 0; k < options.start_sweeps; ++k) {
+    for (int k = 0; k < options.start_sweeps && !enough(); ++k) {
       report("searching places", static_cast<double>(k) / options.start_sweeps);
-      relocate(scratches, views, log_exposure, limits, rules, 0, options.seed + 100 + k);
+      relocate(scratches, views, log_exposure, limits, rules, movable, 0, options.seed + 100 + k);
       render_all(views, scratches);
       log_exposure = fitting_exposures(views, log_exposure);
     }
@@ -418,7 +494,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
 
   Adam adam_x0(count), adam_y0(count), adam_x1(count), adam_y1(count), adam_exposure(group_count), adam_shared(3);
   ScratchGradients gradients;
-  std::vector<Eigen::Vector2d> directions(count);
+  Scratches before;
   const std::vector<int> contact = contact_iterations(options.iterations, options.contact_frames);
   const Clock::time_point iterations_began = Clock::now();
   // Weak scratches go before the end, so that the last iterations make up for them.
@@ -433,15 +509,16 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       v.renderer.add_contributions(light);
       for (std::size_t i = 0; i < count; ++i) light_sum[i] += std::exp(log_exposure[v.exposure_group]) * light[i];
     }
-    const double total_light = std::accumulate(light_sum.begin(), light_sum.end(), 0.0);
+    const double total_light =
+        std::accumulate(light_sum.begin(), light_sum.begin() + static_cast<std::ptrdiff_t>(movable), 0.0);
     std::vector<StrokeView> shown = stroke_views(views, log_exposure, limits, false);
     const double error = squared_error(shown);
-    const auto most = static_cast<std::size_t>(options.drop_count * static_cast<double>(count));
+    const auto most = static_cast<std::size_t>(options.drop_count * static_cast<double>(movable));
     std::size_t gone = 0;
     double rise = 0, light = 0;
-    const std::vector<std::size_t> kept =
-        all_but(count, spare_order(std::move(shown), rules, scratches, count, {}, [&](std::size_t i, double worth) {
-                  if (++gone == count) return false;  // one stays, whatever is asked
+    std::vector<std::size_t> kept =
+        all_but(count, spare_order(shown, rules, scratches, movable, {}, [&](std::size_t i, double worth) {
+                  if (++gone == movable) return false;  // one stays, whatever is asked
                   rise += std::max(0.0, worth);
                   light += light_sum[i];
                   return options.drop_count > 0   ? gone <= most
@@ -449,9 +526,21 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
                                                   : rise <= options.drop_error * error;
                 }));
     result.dropped = count - kept.size();
-    if (result.dropped == 0) return;
+    movable -= result.dropped;
+    // What breaks the rules of pairs goes now too, so that the last iterations make up for it.
+    if (has_pair_rules(limits.machine)) {
+      const std::vector<double> worth = worth_of(shown, rules, scratches);
+      std::vector<double> kept_worth;
+      for (const std::size_t i : kept) kept_worth.push_back(worth[i]);
+      const Mended mended = mend(selected(scratches, kept), limits, kept_worth);
+      for (std::size_t r = 0; r < kRules; ++r) result.dropped_by_rule[r] += mended.dropped[r];
+      movable = mended.rows.size() - result.carved;
+      for (std::size_t k = 0; k < mended.rows.size(); ++k) kept[k] = kept[mended.rows[k]];
+      kept.resize(mended.rows.size());
+    }
+    if (kept.size() == count) return;
     result.loss_before_drop = result.history.back().loss;
-    scratches = subset(scratches, kept);
+    scratches = selected(scratches, kept);
     for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->keep(kept);
     count = kept.size();
   };
@@ -478,6 +567,8 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
         d_log_exposure[v.exposure_group] +=
             radiance_gradient(v.radiance, exposure, v.picture, v.dE_dpicture, v.dE_dradiance);
         v.renderer.backward(v.dE_dradiance, gradients);
+        for (auto* g : {&gradients.x0_mm, &gradients.y0_mm, &gradients.x1_mm, &gradients.y1_mm})
+          std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable), g->end(), 0.0);  // what is carved stays
       }
       if (iteration == 0) start_exposure[k] = exposure;
     }
@@ -514,21 +605,21 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
 
     const double t = static_cast<double>(iteration) / std::max(1, options.iterations - 1);
     const double rate = last_rate + (first_rate - last_rate) * 0.5 * (1 + std::cos(kPi * t));
-    for (std::size_t i = 0; i < count; ++i) directions[i] = direction_of(scratches, i);
+    before = scratches;
     adam_x0.step(scratches.x0_mm, gradients.x0_mm, rate * board.size_mm.x());
     adam_y0.step(scratches.y0_mm, gradients.y0_mm, rate * board.size_mm.y());
     adam_x1.step(scratches.x1_mm, gradients.x1_mm, rate * board.size_mm.x());
     adam_y1.step(scratches.y1_mm, gradients.y1_mm, rate * board.size_mm.y());
-    for (std::size_t i = 0; i < count; ++i) limits.apply(scratches, i, directions[i]);
+    for (std::size_t i = 0; i < movable; ++i)
+      confine(scratches, i, limits, first_end(before, i), second_end(before, i));
     const bool may_move =
         t < options.relocate_until &&
         (options.time_limit_s <= 0 || seconds_since(began) < options.relocate_until * options.time_limit_s);
     if (options.relocate_every > 0 && iteration > 0 && iteration % options.relocate_every == 0 && may_move) {
       render_all(views, scratches);
-      const std::vector<std::size_t> moved = relocate(scratches, views, log_exposure, limits, rules,
+      const std::vector<std::size_t> moved = relocate(scratches, views, log_exposure, limits, rules, movable,
                                                       options.relocate_share, options.seed + 1000 + iteration);
       for (const std::size_t i : moved) {
-        limits.apply(scratches, i, direction_of(scratches, i));
         for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->restart(i);
       }
       result.relocated += moved.size();
@@ -554,6 +645,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   }
   result.iteration_seconds = seconds_since(iterations_began);
   if (result.dropped == 0 && !result.stopped_early) drop_weak();
+  obey(scratches, limits, views, log_exposure, rules, options, log_shared, result);
   result.scratches = scratches;
 
   for (std::size_t k = 0; k < views.size(); ++k) {

@@ -8,12 +8,14 @@
 // Frame: board, mm. Same seed, same bits, for any number of threads. Sources: DESIGN 3.5 and 7.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "optimize/carving_limits.h"
 #include "optimize/design_file.h"
 #include "optimize/loss.h"
 #include "render/bench.h"
@@ -56,6 +58,8 @@ struct DesignOptions {
   double relocate_share = 0.02;   ///< of the scratches, the least worthy, that may change their view each time
   double min_length = 1e-3;       ///< shortest scratch, as a fraction of the board's longer edge
   double max_length_mm = 0;       ///< longest scratch; 0: any
+  MachineLimits machine;          ///< obeyed exactly by the result (optimize/carving_limits.h)
+  Scratches carved;               ///< in the metal already, where they lie; DesignSpec::scratches counts them too
   ExposureOf exposure_of = ExposureOf::view;
   double start_exposure = 0.2;  ///< random start: times the exposure that matches the pictures' means
   double exposure_rate = 0.02;  ///< Adam's, in log(exposure) an iteration; 0 holds it
@@ -67,7 +71,8 @@ struct DesignOptions {
   double drop_at = 0.8;      ///< part of the iterations after which they go; the rest make up for them
   double time_limit_s = 0;   ///< stop iterating so that everything ends about then; 0: no limit
   int contact_frames = 8;    ///< iterations kept for the contact sheet
-  std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's)
+  std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's);
+                                  ///< those marked as carved stay as they are
   std::function<void(const DesignFrame&)> watch;  ///< called once an iteration; may be empty
   std::function<bool()> stop;  ///< asked once an iteration: true ends the iterations, keeping what there is
 };
@@ -102,14 +107,17 @@ struct ContactFrame {
 };
 
 struct DesignResult {
-  Scratches scratches;  ///< after dropping; with width, depth or alpha columns if those were optimised
+  Scratches scratches;  ///< after dropping; with width, depth or alpha columns if those were optimised, and with the
+                        ///< carved ones last, marked, if there are any
   std::vector<DesignedView> views;
   std::vector<DesignIteration> history;  ///< loss before each iteration's step
   std::vector<ContactFrame> frames;
   std::vector<std::string> warnings;
   double final_loss = 0;        ///< of the scratches as returned, at the optimised exposures
   double loss_before_drop = 0;  ///< when the weak ones were dropped; 0 if none were
-  std::size_t started_with = 0, dropped = 0, relocated = 0;
+  std::size_t started_with = 0, dropped = 0, relocated = 0;  ///< of the new ones
+  std::size_t carved = 0;                                    ///< of the scratches: in the metal already
+  std::array<std::size_t, kRules> dropped_by_rule{};         ///< those that could not obey a limit, on top of `dropped`
   std::size_t pairs = 0;         ///< (pixel, scratch) pairs of the last iteration, all views
   double iteration_seconds = 0;  ///< in the iterations
   double total_seconds = 0;

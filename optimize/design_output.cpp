@@ -33,6 +33,7 @@ Json bench_as_used(const DesignSpec& spec, const Board& board, const Bench& benc
   json["width_um"] = board.tool_width_um;
   json["base_alpha"] = bench.material.base_alpha;
   json["carve_mm"] = {to_json(board.carve_min_mm), to_json(board.carve_max_mm)};
+  json["machine_affine"] = to_json(bench.machine_affine);
   Json lights = Json::array(), cameras = Json::array();
   std::set<std::string> seen;
   for (const DesignView& v : spec.views) {
@@ -131,6 +132,11 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
   json["started_with"] = result.started_with;
   json["dropped"] = result.dropped;
   json["relocated"] = result.relocated;
+  json["carved"] = result.carved;
+  json["dropped_by_limits"] = Json::object();
+  for (std::size_t r = 0; r < kRules; ++r)
+    if (result.dropped_by_rule[r] > 0)
+      json["dropped_by_limits"][rule_name(static_cast<Rule>(r))] = result.dropped_by_rule[r];
   json["pairs"] = result.pairs;
   json["stopped_early"] = result.stopped_early;
   json["loss_start"] = result.history.front().loss;

@@ -60,6 +60,34 @@ void read_block(JsonObject& json, const std::string& key, std::vector<std::strin
   }
 }
 
+MachineLimits read_limits(JsonObject json) {
+  MachineLimits limits;
+  const auto length = [&](const char* key, double smallest) {
+    const double v = json.number(key, 0);
+    if (v != 0 && v < smallest)
+      json.fail_field(key, "is " + Json(v).dump(),
+                      "write a length in mm of at least " + Json(smallest).dump() + ", or 0 for no limit");
+    return v;
+  };
+  limits.step_mm = length("step_mm", 1e-4);
+  limits.shortest_mm = length("shortest_mm", 1e-3);
+  limits.longest_mm = length("longest_mm", 1e-3);
+  limits.distance_mm = length("min_distance_mm", 1e-4);
+  limits.max_overlap = json.number("max_overlap", 0);
+  if (limits.max_overlap < 0 || limits.max_overlap > 1)
+    json.fail_field("max_overlap", "is no share of a groove",
+                    "write a number above 0 and up to 1, or 0 for no limit (no crossings at all: \"max_grooves\": 1)");
+  limits.max_grooves = json.integer("max_grooves", 0);
+  if (limits.max_grooves < 0)
+    json.fail_field("max_grooves", "is negative", "write how many may lie over one place, or 0 for no limit");
+  // Both ends move to a step, so a length can be held only if some steps lie between shortest and longest.
+  if (limits.longest_mm > 0 && limits.longest_mm < limits.shortest_mm + 2 * limits.step_mm)
+    json.fail_field("longest_mm", "leaves no length above shortest_mm",
+                    "make it longer than shortest_mm by at least two steps");
+  json.finish();
+  return limits;
+}
+
 }  // namespace
 
 MachineProfile read_machine_profile(const std::filesystem::path& file) {
@@ -85,6 +113,8 @@ MachineProfile read_machine_profile(const std::filesystem::path& file) {
   machine.max_lines = json.integer("max_lines", machine.max_lines);
   if (machine.max_lines != 0 && machine.max_lines < 100)
     json.fail_field("max_lines", "is " + std::to_string(machine.max_lines), "write 0 for no limit, or at least 100");
+  machine.force = json.number("force", machine.force);
+  if (json.has("limits")) machine.limits = read_limits(json.object("limits"));
   if (json.has("travel_mm")) {
     const Eigen::MatrixXd travel = json.matrix("travel_mm", 2, 2);
     machine.travel = MachineBounds{travel.row(0).transpose(), travel.row(1).transpose()};

@@ -9,6 +9,7 @@
 #include <limits>
 #include <system_error>
 
+#include "optimize/carving_limits.h"
 #include "optimize/carving_time.h"
 #include "optimize/toolpath_check.h"
 #include "render/error.h"
@@ -52,6 +53,7 @@ std::optional<std::string> placeholder(const std::string& name, const BlockValue
   if (name == "feed") return shortest(m.carve_feed_mm_min);
   if (name == "plunge_feed") return shortest(m.plunge_feed_mm_min);
   if (name == "rapid") return shortest(m.rapid_mm_min);
+  if (name == "force" && m.force != 0) return shortest(m.force);
   if (name == "rapid_z") return shortest(m.rapid_z_mm_min);
   if (name == "dwell_s") return m.dwell_s > 0 ? std::optional(fixed(m.dwell_s, 3)) : std::nullopt;
   if (name == "dwell_ms") return m.dwell_s > 0 ? std::optional(fixed(m.dwell_s * 1e3, 0)) : std::nullopt;
@@ -64,8 +66,11 @@ std::optional<std::string> placeholder(const std::string& name, const BlockValue
     if (name == "depth_um") return fixed(s->depth_mm * 1e3, 2);
     if (name == "number") return std::to_string(values.number);
   }
+  if (name == "force")
+    fail("machine profile \"" + m.name + "\"", "its blocks ask for {force}, but it says none", "add \"force\": 350");
   fail("machine profile \"" + m.name + "\"", "its blocks ask for {" + name + "}, which is not known there",
-       "use z_safe, feed, plunge_feed, rapid, rapid_z, dwell_s, dwell_ms and, in per_scratch, x0, y0, x1, y1, z_carve, "
+       "use z_safe, feed, plunge_feed, rapid, rapid_z, force, dwell_s, dwell_ms and, in per_scratch, x0, y0, x1, y1, "
+       "z_carve, "
        "depth_um, number");
 }
 
@@ -182,33 +187,56 @@ double depth_command_factor(const Board& board, const Bench* measured) {
 
 }  // namespace
 
+CarvingLimits toolpath_limits(const Board& board, const Bench* measured, const MachineProfile& machine) {
+  if (measured == nullptr)
+    return carving_limits(board, machine.limits, board.material.depth_um, CarvingLimits().affine);
+  return carving_limits(board, machine.limits, measured->material.depth_um, measured->machine_affine);
+}
+
 Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                        const MachineProfile& machine, const ToolpathOptions& options, const Progress& progress) {
   if (scratches.size() == 0) fail("tool path", "there is no scratch to carve", "design some first");
-  for (std::size_t i = 0; i < scratches.size(); ++i) {
-    for (const Eigen::Vector2d& p : {Eigen::Vector2d(scratches.x0_mm[i], scratches.y0_mm[i]),
-                                     Eigen::Vector2d(scratches.x1_mm[i], scratches.y1_mm[i])}) {
-      if (!p.allFinite())
-        fail("scratch in row " + std::to_string(i + 1), "has an end that is not a number", "remove it");
-      if ((p.array() < board.carve_min_mm.array() - kEdgeTolerance_mm).any() ||
-          (p.array() > board.carve_max_mm.array() + kEdgeTolerance_mm).any())
-        fail("scratch in row " + std::to_string(i + 1), "leaves the board's carve area at " + point_text(p),
-             "move it, or correct carve_mm in board.json (now " + point_text(board.carve_min_mm) + " to " +
-                 point_text(board.carve_max_mm) + ")");
-    }
-  }
+  const CarvingLimits limits = toolpath_limits(board, measured, machine);
+  const Affine2 carves = limits.affine;
 
   Toolpath path;
-  Scratches sent = scratches;
-  if (measured != nullptr) {
-    const Eigen::Matrix2d A_inverse = measured->machine_affine.leftCols<2>().inverse();
-    Affine2 back;
-    back << A_inverse, -A_inverse * measured->machine_affine.col(2);
-    path.compensated = !back.isApprox((Affine2() << 1, 0, 0, 0, 1, 0).finished(), 1e-12);
-    if (path.compensated) sent = transformed(scratches, back);
+  path.compensated = !carves.isApprox(CarvingLimits().affine, 1e-12);
+  const Eigen::Matrix2d A_inverse = carves.leftCols<2>().inverse();
+  const auto told = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
+    return path.compensated ? Eigen::Vector2d(A_inverse * (p - carves.col(2))) : p;
+  };
+  Scratches sent = scratches, carved = scratches;
+  const auto put = [](std::vector<double>& x, std::vector<double>& y, std::size_t i, const Eigen::Vector2d& p) {
+    x[i] = p.x();
+    y[i] = p.y();
+  };
+  for (std::size_t i = 0; i < scratches.size(); ++i) {
+    if (scratches.is_carved(i)) {
+      ++path.already_carved;
+      continue;
+    }
+    for (const auto& [x, y] :
+         {std::pair(&Scratches::x0_mm, &Scratches::y0_mm), {&Scratches::x1_mm, &Scratches::y1_mm}}) {
+      const Eigen::Vector2d p((scratches.*x)[i], (scratches.*y)[i]);
+      Eigen::Vector2d q = told(p);
+      if (const double step = machine.limits.step_mm; step > 0) {
+        // The machine goes to its steps whatever it is told: tell it so, and judge what it will carve.
+        const Eigen::Vector2d on_step = (q / step).array().round() * step;
+        const Eigen::Vector2d lies = carves.leftCols<2>() * on_step + carves.col(2);
+        if ((lies - p).norm() > kOnStep_mm) put(carved.*x, carved.*y, i, lies);
+        path.stepped_mm = std::max(path.stepped_mm, (lies - p).norm());
+        q = on_step;
+      }
+      put(sent.*x, sent.*y, i, q);
+    }
   }
+  if (path.already_carved == scratches.size())
+    fail("tool path", "all " + std::to_string(scratches.size()) + " scratches are carved already",
+         "design some more, or take the column carved away to carve all again");
+  fail_unless_good(check_limits(carved, limits, kEdgeTolerance_mm), "tool path");
   if (machine.travel)
-    for (std::size_t i = 0; i < sent.size(); ++i)
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      if (sent.is_carved(i)) continue;
       for (const Eigen::Vector2d& p :
            {Eigen::Vector2d(sent.x0_mm[i], sent.y0_mm[i]), Eigen::Vector2d(sent.x1_mm[i], sent.y1_mm[i])})
         if ((p.array() < machine.travel->min_mm.array()).any() || (p.array() > machine.travel->max_mm.array()).any())
@@ -217,13 +245,20 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
                    " leaves the travel of " + machine.name + " at " + point_text(p),
                "place the board elsewhere, or correct travel_mm (now " + point_text(machine.travel->min_mm) + " to " +
                    point_text(machine.travel->max_mm) + ")");
+    }
 
-  path.order = options.keep_order ? file_order(sent) : carving_order(sent, {}, progress);
-  path.travel_mm = travel_mm(sent, path.order);
+  std::vector<std::size_t> rows;  // what is to be carved
+  for (std::size_t i = 0; i < sent.size(); ++i)
+    if (!sent.is_carved(i)) rows.push_back(i);
+  const Scratches to_carve = selected(sent, rows);
+  path.order = options.keep_order ? file_order(to_carve) : carving_order(to_carve, {}, progress);
+  path.travel_mm = travel_mm(to_carve, path.order);
+  path.file_order_travel_mm = travel_mm(to_carve, file_order(to_carve));
+  for (CarvingStep& step : path.order) step.scratch = static_cast<std::uint32_t>(rows[step.scratch]);
   const double factor = depth_command_factor(board, measured);
   path.min_mm.setConstant(std::numeric_limits<double>::infinity());
   path.max_mm = -path.min_mm;
-  path.scratches.reserve(sent.size());
+  path.scratches.reserve(rows.size());
   Eigen::Vector2d at(0, 0);
   for (const CarvingStep& step : path.order) {
     const std::size_t i = step.scratch;
@@ -345,17 +380,18 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   const bool is_gcode = extension == ".gcode" || extension == ".nc" || extension == ".ngc";
   if (!is_gcode && extension != ".svg" && extension != ".dxf")
     fail(out.string(), "unknown kind of tool path \"" + extension + "\"", "use .gcode, .nc, .ngc, .svg or .dxf");
-  const Toolpath path = plan_toolpath(scratches, board, measured, machine, options, progress);
-
   ToolpathReport report;
+  const Toolpath path = plan_toolpath(scratches, board, measured, machine, options, progress);
   report.scratch_count = path.scratches.size();
   report.duration_s = path.duration_s;
   report.carve_mm = path.carve_mm;
   report.travel_mm = path.travel_mm;
-  report.file_order_travel_mm = travel_mm(scratches, file_order(scratches));
+  report.file_order_travel_mm = path.file_order_travel_mm;
   report.min_mm = path.min_mm, report.max_mm = path.max_mm;
   report.order = path.order;
   report.compensated = path.compensated;
+  report.already_carved = path.already_carved;
+  report.stepped_mm = path.stepped_mm;
   if (!is_gcode) {
     write_text(extension == ".svg" ? svg(path, board.size_mm, machine.decimals) : dxf(path, machine.decimals), out);
     report.files = {out};

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "optimize/carving_limits.h"
 #include "optimize/carving_order.h"
 #include "optimize/machine_profile.h"
 #include "render/bench.h"
@@ -36,8 +37,11 @@ struct Toolpath {
   std::vector<CarvingStep> order;         ///< the same order, by row of the scratches that were given
   Eigen::Vector2d min_mm, max_mm;         ///< what the tool's tip covers while carving
   double carve_mm = 0, travel_mm = 0;     ///< ways in the metal and in the air (from work zero)
+  double file_order_travel_mm = 0;        ///< what the travel would be in the order of the scratches given
   double duration_s = 0;                  ///< estimate, with acceleration, for the built-in way to carve a scratch
   bool compensated = false;               ///< whether a measured affine map other than none was undone
+  std::size_t already_carved = 0;         ///< rows of the scratches given that are in the metal and are left out
+  double stepped_mm = 0;                  ///< the farthest that the machine's steps move an end
 };
 
 struct ToolpathOptions {
@@ -63,11 +67,16 @@ struct ToolpathReport {
   Eigen::Vector2d min_mm, max_mm;
   std::vector<CarvingStep> order;
   bool compensated = false;
+  std::size_t already_carved = 0;
+  double stepped_mm = 0;
 };
 
-/// Orders and compensates. `measured` may be null. Throws Error when there is nothing to carve, for a scratch that
-/// leaves the board's carve area, and for one whose compensated ends the machine cannot reach; each is named by its
-/// row.
+/// The rules that a tool path obeys. `measured` may be null.
+CarvingLimits toolpath_limits(const Board& board, const Bench* measured, const MachineProfile& machine);
+
+/// Orders and compensates what is not carved yet. `measured` may be null. Throws Error when there is nothing to carve,
+/// for a scratch that breaks the rules of the board and the machine (optimize/carving_limits.h; judged as the machine
+/// will carve it, on its steps), and for one whose compensated ends the machine cannot reach; each is named by its row.
 Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                        const MachineProfile& machine, const ToolpathOptions& options = {},
                        const Progress& progress = {});

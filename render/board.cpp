@@ -49,6 +49,74 @@ TagSet read_tags(JsonObject json, const Eigen::Vector2d& size_mm) {
   return tags;
 }
 
+// Modules across the square whose corners AprilTag reports, and across all of the tag with its border: width_at_border
+// and total_width of AprilTag's families.
+struct FamilyLayout {
+  const char* name;
+  int border_modules, total_modules;
+};
+constexpr std::array<FamilyLayout, 9> kFamilies{{{"tag16h5", 6, 8},
+                                                 {"tag25h9", 7, 9},
+                                                 {"tag36h10", 8, 10},
+                                                 {"tag36h11", 8, 10},
+                                                 {"tagCircle21h7", 5, 9},
+                                                 {"tagCircle49h12", 5, 11},
+                                                 {"tagCustom48h12", 6, 10},
+                                                 {"tagStandard41h12", 5, 9},
+                                                 {"tagStandard52h13", 6, 10}}};
+
+bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& d) {
+  const auto side = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Eigen::Vector2d& r) {
+    return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x();
+  };
+  return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+}
+
+std::vector<Eigen::Vector2d> read_polygon(const JsonObject& json, const std::string& key, const Json& points) {
+  std::vector<Eigen::Vector2d> polygon;
+  const auto number = [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); };
+  if (points.is_array())
+    for (const Json& p : points)
+      if (p.is_array() && p.size() == 2 && number(p[0]) && number(p[1]))
+        polygon.emplace_back(p[0].get<double>(), p[1].get<double>());
+  if (!points.is_array() || polygon.size() != points.size() || polygon.size() < 3)
+    json.fail_field(key, "is no list of at least three points", "write [[x, y], [x, y], [x, y]] in mm");
+  double twice_area = 0;
+  const std::size_t n = polygon.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % n];
+    twice_area += a.x() * b.y() - a.y() * b.x();
+    for (std::size_t j = i + 2; j < n; ++j)
+      if (crosses(a, b, polygon[j], polygon[(j + 1) % n]))
+        json.fail_field(key, "crosses itself", "write the corners in order, one way round");
+  }
+  if (!(std::abs(twice_area) > 0)) json.fail_field(key, "has no area", "write three corners that do not lie in a line");
+  return polygon;
+}
+
+KeepOut read_keep_out(JsonObject& json) {
+  KeepOut place;
+  place.name = json.text("name", "");
+  const bool circle = json.has("center_mm"), rectangle = json.has("rect_mm"), polygon = json.has("polygon_mm");
+  if (circle + rectangle + polygon != 1)
+    json.fail_field("polygon_mm", "or one of the others is needed, and no more than one",
+                    "write center_mm and radius_mm, or rect_mm, or polygon_mm");
+  if (circle) {
+    place.center_mm = json.vec2("center_mm");
+    place.radius_mm = json.positive("radius_mm");
+  } else if (rectangle) {
+    const Eigen::MatrixXd rect = json.matrix("rect_mm", 2, 2);
+    const Eigen::Vector2d low = rect.row(0).transpose(), high = rect.row(1).transpose();
+    if (!(low.array() < high.array()).all())
+      json.fail_field("rect_mm", "is " + to_json(rect).dump(), "write the lower-left, then the upper-right corner");
+    place.polygon_mm = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
+  } else {
+    place.polygon_mm = read_polygon(json, "polygon_mm", json.raw("polygon_mm"));
+  }
+  json.finish();
+  return place;
+}
+
 }  // namespace
 
 Material read_material(JsonObject& json) {
@@ -74,6 +142,19 @@ std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag) {
   return {c - right - up, c + right - up, c + right + up, c - right + up};
 }
 
+KeepOut tag_paper(const Tag& tag, const std::string& family) {
+  for (const FamilyLayout& f : kFamilies) {
+    if (family != f.name) continue;
+    Tag paper = tag;
+    paper.size_mm *= static_cast<double>(f.total_modules) / f.border_modules;
+    const auto corners = tag_corners_mm(paper);
+    return {"tag " + std::to_string(tag.id), {corners.begin(), corners.end()}, {0, 0}, 0};
+  }
+  std::string known;
+  for (const FamilyLayout& f : kFamilies) known += (known.empty() ? "" : ", ") + std::string(f.name);
+  fail("tags.family", "\"" + family + "\" is not known", "use one of " + known);
+}
+
 Board read_board(const std::filesystem::path& file) {
   const Json content = read_json(file, "burin/board", 1);
   JsonObject json(content, file.string());
@@ -92,6 +173,8 @@ Board read_board(const std::filesystem::path& file) {
       json.fail_field("carve_mm", "is " + to_json(carve).dump(),
                       "write the lower-left and the upper-right corner of the carve area, within the board");
   }
+  if (json.has("keep_out"))
+    for (JsonObject& place : json.objects("keep_out")) board.keep_out.push_back(read_keep_out(place));
   if (json.has("tags")) board.tags = read_tags(json.object("tags"), board.size_mm);
   if (json.has("scratches")) board.scratches = resolve_path(file, json.text("scratches"));
   if (json.has("tool")) {
@@ -115,6 +198,18 @@ void write_board(const Board& board, const std::filesystem::path& file) {
   json["version"] = 1;
   json["size_mm"] = to_json(board.size_mm);
   json["carve_mm"] = Json::array({to_json(board.carve_min_mm), to_json(board.carve_max_mm)});
+  if (!board.keep_out.empty()) json["keep_out"] = Json::array();
+  for (const KeepOut& place : board.keep_out) {
+    Json item = Json::object();
+    if (!place.name.empty()) item["name"] = place.name;
+    if (place.polygon_mm.empty()) {
+      item["center_mm"] = to_json(place.center_mm);
+      item["radius_mm"] = place.radius_mm;
+    } else {
+      for (const Eigen::Vector2d& p : place.polygon_mm) item["polygon_mm"].push_back(to_json(p));
+    }
+    json["keep_out"].push_back(item);
+  }
   Json& tags = json["tags"];
   tags["family"] = board.tags.family;
   tags["z_mm"] = board.tags.z_mm;

@@ -27,6 +27,15 @@ struct TagSet {
   std::vector<Tag> list;
 };
 
+/// A place where nothing may be carved: a hole, a clamp. A circle, or a polygon (its corners in order, either way
+/// round; it may be hollowed but must not cross itself).
+struct KeepOut {
+  std::string name;                         ///< for messages; may be empty
+  std::vector<Eigen::Vector2d> polygon_mm;  ///< empty for a circle
+  Eigen::Vector2d center_mm{0, 0};
+  double radius_mm = 0;
+};
+
 /// What a groove and the plain face reflect. Shared by all scratches that do not carry their own depth or alpha.
 struct Material {
   double alpha = 0.04;                   ///< GGX roughness of the grooves' walls
@@ -39,6 +48,7 @@ struct Material {
 struct Board {
   Eigen::Vector2d size_mm{0, 0};
   Eigen::Vector2d carve_min_mm{0, 0}, carve_max_mm{0, 0};  ///< `carve_mm`: where scratches may lie
+  std::vector<KeepOut> keep_out;  ///< of a person's; the tags' paper is kept free as well (tag_paper())
   TagSet tags;
   std::filesystem::path scratches;  ///< absolute or relative to the working directory; empty if the file names none
   double tool_width_um = 400;       ///< w-tilde in Eqn. 2, fixed by the cutter's tip
@@ -49,6 +59,10 @@ struct Board {
 /// The four corners of a tag on the board, in AprilTag's order for an upright tag:
 /// lower-left, lower-right, upper-right, upper-left. Board xy, mm.
 std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag);
+
+/// The square of paper that a tag of a family needs, its white border (quiet zone) included, as a keep-out named after
+/// it. Throws Error for a family that AprilTag does not have.
+KeepOut tag_paper(const Tag& tag, const std::string& family);
 
 /// Reads `board.json`. Throws Error on a missing or broken file, an unknown key, or a value out of range.
 Board read_board(const std::filesystem::path& file);

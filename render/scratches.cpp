@@ -23,13 +23,14 @@ struct Column {
   std::vector<double> Scratches::*values;
   bool required, positive;
 };
-constexpr std::array<Column, 7> kColumns{{{"x0_mm", &Scratches::x0_mm, true, false},
+constexpr std::array<Column, 8> kColumns{{{"x0_mm", &Scratches::x0_mm, true, false},
                                           {"y0_mm", &Scratches::y0_mm, true, false},
                                           {"x1_mm", &Scratches::x1_mm, true, false},
                                           {"y1_mm", &Scratches::y1_mm, true, false},
                                           {"width_um", &Scratches::width_um, false, true},
                                           {"depth_um", &Scratches::depth_um, false, true},
-                                          {"alpha", &Scratches::alpha, false, true}}};
+                                          {"alpha", &Scratches::alpha, false, true},
+                                          {"carved", &Scratches::carved, false, false}}};
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t\r");
@@ -58,7 +59,7 @@ std::string at_line(const fs::path& file, std::size_t line) { return file.string
 
 std::vector<const Column*> read_header(const fs::path& file, std::string_view header) {
   constexpr const char* kRemedy =
-      "the first line must be x0_mm,y0_mm,x1_mm,y1_mm and, if they vary, width_um,depth_um,alpha";
+      "the first line must be x0_mm,y0_mm,x1_mm,y1_mm and, if they vary, width_um,depth_um,alpha,carved";
   std::vector<const Column*> columns;
   bool more = !trimmed(header).empty();
   while (more) {
@@ -119,6 +120,9 @@ Scratches read_scratches(const std::filesystem::path& file) {
     if (more)
       fail(at_line(file, line_number), "has more than " + std::to_string(columns.size()) + " values",
            "write one for each column of the first line");
+    if (!scratches.carved.empty() && scratches.carved.back() != 0 && scratches.carved.back() != 1)
+      fail(at_line(file, line_number), "carved is neither 0 nor 1",
+           "write 1 for what is carved already, 0 for the rest");
     if (!scratches.alpha.empty() && scratches.alpha.back() > 1)
       fail(at_line(file, line_number), "alpha is greater than 1", "write a roughness above 0 and up to 1");
     if (std::hypot(scratches.x1_mm.back() - scratches.x0_mm.back(), scratches.y1_mm.back() - scratches.y0_mm.back()) <
@@ -157,6 +161,36 @@ void write_scratches(const Scratches& scratches, const std::filesystem::path& fi
     text += '\n';
   }
   write_text(text, file);
+}
+
+Scratches selected(const Scratches& scratches, std::span<const std::size_t> rows) {
+  Scratches out;
+  for (const Column& column : kColumns) {
+    const std::vector<double>& from = scratches.*column.values;
+    if (from.empty()) continue;
+    std::vector<double>& to = out.*column.values;
+    to.reserve(rows.size());
+    for (const std::size_t row : rows) to.push_back(from[row]);
+  }
+  return out;
+}
+
+Scratches joined(const Scratches& first, const Scratches& second, double width_um, double depth_um, double alpha) {
+  Scratches out = first;
+  const auto shared = [&](const Column& column) {
+    if (column.values == &Scratches::width_um) return width_um;
+    if (column.values == &Scratches::depth_um) return depth_um;
+    return column.values == &Scratches::alpha ? alpha : 0.0;
+  };
+  for (const Column& column : kColumns) {
+    std::vector<double>& to = out.*column.values;
+    const std::vector<double>& more = second.*column.values;
+    if (to.empty() && more.empty()) continue;
+    if (to.empty()) to.assign(first.size(), shared(column));
+    to.insert(to.end(), more.begin(), more.end());
+    to.resize(first.size() + second.size(), shared(column));
+  }
+  return out;
 }
 
 Scratches transformed(const Scratches& scratches, const Eigen::Matrix<double, 2, 3>& affine) {

@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "optimize/design.h"
 #include "optimize/design_output.h"
+#include "optimize/machine_profile.h"
 #include "render/error.h"
 #include "render/json_file.h"
 #include "tools/commands.h"
@@ -73,8 +75,9 @@ class LivePreview {
 
 struct Options {
   std::filesystem::path spec, out, bench, board, from;
+  std::vector<std::filesystem::path> carved;
   int scratches = 0;
-  std::string start = "guided", exposure = "view", time;
+  std::string start = "guided", exposure = "view", time, machine;
   DesignOptions design;
   bool live = false;
 };
@@ -91,6 +94,12 @@ void run(const Options& o) {
   options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
   if (!o.time.empty()) options.time_limit_s = seconds_of(o.time);
   if (!o.from.empty()) options.from = read_scratches(o.from);
+  if (!o.machine.empty()) options.machine = machine_profile(o.machine).limits;
+  for (const std::filesystem::path& file : o.carved) {
+    Scratches carved = transformed(read_scratches(file), bench.machine_affine);
+    carved.carved.clear();
+    options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
+  }
   make_output_folder(o.out);
 
   ProgressBar bar;
@@ -114,8 +123,13 @@ void run(const Options& o) {
                v.achievable_psnr_db, v.ghost[k], other);
   }
   fmt::print("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} scratches of {} kept\n", result.history.front().loss,
-             result.final_loss, result.history.size() - 1, result.iteration_seconds, result.scratches.size(),
-             result.started_with);
+             result.final_loss, result.history.size() - 1, result.iteration_seconds,
+             result.scratches.size() - result.carved, result.started_with);
+  if (const std::string dropped = dropped_text(result.dropped_by_rule); !dropped.empty())
+    fmt::print("left out because they could not obey the machine's and the board's limits: {}\n", dropped);
+  if (result.carved > 0)
+    fmt::print("{} scratches are new; {} are carved already and stay as they are (column \"carved\")\n",
+               result.scratches.size() - result.carved, result.carved);
   if (result.width_um) fmt::print("width_um {:.1f}\n", *result.width_um);
   if (result.depth_um) fmt::print("depth_um {:.2f}\n", *result.depth_um);
   if (result.alpha) fmt::print("alpha {:.4f}\n", *result.alpha);
@@ -145,6 +159,12 @@ void add_design_command(CLI::App& burin) {
       ->check(CLI::IsMember({"guided", "random"}))
       ->capture_default_str();
   c->add_option("--from", o->from, "Go on from these scratches instead of starting anew");
+  c->add_option("--carved", o->carved,
+                "Scratches that are in the metal already, as the machine was told them: they lie where the bench's "
+                "machine.affine brings them, and the rest is designed around them");
+  c->add_option("--machine", o->machine,
+                "grbl, linuxcnc, marlin, or a burin/machine JSON file: its limits are obeyed (steps, lengths, "
+                "distance, overlap)");
   c->add_option("--start-length", o->design.start_length_mm, "Mean length at the start, mm (0: chosen)");
   c->add_option("--start-brightness", o->design.start_brightness, "Guided start: part of its lobe a scratch shows")
       ->capture_default_str();

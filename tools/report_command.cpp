@@ -1,17 +1,19 @@
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "render/error.h"
 #include "render/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/report/rerun.h"
 #include "tools/report/section.h"
 
 namespace burin {
 
 void add_report_command(CLI::App& burin) {
   struct Options {
-    std::filesystem::path folder, session;
+    std::filesystem::path folder, session, before, under, board;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
@@ -19,10 +21,22 @@ void add_report_command(CLI::App& burin) {
   command->add_option("DIR", options->folder, "A folder with bench.json, a design, or a loop project")->required();
   command->add_option("--session", options->session,
                       "The session that DIR/bench.json was measured from, if not DIR/session.json");
-  command->footer(example("burin report round-01"));
+  CLI::Option* before = command->add_option(
+      "--before", options->before, "DIR holds a design: show it beside this earlier one, both looked at under --under");
+  CLI::Option* under = command->add_option("--under", options->under, "The bench as it is, to look at both designs");
+  CLI::Option* board = command->add_option("--board", options->board, "The board of both designs");
+  before->needs(under)->needs(board);
+  under->needs(before);
+  board->needs(before);
+  command->footer(
+      example("burin report round-01\n"
+              "  burin report second --before first --under bench.json --board board.json"));
   command->callback([options] {
     ProgressBar bar;
-    const std::string outcome = write_report(options->folder, options->session, bar.progress());
+    std::optional<Section> rerun;
+    if (!options->before.empty())
+      rerun = rerun_section({options->before, options->folder, options->under, options->board}, bar.progress());
+    const std::string outcome = write_report(options->folder, options->session, rerun, bar.progress());
     bar.clear();
     fmt::print("{}\nWrote {}; open it in a browser.\n", outcome, (options->folder / "report.html").string());
   });

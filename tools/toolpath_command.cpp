@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "optimize/carving_limits.h"
 #include "optimize/toolpath.h"
 #include "optimize/toolpath_check.h"
 #include "render/bench.h"
@@ -22,15 +23,34 @@ struct Options {
   std::filesystem::path scratches, board, bench, out, ordered;
   std::vector<std::filesystem::path> replay;
   std::string machine = "grbl", part;
-  bool keep_order = false, frame = false;
+  bool keep_order = false, frame = false, mend = false;
+  int decimals = 0, max_lines = -1;
 };
 
+MachineProfile machine_of(const Options& options) {
+  MachineProfile machine = machine_profile(options.machine);
+  if (options.decimals > 0) machine.decimals = options.decimals;
+  if (options.max_lines >= 0) machine.max_lines = options.max_lines;
+  return machine;
+}
+
+// The scratches to carve: as they are, or, if asked for, made to obey the machine's limits.
+Scratches scratches_of(const Options& options, const Board& board, const Bench* bench, const MachineProfile& machine) {
+  Scratches scratches = read_scratches(options.scratches);
+  if (!options.mend) return scratches;
+  Mended mended = mend(scratches, toolpath_limits(board, bench, machine));
+  if (mended.rows.size() < scratches.size())
+    note(fmt::format("mended: {} of {} scratches are left out, {}", scratches.size() - mended.rows.size(),
+                     scratches.size(), dropped_text(mended.dropped)));
+  return std::move(mended.scratches);
+}
+
 void write(const Options& options) {
-  const MachineProfile machine = machine_profile(options.machine);
-  const Scratches scratches = read_scratches(options.scratches);
+  const MachineProfile machine = machine_of(options);
   const Board board = read_board(options.board);
   std::optional<Bench> bench;
   if (!options.bench.empty()) bench = read_bench(options.bench);
+  const Scratches scratches = scratches_of(options, board, bench ? &*bench : nullptr, machine);
   ToolpathOptions settings;
   settings.keep_order = options.keep_order;
   settings.frame = options.frame;
@@ -47,6 +67,11 @@ void write(const Options& options) {
   fmt::print("covers X {:.2f} to {:.2f}, Y {:.2f} to {:.2f} mm; {}\n", report.min_mm.x(), report.max_mm.x(),
              report.min_mm.y(), report.max_mm.y(),
              report.compensated ? "compensated by the measured machine.affine" : "not compensated");
+  if (report.already_carved > 0)
+    fmt::print("{} scratches are carved already and are left out\n", report.already_carved);
+  if (report.stepped_mm > 0)
+    fmt::print("the machine's steps of {:g} mm move ends by up to {:.4f} mm\n", machine.limits.step_mm,
+               report.stepped_mm);
   fmt::print("carves {:.1f} m, travels {:.1f} m in the air ({:.1f} m in the file's own order)\n",
              report.carve_mm / 1000, report.travel_mm / 1000, report.file_order_travel_mm / 1000);
   fmt::print(
@@ -55,7 +80,7 @@ void write(const Options& options) {
 }
 
 void replay(const Options& options) {
-  const MachineProfile machine = machine_profile(options.machine);
+  const MachineProfile machine = machine_of(options);
   std::vector<ReplayedScratch> carved;
   double duration_s = 0;
   for (const std::filesystem::path& file : options.replay) {
@@ -72,8 +97,10 @@ void replay(const Options& options) {
   if (!options.bench.empty()) bench = read_bench(options.bench);
   ToolpathOptions settings;
   settings.keep_order = true;
-  const Toolpath planned = plan_toolpath(read_scratches(options.scratches), read_board(options.board),
-                                         bench ? &*bench : nullptr, machine, settings);
+  const Board board = read_board(options.board);
+  const Bench* const measured = bench ? &*bench : nullptr;
+  const Toolpath planned =
+      plan_toolpath(scratches_of(options, board, measured, machine), board, measured, machine, settings);
   fail_unless_good(check_toolpath(carved, planned.scratches, 1e-3), options.replay.front().string());
   fmt::print("Replayed: all {} scratches are carved once and as planned, in about {} on {}.\n", carved.size(),
              duration_text(duration_s), machine.name);
@@ -91,6 +118,17 @@ void add_toolpath_command(CLI::App& burin) {
       ->capture_default_str();
   CLI::Option* out = command->add_option("--out", options->out, "Where to write: .gcode, .nc, .ngc, .svg or .dxf");
   command->add_option("--chunks", options->part, "Split G-code into files of about this long, such as 30min");
+  command
+      ->add_option("--decimals", options->decimals,
+                   "Of coordinates, instead of the profile's: fewer make shorter lines")
+      ->check(CLI::Range(2, 6));
+  command
+      ->add_option("--max-lines", options->max_lines,
+                   "Split G-code into files of at most this many lines, instead of the profile's number (0: one file)")
+      ->check(CLI::Range(0, 100000000));
+  command->add_flag(
+      "--mend", options->mend,
+      "Move to the machine's steps and lengths, and leave out, what breaks its limits, instead of refusing");
   command->add_flag("--keep-order", options->keep_order, "Carve in the file's order, not the shortest way");
   command->add_flag("--frame", options->frame, "Also write a file that moves round the scratches in the air");
   command->add_option("--ordered", options->ordered, "Also write the scratches in the order they are carved, a CSV");

@@ -129,7 +129,7 @@ TEST_F(DesignTest, ScratchesObeyTheLimits) {
   options_.max_length_mm = 2;
   options_.drop_error = 0;
   const DesignResult result = design(spec_, board_, bench_, options_, {});
-  EXPECT_EQ(result.scratches.size(), 2500U);
+  EXPECT_EQ(result.scratches.size(), 2500U) << dropped_text(result.dropped_by_rule);
   EXPECT_EQ(result.dropped, 0U);
   for (std::size_t i = 0; i < result.scratches.size(); ++i) {
     const Scratches& s = result.scratches;

@@ -18,6 +18,7 @@
 #include "tools/report/html.h"
 #include "tools/report/predicted.h"
 #include "tools/report/rectified.h"
+#include "tools/report/rerun.h"
 #include "tools/report/section.h"
 
 namespace burin {
@@ -103,6 +104,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   std::string pictures;
   double first_promise_sum = 0, first_photo_sum = 0, next_promise_sum = 0, last_photo_sum = 0;
   int measured_rounds = 0, compared = 0;
+  std::vector<RerunView> reruns;  // the first board as photographed, and the second as promised or photographed
   while (measured_rounds < rounds && fs::exists(project.round(measured_rounds + 1) / "bench.json")) ++measured_rounds;
 
   for (std::size_t k = 0; k < spec.views.size(); ++k) {
@@ -115,6 +117,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
     const Image target = load_target(designed.target, rotation, area, frame.width, frame.height).picture;
     std::vector<std::string> row, cells = {html(designed.view)};
     row.push_back(figure(target, "<b>Target</b>"));
+    RerunView rerun{designed.view, 0, 0, 0, {}};
     for (int r = 1; r <= rounds; ++r) {
       const fs::path round = project.round(r);
       if (!fs::exists(round / "scratches.csv")) continue;
@@ -128,6 +131,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
                                                           r == 1 ? "believed" : "measured", decibels(promise))));
       if (r == measured_rounds + 1) next_promise_sum += promise.psnr_db;
       if (r == 1) first_promise_sum += promise.psnr_db;
+      if (r <= 2) (r == 1 ? rerun.promised_before_db : rerun.promised_after_db) = promise.psnr_db;
       if (!fs::exists(round / "bench.json")) continue;
       const Bench measured = read_bench(round / "bench.json");
       const View* taken = measured_view(measured, nominal_view, board);
@@ -138,12 +142,15 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
                                                       decibels(photo))));
       if (r == 1) {
         first_photo_sum += photo.psnr_db;
+        rerun.seen_before_db = photo.psnr_db;
         ++compared;
       }
+      if (r == 2) rerun.seen_after_db = photo.psnr_db;
       if (r == measured_rounds) last_photo_sum += photo.psnr_db;
     }
     pictures += fmt::format("<h3>View {}</h3>\n", html(designed.view)) + figure_row(row);
     results.rows.push_back(cells);
+    if (rerun.seen_before_db > 0 && rerun.promised_after_db > 0) reruns.push_back(std::move(rerun));
   }
 
   if (measured_rounds == 0) {
@@ -164,6 +171,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
                                    next_promise_sum / compared);
       out.outcome += ".";
     }
+    if (!reruns.empty()) out.outcome += " " + rerun_sentence(reruns);
   }
   out.body =
       "<h2>Round after round</h2>\n<p>Promised: the photo that the bench it was designed for would "

@@ -31,13 +31,13 @@ std::string plain(const std::string& text) {
 }  // namespace
 
 std::string write_report(const std::filesystem::path& folder, const std::filesystem::path& session,
-                         const Progress& progress) {
+                         const std::optional<Section>& first, const Progress& progress) {
   if (!std::filesystem::is_directory(folder))
     fail(folder.string(), "there is no such folder",
          "name the folder of a calibrated session, a design or a loop project");
   std::string outcome, body;
   for (const auto& section :
-       {project_section(folder, progress), session_section(folder, session, progress), design_section(folder)}) {
+       {first, project_section(folder, progress), session_section(folder, session, progress), design_section(folder)}) {
     if (!section) continue;
     outcome += (outcome.empty() ? "" : " ") + section->outcome;
     body += section->body;

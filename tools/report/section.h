@@ -26,9 +26,9 @@ std::optional<Section> design_section(const std::filesystem::path& folder);
 /// A loop project: its rounds side by side with the targets.
 std::optional<Section> project_section(const std::filesystem::path& folder, const Progress& progress);
 
-/// The page for a folder with any of these, written to `folder`/report.html. Throws Error if it holds none of them.
-/// Returns the outcome as plain text.
+/// The page for a folder with any of these, after `first` if there is one, written to `folder`/report.html. Throws
+/// Error if it holds none of them. Returns the outcome as plain text.
 std::string write_report(const std::filesystem::path& folder, const std::filesystem::path& session,
-                         const Progress& progress);
+                         const std::optional<Section>& first, const Progress& progress);
 
 }  // namespace burin

@@ -1,0 +1,160 @@
+#include "tools/report/rerun.h"
+
+#include <fmt/core.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "optimize/picture_metrics.h"
+#include "render/bench.h"
+#include "render/board.h"
+#include "render/error.h"
+#include "render/image.h"
+#include "render/json_file.h"
+#include "render/scratches.h"
+#include "render/view_renderer.h"
+#include "tools/report/html.h"
+#include "tools/report/rectified.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct DesignedPicture {
+  std::string view, light;
+  fs::path target;
+  double promised_db = 0;
+};
+
+struct Designed {
+  std::vector<DesignedPicture> pictures;
+  Scratches carved;  // where a machine with the map of the bench as it is puts them
+};
+
+Designed read_designed(const fs::path& folder, const Bench& under) {
+  const fs::path file = folder / "design-report.json";
+  const Json json = read_json(file, "burin/design-report", 1);
+  JsonObject report(json, file.string());
+  Designed out;
+  for (JsonObject& view : report.objects("views"))
+    out.pictures.push_back(
+        {view.text("view"), view.text("light"), folder / view.text("target"), view.number("psnr_db")});
+  JsonObject used = report.object("bench");
+  Affine2 compensated = Bench().machine_affine;
+  if (used.has("machine_affine")) compensated = used.matrix("machine_affine", 2, 3);
+  // Told to the machine: A^-1 (p - b); carved: the true map of that.
+  const Eigen::Matrix2d A = under.machine_affine.leftCols<2>() * compensated.leftCols<2>().inverse();
+  Affine2 carves;
+  carves << A, under.machine_affine.col(2) - A * compensated.col(2);
+  out.carved = transformed(read_scratches(folder / "scratches.csv"), carves);
+  return out;
+}
+
+struct Look {
+  Image picture;  // gamma-encoded
+  double psnr_db = 0;
+};
+
+Look look_at(const Scratches& carved, const DesignedPicture& asked, const Image& target, const Bench& under,
+             const Board& board, const fs::path& bench_file) {
+  ViewScene scene;
+  scene.grid = board_grid(board.carve_min_mm, board.carve_max_mm, target.width, target.height,
+                          Surface{board.size_mm, under.bow_mm});
+  scene.camera_center_mm = find_view(under, asked.view, bench_file.string()).T_camera_board.inverse().translation();
+  scene.light = find_light(under, asked.light, bench_file.string());
+  scene.material = under.material;
+  scene.tool_width_um = board.tool_width_um;
+  scene.ambient = under.ambient;
+  ViewRenderer renderer(std::move(scene));
+  Image radiance;
+  renderer.forward(carved, radiance);
+  const float brightest = percentile(radiance, 0.99);
+  if (!(brightest > 0)) fail("view " + asked.view, "is black under " + bench_file.string(), "check its lamp");
+  Look look;
+  look.picture = shown(radiance, static_cast<float>(1 / best_exposure(radiance, target, 1 / brightest)));
+  look.psnr_db = psnr_db(look.picture, target);
+  return look;
+}
+
+}  // namespace
+
+std::string rerun_sentence(std::span<const RerunView> views) {
+  std::string gains, reasons;
+  bool all = true;
+  for (const RerunView& v : views) {
+    const double gain = v.after_db() - v.seen_before_db;
+    gains += fmt::format("{}{} {:+.1f} dB", gains.empty() ? "" : ", ", html(v.view), gain);
+    if (gain >= kRerunGain_db) continue;
+    all = false;
+    const double cost = v.promised_before_db - v.seen_before_db;
+    reasons += fmt::format(" View {} gains less: ", html(v.view));
+    if (cost < kRerunGain_db)
+      reasons += fmt::format(
+          "the believed bench cost it only {:.1f} dB (promised {:.1f}, seen {:.1f}), and the second design cannot "
+          "regain more than was lost unless it finds a better picture ({:.1f} dB promised)",
+          cost, v.promised_before_db, v.seen_before_db, v.promised_after_db);
+    else
+      reasons += fmt::format(
+          "of the {:.1f} dB that the believed bench cost it (promised {:.1f}, seen {:.1f}), the second design promises "
+          "to regain {:.1f}: the bench as it is allows it less than the believed one did",
+          cost, v.promised_before_db, v.seen_before_db, v.promised_after_db - v.seen_before_db);
+    if (v.seen_after_db && v.promised_after_db - *v.seen_after_db > 0.5)
+      reasons += fmt::format("; {:.1f} dB are still lost to what the measured bench does not know",
+                             v.promised_after_db - *v.seen_after_db);
+    reasons += ".";
+  }
+  return fmt::format("{} {} ({}).{}",
+                     all ? "Designing again for the measured bench pays in every view:"
+                         : "Designing again for the measured bench gains, though not everywhere",
+                     all ? fmt::format("at least {:.0f} dB", kRerunGain_db) : fmt::format("{:.0f} dB", kRerunGain_db),
+                     gains, reasons);
+}
+
+Section rerun_section(const RerunInput& input, const Progress& progress) {
+  const Bench under = read_bench(input.under);
+  const Board board = read_board(input.board);
+  const Designed before = read_designed(input.before, under), after = read_designed(input.after, under);
+  std::vector<RerunView> views;
+  std::string pictures;
+  Table results{{"View", "Before: promised", "Before: as seen", "After: promised", "After: as seen", "Gain"}, {}};
+  for (const DesignedPicture& asked : after.pictures) {
+    if (progress)
+      progress("looking at both boards",
+               static_cast<double>(views.size()) / static_cast<double>(after.pictures.size()));
+    const auto old = std::find_if(before.pictures.begin(), before.pictures.end(), [&](const DesignedPicture& p) {
+      return p.view == asked.view && p.light == asked.light;
+    });
+    if (old == before.pictures.end())
+      fail(input.before.string(), "has no view \"" + asked.view + "\" under \"" + asked.light + "\"",
+           "compare two designs of the same pictures");
+    const Image target = read_picture(asked.target);
+    const Look was = look_at(before.carved, *old, target, under, board, input.under);
+    const Look is = look_at(after.carved, asked, target, under, board, input.under);
+    views.push_back({asked.view, old->promised_db, was.psnr_db, asked.promised_db, is.psnr_db});
+    const auto decibels = [](double db) { return fmt::format("{:.1f} dB", db); };
+    results.rows.push_back({html(asked.view), decibels(old->promised_db), decibels(was.psnr_db),
+                            decibels(asked.promised_db), decibels(is.psnr_db),
+                            fmt::format("{:+.1f} dB", is.psnr_db - was.psnr_db)});
+    const std::vector<std::string> row{
+        figure(target, "<b>Target</b>"),
+        figure(was.picture, fmt::format("<b>Before</b>: designed for the believed bench, {:.1f} dB", was.psnr_db)),
+        figure(is.picture, fmt::format("<b>After</b>: designed for the measured bench, {:.1f} dB", is.psnr_db))};
+    pictures += fmt::format("<h3>View {}</h3>\n", html(asked.view)) + figure_row(row);
+  }
+  Section out;
+  out.outcome = rerun_sentence(views);
+  out.body =
+      fmt::format(
+          "<h2>Before and after</h2>\n<p>Two boards for the same pictures, both looked at under the bench of {}: "
+          "its views, lamp, grooves and machine. Promised is what each design expected of the bench that it was "
+          "made for. PSNR after gamma 1/2.2, each at the exposure that comes nearest to the target.</p>\n",
+          html(input.under.filename().string())) +
+      table(results) + pictures;
+  return out;
+}
+
+}  // namespace burin
