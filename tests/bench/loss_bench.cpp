@@ -10,7 +10,7 @@
 
 #include "optimize/adam.h"
 #include "optimize/loss.h"
-#include "tests/bench/allocations.h"
+#include "tests/allocations.h"
 
 namespace burin {
 namespace {

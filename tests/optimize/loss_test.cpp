@@ -13,7 +13,9 @@
 #include <random>
 #include <vector>
 
+#include "optimize/adam.h"
 #include "render/error.h"
+#include "tests/allocations.h"
 
 namespace burin {
 namespace {
@@ -327,6 +329,26 @@ TEST(Loss, TargetsAndPicturesShareTheGammaOffset) {
     EXPECT_NEAR(picture.data[i], expected.data[i], 1e-5);
     EXPECT_NEAR(shown.data[i], encoded.data[i], 1e-5);
   }
+}
+
+TEST(Loss, TakesNothingFromTheHeapWhenItsBuffersAreThere) {
+  if (!counts_allocations()) GTEST_SKIP() << "malloc is not ours to count here";
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  PictureLoss loss(noise(200, 170, 1), noise(200, 170, 3), {1, 0.3, 0.01});
+  const Image radiance = noise(200, 170, 2);
+  Image picture, dE_dpicture, dE_dradiance;
+  std::vector<double> parameters(9000, 0.1);
+  const std::vector<double> gradient(9000, -0.2);
+  Adam adam(9000);
+  std::size_t before = 0;
+  for (int iteration = 0; iteration < 5; ++iteration) {
+    if (iteration == 1) before = allocations();
+    picture_from_radiance(radiance, 1.7, picture);
+    loss.evaluate(picture, dE_dpicture);
+    radiance_gradient(radiance, 1.7, picture, dE_dpicture, dE_dradiance);
+    adam.step(parameters, gradient, 1e-3);
+  }
+  EXPECT_EQ(allocations(), before);
 }
 
 TEST(Loss, WrongSizesAreErrors) {

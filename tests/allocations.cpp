@@ -1,4 +1,4 @@
-#include "tests/bench/allocations.h"
+#include "tests/allocations.h"
 
 #include <atomic>
 #include <cerrno>
@@ -9,7 +9,9 @@ std::atomic<std::size_t> calls{0};
 
 std::size_t burin::allocations() { return calls.load(); }
 
-#if defined(__GLIBC__)
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+bool burin::counts_allocations() { return true; }
+
 // glibc lets a program replace these (its manual, "Replacing malloc") and offers what it replaces by another name.
 extern "C" {
 void* __libc_malloc(std::size_t size);
@@ -39,4 +41,6 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) {
   return *block != nullptr || size == 0 ? 0 : ENOMEM;
 }
 }
+#else
+bool burin::counts_allocations() { return false; }
 #endif

@@ -5,6 +5,9 @@
 
 namespace burin {
 
+/// Whether allocations() counts: with glibc, and without a sanitizer that replaces malloc itself.
+bool counts_allocations();
+
 /// Calls of malloc, calloc, realloc, aligned_alloc, posix_memalign and memalign (and so of new) by all threads since
 /// the program began.
 std::size_t allocations();
