@@ -14,6 +14,7 @@
 #include "render/exact_view.h"
 #include "render/groove.h"
 #include "render/scratch_pair.h"
+#include "tests/render/expect_fast_is_exact.h"
 #include "tests/render/small_world.h"
 
 namespace burin {
