@@ -3,21 +3,21 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <random>
+#include <span>
 #include <utility>
 
 #include "optimize/adam.h"
+#include "optimize/carving_budget.h"
 #include "optimize/carving_limits.h"
-#include "optimize/glint.h"
-#include "optimize/keep_out.h"
+#include "optimize/carving_time.h"
+#include "optimize/design_views.h"
 #include "optimize/picture_metrics.h"
 #include "optimize/stroke_search.h"
 #include "optimize/target.h"
 #include "render/brdf.h"
 #include "render/error.h"
-#include "render/groove.h"
 #include "render/view_renderer.h"
 
 namespace burin {
@@ -41,6 +41,8 @@ void check_options(const DesignOptions& o, const Board& board) {
   const double shortest = o.min_length * board.size_mm.maxCoeff();
   need(o.max_length_mm == 0 || o.max_length_mm > shortest, "max_length_mm", "is below the smallest length",
        "give more, or 0 for any length");
+  need(o.carve_hours >= 0 && o.carve_hours < 1e5, "carve_hours", "is out of range", "5 to 10 is usual");
+  need(o.tolerance_mm >= 0 && o.tolerance_mm < 1e6, "tolerance_mm", "is out of range", "20 mm is a start");
   need(o.drop_error >= 0 && o.drop_error < 1 && o.drop_light >= 0 && o.drop_light < 1 && o.drop_count >= 0 &&
            o.drop_count < 1,
        "drop", "is not a share from 0 to 1", "0.01 of the error is usual");
@@ -48,21 +50,6 @@ void check_options(const DesignOptions& o, const Board& board) {
   if (!(area.minCoeff() > 4 * shortest))
     fail("board: carve_mm", "is too small to carve in", "give a rectangle with sides of several mm");
 }
-
-// A view being designed.
-struct WorkView {
-  DesignView spec;
-  GlintView glint;
-  Target target;
-  double rotation_deg = 0;
-  int exposure_group = 0;
-  ViewRenderer renderer;
-  PictureLoss loss;
-  Image radiance, picture, dE_dpicture, dE_dradiance;
-  LossValue value;
-  Image face;  ///< radiance of the face without scratches
-  Image unit;  ///< measure_units()
-};
 
 Eigen::Vector2d first_end(const Scratches& s, std::size_t i) { return {s.x0_mm[i], s.y0_mm[i]}; }
 Eigen::Vector2d second_end(const Scratches& s, std::size_t i) { return {s.x1_mm[i], s.y1_mm[i]}; }
@@ -130,115 +117,7 @@ CarvingLimits design_limits(const Board& board, const Bench& bench, const Design
   return carving_limits(board, machine, bench.material.depth_um, bench.machine_affine);
 }
 
-// 1 where a groove's middle may lie, 0 on keep-outs and tags; no pixels if all is free.
-Image carvable(const CarvingLimits& limits, double clearance_mm, int width, int height) {
-  Image mask;
-  for (const KeepOut& place : limits.keep_out)
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        const Eigen::Vector2d p(limits.min_mm.x() + (x + 0.5) / width * (limits.max_mm.x() - limits.min_mm.x()),
-                                limits.max_mm.y() - (y + 0.5) / height * (limits.max_mm.y() - limits.min_mm.y()));
-        if (distance_mm(p, place) >= clearance_mm) continue;
-        if (mask.data.empty()) mask = Image(width, height, 1, 1.0F);
-        mask.at(x, y) = 0;
-      }
-  return mask;
-}
-
-double mean_light(const Image& encoded) {
-  double sum = 0;
-  for (const float v : encoded.data) sum += std::pow(static_cast<double>(v), 2.2);
-  return sum / static_cast<double>(encoded.data.size());
-}
-
-double mean_value(const Image& image) {
-  double sum = 0;
-  for (const float v : image.data) sum += v;
-  return sum / static_cast<double>(image.data.size());
-}
-
-std::string percent_text(double share) {
-  const std::string text = std::to_string(std::round(1000 * share) / 10);
-  return text.substr(0, text.find('.') + 2);
-}
-
-std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, const Bench& bench,
-                                    const DesignOptions& options, const CarvingLimits& limits,
-                                    std::vector<std::string>& warnings) {
-  const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
-  const double longer = area.maxCoeff();
-  const int width = std::max(1, static_cast<int>(std::lround(options.pixels * area.x() / longer)));
-  const int height = std::max(1, static_cast<int>(std::lround(options.pixels * area.y() / longer)));
-  const Surface surface{board.size_mm, bench.bow_mm};
-  std::vector<WorkView> views;
-  std::map<std::string, int> groups;
-  std::vector<GlintView> glints;
-  for (const DesignView& v : spec.views) {
-    const View& view = find_view(bench, v.view, "design");
-    const Light& light = find_light(bench, v.light, "design");
-    glints.push_back({v.view, view.T_camera_board.inverse().translation(), light.position_mm});
-  }
-  // Before any picture is loaded: a bench that cannot work is the first thing to know.
-  for (std::string& w : check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um,
-                                     bench.material.depth_um, bench.material.alpha))
-    warnings.push_back(std::move(w));
-  const Image free =
-      carvable(limits, 1e-3 * half_width_um(board.tool_width_um, bench.material.depth_um), width, height);
-  if (!free.data.empty())
-    warnings.push_back(percent_text(1 - mean_value(free)) +
-                       " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
-                       "are not compared there");
-  for (std::size_t k = 0; k < spec.views.size(); ++k) {
-    const DesignView& v = spec.views[k];
-    const View& view = find_view(bench, v.view, "design");
-    const double rotation = v.target.upright_in_view
-                                ? viewer_rotation_deg(view, (board.carve_min_mm + board.carve_max_mm) / 2)
-                                : v.target.rotation_deg;
-    Target target = load_target(v.target, rotation, area, width, height);
-    for (std::string& w : target.warnings) warnings.push_back(std::move(w));
-    if (!free.data.empty()) {
-      if (target.mask.data.empty()) target.mask = Image(width, height, 1, 1.0F);
-      for (std::size_t i = 0; i < free.data.size(); ++i) target.mask.data[i] *= free.data[i];
-    }
-    ViewScene scene;
-    scene.grid = board_grid(board.carve_min_mm, board.carve_max_mm, width, height, surface);
-    scene.camera_center_mm = glints[k].camera_mm;
-    scene.light = find_light(bench, v.light, "design");
-    scene.material = bench.material;
-    scene.tool_width_um = board.tool_width_um;
-    scene.ambient = bench.ambient;
-    const std::string group = options.exposure_of == ExposureOf::light ? v.light : v.view + " under " + v.light;
-    const int index = groups.emplace(group, static_cast<int>(groups.size())).first->second;
-    LossWeights weights = options.loss;
-    weights.perceptual *= v.weight;
-    weights.l2 *= v.weight;
-    weights.gram *= v.weight;
-    PictureLoss loss(with_gamma_offset(target.picture), target.mask, weights);
-    RenderOptions render;
-    render.material_gradients = options.optimise_width || options.optimise_depth || options.optimise_alpha;
-    views.push_back({v,
-                     glints[k],
-                     std::move(target),
-                     rotation,
-                     index,
-                     ViewRenderer(std::move(scene), render),
-                     std::move(loss),
-                     {},
-                     {},
-                     {},
-                     {},
-                     {},
-                     {},
-                     {}});
-  }
-  return views;
-}
-
 // ---- Placing scratches by optimize/stroke_search.h ------------------------------------------------------------
-
-double pitch_mm(const WorkView& v, const CarvingLimits& limits) {
-  return (limits.max_mm.x() - limits.min_mm.x()) / v.target.picture.width;
-}
 
 StrokeRules stroke_rules(const CarvingLimits& limits, double mean_length_mm, double alpha) {
   StrokeRules rules;
@@ -252,43 +131,13 @@ StrokeRules stroke_rules(const CarvingLimits& limits, double mean_length_mm, dou
   return rules;
 }
 
-// What the search sees: the face alone, or all that was rendered last, at these exposures.
-std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,
-                                     const CarvingLimits& limits, bool from_face) {
-  std::vector<StrokeView> out;
-  for (const WorkView& v : views) {
-    const auto e = static_cast<float>(std::exp(log_exposure[v.exposure_group]));
-    StrokeView view{v.glint, from_face ? v.face : v.radiance, v.target.picture, v.target.mask, v.unit, v.spec.weight};
-    for (float& l : view.light.data) l *= e;
-    for (float& u : view.unit.data) u *= e * static_cast<float>(pitch_mm(v, limits));
-    out.push_back(std::move(view));
-  }
-  return out;
-}
-
-// The one brightness a group with which its views, as rendered last, come closest to their targets (their mean).
-std::vector<double> fitting_exposures(const std::vector<WorkView>& views, std::vector<double> log_exposure) {
-  std::vector<double> sum(log_exposure.size(), 0.0), members = sum;
-  for (const WorkView& v : views) {
-    sum[v.exposure_group] +=
-        std::log(best_exposure(v.radiance, v.target.picture, std::exp(log_exposure[v.exposure_group]), v.target.mask));
-    members[v.exposure_group] += 1;
-  }
-  for (std::size_t g = 0; g < sum.size(); ++g) log_exposure[g] = sum[g] / members[g];
-  return log_exposure;
-}
-
-void render_all(std::vector<WorkView>& views, const Scratches& scratches) {
-  for (WorkView& v : views) v.renderer.forward(scratches, v.radiance);
-}
-
 // Moves the scratches whose absence costs least to where the pictures of all views miss most, as far as that pays, then
 // searches a better place for each. The views must be as rendered. Returns the moved ones, ascending.
 std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkView>& views,
                                   const std::vector<double>& log_exposure, const CarvingLimits& limits,
                                   const StrokeRules& rules, std::size_t movable, double share, std::uint64_t seed) {
   const Scratches before = scratches;
-  std::vector<StrokeView> light = stroke_views(views, log_exposure, limits, false);
+  std::vector<StrokeView> light = stroke_views(views, log_exposure, false);
   std::vector<double> worth = worth_of(light, rules, scratches);
   std::vector<std::size_t> order(movable);  // the carved ones, which come last, stay
   std::iota(order.begin(), order.end(), std::size_t{0});
@@ -332,16 +181,6 @@ std::vector<int> contact_iterations(int iterations, int frames) {
   return kept;
 }
 
-// Which of `count` scratches stay, ascending, when these go.
-std::vector<std::size_t> all_but(std::size_t count, const std::vector<std::size_t>& gone) {
-  std::vector<char> goes(count, 0);
-  for (const std::size_t i : gone) goes[i] = 1;
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < count; ++i)
-    if (!goes[i]) kept.push_back(i);
-  return kept;
-}
-
 // What is to be designed, when going on, and what is in the metal already.
 std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, const Board& board, const Bench& bench) {
   if (options.carved.size() > 0 && (options.optimise_width || options.optimise_depth || options.optimise_alpha))
@@ -362,8 +201,7 @@ void obey(Scratches& scratches, CarvingLimits limits, const std::vector<WorkView
           const std::vector<double>& log_shared, DesignResult& result) {
   if (options.optimise_width) limits.width_um = std::exp(log_shared[0]);
   std::vector<double> worth;
-  if (has_pair_rules(limits.machine))
-    worth = worth_of(stroke_views(views, log_exposure, limits, false), rules, scratches);
+  if (has_pair_rules(limits.machine)) worth = worth_of(stroke_views(views, log_exposure, false), rules, scratches);
   Mended mended = mend(scratches, limits, worth);
   for (std::size_t r = 0; r < kRules; ++r) result.dropped_by_rule[r] += mended.dropped[r];
   if (mended.rows.size() == result.carved)
@@ -389,6 +227,8 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   DesignResult result;
   const CarvingLimits limits = design_limits(board, bench, options);
   std::vector<WorkView> views = prepare_views(spec, board, bench, options, limits, result.warnings);
+  const std::size_t shown = spec.views.size();  // of the views; the rest stand aside of these
+  const std::span<WorkView> shown_views(views.data(), shown);
   const auto [from, carved] = new_and_carved(options, board, bench);
   result.carved = carved.size();
   if (options.from && from.size() == 0)
@@ -405,10 +245,10 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   const Eigen::Vector2d area = limits.max_mm - limits.min_mm;
   // Guided: the scratches of a view, laid end to end, cover its pixels 2.5 times. Crossings average out the hatching:
   // on five views, 256 x 256 pixels and 20,000 scratches, 0.6 to 3.7 dB more than covering once; five times is worse.
-  const double pixel_mm = pitch_mm(views.front(), limits);
-  const double covering = std::clamp(
-      2.5 * area.x() * area.y() * static_cast<double>(views.size()) / (static_cast<double>(count) * pixel_mm),
-      3 * pixel_mm, 0.2 * area.minCoeff());
+  const double pixel_mm = views.front().pitch_mm;
+  const double covering =
+      std::clamp(2.5 * area.x() * area.y() * static_cast<double>(shown) / (static_cast<double>(count) * pixel_mm),
+                 3 * pixel_mm, 0.2 * area.minCoeff());
   const double mean_length = options.start_length_mm > 0      ? options.start_length_mm
                              : options.start == Start::guided ? covering
                                                               : 0.03 * area.maxCoeff();
@@ -418,10 +258,8 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
                                 return a.exposure_group < b.exposure_group;
                               })->exposure_group;
   std::vector<double> log_exposure(group_count, 0.0);
-  for (WorkView& v : views) {
-    v.renderer.forward(carved, v.face);  // what cannot be undone: the face, and what is carved in it
-    v.unit = measure_units(v.renderer, v.glint, limits.min_mm, limits.max_mm);
-  }
+  if (carved.size() > 0)
+    for (WorkView& v : views) v.renderer.forward(carved, v.face);  // what cannot be undone: the face and what is in it
   constexpr double kStartShare = 0.4;  // of the time limit: iterations gain more than a better start
   const auto enough = [&] {
     return (options.stop && options.stop()) ||
@@ -438,13 +276,12 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     for (const WorkView& v : views) {
       wanted[v.exposure_group] += mean_light(v.target.picture);
       given[v.exposure_group] += mean_value(v.face) + options.start_brightness * mean_value(v.unit) * mean_length *
-                                                          static_cast<double>(movable) /
-                                                          static_cast<double>(views.size()) /
+                                                          static_cast<double>(movable) / static_cast<double>(shown) /
                                                           static_cast<double>(v.face.data.size());
     }
     for (int g = 0; g < group_count; ++g) log_exposure[g] = std::log(wanted[g] / given[g]);
     report("placing scratches", 0);
-    std::vector<StrokeView> light = stroke_views(views, log_exposure, limits, true);
+    std::vector<StrokeView> light = stroke_views(views, log_exposure, true);
     scratches = append({}, place_strokes(light, rules, movable, options.seed, enough));
     if (scratches.size() < movable && enough())
       result.warnings.push_back("the time ended the start early: " + std::to_string(scratches.size()) + " of " +
@@ -479,7 +316,6 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       render_all(views, scratches);
       log_exposure = fitting_exposures(views, log_exposure);
     }
-  std::vector<double> start_exposure(views.size());
 
   // Optional shared parameters, in logarithms.
   std::vector<double> log_shared{std::log(board.tool_width_um), std::log(bench.material.depth_um),
@@ -499,9 +335,20 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   const Clock::time_point iterations_began = Clock::now();
   // Weak scratches go before the end, so that the last iterations make up for them.
   const int drop_at = static_cast<int>(std::lround(options.drop_at * options.iterations));
+  const auto keep_only = [&](const std::vector<std::size_t>& kept) {  // new ones first, as ever
+    if (kept.size() == count) return;
+    if (result.loss_before_drop == 0) result.loss_before_drop = result.history.back().loss;
+    scratches = selected(scratches, kept);
+    for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->keep(kept);
+    movable -= count - kept.size();
+    count = kept.size();
+  };
+  bool weak_dropped = false;
   const auto drop_weak = [&] {
+    weak_dropped = true;
     if (!(options.drop_count > 0 || options.drop_light > 0 || options.drop_error > 0)) return;
     report("dropping weak scratches", 0);
+    render_all(views, scratches);
     // Each view's light in units of its own white, so that a bright lamp's views do not rule.
     std::vector<double> light_sum(count, 0.0);
     for (const WorkView& v : views) {
@@ -511,13 +358,13 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     }
     const double total_light =
         std::accumulate(light_sum.begin(), light_sum.begin() + static_cast<std::ptrdiff_t>(movable), 0.0);
-    std::vector<StrokeView> shown = stroke_views(views, log_exposure, limits, false);
-    const double error = squared_error(shown);
+    std::vector<StrokeView> now = stroke_views(views, log_exposure, false);
+    const double error = squared_error(now);
     const auto most = static_cast<std::size_t>(options.drop_count * static_cast<double>(movable));
     std::size_t gone = 0;
     double rise = 0, light = 0;
     std::vector<std::size_t> kept =
-        all_but(count, spare_order(shown, rules, scratches, movable, {}, [&](std::size_t i, double worth) {
+        all_but(count, spare_order(now, rules, scratches, movable, {}, [&](std::size_t i, double worth) {
                   if (++gone == movable) return false;  // one stays, whatever is asked
                   rise += std::max(0.0, worth);
                   light += light_sum[i];
@@ -525,25 +372,44 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
                          : options.drop_light > 0 ? light <= options.drop_light * total_light
                                                   : rise <= options.drop_error * error;
                 }));
-    result.dropped = count - kept.size();
-    movable -= result.dropped;
+    result.dropped += count - kept.size();
     // What breaks the rules of pairs goes now too, so that the last iterations make up for it.
     if (has_pair_rules(limits.machine)) {
-      const std::vector<double> worth = worth_of(shown, rules, scratches);
+      const std::vector<double> worth = worth_of(now, rules, scratches);
       std::vector<double> kept_worth;
       for (const std::size_t i : kept) kept_worth.push_back(worth[i]);
       const Mended mended = mend(selected(scratches, kept), limits, kept_worth);
       for (std::size_t r = 0; r < kRules; ++r) result.dropped_by_rule[r] += mended.dropped[r];
-      movable = mended.rows.size() - result.carved;
       for (std::size_t k = 0; k < mended.rows.size(); ++k) kept[k] = kept[mended.rows[k]];
       kept.resize(mended.rows.size());
     }
-    if (kept.size() == count) return;
-    result.loss_before_drop = result.history.back().loss;
-    scratches = selected(scratches, kept);
-    for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->keep(kept);
-    count = kept.size();
+    keep_only(kept);
   };
+  // Down to the time there is, in steps, so that the scratches that stay can make up for those that go. What is carved
+  // already takes none.
+  const double budget_s = 3600 * options.carve_hours;
+  const auto new_ones = [&] {
+    std::vector<std::size_t> rows(movable);
+    std::iota(rows.begin(), rows.end(), std::size_t{0});
+    return selected(scratches, rows);
+  };
+  const auto keep_to_budget = [&](double allowed_s) {
+    // The air is shared anew after each round; a few meet the time.
+    for (int round = 0; round < 8 && movable > 1; ++round) {
+      const std::vector<double> cost = carving_costs_s(new_ones(), bench.material.depth_um, options.carve_machine);
+      const double now_s = std::accumulate(cost.begin(), cost.end(), 0.0);
+      if (now_s <= allowed_s) return;
+      report("keeping to the carving time", 0);
+      render_all(views, scratches);
+      const std::vector<std::size_t> spared =
+          spare_for_time(stroke_views(views, log_exposure, false), rules, scratches, movable, cost, now_s - allowed_s);
+      result.dropped += spared.size();
+      keep_only(all_but(count, spared));
+    }
+  };
+  constexpr int kBudgetSteps = 6;
+  // What it would take to carve all that the design began with.
+  const double full_s = budget_s > 0 ? carving_time_s(new_ones(), bench.material.depth_um, options.carve_machine) : 0;
   // A design that starts where it should be is only set right; a random one has a way to go.
   const double first_rate = options.rate > 0 ? options.rate : random ? 1e-3 : 0.1 / options.pixels;
   const double last_rate = options.final_rate > 0 ? options.final_rate : random ? 1e-4 : 0.007 / options.pixels;
@@ -553,6 +419,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     gradients.resize(count);
     std::vector<double> d_log_exposure(group_count, 0.0);
     DesignIteration record;
+    record.view_loss.assign(shown, 0.0);
     result.pairs = 0;
     for (std::size_t k = 0; k < views.size(); ++k) {
       WorkView& v = views[k];
@@ -561,7 +428,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       picture_from_radiance(v.radiance, exposure, v.picture);
       v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
       record.loss += v.value.total;
-      record.view_loss.push_back(v.value.total);
+      record.view_loss[v.of] += v.value.total;
       result.pairs += v.renderer.pair_count();
       if (!last) {
         d_log_exposure[v.exposure_group] +=
@@ -570,7 +437,6 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
         for (auto* g : {&gradients.x0_mm, &gradients.y0_mm, &gradients.x1_mm, &gradients.y1_mm})
           std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable), g->end(), 0.0);  // what is carved stays
       }
-      if (iteration == 0) start_exposure[k] = exposure;
     }
     record.seconds = seconds_since(iterations_began);
     result.history.push_back(record);
@@ -578,7 +444,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       fail("design", "the loss is not finite at iteration " + std::to_string(iteration),
            "check the bench's numbers; report this if they are sound");
     if (iteration == 0)
-      for (WorkView& v : views) {
+      for (WorkView& v : shown_views) {
         DesignedView out;
         const double exposure =
             best_exposure(v.radiance, v.target.picture, std::exp(log_exposure[v.exposure_group]), v.target.mask);
@@ -589,7 +455,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       }
     if (last || std::find(contact.begin(), contact.end(), iteration) != contact.end()) {
       ContactFrame frame{iteration, {}};
-      for (const WorkView& v : views) {
+      for (const WorkView& v : shown_views) {
         frame.pictures.push_back(v.picture);
         for (float& p : frame.pictures.back().data) p = std::min(1.0F, p);
       }
@@ -597,7 +463,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     }
     if (options.watch) {
       DesignFrame frame{iteration, record.loss, record.view_loss, {}};
-      for (const WorkView& v : views) frame.pictures.push_back(&v.picture);
+      for (const WorkView& v : shown_views) frame.pictures.push_back(&v.picture);
       options.watch(frame);
     }
     report("designing", options.iterations > 0 ? static_cast<double>(iteration) / options.iterations : 1);
@@ -625,6 +491,11 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       result.relocated += moved.size();
     }
     if (iteration == drop_at && iteration > 0) drop_weak();
+    if (budget_s > 0 && full_s > budget_s && drop_at >= kBudgetSteps && iteration > 0 && iteration <= drop_at &&
+        iteration % (drop_at / kBudgetSteps) == 0) {
+      const double part = std::min(1.0, static_cast<double>(iteration) / drop_at);
+      keep_to_budget(full_s * std::pow(budget_s / full_s, part));
+    }
     if (options.exposure_rate > 0) adam_exposure.step(log_exposure, d_log_exposure, options.exposure_rate);
     if (optimise_shared) {
       // Gradients by the logarithms: d/dlog p = p d/dp, summed over the scratches.
@@ -644,21 +515,26 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     if (options.stop && options.stop()) result.stopped_early = true;
   }
   result.iteration_seconds = seconds_since(iterations_began);
-  if (result.dropped == 0 && !result.stopped_early) drop_weak();
+  if (!weak_dropped && !result.stopped_early) drop_weak();
+  if (budget_s > 0) keep_to_budget(budget_s);
   obey(scratches, limits, views, log_exposure, rules, options, log_shared, result);
+  movable = scratches.size() - result.carved;
   result.scratches = scratches;
 
-  for (std::size_t k = 0; k < views.size(); ++k) {
+  for (WorkView& v : views) {
+    v.renderer.forward(result.scratches, v.radiance);
+    picture_from_radiance(v.radiance, std::exp(log_exposure[v.exposure_group]), v.picture);
+    v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
+    result.final_loss += v.value.total;
+  }
+  for (std::size_t k = 0; k < shown; ++k) {
     WorkView& v = views[k];
     DesignedView& out = result.views[k];
     out.view = v.spec.view;
     out.light = v.spec.light;
     out.rotation_deg = v.rotation_deg;
     out.exposure = std::exp(log_exposure[v.exposure_group]);
-    v.renderer.forward(result.scratches, v.radiance);
-    picture_from_radiance(v.radiance, out.exposure, v.picture);
-    out.loss = v.loss.evaluate(v.picture, v.dE_dpicture);
-    result.final_loss += out.loss.total;
+    out.loss = v.value;
     out.target = v.target.picture;
     out.best_exposure = best_exposure(v.radiance, out.target, out.exposure, v.target.mask);
     out.shown = shown_picture(v.radiance, out.best_exposure);
@@ -669,13 +545,24 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     for (float& f : face.data) f *= static_cast<float>(out.best_exposure);
     out.achievable = within_contrast(out.target, face);
     out.achievable_psnr_db = psnr_db(out.achievable, out.target, v.target.mask);
-    report("measuring", static_cast<double>(k + 1) / static_cast<double>(views.size()));
+    report("measuring", static_cast<double>(k + 1) / static_cast<double>(shown));
+  }
+  if (options.report_tolerance || options.tolerance_mm > 0) {
+    std::vector<ToleranceTarget> targets;
+    for (std::size_t k = 0; k < shown; ++k)
+      targets.push_back({result.views[k].target, views[k].target.mask, result.views[k].best_exposure});
+    result.tolerance = measure_tolerance(spec, board, bench, targets, result.scratches, progress);
   }
   for (DesignedView& a : result.views)
     for (const DesignedView& b : result.views) {
       a.ghost.push_back(correlation(a.shown, b.target));
       a.target_correlation.push_back(correlation(a.target, b.target));
     }
+  if (options.carve_curve || budget_s > 0) {
+    report("measuring the curve over carving time", 0);
+    result.curve = carving_curve(views, shown, log_exposure, rules, result.scratches, movable, bench.material.depth_um,
+                                 options.carve_machine);
+  }
   if (options.optimise_width) result.width_um = std::exp(log_shared[0]);
   if (options.optimise_depth) result.depth_um = std::exp(log_shared[1]);
   if (options.optimise_alpha) result.alpha = std::exp(log_shared[2]);

@@ -18,6 +18,8 @@
 #include "optimize/carving_limits.h"
 #include "optimize/design_file.h"
 #include "optimize/loss.h"
+#include "optimize/machine_profile.h"
+#include "optimize/tolerance.h"
 #include "render/bench.h"
 #include "render/board.h"
 #include "render/image.h"
@@ -56,6 +58,8 @@ struct DesignOptions {
   int relocate_every = 5;         ///< iterations between such searches; 0: never
   double relocate_until = 0.95;   ///< part of the iterations (or of the time limit) after which there are none
   double relocate_share = 0.02;   ///< of the scratches, the least worthy, that may change their view each time
+  double tolerance_mm = 0;        ///< how far eye and lamp may stand aside (optimize/design_views.h); 0: not at all
+  bool report_tolerance = false;  ///< measure how far eye and lamp may stand aside (optimize/tolerance.h)
   double min_length = 1e-3;       ///< shortest scratch, as a fraction of the board's longer edge
   double max_length_mm = 0;       ///< longest scratch; 0: any
   MachineLimits machine;          ///< obeyed exactly by the result (optimize/carving_limits.h)
@@ -69,8 +73,11 @@ struct DesignOptions {
   double drop_light = 0;     ///< or those that together carry this share of the light (if > 0)
   double drop_count = 0;     ///< or this share of the scratches (if > 0)
   double drop_at = 0.8;      ///< part of the iterations after which they go; the rest make up for them
-  double time_limit_s = 0;   ///< stop iterating so that everything ends about then; 0: no limit
-  int contact_frames = 8;    ///< iterations kept for the contact sheet
+  double carve_hours = 0;    ///< the time there is to carve the new ones; scratches go during the iterations. 0: any
+  bool carve_curve = false;  ///< measure quality over carving time (always with carve_hours)
+  MachineProfile carve_machine;   ///< whose time it is
+  double time_limit_s = 0;        ///< stop iterating so that everything ends about then; 0: no limit
+  int contact_frames = 8;         ///< iterations kept for the contact sheet
   std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's);
                                   ///< those marked as carved stay as they are
   std::function<void(const DesignFrame&)> watch;  ///< called once an iteration; may be empty
@@ -106,10 +113,19 @@ struct ContactFrame {
   std::vector<Image> pictures;
 };
 
+/// What a part of the scratches shows, and how long it takes to carve.
+struct CarvingPoint {
+  std::size_t scratches = 0;
+  double hours = 0;
+  std::vector<double> psnr_db, ssim;  ///< a view
+};
+
 struct DesignResult {
   Scratches scratches;  ///< after dropping; with width, depth or alpha columns if those were optimised, and with the
                         ///< carved ones last, marked, if there are any
   std::vector<DesignedView> views;
+  std::vector<ViewTolerance> tolerance;  ///< one a view, if it was asked for
+  std::vector<CarvingPoint> curve;       ///< from all scratches on down, if it was asked for
   std::vector<DesignIteration> history;  ///< loss before each iteration's step
   std::vector<ContactFrame> frames;
   std::vector<std::string> warnings;

@@ -1,9 +1,11 @@
 #include "optimize/design_output.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
+#include "optimize/carving_plot.h"
 #include "render/error.h"
 #include "render/json_file.h"
 
@@ -48,6 +50,26 @@ Json bench_as_used(const DesignSpec& spec, const Board& board, const Bench& benc
   json["lights"] = lights;
   json["views"] = cameras;
   return json;
+}
+
+Json place_json(const PlaceTolerance& p) {
+  const auto range = [](const MoveRange& r) { return Json::array({-r.minus_mm, r.plus_mm}); };
+  return {{"sideways", range(p.sideways)}, {"up", range(p.up)}, {"depth", range(p.depth)}};
+}
+
+// A square a place: from white (nothing lost) to blue at the limit, from orange to black at twice the limit.
+Image tolerance_map(const ViewTolerance& t) {
+  constexpr int kSquare = 32;
+  Image map(t.lost_db.width * kSquare, t.lost_db.height * kSquare, 3);
+  for (int y = 0; y < map.height; ++y)
+    for (int x = 0; x < map.width; ++x) {
+      const double lost = t.lost_db.at(x / kSquare, y / kSquare) / kLostDb;
+      const auto f = static_cast<float>(std::clamp(lost < 1 ? lost : lost - 1, 0.0, 1.0));
+      const std::array<float, 3> colour = lost < 1 ? std::array<float, 3>{1 - 0.75F * f, 1 - 0.5F * f, 1 - 0.15F * f}
+                                                   : std::array<float, 3>{1 - f, 0.55F * (1 - f), 0.1F * (1 - f)};
+      for (int c = 0; c < 3; ++c) map.at(x, y, c) = colour[c];
+    }
+  return map;
 }
 
 }  // namespace
@@ -108,6 +130,20 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
     json["best_exposure"] = v.best_exposure;
     json["ghost"] = list(v.ghost);
     json["target_correlation"] = list(v.target_correlation);
+    if (k < result.tolerance.size()) {
+      const ViewTolerance& t = result.tolerance[k];
+      const std::string map = "tolerance-" + name + ".png";
+      write_picture(tolerance_map(t), folder / map);
+      json["tolerance"] = {{"text", tolerance_text(v.view, t)}, {"psnr_db", t.psnr_db}, {"eye_mm", place_json(t.eye)},
+                           {"lamp_mm", place_json(t.lamp)},     {"map", map},           {"map_half_mm", t.map_half_mm}};
+      Json rows = Json::array();
+      for (int y = 0; y < t.lost_db.height; ++y) {
+        Json row = Json::array();
+        for (int x = 0; x < t.lost_db.width; ++x) row.push_back(t.lost_db.at(x, y));
+        rows.push_back(row);
+      }
+      json["tolerance"]["lost_db"] = rows;
+    }
     views.push_back(json);
 
     std::vector<Image> row;
@@ -143,6 +179,15 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
   json["loss_final"] = result.final_loss;
   json["loss_before_drop"] = result.loss_before_drop;
   json["views"] = views;
+  if (!result.curve.empty()) {
+    json["carving_curve"] = {{"plot", "carving-curve.svg"}, {"points", Json::array()}};
+    for (const CarvingPoint& p : result.curve)
+      json["carving_curve"]["points"].push_back(
+          {{"scratches", p.scratches}, {"hours", p.hours}, {"psnr_db", list(p.psnr_db)}, {"ssim", list(p.ssim)}});
+    std::vector<std::string> names;
+    for (const DesignedView& v : result.views) names.push_back(label(v, result.views));
+    write_text(carving_plot(result.curve, names), folder / "carving-curve.svg");
+  }
   json["contact_sheet"] = "contact-sheet.png";
   json["contact_iterations"] = Json::array();
   for (const ContactFrame& frame : result.frames) json["contact_iterations"].push_back(frame.iteration);

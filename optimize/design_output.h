@@ -13,7 +13,12 @@
 //   views: [ { "view", "light", "rotation_deg", "preview", "start", "target", "achievable" (file names),
 //              "psnr_db", "ssim", "start_psnr_db", "start_ssim", "achievable_psnr_db", "loss", "exposure",
 //              "best_exposure", "ghost": [correlation of the preview with each view's target],
-//              "target_correlation": [of this target with each view's target] } ]
+//              "target_correlation": [of this target with each view's target],
+//              "tolerance" (if measured; optimize/tolerance.h): { "text", "psnr_db", "eye_mm" and "lamp_mm":
+//                { "sideways", "up", "depth": [to the minus side, to the plus side] }, "map" (tolerance-VIEW.png:
+//                white to blue while less than 3 dB are lost, orange to black beyond), "map_half_mm", "lost_db" } } ]
+//   carving_curve (if measured): { "plot" (carving-curve.svg), "points": [ { "scratches", "hours", "psnr_db" and "ssim"
+//              (a view) } ] }, from all scratches to those that a tenth of the time leaves
 //   contact_sheet, contact_iterations; seconds: { "iterations", "total" }; length_mm: { "total", "mean" };
 //   material (optimised numbers only); bench: the bench as used (file name and its numbers); warnings: [..]
 #pragma once

@@ -64,9 +64,15 @@ class Field {
         width_(view.light.width),
         height_(view.light.height),
         pitch_x_((rules.max_mm.x() - rules.min_mm.x()) / width_),
-        pitch_y_((rules.max_mm.y() - rules.min_mm.y()) / height_),
-        shown_(view.light.data.size()) {
-    for (std::size_t i = 0; i < shown_.size(); ++i) shown_[i] = encoded()(view.light.data[i]);
+        pitch_y_((rules.max_mm.y() - rules.min_mm.y()) / height_) {
+    if (view.asides.size() > kMostAsides)
+      fail("stroke search", "a view has " + std::to_string(view.asides.size()) + " asides",
+           "give at most " + std::to_string(kMostAsides));
+    places_.push_back({&view.glint, &view.light, &view.unit, static_cast<float>(view.weight), {}});
+    for (StrokeAside& aside : view.asides)
+      places_.push_back({&aside.glint, &aside.light, &aside.unit, static_cast<float>(aside.weight), {}});
+    for (Place& place : places_)
+      for (const float light : place.light->data) place.shown.push_back(encoded()(light));
   }
 
   Eigen::Vector2d pixel(const Eigen::Vector2d& p_mm) const {
@@ -84,9 +90,9 @@ class Field {
   }
 
   // h . u / alpha: where the lobe of a scratch of direction u stands at p.
-  double lobe_place(const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const {
+  double lobe_place(const GlintView& glint, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const {
     const Eigen::Vector3d p(p_mm.x(), p_mm.y(), 0);
-    const Eigen::Vector3d h = (view_.glint.light_mm - p).normalized() + (view_.glint.camera_mm - p).normalized();
+    const Eigen::Vector3d h = (glint.light_mm - p).normalized() + (glint.camera_mm - p).normalized();
     return (h.x() * u.x() + h.y() * u.y()) / (h.norm() * rules_.alpha);
   }
 
@@ -98,13 +104,12 @@ class Field {
     Stroke best;
     if (line.at.x() < 0 || line.at.y() < 0 || line.at.x() >= width_ || line.at.y() >= height_) return best;
     const double reach_mm = 0.5 * rules_.longest_mm;
-    const Lobe lobe{lobe_place(p_mm, u),
-                    (lobe_place(p_mm + reach_mm * u, u) - lobe_place(p_mm - reach_mm * u, u)) / longest};
+    const Lobes lobes = lobes_along(p_mm - reach_mm * u, p_mm + reach_mm * u, u, longest / 2, longest);
     // From where the line enters the point's pixel, so that no pixel is shared between the two ways.
     const double entry = -to_border(line, -1);
     double ahead = 0, behind = 0, ahead_gain = -std::numeric_limits<double>::infinity(), behind_gain = 0, sum = 0;
     walk(line, entry, +1, longest / 2, [&](std::size_t i, double s, double length) {
-      sum += gain(i, lobe.at(s + length / 2) * static_cast<float>(length));
+      sum += gain(i, lobes, s + length / 2, static_cast<float>(length));
       if (sum > ahead_gain) {
         ahead_gain = sum;
         ahead = s + length;
@@ -114,7 +119,7 @@ class Field {
     sum = 0;
     behind = entry;
     walk(line, entry, -1, longest / 2, [&](std::size_t i, double s, double length) {
-      sum += gain(i, lobe.at(s - length / 2) * static_cast<float>(length));
+      sum += gain(i, lobes, s - length / 2, static_cast<float>(length));
       if (sum > behind_gain) {
         behind_gain = sum;
         behind = s - length;
@@ -132,38 +137,26 @@ class Field {
     return best;
   }
 
-  // visit(pixel, light that the scratch adds there).
-  template <typename Visit>
-  void each_pixel(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const Visit& visit) const {
-    const Eigen::Vector2d a = pixel(a_mm), b = pixel(b_mm);
-    const double length = (b - a).norm(), length_mm = (b_mm - a_mm).norm();
-    if (!(length > 1e-9)) return;
-    const Eigen::Vector2d u = (b_mm - a_mm) / length_mm;
-    const double first = lobe_place(a_mm, u), last = lobe_place(b_mm, u);
-    const Lobe lobe{first, (last - first) / length};
-    walk({a, (b - a) / length}, 0, +1, length, [&](std::size_t i, double s, double part) {
-      visit(i, lobe.at(s + part / 2) * static_cast<float>(part) * view_.unit.data[i]);
-      return true;
-    });
-  }
-
   // Adds (times = 1) or takes away (-1) a stroke; returns by how much the squared error fell.
   double add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) {
     double fell = 0;
-    each_pixel(a_mm, b_mm, [&](std::size_t i, float light) {
-      const float before = shown_[i] - view_.target.data[i];
-      view_.light.data[i] += times * light;
-      shown_[i] = encoded()(view_.light.data[i]);
-      const float after = shown_[i] - view_.target.data[i];
-      fell += static_cast<double>(weight(i) * (before * before - after * after));
+    each_pixel(a_mm, b_mm, [&](std::size_t i, const Lobes& lobes, double s, float length) {
+      fell += gain(i, lobes, s, times * length);
+      for (std::size_t k = 0; k < places_.size(); ++k) {
+        Place& place = places_[k];
+        place.light->data[i] += times * length * lobes[k].at(s) * place.unit->data[i];
+        place.shown[i] = encoded()(place.light->data[i]);
+      }
     });
     return fell;
   }
 
-  // By how much the error falls when this much light is added (times -1: taken away), nothing being changed.
+  // By how much the error falls when a stroke is added (times -1: taken away), nothing being changed.
   double fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const {
     double fell = 0;
-    each_pixel(a_mm, b_mm, [&](std::size_t i, float light) { fell += gain_of_light(i, times * light); });
+    each_pixel(a_mm, b_mm, [&](std::size_t i, const Lobes& lobes, double s, float length) {
+      fell += gain(i, lobes, s, times * length);
+    });
     return fell;
   }
 
@@ -171,7 +164,7 @@ class Field {
   Stroke anywhere(std::mt19937_64& random) const {
     const double at = uniform(random) * missing_.back();
     const auto i = static_cast<std::size_t>(std::upper_bound(missing_.begin(), missing_.end(), at) - missing_.begin());
-    const std::size_t k = std::min(i, shown_.size() - 1);
+    const std::size_t k = std::min(i, missing_.size() - 1);
     const Eigen::Vector2d p_mm =
         board({static_cast<double>(k % width_) + uniform(random), static_cast<double>(k / width_) + uniform(random)});
     const double lacks = std::pow(view_.target.data[k], 2.2F) - view_.light.data[k];
@@ -185,7 +178,7 @@ class Field {
     // Steps of all sizes: wide ones find new places, fine ones set strokes against their neighbours.
     const double scale = std::exp(-3.5 * uniform(random));
     const Eigen::Vector2d p_mm = a_mm + uniform(random) * (b_mm - a_mm) + 0.7 * scale * pitch_ * bell(random) * across;
-    const double q = lobe_place(p_mm, u);
+    const double q = lobe_place(view_.glint, p_mm, u);
     const double part = std::pow(1 + q * q, -1.5) * std::exp(0.35 * scale * bell(random));
     double side = q > 0 ? 1 : -1;
     if (random() % 8 == 0) side = -side;
@@ -194,12 +187,12 @@ class Field {
 
   // Where anywhere() looks: pixels by their squared error, those that are too bright left out.
   void survey() {
-    missing_.resize(shown_.size());
+    const std::vector<float>& shown = places_.front().shown;
+    missing_.resize(shown.size());
     double sum = 0;
-    for (std::size_t i = 0; i < shown_.size(); ++i) {
-      const float d = view_.target.data[i] - shown_[i];
-      if (d > 0) sum += static_cast<double>(weight(i) * d * d);
-      missing_[i] = sum;
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      const float d = std::max(0.0F, view_.target.data[i] - shown[i]) * mask(i);
+      missing_[i] = sum += static_cast<double>(d * d);
     }
   }
 
@@ -215,17 +208,57 @@ class Field {
     }
   };
 
-  float weight(std::size_t i) const {
-    const auto w = static_cast<float>(view_.weight);
-    return view_.mask.data.empty() ? w : w * view_.mask.data[i] * view_.mask.data[i];
+  using Lobes = std::array<Lobe, 1 + kMostAsides>;
+
+  // Where eye and lamp may stand, and what is seen from there.
+  struct Place {
+    const GlintView* glint;
+    Image* light;
+    const Image* unit;
+    float weight;
+    std::vector<float> shown;
+  };
+
+  float mask(std::size_t i) const { return view_.mask.data.empty() ? 1.0F : view_.mask.data[i]; }
+
+  // Linear between two points; s = 0 is `before` pixels after the first.
+  Lobes lobes_along(const Eigen::Vector2d& first_mm, const Eigen::Vector2d& last_mm, const Eigen::Vector2d& u,
+                    double before, double length) const {
+    Lobes lobes{};
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      const double first = lobe_place(*places_[k].glint, first_mm, u), last = lobe_place(*places_[k].glint, last_mm, u);
+      const double slope = (last - first) / length;
+      lobes[k] = {first + before * slope, slope};
+    }
+    return lobes;
   }
 
-  double gain_of_light(std::size_t i, float light) const {
-    const float before = shown_[i] - view_.target.data[i];
-    const float after = encoded()(view_.light.data[i] + light) - view_.target.data[i];
-    return static_cast<double>(weight(i) * (before * before - after * after));
+  // By how much the error of a pixel falls when a scratch crosses it over this length around s.
+  double gain(std::size_t i, const Lobes& lobes, double s, float length) const {
+    const float target = view_.target.data[i];
+    float sum = 0;
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+      const Place& place = places_[k];
+      const float before = place.shown[i] - target;
+      const float after = encoded()(place.light->data[i] + length * lobes[k].at(s) * place.unit->data[i]) - target;
+      sum += place.weight * (before * before - after * after);
+    }
+    const float m = mask(i);
+    return static_cast<double>(m * m * sum);
   }
-  double gain(std::size_t i, float lobe_length) const { return gain_of_light(i, lobe_length * view_.unit.data[i]); }
+
+  // visit(pixel, lobes, s of the part's middle, length of the part in pixels).
+  template <typename Visit>
+  void each_pixel(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const Visit& visit) const {
+    const Eigen::Vector2d a = pixel(a_mm), b = pixel(b_mm);
+    const double length = (b - a).norm(), length_mm = (b_mm - a_mm).norm();
+    if (!(length > 1e-9)) return;
+    const Lobes lobes = lobes_along(a_mm, b_mm, (b_mm - a_mm) / length_mm, 0, length);
+    walk({a, (b - a) / length}, 0, +1, length, [&](std::size_t i, double s, double part) {
+      visit(i, lobes, s + part / 2, static_cast<float>(part));
+      return true;
+    });
+  }
 
   // How far along the line's direction times `way` its point's pixel ends.
   static double to_border(const Line& line, double way) {
@@ -270,7 +303,7 @@ class Field {
   int width_, height_;
   double pitch_x_, pitch_y_;
   double pitch_ = pitch_x_;
-  std::vector<float> shown_;
+  std::vector<Place> places_;    // the view's own first
   std::vector<double> missing_;  // running sums
 };
 
@@ -451,12 +484,17 @@ std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const S
 
 double squared_error(const std::vector<StrokeView>& views) {
   double sum = 0;
-  for (const StrokeView& v : views)
-    for (std::size_t i = 0; i < v.light.data.size(); ++i) {
-      const double m = v.mask.data.empty() ? 1 : v.mask.data[i];
-      const double d = m * (encoded()(v.light.data[i]) - v.target.data[i]);
-      sum += v.weight * d * d;
-    }
+  for (const StrokeView& v : views) {
+    const auto add = [&](const Image& light, double weight) {
+      for (std::size_t i = 0; i < light.data.size(); ++i) {
+        const double m = v.mask.data.empty() ? 1 : v.mask.data[i];
+        const double d = m * (encoded()(light.data[i]) - v.target.data[i]);
+        sum += weight * d * d;
+      }
+    };
+    add(v.light, v.weight);
+    for (const StrokeAside& aside : v.asides) add(aside.light, aside.weight);
+  }
   return sum;
 }
 

@@ -35,6 +35,13 @@
 
 namespace burin {
 
+/// What a view shows when its eye and lamp stand a little aside.
+struct StrokeAside {
+  GlintView glint;
+  Image light, unit;
+  double weight = 1;  ///< of the errors seen from there
+};
+
 /// One view as strokes see it. All images have the grid's size; light is relative to white.
 struct StrokeView {
   GlintView glint;
@@ -42,8 +49,11 @@ struct StrokeView {
   Image target;       ///< gamma-encoded
   Image mask;         ///< what matters (1) and what does not (0); no pixels: everything
   Image unit;         ///< light of a pixel crossed along one pixel's length by a scratch of the best direction
-  double weight = 1;  ///< of this view's errors among the views'
+  double weight = 1;  ///< of the errors seen from where eye and lamp are meant to be
+  std::vector<StrokeAside> asides{};  ///< further places that count (at most kMostAsides)
 };
+
+inline constexpr std::size_t kMostAsides = 7;
 
 struct StrokeRules {
   Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};  ///< the carve area, on which the images lie

@@ -94,7 +94,10 @@ void run(const Options& o) {
   options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
   if (!o.time.empty()) options.time_limit_s = seconds_of(o.time);
   if (!o.from.empty()) options.from = read_scratches(o.from);
-  if (!o.machine.empty()) options.machine = machine_profile(o.machine).limits;
+  if (!o.machine.empty()) {
+    options.carve_machine = machine_profile(o.machine);
+    options.machine = options.carve_machine.limits;
+  }
   for (const std::filesystem::path& file : o.carved) {
     Scratches carved = transformed(read_scratches(file), bench.machine_affine);
     carved.carved.clear();
@@ -122,6 +125,8 @@ void run(const Options& o) {
     fmt::print("{:<10}  {:6.2f}   {:.3f}   {:6.2f} dB     {:5.2f} / {:5.2f}\n", v.view, v.psnr_db, v.ssim,
                v.achievable_psnr_db, v.ghost[k], other);
   }
+  for (std::size_t k = 0; k < result.tolerance.size(); ++k)
+    fmt::print("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));
   fmt::print("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} scratches of {} kept\n", result.history.front().loss,
              result.final_loss, result.history.size() - 1, result.iteration_seconds,
              result.scratches.size() - result.carved, result.started_with);
@@ -130,6 +135,9 @@ void run(const Options& o) {
   if (result.carved > 0)
     fmt::print("{} scratches are new; {} are carved already and stay as they are (column \"carved\")\n",
                result.scratches.size() - result.carved, result.carved);
+  if (!result.curve.empty())
+    fmt::print("{:.2f} hours to carve on {}; what fewer would show: carving-curve.svg\n", result.curve.front().hours,
+               options.carve_machine.name);
   if (result.width_um) fmt::print("width_um {:.1f}\n", *result.width_um);
   if (result.depth_um) fmt::print("depth_um {:.2f}\n", *result.depth_um);
   if (result.alpha) fmt::print("alpha {:.4f}\n", *result.alpha);
@@ -164,7 +172,7 @@ void add_design_command(CLI::App& burin) {
                 "machine.affine brings them, and the rest is designed around them");
   c->add_option("--machine", o->machine,
                 "grbl, linuxcnc, marlin, or a burin/machine JSON file: its limits are obeyed (steps, lengths, "
-                "distance, overlap)");
+                "distance, overlap), and its time counts for --carve-hours (grbl's without it)");
   c->add_option("--start-length", o->design.start_length_mm, "Mean length at the start, mm (0: chosen)");
   c->add_option("--start-brightness", o->design.start_brightness, "Guided start: part of its lobe a scratch shows")
       ->capture_default_str();
@@ -186,6 +194,12 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--exposure-of", o->exposure, "What has a brightness of its own: each view (eyes adapt), or each light")
       ->check(CLI::IsMember({"light", "view"}))
       ->capture_default_str();
+  c->add_option("--tolerance-mm", o->design.tolerance_mm,
+                "How far eye and lamp may stand aside: designs for it, and reports how far they really may");
+  c->add_option("--carve-hours", o->design.carve_hours,
+                "The time there is to carve: scratches go during the design until they fit");
+  c->add_flag("--carve-curve", o->design.carve_curve, "Report quality over carving time (always with --carve-hours)");
+  c->add_flag("--report-tolerance", o->design.report_tolerance, "Report how far they may, without designing for it");
   c->add_flag("--free-width", o->design.optimise_width, "Optimise the cutter's width too (one for all)");
   c->add_flag("--free-depth", o->design.optimise_depth, "Optimise the depth too (one for all)");
   c->add_flag("--free-alpha", o->design.optimise_alpha, "Optimise the roughness too (one for all)");

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "optimize/carving_time.h"
 #include "optimize/design_output.h"
 #include "render/error.h"
 #include "render/json_file.h"
@@ -161,6 +162,71 @@ TEST_F(DesignTest, DropsByCountByLightOrByError) {
   const DesignResult all = design(spec_, board_, bench_, options_, {});
   EXPECT_EQ(all.dropped, 0U);
   for (std::size_t k = 0; k < 2; ++k) EXPECT_GT(by_error.views[k].psnr_db, all.views[k].psnr_db - 0.15);
+}
+
+TEST_F(DesignTest, ToleranceKeepsThePicturesFurtherAside) {
+  options_.iterations = 20;
+  options_.report_tolerance = true;
+  const DesignResult plain = design(spec_, board_, bench_, options_, {});
+  ASSERT_EQ(plain.tolerance.size(), 2U);
+  const double range = plain.tolerance[0].eye.sideways.least();
+  EXPECT_NE(tolerance_text("left", plain.tolerance[0]).find(" mm sideways"), std::string::npos);
+  // Where the report says that 3 dB are lost, they are: seen from there, by a design of no iterations.
+  Bench moved = bench_;
+  const Eigen::Vector3d eye = moved.views[0].T_camera_board.inverse().translation();
+  const Eigen::Vector3d way = eye - Eigen::Vector3d(30, 30, 0);
+  const Eigen::Vector3d sideways = Eigen::Vector3d::UnitZ().cross(way).normalized();
+  const MoveRange& r = plain.tolerance[0].eye.sideways;
+  const double side = r.plus_mm < r.minus_mm ? r.plus_mm : -r.minus_mm;
+  moved.views[0] = view(moved.views[0].name, eye + side * sideways);
+  DesignOptions look = options_;
+  look.report_tolerance = false;
+  look.from = plain.scratches;
+  look.iterations = 0;
+  look.drop_error = 0;
+  const DesignResult aside = design(spec_, board_, moved, look, {});
+  EXPECT_NEAR(plain.views[0].psnr_db - aside.views[0].psnr_db, kLostDb, 0.3);
+  // The map agrees with itself and with the range: nothing lost in the middle, much at twice the range.
+  const Image& map = plain.tolerance[0].lost_db;
+  EXPECT_NEAR(map.at(map.width / 2, map.height / 2), 0, 1e-6);
+  EXPECT_GT(std::max(map.at(0, map.height / 2), map.at(map.width - 1, map.height / 2)), kLostDb);
+
+  options_.tolerance_mm = 2 * range;
+  const DesignResult wide = design(spec_, board_, bench_, options_, {});
+  for (std::size_t k = 0; k < 2; ++k)
+    EXPECT_GT(wide.tolerance[k].eye.sideways.least(), 1.3 * plain.tolerance[k].eye.sideways.least());
+  write_design_result(wide, spec_, board_, bench_, folder_ / "wide");
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "wide" / "tolerance-left.png"));
+
+  options_.tolerance_mm = -1;
+  EXPECT_NE(error_of().find("tolerance_mm"), std::string::npos);
+}
+
+TEST_F(DesignTest, KeepsToTheHoursThereAreAndSaysWhatFewerWouldShow) {
+  options_.iterations = 20;
+  options_.carve_curve = true;
+  const DesignResult all = design(spec_, board_, bench_, options_, {});
+  ASSERT_EQ(all.curve.size(), 10U);
+  EXPECT_EQ(all.curve[0].scratches, all.scratches.size());
+  EXPECT_NEAR(all.curve[0].psnr_db[0], all.views[0].psnr_db, 0.02);
+  EXPECT_NEAR(3600 * all.curve[0].hours,
+              carving_time_s(all.scratches, bench_.material.depth_um, options_.carve_machine), 1);
+  for (std::size_t k = 1; k < 10; ++k) {
+    EXPECT_LT(all.curve[k].hours, all.curve[k - 1].hours);
+    EXPECT_LT(all.curve[k].scratches, all.curve[k - 1].scratches);
+  }
+  EXPECT_LT(all.curve[9].psnr_db[0], all.curve[0].psnr_db[0]);
+
+  options_.carve_hours = 0.5 * all.curve[0].hours;
+  const DesignResult half = design(spec_, board_, bench_, options_, {});
+  const double takes_s = carving_time_s(half.scratches, bench_.material.depth_um, options_.carve_machine);
+  EXPECT_LE(takes_s, 3600 * options_.carve_hours);
+  EXPECT_GT(takes_s, 0.9 * 3600 * options_.carve_hours);
+  // Made for that time it shows more than the whole design with as much left out.
+  const CarvingPoint& cut = all.curve[5];
+  EXPECT_GT(half.views[0].psnr_db + half.views[1].psnr_db, cut.psnr_db[0] + cut.psnr_db[1]);
+  write_design_result(half, spec_, board_, bench_, folder_ / "half");
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "half" / "carving-curve.svg"));
 }
 
 TEST_F(DesignTest, GoesOnFromScratchesAndStopsWhenAsked) {
