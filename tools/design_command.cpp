@@ -1,5 +1,6 @@
 #include <CLI/App.hpp>
 #include <CLI/Error.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -109,9 +110,18 @@ void run(const Options& o) {
   const StopOnInterrupt on_interrupt;
   options.stop = [] { return interrupted != 0; };
   LivePreview live(o.out / "live.png", 2);
-  std::string stage;
-  if (o.live) options.watch = [&](const DesignFrame& frame) { live.show(frame); };
-  const DesignResult result = design(spec, board, bench, options, bar.progress());
+  std::string losses;
+  options.watch = [&](const DesignFrame& frame) {
+    if (o.live) live.show(frame);
+    losses.clear();
+    for (std::size_t k = 0; k < std::min(frame.view_loss.size(), spec.views.size()); ++k)
+      losses += fmt::format("{} {} {:.0f}", k == 0 ? ": loss" : ",", spec.views[k].view, frame.view_loss[k]);
+  };
+  const Progress on_terminal = bar.progress();
+  const Progress with_losses = [&](std::string_view stage, double fraction) {
+    on_terminal(std::string(stage) + (stage == "designing" ? losses : ""), fraction);
+  };
+  const DesignResult result = design(spec, board, bench, options, with_losses);
   write_design_result(result, spec, board, bench, o.out);
   bar.clear();
 

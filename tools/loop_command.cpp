@@ -141,7 +141,7 @@ void design_round(const Loop& loop, int number, Steps& steps) {
   if (steps.needed(round / "scratches.csv", name + ": design")) {
     write_round_design(project, number, round / "design.json");
     const fs::path part = part_folder(round / "design");
-    run_step({"design", (round / "design.json").string(), "--out", part.string()});
+    run_step({"design", (round / "design.json").string(), "--out", part.string(), "--machine", loop.machine});
     fs::remove_all(round / "design");
     fs::rename(part, round / "design");
     copy_atomically(round / "design" / "scratches.csv", round / "scratches.csv");

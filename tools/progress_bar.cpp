@@ -45,8 +45,9 @@ Progress ProgressBar::progress() {
 void ProgressBar::show(std::string_view stage, double fraction) {
   if (!on_terminal_) return;
   const auto now = Clock::now();
-  if (stage != stage_) {
-    stage_ = stage;
+  // "designing: d0 12, d1 9": what stands after the colon may change while the stage goes on.
+  if (const std::string_view name = stage.substr(0, stage.find(':')); name != stage_) {
+    stage_ = name;
     stage_start_ = now;
   }
   if (seconds_between(work_start_, now) < kQuietSeconds) return;

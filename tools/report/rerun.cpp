@@ -107,11 +107,8 @@ std::string rerun_sentence(std::span<const RerunView> views) {
                              v.promised_after_db - *v.seen_after_db);
     reasons += ".";
   }
-  return fmt::format("{} {} ({}).{}",
-                     all ? "Designing again for the measured bench pays in every view:"
-                         : "Designing again for the measured bench gains, though not everywhere",
-                     all ? fmt::format("at least {:.0f} dB", kRerunGain_db) : fmt::format("{:.0f} dB", kRerunGain_db),
-                     gains, reasons);
+  return fmt::format("Designing again for the measured bench {} {:.0f} dB in every view ({}).{}",
+                     all ? "gains at least" : "does not gain", kRerunGain_db, gains, reasons);
 }
 
 Section rerun_section(const RerunInput& input, const Progress& progress) {
