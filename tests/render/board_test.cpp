@@ -123,5 +123,32 @@ TEST(Board, TheRigsBoardsAreRead) {
   }
 }
 
+TEST(Board, KeepOutsGoRoundAndAreJudged) {
+  const Board board = read_text(R"("size_mm": [100, 100], "keep_out": [
+      {"name": "hole", "center_mm": [30, 40], "radius_mm": 5}, {"rect_mm": [[0, 0], [10, 20]]},
+      {"polygon_mm": [[50, 50], [60, 50], [55, 60]]}])");
+  const TemporaryFolder folder;
+  write_board(board, folder / "board.json");
+  const Board back = read_board(folder / "board.json");
+  ASSERT_EQ(back.keep_out.size(), 3u);
+  EXPECT_EQ(back.keep_out[0].name, "hole");
+  EXPECT_EQ(back.keep_out[0].radius_mm, 5);
+  EXPECT_TRUE(back.keep_out[0].polygon_mm.empty());
+  EXPECT_EQ(back.keep_out[1].polygon_mm[2], Eigen::Vector2d(10, 20));
+  EXPECT_EQ(back.keep_out[2].polygon_mm.size(), 3u);
+  const auto expect = [](const std::string& place, const std::string& what) {
+    EXPECT_THAT([&] { read_text(R"("size_mm": [100, 100], "keep_out": [{)" + place + "}]"); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("keep_out"), HasSubstr(what))));
+  };
+  expect(R"("name": "nothing")", "write center_mm and radius_mm, or rect_mm, or polygon_mm");
+  expect(R"("center_mm": [1, 1])", "radius_mm");
+  expect(R"("center_mm": [1, 1], "radius_mm": 1, "rect_mm": [[0, 0], [1, 1]])", "no more than one");
+  expect(R"("rect_mm": [[5, 0], [1, 1]])", "lower-left");
+  expect(R"("polygon_mm": [[0, 0], [1, 1]])", "at least three points");
+  expect(R"("polygon_mm": [[0, 0], [1, 1], [2, 2]])", "no area");
+  expect(R"("polygon_mm": [[0, 0], [10, 10], [10, 0], [0, 11]])", "crosses itself");
+  expect(R"("center_mm": [1, 1], "radius_mm": 1, "depth": 3)", "depth");
+}
+
 }  // namespace
 }  // namespace burin
