@@ -44,9 +44,9 @@ namespace burin::footprint {
 /// Everything about one half vector and roughness that the integrals need (see the opening comment).
 template <class T>
 struct Lobes {
-  T e, k, p, q, s2, s;
-  T r2;  ///< 1 - alpha^2
-  T H2;  ///< hx^2 + hz^2
+  T e, k, p, q, s2, s, inv_s;
+  T r, r2;  ///< r2 = 1 - alpha^2
+  T H2;     ///< hx^2 + hz^2
   T hx, hz, alpha;
 };
 
@@ -55,24 +55,24 @@ template <class T>
 [[gnu::always_inline]] inline Lobes<T> make_lobes(const T& hx, const T& hy, const T& hz, const T& alpha) {
   using std::abs;
   using std::max;
-  using std::sqrt;
   using Scalar = typename detail::ScalarOf<T>::Type;
   Lobes<T> l;
   l.hx = hx;
   l.hz = hz;
   l.alpha = alpha;
   l.r2 = (T(1) - alpha) * (T(1) + alpha);
-  const T r = sqrt(l.r2);
+  l.r = l.r2 * Arithmetic<T>::inverse_sqrt(max(l.r2, T(1e-30f)));
   l.H2 = hx * hx + hz * hz;
-  l.e = r * hx;
-  l.k = r * hz;
+  l.e = l.r * hx;
+  l.k = l.r * hz;
   // Only for alpha of no surface (below 1e-15, or 1e-9 in float): keeps 1/s^5 finite.
   const T least_s2 = T(sizeof(Scalar) == 8 ? Scalar(1e-60) : Scalar(1e-14));
   l.s2 = max(hy * hy + alpha * alpha * l.H2, least_s2);
-  l.s = sqrt(l.s2);
+  l.inv_s = Arithmetic<T>::inverse_sqrt(l.s2);
+  l.s = l.s2 * l.inv_s;
   // The smaller of p and q would cancel as 1 - |k|; their product is e^2 + s^2.
   const T large = T(1) + abs(l.k);
-  const T small = (l.e * l.e + l.s2) / large;
+  const T small = (l.e * l.e + l.s2) * Arithmetic<T>::inverse(large);
   const auto up = l.k >= T(0);
   l.p = select(up, large, small);
   l.q = select(up, small, large);
@@ -100,10 +100,10 @@ Limits<T> front_facing(const T& hx, const T& hz, const T& rim) {
   using std::abs;
   using std::max;
   using std::min;
-  using std::sqrt;
-  const T H = sqrt(hx * hx + hz * hz);
-  const T reach = hz / max(abs(hx) + H, T(1e-30f));  // H = 0: n.h is 0 everywhere
-  const T cut = select(H > T(0), reach, T(-2));
+  const T least(1e-30f), H2 = hx * hx + hz * hz;
+  const T H = H2 * Arithmetic<T>::inverse_sqrt(max(H2, least));
+  const T reach = hz * Arithmetic<T>::inverse(max(abs(hx) + H, least));
+  const T cut = select(H2 > least, reach, T(-2));  // H = 0: n.h is 0 everywhere
   const auto right = hx >= T(0);
   return {select(right, -rim, max(-rim, -cut)), select(right, min(rim, cut), rim)};
 }
@@ -114,34 +114,44 @@ struct MomentDerivatives {
   Moments<T> value, turn, radial_over_r2;
 };
 
+/// The moments of W, and of its derivative by hx (hy, hz and alpha held).
+template <class T>
+struct MomentsByHx {
+  Moments<T> value, hx;
+};
+
 namespace detail {
 
-template <bool kDerivatives, bool kMean, class T>
-[[gnu::always_inline]] inline MomentDerivatives<T> both_lobes(const Lobes<T>& l, const T& t1, const T& t2) {
-  const auto front = lobe<kDerivatives, kMean, false>(l.p, l.q, l.e, l.k, l.s2, l.s, t1, t2);
-  const auto back = lobe<kDerivatives, kMean, true>(l.q, l.p, T(-l.e), T(-l.k), l.s2, l.s, t1, t2);
-  const auto sum = [&](int i, const T& scale) {
-    return Moments<T>{(front.part[i].m0 + back.part[i].m0) * scale, (front.part[i].m1 + back.part[i].m1) * scale};
-  };
-  MomentDerivatives<T> m;
-  m.value = sum(0, T(0.25));
-  if constexpr (kDerivatives) {
-    m.turn = sum(1, T(0.25));
-    m.radial_over_r2 = sum(2, T(0.25) / l.r2);
-    // As r -> 0 the two lobes' radial parts cancel and r^2 divides what is left: take the integrand itself there,
-    // radial / r^2 = 4 (n.h)^2 / (1 - u^2)^3. It is smooth: all poles are near t = +- i.
-    const auto rough = l.r2 < T(0.01f);
-    if (any(rough)) {
-      LobeMoments<false, T> direct;
-      gauss<1>(kGauss16, t1, t2, gauss_scales<kMean>(t1, t2), direct.part, [&](const T& t, T* out) {
-        const T inv_a = T(1) / (T(1) + t * t);
-        const T nh = ((T(1) - t * t) * l.hz - T(2) * t * l.hx) * inv_a;
-        const T inv = T(1) / (T(1) - l.r2 * nh * nh);
-        out[0] = T(4) * nh * nh * inv * inv * inv;
-      });
-      m.radial_over_r2.m0 = select(rough, direct.part[0].m0, m.radial_over_r2.m0);
-      m.radial_over_r2.m1 = select(rough, direct.part[0].m1, m.radial_over_r2.m1);
-    }
+// Part i of the result is the sum of both lobes' parts i, over 4.
+template <Parts kWhat, bool kMean, class T>
+[[gnu::always_inline]] inline LobeMoments<kWhat, T> both_lobes(const Lobes<T>& l, const T& t1, const T& t2) {
+  auto m = lobe<kWhat, kMean, false>(l.p, l.q, l.e, l.k, l.r, l.s2, l.s, l.inv_s, t1, t2);
+  const auto back = lobe<kWhat, kMean, true>(l.q, l.p, T(-l.e), T(-l.k), T(-l.r), l.s2, l.s, l.inv_s, t1, t2);
+  for (int i = 0; i < LobeMoments<kWhat, T>::kParts; ++i) {
+    m.part[i].m0 = (m.part[i].m0 + back.part[i].m0) * T(0.25);
+    m.part[i].m1 = (m.part[i].m1 + back.part[i].m1) * T(0.25);
+  }
+  return m;
+}
+
+template <bool kMean, class T>
+[[gnu::always_inline]] inline MomentDerivatives<T> all_derivatives(const Lobes<T>& l, const T& t1, const T& t2) {
+  const auto both = both_lobes<Parts::all, kMean>(l, t1, t2);
+  const T inv_r2 = T(1) / l.r2;
+  MomentDerivatives<T> m{both.part[0], both.part[1], {both.part[2].m0 * inv_r2, both.part[2].m1 * inv_r2}};
+  // As r -> 0 the two lobes' radial parts cancel and r^2 divides what is left: take the integrand itself there,
+  // radial / r^2 = 4 (n.h)^2 / (1 - u^2)^3. It is smooth: all poles are near t = +- i.
+  const auto rough = l.r2 < T(0.01f);
+  if (any(rough)) {
+    LobeMoments<Parts::value, T> direct;
+    gauss<1>(kGauss16, t1, t2, gauss_scales<kMean>(t1, t2), direct.part, [&](const T& t, T* out) {
+      const T inv_a = T(1) / (T(1) + t * t);
+      const T nh = ((T(1) - t * t) * l.hz - T(2) * t * l.hx) * inv_a;
+      const T inv = T(1) / (T(1) - l.r2 * nh * nh);
+      out[0] = T(4) * nh * nh * inv * inv * inv;
+    });
+    m.radial_over_r2.m0 = select(rough, direct.part[0].m0, m.radial_over_r2.m0);
+    m.radial_over_r2.m1 = select(rough, direct.part[0].m1, m.radial_over_r2.m1);
   }
   return m;
 }
@@ -151,24 +161,29 @@ template <bool kDerivatives, bool kMean, class T>
 /// m0 = integral of W dt, m1 = integral of (t - tm) W dt over [t1, t2], tm its middle.
 template <class T>
 Moments<T> moments(const Lobes<T>& l, const T& t1, const T& t2) {
-  return detail::both_lobes<false, false>(l, t1, t2).value;
+  return detail::both_lobes<Parts::value, false>(l, t1, t2).part[0];
 }
 
 /// The same with derivatives by h and alpha.
 template <class T>
 MomentDerivatives<T> moments_with_derivatives(const Lobes<T>& l, const T& t1, const T& t2) {
-  return detail::both_lobes<true, false>(l, t1, t2);
+  return detail::all_derivatives<false>(l, t1, t2);
 }
 
 /// Means instead of integrals: m0 = mean of W over [t1, t2], m1 = mean of W times the place in [t1, t2], which runs
 /// from -1 to 1. Right in the limit t1 = t2 as well, which edges along the groove need.
 template <class T>
 Moments<T> mean_moments(const Lobes<T>& l, const T& t1, const T& t2) {
-  return detail::both_lobes<false, true>(l, t1, t2).value;
+  return detail::both_lobes<Parts::value, true>(l, t1, t2).part[0];
+}
+template <class T>
+MomentsByHx<T> mean_moments_by_hx(const Lobes<T>& l, const T& t1, const T& t2) {
+  const auto m = detail::both_lobes<Parts::value_and_hx, true>(l, t1, t2);
+  return {m.part[0], m.part[1]};
 }
 template <class T>
 MomentDerivatives<T> mean_moments_with_derivatives(const Lobes<T>& l, const T& t1, const T& t2) {
-  return detail::both_lobes<true, true>(l, t1, t2);
+  return detail::all_derivatives<true>(l, t1, t2);
 }
 
 }  // namespace burin::footprint

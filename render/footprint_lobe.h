@@ -22,7 +22,7 @@
 // their length. There the first moment of the closed form cancels, and Gauss-Legendre converges at once: let z^2 =
 // (tau_m^2 + s^2) / (half length)^2 with tau_m the middle; n nodes err by (z + sqrt(z^2 - 1))^(-2n) times a factor. In
 // double, z >= 2 goes to 16 nodes. In float the front lobe is closed up to z = 8, where its m1 has lost z roundings,
-// and takes 4 nodes beyond; the back lobe takes 4 nodes from z = 5, 6 from z = 2, the closed form below that.
+// and takes 4 nodes beyond; the back lobe takes 5 nodes from z = 2.5, the closed form below that.
 #pragma once
 
 #include <cmath>
@@ -30,6 +30,25 @@
 #include <iterator>
 
 namespace burin::footprint {
+
+/// Divisions, roots and logarithms of a type. Packets whose machine has estimates that one Newton step makes exact to
+/// rounding do without its slow instructions (render/packet_math.h).
+template <class T>
+struct Arithmetic {
+  static T inverse(const T& x) { return T(1) / x; }
+  static T inverse_sqrt(const T& x) {
+    using std::sqrt;
+    return T(1) / sqrt(x);
+  }
+  static T log1p(const T& x) {  ///< x >= 0
+    using std::log1p;
+    return log1p(x);
+  }
+};
+
+/// What is integrated: W alone; and its derivative by hx (hy, hz held, as when a scratch turns on the face); or W and
+/// its derivatives by turn and radial, which span all.
+enum class Parts { value, value_and_hx, all };
 
 // The scalar's side of the small set of functions that packets bring with them.
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
@@ -64,16 +83,25 @@ inline constexpr float kAtanTail<float>[] = {0.19999990973f,  -0.14284550739f,  
 struct Node {
   double x, mean_weight;
 };
-inline constexpr Node kGauss16[] = {
-    {0.98940093499164993260, 0.027152459411754094852 / 2}, {0.94457502307323257608, 0.062253523938647892863 / 2},
-    {0.86563120238783174388, 0.095158511682492784810 / 2}, {0.75540440835500303390, 0.12462897125553387205 / 2},
-    {0.61787624440264374845, 0.14959598881657673208 / 2},  {0.45801677765722738634, 0.16915651939500253819 / 2},
-    {0.28160355077925891323, 0.18260341504492358887 / 2},  {0.095012509837637440185, 0.18945061045506849629 / 2}};
-inline constexpr Node kGauss6[] = {{0.93246951420315202781, 0.17132449237917034504 / 2},
-                                   {0.66120938646626451366, 0.36076157304813860757 / 2},
-                                   {0.23861918608319690863, 0.46791393457269104739 / 2}};
-inline constexpr Node kGauss4[] = {{0.86113631159405257522, 0.34785484513745385737 / 2},
-                                   {0.33998104358485626480, 0.65214515486254614263 / 2}};
+template <std::size_t n>
+struct Rule {
+  Node node[n];
+  double middle;  // mean weight of a node at 0, if there is one
+};
+inline constexpr Rule<8> kGauss16 = {{{0.98940093499164993260, 0.027152459411754094852 / 2},
+                                      {0.94457502307323257608, 0.062253523938647892863 / 2},
+                                      {0.86563120238783174388, 0.095158511682492784810 / 2},
+                                      {0.75540440835500303390, 0.12462897125553387205 / 2},
+                                      {0.61787624440264374845, 0.14959598881657673208 / 2},
+                                      {0.45801677765722738634, 0.16915651939500253819 / 2},
+                                      {0.28160355077925891323, 0.18260341504492358887 / 2},
+                                      {0.095012509837637440185, 0.18945061045506849629 / 2}},
+                                     0};
+inline constexpr Rule<2> kGauss5 = {
+    {{0.90617984593866399280, 0.23692688505618908751 / 2}, {0.53846931010568309104, 0.47862867049936646804 / 2}},
+    0.56888888888888888889 / 2};
+inline constexpr Rule<2> kGauss4 = {
+    {{0.86113631159405257522, 0.34785484513745385737 / 2}, {0.33998104358485626480, 0.65214515486254614263 / 2}}, 0};
 
 template <class T>
 T square(const T& x) {
@@ -100,7 +128,7 @@ struct Scales {
 template <bool kMean, class T>
 Scales<T> closed_scales(const T& p, const T& t1, const T& t2) {
   const T length = t2 - t1;
-  const T scale = T(1) / (kMean ? p * length : p);
+  const T scale = Arithmetic<T>::inverse(kMean ? p * length : p);
   return {scale, kMean ? T(2) * scale * scale : scale * scale};
 }
 
@@ -118,21 +146,19 @@ struct LobeIntegrals {
 };
 
 template <int kPower, class T>
-[[gnu::always_inline]] inline LobeIntegrals<kPower, T> lobe_integrals(const T& s, const T& s2, const T& tau1,
-                                                                      const T& tau2, const T& delta) {
+[[gnu::always_inline]] inline LobeIntegrals<kPower, T> lobe_integrals(const T& s, const T& inv_s, const T& s2,
+                                                                      const T& tau1, const T& tau2, const T& delta) {
   using std::abs;
-  using std::log1p;
   using std::max;
-  using std::sqrt;
   using Scalar = typename ScalarOf<T>::Type;
   constexpr Scalar kHalfPi = Scalar(1.57079632679489661923);
   LobeIntegrals<kPower, T> I;
   const T N1 = tau1 * tau1 + s2, N2 = tau2 * tau2 + s2;
   const T sum = tau1 + tau2, product = tau1 * tau2;
-  const T rho = T(1) / sqrt(N1 * N2), inv_NN = rho * rho;
+  const T rho = Arithmetic<T>::inverse_sqrt(N1 * N2), inv_NN = rho * rho;
   const T c = (s2 + product) * rho, sn = s * delta * rho;
   const auto narrow = c >= T(0);
-  const T v = sn / (T(1) + abs(c)), x = v * v;
+  const T v = sn * Arithmetic<T>::inverse(T(1) + abs(c)), x = v * v;
   // S(x) as its even and odd terms side by side: half the wait of one long chain.
   constexpr std::size_t terms = std::size(kAtanTail<Scalar>);
   static_assert(terms % 2 == 0);
@@ -146,16 +172,17 @@ template <int kPower, class T>
   const T v3 = v * x, inv_1x = T(0.5) + T(0.5) * abs(c);  // 1 / (1 + x) = cos^2 of half the angle
   const T twice_atan = T(2) * (v + v3 * (x * S - T(Scalar(1) / Scalar(3))));
   const T Delta = select(narrow, twice_atan, T(2 * kHalfPi) - twice_atan);
-  const T inv_s = T(1) / s, inv_s2 = inv_s * inv_s;
+  const T inv_s2 = inv_s * inv_s;
   const T away = (product - s2) * rho;
-  const T chi = select(away > T(0), s2 * sum * sum * inv_NN / (T(1) + max(away, T(0))), T(1) - away);
+  const T chi =
+      select(away > T(0), s2 * sum * sum * inv_NN * Arithmetic<T>::inverse(T(1) + max(away, T(0))), T(1) - away);
   I.J[0] = delta;
   I.J[1] = Delta * inv_s;
   const T F2 = select(narrow, T(2) * v3 * (x * S - T(Scalar(1) / Scalar(3)) + inv_1x), Delta - sn);
   const T lean = chi * sn;
   I.J[2] = T(0.5) * (F2 + lean) * inv_s * inv_s2;
   const T difference = delta * sum;  // N2 - N1
-  const T log_ratio = log1p(abs(difference) * max(N1, N2) * inv_NN);
+  const T log_ratio = Arithmetic<T>::log1p(abs(difference) * max(N1, N2) * inv_NN);
   I.K[0] = T(0.5) * difference;
   I.K[1] = T(0.5) * select(difference >= T(0), log_ratio, -log_ratio);
   I.K[2] = T(0.5) * difference * inv_NN;
@@ -220,24 +247,30 @@ struct LobeForm {
   }
 };
 
-// Moments of a lobe's value, R^2 + R, and, if asked, of its derivatives by turn and radial: parts 0, 1, 2.
-template <bool kDerivatives, class T>
+// Moments of a lobe's value, R^2 + R, and, if asked, of its derivatives: part 1 by hx, or parts 1, 2 by turn and
+// radial.
+template <Parts kWhat, class T>
 struct LobeMoments {
-  static constexpr int kParts = kDerivatives ? 3 : 1;
+  static constexpr int kParts = kWhat == Parts::all ? 3 : kWhat == Parts::value_and_hx ? 2 : 1;
   Moments<T> part[kParts];
 };
 
-template <bool kDerivatives, class T>
-[[gnu::always_inline]] inline LobeMoments<kDerivatives, T> lobe_closed(const T& p, const T& e, const T& s2, const T& s,
-                                                                       const T& t1, const T& t2,
-                                                                       const Scales<T>& scales) {
+template <Parts kWhat, class T>
+[[gnu::always_inline]] inline LobeMoments<kWhat, T> lobe_closed(const T& p, const T& e, const T& r, const T& s2,
+                                                                const T& s, const T& inv_s, const T& t1, const T& t2,
+                                                                const Scales<T>& scales) {
   const T tau1 = p * t1 + e, tau2 = p * t2 + e, delta = p * (t2 - t1), tau_m = T(0.5) * (tau1 + tau2);
-  const T A = T(1) / p;
+  const T A = Arithmetic<T>::inverse(p);
   const LobeForm<T> R{A, T(2) * (T(1) - s2 * A), T(2) * e * A, e, s2};
-  LobeMoments<kDerivatives, T> m;
-  const auto I = lobe_integrals < kDerivatives ? 3 : 2 > (s, s2, tau1, tau2, delta);
+  LobeMoments<kWhat, T> m;
+  const auto I = lobe_integrals < kWhat == Parts::value ? 2 : 3 > (s, inv_s, s2, tau1, tau2, delta);
   m.part[0] = integrate(R.weighted(T(1), T(1)), I, s2, tau_m, scales);
-  if constexpr (kDerivatives) {
+  if constexpr (kWhat == Parts::value_and_hx) {
+    // (R^2 + R)' = (2 R^2 + R) (-2 r t / Q1), and t / Q1 = (tau - e) / N
+    const T two_r = T(2) * r;
+    m.part[1] = integrate(times(R.weighted(T(2), T(1)), T(0), two_r * e, T(-two_r), s2), I, s2, tau_m, scales);
+  }
+  if constexpr (kWhat == Parts::all) {
     m.part[1] = integrate(times(R.weighted(T(2), T(1)), e * A, -(R.f * s2), -R.g, s2), I, s2, tau_m, scales);
     // 2 R^3 - R^2 - R = (2 R^2 - R - 1) R
     LobePolynomial<2, T> w = R.weighted(T(2), T(-1));
@@ -249,12 +282,17 @@ template <bool kDerivatives, class T>
 
 // Moments over [t1, t2] of kParts integrands at once: integrand(t, out) fills out[kParts].
 template <int kParts, class T, std::size_t n, class Integrand>
-[[gnu::always_inline]] inline void gauss(const Node (&rule)[n], const T& t1, const T& t2, const Scales<T>& scales,
+[[gnu::always_inline]] inline void gauss(const Rule<n>& rule, const T& t1, const T& t2, const Scales<T>& scales,
                                          Moments<T>* m, const Integrand& integrand) {
   using Scalar = typename ScalarOf<T>::Type;
   const T tm = T(0.5) * (t1 + t2), half = T(0.5) * (t2 - t1);
   for (int i = 0; i < kParts; ++i) m[i] = {T(0), T(0)};
-  for (const Node& node : rule) {
+  if (rule.middle != 0) {
+    T v[kParts];
+    integrand(tm, v);
+    for (int i = 0; i < kParts; ++i) m[i].m0 = T(Scalar(rule.middle)) * v[i];
+  }
+  for (const Node& node : rule.node) {
     const T d = half * T(Scalar(node.x));
     T v[kParts], w[kParts];
     integrand(tm + d, v);
@@ -272,20 +310,21 @@ template <int kParts, class T, std::size_t n, class Integrand>
 
 // One lobe by Gauss-Legendre. The back lobe's R is at most 1 where n.h >= 0, so its Q may be summed as it stands; so
 // may the front lobe's where p < 1/2 (h far below the face), where its peak is out of reach.
-template <bool kDerivatives, bool kBack, class T, std::size_t n>
-[[gnu::always_inline]] inline LobeMoments<kDerivatives, T> lobe_gauss(const Node (&rule)[n], const T& p, const T& q,
-                                                                      const T& e, const T& k, const T& s2, const T& t1,
-                                                                      const T& t2, const Scales<T>& scales) {
-  LobeMoments<kDerivatives, T> m;
-  const T inv_p = kBack ? p : T(1) / p, two_e = e + e;
-  gauss<LobeMoments<kDerivatives, T>::kParts>(rule, t1, t2, scales, m.part, [&](const T& t, T* out) {
+template <Parts kWhat, bool kBack, class T, std::size_t n>
+[[gnu::always_inline]] inline LobeMoments<kWhat, T> lobe_gauss(const Rule<n>& rule, const T& p, const T& q, const T& e,
+                                                               const T& k, const T& r, const T& s2, const T& t1,
+                                                               const T& t2, const Scales<T>& scales) {
+  LobeMoments<kWhat, T> m;
+  const T inv_p = kBack ? p : Arithmetic<T>::inverse(p), two_e = e + e, two_r = r + r;
+  gauss<LobeMoments<kWhat, T>::kParts>(rule, t1, t2, scales, m.part, [&](const T& t, T* out) {
     const T a = T(1) + t * t;
     T Q = q + t * (two_e + p * t);
     if constexpr (!kBack) Q = select(p >= T(0.5), (square(p * t + e) + s2) * inv_p, Q);
-    const T inv_Q = T(1) / Q;
+    const T inv_Q = Arithmetic<T>::inverse(Q);
     const T R = a * inv_Q;
     out[0] = R * R + R;
-    if constexpr (kDerivatives) {
+    if constexpr (kWhat == Parts::value_and_hx) out[1] = -(out[0] + R * R) * (two_r * t) * inv_Q;
+    if constexpr (kWhat == Parts::all) {
       out[1] = -(out[0] + R * R) * (T(2) * t * k + (T(1) - t * t) * e) * inv_Q;
       out[2] = (out[0] + R * R) * (R - T(1));
     }
@@ -293,48 +332,44 @@ template <bool kDerivatives, bool kBack, class T, std::size_t n>
   return m;
 }
 
-template <bool kDerivatives, class T>
-void blend(LobeMoments<kDerivatives, T>& to, const LobeMoments<kDerivatives, T>& from, const auto& mask) {
-  for (int i = 0; i < LobeMoments<kDerivatives, T>::kParts; ++i) {
+template <Parts kWhat, class T>
+void blend(LobeMoments<kWhat, T>& to, const LobeMoments<kWhat, T>& from, const auto& mask) {
+  for (int i = 0; i < LobeMoments<kWhat, T>::kParts; ++i) {
     to.part[i].m0 = select(mask, from.part[i].m0, to.part[i].m0);
     to.part[i].m1 = select(mask, from.part[i].m1, to.part[i].m1);
   }
 }
 
-// What few intervals need, kept out of the way of the many: the back lobe near its poles, which deep grooves and low
-// half vectors reach. Rewrites the lanes of `m` whose interval is not short against its distance from them.
-template <bool kDerivatives, bool kMean, class T>
-[[gnu::noinline]] void lobe_back_near(LobeMoments<kDerivatives, T>& m, const T& p, const T& q, const T& e, const T& k,
-                                      const T& s2, const T& s, const T& t1, const T& t2, const T& poles2,
-                                      const T& half2) {
-  const auto scales = gauss_scales<kMean>(t1, t2);
-  blend(m, lobe_gauss<kDerivatives, true>(kGauss6, p, q, e, k, s2, t1, t2, scales), poles2 < T(25) * half2);
-  const auto near = poles2 < T(4) * half2;
-  if (any(near)) blend(m, lobe_closed<kDerivatives>(p, e, s2, s, t1, t2, closed_scales<kMean>(p, t1, t2)), near);
+// What few intervals need, kept out of the way of the many: the back lobe near its poles, which low half vectors reach.
+// Rewrites the lanes of `m` that are `near`.
+template <Parts kWhat, bool kMean, class T>
+[[gnu::noinline]] void lobe_back_near(LobeMoments<kWhat, T>& m, const T& p, const T& e, const T& r, const T& s2,
+                                      const T& s, const T& inv_s, const T& t1, const T& t2, const auto& near) {
+  blend(m, lobe_closed<kWhat>(p, e, r, s2, s, inv_s, t1, t2, closed_scales<kMean>(p, t1, t2)), near);
 }
 
 // Each lane takes what suits its interval, whatever its neighbours take: results do not depend on how work is packed.
-template <bool kDerivatives, bool kMean, bool kBack, class T>
-[[gnu::always_inline]] inline LobeMoments<kDerivatives, T> lobe(const T& p, const T& q, const T& e, const T& k,
-                                                                const T& s2, const T& s, const T& t1, const T& t2) {
+template <Parts kWhat, bool kMean, bool kBack, class T>
+[[gnu::always_inline]] inline LobeMoments<kWhat, T> lobe(const T& p, const T& q, const T& e, const T& k, const T& r,
+                                                         const T& s2, const T& s, const T& inv_s, const T& t1,
+                                                         const T& t2) {
   constexpr bool kFloat = sizeof(typename ScalarOf<T>::Type) == 4;
   // Poles of the lobe at tau = +- i s, seen from the interval's middle, against its half length.
   const T tau_m = T(0.5) * p * (t1 + t2) + e, half = T(0.5) * p * (t2 - t1);
   const T poles2 = tau_m * tau_m + s2, half2 = half * half;
   const auto scales = gauss_scales<kMean>(t1, t2);
   if constexpr (!kFloat) {
-    if (poles2 >= T(4) * half2) return lobe_gauss<kDerivatives, kBack>(kGauss16, p, q, e, k, s2, t1, t2, scales);
-    return lobe_closed<kDerivatives>(p, e, s2, s, t1, t2, closed_scales<kMean>(p, t1, t2));
+    if (poles2 >= T(4) * half2) return lobe_gauss<kWhat, kBack>(kGauss16, p, q, e, k, r, s2, t1, t2, scales);
+    return lobe_closed<kWhat>(p, e, r, s2, s, inv_s, t1, t2, closed_scales<kMean>(p, t1, t2));
   } else if constexpr (!kBack) {
-    auto m = lobe_closed<kDerivatives>(p, e, s2, s, t1, t2, closed_scales<kMean>(p, t1, t2));
+    auto m = lobe_closed<kWhat>(p, e, r, s2, s, inv_s, t1, t2, closed_scales<kMean>(p, t1, t2));
     const auto far = poles2 >= T(64) * half2;
-    if (any(far)) blend(m, lobe_gauss<kDerivatives, kBack>(kGauss4, p, q, e, k, s2, t1, t2, scales), far);
+    if (any(far)) blend(m, lobe_gauss<kWhat, kBack>(kGauss4, p, q, e, k, r, s2, t1, t2, scales), far);
     return m;
   } else {
-    auto m = lobe_gauss<kDerivatives, kBack>(kGauss4, p, q, e, k, s2, t1, t2, scales);
-    if (any(poles2 < T(25) * half2)) {
-      lobe_back_near<kDerivatives, kMean>(m, p, q, e, k, s2, s, t1, t2, poles2, half2);
-    }
+    auto m = lobe_gauss<kWhat, kBack>(kGauss5, p, q, e, k, r, s2, t1, t2, scales);
+    const auto near = poles2 < T(6.25F) * half2;
+    if (any(near)) lobe_back_near<kWhat, kMean>(m, p, e, r, s2, s, inv_s, t1, t2, near);
     return m;
   }
 }

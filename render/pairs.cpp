@@ -2,60 +2,29 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "render/error.h"
 #include "render/groove.h"
+#include "render/tile_kernel.h"
+#include "render/tile_runs.h"
 
 namespace burin {
 namespace {
 
-/// Blocks are split until their affine map is right within this. Each pixel is widened by it, so it is also the share
-/// of pairs found in vain.
-constexpr double kBlockError_px = 0.03;
-/// Larger blocks are not worth measuring at all of their corners before they are split.
-constexpr int kLargestAffineBlock = 4096;
-/// Rounding of the drawing itself, relative to the coordinates that appear in it.
+/// Blocks are split until their map is right within this. Each pixel is widened by it, so it is also the share of pairs
+/// found in vain.
+constexpr double kBlockError_px = 0.02;
+/// A map of the whole grid that is wrong by more than this is not worth having.
+constexpr double kGridError_px = 4 * kTile;
+/// Rounding of what is computed in double, relative to the coordinates that appear in it.
 constexpr double kRounding = 1e-11;
-
-using Polygon = std::array<Eigen::Vector3d, 6>;
-
-/// Four rows side by side (the vector extension of GCC and Clang, at the width that every machine has).
-constexpr int kRows = 4;
-using Rows = float __attribute__((vector_size(kRows * sizeof(float))));
-constexpr Rows kRowNumbers = {0, 1, 2, 3};
-constexpr Rows kZeroRows = {};  // plus a number: that number in every row
-
-/// max(least, ceil(v)) and min(most, floor(v)) for least, most >= 0; where floor(v) is negative, -1. Without a rounding
-/// instruction the library's functions would cost more than all the rest of a row.
-int ceil_from(int least, double v) {
-  if (!(v > least)) return least;
-  const int i = static_cast<int>(std::min(v, 2e9));
-  return i < v ? i + 1 : i;
-}
-int floor_to(int most, double v) {
-  if (v >= most) return most;
-  return v >= 0 ? static_cast<int>(v) : -1;
-}
-
-/// The part of a convex polygon (homogeneous) where w >= w_min.
-int clip_w(const Polygon& in, int n, double w_min, Polygon& out) {
-  int m = 0;
-  for (int i = 0; i < n; ++i) {
-    const Eigen::Vector3d &a = in[i], &b = in[(i + 1) % n];
-    const bool a_in = a.z() >= w_min, b_in = b.z() >= w_min;
-    if (a_in) out[m++] = a;
-    if (a_in != b_in) {
-      const double s = (w_min - a.z()) / (b.z() - a.z());
-      out[m++] = a + s * (b - a);
-    }
-  }
-  return m;
-}
 
 /// Do a strip and a box share a point? Separating axes of both. May say yes when they are within rounding.
 bool touches_box(const Strip& strip, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
@@ -74,6 +43,105 @@ bool touches_box(const Strip& strip, const Eigen::Vector2d& low, const Eigen::Ve
          std::abs(between.dot(y)) <= half_length + box_half.dot(y.cwiseAbs());
 }
 
+struct Correspondence {
+  Eigen::Vector2d board_mm, lattice;
+};
+
+/// Corner (c, r), if a pixel that has a footprint uses it (of the block x0 .. x1 - 1, y0 .. y1 - 1).
+struct UsedCorners {
+  const FootprintGrid& grid;
+  const std::vector<std::uint8_t>& valid;
+  int x0, y0, x1, y1;
+
+  bool used(int c, int r) const {
+    for (int y = std::max(r - 1, y0); y <= std::min(r, y1 - 1); ++y)
+      for (int x = std::max(c - 1, x0); x <= std::min(c, x1 - 1); ++x)
+        if (valid[static_cast<std::size_t>(y) * grid.width() + x] != 0) return true;
+    return false;
+  }
+  Eigen::Vector2d at(int c, int r) const {
+    const std::size_t i = static_cast<std::size_t>(r) * (grid.width() + 1) + c;
+    return {grid.corner_x_mm[i], grid.corner_y_mm[i]};
+  }
+  /// Up to n x n of them, spread over the block.
+  std::vector<Correspondence> sample(int n) const {
+    std::vector<Correspondence> found;
+    int last_r = -1;
+    for (int j = 0; j < n; ++j) {
+      const int r = y0 + (y1 - y0) * j / (n - 1);
+      if (r == last_r) continue;
+      last_r = r;
+      int last_c = -1;
+      for (int i = 0; i < n; ++i) {
+        const int c = x0 + (x1 - x0) * i / (n - 1);
+        if (c != last_c && used(c, r)) found.push_back({at(c, r), Eigen::Vector2d(c, r)});
+        last_c = c;
+      }
+    }
+    return found;
+  }
+};
+
+/// The affine map that takes `from` to `to` with least squared error, or nothing where they do not span a plane.
+std::optional<Eigen::Matrix3d> fit_affine(const std::vector<Eigen::Vector2d>& from,
+                                          const std::vector<Eigen::Vector2d>& to) {
+  if (from.size() < 4) return std::nullopt;
+  Eigen::Vector2d mean(0, 0), to_mean(0, 0);
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    mean += from[i];
+    to_mean += to[i];
+  }
+  mean /= static_cast<double>(from.size());
+  to_mean /= static_cast<double>(from.size());
+  Eigen::Matrix2d pp = Eigen::Matrix2d::Zero(), lp = Eigen::Matrix2d::Zero();
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    pp += (from[i] - mean) * (from[i] - mean).transpose();
+    lp += (to[i] - to_mean) * (from[i] - mean).transpose();
+  }
+  if (!(pp.determinant() > 1e-12 * pp.trace() * pp.trace())) return std::nullopt;
+  Eigen::Matrix3d A = Eigen::Matrix3d::Identity();
+  A.topLeftCorner<2, 2>() = lp * pp.inverse();
+  A.topRightCorner<2, 1>() = to_mean - A.topLeftCorner<2, 2>() * mean;
+  return A;
+}
+
+/// The homography from board to lattice by the direct linear transform (Hartley and Zisserman, section 4.1), on
+/// normalised coordinates.
+std::optional<Eigen::Matrix3d> fit_homography(const std::vector<Correspondence>& points) {
+  if (points.size() < 9) return std::nullopt;
+  const auto normaliser = [&](const auto& of) {
+    Eigen::Vector2d mean(0, 0);
+    for (const Correspondence& p : points) mean += of(p);
+    mean /= static_cast<double>(points.size());
+    double size = 0;
+    for (const Correspondence& p : points) size += (of(p) - mean).norm();
+    const double scale = static_cast<double>(points.size()) / std::max(size, 1e-300);
+    Eigen::Matrix3d N = Eigen::Matrix3d::Identity() * scale;
+    N.topRightCorner<2, 1>() = -scale * mean;
+    N(2, 2) = 1;
+    return N;
+  };
+  const Eigen::Matrix3d B = normaliser([](const Correspondence& p) { return p.board_mm; });
+  const Eigen::Matrix3d L = normaliser([](const Correspondence& p) { return p.lattice; });
+  Eigen::Matrix<double, 9, 9> AtA = Eigen::Matrix<double, 9, 9>::Zero();
+  for (const Correspondence& p : points) {
+    const Eigen::Vector3d b = B * p.board_mm.homogeneous(), l = L * p.lattice.homogeneous();
+    Eigen::Matrix<double, 9, 1> row;
+    row << b, Eigen::Vector3d::Zero(), -l.x() * b;
+    AtA += row * row.transpose();
+    row << Eigen::Vector3d::Zero(), b, -l.y() * b;
+    AtA += row * row.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(AtA);
+  const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);
+  Eigen::Matrix3d H;
+  H << h.segment<3>(0).transpose(), h.segment<3>(3).transpose(), h.segment<3>(6).transpose();
+  H = L.inverse() * H * B;
+  if (!H.allFinite() || !(std::abs(H.determinant()) > 0)) return std::nullopt;
+  if ((H * points[0].board_mm.homogeneous()).z() < 0) H = -H;
+  return H;
+}
+
 }  // namespace
 
 PixelIndex::PixelIndex(const FootprintGrid& grid) : width_(grid.width()), height_(grid.height()) {
@@ -84,294 +152,287 @@ PixelIndex::PixelIndex(const FootprintGrid& grid) : width_(grid.width()), height
       valid_[static_cast<std::size_t>(r) * width_ + c] = std::isfinite(area) && area > 0 ? 1 : 0;
     }
   }
-  Block root;
-  root.x1 = width_;
-  root.y1 = height_;
-  blocks_.push_back(root);
-  build(grid, 0);
+  map_whole_grid(grid);
+
+  tiles_x_ = (width_ + kTile - 1) / kTile;
+  tiles_y_ = (height_ + kTile - 1) / kTile;
+  tiles_.resize(static_cast<std::size_t>(tiles_x_) * tiles_y_);
+  for (std::size_t t = 0; t < tiles_.size(); ++t) {
+    GridTile& tile = tiles_[t];
+    const int left = static_cast<int>(t % tiles_x_) * kTile, top = static_cast<int>(t / tiles_x_) * kTile;
+    const int right = std::min(left + kTile, width_), bottom = std::min(top + kTile, height_);
+    Eigen::Vector2d low(1e300, 1e300), high = -low;
+    tile.all_valid = true;
+    for (int r = top; r < bottom; ++r) {
+      for (int c = left; c < right; ++c) {
+        if (valid_[static_cast<std::size_t>(r) * width_ + c] == 0) {
+          tile.all_valid = false;
+          continue;
+        }
+        tile.valid_rows[r - top] |= 1U << (c - left);
+        for (const Eigen::Vector2d& q : footprint_corners_mm(grid, c, r)) {
+          low = low.cwiseMin(q);
+          high = high.cwiseMax(q);
+        }
+      }
+    }
+    tile.block_begin = tile.block_end = static_cast<std::uint32_t>(blocks_.size());
+    if (!(low.x() <= high.x())) continue;
+    tile.origin_mm = 0.5 * (low + high);
+    add_blocks(grid, left, top, right, bottom, tile.origin_mm, left, top);
+    tile.block_end = static_cast<std::uint32_t>(blocks_.size());
+  }
 }
 
-/// Box, map and error of a block; false if it must be split.
-bool PixelIndex::measure(const FootprintGrid& grid, Block& b) const {
-  const int stride = grid.width() + 1;
-  const bool one_pixel = b.x1 - b.x0 == 1 && b.y1 - b.y0 == 1;
-  // A corner counts if a pixel of this block that has a footprint uses it.
-  const auto used = [&](int c, int r) {
-    for (int y = std::max(r - 1, b.y0); y <= std::min(r, b.y1 - 1); ++y)
-      for (int x = std::max(c - 1, b.x0); x <= std::min(c, b.x1 - 1); ++x)
-        if (valid_[static_cast<std::size_t>(y) * width_ + x]) return true;
-    return false;
-  };
-  const auto corner = [&](int c, int r) {
-    const std::size_t i = static_cast<std::size_t>(r) * stride + c;
-    return Eigen::Vector2d(grid.corner_x_mm[i], grid.corner_y_mm[i]);
-  };
-
-  b.projective = b.child == -1 && b.x1 - b.x0 == width_ && b.y1 - b.y0 == height_ && grid.board_from_pixel.has_value();
-  if (b.projective) {
+/// The grid's own homography, or the best fit to its corners.
+void PixelIndex::map_whole_grid(const FootprintGrid& grid) {
+  const UsedCorners corners{grid, valid_, 0, 0, width_, height_};
+  if (grid.board_from_pixel.has_value()) {
     Eigen::Matrix3d lattice_from_pixel = Eigen::Matrix3d::Identity();
     lattice_from_pixel(0, 2) = lattice_from_pixel(1, 2) = 0.5;
-    b.pixel_from_board = lattice_from_pixel * grid.board_from_pixel->inverse();
-    b.pixel_from_board /= b.pixel_from_board.row(2).cwiseAbs().maxCoeff();
+    lattice_from_board_ = lattice_from_pixel * grid.board_from_pixel->inverse();
+    const std::vector<Correspondence> some = corners.sample(3);
+    if (!some.empty() && (lattice_from_board_ * some[0].board_mm.homogeneous()).z() < 0)
+      lattice_from_board_ = -lattice_from_board_;
   } else {
-    // Least squares of the lattice on the board's coordinates, from up to 5 x 5 corners, seen from their middle.
-    std::array<std::array<double, 4>, 25> samples{};
-    int n = 0;
-    Eigen::Vector2d mean(0, 0), lattice_mean(0, 0);
-    for (int j = 0; j < 5; ++j) {
-      for (int i = 0; i < 5; ++i) {
-        if (one_pixel && (i % 4 != 0 || j % 4 != 0)) continue;
-        const int c = b.x0 + (b.x1 - b.x0) * i / 4, r = b.y0 + (b.y1 - b.y0) * j / 4;
-        if (!used(c, r)) continue;
-        const Eigen::Vector2d p = corner(c, r);
-        samples[n++] = {p.x(), p.y(), static_cast<double>(c), static_cast<double>(r)};
-        mean += p;
-        lattice_mean += Eigen::Vector2d(c, r);
-      }
-    }
-    if (n < 4) return false;
-    mean /= n;
-    lattice_mean /= n;
-    Eigen::Matrix2d pp = Eigen::Matrix2d::Zero(), lp = Eigen::Matrix2d::Zero();
-    for (int k = 0; k < n; ++k) {
-      const Eigen::Vector2d p(samples[k][0] - mean.x(), samples[k][1] - mean.y());
-      const Eigen::Vector2d l(samples[k][2] - lattice_mean.x(), samples[k][3] - lattice_mean.y());
-      pp += p * p.transpose();
-      lp += l * p.transpose();
-    }
-    if (!(pp.determinant() > 1e-12 * pp.trace() * pp.trace())) return false;
-    const Eigen::Matrix2d A = lp * pp.inverse();
-    b.pixel_from_board.setZero();
-    b.pixel_from_board.topLeftCorner<2, 2>() = A;
-    b.pixel_from_board.topRightCorner<2, 1>() = lattice_mean - A * mean;
-    b.pixel_from_board(2, 2) = 1;
-    double worst = 0;
-    for (int k = 0; k < n; ++k) {
-      const Eigen::Vector2d l =
-          b.pixel_from_board.topLeftCorner<2, 2>() * Eigen::Vector2d(samples[k][0], samples[k][1]) +
-          b.pixel_from_board.topRightCorner<2, 1>();
-      worst = std::max({worst, std::abs(l.x() - samples[k][2]), std::abs(l.y() - samples[k][3])});
-    }
-    if (!one_pixel && !(worst <= kBlockError_px)) return false;
+    const auto fit = fit_homography(corners.sample(33));
+    if (!fit.has_value()) return;
+    lattice_from_board_ = *fit;
   }
-
-  // Now at every corner: what was only sampled above must hold for all.
-  b.error_px = 0;
-  b.w_min = std::numeric_limits<double>::infinity();
-  double largest = 0;
-  for (int r = b.y0; r <= b.y1; ++r) {
-    for (int c = b.x0; c <= b.x1; ++c) {
-      if (!b.all_valid && !used(c, r)) continue;
-      const Eigen::Vector3d q = b.pixel_from_board * corner(c, r).homogeneous();
-      if (!(q.z() > 0)) return false;
-      b.w_min = std::min(b.w_min, q.z());
-      b.error_px = std::max({b.error_px, std::abs(q.x() / q.z() - c), std::abs(q.y() / q.z() - r)});
-      largest = std::max({largest, std::abs(corner(c, r).x()), std::abs(corner(c, r).y())});
+  affine_ = lattice_from_board_.row(2).head<2>().isZero(0);
+  lattice_from_board_ /= affine_ ? lattice_from_board_(2, 2) : lattice_from_board_.row(2).cwiseAbs().maxCoeff();
+  error_px_ = 0;
+  w_min_ = std::numeric_limits<double>::infinity();
+  double largest = 1;
+  for (int r = 0; r <= height_; ++r) {
+    for (int c = 0; c <= width_; ++c) {
+      if (!corners.used(c, r)) continue;
+      const Eigen::Vector2d p = corners.at(c, r);
+      const Eigen::Vector3d q = lattice_from_board_ * p.homogeneous();
+      if (!(q.z() > 0)) return;
+      w_min_ = std::min(w_min_, q.z());
+      error_px_ = std::max(error_px_, (q.hnormalized() - Eigen::Vector2d(c, r)).cwiseAbs().maxCoeff());
+      largest = std::max(largest, p.cwiseAbs().maxCoeff());
     }
   }
-  if (!std::isfinite(b.error_px)) return false;
-  if (!one_pixel && !(b.error_px <= kBlockError_px)) return false;
-  const double scale = b.pixel_from_board.topRows<2>().cwiseAbs().maxCoeff() * (largest + 1) / b.w_min;
-  b.error_px += kRounding * (scale + width_ + height_);
-  return true;
+  error_px_ +=
+      kRounding * (lattice_from_board_.topRows<2>().cwiseAbs().maxCoeff() * (largest + 1) / w_min_ + width_ + height_);
+  mapped_ = std::isfinite(w_min_) && error_px_ <= kGridError_px;
 }
 
-void PixelIndex::build(const FootprintGrid& grid, int index) {
-  Block b = blocks_[index];
-  b.low.setConstant(std::numeric_limits<double>::infinity());
-  b.high = -b.low;
-  b.all_valid = true;
+/// Adds blocks of a tile for pixels x0 .. x1 - 1, y0 .. y1 - 1: one if a map serves it, else its quarters.
+bool PixelIndex::add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, int y1, const Eigen::Vector2d& origin_mm,
+                            int left, int top) {
+  const UsedCorners corners{grid, valid_, x0, y0, x1, y1};
+  TileBlock block{x0 - left, y0 - top, x1 - left, y1 - top, {}, {}, {}, 0, false};
+  Eigen::Vector2d low(1e300, 1e300), high = -low;
+  for (int r = y0; r <= y1; ++r) {
+    for (int c = x0; c <= x1; ++c) {
+      if (!corners.used(c, r)) continue;
+      low = low.cwiseMin(corners.at(c, r) - origin_mm);
+      high = high.cwiseMax(corners.at(c, r) - origin_mm);
+    }
+  }
+  if (!(low.x() <= high.x())) return false;
+  // To float, outwards.
+  for (int i = 0; i < 2; ++i) {
+    block.low_mm[i] = std::nextafter(static_cast<float>(low[i]), -INFINITY);
+    block.high_mm[i] = std::nextafter(static_cast<float>(high[i]), INFINITY);
+  }
+
+  // The grid's map where there is one, put right by an affine map.
+  Eigen::Matrix3d to_tile = Eigen::Matrix3d::Identity();
+  to_tile.topRightCorner<2, 1>() = origin_mm;
+  const Eigen::Matrix3d rough = mapped_ ? Eigen::Matrix3d(lattice_from_board_ * to_tile) : Eigen::Matrix3d::Identity();
+  std::vector<Eigen::Vector2d> from, to;
+  for (const Correspondence& p : corners.sample(5)) {
+    from.emplace_back((rough * (p.board_mm - origin_mm).homogeneous()).hnormalized());
+    to.emplace_back(p.lattice - Eigen::Vector2d(left, top));
+  }
+  const auto affine = fit_affine(from, to);
+  bool good = affine.has_value();
+  if (good) {
+    Eigen::Matrix3d M = *affine * rough;
+    M /= M(2, 2);
+    good = M.allFinite();
+    Eigen::Matrix3d rounded;
+    for (int i = 0; i < 9; ++i) {
+      block.lattice_from_mm[i] = static_cast<float>(M(i / 3, i % 3));
+      rounded(i / 3, i % 3) = block.lattice_from_mm[i];
+    }
+    double error = 0;
+    for (int r = y0; r <= y1 && good; ++r) {
+      for (int c = x0; c <= x1 && good; ++c) {
+        if (!corners.used(c, r)) continue;
+        const Eigen::Vector3d q = rounded * (corners.at(c, r) - origin_mm).homogeneous();
+        good = q.z() > 0.1;
+        error = std::max(error, (q.hnormalized() - Eigen::Vector2d(c - left, r - top)).cwiseAbs().maxCoeff());
+      }
+    }
+    const bool one_pixel = x1 - x0 == 1 && y1 - y0 == 1;
+    good = good && std::isfinite(error) && (error <= kBlockError_px || (one_pixel && error < 1));
+    block.error_px = static_cast<float>(error * 1.001);
+  }
+  if (good) {
+    blocks_.push_back(block);
+    return true;
+  }
+  if (x1 - x0 == 1 && y1 - y0 == 1) {
+    block.by_box = true;
+    blocks_.push_back(block);
+    return true;
+  }
+  const int xm = x1 - x0 > 1 ? (x0 + x1 + 1) / 2 : x1, ym = y1 - y0 > 1 ? (y0 + y1 + 1) / 2 : y1;
   bool any = false;
-  for (int r = b.y0; r < b.y1; ++r) {
-    for (int c = b.x0; c < b.x1; ++c) {
-      if (!valid_[static_cast<std::size_t>(r) * width_ + c]) {
-        b.all_valid = false;
-        continue;
-      }
-      any = true;
-      for (const Eigen::Vector2d& q : footprint_corners_mm(grid, c, r)) {
-        b.low = b.low.cwiseMin(q);
-        b.high = b.high.cwiseMax(q);
-      }
-    }
-  }
-  const int w = b.x1 - b.x0, h = b.y1 - b.y0;
-  const bool leaf = any && std::max(w, h) <= kLargestAffineBlock && measure(grid, b);
-  if (!any || leaf) {
-    blocks_[index] = b;
-    return;
-  }
-  if (w == 1 && h == 1) {
-    b.by_box = true;
-    blocks_[index] = b;
-    return;
-  }
-  b.child = static_cast<int>(blocks_.size());
-  const int xm = w > 1 ? b.x0 + (w + 1) / 2 : b.x1, ym = h > 1 ? b.y0 + (h + 1) / 2 : b.y1;
-  for (const auto& [y0, y1] : {std::pair{b.y0, ym}, std::pair{ym, b.y1}}) {
-    for (const auto& [x0, x1] : {std::pair{b.x0, xm}, std::pair{xm, b.x1}}) {
-      if (x0 == x1 || y0 == y1) continue;
-      Block child;
-      child.x0 = x0;
-      child.x1 = x1;
-      child.y0 = y0;
-      child.y1 = y1;
-      blocks_.push_back(child);
-      ++b.child_count;
-    }
-  }
-  blocks_[index] = b;
-  for (int k = 0; k < b.child_count; ++k) build(grid, b.child + k);
+  for (const auto& [ya, yb] : {std::pair{y0, ym}, std::pair{ym, y1}})
+    for (const auto& [xa, xb] : {std::pair{x0, xm}, std::pair{xm, x1}})
+      if (xa < xb && ya < yb) any = add_blocks(grid, xa, ya, xb, yb, origin_mm, left, top) || any;
+  return any;
 }
 
-void PixelIndex::emit(const Block& b, int row, int begin, int end, std::vector<PixelSpan>& spans) const {
-  if (b.all_valid) {
-    spans.push_back({row, begin, end});
+void PixelIndex::find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d& p1_mm,
+                            const Eigen::Vector2d& across_mm, std::vector<std::uint32_t>& tiles) const {
+  if (p0_mm == p1_mm) return;
+  const Eigen::Matrix3d& H = lattice_from_board_;
+  const Eigen::Vector3d q0 = H.leftCols<2>() * p0_mm + H.col(2), q1 = H.leftCols<2>() * p1_mm + H.col(2);
+  const Eigen::Vector3d side = H.leftCols<2>() * across_mm;
+  if (!mapped_ || std::min(q0.z(), q1.z()) - std::abs(side.z()) < 0.5 * w_min_) {
+    const Strip strip{p0_mm, p1_mm, across_mm.norm()};
+    for (std::size_t t = 0; t < tiles_.size(); ++t) {
+      for (const TileBlock& b : blocks(tiles_[t])) {
+        const Eigen::Vector2d low(b.low_mm[0], b.low_mm[1]), high(b.high_mm[0], b.high_mm[1]);
+        if (!touches_box(strip, low + tiles_[t].origin_mm, high + tiles_[t].origin_mm)) continue;
+        tiles.push_back(static_cast<std::uint32_t>(t));
+        break;
+      }
+    }
     return;
   }
-  const std::uint8_t* valid = &valid_[static_cast<std::size_t>(row) * width_];
-  while (begin < end) {
-    while (begin < end && !valid[begin]) ++begin;
-    int stop = begin;
-    while (stop < end && valid[stop]) ++stop;
-    if (stop > begin) spans.push_back({row, begin, stop});
-    begin = stop;
+  // The strip lies between its middle's ends, widened by how far its corners are from those.
+  Eigen::Vector2d m0 = q0.head<2>(), m1 = q1.head<2>(), pad = side.head<2>().cwiseAbs();
+  if (!affine_) {
+    m0 = q0.hnormalized();
+    m1 = q1.hnormalized();
+    for (const auto& [q, m] : {std::pair{q0, m0}, std::pair{q1, m1}})
+      for (const double sign : {-1.0, 1.0}) pad = pad.cwiseMax(((q + sign * side).hnormalized() - m).cwiseAbs());
   }
-}
-
-void PixelIndex::draw(const Block& b, const Strip& strip, std::vector<PixelSpan>& spans) const {
-  if (b.by_box) {
-    spans.push_back({b.y0, b.x0, b.x0 + 1});
-    return;
-  }
-  const Eigen::Vector2d d = strip.p1_mm - strip.p0_mm;
-  const Eigen::Vector2d across = Eigen::Vector2d(d.y(), -d.x()) * (strip.half_width_mm / d.norm());
-  const Eigen::Matrix3d& H = b.pixel_from_board;
-  Polygon q;
-  q[0] = H * (strip.p0_mm - across).homogeneous();
-  q[1] = H * (strip.p0_mm + across).homogeneous();
-  q[2] = H * (strip.p1_mm + across).homogeneous();
-  q[3] = H * (strip.p1_mm - across).homogeneous();
-  int n = 4;
-  if (b.projective) {
-    // Behind the horizon of the map there is no footprint: cut that part of the strip off before dividing.
-    Polygon clipped;
-    n = clip_w(q, n, b.w_min * (1 - 1e-9), clipped);
-    q = clipped;
-    for (int i = 0; i < n; ++i) q[i] /= q[i].z();
-  }
-  if (n < 2) return;
-
-  double y_low = q[0].y(), y_high = q[0].y(), x_low = q[0].x(), x_high = q[0].x();
-  for (int i = 1; i < n; ++i) {
-    y_low = std::min(y_low, q[i].y());
-    y_high = std::max(y_high, q[i].y());
-    x_low = std::min(x_low, q[i].x());
-    x_high = std::max(x_high, q[i].x());
-  }
-  if (!(x_high >= b.x0 - b.error_px && x_low <= b.x1 + b.error_px && y_high >= b.y0 - b.error_px &&
-        y_low <= b.y1 + b.error_px))
-    return;
-
-  // Rows are drawn four at a time, in float from a place near the strip. What float rounds is made up for by widening:
-  // of the columns by 4e-7 of the coordinates' size, of the rows by ten times that, which also swallows whole every
-  // edge too flat for its slope to be trusted.
-  const double x_from = std::floor(std::max<double>(x_low, b.x0)), y_from = std::floor(std::max<double>(y_low, b.y0));
-  const double size = std::max({x_high - x_from, x_from - x_low, y_high - y_from, y_from - y_low}) + 1;
-  const double e = b.error_px + 4e-7 * size, e_row = b.error_px + 4e-6 * size;
-  struct Edge {
-    float x0, y0, x1, y1, slope;
+  pad.array() += 1.01 * error_px_ + 1e-3;
+  const double x0 = m0.x(), y0 = m0.y(), x1 = m1.x(), y1 = m1.y();
+  const double y_low = std::min(y0, y1) - pad.y(), y_high = std::max(y0, y1) + pad.y();
+  const double x_low = std::min(x0, x1) - pad.x(), x_high = std::max(x0, x1) + pad.x();
+  if (!(x_high >= 0 && y_high >= 0 && x_low <= width_ && y_low <= height_)) return;
+  // Clamped first, so that a cast rounds down.
+  const auto tile_of = [](double v, int tile_count) {
+    return static_cast<int>(std::clamp(v * (1.0 / kTile), 0.0, tile_count - 0.5));
   };
-  std::array<Edge, 6> edges;
-  for (int i = 0; i < n; ++i) {
-    const Eigen::Vector3d *p0 = &q[i], *p1 = &q[i + 1 < n ? i + 1 : 0];
-    if (p0->y() > p1->y()) std::swap(p0, p1);
-    const double dy = p1->y() - p0->y();
-    edges[i] = {static_cast<float>(p0->x() - x_from), static_cast<float>(p0->y() - y_from),
-                static_cast<float>(p1->x() - x_from), static_cast<float>(p1->y() - y_from),
-                dy > 3e-6 * size ? static_cast<float>((p1->x() - p0->x()) / dy) : 0.0F};
-  }
-  const int row0 = ceil_from(b.y0, y_low - 1 - e_row), row1 = floor_to(b.y1 - 1, y_high + e_row);
-  constexpr float kFar = std::numeric_limits<float>::infinity();
-  for (int first = row0; first <= row1; first += kRows) {
-    // Within the slab of a row the polygon is convex, so the columns it touches are those between its extremes there:
-    // the ends of what the slab leaves of each edge.
-    const Rows far = kZeroRows + kFar;
-    Rows low = far, high = -far;
-    const Rows top = static_cast<float>(first - y_from - e_row) + kRowNumbers;
-    const Rows bottom = top + static_cast<float>(1 + 2 * e_row);
-    for (int i = 0; i < n; ++i) {
-      const Edge& edge = edges[i];
-      const Rows x0 = kZeroRows + edge.x0, y0 = kZeroRows + edge.y0, x1 = kZeroRows + edge.x1, y1 = kZeroRows + edge.y1;
-      const Rows x_top = top <= y0 ? x0 : x0 + edge.slope * (top - y0);
-      const Rows x_bottom = bottom >= y1 ? x1 : x0 + edge.slope * (bottom - y0);
-      const auto there = (top <= y1) & (bottom >= y0);
-      const Rows x_low = x_top < x_bottom ? x_top : x_bottom, x_high = x_top < x_bottom ? x_bottom : x_top;
-      const Rows at_low = there ? x_low : far, at_high = there ? x_high : -far;
-      low = low < at_low ? low : at_low;
-      high = high > at_high ? high : at_high;
+  const int row0 = tile_of(y_low, tiles_y_), row1 = tile_of(y_high, tiles_y_);
+  const double slope = std::abs(y1 - y0) > 1e-9 ? (x1 - x0) / (y1 - y0) : 0;
+  for (int row = row0; row <= row1; ++row) {
+    double from = x_low, to = x_high;
+    if (row0 != row1) {
+      // What of the middle lies within the row of tiles, widened.
+      const double top = std::clamp(row * kTile - pad.y(), std::min(y0, y1), std::max(y0, y1));
+      const double bottom = std::clamp((row + 1) * kTile + pad.y(), std::min(y0, y1), std::max(y0, y1));
+      if (slope != 0) {
+        const double a = x0 + slope * (top - y0), b = x0 + slope * (bottom - y0);
+        from = std::max(from, std::min(a, b) - pad.x());
+        to = std::min(to, std::max(a, b) + pad.x());
+      }
     }
-    const int rows = std::min(kRows, row1 - first + 1);
-    for (int k = 0; k < rows; ++k) {
-      if (!(low[k] <= high[k])) continue;
-      const int begin = ceil_from(b.x0, x_from + low[k] - 1 - e), end = floor_to(b.x1 - 1, x_from + high[k] + e) + 1;
-      if (begin < end) emit(b, first + k, begin, end, spans);
+    if (!(to >= 0 && from <= width_)) continue;
+    const int column0 = tile_of(from, tiles_x_), column1 = tile_of(to, tiles_x_);
+    for (int column = column0; column <= column1; ++column) {
+      const auto t = static_cast<std::uint32_t>(row * tiles_x_ + column);
+      if (tiles_[t].block_begin != tiles_[t].block_end) tiles.push_back(t);
     }
   }
+}
+
+TileRun run_of(const Strip& strip, const Eigen::Vector2d& origin_mm) {
+  const StripFrame frame = strip_frame(strip.p0_mm, strip.p1_mm);
+  return tile_run(frame, 1 / strip.half_width_mm, 1, 1, origin_mm);
 }
 
 void PixelIndex::find(const Strip& strip, std::vector<PixelSpan>& spans) const {
-  if (strip.p0_mm == strip.p1_mm) return;
-  std::array<int, 256> stack;
-  int depth = 0;
-  stack[depth++] = 0;
-  while (depth > 0) {
-    const Block& b = blocks_[stack[--depth]];
-    if (!(b.low.x() <= b.high.x()) || !touches_box(strip, b.low, b.high)) continue;
-    if (b.child < 0) {
-      draw(b, strip, spans);
-      continue;
+  std::vector<std::uint32_t> touched;
+  find_tiles(strip.p0_mm, strip.p1_mm, strip_frame(strip.p0_mm, strip.p1_mm).x * strip.half_width_mm, touched);
+  const TileKernels& kernels = tile_kernels(SimdWidth::best);
+  TilePairs pairs;
+  for (const std::uint32_t t : touched) {
+    const GridTile& tile = tiles_[t];
+    const TileRun run[2] = {run_of(strip, tile.origin_mm), {}};
+    kernels.find({nullptr, run, 1, blocks(tile), tile.all_valid ? nullptr : tile.valid_rows.data(), {}}, pairs);
+    std::sort(pairs.place.begin(), pairs.place.begin() + pairs.begin[1]);
+    const int left = static_cast<int>(t % tiles_x_) * kTile, top = static_cast<int>(t / tiles_x_) * kTile;
+    for (std::uint32_t k = 0; k < pairs.begin[1]; ++k) {
+      const int row = top + pairs.place[k] / kTile, column = left + pairs.place[k] % kTile;
+      if (k > 0 && pairs.place[k] == pairs.place[k - 1] + 1 && spans.back().row == row)
+        ++spans.back().end;
+      else
+        spans.push_back({row, column, column + 1});
     }
-    for (int k = b.child_count - 1; k >= 0; --k) stack[depth++] = b.child + k;
   }
 }
 
-PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std::vector<Strip>& strips) {
-  // Spans in chunks of scratches side by side, then one pass in scratch order: the result depends on no thread.
-  constexpr std::size_t kChunk = 512;
-  const std::size_t chunks = (strips.size() + kChunk - 1) / kChunk;
-  struct Found {
-    std::vector<PixelSpan> spans;
-    std::vector<std::size_t> end;  // of each scratch's spans
-  };
-  std::vector<Found> found(chunks);
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t k) {
-    for (std::size_t s = k * kChunk; s < std::min(strips.size(), (k + 1) * kChunk); ++s) {
-      index.find(strips[s], found[k].spans);
-      found[k].end.push_back(found[k].spans.size());
-    }
-  });
+namespace {
 
-  PixelPairs pairs;
-  pairs.begin.assign(static_cast<std::size_t>(width) * height + 1, 0);
-  for (const Found& f : found)
-    for (const PixelSpan& span : f.spans)
-      for (int c = span.begin; c < span.end; ++c) ++pairs.begin[static_cast<std::size_t>(span.row) * width + c + 1];
-  for (std::size_t i = 1; i < pairs.begin.size(); ++i) pairs.begin[i] += pairs.begin[i - 1];
-  pairs.scratch.resize(pairs.begin.back());
-  std::vector<std::size_t> next(pairs.begin.begin(), pairs.begin.end() - 1);
-  for (std::size_t k = 0; k < chunks; ++k) {
-    std::size_t at = 0;
-    for (std::size_t s = 0; s < found[k].end.size(); ++s) {
-      for (; at < found[k].end[s]; ++at) {
-        const PixelSpan& span = found[k].spans[at];
-        for (int c = span.begin; c < span.end; ++c)
-          pairs.scratch[next[static_cast<std::size_t>(span.row) * width + c]++] =
-              static_cast<std::uint32_t>(k * kChunk + s);
-      }
-    }
-  }
-  return pairs;
+/// Runs of all strips, sorted into tiles.
+void sort_strips(const PixelIndex& index, const std::vector<Strip>& strips, TileRuns& runs) {
+  runs.sort(index, strips.size(), [&](std::size_t i) {
+    return ScratchLine{strip_frame(strips[i].p0_mm, strips[i].p1_mm), 1 / strips[i].half_width_mm, 1, 1};
+  });
+}
+
+/// visit(tile, pairs of the tile), tiles side by side.
+template <typename Visit>
+void each_tile(const PixelIndex& index, const TileRuns& runs, SimdWidth simd, const Visit& visit) {
+  const TileKernels& kernels = tile_kernels(simd);
+  tbb::parallel_for(std::size_t{0}, index.tiles().size(), [&](std::size_t t) {
+    if (runs.count(t) == 0) return;
+    const GridTile& tile = index.tiles()[t];
+    thread_local TilePairs pairs;
+    kernels.find(
+        {nullptr, runs.of(t), runs.count(t), index.blocks(tile), tile.all_valid ? nullptr : tile.valid_rows.data(), {}},
+        pairs);
+    visit(t, pairs);
+  });
+}
+
+}  // namespace
+
+PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std::vector<Strip>& strips) {
+  TileRuns runs;
+  sort_strips(index, strips, runs);
+  const int tiles_x = index.tiles_x();
+  const auto pixel_of = [&](std::size_t t, std::uint16_t place) {
+    const std::size_t row = t / tiles_x * kTile + place / kTile, column = t % tiles_x * kTile + place % kTile;
+    return row * width + column;
+  };
+  PixelPairs found;
+  found.begin.assign(static_cast<std::size_t>(width) * height + 1, 0);
+  each_tile(index, runs, SimdWidth::best, [&](std::size_t t, const TilePairs& pairs) {
+    for (std::uint32_t k = 0; k < pairs.begin[runs.count(t)]; ++k) ++found.begin[pixel_of(t, pairs.place[k]) + 1];
+  });
+  for (std::size_t i = 1; i < found.begin.size(); ++i) found.begin[i] += found.begin[i - 1];
+  found.scratch.resize(found.begin.back());
+  std::vector<std::size_t> next(found.begin.begin(), found.begin.end() - 1);
+  // A tile's runs are in scratch order, and a pixel is of one tile.
+  each_tile(index, runs, SimdWidth::best, [&](std::size_t t, const TilePairs& pairs) {
+    for (std::uint32_t r = 0; r < runs.count(t); ++r)
+      for (std::uint32_t k = pairs.begin[r]; k < pairs.begin[r + 1]; ++k)
+        found.scratch[next[pixel_of(t, pairs.place[k])]++] = runs.scratch(t, r);
+  });
+  return found;
+}
+
+std::size_t count_pairs(const PixelIndex& index, const std::vector<Strip>& strips, SimdWidth simd) {
+  thread_local TileRuns runs;  // its room is kept, as a renderer keeps it
+  sort_strips(index, strips, runs);
+  std::vector<std::size_t> count(index.tiles().size(), 0);
+  each_tile(index, runs, simd, [&](std::size_t t, const TilePairs& pairs) { count[t] = pairs.begin[runs.count(t)]; });
+  std::size_t sum = 0;
+  for (const std::size_t n : count) sum += n;
+  return sum;
 }
 
 void check_scratches(const Scratches& scratches) {

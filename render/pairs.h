@@ -5,19 +5,24 @@
 // distortion, bowed faces, pixels larger or smaller than the groove. A few pixels that only nearly touch are reported
 // too.
 //
-// How: the grid is cut into blocks of pixels small enough that an affine map takes their footprints' corners to the
-// pixel lattice within kBlockError_px (found from the corners, so it needs no camera). The strip is drawn in a block
-// through its map, every pixel widened by what the map was measured to be wrong: this can only add pixels. Where the
-// grid is a homography throughout, one block with that homography is enough. Blocks are found through a quadtree.
+// How: the grid is cut into tiles (render/tile.h), each a block, or several where one map is not good enough. A block
+// has a projective map that takes its footprints' corners to the pixel lattice within kBlockError_px, measured at every
+// corner, so that it needs no camera. Which tiles a strip may touch is found through one map of the whole grid, whose
+// error is known too; where there is none (folded or split grids), through the tiles' boxes. In a tile the strip is
+// drawn through the block's map, every pixel widened by what the map is wrong: this can only add pixels.
 // Frame: board xy, mm. DESIGN 3.5, 7.
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "render/footprint_grid.h"
 #include "render/scratches.h"
+#include "render/simd_width.h"
+#include "render/tile.h"
 
 namespace burin {
 
@@ -32,10 +37,29 @@ struct PixelSpan {
   int row = 0, begin = 0, end = 0;
 };
 
-/// The blocks of a grid. Built once a grid; the grid may go.
+/// One tile of a grid. Tiles without any footprint have no blocks.
+struct GridTile {
+  Eigen::Vector2d origin_mm{0, 0};
+  std::uint32_t block_begin = 0, block_end = 0;
+  bool all_valid = false;                         ///< every pixel of the grid in it has a footprint
+  std::array<std::uint32_t, kTile> valid_rows{};  ///< bit c of row r: that pixel has one
+};
+
+/// The tiles of a grid. Built once a grid; the grid may go.
 class PixelIndex {
  public:
   explicit PixelIndex(const FootprintGrid& grid);
+
+  int tiles_x() const { return tiles_x_; }
+  int tiles_y() const { return tiles_y_; }
+  std::span<const GridTile> tiles() const { return tiles_; }  ///< row-major
+  std::span<const TileBlock> blocks(const GridTile& tile) const {
+    return std::span(blocks_).subspan(tile.block_begin, tile.block_end - tile.block_begin);
+  }
+
+  /// Appends the tiles that a strip may touch, in ascending order. `across_mm`: half its width across it.
+  void find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d& p1_mm, const Eigen::Vector2d& across_mm,
+                  std::vector<std::uint32_t>& tiles) const;
 
   /// Appends the spans that the strip touches. Each pixel at most once; pixels without a footprint never.
   void find(const Strip& strip, std::vector<PixelSpan>& spans) const;
@@ -44,28 +68,22 @@ class PixelIndex {
   const std::vector<std::uint8_t>& has_footprint() const { return valid_; }
 
  private:
-  struct Block {
-    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;     // pixels x0 .. x1 - 1, y0 .. y1 - 1
-    Eigen::Vector2d low{0, 0}, high{0, 0};  // box around their footprints, mm
-    int child = -1;                         // first of child_count; -1: a leaf
-    int child_count = 0;
-    bool all_valid = false;
-    bool by_box = false;  // a leaf whose map would be singular: its box decides
-    bool projective = false;
-    Eigen::Matrix3d pixel_from_board = Eigen::Matrix3d::Zero();  // lattice: corner (c, r) is at (c, r)
-    double error_px = 0;
-    double w_min = 0;  // least third homogeneous coordinate among its corners
-  };
+  void map_whole_grid(const FootprintGrid& grid);
+  bool add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, int y1, const Eigen::Vector2d& origin_mm, int left,
+                  int top);
 
-  void build(const FootprintGrid& grid, int block);
-  bool measure(const FootprintGrid& grid, Block& block) const;
-  void draw(const Block& block, const Strip& strip, std::vector<PixelSpan>& spans) const;
-  void emit(const Block& block, int row, int begin, int end, std::vector<PixelSpan>& spans) const;
-
-  int width_ = 0, height_ = 0;
+  int width_ = 0, height_ = 0, tiles_x_ = 0, tiles_y_ = 0;
   std::vector<std::uint8_t> valid_;
-  std::vector<Block> blocks_;  // blocks_[0] is the root
+  std::vector<GridTile> tiles_;
+  std::vector<TileBlock> blocks_;
+  // The whole grid's map to the lattice, if it has one that is right within error_px_ at every footprint's corner.
+  bool mapped_ = false, affine_ = false;
+  Eigen::Matrix3d lattice_from_board_ = Eigen::Matrix3d::Identity();
+  double error_px_ = 0, w_min_ = 0;
 };
+
+/// A strip as a tile sees it, with |t| <= 1 across it.
+TileRun run_of(const Strip& strip, const Eigen::Vector2d& origin_mm);
 
 /// All pairs, by pixel: those of pixel i are scratch[begin[i]] .. scratch[begin[i + 1] - 1], ascending.
 struct PixelPairs {
@@ -73,6 +91,9 @@ struct PixelPairs {
   std::vector<std::uint32_t> scratch;
 };
 PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std::vector<Strip>& strips);
+
+/// How many pairs there are, found with the fast path's packets: what finding alone costs (tests/bench).
+std::size_t count_pairs(const PixelIndex& index, const std::vector<Strip>& strips, SimdWidth simd = SimdWidth::best);
 
 /// Throws Error naming the first scratch that has a coordinate that is not finite, or a width, depth or alpha that is
 /// not positive, or arrays whose sizes differ.

@@ -26,12 +26,14 @@ struct ViewRenderer::State {
   std::unique_ptr<FastView> fast;
   std::size_t scratch_count = 0;
 
-  State(ViewScene s, const RenderOptions& o) : scene(std::move(s)), options(o), index(checked_grid()) {
+  State(ViewScene s, const RenderOptions& o, std::shared_ptr<RenderRoom> room)
+      : scene(std::move(s)), options(o), index(checked_grid()) {
     if (options.use_double) {
       pixels = view_pixels(scene, options.channels);
       exact = std::make_unique<ExactView>(scene, pixels);
     } else {
-      fast = std::make_unique<FastView>(scene, index, options.channels, options.simd);
+      fast = std::make_unique<FastView>(scene, index, options.channels, options.simd,
+                                        room != nullptr ? std::move(room) : make_render_room());
     }
   }
 
@@ -44,8 +46,8 @@ struct ViewRenderer::State {
     check_scratches(scratches);
     scratch_count = scratches.size();
     if (fast) {
-      const BatchMode with = options.material_gradients ? BatchMode::material : BatchMode::ends;
-      fast->forward(scratches, keep_jacobian ? with : BatchMode::value, radiance);
+      const KernelMode with = options.material_gradients ? KernelMode::material : KernelMode::ends;
+      fast->forward(scratches, keep_jacobian ? with : KernelMode::value, radiance);
       return;
     }
     const std::vector<Strip> strips = strips_of(scratches, scene.tool_width_um, scene.material.depth_um);
@@ -54,8 +56,8 @@ struct ViewRenderer::State {
   }
 };
 
-ViewRenderer::ViewRenderer(ViewScene scene, RenderOptions options)
-    : state_(std::make_unique<State>(std::move(scene), options)) {}
+ViewRenderer::ViewRenderer(ViewScene scene, RenderOptions options, std::shared_ptr<RenderRoom> room)
+    : state_(std::make_unique<State>(std::move(scene), options, std::move(room))) {}
 ViewRenderer::~ViewRenderer() = default;
 ViewRenderer::ViewRenderer(ViewRenderer&&) noexcept = default;
 ViewRenderer& ViewRenderer::operator=(ViewRenderer&&) noexcept = default;

@@ -11,8 +11,8 @@
 #include "render/bench.h"
 #include "render/footprint_grid.h"
 #include "render/image.h"
-#include "render/pair_batch.h"
 #include "render/scratches.h"
+#include "render/simd_width.h"
 
 namespace burin {
 
@@ -48,11 +48,17 @@ struct ScratchGradients {
   void resize(std::size_t scratch_count);
 };
 
-/// Renders one view again and again while the scratches move: owns the work buffers and the sparse Jacobian.
-/// Deterministic: same input, same bits, for any number of threads. Throws Error for scratches with NaN.
+/// The fast path's work buffers and sparse Jacobian (render/render_room.h). Renderers that share one need the memory of
+/// one view; each must then finish with a forward()'s results before the next renderer's forward().
+class RenderRoom;
+std::shared_ptr<RenderRoom> make_render_room();
+
+/// Renders one view again and again while the scratches move. Deterministic: same input, same bits, for any number of
+/// threads. Throws Error for scratches with NaN.
 class ViewRenderer {
  public:
-  explicit ViewRenderer(ViewScene scene, RenderOptions options = {});
+  /// Without a `room` it has one of its own.
+  explicit ViewRenderer(ViewScene scene, RenderOptions options = {}, std::shared_ptr<RenderRoom> room = nullptr);
   ~ViewRenderer();
   ViewRenderer(ViewRenderer&&) noexcept;
   ViewRenderer& operator=(ViewRenderer&&) noexcept;

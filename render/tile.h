@@ -1,0 +1,33 @@
+// render/tile.h - the fast path's pieces of a picture: tiles of 32 x 32 pixels, and what a scratch is within one.
+// Frame: board xy in mm from the tile's origin, so that float keeps its digits. DESIGN 7.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace burin {
+
+inline constexpr int kTile = 32;  ///< pixels along a side
+inline constexpr int kTilePixels = kTile * kTile;
+
+/// A straight groove seen from a tile: an affine map from there to its own units, t = 2 x / wt across it and
+/// Y = 2 y / wt along it, Y = 0 at the foot of the tile's origin. Across is (d.y, -d.x) for a direction d.
+struct TileRun {
+  float across_x = 1, across_y = 0;     ///< unit vector across it
+  float per_mm = 1;                     ///< 2 / wt
+  float t_origin = 0;                   ///< t of the tile's origin
+  float first_end = 0, second_end = 0;  ///< Y of its ends
+  float alpha = 1, rim = 1;             ///< it reaches over |t| <= rim
+};
+
+/// Pixels x0 .. x1 - 1, y0 .. y1 - 1 of a tile, and a projective map that takes their corners to the tile's pixel
+/// lattice (corner (c, r) is at (c, r)) within error_px.
+struct TileBlock {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  std::array<float, 9> lattice_from_mm{};    ///< row-major, homogeneous
+  std::array<float, 2> low_mm{}, high_mm{};  ///< box around their footprints
+  float error_px = 0;
+  bool by_box = false;  ///< no map: any scratch that meets the box touches all of its pixels
+};
+
+}  // namespace burin

@@ -1,0 +1,123 @@
+// render/tile_kernel.h - the fast path's inner loop: what the scratches of one tile add to its pixels, with
+// derivatives, in float packets.
+//
+// A tile's pairs (pixel, scratch) lie one scratch after the other. evaluate() finds them and adds up light and area of
+// each pixel; when the caller knows what share of each pixel is left plain, combine() turns the derivatives of light
+// and area into one number each; gather() is the backward pass.
+// Kernels of several SIMD widths do the same work; tile_kernels() picks one.
+// Frames: render/tile.h. Source: DESIGN 3.3 and 7; the integrals are render/footprint_core.h.
+//
+// Along the groove, the footprint cut with the scratch is bounded by top(t) and bottom(t), both linear between
+// breakpoints: the corners, and where edges meet the scratch's ends. With W the weight of footprint_core.h,
+//   V = integral of (top - bottom) W dt,                    Dhat = (wt/2)^2 (alpha^2 / pi) V
+//   dV/d(shift of the scratch by one unit across)  = integral of (top' - bottom') W dt
+//   dV/d(turn of the scratch about t = 0, Y = 0)   = -integral of (top top' - bottom bottom') W dt + hy dV/dhx,
+//       where a level that is a pixel's edge brings another -t, which cancels unless the other level is an end
+//   dV/d(end moved along)                          = integral of W dt over where that end bounds the region
+// Each piece between breakpoints is one evaluation of mean moments. Most pairs have a single one, [-rim, rim]: the
+// pixel has no corner on the groove and no end in it. They go straight through; the others are set aside and done
+// afterwards, their pieces packed, so that packets stay full.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "render/simd_width.h"
+#include "render/tile.h"
+
+namespace burin {
+
+/// What a kernel computes: `value` only; `ends`: and derivatives by the scratch's ends; `material`: and by wt, d,
+/// alpha.
+enum class KernelMode : std::uint8_t { value, ends, material };
+
+/// What pairs need of a tile's pixels: small enough to stay in a core's first cache.
+struct alignas(64) TilePixels {
+  static constexpr int kCorners = kTile + 1;
+  /// Corners of pixel (column, row) are (column, row), (column + 1, row), (column + 1, row + 1), (column, row + 1);
+  /// either way round. Board x, y in mm from the tile's origin.
+  float corner[kCorners * kCorners][2] = {};
+  /// Of each pixel: x and y of the half vector in the face's frame; tan^2 of wi and wo.
+  float shading[kTilePixels][4] = {};
+};
+
+/// A pair that an end of its scratch bounds: derivatives by the ends moved along, a unit of Y.
+struct EndPair {
+  std::uint32_t pair = 0;
+  float light_first = 0, light_second = 0, area_first = 0, area_second = 0;
+};
+
+/// The pairs of a tile. Arrays grow to the largest that was needed and may be longer than what is in use.
+struct TilePairs {
+  std::vector<std::uint32_t> begin;  ///< of each run; one more than there are runs
+  std::vector<std::uint16_t> place;  ///< of the pixel in the tile, row * kTile + column
+  std::vector<float> light;          ///< Dhat G, mm^2
+  /// Derivatives, of light after evaluate(), of light minus base times area after combine(): by a shift of one unit of
+  /// t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha.
+  std::vector<float> shift, turn, width, rim, alpha;
+  std::vector<EndPair> ends;
+
+  std::size_t bytes() const;  ///< held
+};
+
+/// What evaluate() reads. `runs` must be readable one entry beyond the last.
+struct TileTask {
+  const TilePixels* pixels = nullptr;
+  const TileRun* runs = nullptr;
+  std::uint32_t run_count = 0;
+  std::span<const TileBlock> blocks;
+  const std::uint32_t* valid_rows = nullptr;  ///< a bit a pixel with a footprint; null where all have one
+  KernelMode mode = KernelMode::value;
+};
+
+/// One thread's room for work.
+struct TileRoom {
+  static constexpr int kChunk = 256;  ///< pairs whose scratch constants are laid out at once
+  static constexpr int kGroup = 128;  ///< pairs set aside that are done at once
+  static constexpr int kPieces = 8 * kGroup;
+  template <int n>
+  using Lanes = float[n + 16];
+
+  alignas(64) float sums[2 * kTilePixels] = {};  ///< of each pixel: light, area (mm^2)
+  /// Derivatives of area, as those in TilePairs.
+  std::vector<float> area_shift, area_turn, area_width, area_rim;
+
+  alignas(64) Lanes<kChunk> constants[8];
+  std::uint32_t chunk_run[kChunk + 16];
+  std::vector<std::uint32_t> special_pair, special_run;  // of the tile
+
+  alignas(64) Lanes<kGroup> V, by_shift, by_turn, by_width, by_radial, by_rim, by_first, by_second;
+  alignas(64) Lanes<kGroup> area, a_shift, a_turn, a_first, a_second, a_rim;
+  alignas(64) Lanes<kGroup> alpha, rim, per_mm, tan2_i, tan2_o;
+  std::uint8_t has_end[kGroup + 16];
+  int piece_count = 0;
+  std::uint16_t piece_owner[kPieces + 16];
+  alignas(64) Lanes<kPieces> t1, t2, top1, top2, bottom1, bottom2, on_first, on_second, hx, hy, hz, piece_alpha;
+};
+
+/// Numbers that gather() gives for each run: by x0, y0, x1, y1, and log wt, rim, alpha.
+inline constexpr int kRunGradients = 7;
+
+/// The kernels of one width.
+struct TileKernels {
+  /// Finds the pairs only: fills begin and place.
+  void (*find)(const TileTask& task, TilePairs& pairs);
+  /// find(), then room.sums, room.area_* and the rest of `pairs`.
+  void (*evaluate)(const TileTask& task, TileRoom& room, TilePairs& pairs);
+  /// light derivatives -= base[place] * area derivatives. `base`: the plain face's light a mm^2, 0 where nothing is
+  /// left of it; kTilePixels.
+  void (*combine)(KernelMode mode, std::size_t count, const float* base, const TileRoom& room, TilePairs& pairs);
+  /// The backward pass: of each run, sums over its pairs of weight[place] times derivative, turned into derivatives by
+  /// the scratch's ends in board x and y (mm), and with material by log wt with the rim held, by the rim, by alpha.
+  /// `to[i]`: where the task's first run goes.
+  void (*gather)(const TileTask& task, const float* weight, const TilePairs& pairs,
+                 const std::array<float*, kRunGradients>& to);
+};
+
+/// Throws Error for a width that does not run here.
+const TileKernels& tile_kernels(SimdWidth width);
+
+}  // namespace burin

@@ -1,0 +1,659 @@
+// render/tile_kernel_impl.h - the kernels of render/tile_kernel.h over a packet type. Included only by the files that
+// are compiled for one instruction set each (see render/packet_math.h).
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+
+#include "render/packet_math.h"
+#include "render/tile_kernel.h"
+#include "render/tile_raster.h"
+
+namespace burin {
+
+template <class P>
+struct TileKernel {
+  using F = P;
+  using Mask = typename P::batch_bool_type;
+  static constexpr int kLanes = kLanesOf<P>;
+
+  static F load(const float* p) { return F::load_unaligned(p); }
+  static void store(float* p, const F& v) { v.store_unaligned(p); }
+  static F zero() { return F(0.0F); }
+  static F inverse(const F& x) { return footprint::Arithmetic<P>::inverse(x); }
+
+  /// A convex polygon's edges as lines over t: tops run towards smaller t, bottoms towards larger t.
+  struct Edges {
+    F t[4], Y[4], slope[4];
+    Mask is_top[4], is_bottom[4];
+    F t_min, t_max, Y_min, Y_max;
+
+    void make() {
+      // Counter-clockwise.
+      const Mask clockwise = (t[2] - t[0]) * (Y[3] - Y[1]) < (t[3] - t[1]) * (Y[2] - Y[0]);
+      for (F* v : {t, Y}) {
+        const F one = v[1];
+        v[1] = xsimd::select(clockwise, v[3], one);
+        v[3] = xsimd::select(clockwise, one, v[3]);
+      }
+      for (int i = 0; i < 4; ++i) {
+        const int j = (i + 1) % 4;
+        const F dt = t[j] - t[i];
+        is_top[i] = dt < zero();
+        is_bottom[i] = dt > zero();
+        slope[i] = (Y[j] - Y[i]) * inverse(xsimd::select(is_top[i] | is_bottom[i], dt, F(1.0F)));
+      }
+      t_min = xsimd::min(xsimd::min(t[0], t[1]), xsimd::min(t[2], t[3]));
+      t_max = xsimd::max(xsimd::max(t[0], t[1]), xsimd::max(t[2], t[3]));
+      Y_min = xsimd::min(xsimd::min(Y[0], Y[1]), xsimd::min(Y[2], Y[3]));
+      Y_max = xsimd::max(xsimd::max(Y[0], Y[1]), xsimd::max(Y[2], Y[3]));
+    }
+
+    /// Between which levels the polygon lies at t, cut to [first, second]; one level twice where it does not.
+    void levels(const F& at, const F& first, const F& second, F& top, F& bottom) const {
+      top = second;
+      bottom = first;
+      for (int i = 0; i < 4; ++i) {
+        const F line = Y[i] + slope[i] * (at - t[i]);
+        top = xsimd::select(is_top[i], xsimd::min(top, line), top);
+        bottom = xsimd::select(is_bottom[i], xsimd::max(bottom, line), bottom);
+      }
+      close_where(top < bottom, top, bottom);
+    }
+  };
+
+  static void close_where(const Mask& mask, F& top, F& bottom) {
+    const F middle = F(0.5F) * (top + bottom);
+    top = xsimd::select(mask, middle, top);
+    bottom = xsimd::select(mask, middle, bottom);
+  }
+
+  static void order(F& a, F& b) {
+    const F low = xsimd::min(a, b);
+    b = xsimd::max(a, b);
+    a = low;
+  }
+
+  struct Piece {
+    F t1, t2, top1, top2, bottom1, bottom2;
+  };
+
+  /// The part of a piece within [lo, hi]; says where nothing is left.
+  static Mask clip(Piece& p, const F& lo, const F& hi) {
+    const F ta = xsimd::max(p.t1, lo), tb = xsimd::min(p.t2, hi);
+    const F length = p.t2 - p.t1;
+    const F per_t = inverse(xsimd::select(length > zero(), length, F(1.0F)));
+    const F fa = (ta - p.t1) * per_t, fb = (tb - p.t1) * per_t;
+    const F dtop = p.top2 - p.top1, dbottom = p.bottom2 - p.bottom1;
+    const Mask empty = ta > tb;
+    const Mask cut = ((ta > p.t1) | (tb < p.t2)) & (length > zero());
+    p.top2 = xsimd::select(cut, p.top1 + fb * dtop, p.top2);
+    p.top1 = xsimd::select(cut, p.top1 + fa * dtop, p.top1);
+    p.bottom2 = xsimd::select(cut, p.bottom1 + fb * dbottom, p.bottom2);
+    p.bottom1 = xsimd::select(cut, p.bottom1 + fa * dbottom, p.bottom1);
+    p.t1 = ta;
+    p.t2 = tb;
+    return empty;
+  }
+
+  // What one piece gives, before the factors that are the same for all pieces of a pair.
+  struct Sums {
+    F V, shift, turn, width, radial, mean, first_moment;
+  };
+
+  template <KernelMode kMode>
+  [[gnu::always_inline]] static Sums evaluate_piece(const Piece& p, const F& hx, const F& hy, const F& hz,
+                                                    const F& alpha) {
+    const auto lobes = footprint::make_lobes(hx, hy, hz, alpha);
+    const F length = p.t2 - p.t1, half(0.5F);
+    const F top = half * (p.top1 + p.top2), bottom = half * (p.bottom1 + p.bottom2);
+    const F dtop = half * (p.top2 - p.top1), dbottom = half * (p.bottom2 - p.bottom1);
+    const F height = top - bottom, rise = dtop - dbottom;
+    Sums s{};
+    footprint::Moments<F> m;
+    F by_hx;
+    if constexpr (kMode == KernelMode::value) {
+      m = footprint::mean_moments(lobes, p.t1, p.t2);
+    } else if constexpr (kMode == KernelMode::ends) {
+      const auto d = footprint::mean_moments_by_hx(lobes, p.t1, p.t2);
+      m = d.value;
+      by_hx = length * (height * d.hx.m0 + rise * d.hx.m1);
+    } else {
+      const auto d = footprint::mean_moments_with_derivatives(lobes, p.t1, p.t2);
+      m = d.value;
+      s.radial = length * (height * d.radial_over_r2.m0 + rise * d.radial_over_r2.m1);
+      by_hx = (hx * lobes.r2 * s.radial + hz * (length * (height * d.turn.m0 + rise * d.turn.m1))) / lobes.H2;
+    }
+    s.V = length * (height * m.m0 + rise * m.m1);
+    if constexpr (kMode != KernelMode::value) {
+      s.shift = F(2.0F) * rise * m.m0;
+      s.turn =
+          F(-2.0F) * ((top * dtop - bottom * dbottom) * m.m0 + (dtop * dtop - dbottom * dbottom) * m.m1) + hy * by_hx;
+      s.mean = length * m.m0;
+      s.first_moment = length * (half * (p.t1 + p.t2) * m.m0 + half * length * m.m1);
+      if constexpr (kMode == KernelMode::material)
+        s.width = F(2.0F) * rise * (half * (p.t1 + p.t2) * m.m0 + half * length * m.m1);
+    }
+    return s;
+  }
+
+  // Where n.h > 0 does not reach over the whole groove, the limit moves as h turns (W is 1 there).
+  static F cut_turn(const Edges& e, const F& lo, const F& hi, const F& rim, const F& first, const F& second,
+                    const F& hx, const F& hy, const F& hz) {
+    const F H = xsimd::sqrt(hx * hx + hz * hz);
+    F sum = zero();
+    for (const F* at : {&lo, &hi}) {
+      F top, bottom;
+      e.levels(*at, first, second, top, bottom);
+      const Mask cut = (xsimd::abs(*at) < rim) & (*at > e.t_min) & (*at < e.t_max);
+      sum += xsimd::select(cut, (top - bottom) * *at, zero());
+    }
+    return -sum * hy / H;
+  }
+
+  // Light at the rims, where they bound the groove: dV / d rim.
+  static F rim_light(const F& hx, const F& hy, const F& hz, const F& alpha, const F& lo, const F& hi, const F& rim,
+                     const F& at_lo, const F& at_hi) {
+    const auto lobes = footprint::make_lobes(hx, hy, hz, alpha);
+    return xsimd::select(hi < rim, zero(), at_hi * footprint::weight(lobes, rim)) +
+           xsimd::select(lo > -rim, zero(), at_lo * footprint::weight(lobes, F(-rim)));
+  }
+
+  /// G and what of alpha's derivative is in it: (alpha^2 / pi) (wt / 2)^2 G, and d log(alpha^2 G) / d alpha.
+  struct Factor {
+    F value, by_alpha;
+  };
+  template <KernelMode kMode>
+  [[gnu::always_inline]] static Factor factor_of(const F& alpha, const F& unit, const F& tan2_i, const F& tan2_o) {
+    const F one(1.0F), alpha2 = alpha * alpha;
+    const F u = one + alpha2 * tan2_i, v = one + alpha2 * tan2_o;
+    const F per_root_i = footprint::Arithmetic<P>::inverse_sqrt(u),
+            per_root_o = footprint::Arithmetic<P>::inverse_sqrt(v);
+    const F root_i = u * per_root_i, root_o = v * per_root_o;
+    const F G = F(4.0F) * inverse((one + root_i) * (one + root_o));
+    Factor f{F(0.318309886F) * unit * alpha2 * G, zero()};
+    if constexpr (kMode == KernelMode::material)
+      f.by_alpha =
+          F(2.0F) / alpha - alpha * (tan2_i * per_root_i / (one + root_i) + tan2_o * per_root_o / (one + root_o));
+    return f;
+  }
+
+  static void grow(std::vector<float>& v, std::size_t n) {
+    if (v.size() < n + 16) v.resize(n + n / 4 + 16);
+  }
+
+  /// Adds lanes 0 .. n - 1 of light and area to the pixels' sums.
+  [[gnu::always_inline]] static void add_to_pixels(const F& light, const F& area, const std::uint16_t* place, int n,
+                                                   float* sums) {
+    alignas(64) float both[2 * kLanes];
+    packet::interleave(light, area, both);
+    using Two = float __attribute__((vector_size(8)));
+    for (int k = 0; k < n; ++k) {
+      Two sum, add;
+      std::memcpy(&sum, sums + 2 * place[k], sizeof(Two));
+      std::memcpy(&add, both + 2 * k, sizeof(Two));
+      sum += add;
+      std::memcpy(sums + 2 * place[k], &sum, sizeof(Two));
+    }
+  }
+
+  /// What a packet of pairs takes from its pixels.
+  struct Pixels {
+    F x[4], y[4], h_x, h_y, h_z, tan2_i, tan2_o;
+
+    template <class Place>
+    [[gnu::always_inline]] Pixels(const TilePixels& tile, const Place& place) {
+      const auto corner = [&](int k, int below) {
+        const int p = place(k), row = p / kTile + below, column = p % kTile;
+        return tile.corner[row * TilePixels::kCorners + column];
+      };
+      F up[4], down[4], shading[4];
+      packet::four_columns(up, [&](int k) { return corner(k, 0); });
+      packet::four_columns(down, [&](int k) { return corner(k, 1); });
+      packet::four_columns(shading, [&](int k) { return tile.shading[place(k)]; });
+      x[0] = up[0];
+      y[0] = up[1];
+      x[1] = up[2];
+      y[1] = up[3];
+      x[2] = down[2];
+      y[2] = down[3];
+      x[3] = down[0];
+      y[3] = down[1];
+      h_x = shading[0];
+      h_y = shading[1];
+      const F hz2 = xsimd::max(F(1.0F) - (h_x * h_x + h_y * h_y), F(1e-12F));
+      h_z = hz2 * footprint::Arithmetic<P>::inverse_sqrt(hz2);
+      tan2_i = shading[2];
+      tan2_o = shading[3];
+    }
+  };
+
+  /// One packet of pairs whose pixels the groove crosses from side to side; the others' lanes are returned as bits (and
+  /// give nothing here), those that it does not meet at all give nothing.
+  template <KernelMode kMode>
+  [[gnu::flatten]] static std::uint32_t cross(const TileTask& task, TileRoom& room, TilePairs& pairs, std::size_t pair,
+                                              int at, int lanes) {
+    const std::uint16_t* place = &pairs.place[pair];
+    const Pixels px(*task.pixels, [&](int k) { return place[k]; });
+    const auto constant = [&](int c) { return load(room.constants[c] + at); };
+    const F across_x = constant(0), across_y = constant(1), per_mm = constant(2), t_origin = constant(3);
+    const F first = constant(4), second = constant(5), alpha = constant(6), rim = constant(7);
+    const F tx = across_x * per_mm, ty = across_y * per_mm;
+    Edges e;
+    F nearest(1e30F);
+    for (int k = 0; k < 4; ++k) {
+      e.t[k] = tx * px.x[k] + (ty * px.y[k] + t_origin);
+      e.Y[k] = tx * px.y[k] - ty * px.x[k];
+      nearest = xsimd::min(nearest, xsimd::abs(e.t[k]));
+    }
+    const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
+    e.make();
+    const Mask apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
+    const Mask special = ((nearest <= rim) | (e.Y_min < first) | (e.Y_max > second)) & !apart;
+    const Mask none = apart | special;
+
+    F top1, bottom1, top2, bottom2;
+    e.levels(-rim, first, second, top1, bottom1);
+    e.levels(rim, first, second, top2, bottom2);
+    const F height1 = top1 - bottom1, height2 = top2 - bottom2;
+    const F per_t = inverse(per_mm), unit = per_t * per_t;
+    const F area = xsimd::select(none, zero(), unit * rim * (height1 + height2));
+    // Where n.h > 0, between lo and hi: on a deep groove one wall is often partly turned away.
+    const auto limits = footprint::front_facing(hx, hz, rim);
+    const F &lo = limits.lo, &hi = limits.hi;
+    const Mask dark = none | (lo >= hi);
+    const F per_2rim = F(0.5F) * inverse(rim), at_lo = (lo + rim) * per_2rim, at_hi = (hi + rim) * per_2rim;
+    const F dtop = top2 - top1, dbottom = bottom2 - bottom1;
+    const Piece p{
+        lo, hi, top1 + at_lo * dtop, top1 + at_hi * dtop, bottom1 + at_lo * dbottom, bottom1 + at_hi * dbottom};
+    const Sums s = evaluate_piece<kMode>(p, hx, hy, hz, alpha);
+    const Factor f = factor_of<kMode>(alpha, unit, px.tan2_i, px.tan2_o);
+    const F light = xsimd::select(dark, zero(), f.value * s.V);
+    store(&pairs.light[pair], light);
+    if constexpr (kMode != KernelMode::value) {
+      // The limit moves as h turns (W is 1 there).
+      const F per_H = footprint::Arithmetic<P>::inverse_sqrt(hx * hx + hz * hz);
+      const F moving = xsimd::select(lo > -rim, (p.top1 - p.bottom1) * lo, zero()) +
+                       xsimd::select(hi < rim, (p.top2 - p.bottom2) * hi, zero());
+      store(&pairs.shift[pair], xsimd::select(dark, zero(), f.value * s.shift));
+      store(&pairs.turn[pair], xsimd::select(dark, zero(), f.value * (s.turn - hy * per_H * moving)));
+      store(&room.area_shift[pair], xsimd::select(none, zero(), unit * (height2 - height1)));
+      store(&room.area_turn[pair],
+            xsimd::select(none, zero(), F(-0.5F) * unit * (height2 * (top2 + bottom2) - height1 * (top1 + bottom1))));
+    }
+    if constexpr (kMode == KernelMode::material) {
+      const F area_rim = xsimd::select(none, zero(), unit * (height1 + height2));
+      store(&room.area_rim[pair], area_rim);
+      store(&room.area_width[pair], rim * area_rim);
+      store(&pairs.width[pair], xsimd::select(dark, zero(), f.value * (s.V + s.width)));
+      store(&pairs.rim[pair],
+            xsimd::select(dark, zero(), f.value * rim_light(hx, hy, hz, alpha, lo, hi, rim, height1, height2)));
+      store(&pairs.alpha[pair], xsimd::select(dark, zero(), f.value * (s.V * f.by_alpha - alpha * s.radial)));
+    }
+    add_to_pixels(light, area, place, lanes, room.sums);
+    return packet::bits_of<P>(special);
+  }
+
+  /// Evaluates the pieces set aside and adds what they give to their pairs.
+  template <KernelMode kMode>
+  [[gnu::flatten]] static void add_pieces(TileRoom& b) {
+    // Harmless pieces up to a full packet.
+    for (int i = b.piece_count; i < b.piece_count + kLanes; ++i) {
+      b.t1[i] = b.t2[i] = b.top1[i] = b.top2[i] = b.bottom1[i] = b.bottom2[i] = b.hx[i] = b.hy[i] = 0;
+      b.hz[i] = 1;
+      b.piece_alpha[i] = 0.5F;
+    }
+    for (int i = 0; i < b.piece_count; i += kLanes) {
+      const Piece p{load(b.t1 + i),   load(b.t2 + i),      load(b.top1 + i),
+                    load(b.top2 + i), load(b.bottom1 + i), load(b.bottom2 + i)};
+      const Sums s = evaluate_piece<kMode>(p, load(b.hx + i), load(b.hy + i), load(b.hz + i), load(b.piece_alpha + i));
+      const int n = std::min(kLanes, b.piece_count - i);
+      const std::uint16_t* owner = b.piece_owner + i;
+      const auto add = [&](float* to, const F& v) {
+        alignas(64) float lanes[kLanes];
+        v.store_aligned(lanes);
+        for (int k = 0; k < n; ++k) to[owner[k]] += lanes[k];
+      };
+      add(b.V, s.V);
+      if constexpr (kMode != KernelMode::value) {
+        const F first = load(b.on_first + i), second = load(b.on_second + i);
+        add(b.by_shift, s.shift);
+        // An edge opposite an end turns alone (between two edges this part cancels).
+        add(b.by_turn, s.turn - (first - second) * s.first_moment);
+        add(b.by_first, -first * s.mean);
+        add(b.by_second, second * s.mean);
+      }
+      if constexpr (kMode == KernelMode::material) {
+        add(b.by_width, s.width);
+        add(b.by_radial, s.radial);
+      }
+    }
+    b.piece_count = 0;
+  }
+
+  /// Cuts one packet of pairs at eight breakpoints: up to seven pieces each. `from`: its place in the group.
+  template <KernelMode kMode>
+  [[gnu::flatten]] static void cut(const TileTask& task, TileRoom& b, const TilePairs& pairs, const std::uint32_t* pair,
+                                   const std::uint32_t* run, int from, int lanes) {
+    const Pixels px(*task.pixels, [&](int k) { return pairs.place[pair[std::min(k, lanes - 1)]]; });
+    F r[8];
+    for (const int half : {0, 4})
+      packet::four_columns(r + half, [&](int k) { return &task.runs[run[std::min(k, lanes - 1)]].across_x + half; });
+    const F &across_x = r[0], &across_y = r[1], &per_mm = r[2], &t_origin = r[3];
+    const F &first = r[4], &second = r[5], &alpha = r[6], &rim = r[7];
+    const F tx = across_x * per_mm, ty = across_y * per_mm;
+    Edges e;
+    for (int k = 0; k < 4; ++k) {
+      e.t[k] = tx * px.x[k] + (ty * px.y[k] + t_origin);
+      e.Y[k] = tx * px.y[k] - ty * px.x[k];
+    }
+    const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
+    e.make();
+    const std::uint32_t ends = packet::bits_of<P>((e.Y_min < first) | (e.Y_max > second));
+    for (int k = 0; k < lanes; ++k) b.has_end[from + k] = ends >> k & 1;
+
+    F t[8] = {e.t[0], e.t[1], e.t[2], e.t[3], rim, -rim, rim, -rim};
+    for (int k = 0; k < 4; ++k) {
+      const int j = (k + 1) % 4;
+      const F dY = e.Y[j] - e.Y[k];
+      const F per_Y = (e.t[j] - e.t[k]) * inverse(xsimd::select(dY == zero(), F(1.0F), dY));
+      for (int end = 0; end < 2; ++end) {
+        const F& level = end == 0 ? first : second;
+        const Mask crosses = ((e.Y[k] < level) & (e.Y[j] >= level)) | ((e.Y[j] < level) & (e.Y[k] >= level));
+        const F at = e.t[k] + (level - e.Y[k]) * per_Y;
+        t[4 + 2 * end] = xsimd::select(crosses, xsimd::min(t[4 + 2 * end], at), t[4 + 2 * end]);
+        t[5 + 2 * end] = xsimd::select(crosses, xsimd::max(t[5 + 2 * end], at), t[5 + 2 * end]);
+      }
+    }
+    for (F& v : t) v = xsimd::min(xsimd::max(v, -rim), rim);
+    // Batcher's network for eight.
+    constexpr int kNetwork[19][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {1, 2}, {5, 6},
+                                     {0, 4}, {1, 5}, {2, 6}, {3, 7}, {2, 4}, {3, 5}, {1, 2}, {3, 4}, {5, 6}};
+    for (const auto& c : kNetwork) order(t[c[0]], t[c[1]]);
+
+    F top[8], bottom[8];
+    for (int k = 0; k < 8; ++k) {
+      e.levels(t[k], first, second, top[k], bottom[k]);
+      // The outermost corners have no height, nor has the first breakpoint on them; an edge along the groove there is a
+      // piece without length but with a rise.
+      Mask outside = (t[k] < e.t_min) | (t[k] > e.t_max);
+      if (k == 0)
+        outside = outside | (t[k] == e.t_min);
+      else
+        outside = outside | ((t[k] == e.t_min) & (t[k - 1] < e.t_min));
+      if (k == 7)
+        outside = outside | (t[k] == e.t_max);
+      else
+        outside = outside | ((t[k] == e.t_max) & (t[k + 1] > e.t_max));
+      close_where(outside, top[k], bottom[k]);
+    }
+
+    // Where an edge meets an end's level, rounding leaves it a little beside.
+    const F slack = F(1e-5F) * (e.Y_max - e.Y_min);
+    const F per_t = inverse(per_mm), unit = per_t * per_t;
+    const auto limits = footprint::front_facing(hx, hz, rim);
+    const Mask dark = limits.lo >= limits.hi;
+    const bool any_cut = xsimd::any((limits.lo > -rim) | (limits.hi < rim));
+    const std::uint32_t used = lanes == 32 ? ~0U : (1U << lanes) - 1;
+    F area = zero(), by_first = zero(), by_second = zero(), alone = zero();
+    for (int k = 0; k < 7; ++k) {
+      Piece p{t[k], t[k + 1], top[k], top[k + 1], bottom[k], bottom[k + 1]};
+      const F length = p.t2 - p.t1, height1 = p.top1 - p.bottom1, height2 = p.top2 - p.bottom2;
+      area += F(0.5F) * length * (height1 + height2);
+      const Mask tall = (height1 > zero()) | (height2 > zero());
+      const Mask bounded = height1 + height2 > slack;
+      const F on_first = xsimd::select(bounded & (xsimd::max(p.bottom1, p.bottom2) <= first + slack), F(1.0F), zero());
+      const F on_second = xsimd::select(bounded & (xsimd::min(p.top1, p.top2) >= second - slack), F(1.0F), zero());
+      by_first -= on_first * length;
+      by_second += on_second * length;
+      alone -= (on_first - on_second) * length * F(0.5F) * (p.t1 + p.t2);
+      Mask nothing = dark | !tall;
+      if (any_cut) nothing = nothing | clip(p, limits.lo, limits.hi);
+      Mask keep = !nothing;
+      if constexpr (kMode == KernelMode::value)
+        keep = keep & (p.t2 > p.t1);
+      else
+        keep = keep & ((p.t2 > p.t1) | ((p.top2 - p.bottom2) != (p.top1 - p.bottom1)));
+      const std::uint32_t bits = packet::bits_of<P>(keep) & used;
+      if (bits == 0) continue;
+      const int n = b.piece_count;
+      packet::pack(b.t1 + n, p.t1, bits);
+      packet::pack(b.t2 + n, p.t2, bits);
+      packet::pack(b.top1 + n, p.top1, bits);
+      packet::pack(b.top2 + n, p.top2, bits);
+      packet::pack(b.bottom1 + n, p.bottom1, bits);
+      packet::pack(b.bottom2 + n, p.bottom2, bits);
+      packet::pack(b.hx + n, hx, bits);
+      packet::pack(b.hy + n, hy, bits);
+      packet::pack(b.hz + n, hz, bits);
+      packet::pack(b.piece_alpha + n, alpha, bits);
+      if constexpr (kMode != KernelMode::value) {
+        packet::pack(b.on_first + n, on_first, bits);
+        packet::pack(b.on_second + n, on_second, bits);
+      }
+      for (std::uint32_t left = bits; left != 0; left &= left - 1)
+        b.piece_owner[b.piece_count++] = static_cast<std::uint16_t>(from + std::countr_zero(left));
+    }
+
+    store(b.area + from, unit * area);
+    store(b.V + from, zero());
+    store(b.alpha + from, alpha);
+    store(b.per_mm + from, per_mm);
+    store(b.tan2_i + from, px.tan2_i);
+    store(b.tan2_o + from, px.tan2_o);
+    if constexpr (kMode != KernelMode::value) {
+      const F height0 = top[0] - bottom[0], height7 = top[7] - bottom[7];
+      store(b.a_shift + from, unit * (height7 - height0));
+      store(b.a_turn + from,
+            unit * (alone - F(0.5F) * (height7 * (top[7] + bottom[7]) - height0 * (top[0] + bottom[0]))));
+      store(b.a_first + from, unit * by_first);
+      store(b.a_second + from, unit * by_second);
+      store(b.by_shift + from, zero());
+      F turn = zero();
+      if (any_cut)
+        turn = xsimd::select(dark, zero(), cut_turn(e, limits.lo, limits.hi, rim, first, second, hx, hy, hz));
+      store(b.by_turn + from, turn);
+      store(b.by_first + from, zero());
+      store(b.by_second + from, zero());
+      if constexpr (kMode == KernelMode::material) {
+        store(b.by_width + from, zero());
+        store(b.by_radial + from, zero());
+        const F rims = rim_light(hx, hy, hz, alpha, limits.lo, limits.hi, rim, height0, height7);
+        store(b.by_rim + from, xsimd::select(dark, zero(), rims));
+        store(b.a_rim + from, unit * (height0 + height7));
+        store(b.rim + from, rim);
+      }
+    }
+  }
+
+  /// The pairs set aside, a group at a time: cut, their pieces evaluated, and put in their places.
+  template <KernelMode kMode>
+  static void finish_specials(const TileTask& task, TileRoom& b, TilePairs& pairs) {
+    pairs.ends.clear();
+    const std::size_t count = b.special_pair.size();
+    for (std::size_t group = 0; group < count; group += TileRoom::kGroup) {
+      const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kGroup, count - group));
+      const std::uint32_t *pair = &b.special_pair[group], *run = &b.special_run[group];
+      b.piece_count = 0;
+      for (int i = 0; i < n; i += kLanes) cut<kMode>(task, b, pairs, pair + i, run + i, i, std::min(kLanes, n - i));
+      add_pieces<kMode>(b);
+      for (int i = 0; i < n; i += kLanes) finish<kMode>(b, pairs, pair + i, i, std::min(kLanes, n - i));
+    }
+  }
+
+  template <KernelMode kMode>
+  [[gnu::flatten]] static void finish(TileRoom& b, TilePairs& pairs, const std::uint32_t* pair, int i, int lanes) {
+    const F alpha = load(b.alpha + i), per_t = inverse(load(b.per_mm + i));
+    const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(b.tan2_i + i), load(b.tan2_o + i));
+    const F V = load(b.V + i), light = f.value * V;
+    alignas(64) float out[kLanes];
+    const auto scatter = [&](std::vector<float>& to, const F& v) {
+      v.store_aligned(out);
+      for (int k = 0; k < lanes; ++k) to[pair[k]] = out[k];
+    };
+    std::uint16_t place[kLanes];
+    for (int k = 0; k < lanes; ++k) place[k] = pairs.place[pair[k]];
+    add_to_pixels(light, load(b.area + i), place, lanes, b.sums);
+    scatter(pairs.light, light);
+    if constexpr (kMode != KernelMode::value) {
+      scatter(pairs.shift, f.value * load(b.by_shift + i));
+      scatter(pairs.turn, f.value * load(b.by_turn + i));
+      scatter(b.area_shift, load(b.a_shift + i));
+      scatter(b.area_turn, load(b.a_turn + i));
+      alignas(64) float first[kLanes], second[kLanes];
+      (f.value * load(b.by_first + i)).store_aligned(first);
+      (f.value * load(b.by_second + i)).store_aligned(second);
+      for (int k = 0; k < lanes; ++k)
+        if (b.has_end[i + k] != 0)
+          pairs.ends.push_back({pair[k], first[k], second[k], b.a_first[i + k], b.a_second[i + k]});
+    }
+    if constexpr (kMode == KernelMode::material) {
+      const F area_rim = load(b.a_rim + i);
+      scatter(b.area_rim, area_rim);
+      scatter(b.area_width, load(b.rim + i) * area_rim);
+      scatter(pairs.width, f.value * (V + load(b.by_width + i)));
+      scatter(pairs.rim, f.value * load(b.by_rim + i));
+      scatter(pairs.alpha, f.value * (V * f.by_alpha - alpha * load(b.by_radial + i)));
+    }
+  }
+
+  static void find(const TileTask& task, TilePairs& pairs) {
+    TileRaster<P>::find(task.blocks, task.runs, task.run_count, task.valid_rows, pairs.begin, pairs.place);
+  }
+
+  template <KernelMode kMode>
+  static void evaluate_mode(const TileTask& task, TileRoom& room, TilePairs& pairs) {
+    find(task, pairs);
+    const std::size_t count = pairs.begin[task.run_count];
+    grow(pairs.light, count);
+    if constexpr (kMode != KernelMode::value)
+      for (std::vector<float>* v : {&pairs.shift, &pairs.turn, &room.area_shift, &room.area_turn}) grow(*v, count);
+    if constexpr (kMode == KernelMode::material)
+      for (std::vector<float>* v : {&pairs.width, &pairs.rim, &pairs.alpha, &room.area_width, &room.area_rim})
+        grow(*v, count);
+    std::fill(std::begin(room.sums), std::end(room.sums), 0.0F);
+    room.special_pair.clear();
+    room.special_run.clear();
+
+    std::uint32_t run = 0;
+    for (std::size_t chunk = 0; chunk < count; chunk += TileRoom::kChunk) {
+      const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
+      lay_out(task, pairs, chunk, n, run, room);
+      for (int i = 0; i < n; i += kLanes) {
+        const int lanes = std::min(kLanes, n - i);
+        std::uint32_t special = cross<kMode>(task, room, pairs, chunk + i, i, lanes);
+        if (lanes < kLanes) special &= (1U << lanes) - 1;
+        for (; special != 0; special &= special - 1) {
+          const int k = i + std::countr_zero(special);
+          room.special_pair.push_back(static_cast<std::uint32_t>(chunk + k));
+          room.special_run.push_back(room.chunk_run[k]);
+        }
+      }
+    }
+    finish_specials<kMode>(task, room, pairs);
+  }
+
+  /// Each pair's scratch beside it. `run` is the first pair's or an earlier one; it moves on to the last pair's.
+  static void lay_out(const TileTask& task, const TilePairs& pairs, std::size_t chunk, int n, std::uint32_t& run,
+                      TileRoom& room) {
+    for (int k = 0; k < n;) {
+      while (pairs.begin[run + 1] <= chunk + k) ++run;
+      const int end = static_cast<int>(std::min<std::size_t>(n, pairs.begin[run + 1] - chunk));
+      // Whole packets; what they write too far is written again.
+      const float* c = &task.runs[run].across_x;
+      const int until = end == n ? (n + 15) / 16 * 16 : end;
+      for (int i = k; i < until; i += 16) {
+        for (int m = 0; m < 8; ++m)
+          for (int j = 0; j < 16; j += kLanes) store(room.constants[m] + i + j, F(c[m]));
+        std::fill_n(room.chunk_run + i, 16, run);
+      }
+      k = end;
+    }
+  }
+
+  static void evaluate(const TileTask& task, TileRoom& room, TilePairs& pairs) {
+    switch (task.mode) {
+      case KernelMode::value:
+        return evaluate_mode<KernelMode::value>(task, room, pairs);
+      case KernelMode::ends:
+        return evaluate_mode<KernelMode::ends>(task, room, pairs);
+      case KernelMode::material:
+        return evaluate_mode<KernelMode::material>(task, room, pairs);
+    }
+  }
+
+  [[gnu::flatten]] static void combine(KernelMode mode, std::size_t count, const float* base, const TileRoom& room,
+                                       TilePairs& pairs) {
+    if (mode == KernelMode::value) return;
+    const bool material = mode == KernelMode::material;
+    for (std::size_t i = 0; i < count; i += kLanes) {
+      const F b = packet::look_up<P>(base, &pairs.place[i]);
+      const auto take = [&](std::vector<float>& light, const std::vector<float>& area) {
+        store(&light[i], load(&light[i]) - b * load(&area[i]));
+      };
+      take(pairs.shift, room.area_shift);
+      take(pairs.turn, room.area_turn);
+      if (!material) continue;
+      take(pairs.width, room.area_width);
+      take(pairs.rim, room.area_rim);
+    }
+    for (EndPair& e : pairs.ends) {
+      e.light_first -= base[pairs.place[e.pair]] * e.area_first;
+      e.light_second -= base[pairs.place[e.pair]] * e.area_second;
+    }
+  }
+
+  [[gnu::flatten]] static void gather(const TileTask& task, const float* weight, const TilePairs& pairs,
+                                      const std::array<float*, kRunGradients>& to) {
+    const bool material = task.mode == KernelMode::material;
+    const F lane = packet::lane_numbers<P>();
+    const EndPair *end = pairs.ends.data(), *ends_stop = end + pairs.ends.size();
+    for (std::uint32_t first = 0; first < task.run_count; first += kLanes) {
+      const std::uint32_t stop = std::min<std::uint32_t>(first + kLanes, task.run_count);
+      alignas(64) float by[kRunGradients][kLanes] = {};  // shift, turn, first end, second end, width, rim, alpha
+      for (std::uint32_t r = first; r < stop; ++r) {
+        const std::size_t last = pairs.begin[r + 1];
+        F shift = zero(), turn = zero(), width = zero(), rim = zero(), alpha = zero();
+        for (std::size_t i = pairs.begin[r]; i < last; i += kLanes) {
+          const Mask in = lane < F(static_cast<float>(last - i));
+          const F w = xsimd::select(in, packet::look_up<P>(weight, &pairs.place[i]), zero());
+          shift = shift + w * load(&pairs.shift[i]);
+          turn = turn + w * load(&pairs.turn[i]);
+          if (!material) continue;
+          width = width + w * load(&pairs.width[i]);
+          rim = rim + w * load(&pairs.rim[i]);
+          alpha = alpha + w * load(&pairs.alpha[i]);
+        }
+        const std::uint32_t k = r - first;
+        by[0][k] = packet::sum(shift);
+        by[1][k] = packet::sum(turn);
+        for (; end != ends_stop && end->pair < last; ++end) {
+          const float w = weight[pairs.place[end->pair]];
+          by[2][k] += w * end->light_first;
+          by[3][k] += w * end->light_second;
+        }
+        if (!material) continue;
+        by[4][k] = packet::sum(width);
+        by[5][k] = packet::sum(rim);
+        by[6][k] = packet::sum(alpha);
+      }
+      F run[8];
+      for (const int half : {0, 4})
+        packet::four_columns(run + half,
+                             [&](int k) { return &task.runs[std::min(first + k, stop - 1)].across_x + half; });
+      const F &x = run[0], &y = run[1], &per_mm = run[2];
+      const F per_unit = inverse(run[5] - run[4]), foot = -run[4] * per_unit;
+      const F shift = per_mm * load(by[0]), turn = per_mm * per_unit * load(by[1]);
+      const F across0 = shift * (F(1.0F) - foot) + turn, across1 = shift * foot - turn;
+      const F along0 = per_mm * load(by[2]), along1 = per_mm * load(by[3]);
+      const F out[4] = {x * across0 - y * along0, y * across0 + x * along0, x * across1 - y * along1,
+                        y * across1 + x * along1};
+      for (int i = 0; i < 4; ++i) out[i].store_aligned(by[i]);
+      for (int i = 0; i < (material ? kRunGradients : 4); ++i) std::copy_n(by[i], stop - first, to[i] + first);
+    }
+  }
+
+  static constexpr TileKernels kernels() { return {find, evaluate, combine, gather}; }
+};
+
+}  // namespace burin

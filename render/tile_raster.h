@@ -1,0 +1,207 @@
+// render/tile_raster.h - which pixels of a tile a scratch touches, many rows at once.
+//
+// The strip |t| <= rim between its ends is cut to the tile's box, taken to the tile's lattice by its block's map, and
+// drawn as a convex quadrilateral: within the slab of a row it is convex too, so the columns it touches are those
+// between the extremes of what the slab leaves of each edge. Every pixel is widened by what the map and float rounding
+// may be wrong by (rows by more, which also swallows edges too flat for their slope to be trusted): that can only add
+// pixels. Included only where packet_math.h may be.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "render/packet_math.h"
+#include "render/tile.h"
+
+namespace burin {
+
+template <class P>
+struct TileRaster {
+  using F = P;
+  using Mask = typename P::batch_bool_type;
+  static constexpr int kLanes = kLanesOf<P>;
+  using Lanes = float[kLanes];
+
+  struct Edge {
+    alignas(64) Lanes x0, y0, x1, y1, slope;  // y0 <= y1
+  };
+  /// Quadrilaterals of as many runs as a packet has lanes, in the lattice of a block.
+  struct Quads {
+    Edge edge[4];
+    alignas(64) Lanes row0, row1;  // first and last row touched
+    alignas(64) Lanes e, e_row;    // widening, px
+    std::uint32_t empty, everything;
+  };
+
+  [[gnu::flatten]] static void make(const TileBlock& block, const TileRun* runs, int count, Quads& out) {
+    F run[8];
+    for (const int half : {0, 4})
+      packet::four_columns(run + half, [&](int k) { return &runs[std::min(k, count - 1)].across_x + half; });
+    const F &across_x = run[0], &across_y = run[1], &t_origin = run[3], &rim = run[7];
+    const F mm = F(1.0F) / run[2], half_width = rim * mm;
+    const F along_x = -across_y, &along_y = across_x;
+    const F foot_x = -t_origin * mm * across_x, foot_y = -t_origin * mm * across_y;
+    F from = run[4] * mm, to = run[5] * mm;  // mm along from the foot of the tile's origin
+    const auto cut = [&](const F& foot, const F& along, float low, float high) {
+      const F margin = half_width * F(1.0001F) + F(1e-5F * (high - low));
+      const Mask steep = xsimd::abs(along) > F(1e-6F);
+      const F inverse = F(1.0F) / xsimd::select(steep, along, F(1.0F));
+      const F a = (F(low) - margin - foot) * inverse, b = (F(high) + margin - foot) * inverse;
+      from = xsimd::select(steep, xsimd::max(from, xsimd::min(a, b)), from);
+      to = xsimd::select(steep, xsimd::min(to, xsimd::max(a, b)), to);
+    };
+    cut(foot_x, along_x, block.low_mm[0], block.high_mm[0]);
+    cut(foot_y, along_y, block.low_mm[1], block.high_mm[1]);
+    out.empty = packet::bits_of<P>(!(from <= to));
+
+    F x[4], y[4];
+    F w_least(1.0F), size(static_cast<float>(kTile)), y_low, y_high;
+    const auto& m = block.lattice_from_mm;
+    for (int i = 0; i < 4; ++i) {
+      const F& s = i < 2 ? from : to;
+      const F side = i == 0 || i == 3 ? -half_width : half_width;
+      const F px = foot_x + s * along_x + side * across_x, py = foot_y + s * along_y + side * across_y;
+      const F w = F(m[6]) * px + (F(m[7]) * py + F(m[8]));
+      const F inverse = F(1.0F) / xsimd::max(w, F(1e-3F));
+      x[i] = (F(m[0]) * px + (F(m[1]) * py + F(m[2]))) * inverse;
+      y[i] = (F(m[3]) * px + (F(m[4]) * py + F(m[5]))) * inverse;
+      w_least = xsimd::min(w_least, w);
+      size = xsimd::max(size, xsimd::max(xsimd::abs(x[i]), xsimd::abs(y[i])));
+      y_low = i == 0 ? y[0] : xsimd::min(y_low, y[i]);
+      y_high = i == 0 ? y[0] : xsimd::max(y_high, y[i]);
+    }
+    // Too near the map's horizon, or not a number: everything, to be safe.
+    const Mask good = (w_least > F(0.02F)) & (size < F(1e6F));
+    out.everything = block.by_box ? ~0U : packet::bits_of<P>(!good);
+    const F e = F(block.error_px) + F(1e-6F) * size, e_row = F(block.error_px) + F(5e-6F) * size;
+    e.store_aligned(out.e);
+    e_row.store_aligned(out.e_row);
+    xsimd::ceil(y_low - F(1.0F) - e_row).store_aligned(out.row0);
+    xsimd::floor(y_high + e_row).store_aligned(out.row1);
+    for (int i = 0; i < 4; ++i) {
+      const int j = (i + 1) % 4;
+      const Mask up = y[i] > y[j];
+      const F x0 = xsimd::select(up, x[j], x[i]), x1 = xsimd::select(up, x[i], x[j]);
+      const F y0 = xsimd::min(y[i], y[j]), y1 = xsimd::max(y[i], y[j]);
+      const F dy = y1 - y0;
+      const Mask trusted = dy > F(3e-6F) * size;
+      const F slope = (x1 - x0) / xsimd::select(trusted, dy, F(1.0F));
+      Edge& edge = out.edge[i];
+      x0.store_aligned(edge.x0);
+      y0.store_aligned(edge.y0);
+      x1.store_aligned(edge.x1);
+      y1.store_aligned(edge.y1);
+      xsimd::select(trusted, slope, F(0.0F)).store_aligned(edge.slope);
+    }
+  }
+
+  /// Writes the places (row * kTile + column) that quadrilateral k touches; returns where the next would go. Up to
+  /// kTilePixels + 16 entries are written. `valid_rows`: a bit a pixel, or null where all are valid.
+  [[gnu::flatten]] static std::uint16_t* draw(const TileBlock& block, const Quads& quads, int k,
+                                              const std::uint32_t* valid_rows, std::uint16_t* to) {
+    if ((quads.empty >> k & 1) != 0) return to;
+    if ((quads.everything >> k & 1) != 0) {
+      for (int row = block.y0; row < block.y1; ++row) to = put(row, block.x0, block.x1, valid_rows, to);
+      return to;
+    }
+    const int row0 = std::max(block.y0, static_cast<int>(quads.row0[k]));
+    const int row1 = std::min(block.y1 - 1, static_cast<int>(quads.row1[k]));
+    const F e(quads.e[k]), e_row(quads.e_row[k]);
+    for (int first = row0; first <= row1; first += kLanes) {
+      const F far(std::numeric_limits<float>::infinity());
+      F low = far, high = -far;
+      const F row = packet::lane_numbers<P>() + F(static_cast<float>(first));
+      const F top = row - e_row, bottom = row + F(1.0F) + e_row;
+      for (int i = 0; i < 4; ++i) {
+        const Edge& edge = quads.edge[i];
+        const F x0(edge.x0[k]), y0(edge.y0[k]), y1(edge.y1[k]), slope(edge.slope[k]);
+        const F from = xsimd::max(top, y0), until = xsimd::min(bottom, y1);
+        const Mask there = from <= until;
+        const F a = x0 + slope * (from - y0), b = xsimd::select(until == y1, F(edge.x1[k]), x0 + slope * (until - y0));
+        low = xsimd::select(there, xsimd::min(low, xsimd::min(a, b)), low);
+        high = xsimd::select(there, xsimd::max(high, xsimd::max(a, b)), high);
+      }
+      const Mask in = row <= F(static_cast<float>(row1));
+      const F begin = xsimd::max(xsimd::floor(low - e), F(static_cast<float>(block.x0)));
+      const F end = xsimd::min(xsimd::floor(high + e) + F(1.0F), F(static_cast<float>(block.x1)));
+#ifdef __AVX512BW__
+      if constexpr (kIs512<P>) {
+        if (valid_rows == nullptr) {
+          const __mmask16 some = (in & (begin < end)).data;
+          const __m512i b = _mm512_maskz_cvttps_epi32(some, begin), stop = _mm512_maskz_cvttps_epi32(some, end);
+          __m512i count = _mm512_sub_epi32(stop, b);
+          __m512i place = _mm512_add_epi32(_mm512_slli_epi32(_mm512_cvttps_epi32(row), 5), b);
+          static_assert(kTile == 32);
+          const __m512i one = _mm512_set1_epi32(1);
+          for (__mmask16 left = some; left != 0;) {
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+                                _mm512_cvtepi32_epi16(_mm512_maskz_compress_epi32(left, place)));
+            to += std::popcount(static_cast<unsigned>(left));
+            place = _mm512_add_epi32(place, one);
+            count = _mm512_sub_epi32(count, one);
+            left = _mm512_cmpgt_epi32_mask(count, _mm512_setzero_si512());
+          }
+          continue;
+        }
+      }
+#endif
+      alignas(64) Lanes begins, ends;
+      begin.store_aligned(begins);
+      end.store_aligned(ends);
+      for (std::uint32_t bits = packet::bits_of<P>(in & (begin < end)); bits != 0; bits &= bits - 1) {
+        const int r = std::countr_zero(bits);
+        to = put(first + r, static_cast<int>(begins[r]), static_cast<int>(ends[r]), valid_rows, to);
+      }
+    }
+    return to;
+  }
+
+  /// The places of all runs, one run after the other: those of run r are place[begin[r]] .. place[begin[r + 1] - 1].
+  /// 16 zeros follow the last.
+  static void find(std::span<const TileBlock> blocks, const TileRun* runs, std::uint32_t count,
+                   const std::uint32_t* valid_rows, std::vector<std::uint32_t>& begin,
+                   std::vector<std::uint16_t>& place) {
+    if (begin.size() < count + 1) begin.resize(count + 1);
+    std::size_t n = 0;
+    const auto room = [&] {
+      const std::size_t needed = n + kTilePixels + 64;
+      if (place.size() < needed) place.resize(needed + needed / 4);
+      return place.data() + n;
+    };
+    Quads quads;
+    if (blocks.size() == 1) {
+      for (std::uint32_t first = 0; first < count; first += kLanes) {
+        const int runs_here = static_cast<int>(std::min<std::uint32_t>(kLanes, count - first));
+        make(blocks[0], runs + first, runs_here, quads);
+        for (int k = 0; k < runs_here; ++k) {
+          begin[first + k] = static_cast<std::uint32_t>(n);
+          n = draw(blocks[0], quads, k, valid_rows, room()) - place.data();
+        }
+      }
+    } else {
+      for (std::uint32_t r = 0; r < count; ++r) {
+        begin[r] = static_cast<std::uint32_t>(n);
+        for (const TileBlock& block : blocks) {
+          make(block, runs + r, 1, quads);
+          n = draw(block, quads, 0, valid_rows, room()) - place.data();
+        }
+      }
+    }
+    begin[count] = static_cast<std::uint32_t>(n);
+    std::fill_n(room(), 16, std::uint16_t{0});
+  }
+
+ private:
+  static std::uint16_t* put(int row, int begin, int end, const std::uint32_t* valid_rows, std::uint16_t* to) {
+    const std::uint32_t valid = valid_rows == nullptr ? ~0U : valid_rows[row];
+    for (int c = begin; c < end; ++c)
+      if ((valid >> c & 1) != 0) *to++ = static_cast<std::uint16_t>(row * kTile + c);
+    return to;
+  }
+};
+
+}  // namespace burin
