@@ -33,6 +33,7 @@ struct FastView::Data {
   KernelMode mode = KernelMode::value;
   std::size_t scratch_count = 0, pair_count = 0;
   std::vector<double> width_um, depth_um;  // one each, or one of all
+  std::vector<float> per_mm, rim, alpha;   // the same
 
   Data(const ViewScene& s, const PixelIndex& i, int c, SimdWidth width, std::shared_ptr<RenderRoom> r)
       : scene(s), index(i), channels(c), kernels(tile_kernels(width)), room(std::move(r)) {}
@@ -129,17 +130,25 @@ void FastView::Data::sort_scratches(const Scratches& s) {
   };
   keep(s.width_um, scene.tool_width_um, width_um);
   keep(s.depth_um, scene.material.depth_um, depth_um);
-  const bool one_rim = width_um.size() == 1 && depth_um.size() == 1;
-  const auto shared_rim = static_cast<float>(groove_rim(width_um[0], depth_um[0]));
-  const double shared_per_mm = 2000 / width_um[0];
-  room->runs.sort(index, s.size(), [&](std::size_t i) {
-    ScratchLine l;
-    l.frame = strip_frame({s.x0_mm[i], s.y0_mm[i]}, {s.x1_mm[i], s.y1_mm[i]});
-    l.per_mm = one_rim ? shared_per_mm : 2000 / width_of(i);
-    l.rim = one_rim ? shared_rim : static_cast<float>(groove_rim(width_of(i), depth_of(i)));
-    l.alpha = static_cast<float>(std::min(1.0, s.alpha.empty() ? scene.material.alpha : s.alpha[i]));
-    return l;
-  });
+  const std::size_t widths = std::max(width_um.size(), depth_um.size());
+  per_mm.resize(widths);
+  rim.resize(widths);
+  for (std::size_t i = 0; i < widths; ++i) {
+    per_mm[i] = static_cast<float>(2000 / width_of(i));
+    rim[i] = static_cast<float>(groove_rim(width_of(i), depth_of(i)));
+  }
+  const std::vector<double> shared_alpha{scene.material.alpha};
+  const std::vector<double>& from = s.alpha.empty() ? shared_alpha : s.alpha;
+  alpha.resize(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) alpha[i] = static_cast<float>(std::min(1.0, from[i]));
+  room->runs.sort(index, {s.size(),
+                          s.x0_mm.data(),
+                          s.y0_mm.data(),
+                          s.x1_mm.data(),
+                          s.y1_mm.data(),
+                          {per_mm.data(), widths == 1},
+                          {rim.data(), widths == 1},
+                          {alpha.data(), s.alpha.empty()}});
 }
 
 void FastView::Data::render_tile(std::size_t t, Image& radiance) {

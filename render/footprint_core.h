@@ -114,19 +114,23 @@ struct MomentDerivatives {
   Moments<T> value, turn, radial_over_r2;
 };
 
-/// The moments of W, and of its derivative by hx (hy, hz and alpha held).
-template <class T>
-struct MomentsByHx {
-  Moments<T> value, hx;
-};
+/// One lobe's part, before the division by 4.
+template <Parts kWhat, bool kMean, class T>
+[[gnu::always_inline]] inline detail::LobeMoments<kWhat, T> front_lobe(const Lobes<T>& l, const T& t1, const T& t2) {
+  return detail::lobe<kWhat, kMean, false>(l.p, l.q, l.e, l.k, l.r, l.s2, l.s, l.inv_s, t1, t2);
+}
+template <Parts kWhat, bool kMean, class T>
+[[gnu::always_inline]] inline detail::LobeMoments<kWhat, T> back_lobe(const Lobes<T>& l, const T& t1, const T& t2) {
+  return detail::lobe<kWhat, kMean, true>(l.q, l.p, T(-l.e), T(-l.k), T(-l.r), l.s2, l.s, l.inv_s, t1, t2);
+}
 
 namespace detail {
 
 // Part i of the result is the sum of both lobes' parts i, over 4.
 template <Parts kWhat, bool kMean, class T>
 [[gnu::always_inline]] inline LobeMoments<kWhat, T> both_lobes(const Lobes<T>& l, const T& t1, const T& t2) {
-  auto m = lobe<kWhat, kMean, false>(l.p, l.q, l.e, l.k, l.r, l.s2, l.s, l.inv_s, t1, t2);
-  const auto back = lobe<kWhat, kMean, true>(l.q, l.p, T(-l.e), T(-l.k), T(-l.r), l.s2, l.s, l.inv_s, t1, t2);
+  auto m = front_lobe<kWhat, kMean>(l, t1, t2);
+  const auto back = back_lobe<kWhat, kMean>(l, t1, t2);
   for (int i = 0; i < LobeMoments<kWhat, T>::kParts; ++i) {
     m.part[i].m0 = (m.part[i].m0 + back.part[i].m0) * T(0.25);
     m.part[i].m1 = (m.part[i].m1 + back.part[i].m1) * T(0.25);
@@ -134,11 +138,12 @@ template <Parts kWhat, bool kMean, class T>
   return m;
 }
 
+/// radial's moments over r^2, from those of `radial` itself.
 template <bool kMean, class T>
-[[gnu::always_inline]] inline MomentDerivatives<T> all_derivatives(const Lobes<T>& l, const T& t1, const T& t2) {
-  const auto both = both_lobes<Parts::all, kMean>(l, t1, t2);
+[[gnu::always_inline]] inline Moments<T> radial_over_r2(const Lobes<T>& l, const Moments<T>& radial, const T& t1,
+                                                        const T& t2) {
   const T inv_r2 = T(1) / l.r2;
-  MomentDerivatives<T> m{both.part[0], both.part[1], {both.part[2].m0 * inv_r2, both.part[2].m1 * inv_r2}};
+  Moments<T> m{radial.m0 * inv_r2, radial.m1 * inv_r2};
   // As r -> 0 the two lobes' radial parts cancel and r^2 divides what is left: take the integrand itself there,
   // radial / r^2 = 4 (n.h)^2 / (1 - u^2)^3. It is smooth: all poles are near t = +- i.
   const auto rough = l.r2 < T(0.01f);
@@ -150,10 +155,16 @@ template <bool kMean, class T>
       const T inv = T(1) / (T(1) - l.r2 * nh * nh);
       out[0] = T(4) * nh * nh * inv * inv * inv;
     });
-    m.radial_over_r2.m0 = select(rough, direct.part[0].m0, m.radial_over_r2.m0);
-    m.radial_over_r2.m1 = select(rough, direct.part[0].m1, m.radial_over_r2.m1);
+    m.m0 = select(rough, direct.part[0].m0, m.m0);
+    m.m1 = select(rough, direct.part[0].m1, m.m1);
   }
   return m;
+}
+
+template <bool kMean, class T>
+[[gnu::always_inline]] inline MomentDerivatives<T> all_derivatives(const Lobes<T>& l, const T& t1, const T& t2) {
+  const auto m = both_lobes<Parts::all, kMean>(l, t1, t2);
+  return {m.part[0], m.part[1], radial_over_r2<kMean>(l, m.part[2], t1, t2)};
 }
 
 }  // namespace detail
@@ -175,11 +186,6 @@ MomentDerivatives<T> moments_with_derivatives(const Lobes<T>& l, const T& t1, co
 template <class T>
 Moments<T> mean_moments(const Lobes<T>& l, const T& t1, const T& t2) {
   return detail::both_lobes<Parts::value, true>(l, t1, t2).part[0];
-}
-template <class T>
-MomentsByHx<T> mean_moments_by_hx(const Lobes<T>& l, const T& t1, const T& t2) {
-  const auto m = detail::both_lobes<Parts::value_and_hx, true>(l, t1, t2);
-  return {m.part[0], m.part[1]};
 }
 template <class T>
 MomentDerivatives<T> mean_moments_with_derivatives(const Lobes<T>& l, const T& t1, const T& t2) {

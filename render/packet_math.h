@@ -107,6 +107,18 @@ template <class P>
   for (; bits != 0; bits &= bits - 1) *to++ = lanes[std::countr_zero(bits)];
 }
 
+/// Packs those of from[0 .. lanes - 1] that `bits` names to `to`; a whole packet may be overwritten there.
+template <class P>
+[[gnu::always_inline]] inline void pack_numbers(std::uint32_t* to, const std::uint32_t* from, std::uint32_t bits) {
+#ifdef __AVX512BW__
+  if constexpr (kIs512<P>) {
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), _mm512_loadu_si512(from)));
+    return;
+  }
+#endif
+  for (; bits != 0; bits &= bits - 1) *to++ = from[std::countr_zero(bits)];
+}
+
 /// The four floats that start at row(lane), lane by lane: one packet for each of the four.
 template <class P, class Row>
 [[gnu::always_inline]] inline void four_columns(P* out, const Row& row) {

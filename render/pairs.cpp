@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -190,34 +191,37 @@ void PixelIndex::map_whole_grid(const FootprintGrid& grid) {
   if (grid.board_from_pixel.has_value()) {
     Eigen::Matrix3d lattice_from_pixel = Eigen::Matrix3d::Identity();
     lattice_from_pixel(0, 2) = lattice_from_pixel(1, 2) = 0.5;
-    lattice_from_board_ = lattice_from_pixel * grid.board_from_pixel->inverse();
+    map_.lattice_from_board = lattice_from_pixel * grid.board_from_pixel->inverse();
     const std::vector<Correspondence> some = corners.sample(3);
-    if (!some.empty() && (lattice_from_board_ * some[0].board_mm.homogeneous()).z() < 0)
-      lattice_from_board_ = -lattice_from_board_;
+    if (!some.empty() && (map_.lattice_from_board * some[0].board_mm.homogeneous()).z() < 0)
+      map_.lattice_from_board = -map_.lattice_from_board;
   } else {
     const auto fit = fit_homography(corners.sample(33));
     if (!fit.has_value()) return;
-    lattice_from_board_ = *fit;
+    map_.lattice_from_board = *fit;
   }
-  affine_ = lattice_from_board_.row(2).head<2>().isZero(0);
-  lattice_from_board_ /= affine_ ? lattice_from_board_(2, 2) : lattice_from_board_.row(2).cwiseAbs().maxCoeff();
-  error_px_ = 0;
-  w_min_ = std::numeric_limits<double>::infinity();
+  map_.affine = map_.lattice_from_board.row(2).head<2>().isZero(0);
+  map_.lattice_from_board /=
+      map_.affine ? map_.lattice_from_board(2, 2) : map_.lattice_from_board.row(2).cwiseAbs().maxCoeff();
+  map_.error_px = 0;
+  map_.w_min = std::numeric_limits<double>::infinity();
   double largest = 1;
   for (int r = 0; r <= height_; ++r) {
     for (int c = 0; c <= width_; ++c) {
       if (!corners.used(c, r)) continue;
       const Eigen::Vector2d p = corners.at(c, r);
-      const Eigen::Vector3d q = lattice_from_board_ * p.homogeneous();
+      const Eigen::Vector3d q = map_.lattice_from_board * p.homogeneous();
       if (!(q.z() > 0)) return;
-      w_min_ = std::min(w_min_, q.z());
-      error_px_ = std::max(error_px_, (q.hnormalized() - Eigen::Vector2d(c, r)).cwiseAbs().maxCoeff());
+      map_.w_min = std::min(map_.w_min, q.z());
+      map_.error_px = std::max(map_.error_px, (q.hnormalized() - Eigen::Vector2d(c, r)).cwiseAbs().maxCoeff());
       largest = std::max(largest, p.cwiseAbs().maxCoeff());
     }
   }
-  error_px_ +=
-      kRounding * (lattice_from_board_.topRows<2>().cwiseAbs().maxCoeff() * (largest + 1) / w_min_ + width_ + height_);
-  mapped_ = std::isfinite(w_min_) && error_px_ <= kGridError_px;
+  map_.error_px +=
+      kRounding *
+      (map_.lattice_from_board.topRows<2>().cwiseAbs().maxCoeff() * (largest + 1) / map_.w_min + width_ + height_);
+  map_.error_px = 1.01 * map_.error_px + 1e-3;  // footprints are straight-edged, and float rounds
+  map_.exists = std::isfinite(map_.w_min) && map_.error_px <= kGridError_px;
 }
 
 /// Adds blocks of a tile for pixels x0 .. x1 - 1, y0 .. y1 - 1: one if a map serves it, else its quarters.
@@ -243,7 +247,8 @@ bool PixelIndex::add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, i
   // The grid's map where there is one, put right by an affine map.
   Eigen::Matrix3d to_tile = Eigen::Matrix3d::Identity();
   to_tile.topRightCorner<2, 1>() = origin_mm;
-  const Eigen::Matrix3d rough = mapped_ ? Eigen::Matrix3d(lattice_from_board_ * to_tile) : Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d rough =
+      map_.exists ? Eigen::Matrix3d(map_.lattice_from_board * to_tile) : Eigen::Matrix3d::Identity();
   std::vector<Eigen::Vector2d> from, to;
   for (const Correspondence& p : corners.sample(5)) {
     from.emplace_back((rough * (p.board_mm - origin_mm).homogeneous()).hnormalized());
@@ -293,10 +298,10 @@ bool PixelIndex::add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, i
 void PixelIndex::find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d& p1_mm,
                             const Eigen::Vector2d& across_mm, std::vector<std::uint32_t>& tiles) const {
   if (p0_mm == p1_mm) return;
-  const Eigen::Matrix3d& H = lattice_from_board_;
+  const Eigen::Matrix3d& H = map_.lattice_from_board;
   const Eigen::Vector3d q0 = H.leftCols<2>() * p0_mm + H.col(2), q1 = H.leftCols<2>() * p1_mm + H.col(2);
   const Eigen::Vector3d side = H.leftCols<2>() * across_mm;
-  if (!mapped_ || std::min(q0.z(), q1.z()) - std::abs(side.z()) < 0.5 * w_min_) {
+  if (!map_.exists || std::min(q0.z(), q1.z()) - std::abs(side.z()) < 0.5 * map_.w_min) {
     const Strip strip{p0_mm, p1_mm, across_mm.norm()};
     for (std::size_t t = 0; t < tiles_.size(); ++t) {
       for (const TileBlock& b : blocks(tiles_[t])) {
@@ -310,13 +315,13 @@ void PixelIndex::find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d&
   }
   // The strip lies between its middle's ends, widened by how far its corners are from those.
   Eigen::Vector2d m0 = q0.head<2>(), m1 = q1.head<2>(), pad = side.head<2>().cwiseAbs();
-  if (!affine_) {
+  if (!map_.affine) {
     m0 = q0.hnormalized();
     m1 = q1.hnormalized();
     for (const auto& [q, m] : {std::pair{q0, m0}, std::pair{q1, m1}})
       for (const double sign : {-1.0, 1.0}) pad = pad.cwiseMax(((q + sign * side).hnormalized() - m).cwiseAbs());
   }
-  pad.array() += 1.01 * error_px_ + 1e-3;
+  pad.array() += map_.error_px;
   const double x0 = m0.x(), y0 = m0.y(), x1 = m1.x(), y1 = m1.y();
   const double y_low = std::min(y0, y1) - pad.y(), y_high = std::max(y0, y1) + pad.y();
   const double x_low = std::min(x0, x1) - pad.x(), x_high = std::max(x0, x1) + pad.x();
@@ -348,61 +353,87 @@ void PixelIndex::find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d&
   }
 }
 
-TileRun run_of(const Strip& strip, const Eigen::Vector2d& origin_mm) {
-  const StripFrame frame = strip_frame(strip.p0_mm, strip.p1_mm);
-  return tile_run(frame, 1 / strip.half_width_mm, 1, 1, origin_mm);
-}
-
-void PixelIndex::find(const Strip& strip, std::vector<PixelSpan>& spans) const {
-  std::vector<std::uint32_t> touched;
-  find_tiles(strip.p0_mm, strip.p1_mm, strip_frame(strip.p0_mm, strip.p1_mm).x * strip.half_width_mm, touched);
-  const TileKernels& kernels = tile_kernels(SimdWidth::best);
-  TilePairs pairs;
-  for (const std::uint32_t t : touched) {
-    const GridTile& tile = tiles_[t];
-    const TileRun run[2] = {run_of(strip, tile.origin_mm), {}};
-    kernels.find({nullptr, run, 1, blocks(tile), tile.all_valid ? nullptr : tile.valid_rows.data(), {}}, pairs);
-    std::sort(pairs.place.begin(), pairs.place.begin() + pairs.begin[1]);
-    const int left = static_cast<int>(t % tiles_x_) * kTile, top = static_cast<int>(t / tiles_x_) * kTile;
-    for (std::uint32_t k = 0; k < pairs.begin[1]; ++k) {
-      const int row = top + pairs.place[k] / kTile, column = left + pairs.place[k] % kTile;
-      if (k > 0 && pairs.place[k] == pairs.place[k - 1] + 1 && spans.back().row == row)
-        ++spans.back().end;
-      else
-        spans.push_back({row, column, column + 1});
-    }
-  }
-}
-
 namespace {
 
-/// Runs of all strips, sorted into tiles.
-void sort_strips(const PixelIndex& index, const std::vector<Strip>& strips, TileRuns& runs) {
-  runs.sort(index, strips.size(), [&](std::size_t i) {
-    return ScratchLine{strip_frame(strips[i].p0_mm, strips[i].p1_mm), 1 / strips[i].half_width_mm, 1, 1};
-  });
-}
+/// Strips as lines with |t| <= 1 across them, sorted into tiles.
+class StripRuns {
+ public:
+  StripRuns(const PixelIndex& index, std::span<const Strip> strips) : per_mm_(strips.size()) {
+    for (std::vector<double>* v : {&x0_, &y0_, &x1_, &y1_}) v->resize(strips.size());
+    for (std::size_t i = 0; i < strips.size(); ++i) {
+      x0_[i] = strips[i].p0_mm.x();
+      y0_[i] = strips[i].p0_mm.y();
+      x1_[i] = strips[i].p1_mm.x();
+      y1_[i] = strips[i].p1_mm.y();
+      per_mm_[i] = static_cast<float>(1 / strips[i].half_width_mm);
+    }
+    sort(index);
+  }
+  void sort(const PixelIndex& index) {
+    runs_.sort(index,
+               {x0_.size(), x0_.data(), y0_.data(), x1_.data(), y1_.data(), {per_mm_.data(), false}, {&one_}, {&one_}});
+  }
+  const TileRuns& runs() const { return runs_; }
 
-/// visit(tile, pairs of the tile), tiles side by side.
-template <typename Visit>
-void each_tile(const PixelIndex& index, const TileRuns& runs, SimdWidth simd, const Visit& visit) {
-  const TileKernels& kernels = tile_kernels(simd);
-  tbb::parallel_for(std::size_t{0}, index.tiles().size(), [&](std::size_t t) {
-    if (runs.count(t) == 0) return;
-    const GridTile& tile = index.tiles()[t];
-    thread_local TilePairs pairs;
-    kernels.find(
-        {nullptr, runs.of(t), runs.count(t), index.blocks(tile), tile.all_valid ? nullptr : tile.valid_rows.data(), {}},
-        pairs);
-    visit(t, pairs);
-  });
-}
+  /// visit(tile, pairs of the tile), tiles side by side.
+  template <typename Visit>
+  void each_tile(const PixelIndex& index, SimdWidth simd, const Visit& visit) const {
+    const TileKernels& kernels = tile_kernels(simd);
+    tbb::parallel_for(std::size_t{0}, index.tiles().size(), [&](std::size_t t) {
+      if (runs_.count(t) == 0) return;
+      const GridTile& tile = index.tiles()[t];
+      thread_local TilePairs pairs;
+      kernels.find({nullptr,
+                    runs_.of(t),
+                    runs_.count(t),
+                    index.blocks(tile),
+                    tile.all_valid ? nullptr : tile.valid_rows.data(),
+                    {}},
+                   pairs);
+      visit(t, pairs);
+    });
+  }
+
+ private:
+  std::vector<double> x0_, y0_, x1_, y1_;
+  std::vector<float> per_mm_;
+  const float one_ = 1;
+  TileRuns runs_;
+};
 
 }  // namespace
 
+void PixelIndex::find(const Strip& strip, std::vector<PixelSpan>& spans) const {
+  const StripRuns one(*this, std::span(&strip, 1));
+  std::vector<std::pair<int, int>> pixels;  // row, column
+  for (std::size_t t = 0; t < tiles_.size(); ++t) {
+    if (one.runs().count(t) == 0) continue;
+    const int left = static_cast<int>(t % tiles_x_) * kTile, top = static_cast<int>(t / tiles_x_) * kTile;
+    TilePairs pairs;
+    tile_kernels(SimdWidth::best)
+        .find({nullptr,
+               one.runs().of(t),
+               1,
+               blocks(tiles_[t]),
+               tiles_[t].all_valid ? nullptr : tiles_[t].valid_rows.data(),
+               {}},
+              pairs);
+    for (std::uint32_t k = 0; k < pairs.begin[1]; ++k)
+      pixels.emplace_back(top + pairs.place[k] / kTile, left + pairs.place[k] % kTile);
+  }
+  std::sort(pixels.begin(), pixels.end());
+  const std::size_t before = spans.size();
+  for (const auto& [row, column] : pixels) {
+    if (spans.size() > before && spans.back().row == row && spans.back().end == column)
+      ++spans.back().end;
+    else
+      spans.push_back({row, column, column + 1});
+  }
+}
+
 PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std::vector<Strip>& strips) {
-  TileRuns runs;
-  sort_strips(index, strips, runs);
+  const StripRuns sorted(index, strips);
+  const TileRuns& runs = sorted.runs();
   const int tiles_x = index.tiles_x();
   const auto pixel_of = [&](std::size_t t, std::uint16_t place) {
     const std::size_t row = t / tiles_x * kTile + place / kTile, column = t % tiles_x * kTile + place % kTile;
@@ -410,14 +441,14 @@ PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std:
   };
   PixelPairs found;
   found.begin.assign(static_cast<std::size_t>(width) * height + 1, 0);
-  each_tile(index, runs, SimdWidth::best, [&](std::size_t t, const TilePairs& pairs) {
+  sorted.each_tile(index, SimdWidth::best, [&](std::size_t t, const TilePairs& pairs) {
     for (std::uint32_t k = 0; k < pairs.begin[runs.count(t)]; ++k) ++found.begin[pixel_of(t, pairs.place[k]) + 1];
   });
   for (std::size_t i = 1; i < found.begin.size(); ++i) found.begin[i] += found.begin[i - 1];
   found.scratch.resize(found.begin.back());
   std::vector<std::size_t> next(found.begin.begin(), found.begin.end() - 1);
   // A tile's runs are in scratch order, and a pixel is of one tile.
-  each_tile(index, runs, SimdWidth::best, [&](std::size_t t, const TilePairs& pairs) {
+  sorted.each_tile(index, SimdWidth::best, [&](std::size_t t, const TilePairs& pairs) {
     for (std::uint32_t r = 0; r < runs.count(t); ++r)
       for (std::uint32_t k = pairs.begin[r]; k < pairs.begin[r + 1]; ++k)
         found.scratch[next[pixel_of(t, pairs.place[k])]++] = runs.scratch(t, r);
@@ -425,13 +456,24 @@ PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std:
   return found;
 }
 
-std::size_t count_pairs(const PixelIndex& index, const std::vector<Strip>& strips, SimdWidth simd) {
-  thread_local TileRuns runs;  // its room is kept, as a renderer keeps it
-  sort_strips(index, strips, runs);
-  std::vector<std::size_t> count(index.tiles().size(), 0);
-  each_tile(index, runs, simd, [&](std::size_t t, const TilePairs& pairs) { count[t] = pairs.begin[runs.count(t)]; });
+struct PairCounter::Data {
+  const PixelIndex& index;
+  StripRuns strips;
+  std::vector<std::size_t> count;
+};
+PairCounter::PairCounter(const PixelIndex& index, const std::vector<Strip>& strips)
+    : data_(std::make_unique<Data>(Data{index, StripRuns(index, strips), {}})) {}
+PairCounter::~PairCounter() = default;
+
+std::size_t PairCounter::count(SimdWidth simd) {
+  Data& d = *data_;
+  d.count.assign(d.index.tiles().size(), 0);
+  d.strips.sort(d.index);
+  d.strips.each_tile(d.index, simd, [&](std::size_t t, const TilePairs& pairs) {
+    d.count[t] = pairs.begin[d.strips.runs().count(t)];
+  });
   std::size_t sum = 0;
-  for (const std::size_t n : count) sum += n;
+  for (const std::size_t n : d.count) sum += n;
   return sum;
 }
 

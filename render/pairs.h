@@ -16,6 +16,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -45,6 +46,14 @@ struct GridTile {
   std::array<std::uint32_t, kTile> valid_rows{};  ///< bit c of row r: that pixel has one
 };
 
+/// A map of a whole grid to its pixel lattice, right within error_px at every footprint's corner.
+struct GridMap {
+  bool exists = false, affine = false;
+  Eigen::Matrix3d lattice_from_board = Eigen::Matrix3d::Identity();
+  double error_px = 0;
+  double w_min = 0;  ///< least third homogeneous coordinate among the corners
+};
+
 /// The tiles of a grid. Built once a grid; the grid may go.
 class PixelIndex {
  public:
@@ -56,6 +65,8 @@ class PixelIndex {
   std::span<const TileBlock> blocks(const GridTile& tile) const {
     return std::span(blocks_).subspan(tile.block_begin, tile.block_end - tile.block_begin);
   }
+
+  const GridMap& map() const { return map_; }
 
   /// Appends the tiles that a strip may touch, in ascending order. `across_mm`: half its width across it.
   void find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d& p1_mm, const Eigen::Vector2d& across_mm,
@@ -76,14 +87,8 @@ class PixelIndex {
   std::vector<std::uint8_t> valid_;
   std::vector<GridTile> tiles_;
   std::vector<TileBlock> blocks_;
-  // The whole grid's map to the lattice, if it has one that is right within error_px_ at every footprint's corner.
-  bool mapped_ = false, affine_ = false;
-  Eigen::Matrix3d lattice_from_board_ = Eigen::Matrix3d::Identity();
-  double error_px_ = 0, w_min_ = 0;
+  GridMap map_;
 };
-
-/// A strip as a tile sees it, with |t| <= 1 across it.
-TileRun run_of(const Strip& strip, const Eigen::Vector2d& origin_mm);
 
 /// All pairs, by pixel: those of pixel i are scratch[begin[i]] .. scratch[begin[i + 1] - 1], ascending.
 struct PixelPairs {
@@ -92,8 +97,18 @@ struct PixelPairs {
 };
 PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std::vector<Strip>& strips);
 
-/// How many pairs there are, found with the fast path's packets: what finding alone costs (tests/bench).
-std::size_t count_pairs(const PixelIndex& index, const std::vector<Strip>& strips, SimdWidth simd = SimdWidth::best);
+/// Finds pairs as the fast path does, and only counts them: what finding alone costs (tests/bench). Its room is kept
+/// from one count() to the next.
+class PairCounter {
+ public:
+  PairCounter(const PixelIndex& index, const std::vector<Strip>& strips);
+  ~PairCounter();
+  std::size_t count(SimdWidth simd = SimdWidth::best);
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
 
 /// Throws Error naming the first scratch that has a coordinate that is not finite, or a width, depth or alpha that is
 /// not positive, or arrays whose sizes differ.

@@ -1,6 +1,6 @@
-// render/render_room.h - the buffers that views work in: runs, pairs with their Jacobian, and a thread's room. They grow
-// to the largest iteration and are kept. Views that are rendered and differentiated one after the other may share one,
-// so that memory grows with the pairs of one view and not of all.
+// render/render_room.h - the buffers that views work in: runs, pairs with their Jacobian, and a thread's room. They
+// grow to the largest iteration and are kept. Views that are rendered and differentiated one after the other may share
+// one, so that memory grows with the pairs of one view and not of all.
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>

@@ -75,9 +75,10 @@ struct TileTask {
 
 /// One thread's room for work.
 struct TileRoom {
-  static constexpr int kChunk = 256;  ///< pairs whose scratch constants are laid out at once
-  static constexpr int kGroup = 128;  ///< pairs set aside that are done at once
-  static constexpr int kPieces = 8 * kGroup;
+  static constexpr int kChunk = 128;  ///< pairs that go from stage to stage together
+  static constexpr int kPieces = 512;
+  /// Rounded up to a whole packet, and an odd number of cache lines apart: entries of the same place must not all fall
+  /// into the same set of the cache.
   template <int n>
   using Lanes = float[n + 16];
 
@@ -85,17 +86,27 @@ struct TileRoom {
   /// Derivatives of area, as those in TilePairs.
   std::vector<float> area_shift, area_turn, area_width, area_rim;
 
-  alignas(64) Lanes<kChunk> constants[8];
-  std::uint32_t chunk_run[kChunk + 16];
-  std::vector<std::uint32_t> special_pair, special_run;  // of the tile
+  /// Pairs set aside: their numbers and their runs, those with corners only and those with ends.
+  struct Special {
+    std::size_t count = 0;
+    std::vector<std::uint32_t> pair, run;
+  } corners, ends;
 
-  alignas(64) Lanes<kGroup> V, by_shift, by_turn, by_width, by_radial, by_rim, by_first, by_second;
-  alignas(64) Lanes<kGroup> area, a_shift, a_turn, a_first, a_second, a_rim;
-  alignas(64) Lanes<kGroup> alpha, rim, per_mm, tan2_i, tan2_o;
-  std::uint8_t has_end[kGroup + 16];
+  // Scratches beside their pairs, and what a pair carries from one stage to the next.
+  struct Scratch {
+    alignas(64) Lanes<kChunk> constant[8];  ///< as the members of TileRun
+    std::uint32_t run[kChunk + 16];
+  } scratch[2];  ///< of this chunk and of the next
+  alignas(64) Lanes<kChunk> per_mm, alpha, tan2_i, tan2_o, rim_light, moving_turn;
+  alignas(64) Lanes<kChunk> V, by_shift, by_turn, by_width, by_radial, by_first, by_second;
+  alignas(64) Lanes<kChunk> area, a_shift, a_turn, a_first, a_second, a_rim, rim;
+
+  // Pieces of the groove between breakpoints, and what each gives.
   int piece_count = 0;
   std::uint16_t piece_owner[kPieces + 16];
   alignas(64) Lanes<kPieces> t1, t2, top1, top2, bottom1, bottom2, on_first, on_second, hx, hy, hz, piece_alpha;
+  alignas(64) Lanes<kPieces> front[6];
+  alignas(64) Lanes<kPieces> piece_V, piece_shift, piece_turn, piece_width, piece_radial, piece_mean, piece_first;
 };
 
 /// Numbers that gather() gives for each run: by x0, y0, x1, y1, and log wt, rim, alpha.

@@ -96,45 +96,61 @@ struct TileKernel {
     return empty;
   }
 
-  // What one piece gives, before the factors that are the same for all pieces of a pair.
-  struct Sums {
-    F V, shift, turn, width, radial, mean, first_moment;
-  };
-
+  /// What the pieces 0 .. count - 1 give, before the factors that are the same for all pieces of a pair. In two passes,
+  /// one a lobe: a core looks only some hundred instructions ahead, and so it always has several packets in hand.
   template <KernelMode kMode>
-  [[gnu::always_inline]] static Sums evaluate_piece(const Piece& p, const F& hx, const F& hy, const F& hz,
-                                                    const F& alpha) {
-    const auto lobes = footprint::make_lobes(hx, hy, hz, alpha);
-    const F length = p.t2 - p.t1, half(0.5F);
-    const F top = half * (p.top1 + p.top2), bottom = half * (p.bottom1 + p.bottom2);
-    const F dtop = half * (p.top2 - p.top1), dbottom = half * (p.bottom2 - p.bottom1);
+  static void evaluate_pieces(TileRoom& b, int count) {
+    constexpr footprint::Parts kParts = kMode == KernelMode::value  ? footprint::Parts::value
+                                        : kMode == KernelMode::ends ? footprint::Parts::value_and_hx
+                                                                    : footprint::Parts::all;
+    for (int i = 0; i < count; i += kLanes) front_of_pieces<kParts>(b, i);
+    for (int i = 0; i < count; i += kLanes) rest_of_pieces<kMode, kParts>(b, i);
+  }
+
+  template <footprint::Parts kParts>
+  [[gnu::flatten]] static void front_of_pieces(TileRoom& b, int i) {
+    const auto lobes = footprint::make_lobes(load(b.hx + i), load(b.hy + i), load(b.hz + i), load(b.piece_alpha + i));
+    const auto m = footprint::front_lobe<kParts, true>(lobes, load(b.t1 + i), load(b.t2 + i));
+    for (int k = 0; k < m.kParts; ++k) {
+      store(b.front[2 * k] + i, m.part[k].m0);
+      store(b.front[2 * k + 1] + i, m.part[k].m1);
+    }
+  }
+
+  template <KernelMode kMode, footprint::Parts kParts>
+  [[gnu::flatten]] static void rest_of_pieces(TileRoom& b, int i) {
+    const F t1 = load(b.t1 + i), t2 = load(b.t2 + i), hx = load(b.hx + i), hy = load(b.hy + i), hz = load(b.hz + i);
+    const auto lobes = footprint::make_lobes(hx, hy, hz, load(b.piece_alpha + i));
+    auto m = footprint::back_lobe<kParts, true>(lobes, t1, t2);
+    for (int k = 0; k < m.kParts; ++k) {
+      m.part[k].m0 = F(0.25F) * (m.part[k].m0 + load(b.front[2 * k] + i));
+      m.part[k].m1 = F(0.25F) * (m.part[k].m1 + load(b.front[2 * k + 1] + i));
+    }
+    const F &m0 = m.part[0].m0, &m1 = m.part[0].m1;
+    const F top1 = load(b.top1 + i), top2 = load(b.top2 + i), bottom1 = load(b.bottom1 + i),
+            bottom2 = load(b.bottom2 + i);
+    const F length = t2 - t1, half(0.5F);
+    const F top = half * (top1 + top2), bottom = half * (bottom1 + bottom2);
+    const F dtop = half * (top2 - top1), dbottom = half * (bottom2 - bottom1);
     const F height = top - bottom, rise = dtop - dbottom;
-    Sums s{};
-    footprint::Moments<F> m;
-    F by_hx;
-    if constexpr (kMode == KernelMode::value) {
-      m = footprint::mean_moments(lobes, p.t1, p.t2);
-    } else if constexpr (kMode == KernelMode::ends) {
-      const auto d = footprint::mean_moments_by_hx(lobes, p.t1, p.t2);
-      m = d.value;
-      by_hx = length * (height * d.hx.m0 + rise * d.hx.m1);
-    } else {
-      const auto d = footprint::mean_moments_with_derivatives(lobes, p.t1, p.t2);
-      m = d.value;
-      s.radial = length * (height * d.radial_over_r2.m0 + rise * d.radial_over_r2.m1);
-      by_hx = (hx * lobes.r2 * s.radial + hz * (length * (height * d.turn.m0 + rise * d.turn.m1))) / lobes.H2;
-    }
-    s.V = length * (height * m.m0 + rise * m.m1);
+    store(b.piece_V + i, length * (height * m0 + rise * m1));
     if constexpr (kMode != KernelMode::value) {
-      s.shift = F(2.0F) * rise * m.m0;
-      s.turn =
-          F(-2.0F) * ((top * dtop - bottom * dbottom) * m.m0 + (dtop * dtop - dbottom * dbottom) * m.m1) + hy * by_hx;
-      s.mean = length * m.m0;
-      s.first_moment = length * (half * (p.t1 + p.t2) * m.m0 + half * length * m.m1);
-      if constexpr (kMode == KernelMode::material)
-        s.width = F(2.0F) * rise * (half * (p.t1 + p.t2) * m.m0 + half * length * m.m1);
+      F by_hx;
+      if constexpr (kMode == KernelMode::ends) {
+        by_hx = length * (height * m.part[1].m0 + rise * m.part[1].m1);
+      } else {
+        const auto radial = footprint::detail::radial_over_r2<true>(lobes, m.part[2], t1, t2);
+        const F by_radial = length * (height * radial.m0 + rise * radial.m1);
+        by_hx = (hx * lobes.r2 * by_radial + hz * (length * (height * m.part[1].m0 + rise * m.part[1].m1))) / lobes.H2;
+        store(b.piece_radial + i, by_radial);
+        store(b.piece_width + i, F(2.0F) * rise * (half * (t1 + t2) * m0 + half * length * m1));
+      }
+      store(b.piece_shift + i, F(2.0F) * rise * m0);
+      store(b.piece_turn + i,
+            F(-2.0F) * ((top * dtop - bottom * dbottom) * m0 + (dtop * dtop - dbottom * dbottom) * m1) + hy * by_hx);
+      store(b.piece_mean + i, length * m0);
+      store(b.piece_first + i, length * (half * (t1 + t2) * m0 + half * length * m1));
     }
-    return s;
   }
 
   // Where n.h > 0 does not reach over the whole groove, the limit moves as h turns (W is 1 there).
@@ -228,16 +244,21 @@ struct TileKernel {
     }
   };
 
-  /// One packet of pairs whose pixels the groove crosses from side to side; the others' lanes are returned as bits (and
-  /// give nothing here), those that it does not meet at all give nothing.
+  /// Pairs that are not to be finished at once, as bits of the lanes.
+  struct Aside {
+    std::uint32_t corners, ends;
+  };
+
+  /// One packet of pairs whose pixels the groove crosses from side to side: a piece each, at `at`. The others become
+  /// empty pieces: those to be set aside, and those that the groove does not meet at all.
   template <KernelMode kMode>
-  [[gnu::flatten]] static std::uint32_t cross(const TileTask& task, TileRoom& room, TilePairs& pairs, std::size_t pair,
-                                              int at, int lanes) {
+  [[gnu::flatten]] static Aside cross(const TileTask& task, TileRoom& room, const TileRoom::Scratch& scratch,
+                                      TilePairs& pairs, std::size_t pair, int at) {
     const std::uint16_t* place = &pairs.place[pair];
     const Pixels px(*task.pixels, [&](int k) { return place[k]; });
-    const auto constant = [&](int c) { return load(room.constants[c] + at); };
+    const auto constant = [&](int c) { return load(scratch.constant[c] + at); };
     const F across_x = constant(0), across_y = constant(1), per_mm = constant(2), t_origin = constant(3);
-    const F first = constant(4), second = constant(5), alpha = constant(6), rim = constant(7);
+    const F first = constant(4), second = constant(5), rim = constant(7);
     const F tx = across_x * per_mm, ty = across_y * per_mm;
     Edges e;
     F nearest(1e30F);
@@ -249,15 +270,15 @@ struct TileKernel {
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
     e.make();
     const Mask apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
-    const Mask special = ((nearest <= rim) | (e.Y_min < first) | (e.Y_max > second)) & !apart;
-    const Mask none = apart | special;
+    const Mask ends = ((e.Y_min < first) | (e.Y_max > second)) & !apart;
+    const Mask corners = (nearest <= rim) & !(apart | ends);
+    const Mask none = apart | ends | corners;
 
     F top1, bottom1, top2, bottom2;
     e.levels(-rim, first, second, top1, bottom1);
     e.levels(rim, first, second, top2, bottom2);
     const F height1 = top1 - bottom1, height2 = top2 - bottom2;
-    const F per_t = inverse(per_mm), unit = per_t * per_t;
-    const F area = xsimd::select(none, zero(), unit * rim * (height1 + height2));
+    const F per_t = inverse(per_mm), unit = xsimd::select(none, zero(), per_t * per_t);
     // Where n.h > 0, between lo and hi: on a deep groove one wall is often partly turned away.
     const auto limits = footprint::front_facing(hx, hz, rim);
     const F &lo = limits.lo, &hi = limits.hi;
@@ -266,73 +287,89 @@ struct TileKernel {
     const F dtop = top2 - top1, dbottom = bottom2 - bottom1;
     const Piece p{
         lo, hi, top1 + at_lo * dtop, top1 + at_hi * dtop, bottom1 + at_lo * dbottom, bottom1 + at_hi * dbottom};
-    const Sums s = evaluate_piece<kMode>(p, hx, hy, hz, alpha);
-    const Factor f = factor_of<kMode>(alpha, unit, px.tan2_i, px.tan2_o);
-    const F light = xsimd::select(dark, zero(), f.value * s.V);
-    store(&pairs.light[pair], light);
+    const auto keep = [&](float* to, const F& v) { store(to + at, xsimd::select(dark, zero(), v)); };
+    keep(room.t1, p.t1);
+    keep(room.t2, p.t2);
+    keep(room.top1, p.top1);
+    keep(room.top2, p.top2);
+    keep(room.bottom1, p.bottom1);
+    keep(room.bottom2, p.bottom2);
+    store(room.hx + at, hx);
+    store(room.hy + at, hy);
+    store(room.hz + at, hz);
+    store(room.piece_alpha + at, constant(6));
+    store(room.tan2_i + at, px.tan2_i);
+    store(room.tan2_o + at, px.tan2_o);
+    store(room.area + at, unit * rim * (height1 + height2));
     if constexpr (kMode != KernelMode::value) {
       // The limit moves as h turns (W is 1 there).
       const F per_H = footprint::Arithmetic<P>::inverse_sqrt(hx * hx + hz * hz);
       const F moving = xsimd::select(lo > -rim, (p.top1 - p.bottom1) * lo, zero()) +
                        xsimd::select(hi < rim, (p.top2 - p.bottom2) * hi, zero());
-      store(&pairs.shift[pair], xsimd::select(dark, zero(), f.value * s.shift));
-      store(&pairs.turn[pair], xsimd::select(dark, zero(), f.value * (s.turn - hy * per_H * moving)));
-      store(&room.area_shift[pair], xsimd::select(none, zero(), unit * (height2 - height1)));
-      store(&room.area_turn[pair],
-            xsimd::select(none, zero(), F(-0.5F) * unit * (height2 * (top2 + bottom2) - height1 * (top1 + bottom1))));
+      keep(room.moving_turn, -(hy * per_H * moving));
+      store(&room.area_shift[pair], unit * (height2 - height1));
+      store(&room.area_turn[pair], F(-0.5F) * unit * (height2 * (top2 + bottom2) - height1 * (top1 + bottom1)));
     }
     if constexpr (kMode == KernelMode::material) {
-      const F area_rim = xsimd::select(none, zero(), unit * (height1 + height2));
+      const F area_rim = unit * (height1 + height2);
       store(&room.area_rim[pair], area_rim);
       store(&room.area_width[pair], rim * area_rim);
-      store(&pairs.width[pair], xsimd::select(dark, zero(), f.value * (s.V + s.width)));
-      store(&pairs.rim[pair],
-            xsimd::select(dark, zero(), f.value * rim_light(hx, hy, hz, alpha, lo, hi, rim, height1, height2)));
-      store(&pairs.alpha[pair], xsimd::select(dark, zero(), f.value * (s.V * f.by_alpha - alpha * s.radial)));
+      keep(room.rim_light, rim_light(hx, hy, hz, constant(6), lo, hi, rim, height1, height2));
     }
-    add_to_pixels(light, area, place, lanes, room.sums);
-    return packet::bits_of<P>(special);
+    return {packet::bits_of<P>(corners), packet::bits_of<P>(ends)};
   }
 
-  /// Evaluates the pieces set aside and adds what they give to their pairs.
+  /// The factors of one packet of pairs that cross() began, and their places.
   template <KernelMode kMode>
-  [[gnu::flatten]] static void add_pieces(TileRoom& b) {
+  [[gnu::flatten]] static void finish_crossing(TileRoom& room, const TileRoom::Scratch& scratch, TilePairs& pairs,
+                                               std::size_t pair, int at, int lanes) {
+    const F alpha = load(room.piece_alpha + at), per_t = inverse(load(scratch.constant[2] + at));
+    const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(room.tan2_i + at), load(room.tan2_o + at));
+    const F V = load(room.piece_V + at), light = f.value * V;
+    store(&pairs.light[pair], light);
+    if constexpr (kMode != KernelMode::value) {
+      store(&pairs.shift[pair], f.value * load(room.piece_shift + at));
+      store(&pairs.turn[pair], f.value * (load(room.piece_turn + at) + load(room.moving_turn + at)));
+    }
+    if constexpr (kMode == KernelMode::material) {
+      store(&pairs.width[pair], f.value * (V + load(room.piece_width + at)));
+      store(&pairs.rim[pair], f.value * load(room.rim_light + at));
+      store(&pairs.alpha[pair], f.value * (V * f.by_alpha - alpha * load(room.piece_radial + at)));
+    }
+    add_to_pixels(light, load(room.area + at), &pairs.place[pair], lanes, room.sums);
+  }
+
+  /// Evaluates the pieces that cut() made and adds what they give to their pairs.
+  template <KernelMode kMode>
+  static void add_pieces(TileRoom& b) {
     // Harmless pieces up to a full packet.
     for (int i = b.piece_count; i < b.piece_count + kLanes; ++i) {
       b.t1[i] = b.t2[i] = b.top1[i] = b.top2[i] = b.bottom1[i] = b.bottom2[i] = b.hx[i] = b.hy[i] = 0;
       b.hz[i] = 1;
       b.piece_alpha[i] = 0.5F;
     }
-    for (int i = 0; i < b.piece_count; i += kLanes) {
-      const Piece p{load(b.t1 + i),   load(b.t2 + i),      load(b.top1 + i),
-                    load(b.top2 + i), load(b.bottom1 + i), load(b.bottom2 + i)};
-      const Sums s = evaluate_piece<kMode>(p, load(b.hx + i), load(b.hy + i), load(b.hz + i), load(b.piece_alpha + i));
-      const int n = std::min(kLanes, b.piece_count - i);
-      const std::uint16_t* owner = b.piece_owner + i;
-      const auto add = [&](float* to, const F& v) {
-        alignas(64) float lanes[kLanes];
-        v.store_aligned(lanes);
-        for (int k = 0; k < n; ++k) to[owner[k]] += lanes[k];
-      };
-      add(b.V, s.V);
+    evaluate_pieces<kMode>(b, b.piece_count);
+    for (int i = 0; i < b.piece_count; ++i) {
+      const int k = b.piece_owner[i];
+      b.V[k] += b.piece_V[i];
       if constexpr (kMode != KernelMode::value) {
-        const F first = load(b.on_first + i), second = load(b.on_second + i);
-        add(b.by_shift, s.shift);
+        b.by_shift[k] += b.piece_shift[i];
         // An edge opposite an end turns alone (between two edges this part cancels).
-        add(b.by_turn, s.turn - (first - second) * s.first_moment);
-        add(b.by_first, -first * s.mean);
-        add(b.by_second, second * s.mean);
+        b.by_turn[k] += b.piece_turn[i] - (b.on_first[i] - b.on_second[i]) * b.piece_first[i];
+        b.by_first[k] -= b.on_first[i] * b.piece_mean[i];
+        b.by_second[k] += b.on_second[i] * b.piece_mean[i];
       }
       if constexpr (kMode == KernelMode::material) {
-        add(b.by_width, s.width);
-        add(b.by_radial, s.radial);
+        b.by_width[k] += b.piece_width[i];
+        b.by_radial[k] += b.piece_radial[i];
       }
     }
     b.piece_count = 0;
   }
 
-  /// Cuts one packet of pairs at eight breakpoints: up to seven pieces each. `from`: its place in the group.
-  template <KernelMode kMode>
+  /// Cuts one packet of pairs at the pixels' corners and, with kEnds, at where their edges meet the scratch's ends: up
+  /// to three or seven pieces each. `from`: the packet's place in the group.
+  template <KernelMode kMode, bool kEnds>
   [[gnu::flatten]] static void cut(const TileTask& task, TileRoom& b, const TilePairs& pairs, const std::uint32_t* pair,
                                    const std::uint32_t* run, int from, int lanes) {
     const Pixels px(*task.pixels, [&](int k) { return pairs.place[pair[std::min(k, lanes - 1)]]; });
@@ -349,30 +386,38 @@ struct TileKernel {
     }
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
     e.make();
-    const std::uint32_t ends = packet::bits_of<P>((e.Y_min < first) | (e.Y_max > second));
-    for (int k = 0; k < lanes; ++k) b.has_end[from + k] = ends >> k & 1;
-
-    F t[8] = {e.t[0], e.t[1], e.t[2], e.t[3], rim, -rim, rim, -rim};
-    for (int k = 0; k < 4; ++k) {
-      const int j = (k + 1) % 4;
-      const F dY = e.Y[j] - e.Y[k];
-      const F per_Y = (e.t[j] - e.t[k]) * inverse(xsimd::select(dY == zero(), F(1.0F), dY));
-      for (int end = 0; end < 2; ++end) {
-        const F& level = end == 0 ? first : second;
-        const Mask crosses = ((e.Y[k] < level) & (e.Y[j] >= level)) | ((e.Y[j] < level) & (e.Y[k] >= level));
-        const F at = e.t[k] + (level - e.Y[k]) * per_Y;
-        t[4 + 2 * end] = xsimd::select(crosses, xsimd::min(t[4 + 2 * end], at), t[4 + 2 * end]);
-        t[5 + 2 * end] = xsimd::select(crosses, xsimd::max(t[5 + 2 * end], at), t[5 + 2 * end]);
+    constexpr int kBreaks = kEnds ? 8 : 4;
+    F t[kBreaks] = {e.t[0], e.t[1], e.t[2], e.t[3]};
+    if constexpr (kEnds) {
+      for (int k = 4; k < 8; ++k) t[k] = k % 2 == 0 ? rim : -rim;
+      for (int k = 0; k < 4; ++k) {
+        const int j = (k + 1) % 4;
+        const F dY = e.Y[j] - e.Y[k];
+        const F per_Y = (e.t[j] - e.t[k]) * inverse(xsimd::select(dY == zero(), F(1.0F), dY));
+        for (int end = 0; end < 2; ++end) {
+          const F& level = end == 0 ? first : second;
+          const Mask crosses = ((e.Y[k] < level) & (e.Y[j] >= level)) | ((e.Y[j] < level) & (e.Y[k] >= level));
+          const F at = e.t[k] + (level - e.Y[k]) * per_Y;
+          t[4 + 2 * end] = xsimd::select(crosses, xsimd::min(t[4 + 2 * end], at), t[4 + 2 * end]);
+          t[5 + 2 * end] = xsimd::select(crosses, xsimd::max(t[5 + 2 * end], at), t[5 + 2 * end]);
+        }
       }
     }
     for (F& v : t) v = xsimd::min(xsimd::max(v, -rim), rim);
-    // Batcher's network for eight.
+    // Batcher's networks for eight and for four.
     constexpr int kNetwork[19][2] = {{0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 2}, {1, 3}, {4, 6}, {5, 7}, {1, 2}, {5, 6},
                                      {0, 4}, {1, 5}, {2, 6}, {3, 7}, {2, 4}, {3, 5}, {1, 2}, {3, 4}, {5, 6}};
-    for (const auto& c : kNetwork) order(t[c[0]], t[c[1]]);
+    constexpr int kNetworkOf4[5][2] = {{0, 1}, {2, 3}, {0, 2}, {1, 3}, {1, 2}};
+    if constexpr (kEnds)
+#pragma GCC unroll 19
+      for (const auto& c : kNetwork) order(t[c[0]], t[c[1]]);
+    else
+#pragma GCC unroll 5
+      for (const auto& c : kNetworkOf4) order(t[c[0]], t[c[1]]);
 
-    F top[8], bottom[8];
-    for (int k = 0; k < 8; ++k) {
+    F top[kBreaks], bottom[kBreaks];
+#pragma GCC unroll 8
+    for (int k = 0; k < kBreaks; ++k) {
       e.levels(t[k], first, second, top[k], bottom[k]);
       // The outermost corners have no height, nor has the first breakpoint on them; an edge along the groove there is a
       // piece without length but with a rise.
@@ -381,7 +426,7 @@ struct TileKernel {
         outside = outside | (t[k] == e.t_min);
       else
         outside = outside | ((t[k] == e.t_min) & (t[k - 1] < e.t_min));
-      if (k == 7)
+      if (k == kBreaks - 1)
         outside = outside | (t[k] == e.t_max);
       else
         outside = outside | ((t[k] == e.t_max) & (t[k + 1] > e.t_max));
@@ -396,17 +441,21 @@ struct TileKernel {
     const bool any_cut = xsimd::any((limits.lo > -rim) | (limits.hi < rim));
     const std::uint32_t used = lanes == 32 ? ~0U : (1U << lanes) - 1;
     F area = zero(), by_first = zero(), by_second = zero(), alone = zero();
-    for (int k = 0; k < 7; ++k) {
+#pragma GCC unroll 7
+    for (int k = 0; k + 1 < kBreaks; ++k) {
       Piece p{t[k], t[k + 1], top[k], top[k + 1], bottom[k], bottom[k + 1]};
       const F length = p.t2 - p.t1, height1 = p.top1 - p.bottom1, height2 = p.top2 - p.bottom2;
       area += F(0.5F) * length * (height1 + height2);
       const Mask tall = (height1 > zero()) | (height2 > zero());
-      const Mask bounded = height1 + height2 > slack;
-      const F on_first = xsimd::select(bounded & (xsimd::max(p.bottom1, p.bottom2) <= first + slack), F(1.0F), zero());
-      const F on_second = xsimd::select(bounded & (xsimd::min(p.top1, p.top2) >= second - slack), F(1.0F), zero());
-      by_first -= on_first * length;
-      by_second += on_second * length;
-      alone -= (on_first - on_second) * length * F(0.5F) * (p.t1 + p.t2);
+      F on_first = zero(), on_second = zero();
+      if constexpr (kEnds) {
+        const Mask bounded = height1 + height2 > slack;
+        on_first = xsimd::select(bounded & (xsimd::max(p.bottom1, p.bottom2) <= first + slack), F(1.0F), zero());
+        on_second = xsimd::select(bounded & (xsimd::min(p.top1, p.top2) >= second - slack), F(1.0F), zero());
+        by_first -= on_first * length;
+        by_second += on_second * length;
+        alone -= (on_first - on_second) * length * F(0.5F) * (p.t1 + p.t2);
+      }
       Mask nothing = dark | !tall;
       if (any_cut) nothing = nothing | clip(p, limits.lo, limits.hi);
       Mask keep = !nothing;
@@ -442,10 +491,11 @@ struct TileKernel {
     store(b.tan2_i + from, px.tan2_i);
     store(b.tan2_o + from, px.tan2_o);
     if constexpr (kMode != KernelMode::value) {
-      const F height0 = top[0] - bottom[0], height7 = top[7] - bottom[7];
-      store(b.a_shift + from, unit * (height7 - height0));
+      constexpr int kLast = kBreaks - 1;
+      const F height0 = top[0] - bottom[0], height1 = top[kLast] - bottom[kLast];
+      store(b.a_shift + from, unit * (height1 - height0));
       store(b.a_turn + from,
-            unit * (alone - F(0.5F) * (height7 * (top[7] + bottom[7]) - height0 * (top[0] + bottom[0]))));
+            unit * (alone - F(0.5F) * (height1 * (top[kLast] + bottom[kLast]) - height0 * (top[0] + bottom[0]))));
       store(b.a_first + from, unit * by_first);
       store(b.a_second + from, unit * by_second);
       store(b.by_shift + from, zero());
@@ -458,30 +508,32 @@ struct TileKernel {
       if constexpr (kMode == KernelMode::material) {
         store(b.by_width + from, zero());
         store(b.by_radial + from, zero());
-        const F rims = rim_light(hx, hy, hz, alpha, limits.lo, limits.hi, rim, height0, height7);
-        store(b.by_rim + from, xsimd::select(dark, zero(), rims));
-        store(b.a_rim + from, unit * (height0 + height7));
+        const F rims = rim_light(hx, hy, hz, alpha, limits.lo, limits.hi, rim, height0, height1);
+        store(b.rim_light + from, xsimd::select(dark, zero(), rims));
+        store(b.a_rim + from, unit * (height0 + height1));
         store(b.rim + from, rim);
       }
     }
   }
 
-  /// The pairs set aside, a group at a time: cut, their pieces evaluated, and put in their places.
-  template <KernelMode kMode>
-  static void finish_specials(const TileTask& task, TileRoom& b, TilePairs& pairs) {
-    pairs.ends.clear();
-    const std::size_t count = b.special_pair.size();
-    for (std::size_t group = 0; group < count; group += TileRoom::kGroup) {
-      const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kGroup, count - group));
-      const std::uint32_t *pair = &b.special_pair[group], *run = &b.special_run[group];
+  /// Pairs set aside, a group at a time: cut, their pieces evaluated, and put in their places.
+  template <KernelMode kMode, bool kEnds>
+  static void finish_specials(const TileTask& task, TileRoom& b, const TileRoom::Special& special, TilePairs& pairs) {
+    constexpr std::size_t kGroup = TileRoom::kPieces / (kEnds ? 8 : 4);
+    static_assert(kGroup <= TileRoom::kChunk);
+    const std::size_t count = special.count;
+    for (std::size_t group = 0; group < count; group += kGroup) {
+      const int n = static_cast<int>(std::min(kGroup, count - group));
+      const std::uint32_t *pair = &special.pair[group], *run = &special.run[group];
       b.piece_count = 0;
-      for (int i = 0; i < n; i += kLanes) cut<kMode>(task, b, pairs, pair + i, run + i, i, std::min(kLanes, n - i));
+      for (int i = 0; i < n; i += kLanes)
+        cut<kMode, kEnds>(task, b, pairs, pair + i, run + i, i, std::min(kLanes, n - i));
       add_pieces<kMode>(b);
-      for (int i = 0; i < n; i += kLanes) finish<kMode>(b, pairs, pair + i, i, std::min(kLanes, n - i));
+      for (int i = 0; i < n; i += kLanes) finish<kMode, kEnds>(b, pairs, pair + i, i, std::min(kLanes, n - i));
     }
   }
 
-  template <KernelMode kMode>
+  template <KernelMode kMode, bool kEnds>
   [[gnu::flatten]] static void finish(TileRoom& b, TilePairs& pairs, const std::uint32_t* pair, int i, int lanes) {
     const F alpha = load(b.alpha + i), per_t = inverse(load(b.per_mm + i));
     const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(b.tan2_i + i), load(b.tan2_o + i));
@@ -500,19 +552,20 @@ struct TileKernel {
       scatter(pairs.turn, f.value * load(b.by_turn + i));
       scatter(b.area_shift, load(b.a_shift + i));
       scatter(b.area_turn, load(b.a_turn + i));
-      alignas(64) float first[kLanes], second[kLanes];
-      (f.value * load(b.by_first + i)).store_aligned(first);
-      (f.value * load(b.by_second + i)).store_aligned(second);
-      for (int k = 0; k < lanes; ++k)
-        if (b.has_end[i + k] != 0)
+      if constexpr (kEnds) {
+        alignas(64) float first[kLanes], second[kLanes];
+        (f.value * load(b.by_first + i)).store_aligned(first);
+        (f.value * load(b.by_second + i)).store_aligned(second);
+        for (int k = 0; k < lanes; ++k)
           pairs.ends.push_back({pair[k], first[k], second[k], b.a_first[i + k], b.a_second[i + k]});
+      }
     }
     if constexpr (kMode == KernelMode::material) {
       const F area_rim = load(b.a_rim + i);
       scatter(b.area_rim, area_rim);
       scatter(b.area_width, load(b.rim + i) * area_rim);
       scatter(pairs.width, f.value * (V + load(b.by_width + i)));
-      scatter(pairs.rim, f.value * load(b.by_rim + i));
+      scatter(pairs.rim, f.value * load(b.rim_light + i));
       scatter(pairs.alpha, f.value * (V * f.by_alpha - alpha * load(b.by_radial + i)));
     }
   }
@@ -532,30 +585,49 @@ struct TileKernel {
       for (std::vector<float>* v : {&pairs.width, &pairs.rim, &pairs.alpha, &room.area_width, &room.area_rim})
         grow(*v, count);
     std::fill(std::begin(room.sums), std::end(room.sums), 0.0F);
-    room.special_pair.clear();
-    room.special_run.clear();
+    pairs.ends.clear();
+    room.corners.count = room.ends.count = 0;
 
+    // One chunk ahead: what was stored just now cannot be loaded at once.
     std::uint32_t run = 0;
-    for (std::size_t chunk = 0; chunk < count; chunk += TileRoom::kChunk) {
+    const auto lay_out_chunk = [&](std::size_t chunk) {
+      if (chunk >= count) return;
       const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
-      lay_out(task, pairs, chunk, n, run, room);
+      lay_out(task, pairs, chunk, n, run, room.scratch[chunk / TileRoom::kChunk % 2]);
+    };
+    lay_out_chunk(0);
+    for (std::size_t chunk = 0; chunk < count; chunk += TileRoom::kChunk) {
+      lay_out_chunk(chunk + TileRoom::kChunk);
+      const TileRoom::Scratch& scratch = room.scratch[chunk / TileRoom::kChunk % 2];
+      const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
       for (int i = 0; i < n; i += kLanes) {
-        const int lanes = std::min(kLanes, n - i);
-        std::uint32_t special = cross<kMode>(task, room, pairs, chunk + i, i, lanes);
-        if (lanes < kLanes) special &= (1U << lanes) - 1;
-        for (; special != 0; special &= special - 1) {
-          const int k = i + std::countr_zero(special);
-          room.special_pair.push_back(static_cast<std::uint32_t>(chunk + k));
-          room.special_run.push_back(room.chunk_run[k]);
-        }
+        const Aside aside = cross<kMode>(task, room, scratch, pairs, chunk + i, i);
+        const std::uint32_t used = n - i < kLanes ? (1U << (n - i)) - 1 : ~0U;
+        set_aside(room.corners, static_cast<std::uint32_t>(chunk + i), scratch.run + i, aside.corners & used);
+        set_aside(room.ends, static_cast<std::uint32_t>(chunk + i), scratch.run + i, aside.ends & used);
       }
+      evaluate_pieces<kMode>(room, n);
+      for (int i = 0; i < n; i += kLanes)
+        finish_crossing<kMode>(room, scratch, pairs, chunk + i, i, std::min(kLanes, n - i));
     }
-    finish_specials<kMode>(task, room, pairs);
+    finish_specials<kMode, false>(task, room, room.corners, pairs);
+    finish_specials<kMode, true>(task, room, room.ends, pairs);
+  }
+
+  static void set_aside(TileRoom::Special& special, std::uint32_t pair, const std::uint32_t* run, std::uint32_t bits) {
+    if (bits == 0) return;
+    if (special.pair.size() < special.count + 2 * kLanes) {
+      special.pair.resize(2 * special.count + 512);
+      special.run.resize(special.pair.size());
+    }
+    packet::pack_numbers<P>(&special.run[special.count], run, bits);
+    for (; bits != 0; bits &= bits - 1)
+      special.pair[special.count++] = pair + static_cast<std::uint32_t>(std::countr_zero(bits));
   }
 
   /// Each pair's scratch beside it. `run` is the first pair's or an earlier one; it moves on to the last pair's.
   static void lay_out(const TileTask& task, const TilePairs& pairs, std::size_t chunk, int n, std::uint32_t& run,
-                      TileRoom& room) {
+                      TileRoom::Scratch& scratch) {
     for (int k = 0; k < n;) {
       while (pairs.begin[run + 1] <= chunk + k) ++run;
       const int end = static_cast<int>(std::min<std::size_t>(n, pairs.begin[run + 1] - chunk));
@@ -564,8 +636,8 @@ struct TileKernel {
       const int until = end == n ? (n + 15) / 16 * 16 : end;
       for (int i = k; i < until; i += 16) {
         for (int m = 0; m < 8; ++m)
-          for (int j = 0; j < 16; j += kLanes) store(room.constants[m] + i + j, F(c[m]));
-        std::fill_n(room.chunk_run + i, 16, run);
+          for (int j = 0; j < 16; j += kLanes) store(scratch.constant[m] + i + j, F(c[m]));
+        std::fill_n(scratch.run + i, 16, run);
       }
       k = end;
     }
