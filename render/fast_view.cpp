@@ -281,23 +281,33 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
 
 void FastView::add_contributions(std::vector<double>& contribution) const {
   const Data& d = *data_;
-  const RenderRoom& room = *d.room;
+  RenderRoom& room = *d.room;
   if (room.owner != this)
     fail("ViewRenderer::add_contributions", "another view has been rendered in the same room since",
          "call add_contributions() before the next view's forward()");
-  for (std::size_t t = 0; t < d.index.tiles().size(); ++t) {
-    const TilePairs& pairs = room.pairs[t];
-    for (std::uint32_t r = 0; r < room.runs.count(t); ++r) {
+  // Light is not kept pair by pair: it is found again, tile by tile.
+  std::vector<float>& by_run = room.by_run[0];
+  if (by_run.size() < room.runs.total()) by_run.resize(room.runs.total());
+  tbb::parallel_for(std::size_t{0}, d.index.tiles().size(), [&](std::size_t t) {
+    RenderRoom::Work& w = *room.work.local();
+    TileTask task = d.task_of(t);
+    task.mode = KernelMode::value;
+    task.keep_light = true;
+    d.kernels.evaluate(task, w.tile, w.pairs);
+    for (std::uint32_t r = 0; r < task.run_count; ++r) {
       double sum = 0;
-      for (std::uint32_t k = pairs.begin[r]; k < pairs.begin[r + 1]; ++k) {
-        const std::size_t i = t * kTilePixels + pairs.place[k];
+      for (std::uint32_t k = w.pairs.begin[r]; k < w.pairs.begin[r + 1]; ++k) {
+        const std::size_t i = t * kTilePixels + w.pairs.place[k];
         double weight = 0;
         for (int c = 0; c < d.channels; ++c) weight += d.factor[i * d.channels + c];
-        sum += weight / d.channels * d.inv_area[i] * pairs.light[k];
+        sum += weight / d.channels * d.inv_area[i] * w.pairs.light[k];
       }
-      contribution[room.runs.scratch(t, r)] += sum;
+      by_run[room.runs.begin(t) + r] = static_cast<float>(sum);
     }
-  }
+  });
+  room.runs.each_scratch([&](std::size_t, std::uint32_t s, std::span<const std::uint32_t> runs) {
+    for (const std::uint32_t r : runs) contribution[s] += by_run[r];
+  });
 }
 
 }  // namespace burin

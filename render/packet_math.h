@@ -163,6 +163,30 @@ template <class P, class Row>
   for (int c = 0; c < 4; ++c) out[c] = P::load_aligned(lanes[c]);
 }
 
+/// The inverse: row i is lane i of the four packets.
+template <class P>
+[[gnu::always_inline]] inline void four_rows(const P (&c)[4], float (*to)[4]) {
+#ifdef __AVX512BW__
+  if constexpr (kIs512<P>) {
+    const __m512 a = _mm512_unpacklo_ps(c[0], c[1]), b = _mm512_unpackhi_ps(c[0], c[1]);
+    const __m512 d = _mm512_unpacklo_ps(c[2], c[3]), e = _mm512_unpackhi_ps(c[2], c[3]);
+    const __m512 r[4] = {_mm512_shuffle_ps(a, d, 0x44), _mm512_shuffle_ps(a, d, 0xee), _mm512_shuffle_ps(b, e, 0x44),
+                         _mm512_shuffle_ps(b, e, 0xee)};
+    for (int i = 0; i < 4; ++i) {
+      _mm_storeu_ps(to[i], _mm512_castps512_ps128(r[i]));
+      _mm_storeu_ps(to[4 + i], _mm512_extractf32x4_ps(r[i], 1));
+      _mm_storeu_ps(to[8 + i], _mm512_extractf32x4_ps(r[i], 2));
+      _mm_storeu_ps(to[12 + i], _mm512_extractf32x4_ps(r[i], 3));
+    }
+    return;
+  }
+#endif
+  alignas(64) float lanes[4][kLanesOf<P>];
+  for (int k = 0; k < 4; ++k) c[k].store_aligned(lanes[k]);
+  for (int i = 0; i < kLanesOf<P>; ++i)
+    for (int k = 0; k < 4; ++k) to[i][k] = lanes[k][i];
+}
+
 /// to[0 .. 2 lanes - 1] = a0, b0, a1, b1, ...
 template <class P>
 [[gnu::always_inline]] inline void interleave(const P& a, const P& b, float* to) {

@@ -28,6 +28,7 @@ class RenderRoom {
   /// A thread's own.
   struct Work {
     TileRoom tile;
+    TilePairs pairs;  // of a tile whose pairs are not kept
     float base[kTilePixels] = {}, weight[kTilePixels] = {};
   };
   tbb::enumerable_thread_specific<std::unique_ptr<Work>> work{[] { return std::make_unique<Work>(); }};

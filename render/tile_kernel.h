@@ -54,7 +54,7 @@ struct EndPair {
 struct TilePairs {
   std::vector<std::uint32_t> begin;  ///< of each run; one more than there are runs
   std::vector<std::uint16_t> place;  ///< of the pixel in the tile, row * kTile + column
-  std::vector<float> light;          ///< Dhat G, mm^2
+  std::vector<float> light;          ///< Dhat G, mm^2; only where it was asked for
   /// Derivatives, of light after evaluate(), of light minus base times area after combine(): by a shift of one unit of
   /// t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha.
   std::vector<float> shift, turn, width, rim, alpha;
@@ -71,6 +71,7 @@ struct TileTask {
   std::span<const TileBlock> blocks;
   const std::uint32_t* valid_rows = nullptr;  ///< a bit a pixel with a footprint; null where all have one
   KernelMode mode = KernelMode::value;
+  bool keep_light = false;  ///< fills TilePairs::light
 };
 
 /// One thread's room for work.
@@ -98,7 +99,8 @@ struct TileRoom {
     std::uint32_t run[kChunk + 16];
   } scratch[2];  ///< of this chunk and of the next
   alignas(64) Lanes<kChunk> per_mm, alpha, tan2_i, tan2_o, rim_light, moving_turn;
-  alignas(64) Lanes<kChunk> V, by_shift, by_turn, by_width, by_radial, by_first, by_second;
+  /// Sums of a pair's pieces: V, shift, turn, width; first end, second end, radial.
+  alignas(64) float total[kChunk + 16][8];
   alignas(64) Lanes<kChunk> area, a_shift, a_turn, a_first, a_second, a_rim, rim;
 
   // Pieces of the groove between breakpoints, and what each gives.

@@ -322,11 +322,11 @@ struct TileKernel {
   /// The factors of one packet of pairs that cross() began, and their places.
   template <KernelMode kMode>
   [[gnu::flatten]] static void finish_crossing(TileRoom& room, const TileRoom::Scratch& scratch, TilePairs& pairs,
-                                               std::size_t pair, int at, int lanes) {
+                                               bool keep_light, std::size_t pair, int at, int lanes) {
     const F alpha = load(room.piece_alpha + at), per_t = inverse(load(scratch.constant[2] + at));
     const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(room.tan2_i + at), load(room.tan2_o + at));
     const F V = load(room.piece_V + at), light = f.value * V;
-    store(&pairs.light[pair], light);
+    if (keep_light) store(&pairs.light[pair], light);
     if constexpr (kMode != KernelMode::value) {
       store(&pairs.shift[pair], f.value * load(room.piece_shift + at));
       store(&pairs.turn[pair], f.value * (load(room.piece_turn + at) + load(room.moving_turn + at)));
@@ -340,8 +340,8 @@ struct TileKernel {
   }
 
   /// Evaluates the pieces that cut() made and adds what they give to their pairs.
-  template <KernelMode kMode>
-  static void add_pieces(TileRoom& b) {
+  template <KernelMode kMode, bool kEnds>
+  [[gnu::flatten]] static void add_pieces(TileRoom& b) {
     // Harmless pieces up to a full packet.
     for (int i = b.piece_count; i < b.piece_count + kLanes; ++i) {
       b.t1[i] = b.t2[i] = b.top1[i] = b.top2[i] = b.bottom1[i] = b.bottom2[i] = b.hx[i] = b.hy[i] = 0;
@@ -349,20 +349,39 @@ struct TileKernel {
       b.piece_alpha[i] = 0.5F;
     }
     evaluate_pieces<kMode>(b, b.piece_count);
-    for (int i = 0; i < b.piece_count; ++i) {
-      const int k = b.piece_owner[i];
-      b.V[k] += b.piece_V[i];
-      if constexpr (kMode != KernelMode::value) {
-        b.by_shift[k] += b.piece_shift[i];
+    using Four = float __attribute__((vector_size(16)));
+    for (int i = 0; i < b.piece_count; i += kLanes) {
+      const int n = std::min(kLanes, b.piece_count - i);
+      const std::uint16_t* owner = b.piece_owner + i;
+      alignas(64) float rows[kLanes][4];
+      const auto add = [&](const F(&columns)[4], int at) {
+        packet::four_rows(columns, rows);
+        for (int k = 0; k < n; ++k) {
+          Four sum, more;
+          std::memcpy(&sum, b.total[owner[k]] + at, sizeof(Four));
+          std::memcpy(&more, rows[k], sizeof(Four));
+          sum += more;
+          std::memcpy(b.total[owner[k]] + at, &sum, sizeof(Four));
+        }
+      };
+      if constexpr (kMode == KernelMode::value) {
+        for (int k = 0; k < n; ++k) b.total[owner[k]][0] += b.piece_V[i + k];
+        continue;
+      }
+      F turn = load(b.piece_turn + i), by_first = zero(), by_second = zero(), width = zero(), radial = zero();
+      if constexpr (kEnds) {
+        const F first = load(b.on_first + i), second = load(b.on_second + i), mean = load(b.piece_mean + i);
         // An edge opposite an end turns alone (between two edges this part cancels).
-        b.by_turn[k] += b.piece_turn[i] - (b.on_first[i] - b.on_second[i]) * b.piece_first[i];
-        b.by_first[k] -= b.on_first[i] * b.piece_mean[i];
-        b.by_second[k] += b.on_second[i] * b.piece_mean[i];
+        turn -= (first - second) * load(b.piece_first + i);
+        by_first = -first * mean;
+        by_second = second * mean;
       }
       if constexpr (kMode == KernelMode::material) {
-        b.by_width[k] += b.piece_width[i];
-        b.by_radial[k] += b.piece_radial[i];
+        width = load(b.piece_width + i);
+        radial = load(b.piece_radial + i);
       }
+      add({load(b.piece_V + i), load(b.piece_shift + i), turn, width}, 0);
+      if constexpr (kEnds || kMode == KernelMode::material) add({by_first, by_second, radial, zero()}, 4);
     }
     b.piece_count = 0;
   }
@@ -485,7 +504,6 @@ struct TileKernel {
     }
 
     store(b.area + from, unit * area);
-    store(b.V + from, zero());
     store(b.alpha + from, alpha);
     store(b.per_mm + from, per_mm);
     store(b.tan2_i + from, px.tan2_i);
@@ -498,16 +516,11 @@ struct TileKernel {
             unit * (alone - F(0.5F) * (height1 * (top[kLast] + bottom[kLast]) - height0 * (top[0] + bottom[0]))));
       store(b.a_first + from, unit * by_first);
       store(b.a_second + from, unit * by_second);
-      store(b.by_shift + from, zero());
       F turn = zero();
       if (any_cut)
         turn = xsimd::select(dark, zero(), cut_turn(e, limits.lo, limits.hi, rim, first, second, hx, hy, hz));
-      store(b.by_turn + from, turn);
-      store(b.by_first + from, zero());
-      store(b.by_second + from, zero());
+      store(b.moving_turn + from, turn);
       if constexpr (kMode == KernelMode::material) {
-        store(b.by_width + from, zero());
-        store(b.by_radial + from, zero());
         const F rims = rim_light(hx, hy, hz, alpha, limits.lo, limits.hi, rim, height0, height1);
         store(b.rim_light + from, xsimd::select(dark, zero(), rims));
         store(b.a_rim + from, unit * (height0 + height1));
@@ -526,18 +539,25 @@ struct TileKernel {
       const int n = static_cast<int>(std::min(kGroup, count - group));
       const std::uint32_t *pair = &special.pair[group], *run = &special.run[group];
       b.piece_count = 0;
+      std::memset(b.total, 0, (n + kLanes) * sizeof(b.total[0]));
       for (int i = 0; i < n; i += kLanes)
         cut<kMode, kEnds>(task, b, pairs, pair + i, run + i, i, std::min(kLanes, n - i));
-      add_pieces<kMode>(b);
-      for (int i = 0; i < n; i += kLanes) finish<kMode, kEnds>(b, pairs, pair + i, i, std::min(kLanes, n - i));
+      add_pieces<kMode, kEnds>(b);
+      for (int i = 0; i < n; i += kLanes)
+        finish<kMode, kEnds>(b, pairs, task.keep_light, pair + i, i, std::min(kLanes, n - i));
     }
   }
 
   template <KernelMode kMode, bool kEnds>
-  [[gnu::flatten]] static void finish(TileRoom& b, TilePairs& pairs, const std::uint32_t* pair, int i, int lanes) {
+  [[gnu::flatten]] static void finish(TileRoom& b, TilePairs& pairs, bool keep_light, const std::uint32_t* pair, int i,
+                                      int lanes) {
     const F alpha = load(b.alpha + i), per_t = inverse(load(b.per_mm + i));
     const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(b.tan2_i + i), load(b.tan2_o + i));
-    const F V = load(b.V + i), light = f.value * V;
+    F total[8];
+    packet::four_columns(total, [&](int k) { return b.total[i + k]; });
+    if constexpr (kEnds || kMode == KernelMode::material)
+      packet::four_columns(total + 4, [&](int k) { return b.total[i + k] + 4; });
+    const F &V = total[0], light = f.value * V;
     alignas(64) float out[kLanes];
     const auto scatter = [&](std::vector<float>& to, const F& v) {
       v.store_aligned(out);
@@ -546,16 +566,16 @@ struct TileKernel {
     std::uint16_t place[kLanes];
     for (int k = 0; k < lanes; ++k) place[k] = pairs.place[pair[k]];
     add_to_pixels(light, load(b.area + i), place, lanes, b.sums);
-    scatter(pairs.light, light);
+    if (keep_light) scatter(pairs.light, light);
     if constexpr (kMode != KernelMode::value) {
-      scatter(pairs.shift, f.value * load(b.by_shift + i));
-      scatter(pairs.turn, f.value * load(b.by_turn + i));
+      scatter(pairs.shift, f.value * total[1]);
+      scatter(pairs.turn, f.value * (total[2] + load(b.moving_turn + i)));
       scatter(b.area_shift, load(b.a_shift + i));
       scatter(b.area_turn, load(b.a_turn + i));
       if constexpr (kEnds) {
         alignas(64) float first[kLanes], second[kLanes];
-        (f.value * load(b.by_first + i)).store_aligned(first);
-        (f.value * load(b.by_second + i)).store_aligned(second);
+        (f.value * total[4]).store_aligned(first);
+        (f.value * total[5]).store_aligned(second);
         for (int k = 0; k < lanes; ++k)
           pairs.ends.push_back({pair[k], first[k], second[k], b.a_first[i + k], b.a_second[i + k]});
       }
@@ -564,9 +584,9 @@ struct TileKernel {
       const F area_rim = load(b.a_rim + i);
       scatter(b.area_rim, area_rim);
       scatter(b.area_width, load(b.rim + i) * area_rim);
-      scatter(pairs.width, f.value * (V + load(b.by_width + i)));
+      scatter(pairs.width, f.value * (V + total[3]));
       scatter(pairs.rim, f.value * load(b.rim_light + i));
-      scatter(pairs.alpha, f.value * (V * f.by_alpha - alpha * load(b.by_radial + i)));
+      scatter(pairs.alpha, f.value * (V * f.by_alpha - alpha * total[6]));
     }
   }
 
@@ -578,7 +598,7 @@ struct TileKernel {
   static void evaluate_mode(const TileTask& task, TileRoom& room, TilePairs& pairs) {
     find(task, pairs);
     const std::size_t count = pairs.begin[task.run_count];
-    grow(pairs.light, count);
+    if (task.keep_light) grow(pairs.light, count);
     if constexpr (kMode != KernelMode::value)
       for (std::vector<float>* v : {&pairs.shift, &pairs.turn, &room.area_shift, &room.area_turn}) grow(*v, count);
     if constexpr (kMode == KernelMode::material)
@@ -608,7 +628,7 @@ struct TileKernel {
       }
       evaluate_pieces<kMode>(room, n);
       for (int i = 0; i < n; i += kLanes)
-        finish_crossing<kMode>(room, scratch, pairs, chunk + i, i, std::min(kLanes, n - i));
+        finish_crossing<kMode>(room, scratch, pairs, task.keep_light, chunk + i, i, std::min(kLanes, n - i));
     }
     finish_specials<kMode, false>(task, room, room.corners, pairs);
     finish_specials<kMode, true>(task, room, room.ends, pairs);
