@@ -257,10 +257,12 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
       for (const std::uint32_t r : runs) v += room.by_run[i][r];
       return v;
     };
-    gradients.x0_mm[s] += sum(0);
-    gradients.y0_mm[s] += sum(1);
-    gradients.x1_mm[s] += sum(2);
-    gradients.y1_mm[s] += sum(3);
+    const StripDirection& x = room.runs.across(s);
+    const double at_second = sum(1) / x.length_mm, at_first = sum(0) - at_second, first = sum(2), second = sum(3);
+    gradients.x0_mm[s] += x.x * at_first - x.y * first;
+    gradients.y0_mm[s] += x.y * at_first + x.x * first;
+    gradients.x1_mm[s] += x.x * at_second - x.y * second;
+    gradients.y1_mm[s] += x.y * at_second + x.x * second;
     if (!material) return;
     // The rim is sqrt(1 - exp(-2 d / wt)).
     const double width = d.width_of(s), depth = d.depth_of(s), by_rim = sum(5);

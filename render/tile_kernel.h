@@ -111,7 +111,9 @@ struct TileRoom {
   alignas(64) Lanes<kPieces> piece_V, piece_shift, piece_turn, piece_width, piece_radial, piece_mean, piece_first;
 };
 
-/// Numbers that gather() gives for each run: by x0, y0, x1, y1, and log wt, rim, alpha.
+/// Numbers that gather() gives for each run: dE by a shift of the scratch across (1 mm), its moment about the scratch's
+/// first end (so that moment / length is by its second end moved across), dE by either end moved along (1 mm), and by
+/// log wt with the rim held, by the rim, by alpha.
 inline constexpr int kRunGradients = 7;
 
 /// The kernels of one width.
@@ -123,9 +125,8 @@ struct TileKernels {
   /// light derivatives -= base[place] * area derivatives. `base`: the plain face's light a mm^2, 0 where nothing is
   /// left of it; kTilePixels.
   void (*combine)(KernelMode mode, std::size_t count, const float* base, const TileRoom& room, TilePairs& pairs);
-  /// The backward pass: of each run, sums over its pairs of weight[place] times derivative, turned into derivatives by
-  /// the scratch's ends in board x and y (mm), and with material by log wt with the rim held, by the rim, by alpha.
-  /// `to[i]`: where the task's first run goes.
+  /// The backward pass: sums over each run's pairs of weight[place] times derivative, see kRunGradients; the last three
+  /// only with material. `to[i]`: where the task's first run goes.
   void (*gather)(const TileTask& task, const float* weight, const TilePairs& pairs,
                  const std::array<float*, kRunGradients>& to);
 };

@@ -733,13 +733,10 @@ struct TileKernel {
       for (const int half : {0, 4})
         packet::four_columns(run + half,
                              [&](int k) { return &task.runs[std::min(first + k, stop - 1)].across_x + half; });
-      const F &x = run[0], &y = run[1], &per_mm = run[2];
-      const F per_unit = inverse(run[5] - run[4]), foot = -run[4] * per_unit;
-      const F shift = per_mm * load(by[0]), turn = per_mm * per_unit * load(by[1]);
-      const F across0 = shift * (F(1.0F) - foot) + turn, across1 = shift * foot - turn;
-      const F along0 = per_mm * load(by[2]), along1 = per_mm * load(by[3]);
-      const F out[4] = {x * across0 - y * along0, y * across0 + x * along0, x * across1 - y * along1,
-                        y * across1 + x * along1};
+      const F& per_mm = run[2];
+      // The shift acts at the foot of the tile's origin, Y = 0.
+      const F moment = -(load(by[0]) * run[4] + load(by[1]));
+      const F out[4] = {per_mm * load(by[0]), moment, per_mm * load(by[2]), per_mm * load(by[3])};
       for (int i = 0; i < 4; ++i) out[i].store_aligned(by[i]);
       for (int i = 0; i < (material ? kRunGradients : 4); ++i) std::copy_n(by[i], stop - first, to[i] + first);
     }

@@ -9,38 +9,31 @@ namespace {
 
 constexpr int kBlock = 256;  // scratches that are worked on in one go: plain loops over arrays, which become vectors
 
-/// Unit vectors across a block's scratches, (d.y, -d.x) / length, and their lengths. Zero where they have no length.
-struct Directions {
-  alignas(64) double x[kBlock], y[kBlock], length_mm[kBlock];
-
-  void make(const ScratchLines& l, std::size_t first, int n) {
-    const double *x0 = l.x0_mm + first, *y0 = l.y0_mm + first, *x1 = l.x1_mm + first, *y1 = l.y1_mm + first;
-    for (int i = 0; i < n; ++i) {
-      const double dx = x1[i] - x0[i], dy = y1[i] - y0[i];
-      const double length = std::sqrt(dx * dx + dy * dy);
-      const double per_length = length > 0 ? 1 / length : 0;
-      x[i] = dy * per_length;
-      y[i] = -dx * per_length;
-      length_mm[i] = length;
-    }
+/// Zero where a scratch has no length.
+void find_directions(const ScratchLines& l, std::size_t first, std::size_t last, StripDirection* across) {
+  for (std::size_t i = first; i < last; ++i) {
+    const double dx = l.x1_mm[i] - l.x0_mm[i], dy = l.y1_mm[i] - l.y0_mm[i];
+    const double length = std::sqrt(dx * dx + dy * dy);
+    const double per_length = length > 0 ? 1 / length : 0;
+    across[i] = {dy * per_length, -dx * per_length, length};
   }
-};
+}
 
 /// Boxes around a block's scratches in units of tiles, cut to the grid. Empty (high below low) where one misses it.
 struct TileBoxes {
   alignas(64) int column0[kBlock], column1[kBlock], row0[kBlock], row1[kBlock];
   bool good[kBlock];  // else only PixelIndex::find_tiles() knows
 
-  void make(const PixelIndex& index, const ScratchLines& l, const Directions& across, std::size_t first, int n) {
+  void make(const PixelIndex& index, const ScratchLines& l, const StripDirection* across, std::size_t first, int n) {
     const GridMap& map = index.map();
     const Eigen::Matrix3d& H = map.lattice_from_board;
     const double *x0 = l.x0_mm + first, *y0 = l.y0_mm + first, *x1 = l.x1_mm + first, *y1 = l.y1_mm + first;
     alignas(64) double u_low[kBlock], u_high[kBlock], v_low[kBlock], v_high[kBlock], half[kBlock];
     for (int i = 0; i < n; ++i) half[i] = l.rim[first + i] / l.per_mm[first + i];
     const auto widen = [&](int i, double u, double v, double w, double side) {
-      const double qx = H(0, 0) * across.x[i] + H(0, 1) * across.y[i],
-                   qy = H(1, 0) * across.x[i] + H(1, 1) * across.y[i];
-      const double qw = H(2, 0) * across.x[i] + H(2, 1) * across.y[i];
+      const double qx = H(0, 0) * across[i].x + H(0, 1) * across[i].y,
+                   qy = H(1, 0) * across[i].x + H(1, 1) * across[i].y;
+      const double qw = H(2, 0) * across[i].x + H(2, 1) * across[i].y;
       const double per_w = 1 / (w + side * qw);
       const double a = (u + side * qx) * per_w, b = (v + side * qy) * per_w;
       u_low[i] = std::min(u_low[i], a);
@@ -52,8 +45,8 @@ struct TileBoxes {
       for (int i = 0; i < n; ++i) {
         const double ua = H(0, 0) * x0[i] + H(0, 1) * y0[i], ub = H(0, 0) * x1[i] + H(0, 1) * y1[i];
         const double va = H(1, 0) * x0[i] + H(1, 1) * y0[i], vb = H(1, 0) * x1[i] + H(1, 1) * y1[i];
-        const double pad_u = std::abs(H(0, 0) * across.x[i] + H(0, 1) * across.y[i]) * half[i];
-        const double pad_v = std::abs(H(1, 0) * across.x[i] + H(1, 1) * across.y[i]) * half[i];
+        const double pad_u = std::abs(H(0, 0) * across[i].x + H(0, 1) * across[i].y) * half[i];
+        const double pad_v = std::abs(H(1, 0) * across[i].x + H(1, 1) * across[i].y) * half[i];
         u_low[i] = std::min(ua, ub) - pad_u + H(0, 2);
         u_high[i] = std::max(ua, ub) + pad_u + H(0, 2);
         v_low[i] = std::min(va, vb) - pad_v + H(1, 2);
@@ -63,7 +56,7 @@ struct TileBoxes {
     } else {
       for (int i = 0; i < n; ++i) {
         const double wa = H(2, 0) * x0[i] + H(2, 1) * y0[i] + H(2, 2), wb = H(2, 0) * x1[i] + H(2, 1) * y1[i] + H(2, 2);
-        const double side = std::abs(H(2, 0) * across.x[i] + H(2, 1) * across.y[i]) * half[i];
+        const double side = std::abs(H(2, 0) * across[i].x + H(2, 1) * across[i].y) * half[i];
         good[i] = map.exists && std::min(wa, wb) - side > 0.5 * map.w_min;
         u_low[i] = v_low[i] = 1e300;
         u_high[i] = v_high[i] = -1e300;
@@ -96,14 +89,14 @@ void TileRuns::find_tiles(const PixelIndex& index, const ScratchLines& lines, Ch
     chunk.entries.push_back({tile, static_cast<std::uint32_t>(scratch)});
     ++chunk.counts[tile];
   };
-  Directions across;
+  find_directions(lines, chunk.first, chunk.last, across_.data());
   TileBoxes boxes;
   for (std::size_t first = chunk.first; first < chunk.last; first += kBlock) {
     const int n = static_cast<int>(std::min<std::size_t>(kBlock, chunk.last - first));
-    across.make(lines, first, n);
+    const StripDirection* across = &across_[first];
     boxes.make(index, lines, across, first, n);
     for (int i = 0; i < n; ++i) {
-      if (!(across.length_mm[i] > 0)) continue;
+      if (!(across[i].length_mm > 0)) continue;
       const std::size_t s = first + i;
       const int columns = boxes.column1[i] - boxes.column0[i], rows = boxes.row1[i] - boxes.row0[i];
       if (boxes.good[i] && std::min(columns, rows) <= 0) {
@@ -115,7 +108,7 @@ void TileRuns::find_tiles(const PixelIndex& index, const ScratchLines& lines, Ch
       chunk.touched.clear();
       const double half = lines.rim[s] / lines.per_mm[s];
       index.find_tiles({lines.x0_mm[s], lines.y0_mm[s]}, {lines.x1_mm[s], lines.y1_mm[s]},
-                       {across.x[i] * half, across.y[i] * half}, chunk.touched);
+                       {across[i].x * half, across[i].y * half}, chunk.touched);
       for (const std::uint32_t t : chunk.touched) add(s, t);
     }
   }
@@ -124,36 +117,31 @@ void TileRuns::find_tiles(const PixelIndex& index, const ScratchLines& lines, Ch
 
 void TileRuns::make_runs(const PixelIndex& index, const ScratchLines& lines, Chunk& chunk) {
   const std::span<const GridTile> tiles = index.tiles();
-  Directions across;
-  std::size_t e = 0;
-  for (std::size_t first = chunk.first; first < chunk.last; first += kBlock) {
-    const int n = static_cast<int>(std::min<std::size_t>(kBlock, chunk.last - first));
-    across.make(lines, first, n);
-    for (; e < chunk.entries.size() && chunk.entries[e].scratch < first + n; ++e) {
-      const Entry& entry = chunk.entries[e];
-      const std::size_t s = entry.scratch, i = s - first;
-      const Eigen::Vector2d& origin = tiles[entry.tile].origin_mm;
-      const double x = across.x[i], y = across.y[i];
-      const double ox = origin.x() - lines.x0_mm[s], oy = origin.y() - lines.y0_mm[s];
-      const double foot_mm = x * oy - y * ox;  // along is (-y, x)
-      const float per_mm = lines.per_mm[s];
-      const std::uint32_t slot = chunk.counts[entry.tile]++;
-      chunk.slots[e] = slot;
-      scratch_[slot] = entry.scratch;
-      runs_[slot] = {static_cast<float>(x),
-                     static_cast<float>(y),
-                     per_mm,
-                     static_cast<float>(per_mm * (x * ox + y * oy)),
-                     static_cast<float>(-per_mm * foot_mm),
-                     static_cast<float>(per_mm * (across.length_mm[i] - foot_mm)),
-                     lines.alpha[s],
-                     lines.rim[s]};
-    }
+  for (std::size_t e = 0; e < chunk.entries.size(); ++e) {
+    const Entry& entry = chunk.entries[e];
+    const std::size_t s = entry.scratch;
+    const StripDirection& across = across_[s];
+    const Eigen::Vector2d& origin = tiles[entry.tile].origin_mm;
+    const double ox = origin.x() - lines.x0_mm[s], oy = origin.y() - lines.y0_mm[s];
+    const double foot_mm = across.x * oy - across.y * ox;  // along is (-y, x)
+    const float per_mm = lines.per_mm[s];
+    const std::uint32_t slot = chunk.counts[entry.tile]++;
+    chunk.slots[e] = slot;
+    scratch_[slot] = entry.scratch;
+    runs_[slot] = {static_cast<float>(across.x),
+                   static_cast<float>(across.y),
+                   per_mm,
+                   static_cast<float>(per_mm * (across.x * ox + across.y * oy)),
+                   static_cast<float>(-per_mm * foot_mm),
+                   static_cast<float>(per_mm * (across.length_mm - foot_mm)),
+                   lines.alpha[s],
+                   lines.rim[s]};
   }
 }
 
 void TileRuns::sort(const PixelIndex& index, const ScratchLines& lines) {
   const std::size_t tiles = index.tiles().size();
+  across_.resize(lines.count);
   chunks_.resize(std::clamp<std::size_t>((lines.count + kLeastChunk - 1) / kLeastChunk, 1, kMostChunks));
   tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t c) {
     chunks_[c].first = lines.count * c / chunks_.size();

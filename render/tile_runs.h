@@ -33,6 +33,11 @@ struct ScratchLines {
   Each<float> per_mm, rim, alpha;
 };
 
+/// The unit vector across a scratch, (d.y, -d.x) / length for d from its first end to its second; along it is (-y, x).
+struct StripDirection {
+  double x = 0, y = 0, length_mm = 0;
+};
+
 class TileRuns {
  public:
   void sort(const PixelIndex& index, const ScratchLines& lines);
@@ -43,6 +48,8 @@ class TileRuns {
   /// The runs of a tile; readable one beyond the last.
   const TileRun* of(std::size_t tile) const { return &runs_[begin_[tile]]; }
   std::uint32_t scratch(std::size_t tile, std::uint32_t run) const { return scratch_[begin_[tile] + run]; }
+
+  const StripDirection& across(std::size_t scratch) const { return across_[scratch]; }
 
   std::size_t chunk_count() const { return chunks_.size(); }
   /// visit(chunk, scratch, numbers of its runs in tile order), chunks of scratches side by side. How scratches are
@@ -65,13 +72,14 @@ class TileRuns {
     std::size_t first = 0, last = 0;
   };
 
-  static void find_tiles(const PixelIndex& index, const ScratchLines& lines, Chunk& chunk);
+  void find_tiles(const PixelIndex& index, const ScratchLines& lines, Chunk& chunk);
   void make_runs(const PixelIndex& index, const ScratchLines& lines, Chunk& chunk);
 
   std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> begin_;  // by tile, one more
   std::vector<TileRun> runs_;         // by tile, one more
   std::vector<std::uint32_t> scratch_;
+  std::vector<StripDirection> across_;  // by scratch
 };
 
 template <typename Visit>
