@@ -137,10 +137,9 @@ void FastView::Data::sort_scratches(const Scratches& s) {
     per_mm[i] = static_cast<float>(2000 / width_of(i));
     rim[i] = static_cast<float>(groove_rim(width_of(i), depth_of(i)));
   }
-  const std::vector<double> shared_alpha{scene.material.alpha};
-  const std::vector<double>& from = s.alpha.empty() ? shared_alpha : s.alpha;
-  alpha.resize(from.size());
-  for (std::size_t i = 0; i < from.size(); ++i) alpha[i] = static_cast<float>(std::min(1.0, from[i]));
+  alpha.resize(s.alpha.empty() ? 1 : s.alpha.size());
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    alpha[i] = static_cast<float>(std::min(1.0, s.alpha.empty() ? scene.material.alpha : s.alpha[i]));
   room->runs.sort(index, {s.size(),
                           s.x0_mm.data(),
                           s.y0_mm.data(),
