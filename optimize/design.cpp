@@ -348,11 +348,11 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     weak_dropped = true;
     if (!(options.drop_count > 0 || options.drop_light > 0 || options.drop_error > 0)) return;
     report("dropping weak scratches", 0);
-    render_all(views, scratches);
     // Each view's light in units of its own white, so that a bright lamp's views do not rule.
     std::vector<double> light_sum(count, 0.0);
-    for (const WorkView& v : views) {
+    for (WorkView& v : views) {
       std::vector<double> light(count, 0.0);
+      v.renderer.forward(scratches, v.radiance);
       v.renderer.add_contributions(light);
       for (std::size_t i = 0; i < count; ++i) light_sum[i] += std::exp(log_exposure[v.exposure_group]) * light[i];
     }

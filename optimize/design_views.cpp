@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <utility>
 
@@ -94,6 +95,7 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                        " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
                        "are not compared there");
   std::vector<WorkView> views;
+  const std::shared_ptr<RenderRoom> room = make_render_room();  // one view's memory: they are worked on in turn
   std::map<std::string, int> groups;
   const std::vector<double> sides = options.tolerance_mm > 0 ? std::vector<double>{0, 1, -1} : std::vector<double>{0};
   for (const double side : sides)
@@ -131,7 +133,7 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
       RenderOptions render;
       render.material_gradients = options.optimise_width || options.optimise_depth || options.optimise_alpha;
       views.push_back({v, std::move(glint), std::move(target), rotation, index, area.x() / width, k, share,
-                       ViewRenderer(design_scene(spec, k, board, bench, options.pixels, moved, moved), render),
+                       ViewRenderer(design_scene(spec, k, board, bench, options.pixels, moved, moved), render, room),
                        std::move(loss)});
     }
   for (WorkView& v : views) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "render/pair_batch.h"
+#include "render/simd_width.h"
 #include "tests/bench/memory_bench.h"
 
 namespace {

@@ -9,7 +9,7 @@
 
 #include <string>
 
-#include "render/pair_batch.h"
+#include "render/simd_width.h"
 #include "render/view_renderer.h"
 #include "tests/bench/interval_work.h"
 #include "tests/bench/multiply_add_peak.h"
