@@ -69,7 +69,7 @@ void write(const Options& options) {
              report.compensated ? "compensated by the measured machine.affine" : "not compensated");
   if (report.already_carved > 0)
     fmt::print("{} scratches are carved already and are left out\n", report.already_carved);
-  if (report.stepped_mm > 0)
+  if (report.stepped_mm > kOnStep_mm)
     fmt::print("the machine's steps of {:g} mm move ends by up to {:.4f} mm\n", machine.limits.step_mm,
                report.stepped_mm);
   fmt::print("carves {:.1f} m, travels {:.1f} m in the air ({:.1f} m in the file's own order)\n",
