@@ -5,6 +5,7 @@
 #include <iomanip>
 #include <numeric>
 #include <sstream>
+#include <utility>
 
 #include "render/error.h"
 
@@ -60,16 +61,24 @@ std::string carving_plot(const std::vector<CarvingPoint>& curve, const std::vect
     svg += line(x(h), kTop, x(h), kHeight - kBottom);
     svg += words(x(h), kHeight - kBottom + 18, "middle", number(h, hours < 5 ? 2 : 1) + " h");
   }
-  const auto path = [&](const std::string& name, const char* style, const auto& value) {
+  // Names stand where their curves begin, a line of text apart at least.
+  std::vector<std::pair<double, std::string>> names{{y(mean(curve.front().psnr_db)), "mean"}};
+  for (std::size_t k = 0; k < view_names.size(); ++k) names.emplace_back(y(curve.front().psnr_db[k]), view_names[k]);
+  std::sort(names.begin(), names.end());
+  double above = -1e9;
+  for (const auto& [at, name] : names) {
+    above = std::max(at, above + 13);
+    svg += words(kWidth - kRight + 6, above + 4, "start", name);
+  }
+  const auto path = [&](const char* style, const auto& value) {
     std::string d;
     for (const CarvingPoint& p : curve)
       d += (d.empty() ? "M" : "L") + number(x(p.hours), 1) + " " + number(y(value(p)), 1);
     svg += "<path d=\"" + d + "\" fill=\"none\" " + style + "/>\n";
-    svg += words(kWidth - kRight + 6, y(value(curve.front())) + 4, "start", name);
   };
   for (std::size_t k = 0; k < view_names.size(); ++k)
-    path(view_names[k], "stroke=\"#69c\" stroke-width=\"1.2\"", [k](const CarvingPoint& p) { return p.psnr_db[k]; });
-  path("mean", "stroke=\"#c30\" stroke-width=\"2.5\"", [](const CarvingPoint& p) { return mean(p.psnr_db); });
+    path("stroke=\"#69c\" stroke-width=\"1.2\"", [k](const CarvingPoint& p) { return p.psnr_db[k]; });
+  path("stroke=\"#c30\" stroke-width=\"2.5\"", [](const CarvingPoint& p) { return mean(p.psnr_db); });
   return svg + "</svg>\n";
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <numeric>
 #include <random>
 #include <span>
@@ -292,6 +293,23 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
                        board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
   settle(scratches, limits, mean_length, options.seed + 2);
+  if (options.carve_hours > 0 && !options.from) {
+    // A quarter more than fit may start and be weeded out. More would only teach the rest to be dim: start anew.
+    constexpr double kMore = 1.25;
+    const double hours = carving_time_s(scratches, bench.material.depth_um, options.carve_machine) / 3600;
+    const auto fewer = static_cast<std::size_t>(kMore * options.carve_hours / hours * static_cast<double>(movable));
+    if (hours > 1.1 * kMore * options.carve_hours && fewer > 0) {
+      DesignSpec smaller = spec;
+      smaller.scratches = static_cast<int>(fewer + carved.size());
+      DesignResult made = design(smaller, board, bench, options, progress);
+      char words[160];
+      std::snprintf(words, sizeof words,
+                    "%zu scratches would take %.1f hours to carve: began with %zu for the %.1f there are", movable,
+                    hours, made.started_with, options.carve_hours);
+      made.warnings.emplace_back(words);
+      return made;
+    }
+  }
   if (carved.size() > 0) {
     scratches = joined(scratches, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
     scratches.carved.assign(movable, 0);
@@ -405,6 +423,9 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
           spare_for_time(stroke_views(views, log_exposure, false), rules, scratches, movable, cost, now_s - allowed_s);
       result.dropped += spared.size();
       keep_only(all_but(count, spared));
+      // Fewer have to be brighter.
+      render_all(views, scratches);
+      log_exposure = fitting_exposures(views, log_exposure);
     }
   };
   constexpr int kBudgetSteps = 6;

@@ -50,7 +50,7 @@ struct DesignOptions {
   double rate = 0;        ///< Adam's, in uv (fractions of the board's width and height) an iteration; 0: 1e-3 from a
                           ///< random start, else 3e-4
   double final_rate = 0;  ///< the rate falls along a half cosine to this; 0: chosen
-  LossWeights loss;
+  LossWeights loss{.perceptual = 0, .l2 = 1, .gram = 0};  ///< what PSNR measures; the paper's are 1, 0, 0.01
   Start start = Start::guided;
   double start_length_mm = 0;     ///< mean length at the start; 0: chosen from the number of scratches
   double start_brightness = 0.6;  ///< guided start: mean part of its lobe that a scratch shows

@@ -88,6 +88,7 @@ class DesignTest : public testing::Test {
 
 TEST_F(DesignTest, ConvergesOnTwoViews) {
   options_.start = Start::random;
+  options_.loss = {1, 0, 0.01};  // the paper's
   const DesignResult result = design(spec_, board_, bench_, options_, {});
   EXPECT_LT(result.final_loss, 0.2 * result.history.front().loss);
   for (const DesignedView& v : result.views) EXPECT_GT(v.psnr_db, v.start_psnr_db + 3) << v.view;
