@@ -147,6 +147,18 @@ std::string place_in_words(const CameraPlace& place, const Board& board) {
          (place.roll_rad > 0.1 ? ", camera on its side" : "");
 }
 
+bool in_the_way(const Eigen::Vector3d& camera_mm, const Eigen::Vector3d& lamp_mm, const Board& board) {
+  constexpr double kRadius_mm = 70;
+  const Eigen::Vector3d middle = middle_of(board);
+  const auto hides = [&](const Eigen::Vector3d& thing, const Eigen::Vector3d& from) {
+    const Eigen::Vector3d axis = middle - from;
+    const double along = (thing - from).dot(axis) / axis.squaredNorm();
+    return along > 0 && along < 1 &&
+           (thing - from - along * axis).norm() < along * board.size_mm.norm() / 2 + kRadius_mm;
+  };
+  return hides(camera_mm, lamp_mm) || hides(lamp_mm, camera_mm);
+}
+
 std::vector<Light> turned_lamps(const Light& light, const Board& board, const std::vector<double>& angles_deg) {
   std::vector<Light> out;
   const Eigen::Vector3d middle = middle_of(board);

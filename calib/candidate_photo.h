@@ -43,6 +43,10 @@ std::string place_in_words(const Eigen::Vector3d& p_board_mm, const Board& board
 /// The same for a camera, with where it looks: "..., aimed at the middle (35 degrees from straight down)".
 std::string place_in_words(const CameraPlace& place, const Board& board);
 
+/// Whether a camera there would stand in the lamp's light, or the lamp in the camera's sight: either within the cone
+/// from the other to the board, both being as large as a hand (70 mm about their middle).
+bool in_the_way(const Eigen::Vector3d& camera_mm, const Eigen::Vector3d& lamp_mm, const Board& board);
+
 /// The lamp turned about the board's middle, by each of these angles (degrees, counter-clockwise), named after them.
 std::vector<Light> turned_lamps(const Light& light, const Board& board, const std::vector<double>& angles_deg);
 

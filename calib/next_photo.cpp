@@ -156,6 +156,7 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
                static_cast<double>(p) / static_cast<double>(places.size()));
     for (std::size_t light = 0; light < wider.lights.size(); ++light) {
       if (light >= own && p % 2 == 1) continue;  // a moved lamp is tried from every other place
+      if (in_the_way(places[p].center_mm(), wider.lights[light].position_mm, board)) continue;
       const LightCandidate candidate = light_candidate(candidates, there, wider, places[p], light, free, options);
       if (!(candidate.light.paper > 0)) continue;
       const Eigen::MatrixXd after = inverse_information(H + scale * candidate.information);

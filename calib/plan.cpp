@@ -301,7 +301,8 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& desig
         const double light_score =
             score(true, scaled_inverse(H_light + candidate.information), straddles_with(candidate.straddle), nullptr);
         for (std::size_t p = 0; p < places.size(); ++p)
-          if (places[p].direction == direction && geometry_score[p] + light_score < best) {
+          if (places[p].direction == direction && geometry_score[p] + light_score < best &&
+              !in_the_way(places[p].center_mm(), bench.lights[lamp].position_mm, board)) {
             best = geometry_score[p] + light_score;
             best_place = p;
             best_lamp = lamp;

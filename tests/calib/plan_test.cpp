@@ -135,6 +135,16 @@ TEST(PlaceInWords, CanBeFollowedWithARuler) {
             "350 mm above the face, 20 mm in from the right edge, 30 mm in from the lower edge");
 }
 
+TEST(InTheWay, IsWhoStandsInTheLightOrInTheSight) {
+  const Board board = small_board();  // middle 60, 50; half its diagonal 78 mm
+  const Eigen::Vector3d lamp(60, 50, 600);
+  EXPECT_TRUE(in_the_way({60, 50, 300}, lamp, board));    // between lamp and board
+  EXPECT_TRUE(in_the_way({60, 50, 900}, lamp, board));    // the lamp is before the camera
+  EXPECT_TRUE(in_the_way({160, 50, 300}, lamp, board));   // half way down the cone is 39 mm wide, and a hand more
+  EXPECT_FALSE(in_the_way({180, 50, 300}, lamp, board));  // 120 mm off its axis: beside it
+  EXPECT_FALSE(in_the_way({400, 50, 500}, lamp, board));
+}
+
 TEST(CameraPlaces, AllSeeTheWholeBoard) {
   const Board board = small_board();
   const Bench bench = small_bench(board);

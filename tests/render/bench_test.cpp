@@ -55,6 +55,7 @@ Bench full_bench(const TemporaryFolder& folder) {
   bench.machine_affine_sigma = Affine2::Constant(1e-5);
   bench.verdict["depth_um"] = {false, "no photo straddles the cut-off"};
   bench.verdict["light.spot.position_mm"] = {true, ""};
+  bench.verdict["alpha"] = {false, "rests on one photo", true, 30.5, "%", "camera 620 mm above the lower left corner"};
   return bench;
 }
 
@@ -103,7 +104,13 @@ TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
   EXPECT_EQ(back.tags[1].rotation_deg, 90.5);
   EXPECT_EQ(back.machine_affine, bench.machine_affine);
   EXPECT_EQ(back.machine_affine_sigma, bench.machine_affine_sigma);
-  ASSERT_EQ(back.verdict.size(), 2u);
+  ASSERT_EQ(back.verdict.size(), 3u);
+  EXPECT_TRUE(back.verdict.at("alpha").weakly);
+  EXPECT_EQ(back.verdict.at("alpha").sigma, 30.5);
+  EXPECT_EQ(back.verdict.at("alpha").unit, "%");
+  EXPECT_EQ(back.verdict.at("alpha").next_photo, "camera 620 mm above the lower left corner");
+  EXPECT_FALSE(back.verdict.at("depth_um").weakly);
+  EXPECT_FALSE(back.verdict.at("depth_um").sigma.has_value());
   EXPECT_FALSE(back.verdict.at("depth_um").determined);
   EXPECT_EQ(back.verdict.at("depth_um").reason, "no photo straddles the cut-off");
 
