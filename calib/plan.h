@@ -27,7 +27,7 @@ struct PlanOptions {
   double corner_sigma_px = 0.02;  ///< of a tag's corner, per axis
   LightCandidateOptions light;
   /// How many times larger the light's sigmas are than those of independent errors: what the model misses is alike in
-  /// neighbouring pixels and photos. Measured on photographed benches: docs/calibration.md.
+  /// neighbouring pixels and photos. A cautious guess: docs/calibration.md.
   double inflation = 4;
 };
 
