@@ -1,16 +1,5 @@
 #include "capture/things_on_board.h"
 
-extern "C" {
-#include <apriltag/apriltag.h>
-#include <apriltag/common/image_u8.h>
-#include <apriltag/tag16h5.h>
-#include <apriltag/tag25h9.h>
-#include <apriltag/tag36h11.h>
-#include <apriltag/tagCircle21h7.h>
-#include <apriltag/tagStandard41h12.h>
-#include <apriltag/tagStandard52h13.h>
-}
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -20,33 +9,9 @@ extern "C" {
 #include <string>
 #include <utility>
 
-#include "render/error.h"
+#include "capture/tag_family.h"
 
 namespace burin {
-namespace {
-
-struct FamilyMaker {
-  const char* name;
-  apriltag_family_t* (*create)();
-  void (*destroy)(apriltag_family_t*);
-};
-constexpr std::array<FamilyMaker, 6> kFamilies{{
-    {"tagStandard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
-    {"tag36h11", tag36h11_create, tag36h11_destroy},
-    {"tagStandard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
-    {"tag25h9", tag25h9_create, tag25h9_destroy},
-    {"tag16h5", tag16h5_create, tag16h5_destroy},
-    {"tagCircle21h7", tagCircle21h7_create, tagCircle21h7_destroy},
-}};
-
-// Debian's library does not export image_u8_destroy; what it would do is this.
-void free_image(image_u8_t* image) {
-  if (image) std::free(image->buf);
-  std::free(image);
-}
-
-}  // namespace
-
 struct ThingsOnBoard::Thing {
   enum class Kind { tag, rectangle, ellipse, capsule } kind = Kind::rectangle;
   Eigen::Vector2d center{0, 0}, half{0, 0};  // of the box in its own frame; a capsule's: half length + radius, radius
@@ -79,32 +44,20 @@ ThingsOnBoard::ThingsOnBoard(const BenchTruth& truth) : bins_(std::make_unique<B
   const TagSet& tags = truth.board.tags;
   if (!tags.list.empty()) {
     const std::string where = truth.file.string() + ": board.tags";
-    const auto maker =
-        std::find_if(kFamilies.begin(), kFamilies.end(), [&](const FamilyMaker& f) { return tags.family == f.name; });
-    if (maker == kFamilies.end()) {
-      std::string names;
-      for (const FamilyMaker& f : kFamilies) names += (names.empty() ? "" : ", ") + std::string(f.name);
-      fail(where + ".family", "there is no family \"" + tags.family + "\"", "use one of " + names);
-    }
-    const std::unique_ptr<apriltag_family_t, void (*)(apriltag_family_t*)> family(maker->create(), maker->destroy);
+    const TagFamily family = make_tag_family(tags.family, where + ".family");
     for (const Tag& tag : tags.list) {
-      if (tag.id >= static_cast<int>(family->ncodes))
-        fail(where + ".list", tags.family + " has no tag " + std::to_string(tag.id),
-             "its ids end at " + std::to_string(family->ncodes - 1));
-      const std::unique_ptr<image_u8_t, void (*)(image_u8_t*)> image(
-          apriltag_to_image(family.get(), static_cast<std::uint32_t>(tag.id)), free_image);
+      const TagPattern pattern = tag_pattern(*family, tag.id, where + ".list");
       Thing thing;
       thing.kind = Thing::Kind::tag;
       thing.center = tag.center_mm;
       turn(thing, tag.rotation_deg);
       thing.z_mm = tags.z_mm;
-      thing.cells = image->width;
-      thing.cell_mm = tag.size_mm / family->width_at_border;
+      thing.cells = pattern.total_cells;
+      thing.cell_mm = tag.size_mm / pattern.border_cells;
       thing.half.setConstant(thing.cells * thing.cell_mm / 2 + truth.quiet_mm);
       thing.coat.albedo.setConstant(tags.white_albedo);
       thing.black_albedo.setConstant(tags.black_albedo);
-      for (int y = 0; y < thing.cells; ++y)
-        for (int x = 0; x < thing.cells; ++x) thing.black.push_back(image->buf[y * image->stride + x] < 128);
+      for (const std::uint8_t white : pattern.white) thing.black.push_back(white == 0);
       things_.push_back(std::move(thing));
     }
   }

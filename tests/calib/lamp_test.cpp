@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "calib/light_samples.h"
-#include "calib/tag_pattern.h"
+#include "capture/tag_family.h"
 #include "capture/photo.h"
 #include "render/error.h"
 #include "tests/calib/rig_bench.h"

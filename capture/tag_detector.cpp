@@ -1,15 +1,6 @@
-#include "calib/tag_detector.h"
+#include "capture/tag_detector.h"
 
 #include <apriltag/apriltag.h>
-#include <apriltag/tag16h5.h>
-#include <apriltag/tag25h9.h>
-#include <apriltag/tag36h10.h>
-#include <apriltag/tag36h11.h>
-#include <apriltag/tagCircle21h7.h>
-#include <apriltag/tagCircle49h12.h>
-#include <apriltag/tagCustom48h12.h>
-#include <apriltag/tagStandard41h12.h>
-#include <apriltag/tagStandard52h13.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -20,28 +11,11 @@
 #include <optional>
 #include <set>
 
+#include "capture/tag_family.h"
 #include "render/error.h"
 
 namespace burin {
 namespace {
-
-struct FamilyMaker {
-  const char* name;
-  apriltag_family_t* (*create)();
-  void (*destroy)(apriltag_family_t*);
-};
-
-constexpr FamilyMaker kFamilies[] = {
-    {"tagStandard41h12", tagStandard41h12_create, tagStandard41h12_destroy},
-    {"tag36h11", tag36h11_create, tag36h11_destroy},
-    {"tag25h9", tag25h9_create, tag25h9_destroy},
-    {"tag16h5", tag16h5_create, tag16h5_destroy},
-    {"tag36h10", tag36h10_create, tag36h10_destroy},
-    {"tagStandard52h13", tagStandard52h13_create, tagStandard52h13_destroy},
-    {"tagCircle21h7", tagCircle21h7_create, tagCircle21h7_destroy},
-    {"tagCircle49h12", tagCircle49h12_create, tagCircle49h12_destroy},
-    {"tagCustom48h12", tagCustom48h12_create, tagCustom48h12_destroy},
-};
 
 constexpr double kSkipModules = 0.6;   // at each end of a side: the neighbouring side's blur reaches that far
 constexpr double kStripModules = 0.5;  // half-width of the strip of pixels around a side
@@ -53,13 +27,7 @@ constexpr double kRoughSides =
     0.03;  // of a side: how far AprilTag may be off in large photos, searched at half resolution
 constexpr double kAprilTagCenter = 0.5;  // AprilTag has a pixel's centre at +0.5, we have it at 0
 
-const FamilyMaker& find_family(const std::string& name) {
-  for (const FamilyMaker& f : kFamilies)
-    if (name == f.name) return f;
-  std::string known;
-  for (const FamilyMaker& f : kFamilies) known += (known.empty() ? "" : ", ") + std::string(f.name);
-  fail("board.json: tags.family", "\"" + name + "\" is no AprilTag family that Burin knows", "use one of " + known);
-}
+constexpr const char* kFamilyField = "board.json: tags.family";
 
 // libapriltag's decoding table has one entry for each code and each correctable pattern of wrong bits; for the large
 // families two corrected bits would take gigabytes.
@@ -268,6 +236,7 @@ std::string refine(const Gray& gray, std::span<const std::uint8_t> valid, double
       case SideFault::none:
         break;
     }
+    tag.side_blur_px[i] = sides[i].blur_px;
     blur += sides[i].blur_px / 4;
   }
   for (int i = 0; i < 4; ++i) {
@@ -283,47 +252,20 @@ std::string refine(const Gray& gray, std::span<const std::uint8_t> valid, double
 
 }  // namespace
 
-std::span<const char* const> tag_families() {
-  static constexpr auto names = [] {
-    std::array<const char*, std::size(kFamilies)> n{};
-    for (std::size_t i = 0; i < n.size(); ++i) n[i] = kFamilies[i].name;
-    return n;
-  }();
-  return names;
-}
-
 double side_skip_fraction(const std::string& family) {
-  const FamilyMaker& maker = find_family(family);
-  apriltag_family_t* f = maker.create();
-  const double skip = kSkipModules / f->width_at_border;
-  maker.destroy(f);
-  return skip;
+  return kSkipModules / make_tag_family(family, kFamilyField)->width_at_border;
 }
 
 struct TagDetector::State {
-  std::string name;
   TagDetectorOptions options;
-  const FamilyMaker* maker = nullptr;
-  apriltag_family_t* family = nullptr;
-  apriltag_detector_t* detector = nullptr;
-
-  State() = default;
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-  ~State() {
-    if (detector) apriltag_detector_destroy(detector);
-    if (family) maker->destroy(family);
-  }
+  TagFamily family;  // outlives the detector, which points at it
+  std::unique_ptr<apriltag_detector_t, void (*)(apriltag_detector_t*)> detector{apriltag_detector_create(),
+                                                                                apriltag_detector_destroy};
 };
 
 TagDetector::TagDetector(const std::string& family, const TagDetectorOptions& options)
-    : state_(std::make_unique<State>()) {
-  state_->name = family;
-  state_->options = options;
-  state_->maker = &find_family(family);
-  state_->family = state_->maker->create();
-  state_->detector = apriltag_detector_create();
-  apriltag_detector_add_family_bits(state_->detector, state_->family,
+    : state_(new State{options, make_tag_family(family, kFamilyField)}) {
+  apriltag_detector_add_family_bits(state_->detector.get(), state_->family.get(),
                                     affordable_bits(*state_->family, options.max_hamming));
   state_->detector->nthreads = 1;  // the same result on every machine
 }
@@ -338,7 +280,7 @@ std::vector<TagDetection> TagDetector::detect_coarse(std::span<const std::uint8_
   state_->detector->refine_edges = half;
   // AprilTag only reads; its image type has no const.
   image_u8_t image = {width, height, width, const_cast<std::uint8_t*>(gray.data())};
-  zarray_t* found = apriltag_detector_detect(state_->detector, &image);
+  zarray_t* found = apriltag_detector_detect(state_->detector.get(), &image);
   std::vector<TagDetection> tags;
   for (int i = 0; i < zarray_size(found); ++i) {
     apriltag_detection_t* d = nullptr;
@@ -357,6 +299,11 @@ std::vector<TagDetection> TagDetector::detect_coarse(std::span<const std::uint8_
            std::tuple(b.id, b.coarse_px[0].x(), b.coarse_px[0].y());
   });
   return tags;
+}
+
+std::vector<TagDetection> TagDetector::detect_coarse(const Image& linear, double brighter) {
+  const Gray gray = to_gray(linear);
+  return detect_coarse(compressed(gray, bright_end(gray) / brighter), gray.width, gray.height);
 }
 
 TagsInPhoto TagDetector::detect(const Image& linear, std::span<const std::uint8_t> valid, std::span<const int> ids) {

@@ -1,4 +1,4 @@
-// calib/tag_detector.h - AprilTags in a photo, with corners good to about 0.015 px.
+// capture/tag_detector.h - AprilTags in a photo, with corners good to about 0.015 px.
 //
 // AprilTag finds and decodes the tags on an 8-bit, gamma-compressed copy; each corner is then measured on the linear
 // values (DESIGN 6, 'Corners'): along each of the four sides an edge of one blur, one black and one white level is
@@ -29,6 +29,7 @@ struct TagDetection {
   std::array<Eigen::Vector2d, 4> corner_px;  ///< refined
   std::array<double, 4> corner_sigma_px{};   ///< per axis, from the noise of the pixels alone
   double blur_px = 0;                        ///< Gaussian width of the edges, the pixel's own square included
+  std::array<double, 4> side_blur_px{};      ///< the same of each side; side i runs from corner i to corner i + 1
 };
 
 /// A tag that was seen but is not used, and why ("its white paper is clipped").
@@ -52,9 +53,6 @@ struct TagDetectorOptions {
       1.5;  ///< (or 3 % of a side) a refined corner further from AprilTag's is no corner of a clean tag
 };
 
-/// The families that libapriltag knows, most usual first.
-std::span<const char* const> tag_families();
-
 /// Finds the tags of one family. Owns AprilTag's tables (tens of MB): make one and use it for all photos.
 /// Not for use from two threads at once. Same photo, same result.
 class TagDetector {
@@ -72,6 +70,9 @@ class TagDetector {
   /// AprilTag alone on an 8-bit picture, unfiltered, corners coarse (corner_px = coarse_px), pixel convention
   /// converted.
   std::vector<TagDetection> detect_coarse(std::span<const std::uint8_t> gray, int width, int height);
+
+  /// The same on a linear picture, gamma-compressed, its brightest half percent `brighter` times white.
+  std::vector<TagDetection> detect_coarse(const Image& linear, double brighter = 1);
 
  private:
   struct State;

@@ -1,7 +1,7 @@
 // Tags found and corners measured: against AprilTag's own reference corners, against photographed benches whose true
 // corners are known, and on pictures that should give nothing. Not proved here: that poses come out right
 // (board_solver_test, calibrate_test).
-#include "calib/tag_detector.h"
+#include "capture/tag_detector.h"
 
 #include <apriltag/common/pjpeg.h>
 #include <gmock/gmock.h>
