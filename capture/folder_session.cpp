@@ -36,7 +36,7 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, std::vector<Finding
   if (!exif.f_number) missing += missing.empty() ? "aperture" : " and aperture";
   if (!missing.empty()) {
     findings.push_back(
-        {error, incoming.file, "its EXIF holds no " + missing,
+        {warning, incoming.file, "is left out: its EXIF holds no " + missing,
          "copy the photo from the camera itself (chats and editors strip EXIF), set what is missing with "
          "exiftool -ExposureTime=1/60 -FNumber=8, or write session.json by hand"});
     return std::nullopt;
@@ -83,11 +83,14 @@ void merge_notes(std::vector<Finding>& findings) {
 
 }  // namespace
 
-FolderSession session_from(const PhotoSource& source, const Progress& progress) {
+FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress) {
   FolderSession result;
   std::vector<std::pair<Photo, Exif>> photos;
   while (const auto incoming = source())
     if (const auto photo = photo_of(*incoming, result.findings)) photos.emplace_back(*photo, incoming->exif);
+  if (photos.empty())  // nothing is left: what each photo lacks is why
+    for (Finding& finding : result.findings)
+      if (finding.severity == warning) finding.severity = error;
   // By the clock only if every photo has one: half a clock would tear brackets apart.
   const bool timed =
       std::all_of(photos.begin(), photos.end(), [](const auto& p) { return p.second.time_s.has_value(); });
@@ -106,7 +109,7 @@ FolderSession session_from(const PhotoSource& source, const Progress& progress) 
     if (progress) progress("reading photos", static_cast<double>(begin) / static_cast<double>(photos.size()));
     tbb::parallel_for(begin, std::min(begin + kAtOnce, photos.size()), [&](std::size_t i) {
       try {
-        looks[i] = look_at(photos[i].first);
+        looks[i] = look_at(photos[i].first, &tags);
       } catch (const Error& unreadable) {
         broken[i] = unreadable.what();
       }
@@ -161,16 +164,17 @@ FolderSession session_from(const PhotoSource& source, const Progress& progress) 
 
 CaptureResult capture_folder(const fs::path& photos_dir, const fs::path& board_json, const fs::path& out_dir,
                              const Progress& progress) {
-  read_board(board_json);  // a session whose board cannot be read is of no use: say so before the photos are read
+  const Board board =
+      read_board(board_json);  // a session whose board cannot be read is of no use: say so before the photos are read
   CaptureResult result;
   const PhotoSource source = folder_source(photos_dir, result.findings);
-  FolderSession folder = session_from(source, progress);
+  FolderSession folder = session_from(source, board.tags, progress);
   const auto add = [&](std::vector<Finding>&& more) {
     result.findings.insert(result.findings.end(), std::make_move_iterator(more.begin()),
                            std::make_move_iterator(more.end()));
   };
   add(std::move(folder.findings));
-  add(preflight(folder.session, folder.exif, folder.looks));
+  add(preflight(folder.session, folder.exif, folder.looks, board.tags));
   merge_notes(result.findings);
   std::stable_sort(result.findings.begin(), result.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });

@@ -24,9 +24,10 @@ struct FolderSession {
   std::vector<Finding> findings;
 };
 
-/// Takes all photos of a source. Broken files and files without exposure time or aperture become errors among the
-/// findings; a missing ISO is taken as 100 with a warning. Throws only if `progress` does.
-FolderSession session_from(const PhotoSource& source, const Progress& progress = {});
+/// Takes all photos of a source and looks for `tags` in them. Broken files become errors among the findings. A file
+/// without exposure time or aperture is left out with a warning, and an error where no file has them; a missing ISO is
+/// taken as 100 with a warning. Throws if `progress` does, and for tags of an unknown family.
+FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress = {});
 
 struct CaptureResult {
   Session session;

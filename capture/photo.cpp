@@ -2,6 +2,7 @@
 
 #include <OpenImageIO/imageio.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -189,18 +190,27 @@ std::string size_text(int width, int height) { return std::to_string(width) + " 
 
 }  // namespace
 
-MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise) {
+MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise, const MergeOptions& options) {
   if (photos.empty()) fail("merge_bracket", "no photo was given", "give at least one exposure");
-  std::vector<LinearPhoto> exposures;
-  std::vector<std::vector<std::uint8_t>> usable;
-  std::vector<double> factor;
-  std::vector<int> order(photos.size());  // from the longest exposure to the shortest
-  for (std::size_t k = 0; k < photos.size(); ++k) {
+  const std::size_t count = photos.size();
+  std::vector<LinearPhoto> exposures(count);
+  std::vector<std::vector<std::uint8_t>> usable(count);
+  std::vector<double> factor(count);
+  std::vector<int> order(count);  // from the longest exposure to the shortest
+  for (std::size_t k = 0; k < count; ++k) {
     order[k] = static_cast<int>(k);
-    factor.push_back(exposure_factor(photos[k]));
-    exposures.push_back(read_photo(photos[k]));
-    usable.push_back(usable_pixels(exposures.back()));
-    const Image &a = exposures.back().value, &first = exposures.front().value;
+    factor[k] = exposure_factor(photos[k]);
+  }
+  // Isolated: a thread that waits here must not begin another bracket, whose photos would join these in memory.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      exposures[k] = read_photo(photos[k]);
+      usable[k] = usable_pixels(exposures[k]);
+      exposures[k].clipped = {};
+    });
+  });
+  for (std::size_t k = 1; k < count; ++k) {
+    const Image &a = exposures[k].value, &first = exposures.front().value;
     if (a.width != first.width || a.height != first.height)
       fail_size(photos[k], a.width, a.height, photos[0], first.width, first.height);
     if (a.channels != first.channels)
@@ -210,17 +220,27 @@ MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise)
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return factor[a] > factor[b]; });
 
   const Image& like = exposures.front().value;
-  MergedView merged{photos[0].view, photos[0].light, Image(like.width, like.height, like.channels),
-                    Image(like.width, like.height, like.channels), std::vector<std::uint8_t>(usable.front().size(), 0)};
-  const int channels = like.channels;
-  const auto merge_pixel = [&](std::size_t i) {
+  const int channels = like.channels, bin = std::max(1, options.bin);
+  const int width = like.width / bin, height = like.height / bin;
+  MergedView merged{photos[0].view,
+                    photos[0].light,
+                    Image(width, height, channels),
+                    Image(width, height, channels),
+                    std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height, 0),
+                    bin};
+  if (options.gray) {
+    options.gray->value = Image(like.width, like.height, 1);
+    options.gray->valid.assign(usable.front().size(), 0);
+  }
+  // Value and sigma of pixel i's channels; false where no exposure holds it.
+  const auto merge_pixel = [&](std::size_t i, float* out_value, float* out_sigma) {
     const auto longest = std::find_if(order.begin(), order.end(), [&](int k) { return usable[k][i] != 0; });
-    merged.valid[i] = longest != order.end();
+    const bool valid = longest != order.end();
     for (int c = 0; c < channels; ++c) {
       const std::size_t j = i * channels + c;
-      if (!merged.valid[i]) {
-        merged.value.data[j] = static_cast<float>(exposures[order.back()].value.data[j] / factor[order.back()]);
-        merged.sigma.data[j] = std::numeric_limits<float>::infinity();
+      if (!valid) {
+        out_value[c] = static_cast<float>(exposures[order.back()].value.data[j] / factor[order.back()]);
+        out_sigma[c] = std::numeric_limits<float>::infinity();
         continue;
       }
       double value = exposures[*longest].value.data[j] / factor[*longest], weight_sum = 0;
@@ -235,12 +255,45 @@ MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise)
           weight_sum += weight;
         }
         value = sum / weight_sum;
+        if (count == 1) break;  // nothing to weigh against
       }
-      merged.value.data[j] = static_cast<float>(value);
-      merged.sigma.data[j] = static_cast<float>(1 / std::sqrt(weight_sum));
+      out_value[c] = static_cast<float>(value);
+      out_sigma[c] = static_cast<float>(1 / std::sqrt(weight_sum));
+    }
+    return valid;
+  };
+  const auto merge_row = [&](int row) {  // a row of bins, and what is left below the last
+    std::vector<double> value(static_cast<std::size_t>(width) * channels, 0), variance(value.size(), 0);
+    std::vector<std::uint8_t> valid(width, 1);
+    std::array<float, 3> v{}, sigma{};
+    const int end = row + 1 < height ? (row + 1) * bin : like.height;
+    for (int y = row * bin; y < end; ++y)
+      for (int x = 0; x < like.width; ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * like.width + x;
+        const bool is_valid = merge_pixel(i, v.data(), sigma.data());
+        if (options.gray) {
+          float sum = 0;
+          for (int c = 0; c < channels; ++c) sum += v[c];
+          options.gray->value.data[i] = sum / static_cast<float>(channels);
+          options.gray->valid[i] = is_valid;
+        }
+        const int column = x / bin;
+        if (column >= width || y >= (row + 1) * bin) continue;
+        valid[column] = valid[column] && is_valid;
+        for (int c = 0; c < channels; ++c) {
+          value[static_cast<std::size_t>(column) * channels + c] += v[c];
+          variance[static_cast<std::size_t>(column) * channels + c] += static_cast<double>(sigma[c]) * sigma[c];
+        }
+      }
+    const std::size_t at = static_cast<std::size_t>(row) * width;
+    const double parts = static_cast<double>(bin) * bin;
+    std::copy(valid.begin(), valid.end(), merged.valid.begin() + static_cast<std::ptrdiff_t>(at));
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      merged.value.data[at * channels + i] = static_cast<float>(value[i] / parts);
+      merged.sigma.data[at * channels + i] = static_cast<float>(std::sqrt(variance[i]) / parts);
     }
   };
-  tbb::parallel_for(std::size_t{0}, usable.front().size(), merge_pixel);
+  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, height, merge_row); });
   return merged;
 }
 
@@ -311,23 +364,32 @@ std::vector<Bracket> brackets_of(const Session& session) {
   return brackets;
 }
 
-std::vector<MergedView> merge_session(const Session& session) {
+PhotoSize photo_size(const Session& session) {
   if (session.photos.empty()) fail(session.file.string(), "the session holds no photo", "list at least one photo");
-  // Sizes first: headers are quick to read, and a person should not wait for this news.
-  int width = 0, height = 0;
+  PhotoSize size;
   for (const Photo& photo : session.photos) {
     const auto input = open_photo(photo);
     const OIIO::ImageSpec& spec = input->spec();
-    if (width == 0) {
-      width = spec.width;
-      height = spec.height;
-    } else if (spec.width != width || spec.height != height) {
-      fail_size(photo, spec.width, spec.height, session.photos.front(), width, height);
-    }
+    if (size.width == 0)
+      size = {spec.width, spec.height};
+    else if (spec.width != size.width || spec.height != size.height)
+      fail_size(photo, spec.width, spec.height, session.photos.front(), size.width, size.height);
   }
+  return size;
+}
 
-  const std::vector<Bracket> brackets = brackets_of(session);
-  // One noise model for all photos of one encoding and ISO; a bracket of several uses that of its first photo.
+namespace {
+
+std::vector<Photo> photos_of(const Session& session, const Bracket& bracket) {
+  std::vector<Photo> photos;
+  photos.reserve(bracket.photos.size());
+  for (const int i : bracket.photos) photos.push_back(session.photos[i]);
+  return photos;
+}
+
+}  // namespace
+
+std::vector<NoiseModel> session_noise(const Session& session, std::span<const Bracket> brackets) {
   struct Kind {
     Encoding encoding;
     double iso;
@@ -336,23 +398,52 @@ std::vector<MergedView> merge_session(const Session& session) {
   };
   std::vector<Kind> kinds;
   std::vector<std::size_t> kind_of(brackets.size());
-  std::vector<std::vector<Photo>> photos_of(brackets.size());
   for (std::size_t b = 0; b < brackets.size(); ++b) {
-    for (const int i : brackets[b].photos) photos_of[b].push_back(session.photos[i]);
-    const Photo& first = photos_of[b].front();
+    const std::vector<Photo> photos = photos_of(session, brackets[b]);
+    const Photo& first = photos.front();
     const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& kind) {
       return kind.encoding == first.encoding && kind.iso == first.iso;
     });
     kind_of[b] = static_cast<std::size_t>(found - kinds.begin());
     if (found == kinds.end()) kinds.push_back({first.encoding, first.iso, {}, {}});
     Kind& kind = kinds[kind_of[b]];
-    kind.photos.insert(kind.photos.end(), photos_of[b].begin(), photos_of[b].end());
+    kind.photos.insert(kind.photos.end(), photos.begin(), photos.end());
   }
   for (Kind& kind : kinds) kind.noise = estimate_noise(kind.photos);
+  std::vector<NoiseModel> noise;
+  for (const std::size_t kind : kind_of) noise.push_back(kinds[kind].noise);
+  return noise;
+}
 
+void for_each_merged(const Session& session, std::span<const Bracket> brackets, std::span<const NoiseModel> noise,
+                     int bin, const MergedWork& work) {
+  // Two brackets of 24 megapixels in colour hold a gigabyte each while they are merged: those come one at a time.
+  constexpr double kManyValues = 60e6;
+  const PhotoSize size = photo_size(session);
+  std::size_t longest = 1;
+  for (const Bracket& b : brackets) longest = std::max(longest, b.photos.size());
+  const auto input = open_photo(session.photos.front());
+  const double values = 1.0 * size.width * size.height * input->spec().nchannels * static_cast<double>(longest);
+  const int at_once = std::max(1, static_cast<int>(kManyValues / values));
+  const auto one = [&](std::size_t b) {
+    GrayView gray;
+    MergedView view = merge_bracket(photos_of(session, brackets[b]), noise[b], {bin, &gray});
+    work(b, std::move(view), std::move(gray));
+  };
+  tbb::task_arena arena(std::min(at_once, tbb::this_task_arena::max_concurrency()));
+  if (at_once > 1)
+    arena.execute([&] { tbb::parallel_for(std::size_t{0}, brackets.size(), one, tbb::simple_partitioner()); });
+  else
+    for (std::size_t b = 0; b < brackets.size(); ++b) one(b);
+}
+
+std::vector<MergedView> merge_session(const Session& session, int bin) {
+  // Sizes first: headers are quick to read, and a person should not wait for this news.
+  photo_size(session);
+  const std::vector<Bracket> brackets = brackets_of(session);
   std::vector<MergedView> merged(brackets.size());
-  tbb::parallel_for(std::size_t{0}, brackets.size(),
-                    [&](std::size_t b) { merged[b] = merge_bracket(photos_of[b], kinds[kind_of[b]].noise); });
+  for_each_merged(session, brackets, session_noise(session, brackets), bin,
+                  [&](std::size_t b, MergedView&& view, GrayView&&) { merged[b] = std::move(view); });
   return merged;
 }
 

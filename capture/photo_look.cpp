@@ -4,9 +4,14 @@
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <span>
+#include <string>
+#include <utility>
 
 #include "capture/noise.h"
 #include "capture/photo.h"
+#include "capture/tag_detector.h"
+#include "capture/tag_family.h"
 
 namespace burin {
 namespace {
@@ -39,9 +44,71 @@ std::optional<double> edge_sigma_px(const cv::Mat& gray, double low, double high
   return 1 / (quantile(std::move(steepness), 0.99) * std::sqrt(2 * std::numbers::pi));
 }
 
+// A family's tables take tens of megabytes and a while to make: each thread keeps what it used last.
+TagDetector& detector_for(const std::string& family) {
+  thread_local std::string made_for;
+  thread_local std::optional<TagDetector> detector;
+  if (!detector || made_for != family) {
+    detector.emplace(family);
+    made_for = family;
+  }
+  return *detector;
+}
+
+std::vector<TagLook> look_for_tags(const Image& gray, std::span<const std::uint8_t> clipped, const TagSet& tags) {
+  std::vector<TagLook> looks;
+  const TagFamily family = make_tag_family(tags.family, "board.json: tags.family");
+  // A highlight may be far brighter than paper: with more light until every tag is found.
+  std::vector<TagDetection> found;
+  for (const double brighter : {1., 8., 64.}) {
+    std::vector<TagDetection> seen = detector_for(tags.family).detect_coarse(gray, brighter);
+    std::erase_if(seen, [&](const TagDetection& t) {
+      const bool listed = std::any_of(tags.list.begin(), tags.list.end(), [&](const Tag& b) { return b.id == t.id; });
+      const bool known = std::any_of(found.begin(), found.end(), [&](const TagDetection& f) {
+        return f.id == t.id && (f.coarse_px[0] - t.coarse_px[0]).norm() < (t.coarse_px[1] - t.coarse_px[0]).norm();
+      });
+      return t.hamming > 1 || !listed || known;
+    });
+    found.insert(found.end(), seen.begin(), seen.end());
+    if (found.size() >= tags.list.size()) break;
+  }
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  for (const TagDetection& tag : found) {
+    if (std::count_if(found.begin(), found.end(), [&](const TagDetection& t) { return t.id == tag.id; }) > 1) continue;
+    TagLook look{tag.id, tag.coarse_px, 0, 0};
+    const TagPattern pattern = tag_pattern(*family, tag.id, "board.json: tags.list");
+    // Cells to pixels: AprilTag's corners enclose border_cells, y up.
+    const float half = 0.5F * static_cast<float>(pattern.border_cells);
+    const std::array<cv::Point2f, 4> cells{{{-half, -half}, {half, -half}, {half, half}, {-half, half}}};
+    std::array<cv::Point2f, 4> pixels;
+    for (int k = 0; k < 4; ++k)
+      pixels[k] = {static_cast<float>(tag.coarse_px[k].x()), static_cast<float>(tag.coarse_px[k].y())};
+    const cv::Matx33d H = cv::getPerspectiveTransform(cells.data(), pixels.data());
+    std::vector<float> white;
+    int lost = 0;
+    const double middle = 0.5 * pattern.total_cells;
+    for (int row = 0; row < pattern.total_cells; ++row)
+      for (int column = 0; column < pattern.total_cells; ++column) {
+        const double x = column + 0.5 - middle, y = middle - row - 0.5;
+        if (pattern.color_at(x, y) != 1) continue;
+        const cv::Vec3d q = H * cv::Vec3d(x, y, 1);
+        const int u = static_cast<int>(std::lround(q[0] / q[2])), v = static_cast<int>(std::lround(q[1] / q[2]));
+        if (u < 0 || v < 0 || u >= gray.width || v >= gray.height) continue;
+        const std::size_t i = static_cast<std::size_t>(v) * gray.width + u;
+        white.push_back(gray.data[i]);
+        lost += clipped[i];
+      }
+    if (white.empty()) continue;
+    look.clipped_fraction = lost / static_cast<double>(white.size());
+    look.white = quantile(std::move(white), 0.5);
+    looks.push_back(look);
+  }
+  return looks;
+}
+
 }  // namespace
 
-PhotoLook look_at(const Photo& photo) {
+PhotoLook look_at(const Photo& photo, const TagSet* tags) {
   const LinearPhoto linear = read_photo(photo);
   const Image& value = linear.value;
   Image gray(value.width, value.height, 1);
@@ -60,6 +127,9 @@ PhotoLook look_at(const Photo& photo) {
   // Clipped values would make every edge beside them look steep or flat: sharpness is judged on what is left of them.
   look.edge_sigma_px = edge_sigma_px(cv::min(full, 0.9F), quantile(gray.data, 0.005), std::min(look.bright, 0.9));
 
+  look.width = value.width;
+  look.height = value.height;
+  if (tags) look.tags = look_for_tags(gray, linear.clipped, *tags);
   look.scale = std::max(1.0, value.width / 800.0);
   const cv::Size size(static_cast<int>(value.width / look.scale), static_cast<int>(value.height / look.scale));
   cv::Mat small, mask(value.height, value.width, CV_8U);

@@ -1,14 +1,25 @@
 // capture/photo_look.h - a photo at a glance: small, and what pre-flight and the grouping of brackets need to know.
 #pragma once
 
+#include <Eigen/Core>
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "capture/session.h"
+#include "render/board.h"
 #include "render/image.h"
 
 namespace burin {
+
+/// A tag as pre-flight sees it.
+struct TagLook {
+  int id = 0;
+  std::array<Eigen::Vector2d, 4> corner_px;  ///< AprilTag's (0.04 px), in TagDetection's order
+  double white = 0;                          ///< median linear value of its white cells
+  double clipped_fraction = 0;               ///< of its white cells' centres
+};
 
 struct PhotoLook {
   Image small;                          ///< mean of the channels, linear, 1 the white level; at most 800 pixels wide
@@ -18,10 +29,13 @@ struct PhotoLook {
   double bright = 0;                    ///< value that 0.5 % of the pixels exceed
   double noise_floor = 0;               ///< the smallest value worth comparing
   std::optional<double> edge_sigma_px;  ///< width of the sharpest edges as a Gaussian; none if there are too few edges
+  int width = 0, height = 0;            ///< of the photo
+  std::vector<TagLook> tags;            ///< the board's, sorted by id; of an id that is seen twice, none
 };
 
-/// Reads the photo. Throws Error as read_photo does.
-PhotoLook look_at(const Photo& photo);
+/// Reads the photo, and looks for the board's tags if one is given. Throws Error as read_photo does, and for a family
+/// of tags that AprilTag does not know. May be called from several threads at once.
+PhotoLook look_at(const Photo& photo, const TagSet* tags = nullptr);
 
 /// How two photos compare, each divided by its exposure factor, where neither is clipped or lost in the dark.
 struct Comparison {

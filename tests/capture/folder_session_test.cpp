@@ -7,9 +7,12 @@
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 
 #include "capture/preflight.h"
@@ -29,20 +32,30 @@ using Severity = Finding::Severity;
 struct FolderSessionTest : testing::Test {
   TemporaryFolder folder;
   Json json = small_truth();
+  double tilt_deg = 25;
 
   FolderSessionTest() {
     json["samples"] = 16;
     json["session"] = false;
-    json["sensor"]["gain"] = 4000;
+    json["sensor"]["gain"] = 12000;
     json["views"] = Json::array();
     for (int v = 0; v < 4; ++v) add_view(v, 8.0 * v, 0);
   }
 
-  /// The camera stands shift_mm to the side; exposures two seconds apart, places a minute and a half.
+  /// The board is tilted by 25 degrees, another way in each view, and lies shift_mm to the side; exposures two seconds
+  /// apart, places a minute and a half.
   void add_view(int v, double shift_mm, int minute_offset, std::vector<double> exposures_s = {0.01, 0.04, 0.0025}) {
     Json view;
     view["view"] = "place" + std::to_string(v);
-    view["T_camera_board"] = {{1, 0, 0, -50 + shift_mm}, {0, -1, 0, 40}, {0, 0, -1, 400}, {0, 0, 0, 1}};
+    // None of these mirrors the lamp.
+    const std::array<Eigen::Vector2d, 4> tilts{{{1, 0}, {-1, 0}, {0, -1}, {0.5, -0.7}}};
+    const Eigen::Vector2d turn = tilt_deg * std::numbers::pi / 180 * tilts[static_cast<std::size_t>(v % 4)];
+    const Eigen::Matrix3d R =
+        Eigen::Vector3d(1, -1, -1).asDiagonal() *
+        Eigen::AngleAxisd(turn.norm(), Eigen::Vector3d(turn.x(), turn.y(), 0).normalized()).toRotationMatrix();
+    const Eigen::Vector3d t = Eigen::Vector3d(shift_mm, 0, 400) - R * Eigen::Vector3d(50, 40, 0);
+    for (int r = 0; r < 3; ++r) view["T_camera_board"].push_back({R(r, 0), R(r, 1), R(r, 2), t[r]});
+    view["T_camera_board"].push_back({0, 0, 0, 1});
     for (std::size_t k = 0; k < exposures_s.size(); ++k) {
       const int s = 90 * v + 60 * minute_offset + 2 * static_cast<int>(k);
       char time[32];
@@ -126,7 +139,7 @@ TEST_F(FolderSessionTest, PicturesDecideNotTheClockAlone) {
 // A hand-held bracket: 1.5 pixels between exposures. Merging would blur; each photo gets a pose of its own.
 TEST_F(FolderSessionTest, ABracketThatMovedIsTakenApart) {
   add_view(4, 40, 0, {0.01});
-  add_view(5, 40.75, -1, {0.02});  // half a minute after
+  add_view(8, 40.75, -6, {0.02});  // tilted the same way, in the same minute
   take_photos();
   const CaptureResult result = capture();
   EXPECT_EQ(result.views, 6);
@@ -134,16 +147,26 @@ TEST_F(FolderSessionTest, ABracketThatMovedIsTakenApart) {
               AllOf(testing::ContainsRegex("1\\.[2-8] px aside"), HasSubstr("tripod")));
 }
 
-TEST_F(FolderSessionTest, MissingExifIsAnErrorAndNothingIsWritten) {
+// A photo that lost its EXIF is left out, and the rest serves; where none has it, there is nothing to work with.
+TEST_F(FolderSessionTest, MissingExif) {
   take_photos();
-  change("IMG_111.png", [](auto&, OIIO::ImageSpec& spec) {
+  const auto strip = [](auto&, OIIO::ImageSpec& spec) {
     spec.erase_attribute("ExposureTime");
     spec.erase_attribute("FNumber");
-  });
+  };
+  change("IMG_111.png", strip);
   const CaptureResult result = capture();
-  EXPECT_THAT(text_of(result.findings, Severity::error),
-              AllOf(HasSubstr("IMG_111.tif"), HasSubstr("exposure time and aperture"), HasSubstr("exiftool")));
-  EXPECT_TRUE(result.written.empty());
+  EXPECT_THAT(
+      text_of(result.findings, Severity::warning),
+      AllOf(HasSubstr("IMG_111.tif: is left out"), HasSubstr("exposure time and aperture"), HasSubstr("exiftool")));
+  EXPECT_EQ(result.session.photos.size(), 11U);
+  EXPECT_EQ(result.views, 4);
+  fs::remove_all(folder / "out");
+  for (const auto& entry : fs::directory_iterator(folder / "photos"))
+    if (entry.path().filename() != "IMG_111.tif") fs::remove(entry.path());
+  const CaptureResult none = capture();
+  EXPECT_THAT(text_of(none.findings, Severity::error), HasSubstr("IMG_111.tif"));
+  EXPECT_TRUE(none.written.empty());
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
@@ -231,6 +254,75 @@ TEST_F(FolderSessionTest, TooBrightTooDarkTooFew) {
   const std::string warnings = text_of(capture().findings, Severity::warning);
   EXPECT_THAT(warnings,
               AllOf(HasSubstr("clipped even in its shortest"), HasSubstr("is dark"), HasSubstr("2 places only")));
+}
+
+TEST_F(FolderSessionTest, ClippedPaper) {
+  for (auto& photo : json["views"][1]["photos"]) photo["exposure_s"] = photo["exposure_s"].get<double>() * 150;
+  take_photos();
+  EXPECT_THAT(text_of(capture().findings, Severity::warning),
+              AllOf(HasSubstr("white paper is clipped in every exposure of view v01"), HasSubstr("4 times shorter")));
+}
+
+TEST_F(FolderSessionTest, FewTags) {
+  take_photos();
+  for (const char* name : {"IMG_110.png", "IMG_111.png", "IMG_112.png"})
+    change(name, [](auto& pixels, OIIO::ImageSpec& spec) {
+      for (std::size_t i = 0; i < pixels.size(); ++i)
+        if (i % static_cast<std::size_t>(spec.width) < 160) pixels[i] = 0;
+    });
+  EXPECT_THAT(text_of(capture().findings, Severity::warning), HasSubstr("view v01 shows 2 of the board's 4 tags"));
+}
+
+TEST_F(FolderSessionTest, NoTagsOfTheBoard) {
+  take_photos();
+  Json board = read_json(folder / "board.json", "burin/board", 1);
+  board["tags"]["family"] = "tag25h9";
+  folder.write("board.json", board.dump());
+  const CaptureResult result = capture();
+  EXPECT_THAT(text_of(result.findings, Severity::error),
+              AllOf(HasSubstr("no photo shows a tag"), HasSubstr("tag25h9")));
+  EXPECT_TRUE(result.written.empty());
+}
+
+TEST_F(FolderSessionTest, AlwaysFromOneSide) {
+  json["views"] = Json::array();
+  tilt_deg = 2;
+  for (int v = 0; v < 4; ++v) add_view(v, 8.0 * v, 0);
+  take_photos();
+  EXPECT_THAT(text_of(capture().findings, Severity::warning), HasSubstr("from nearly one direction"));
+}
+
+// The zoom was touched, and the file does not tell.
+TEST_F(FolderSessionTest, AnotherZoom) {
+  json["views"] = Json::array();
+  tilt_deg = 40;
+  for (int v = 0; v < 4; ++v) add_view(v, 8.0 * v - 12, 0);
+  take_photos();
+  for (const char* name : {"IMG_110.png", "IMG_111.png", "IMG_112.png"})
+    change(name, [](auto& pixels, OIIO::ImageSpec& spec) {
+      const auto before = pixels;
+      for (int y = 0; y < spec.height; ++y)
+        for (int x = 0; x < spec.width; ++x) {
+          const double u = 159.5 + (x - 159.5) / 1.4, v = 119.5 + (y - 119.5) / 1.4;
+          const int i = static_cast<int>(u), j = static_cast<int>(v);
+          const double a = u - i, b = v - j;
+          const auto at = [&](int column, int row) { return before[static_cast<std::size_t>(row) * 320 + column]; };
+          pixels[static_cast<std::size_t>(y) * 320 + x] = static_cast<float>(
+              (1 - b) * ((1 - a) * at(i, j) + a * at(i + 1, j)) + b * ((1 - a) * at(i, j + 1) + a * at(i + 1, j + 1)));
+        }
+    });
+  EXPECT_THAT(text_of(capture().findings, Severity::warning),
+              AllOf(HasSubstr("fit a focal length"), HasSubstr("leave zoom and focus alone")));
+}
+
+TEST_F(FolderSessionTest, AViewThatIsDarkerThanItsExifSays) {
+  take_photos();
+  for (const char* name : {"IMG_120.png", "IMG_121.png", "IMG_122.png"})
+    change(name, [](auto& pixels, OIIO::ImageSpec&) {
+      for (float& v : pixels) v *= 0.5F;
+    });
+  EXPECT_THAT(text_of(capture().findings, Severity::warning),
+              testing::ContainsRegex("IMG_12..tif: its paper is 0.5 times as bright"));
 }
 
 TEST_F(FolderSessionTest, AWrittenSessionIsJudgedTheSameWay) {
