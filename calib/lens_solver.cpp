@@ -105,12 +105,14 @@ LensSolution solve_lens(const std::vector<TargetView>& views, int width, int hei
   LensSolution out;
   const auto residuals = bundle_residuals_px(bundle);
   std::vector<double> view2(views.size(), 0);
+  out.residual_px.resize(views.size());
   double sum2 = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const BundleCorner& c = bundle.corners[i];
     const double e2 = residuals[i].squaredNorm() / (c.sigma_px * c.sigma_px);
     sum2 += e2;
     view2[c.view] += e2;
+    out.residual_px[c.view].push_back(residuals[i]);
   }
   out.rms_point_px = std::sqrt(sum2 / static_cast<double>(residuals.size()));
   out.rms_px = out.rms_point_px / std::sqrt(2.0);

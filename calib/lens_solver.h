@@ -39,7 +39,8 @@ struct LensSolution {
   double rms_px = 0;        ///< per axis, weighted by 1 / sigma (sigma 1: plain)
   double rms_point_px = 0;  ///< the same per point, sqrt(2) larger: what OpenCV prints
   std::vector<double> view_rms_point_px;
-  MrcalCheck check;  ///< all zero if it was not asked for
+  std::vector<std::vector<Eigen::Vector2d>> residual_px;  ///< predicted minus measured, a list a view
+  MrcalCheck check;                                       ///< all zero if it was not asked for
   std::vector<std::string> not_determined;
 };
 

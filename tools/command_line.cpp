@@ -27,6 +27,7 @@ std::unique_ptr<CLI::App> make_app() {
   add_plan_command(*burin);
   add_capture_command(*burin);
   add_calibrate_command(*burin);
+  add_lens_command(*burin);
   add_refine_command(*burin);
   add_design_command(*burin);
   add_render_command(*burin);

@@ -1,0 +1,167 @@
+#include <CLI/Error.hpp>
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "calib/chessboard.h"
+#include "calib/lens_solver.h"
+#include "render/image.h"
+#include "render/json_file.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace burin {
+namespace {
+
+// "9x6"
+std::pair<int, int> pair_of(const std::string& text, const std::string& option) {
+  int a = 0, b = 0;
+  const char* end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, a);
+  const bool cross = first.ec == std::errc() && first.ptr != end && *first.ptr == 'x';
+  if (cross) {
+    const auto second = std::from_chars(first.ptr + 1, end, b);
+    if (second.ec == std::errc() && second.ptr == end && a > 1 && b > 1) return {a, b};
+  }
+  throw CLI::ValidationError(option, "\"" + text + "\" is not of the form 9x6");
+}
+
+// Every corner where it was seen, from blue (no residual) to red (three times the RMS and more).
+Image coverage_picture(const std::vector<TargetView>& views, const LensSolution& solution) {
+  constexpr int kWidth = 800;
+  const double scale = static_cast<double>(kWidth) / solution.lens.width;
+  Image picture(kWidth, std::max(1, static_cast<int>(std::lround(scale * solution.lens.height))), 3, 0.96F);
+  for (std::size_t v = 0; v < views.size(); ++v)
+    for (std::size_t i = 0; i < views[v].q_px.size(); ++i) {
+      const double badness = solution.residual_px[v][i].norm() / (3 * std::sqrt(2.0) * std::max(solution.rms_px, 1e-9));
+      const auto red = static_cast<float>(std::clamp(badness, 0.0, 1.0));
+      const int x = static_cast<int>(std::lround(scale * (views[v].q_px[i].x() + 0.5) - 0.5));
+      const int y = static_cast<int>(std::lround(scale * (views[v].q_px[i].y() + 0.5) - 0.5));
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dx = -1; dx <= 1; ++dx) {
+          const int px = x + dx, py = y + dy;
+          if (px < 0 || py < 0 || px >= picture.width || py >= picture.height) continue;
+          picture.at(px, py, 0) = red;
+          picture.at(px, py, 1) = 0.25F;
+          picture.at(px, py, 2) = 1 - red;
+        }
+    }
+  return picture;
+}
+
+// Of 4 x 3 parts of the frame, how many hold a corner.
+int parts_covered(const std::vector<TargetView>& views, int width, int height) {
+  std::array<bool, 12> seen{};
+  for (const TargetView& view : views)
+    for (const Eigen::Vector2d& q : view.q_px)
+      seen[static_cast<std::size_t>(std::clamp(static_cast<int>(4 * q.x() / width), 0, 3) +
+                                    4 * std::clamp(static_cast<int>(3 * q.y() / height), 0, 2))] = true;
+  return static_cast<int>(std::count(seen.begin(), seen.end(), true));
+}
+
+}  // namespace
+
+void add_lens_command(CLI::App& burin) {
+  struct Options {
+    std::filesystem::path input, out;
+    std::string chessboard = "9x6", model, image_size;
+    double square_mm = 0;
+    int window_px = kCornerWindow_px;
+    bool bow = false;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = burin.add_subcommand("lens", "Calibrate a lens from photos of a chessboard");
+  command
+      ->add_option("INPUT", options->input,
+                   "A folder of photos of a chessboard, or a corners.vnl as mrcal's tools read it")
+      ->required();
+  command->add_option("--chessboard", options->chessboard, "Inner corners along and across, COLUMNSxROWS")->required();
+  command->add_option("--square-mm", options->square_mm, "The side of a square")
+      ->required()
+      ->check(CLI::PositiveNumber);
+  command->add_option("--out", options->out, "The .cameramodel to write; a picture of the coverage goes beside it")
+      ->required();
+  command->add_option("--lens-model", options->model,
+                      "LENSMODEL_OPENCV4, 5 or 8; without it, the smallest that the photos support");
+  command->add_option("--image-size", options->image_size, "WIDTHxHEIGHT of the photos behind a corners.vnl");
+  command
+      ->add_option("--corner-window", options->window_px,
+                   "Half the window in which corners are refined, pixels; 0: as the squares allow; 11 unless given")
+      ->check(CLI::NonNegativeNumber);
+  command->add_flag("--bow", options->bow, "Solve for a bow of the chessboard (three quadratic terms)");
+  command->footer(example("burin lens chessboard-photos --chessboard 9x6 --square-mm 25 --out camera.cameramodel"));
+  command->callback([options] {
+    Chessboard board;
+    std::tie(board.columns, board.rows) = pair_of(options->chessboard, "--chessboard");
+    board.square_mm = options->square_mm;
+    ProgressBar bar;
+    ChessboardViews found;
+    if (std::filesystem::is_directory(options->input)) {
+      found = find_chessboards(options->input, board, options->window_px, bar.progress());
+    } else {
+      if (options->image_size.empty())
+        throw CLI::ValidationError("--image-size", "a table of corners does not say it: give WIDTHxHEIGHT in pixels");
+      const auto [width, height] = pair_of(options->image_size, "--image-size");
+      found = read_corners(options->input, board, width, height);
+    }
+    LensSolverOptions solver;
+    solver.model = options->model;
+    solver.solve_bow = options->bow;
+    LensSolution s = solve_lens(found.views, found.width, found.height, board.size_mm(), solver);
+
+    // A photo that contradicts the others by far is no photo of this board, or was moved.
+    constexpr double kFarFactor = 5, kFar_px = 2;
+    while (true) {
+      std::vector<double> rms = s.view_rms_point_px;
+      std::nth_element(rms.begin(), rms.begin() + static_cast<std::ptrdiff_t>(rms.size() / 2), rms.end());
+      const double usual = rms[rms.size() / 2];
+      const auto worst = std::max_element(s.view_rms_point_px.begin(), s.view_rms_point_px.end());
+      if (!(*worst > kFar_px && *worst > kFarFactor * usual) || found.views.size() <= 3) break;
+      const auto at = found.views.begin() + (worst - s.view_rms_point_px.begin());
+      found.findings.push_back(
+          {Finding::Severity::warning, at->name,
+           fmt::format("is left out: its corners miss by {:.2f} px RMS, the others' by {:.2f} px", *worst, usual),
+           "it was moved while it was exposed, or shows another board"});
+      found.views.erase(at);
+      s = solve_lens(found.views, found.width, found.height, board.size_mm(), solver);
+    }
+    bar.clear();
+
+    if (options->out.has_parent_path()) make_output_folder(options->out.parent_path());
+    std::filesystem::path picture = options->out;
+    picture.replace_extension(".coverage.png");
+    write_picture(coverage_picture(found.views, s), picture);
+    write_cameramodel(s.lens, options->out);
+
+    for (const Finding& finding : found.findings) note(sentence(finding));
+    for (std::size_t v = 0; v < found.views.size(); ++v)
+      fmt::print("{:<24} {:4} corners, {:.3f} px RMS\n", found.views[v].name, found.views[v].q_px.size(),
+                 s.view_rms_point_px[v]);
+    const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, s.covariance(i, i))); };
+    fmt::print("lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, centre {:.2f}, {:.2f} px\n",
+               s.lens.model, s.lens.intrinsics[0], sigma(0), s.lens.intrinsics[1], sigma(1), s.lens.intrinsics[2],
+               s.lens.intrinsics[3]);
+    fmt::print("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {} photos\n", s.rms_point_px, s.rms_px,
+               found.views.size());
+    if (options->bow) fmt::print("board    bow {:.3f}, {:.3f}, {:.3f} mm\n", s.bow_mm[0], s.bow_mm[1], s.bow_mm[2]);
+    fmt::print("check    mrcal's own solver moves corners by {:.5f} px\n", s.check.max_shift_px);
+    const int parts = parts_covered(found.views, found.width, found.height);
+    fmt::print("coverage {} of 12 parts of the frame; {} shows every corner\n", parts, picture.string());
+    constexpr int kFewParts = 10;
+    if (parts < kFewParts)
+      note("the corners of the frame are not covered: the lens is a guess there; add photos with the board in them");
+    for (const std::string& name : s.not_determined)
+      note(name + " is hardly determined; add photos with the board tilted, in different directions");
+    fmt::print("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options->out.string(),
+               options->out.string());
+  });
+}
+
+}  // namespace burin
