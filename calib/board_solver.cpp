@@ -15,8 +15,14 @@ namespace {
 constexpr double kFloor_px = 0.004;      // what the line fit's own noise does not cover: sampling, neighbouring marks
 constexpr double kSeedSigma_px = 0.3;    // while lens and poses are still rough
 constexpr double kTagOutlier_sigma = 4;  // a tag this far from where board.json has it lies somewhere else
-constexpr double kFarView_px =
-    1.5;  // a photo that fits worse than this, and 8 times worse than the others, is another camera's
+constexpr double kFarView_px = 1.5;      // while the lens is rough: a photo that fits worse than this, and
+constexpr double kFarFactor = 8;         // so many times worse than the others, is another camera's
+constexpr double kOddView_px = 0.2;  // the same once the lens is known: such a photo would pass for a noisy one, but
+constexpr double kOddFactor = 6;     // a focus that breathes by 2 % moves its camera by 2 % of its distance
+constexpr double kTornView = 0.3;    // share of a photo's tags that contradict it, while they suit the others
+
+constexpr const char* kOddPhoto =
+    "it was taken with another focal length or focus, was moved between its exposures or exposed twice; take it again";
 
 double median(std::vector<double> v) {
   if (v.empty()) return 0;
@@ -151,11 +157,16 @@ struct Solver {
           for (const RejectedTag& r : p.rejected) ++reasons[r.reason];
       const auto most = std::max_element(reasons.begin(), reasons.end(),
                                          [](const auto& a, const auto& b) { return a.second < b.second; });
-      drop_view(
-          static_cast<int>(v),
-          "only " + std::to_string(n) + " of its tags can be used" +
-              (most == reasons.end() ? "" : " (" + std::to_string(most->second) + " others: " + most->first + ")"),
-          "go closer, light the tags, keep the whole board in the photo");
+      if (n == 0 && reasons.empty())
+        drop_view(static_cast<int>(v), "no tag can be read in it",
+                  "it is out of focus, was moved or exposed twice, is too dark or too bright, or does not show the "
+                  "board: take it again");
+      else
+        drop_view(
+            static_cast<int>(v),
+            "only " + std::to_string(n) + " of its tags can be used" +
+                (most == reasons.end() ? "" : " (" + std::to_string(most->second) + " others: " + most->first + ")"),
+            "go closer, light the tags, keep the whole board in the photo");
     }
     require_views();
   }
@@ -197,7 +208,7 @@ struct Solver {
   }
 
   // Photos that this lens did not take.
-  bool drop_far_views() {
+  bool drop_far_views(double far_px, double far_factor) {
     const auto rms = view_rms(bundle_residuals_px(bundle));
     std::vector<double> present;
     for (std::size_t v = 0; v < rms.size(); ++v)
@@ -205,13 +216,13 @@ struct Solver {
     const double usual = median(present);
     int worst = -1;
     for (std::size_t v = 0; v < rms.size(); ++v)
-      if (!view_dropped[v] && rms[v] > kFarView_px && rms[v] > 8 * usual && (worst < 0 || rms[v] > rms[worst]))
+      if (!view_dropped[v] && rms[v] > far_px && rms[v] > far_factor * usual && (worst < 0 || rms[v] > rms[worst]))
         worst = static_cast<int>(v);
     if (worst < 0) return false;
     drop_view(
         worst,
-        "its tags miss their places by " + number(rms[worst], 1) + " px, the others' by " + number(usual, 2) + " px",
-        "it was taken with another focal length or focus, or moved between its exposures; take it again");
+        "its tags miss their places by " + number(rms[worst], 2) + " px, the others' by " + number(usual, 2) + " px",
+        kOddPhoto);
     require_views();
     return true;
   }
@@ -240,6 +251,32 @@ struct Solver {
     }
   }
 
+  // Where the photos' rays through a tag's corners meet the board, mm, and how much that differs between photos.
+  std::pair<Eigen::Vector2d, double> place_of(int tag) const {
+    std::vector<Eigen::Vector2d> places;
+    for (std::size_t i = 0; i + 3 < bundle.corners.size(); i += 4) {
+      const BundleCorner& c = bundle.corners[i];
+      if (c.tag != tag || view_dropped[c.view]) continue;
+      Eigen::Vector2d sum(0, 0);
+      const Eigen::Isometry3d T_board_camera = bundle.views[c.view].inverse();
+      for (int k = 0; k < 4; ++k) {
+        Eigen::Vector3d v;
+        unproject(bundle.lens, {&bundle.corners[i + k].q_px, 1}, {&v, 1});
+        const Eigen::Vector3d d = T_board_camera.linear() * v, from = T_board_camera.translation();
+        sum += (from + (board.tags.z_mm - from.z()) / d.z() * d).head<2>() / 4;
+      }
+      if (sum.allFinite()) places.push_back(sum);
+    }
+    std::vector<double> x, y, off;
+    for (const Eigen::Vector2d& p : places) {
+      x.push_back(p.x());
+      y.push_back(p.y());
+    }
+    const Eigen::Vector2d middle(median(x), median(y));
+    for (const Eigen::Vector2d& p : places) off.push_back((p - middle).norm());
+    return {middle, median(off)};
+  }
+
   // Corners, tags in photos and tags altogether that contradict the rest. True if anything changed.
   bool leave_out(const BundleOptions& o) {
     const auto residuals = bundle_residuals_px(bundle);
@@ -248,7 +285,8 @@ struct Solver {
     for (std::size_t i = 0; i < residuals.size(); ++i)
       if (!view_dropped[bundle.corners[i].view] && !tag_dropped[bundle.corners[i].tag])
         by_detection[{origin[i].picture, origin[i].detection}].push_back(i);
-    std::map<int, std::pair<int, int>> bad_and_seen;  // by tag
+    std::map<int, std::pair<int, int>> bad_and_seen;           // by tag
+    std::map<int, std::vector<std::pair<int, bool>>> by_view;  // tags, and whether they are bad there
     for (const auto& [key, corners] : by_detection) {
       int bad = 0;
       for (const std::size_t i : corners) {
@@ -259,6 +297,7 @@ struct Solver {
       const int tag = bundle.corners[corners[0]].tag;
       bad_and_seen[tag].first += bad >= 2 ? 1 : 0;
       ++bad_and_seen[tag].second;
+      by_view[bundle.corners[corners[0]].view].emplace_back(tag, bad >= 2);
       for (const std::size_t i : corners) {
         const bool good = residuals[i].allFinite() &&
                           residuals[i].norm() < options.outlier_sigma * std::sqrt(2.0) * bundle.corners[i].sigma_px;
@@ -267,12 +306,48 @@ struct Solver {
         bundle.corners[i].used = use;
       }
     }
+    // A photo of another focal length keeps the few tags that a false pose suits, and that pose is far off. One at a
+    // time: it pulls the others with it.
+    int torn = -1;
+    std::pair<int, int> torn_counts;
+    for (const auto& [view, tags] : by_view) {
+      int bad = 0, seen = 0;
+      for (const auto& [tag, is_bad] : tags) {
+        const auto& [bad_views, seen_views] = bad_and_seen[tag];
+        if (2 * (bad_views - (is_bad ? 1 : 0)) > seen_views - 1) continue;  // the tag's fault
+        bad += is_bad ? 1 : 0;
+        ++seen;
+      }
+      if (bad >= 3 && bad > kTornView * seen && (torn < 0 || bad * torn_counts.second > torn_counts.first * seen)) {
+        torn = view;
+        torn_counts = {bad, seen};
+      }
+    }
+    if (torn >= 0) {
+      drop_view(torn,
+                std::to_string(torn_counts.first) + " of its " + std::to_string(torn_counts.second) +
+                    " tags contradict the other photos",
+                kOddPhoto);
+      require_views();
+      return true;
+    }
     for (const auto& [tag, counts] : bad_and_seen)
       if (counts.second >= 3 && 2 * counts.first > counts.second) {
-        drop_tag(tag,
-                 "its corners contradict each other in " + std::to_string(counts.first) + " of " +
-                     std::to_string(counts.second) + " photos",
-                 "it is peeling, bent or was moved between photos; stick it flat");
+        const auto [at, spread] = place_of(tag);
+        const Tag& believed = board.tags.list[tag];
+        if (spread < 0.03 * believed.size_mm) {
+          seen_at_[tag] = at;
+          const Eigen::Vector2d shift = at - believed.center_mm;
+          drop_tag(tag,
+                   "the photos show it at " + number(at.x(), 1) + ", " + number(at.y(), 1) + " mm, " +
+                       number(shift.norm(), 1) + " mm from where board.json has it",
+                   "correct its center_mm, rotation_deg or id");
+        } else {
+          drop_tag(tag,
+                   "its corners contradict each other in " + std::to_string(counts.first) + " of " +
+                       std::to_string(counts.second) + " photos",
+                   "it is peeling, bent or was moved between photos; stick it flat");
+        }
         changed = true;
       }
 
@@ -296,6 +371,7 @@ struct Solver {
     }
     if (worst >= 0) {  // one at a time: a misplaced tag pulls its neighbours with it
       const TagPlacement& t = bundle.tags[worst];
+      seen_at_[worst] = board.tags.list[worst].center_mm + t.shift_mm;
       drop_tag(worst,
                "the photos show it " + number(t.shift_mm.norm(), 2) +
                    " mm from where board.json has it, and turned by " + number(t.turn_rad * 180 / M_PI, 1) +
@@ -321,7 +397,46 @@ struct Solver {
     return changed;
   }
 
-  // The lens bends a tag's sides; the corners were measured with straight lines (calib/tag_detector.h).
+  // Tags left out in single photos, and pairs that hold each other's places.
+  void name_contradictions(const std::vector<Eigen::Vector2d>& residuals) {
+    std::map<std::pair<int, bool>, std::vector<std::string>> views;  // by tag, and whether it lies far from its place
+    for (std::size_t i = 0; i + 3 < bundle.corners.size(); i += 4) {
+      const BundleCorner& c = bundle.corners[i];
+      if (view_dropped[c.view] || tag_dropped[c.tag]) continue;
+      int used = 0;
+      double nearest = 1e300;
+      for (int k = 0; k < 4; ++k) {
+        used += bundle.corners[i + k].used ? 1 : 0;
+        if (residuals[i + k].allFinite()) nearest = std::min(nearest, residuals[i + k].norm());
+      }
+      if (used > 1) continue;
+      const double side = (bundle.corners[i + 1].q_px - c.q_px).norm();
+      views[{c.tag, nearest > 0.3 * side}].push_back(view_names[c.view]);
+    }
+    for (const auto& [key, in] : views) {
+      std::string list;
+      for (std::size_t k = 0; k < in.size() && k < 5; ++k) list += (k ? ", " : "") + in[k];
+      if (in.size() > 5) list += " and " + std::to_string(in.size() - 5) + " more";
+      finding(Finding::Severity::warning, {},
+              "tag " + std::to_string(board.tags.list[key.first].id) + " is left out in view" +
+                  (in.size() > 1 ? "s " : " ") + list + ": its corners " +
+                  (key.second ? "are far from where the others have them" : "contradict the others"),
+              key.second ? "something else was read as this tag, or it was moved: cover or restick it"
+                         : "it was partly covered, bent or glaring");
+    }
+    for (const auto& [a, at_a] : seen_at_)
+      for (const auto& [b, at_b] : seen_at_) {
+        const double near = 0.25 * board.tags.list[a].size_mm;
+        if (a < b && (at_a - board.tags.list[b].center_mm).norm() < near &&
+            (at_b - board.tags.list[a].center_mm).norm() < near)
+          finding(Finding::Severity::warning, "board.json",
+                  "tags " + std::to_string(board.tags.list[a].id) + " and " + std::to_string(board.tags.list[b].id) +
+                      " lie in each other's places",
+                  "exchange their ids in tags.list");
+      }
+  }
+
+  // The lens bends a tag's sides; the corners were measured with straight lines (capture/tag_detector.h).
   void straighten() {
     const double skip = side_skip_fraction(board.tags.family);
     for (std::size_t i = 0; i + 3 < bundle.corners.size(); i += 4) {
@@ -344,6 +459,7 @@ struct Solver {
 
  private:
   bool said_spread_ = false;
+  std::map<int, Eigen::Vector2d> seen_at_;  // tags left out for their place: where they were, mm
 };
 
 }  // namespace
@@ -369,7 +485,7 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
   const std::string first = options.lens ? options.lens->model : "LENSMODEL_OPENCV4";
   auto solve = [&](const std::string& model) { solve_with_lens_model(s.bundle, o, model); };
   do solve(first);
-  while (s.drop_far_views());
+  while (s.drop_far_views(kFarView_px, kFarFactor));
   report(0.2);
 
   o.fix_bow = false;
@@ -386,7 +502,7 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
   solve(s.bundle.lens.model);
   report(0.5);
   for (int round = 0; round < 30; ++round) {
-    const bool changed = s.leave_out(o);
+    const bool changed = s.drop_far_views(kOddView_px, kOddFactor) || s.leave_out(o);
     s.reweigh();
     solve(s.bundle.lens.model);
     if (!changed && round > 0) break;
@@ -427,6 +543,7 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
   const double factor = std::sqrt(chi2 / std::max(1.0, n - parameters));
   for (BundleCorner& c : s.bundle.corners) c.sigma_px *= factor;
   const BundleUncertainty u = bundle_uncertainty(s.bundle, o);
+  s.name_contradictions(residuals);
 
   BoardSolution out = std::move(s.out);
   out.lens = s.bundle.lens;

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "calib/bundle.h"
-#include "calib/tag_detector.h"
+#include "capture/tag_detector.h"
 #include "capture/finding.h"
 #include "render/bench.h"
 #include "render/board.h"

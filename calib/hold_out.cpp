@@ -207,11 +207,13 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
   for (const Light& light : bench.lights) data.is_spot.push_back(light.falloff_exponent > 0);
   State state = state_of(bench, data.model);
   for (int i = 0; i < 2; ++i) state.shared[unknown::depth_gradient + i] = refined.depth_gradient[i];
+  const int merged_bin = photos.empty() ? 1 : photos.front().bin;  // the bench's blur is in pixels of the photos
+  state.shared[unknown::log_blur] -= std::log(merged_bin);
   std::vector<double> sizes;
   for (const LightView& view : views) sizes.push_back(pixel_mm(view, bench));
   const double size = median_of(sizes);
   const int bin = size > 0 ? std::max(1, static_cast<int>(std::ceil(options.finest_pixel_mm / size - 1e-9))) : 1;
-  data.photos = photos_at(views, bin, board, bench, bench.sensor.psf_sigma_px);
+  data.photos = photos_at(views, bin, board, bench, bench.sensor.psf_sigma_px / merged_bin);
   const Scratches carved = carved_scratches(data.model, state.of(0));
   std::vector<PhotoFit> out;
   for (std::size_t k = 0; k < data.photos.size(); ++k) {

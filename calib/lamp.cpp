@@ -381,7 +381,12 @@ Bench with_lamps(std::span<const MergedView> photos, const Board& board, const S
                  const Bench& measured, std::vector<std::string>& findings) {
   Bench bench = measured;
   const std::vector<LightView> views = make_light_views(photos, board, bench, findings);
-  const std::vector<LightSample> samples = gather_light_samples(views, board, bench, designed);
+  return with_lamps(gather_light_samples(views, board, bench, designed), board, bench, findings);
+}
+
+Bench with_lamps(std::span<const LightSample> samples, const Board& board, const Bench& measured,
+                 std::vector<std::string>& findings) {
+  Bench bench = measured;
   const LampSeed seed = fit_lamps(samples, board, bench);
   findings.insert(findings.end(), seed.findings.begin(), seed.findings.end());
   for (const Light& light : bench.lights) {

@@ -113,6 +113,10 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
 std::optional<Eigen::Vector3d> lamp_from_shading(std::span<const Eigen::Vector3d> p_board,
                                                  std::span<const double> shading);
 
+/// The same from samples that were gathered before (light_samples.h); `measured` names their lights.
+Bench with_lamps(std::span<const LightSample> samples, const Board& board, const Bench& measured,
+                 std::vector<std::string>& findings);
+
 /// Finds the lamps of a calibrated bench from paper and face alone: what `burin calibrate` writes.
 /// Also fills in material.base_alpha, ambient light and vignetting, and a verdict on each lamp.
 /// Appends to `findings` what could not be found.

@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "calib/tag_pattern.h"
+#include "capture/tag_family.h"
 #include "render/groove.h"
 #include "render/surface.h"
 
@@ -126,10 +126,10 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
     v.merged = m;
     v.view = static_cast<std::size_t>(view - bench.views.begin());
     v.light = static_cast<std::size_t>(light - bench.lights.begin());
-    v.lens = bench.lens;
+    v.lens = binned_lens(bench.lens, photo.bin);
     constexpr int kMarginPx = 4;
-    v.window = window_of(bench.lens, view->T_camera_board, surface_of(board, bench), Eigen::Vector2d::Zero(),
-                         board.size_mm, kMarginPx);
+    v.window = window_of(v.lens, view->T_camera_board, surface_of(board, bench), Eigen::Vector2d::Zero(), board.size_mm,
+                         kMarginPx);
     if (v.window.width < 16 || v.window.height < 16) {
       findings.push_back("view " + photo.view + " does not show the board and is left out");
       continue;
@@ -164,6 +164,12 @@ Lens binned_lens(const Lens& lens, int bin) {
   out.width = lens.width / bin;
   out.height = lens.height / bin;
   return out;
+}
+
+int light_bin(int width, int height, double tag_side_px) {
+  constexpr double kEnough_px = 4e6, kSmallTag_px = 30;
+  const double by_size = std::sqrt(1.0 * width * height / kEnough_px), by_tags = tag_side_px / kSmallTag_px;
+  return std::max(1, static_cast<int>(std::floor(std::min(by_size, by_tags))));
 }
 
 LightView binned(const LightView& view, int bin) {

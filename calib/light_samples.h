@@ -21,7 +21,7 @@ namespace burin {
 
 /// One view under one lamp as the light fits use it: the colours' mean, cropped to the window that holds the board.
 struct LightView {
-  std::size_t merged = 0;           ///< index into the session's merged views
+  std::size_t merged = 0;           ///< index into the session's merged views, whose pixels these are
   std::size_t view = 0, light = 0;  ///< indices into bench.views and bench.lights
   Lens lens;                        ///< of the pixels below (that of the bench, or of binned pixels)
   PixelWindow window;               ///< of the whole (binned) photo; the images below are this large
@@ -31,6 +31,10 @@ struct LightView {
 
 /// The lens of pixels that are averages of bin x bin pixels.
 Lens binned_lens(const Lens& lens, int bin);
+
+/// How far photos may be binned for the fits of light: photos of 16 megapixels and more, while a tag's side keeps 30
+/// pixels. Poses and lens come from the photos as taken.
+int light_bin(int width, int height, double tag_side_px);
 
 /// The same view with bin x bin pixels averaged into one, the lens scaled with it. A pixel is valid if all its parts
 /// are.

@@ -52,8 +52,9 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   state.shared[unknown::ambient] = seed.found ? seed.ambient : out.bench.ambient.mean();
   for (int i = 0; i < 3; ++i) state.shared[unknown::vignette + i] = seed.found ? seed.vignette[i] : 0;
   constexpr double kBlurAtFirstPx = 0.6;
+  const int merged_bin = merged.front().bin;  // the blur is in pixels of `merged`, the bench's in the photos'
   state.shared[unknown::log_blur] =
-      std::log(out.bench.sensor.psf_sigma_px > 0 ? out.bench.sensor.psf_sigma_px : kBlurAtFirstPx);
+      std::log(out.bench.sensor.psf_sigma_px > 0 ? out.bench.sensor.psf_sigma_px / merged_bin : kBlurAtFirstPx);
   for (std::size_t i = 0; i < state.lamps.size(); ++i) {
     const Light& light = seed.found && options.fit_lamp ? seed.lights[i] : out.bench.lights[i];
     const Eigen::Vector2d aim = seed.found ? seed.aim_mm[i] : Eigen::Vector2d(0.5 * board.size_mm);
@@ -166,6 +167,7 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
 
   const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
   advise_light(data, state, uncertainty, judged, out.bench, progress);
+  out.bench.sensor.psf_sigma_px *= merged_bin;
   fit_colors(data, merged, state, out.bench);
   out.model_error = median_of(data.photo_model_error);
   const Scratches carved = carved_scratches(data.model, state.of(0));
@@ -174,11 +176,19 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   return out;
 }
 
+std::vector<MergedView> photos_for_refine(const Session& session, const Board& board, const Bench& measured) {
+  // Photos of many megapixels resolve far more than the fit uses, and would not fit into memory together.
+  std::vector<double> tag_sides_px;
+  for (const View& view : measured.views)
+    for (const Tag& tag : board.tags.list)
+      tag_sides_px.push_back(tag.size_mm * measured.lens.intrinsics[0] / view.T_camera_board.translation().norm());
+  return merge_session(session, light_bin(measured.lens.width, measured.lens.height, median_of(tag_sides_px)));
+}
+
 Refinement refine(const Session& session, const Board& board, const Scratches& designed, const Bench& measured,
                   const RefineOptions& options, const Progress& progress) {
   if (progress) progress("reading photos", 0);
-  const std::vector<MergedView> merged = merge_session(session);
-  return refine(merged, board, designed, measured, options, progress);
+  return refine(photos_for_refine(session, board, measured), board, designed, measured, options, progress);
 }
 
 }  // namespace burin

@@ -68,6 +68,9 @@ struct Refinement {
 Refinement refine(const Session& session, const Board& board, const Scratches& designed, const Bench& measured,
                   const RefineOptions& options = {}, const Progress& progress = {});
 
+/// The session's photos as refine wants them: merged, and binned where they are large (light_bin).
+std::vector<MergedView> photos_for_refine(const Session& session, const Board& board, const Bench& measured);
+
 /// The same for photos in memory.
 Refinement refine(std::span<const MergedView> photos, const Board& board, const Scratches& designed,
                   const Bench& measured, const RefineOptions& options = {}, const Progress& progress = {});

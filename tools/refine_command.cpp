@@ -106,7 +106,7 @@ void add_refine_command(CLI::App& burin) {
     o.fit_lamp = !options->keep_lamp;
     ProgressBar bar;
     bar.progress()("reading photos", 0);
-    const std::vector<MergedView> merged = merge_session(session);
+    const std::vector<MergedView> merged = photos_for_refine(session, board, measured);
     const Refinement result = refine(merged, board, designed, measured, o, bar.progress());
     write_bench(result.bench, board.tool_width_um, options->bench);
     HoldOutFile held;
