@@ -49,7 +49,8 @@ std::optional<Corners> corners_in(const cv::Mat& gray, const Chessboard& board, 
       nearest = std::min(nearest, static_cast<double>(cv::norm(corners[i + 1] - corners[i])));
   // A saddle point is judged by what lies around it, short of its neighbours.
   const int room = std::max(3, static_cast<int>(0.45 * nearest));
-  const int reach = window_px > 0 ? static_cast<int>(std::lround(window_px * scale)) : std::min(room, 40);
+  const int usual = static_cast<int>(std::lround((window_px > 0 ? window_px : kCornerWindow_px) * scale));
+  const int reach = window_px > 0 ? usual : std::min(room, usual);
   cv::cornerSubPix(gray, corners, {reach, reach}, {-1, -1},
                    cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 30, scale > 1 ? 0.01 : 0.1));
   return Corners{std::move(corners), reach > room};

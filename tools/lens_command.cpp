@@ -111,6 +111,9 @@ void add_lens_command(CLI::App& burin) {
       const auto [width, height] = pair_of(options->image_size, "--image-size");
       found = read_corners(options->input, board, width, height);
     }
+    bar.clear();
+    for (const Finding& finding : found.findings) note(sentence(finding));  // first: why too few photos are left
+    found.findings.clear();
     LensSolverOptions solver;
     solver.model = options->model;
     solver.solve_bow = options->bow;
@@ -132,8 +135,6 @@ void add_lens_command(CLI::App& burin) {
       found.views.erase(at);
       s = solve_lens(found.views, found.width, found.height, board.size_mm(), solver);
     }
-    bar.clear();
-
     if (options->out.has_parent_path()) make_output_folder(options->out.parent_path());
     std::filesystem::path picture = options->out;
     picture.replace_extension(".coverage.png");
