@@ -416,8 +416,9 @@ Combinations judge_light(const Problem& data, const State& state, const Uncertai
   }
   if (stage.blur) {
     const HalvesVerdict check = check_of(judged_here["sensor.psf_sigma_px"] = {unit(unknown::log_blur)});
-    bench.verdict["sensor.psf_sigma_px"] = judged(100 * widening(check) * u.sigma(unknown::log_blur), kRelative, "%",
-                                                  " of the blur's width", halves_in_words(check, "photos"));
+    bench.verdict["sensor.psf_sigma_px"] =
+        judged(100 * widening(check) * u.sigma(unknown::log_blur), kRelative, "%",
+               " of " + number(std::exp(s[unknown::log_blur])) + " px", halves_in_words(check, "photos"));
   }
 
   for (std::size_t i = 0; i < bench.lights.size(); ++i) {
