@@ -1,7 +1,7 @@
 // Proves: the paper that tool paths keep free of a tag is as wide as AprilTag draws the tag.
 #include <gtest/gtest.h>
 
-#include "calib/tag_pattern.h"
+#include "capture/tag_family.h"
 #include "render/board.h"
 #include "render/error.h"
 
