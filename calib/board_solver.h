@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "calib/bundle.h"
-#include "capture/tag_detector.h"
 #include "capture/finding.h"
+#include "capture/tag_detector.h"
 #include "render/bench.h"
 #include "render/board.h"
 #include "render/progress.h"

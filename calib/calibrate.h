@@ -4,12 +4,12 @@
 //   Calibration c = calibrate(s, read_board(s.board));
 //   write_calibration(c, "out");     // out/bench.json, out/camera.cameramodel, out/residuals.vnl
 //
-// One view after another, its exposures are merged (capture/photo.h) and its tags found (capture/tag_detector.h); kept is
-// a picture without colour, binned if it is large. Photos that are blurred are left out, everything geometric is solved
-// at once (calib/board_solver.h); then the lamps are sought from paper and face (calib/lamp.h), photos under a lamp that
-// moved are left out, and what else is strange is named (calib/photo_faults.h). What scratches
-// say about lamp, alpha and depth is calib/refine.h's. Frames: board (mm), camera, pixels (centre of the top-left pixel
-// is (0, 0)). DESIGN 2, 4, 6.
+// One view after another, its exposures are merged (capture/photo.h) and its tags found (capture/tag_detector.h); kept
+// is a picture without colour, binned if it is large. Photos that are blurred are left out, everything geometric is
+// solved at once (calib/board_solver.h); then the lamps are sought from paper and face (calib/lamp.h), photos under a
+// lamp that moved are left out, and what else is strange is named (calib/photo_faults.h). What scratches say about
+// lamp, alpha and depth is calib/refine.h's. Frames: board (mm), camera, pixels (centre of the top-left pixel is (0,
+// 0)). DESIGN 2, 4, 6.
 #pragma once
 
 #include <filesystem>

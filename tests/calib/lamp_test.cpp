@@ -12,8 +12,8 @@
 #include <nlohmann/json.hpp>
 
 #include "calib/light_samples.h"
-#include "capture/tag_family.h"
 #include "capture/photo.h"
+#include "capture/tag_family.h"
 #include "render/error.h"
 #include "tests/calib/rig_bench.h"
 
