@@ -1,7 +1,5 @@
 #include "calib/photo_uncertainty.h"
 
-#include <ceres/autodiff_cost_function.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
@@ -9,10 +7,10 @@
 #include <map>
 #include <utility>
 
+#include "calib/paper_equation.h"
+
 namespace burin {
 namespace {
-
-using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 3, 1>;
 
 // Inverse on the space that is determined: directions without information get a variance that says so.
 Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& free) {
@@ -71,26 +69,7 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state
   // Paper belongs to the photo it was seen in; a tag's albedo is its own in all photos.
   std::map<int, Eigen::VectorXd> tag_scores;
   for (const LightSample& sample : data.paper) {
-    const PaperCost cost_function(new PaperResidual(paper_residual(data, sample)));
-    const std::array<const double*, 6> blocks{state.block(unknown::ambient, 0),
-                                              state.block(unknown::vignette, 0),
-                                              state.block(unknown::lamp_position, sample.light),
-                                              state.block(unknown::log_intensity, sample.light),
-                                              state.block(unknown::spot, sample.light),
-                                              state.log_paper};
-    constexpr std::array<int, 6> kFirst{unknown::ambient,       unknown::vignette, unknown::lamp_position,
-                                        unknown::log_intensity, unknown::spot,     -1};
-    std::array<std::array<double, 3>, 6> jacobian{};
-    std::array<double*, 6> jacobians{};
-    for (int b = 0; b < 6; ++b) jacobians[b] = jacobian[b].data();
-    double r = 0;
-    cost_function.Evaluate(blocks.data(), &r, jacobians.data());
-    Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
-    for (int b = 0; b < 6; ++b)
-      for (int i = 0; i < cost_function.parameter_block_sizes()[b]; ++i) {
-        const int at = kFirst[b] < 0 ? kSharedUnknowns : global_index(kFirst[b] + i, sample.light);
-        if (free[at]) row[at] = jacobian[b][i];
-      }
+    const auto [r, row] = paper_equation(data, state, sample, free);
     const double weight = 1 / (1 + r * r / (kPaperLoss * kPaperLoss));
     const Eigen::MatrixXd outer = weight * row * row.transpose();
     H += outer;

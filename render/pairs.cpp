@@ -225,7 +225,7 @@ void PixelIndex::map_whole_grid(const FootprintGrid& grid) {
 }
 
 /// Adds blocks of a tile for pixels x0 .. x1 - 1, y0 .. y1 - 1: one if a map serves it, else its quarters.
-bool PixelIndex::add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, int y1, const Eigen::Vector2d& origin_mm,
+void PixelIndex::add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, int y1, const Eigen::Vector2d& origin_mm,
                             int left, int top) {
   const UsedCorners corners{grid, valid_, x0, y0, x1, y1};
   TileBlock block{x0 - left, y0 - top, x1 - left, y1 - top, {}, {}, {}, 0, false};
@@ -237,7 +237,7 @@ bool PixelIndex::add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, i
       high = high.cwiseMax(corners.at(c, r) - origin_mm);
     }
   }
-  if (!(low.x() <= high.x())) return false;
+  if (!(low.x() <= high.x())) return;
   // To float, outwards.
   for (int i = 0; i < 2; ++i) {
     block.low_mm[i] = std::nextafter(static_cast<float>(low[i]), -INFINITY);
@@ -280,19 +280,17 @@ bool PixelIndex::add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, i
   }
   if (good) {
     blocks_.push_back(block);
-    return true;
+    return;
   }
   if (x1 - x0 == 1 && y1 - y0 == 1) {
     block.by_box = true;
     blocks_.push_back(block);
-    return true;
+    return;
   }
   const int xm = x1 - x0 > 1 ? (x0 + x1 + 1) / 2 : x1, ym = y1 - y0 > 1 ? (y0 + y1 + 1) / 2 : y1;
-  bool any = false;
   for (const auto& [ya, yb] : {std::pair{y0, ym}, std::pair{ym, y1}})
     for (const auto& [xa, xb] : {std::pair{x0, xm}, std::pair{xm, x1}})
-      if (xa < xb && ya < yb) any = add_blocks(grid, xa, ya, xb, yb, origin_mm, left, top) || any;
-  return any;
+      if (xa < xb && ya < yb) add_blocks(grid, xa, ya, xb, yb, origin_mm, left, top);
 }
 
 void PixelIndex::find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d& p1_mm,

@@ -80,7 +80,7 @@ class PixelIndex {
 
  private:
   void map_whole_grid(const FootprintGrid& grid);
-  bool add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, int y1, const Eigen::Vector2d& origin_mm, int left,
+  void add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, int y1, const Eigen::Vector2d& origin_mm, int left,
                   int top);
 
   int width_ = 0, height_ = 0, tiles_x_ = 0, tiles_y_ = 0;

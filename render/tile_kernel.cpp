@@ -22,11 +22,4 @@ const TileKernels& tile_kernels(SimdWidth width) {
   }
 }
 
-std::size_t TilePairs::bytes() const {
-  std::size_t floats = 0;
-  for (const std::vector<float>* v : {&light, &shift, &turn, &width, &rim, &alpha}) floats += v->capacity();
-  return floats * sizeof(float) + begin.capacity() * sizeof(std::uint32_t) + place.capacity() * sizeof(std::uint16_t) +
-         ends.capacity() * sizeof(EndPair);
-}
-
 }  // namespace burin

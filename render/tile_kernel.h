@@ -59,8 +59,6 @@ struct TilePairs {
   /// t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha.
   std::vector<float> shift, turn, width, rim, alpha;
   std::vector<EndPair> ends;
-
-  std::size_t bytes() const;  ///< held
 };
 
 /// What evaluate() reads. `runs` must be readable one entry beyond the last.
