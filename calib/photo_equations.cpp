@@ -96,7 +96,7 @@ std::vector<float> falloff_image(const PhotoData& photo, const Unknowns& x) {
   if (!(x[unknown::spot + 2] > 0)) return {};
   std::vector<float> out(photo.weight.size(), 0);
   for (std::size_t i = 0; i < out.size(); ++i) {
-    const Eigen::Vector3d& p = photo.scene.grid.center_mm[i];
+    const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
     if (std::isfinite(p.x())) out[i] = static_cast<float>(std::exp(log_falloff(x, p).a));
   }
   return out;
@@ -130,7 +130,7 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
   data.scene.ambient.setZero();
   data.scene.material.f0 = board.material.f0;
 
-  const FootprintGrid& grid = data.scene.grid;
+  const FootprintGrid& grid = *data.scene.grid;
   const int width = grid.width(), height = grid.height();
   data.radius2.resize(static_cast<std::size_t>(width) * height);
   data.weight.assign(data.radius2.size(), 0);
@@ -180,7 +180,7 @@ Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x,
   Image light = rendered_light(photo, x, carved, falloff_image(photo, x));
   const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
   for (std::size_t i = 0; i < light.data.size(); ++i)
-    if (std::isfinite(photo.scene.grid.center_mm[i].x())) light.data[i] += ambient;
+    if (std::isfinite(photo.scene.grid->center_mm[i].x())) light.data[i] += ambient;
   Image value = blurred(std::move(light), blur_kernel(std::exp(x[unknown::log_blur]), photo.bin));
   for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] *= static_cast<float>(vignette_of(photo, x, i));
   return value;
@@ -201,7 +201,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
                                const Scratches& carved, const FreeUnknowns& free, double tile_mm) {
   using P = SceneParameter;
   const std::size_t pixels = photo.weight.size();
-  const int width = photo.scene.grid.width(), height = photo.scene.grid.height();
+  const int width = photo.scene.grid->width(), height = photo.scene.grid->height();
   const auto any = [&](int first, int count) {
     return std::any_of(free.begin() + first, free.begin() + first + count, [](bool f) { return f; });
   };
@@ -235,7 +235,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     falloff.assign(pixels, 0);
     for (Image& image : spot_images) image = Image(width, height, 1);
     for (std::size_t i = 0; i < pixels; ++i) {
-      const Eigen::Vector3d& p = photo.scene.grid.center_mm[i];
+      const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
       if (!std::isfinite(p.x())) continue;
       const SpotJet log_f = log_falloff(x, p);
       falloff[i] = static_cast<float>(std::exp(log_f.a));
@@ -251,7 +251,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
   Image light = std::move(rendered.radiance), total = light;
   for (std::size_t i = 0; i < pixels; ++i)
-    if (std::isfinite(photo.scene.grid.center_mm[i].x())) total.data[i] += ambient;
+    if (std::isfinite(photo.scene.grid->center_mm[i].x())) total.data[i] += ambient;
 
   // Columns of the Jacobian, before vignetting (which is applied in the last loop).
   std::vector<int> index;  // into Unknowns
@@ -273,7 +273,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
       if (!free[unknown::depth_gradient + axis]) continue;
       Image by_gradient = by_factor;
       for (std::size_t i = 0; i < pixels; ++i) {
-        const Eigen::Vector3d& p = photo.scene.grid.center_mm[i];
+        const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
         if (!std::isfinite(p.x())) continue;
         const double u = p.x() / model.board->size_mm.x() - 0.5, v = p.y() / model.board->size_mm.y() - 0.5;
         const double factor = 1 + x[unknown::depth_gradient] * u + x[unknown::depth_gradient + 1] * v;
@@ -361,7 +361,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
       for (int v = 0; v < 3; ++v, radius_power *= photo.radius2[i])
         if (free[unknown::vignette + v]) rows(row++, used) = root * photo.weight[i] * radius_power * base.data[i];
       if (tile_mm > 0) {
-        const Eigen::Vector3d& p = photo.scene.grid.center_mm[i];
+        const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
         const int tx = std::clamp(static_cast<int>(p.x() / tile_mm), 0, tile_columns - 1);
         const int ty = std::clamp(static_cast<int>(p.y() / tile_mm), 0, tile_rows - 1);
         tiles.col(ty * tile_columns + tx) += r[used] * rows.col(used);

@@ -61,12 +61,17 @@ double mean_value(const Image& image) {
   return sum / static_cast<double>(image.data.size());
 }
 
-ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench, int pixels,
-                       const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm) {
-  const DesignView& v = spec.views[index];
+std::shared_ptr<const FootprintGrid> design_grid(const Board& board, const Bench& bench, int pixels) {
   const auto [width, height] = grid_size(board, pixels);
+  return share(board_grid(board.carve_min_mm, board.carve_max_mm, width, height, Surface{board.size_mm, bench.bow_mm}));
+}
+
+ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench,
+                       std::shared_ptr<const FootprintGrid> grid, const Eigen::Vector3d& eye_moved_mm,
+                       const Eigen::Vector3d& lamp_moved_mm) {
+  const DesignView& v = spec.views[index];
   ViewScene scene;
-  scene.grid = board_grid(board.carve_min_mm, board.carve_max_mm, width, height, Surface{board.size_mm, bench.bow_mm});
+  scene.grid = std::move(grid);
   scene.camera_center_mm = glint_of(v, bench).camera_mm + eye_moved_mm;
   scene.light = find_light(bench, v.light, "design");
   scene.light.position_mm += lamp_moved_mm;
@@ -95,6 +100,7 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                        " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
                        "are not compared there");
   std::vector<WorkView> views;
+  const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, options.pixels);
   const std::shared_ptr<RenderRoom> room = make_render_room();  // one view's memory: they are worked on in turn
   std::map<std::string, int> groups;
   const std::vector<double> sides = options.tolerance_mm > 0 ? std::vector<double>{0, 1, -1} : std::vector<double>{0};
@@ -133,7 +139,7 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
       RenderOptions render;
       render.material_gradients = options.optimise_width || options.optimise_depth || options.optimise_alpha;
       views.push_back({v, std::move(glint), std::move(target), rotation, index, area.x() / width, k, share,
-                       ViewRenderer(design_scene(spec, k, board, bench, options.pixels, moved, moved), render, room),
+                       ViewRenderer(design_scene(spec, k, board, bench, grid, moved, moved), render, room),
                        std::move(loss)});
     }
   for (WorkView& v : views) {

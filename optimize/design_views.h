@@ -35,9 +35,13 @@ struct WorkView {
   Image unit{};  ///< measure_units()
 };
 
-/// The scene of a view of the spec on the pixels of the carve area, its eye and lamp moved.
-ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench, int pixels,
-                       const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm);
+/// The pixels of the carve area that all views of a design look at: `pixels` along its longer side.
+std::shared_ptr<const FootprintGrid> design_grid(const Board& board, const Bench& bench, int pixels);
+
+/// The scene of a view of the spec on those pixels, its eye and lamp moved.
+ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench,
+                       std::shared_ptr<const FootprintGrid> grid, const Eigen::Vector3d& eye_moved_mm,
+                       const Eigen::Vector3d& lamp_moved_mm);
 
 /// The spec's views in its order, then those that stand aside, with face and unit measured. Throws Error for what the
 /// bench does not have, pictures that cannot be used and views in which nothing can glint.

@@ -352,8 +352,7 @@ void change_strokes(std::vector<StrokeView>& views, const StrokeRules& rules, co
 Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen::Vector2d& min_mm,
                     const Eigen::Vector2d& max_mm) {
   constexpr int kLattice = 33;
-  const FootprintGrid& footprints = renderer.scene().grid;
-  const int width = footprints.width(), height = footprints.height();
+  const int width = renderer.width(), height = renderer.height();
   const double length = 3 * std::max((max_mm.x() - min_mm.x()) / width, (max_mm.y() - min_mm.y()) / height);
   const double margin = 0.5 * length / (max_mm - min_mm).minCoeff();
   Scratches tests;

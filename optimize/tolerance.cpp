@@ -27,11 +27,10 @@ class MovedView {
         target_(target.target),
         mask_(target.mask) {
     const int longer = std::max(target_.width, target_.height);
-    pixels_ = std::min(pixels, longer);
-    if (pixels_ == longer) return;
-    const FootprintGrid& smaller = scene({0, 0, 0}, {0, 0, 0}).grid;
-    target_ = resized(target_, smaller.width(), smaller.height());
-    if (!mask_.data.empty()) mask_ = resized(mask_, smaller.width(), smaller.height());
+    grid_ = design_grid(board, bench, std::min(pixels, longer));
+    if (pixels >= longer) return;
+    target_ = resized(target_, grid_->width(), grid_->height());
+    if (!mask_.data.empty()) mask_ = resized(mask_, grid_->width(), grid_->height());
   }
 
   double psnr(const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm) const {
@@ -44,7 +43,7 @@ class MovedView {
 
  private:
   ViewScene scene(const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm) const {
-    return design_scene(spec_, index_, board_, bench_, pixels_, eye_moved_mm, lamp_moved_mm);
+    return design_scene(spec_, index_, board_, bench_, grid_, eye_moved_mm, lamp_moved_mm);
   }
 
   const DesignSpec& spec_;
@@ -53,7 +52,7 @@ class MovedView {
   const Bench& bench_;
   double exposure_;
   const Scratches& scratches_;
-  int pixels_ = 0;
+  std::shared_ptr<const FootprintGrid> grid_;
   Image target_, mask_;
 };
 

@@ -38,7 +38,8 @@ void check_view(const ViewScene& scene, int channels) {
   check_scene_values(scene.camera_center_mm, scene.light, scene.material, scene.tool_width_um, scene.ambient);
   if (channels != 1 && channels != 3)
     fail("RenderOptions", "channels is " + std::to_string(channels), "it must be 1 or 3");
-  const FootprintGrid& grid = scene.grid;
+  if (scene.grid == nullptr) fail("scene.grid", "there is none", "make it with camera_grid or board_grid");
+  const FootprintGrid& grid = *scene.grid;
   const auto n = static_cast<std::size_t>(std::max(grid.width(), 0)) * std::max(grid.height(), 0);
   const std::size_t corners = static_cast<std::size_t>(grid.width() + 1) * (grid.height() + 1);
   if (n == 0 || grid.corner_x_mm.size() != corners || grid.corner_y_mm.size() != corners ||
@@ -50,7 +51,7 @@ void check_view(const ViewScene& scene, int channels) {
 }
 
 PixelShading shade_pixel(const ViewScene& scene, std::size_t pixel) {
-  PixelShading p = shade_pixel(scene.grid.center_mm[pixel], scene.grid.normal[pixel], scene.camera_center_mm,
+  PixelShading p = shade_pixel(scene.grid->center_mm[pixel], scene.grid->normal[pixel], scene.camera_center_mm,
                                scene.light, scene.material.base_alpha);
   if (!scene.hidden_from_light.empty() && scene.hidden_from_light[pixel]) {
     p.lit = false;
@@ -61,7 +62,7 @@ PixelShading shade_pixel(const ViewScene& scene, std::size_t pixel) {
 
 ViewPixels view_pixels(const ViewScene& scene, int channels) {
   check_view(scene, channels);
-  const FootprintGrid& grid = scene.grid;
+  const FootprintGrid& grid = *scene.grid;
   const auto n = static_cast<std::size_t>(grid.width()) * grid.height();
   ViewPixels pixels;
   pixels.channels = channels;
@@ -82,7 +83,7 @@ ViewPixels view_pixels(const ViewScene& scene, int channels) {
 }
 
 void ExactView::forward(const Scratches& scratches, PixelPairs pairs, bool keep_jacobian, Image& radiance) {
-  const FootprintGrid& grid = scene_.grid;
+  const FootprintGrid& grid = *scene_.grid;
   const int channels = pixels_.channels;
   pairs_ = std::move(pairs);
   scratch_count_ = scratches.size();

@@ -10,7 +10,6 @@
 #include <memory>
 #include <vector>
 
-#include "render/pairs.h"
 #include "render/simd_width.h"
 #include "render/tile_kernel.h"
 #include "render/view_renderer.h"
@@ -19,10 +18,9 @@ namespace burin {
 
 class FastView {
  public:
-  /// `scene` and `index` must outlive this. `room` may be shared by views that are worked on one after the other.
-  /// Throws Error for scene values out of range (as view_pixels()).
-  FastView(const ViewScene& scene, const PixelIndex& index, int channels, SimdWidth width,
-           std::shared_ptr<RenderRoom> room);
+  /// `scene` must have passed check_view(); it may go. `material`: whether forward() will be asked for it. `room` may
+  /// be shared by views that are worked on one after the other.
+  FastView(const ViewScene& scene, int channels, bool material, SimdWidth width, std::shared_ptr<RenderRoom> room);
   ~FastView();
   FastView(const FastView&) = delete;
   FastView& operator=(const FastView&) = delete;

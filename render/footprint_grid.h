@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "render/lens.h"
@@ -31,6 +33,11 @@ struct FootprintGrid {
   int width() const { return window.width; }
   int height() const { return window.height; }
 };
+
+/// A grid that several views may look through: those of a design look at the same places of the board.
+inline std::shared_ptr<const FootprintGrid> share(FootprintGrid grid) {
+  return std::make_shared<const FootprintGrid>(std::move(grid));
+}
 
 /// The four corners of a pixel's footprint, in order around it. Board xy, mm.
 inline std::array<Eigen::Vector2d, 4> footprint_corners_mm(const FootprintGrid& grid, int c, int r) {

@@ -373,22 +373,23 @@ class StripRuns {
   }
   const TileRuns& runs() const { return runs_; }
 
-  /// visit(tile, pairs of the tile), tiles side by side.
+  /// visit(tile, its places), tiles side by side.
   template <typename Visit>
   void each_tile(const PixelIndex& index, SimdWidth simd, const Visit& visit) const {
     const TileKernels& kernels = tile_kernels(simd);
     tbb::parallel_for(std::size_t{0}, index.tiles().size(), [&](std::size_t t) {
       if (runs_.count(t) == 0) return;
       const GridTile& tile = index.tiles()[t];
-      thread_local TilePairs pairs;
+      thread_local FoundPlaces found;
       kernels.find({nullptr,
+                    nullptr,
                     runs_.of(t),
                     runs_.count(t),
                     index.blocks(tile),
                     tile.all_valid ? nullptr : tile.valid_rows.data(),
                     {}},
-                   pairs);
-      visit(t, pairs);
+                   found);
+      visit(t, found.places());
     });
   }
 
@@ -407,17 +408,18 @@ void PixelIndex::find(const Strip& strip, std::vector<PixelSpan>& spans) const {
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
     if (one.runs().count(t) == 0) continue;
     const int left = static_cast<int>(t % tiles_x_) * kTile, top = static_cast<int>(t / tiles_x_) * kTile;
-    TilePairs pairs;
+    FoundPlaces found;
     tile_kernels(SimdWidth::best)
         .find({nullptr,
+               nullptr,
                one.runs().of(t),
                1,
                blocks(tiles_[t]),
                tiles_[t].all_valid ? nullptr : tiles_[t].valid_rows.data(),
                {}},
-              pairs);
-    for (std::uint32_t k = 0; k < pairs.begin[1]; ++k)
-      pixels.emplace_back(top + pairs.place[k] / kTile, left + pairs.place[k] % kTile);
+              found);
+    for (std::uint32_t k = 0; k < found.begin[1]; ++k)
+      pixels.emplace_back(top + found.place[k] / kTile, left + found.place[k] % kTile);
   }
   std::sort(pixels.begin(), pixels.end());
   const std::size_t before = spans.size();
@@ -439,14 +441,14 @@ PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std:
   };
   PixelPairs found;
   found.begin.assign(static_cast<std::size_t>(width) * height + 1, 0);
-  sorted.each_tile(index, SimdWidth::best, [&](std::size_t t, const TilePairs& pairs) {
+  sorted.each_tile(index, SimdWidth::best, [&](std::size_t t, const TilePlaces& pairs) {
     for (std::uint32_t k = 0; k < pairs.begin[runs.count(t)]; ++k) ++found.begin[pixel_of(t, pairs.place[k]) + 1];
   });
   for (std::size_t i = 1; i < found.begin.size(); ++i) found.begin[i] += found.begin[i - 1];
   found.scratch.resize(found.begin.back());
   std::vector<std::size_t> next(found.begin.begin(), found.begin.end() - 1);
   // A tile's runs are in scratch order, and a pixel is of one tile.
-  sorted.each_tile(index, SimdWidth::best, [&](std::size_t t, const TilePairs& pairs) {
+  sorted.each_tile(index, SimdWidth::best, [&](std::size_t t, const TilePlaces& pairs) {
     for (std::uint32_t r = 0; r < runs.count(t); ++r)
       for (std::uint32_t k = pairs.begin[r]; k < pairs.begin[r + 1]; ++k)
         found.scratch[next[pixel_of(t, pairs.place[k])]++] = runs.scratch(t, r);
@@ -467,7 +469,7 @@ std::size_t PairCounter::count(SimdWidth simd) {
   Data& d = *data_;
   d.count.assign(d.index.tiles().size(), 0);
   d.strips.sort(d.index);
-  d.strips.each_tile(d.index, simd, [&](std::size_t t, const TilePairs& pairs) {
+  d.strips.each_tile(d.index, simd, [&](std::size_t t, const TilePlaces& pairs) {
     d.count[t] = pairs.begin[d.strips.runs().count(t)];
   });
   std::size_t sum = 0;

@@ -1,25 +1,47 @@
 // render/render_room.h - the buffers that views work in: runs, pairs with their Jacobian, and a thread's room. They
 // grow to the largest iteration and are kept. Views that are rendered and differentiated one after the other may share
-// one, so that memory grows with the pairs of one view and not of all.
+// one, so that memory grows with the pairs of one view and not of all. What several views have in common is made once:
+// a grid's tiles, and, while the scratches stay where they are, the runs and places of their pairs.
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "render/byte_store.h"
 #include "render/tile_kernel.h"
 #include "render/tile_runs.h"
+#include "render/tiled_grid.h"
 
 namespace burin {
 
 class RenderRoom {
  public:
-  const void* owner = nullptr;  ///< the view whose pairs these are
+  /// Of a tile whose arrays would not fit into `most_jacobian_bytes` with all before it, nothing is kept.
+  explicit RenderRoom(std::size_t most_jacobian_bytes);
+
+  /// The tiles of a grid; the same for the same grid as long as a view uses them.
+  std::shared_ptr<const TiledGrid> tiles_of(const std::shared_ptr<const FootprintGrid>& grid);
+
+  /// Sorts scratches into tiles, unless these are the ones that lie there since the last time.
+  void sort(const std::shared_ptr<const TiledGrid>& grid, const ScratchLines& lines);
+
+  /// The pairs of a tile: as kept, or found anew. `found` must outlive them.
+  TilePlaces places_of(std::size_t tile, const TileTask& task, const TileKernels& kernels, FoundPlaces& found);
+
+  /// Room for the Jacobian of the tile's `count` pairs and `ends` in the mode; without arrays where none is left.
+  TileJacobian& make_jacobian(std::size_t tile, KernelMode mode, std::size_t count, std::size_t ends);
+
+  const void* owner = nullptr;  ///< the view whose Jacobian this is
   TileRuns runs;
-  std::vector<TilePairs> pairs;                          ///< by tile
+  std::vector<std::uint32_t> pair_count;                 ///< by tile
+  std::vector<TileJacobian> jacobian;                    ///< by tile
+  ByteStore jacobian_store;                              ///< of the last forward()
   std::vector<float> open_slope;                         ///< by tile and place: d (plain face's lobe) / d base_alpha
   std::array<std::vector<float>, kRunGradients> by_run;  ///< of the backward pass
   std::vector<double> by_tile;                           ///< by base_alpha
@@ -28,10 +50,23 @@ class RenderRoom {
   /// A thread's own.
   struct Work {
     TileRoom tile;
-    TilePairs pairs;  // of a tile whose pairs are not kept
+    FoundPlaces found;
+    TilePairs pairs;
     float base[kTilePixels] = {}, weight[kTilePixels] = {};
   };
   tbb::enumerable_thread_specific<std::unique_ptr<Work>> work{[] { return std::make_unique<Work>(); }};
+
+ private:
+  bool is_sorted(const TiledGrid* grid, const ScratchLines& lines) const;
+
+  std::weak_ptr<const FootprintGrid> grid_;
+  std::weak_ptr<const TiledGrid> tiled_;
+  // What `runs` and places are of.
+  std::shared_ptr<const TiledGrid> sorted_grid_;
+  std::array<std::vector<double>, 4> sorted_ends_mm_;
+  std::array<std::vector<float>, 3> sorted_shape_;
+  std::vector<TilePlaces> places_;  // by tile
+  ByteStore place_store_;
 };
 
 }  // namespace burin

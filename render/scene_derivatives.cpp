@@ -199,7 +199,7 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
   check_scratches(scratches);
   const int channels = options.channels;
   const ViewPixels pixels = view_pixels(scene, channels);
-  const FootprintGrid& grid = scene.grid;
+  const FootprintGrid& grid = *scene.grid;
   const auto strips = strips_of(scratches, scene.tool_width_um, scene.material.depth_um);
   const PixelPairs pairs = find_pairs(PixelIndex(grid), grid.width(), grid.height(), strips);
   std::vector<ScratchFrame> frames(scratches.size());

@@ -10,6 +10,19 @@ namespace burin {
 inline constexpr int kTile = 32;  ///< pixels along a side
 inline constexpr int kTilePixels = kTile * kTile;
 
+/// The corners of a tile's footprints: those of pixel (column, row) are (column, row), (column + 1, row),
+/// (column + 1, row + 1), (column, row + 1); either way round. x, y in mm from the tile's origin.
+struct alignas(64) TileCorners {
+  static constexpr int kSide = kTile + 1;
+  float at[kSide * kSide][2] = {};
+};
+
+/// What pairs need of how a tile's pixels are lit and seen: x and y of the half vector in the face's frame; tan^2 of wi
+/// and wo. Small enough, with the corners, to stay in a core's first cache.
+struct alignas(64) TileShading {
+  float at[kTilePixels][4] = {};
+};
+
 /// A straight groove seen from a tile: an affine map from there to its own units, t = 2 x / wt across it and
 /// Y = 2 y / wt along it, Y = 0 at the foot of the tile's origin. Across is (d.y, -d.x) for a direction d.
 struct TileRun {

@@ -1,8 +1,8 @@
 // render/tile_kernel.h - the fast path's inner loop: what the scratches of one tile add to its pixels, with
 // derivatives, in float packets.
 //
-// A tile's pairs (pixel, scratch) lie one scratch after the other. evaluate() finds them and adds up light and area of
-// each pixel; when the caller knows what share of each pixel is left plain, combine() turns the derivatives of light
+// A tile's pairs (pixel, scratch) lie one scratch after the other. find() finds them; evaluate() adds up light and area
+// of each pixel; when the caller knows what share of each pixel is left plain, combine() turns the derivatives of light
 // and area into one number each; gather() is the backward pass.
 // Kernels of several SIMD widths do the same work; tile_kernels() picks one.
 // Frames: render/tile.h. Source: DESIGN 3.3 and 7; the integrals are render/footprint_core.h.
@@ -34,36 +34,48 @@ namespace burin {
 /// alpha.
 enum class KernelMode : std::uint8_t { value, ends, material };
 
-/// What pairs need of a tile's pixels: small enough to stay in a core's first cache.
-struct alignas(64) TilePixels {
-  static constexpr int kCorners = kTile + 1;
-  /// Corners of pixel (column, row) are (column, row), (column + 1, row), (column + 1, row + 1), (column, row + 1);
-  /// either way round. Board x, y in mm from the tile's origin.
-  float corner[kCorners * kCorners][2] = {};
-  /// Of each pixel: x and y of the half vector in the face's frame; tan^2 of wi and wo.
-  float shading[kTilePixels][4] = {};
-};
-
 /// A pair that an end of its scratch bounds: derivatives by the ends moved along, a unit of Y.
 struct EndPair {
   std::uint32_t pair = 0;
   float light_first = 0, light_second = 0, area_first = 0, area_second = 0;
 };
 
-/// The pairs of a tile. Arrays grow to the largest that was needed and may be longer than what is in use.
+/// The pixels that a tile's runs touch: those of run r are at place[begin[r]] .. place[begin[r + 1] - 1].
+struct TilePlaces {
+  const std::uint32_t* begin = nullptr;  ///< one more than there are runs
+  const std::uint16_t* place = nullptr;  ///< row * kTile + column; readable 16 beyond the last
+};
+
+/// The same with room that grows to the largest tile.
+struct FoundPlaces {
+  std::vector<std::uint32_t> begin;
+  std::vector<std::uint16_t> place;
+
+  TilePlaces places() const { return {begin.data(), place.data()}; }
+};
+
+/// What evaluate() gives for the pairs of a tile. Arrays grow to the largest tile and may be longer than what is in
+/// use.
 struct TilePairs {
-  std::vector<std::uint32_t> begin;  ///< of each run; one more than there are runs
-  std::vector<std::uint16_t> place;  ///< of the pixel in the tile, row * kTile + column
-  std::vector<float> light;          ///< Dhat G, mm^2; only where it was asked for
-  /// Derivatives, of light after evaluate(), of light minus base times area after combine(): by a shift of one unit of
-  /// t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha.
+  std::vector<float> light;  ///< Dhat G, mm^2; only where it was asked for
+  /// Derivatives of light: by a shift of one unit of t, by a turn of one radian, by log wt with the rim held, by the
+  /// rim, by alpha.
   std::vector<float> shift, turn, width, rim, alpha;
   std::vector<EndPair> ends;
 };
 
+/// Derivatives of what pairs add to their pixels, light minus the plain face's light that they cover, by what TilePairs
+/// names. Arrays are readable, and were written, up to a whole packet beyond the last pair.
+struct TileJacobian {
+  float *shift = nullptr, *turn = nullptr, *width = nullptr, *rim = nullptr, *alpha = nullptr;
+  EndPair* ends = nullptr;
+  std::size_t end_count = 0;
+};
+
 /// What evaluate() reads. `runs` must be readable one entry beyond the last.
 struct TileTask {
-  const TilePixels* pixels = nullptr;
+  const TileCorners* corners = nullptr;
+  const TileShading* shading = nullptr;
   const TileRun* runs = nullptr;
   std::uint32_t run_count = 0;
   std::span<const TileBlock> blocks;
@@ -116,16 +128,17 @@ inline constexpr int kRunGradients = 7;
 
 /// The kernels of one width.
 struct TileKernels {
-  /// Finds the pairs only: fills begin and place.
-  void (*find)(const TileTask& task, TilePairs& pairs);
-  /// find(), then room.sums, room.area_* and the rest of `pairs`.
-  void (*evaluate)(const TileTask& task, TileRoom& room, TilePairs& pairs);
-  /// light derivatives -= base[place] * area derivatives. `base`: the plain face's light a mm^2, 0 where nothing is
-  /// left of it; kTilePixels.
-  void (*combine)(KernelMode mode, std::size_t count, const float* base, const TileRoom& room, TilePairs& pairs);
+  /// Finds the pairs. Reads neither corners nor shading.
+  void (*find)(const TileTask& task, FoundPlaces& found);
+  /// Fills room.sums, room.area_* and `pairs`.
+  void (*evaluate)(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs);
+  /// After evaluate(): derivatives of light minus base[place] times those of area. `base`: the plain face's light a
+  /// mm^2, 0 where nothing is left of it; kTilePixels. Arrays of `to` may be those of `pairs`.
+  void (*combine)(const TileTask& task, const TilePlaces& places, const float* base, const TileRoom& room,
+                  const TilePairs& pairs, const TileJacobian& to);
   /// The backward pass: sums over each run's pairs of weight[place] times derivative, see kRunGradients; the last three
   /// only with material. `to[i]`: where the task's first run goes.
-  void (*gather)(const TileTask& task, const float* weight, const TilePairs& pairs,
+  void (*gather)(const TileTask& task, const TilePlaces& places, const float* weight, const TileJacobian& jacobian,
                  const std::array<float*, kRunGradients>& to);
 };
 

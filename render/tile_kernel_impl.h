@@ -218,15 +218,15 @@ struct TileKernel {
     F x[4], y[4], h_x, h_y, h_z, tan2_i, tan2_o;
 
     template <class Place>
-    [[gnu::always_inline]] Pixels(const TilePixels& tile, const Place& place) {
+    [[gnu::always_inline]] Pixels(const TileTask& task, const Place& place) {
       const auto corner = [&](int k, int below) {
         const int p = place(k), row = p / kTile + below, column = p % kTile;
-        return tile.corner[row * TilePixels::kCorners + column];
+        return task.corners->at[row * TileCorners::kSide + column];
       };
       F up[4], down[4], shading[4];
       packet::four_columns(up, [&](int k) { return corner(k, 0); });
       packet::four_columns(down, [&](int k) { return corner(k, 1); });
-      packet::four_columns(shading, [&](int k) { return tile.shading[place(k)]; });
+      packet::four_columns(shading, [&](int k) { return task.shading->at[place(k)]; });
       x[0] = up[0];
       y[0] = up[1];
       x[1] = up[2];
@@ -252,10 +252,10 @@ struct TileKernel {
   /// One packet of pairs whose pixels the groove crosses from side to side: a piece each, at `at`. The others become
   /// empty pieces: those to be set aside, and those that the groove does not meet at all.
   template <KernelMode kMode>
-  [[gnu::flatten]] static Aside cross(const TileTask& task, TileRoom& room, const TileRoom::Scratch& scratch,
-                                      TilePairs& pairs, std::size_t pair, int at) {
-    const std::uint16_t* place = &pairs.place[pair];
-    const Pixels px(*task.pixels, [&](int k) { return place[k]; });
+  [[gnu::flatten]] static Aside cross(const TileTask& task, const TilePlaces& places, TileRoom& room,
+                                      const TileRoom::Scratch& scratch, std::size_t pair, int at) {
+    const std::uint16_t* place = &places.place[pair];
+    const Pixels px(task, [&](int k) { return place[k]; });
     const auto constant = [&](int c) { return load(scratch.constant[c] + at); };
     const F across_x = constant(0), across_y = constant(1), per_mm = constant(2), t_origin = constant(3);
     const F first = constant(4), second = constant(5), rim = constant(7);
@@ -321,8 +321,9 @@ struct TileKernel {
 
   /// The factors of one packet of pairs that cross() began, and their places.
   template <KernelMode kMode>
-  [[gnu::flatten]] static void finish_crossing(TileRoom& room, const TileRoom::Scratch& scratch, TilePairs& pairs,
-                                               bool keep_light, std::size_t pair, int at, int lanes) {
+  [[gnu::flatten]] static void finish_crossing(TileRoom& room, const TileRoom::Scratch& scratch,
+                                               const TilePlaces& places, TilePairs& pairs, bool keep_light,
+                                               std::size_t pair, int at, int lanes) {
     const F alpha = load(room.piece_alpha + at), per_t = inverse(load(scratch.constant[2] + at));
     const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(room.tan2_i + at), load(room.tan2_o + at));
     const F V = load(room.piece_V + at), light = f.value * V;
@@ -336,7 +337,7 @@ struct TileKernel {
       store(&pairs.rim[pair], f.value * load(room.rim_light + at));
       store(&pairs.alpha[pair], f.value * (V * f.by_alpha - alpha * load(room.piece_radial + at)));
     }
-    add_to_pixels(light, load(room.area + at), &pairs.place[pair], lanes, room.sums);
+    add_to_pixels(light, load(room.area + at), &places.place[pair], lanes, room.sums);
   }
 
   /// Evaluates the pieces that cut() made and adds what they give to their pairs.
@@ -389,9 +390,9 @@ struct TileKernel {
   /// Cuts one packet of pairs at the pixels' corners and, with kEnds, at where their edges meet the scratch's ends: up
   /// to three or seven pieces each. `from`: the packet's place in the group.
   template <KernelMode kMode, bool kEnds>
-  [[gnu::flatten]] static void cut(const TileTask& task, TileRoom& b, const TilePairs& pairs, const std::uint32_t* pair,
-                                   const std::uint32_t* run, int from, int lanes) {
-    const Pixels px(*task.pixels, [&](int k) { return pairs.place[pair[std::min(k, lanes - 1)]]; });
+  [[gnu::flatten]] static void cut(const TileTask& task, TileRoom& b, const TilePlaces& places,
+                                   const std::uint32_t* pair, const std::uint32_t* run, int from, int lanes) {
+    const Pixels px(task, [&](int k) { return places.place[pair[std::min(k, lanes - 1)]]; });
     F r[8];
     for (const int half : {0, 4})
       packet::four_columns(r + half, [&](int k) { return &task.runs[run[std::min(k, lanes - 1)]].across_x + half; });
@@ -531,7 +532,8 @@ struct TileKernel {
 
   /// Pairs set aside, a group at a time: cut, their pieces evaluated, and put in their places.
   template <KernelMode kMode, bool kEnds>
-  static void finish_specials(const TileTask& task, TileRoom& b, const TileRoom::Special& special, TilePairs& pairs) {
+  static void finish_specials(const TileTask& task, const TilePlaces& places, TileRoom& b,
+                              const TileRoom::Special& special, TilePairs& pairs) {
     constexpr std::size_t kGroup = TileRoom::kPieces / (kEnds ? 8 : 4);
     static_assert(kGroup <= TileRoom::kChunk);
     const std::size_t count = special.count;
@@ -541,16 +543,16 @@ struct TileKernel {
       b.piece_count = 0;
       std::memset(b.total, 0, (n + kLanes) * sizeof(b.total[0]));
       for (int i = 0; i < n; i += kLanes)
-        cut<kMode, kEnds>(task, b, pairs, pair + i, run + i, i, std::min(kLanes, n - i));
+        cut<kMode, kEnds>(task, b, places, pair + i, run + i, i, std::min(kLanes, n - i));
       add_pieces<kMode, kEnds>(b);
       for (int i = 0; i < n; i += kLanes)
-        finish<kMode, kEnds>(b, pairs, task.keep_light, pair + i, i, std::min(kLanes, n - i));
+        finish<kMode, kEnds>(b, places, pairs, task.keep_light, pair + i, i, std::min(kLanes, n - i));
     }
   }
 
   template <KernelMode kMode, bool kEnds>
-  [[gnu::flatten]] static void finish(TileRoom& b, TilePairs& pairs, bool keep_light, const std::uint32_t* pair, int i,
-                                      int lanes) {
+  [[gnu::flatten]] static void finish(TileRoom& b, const TilePlaces& places, TilePairs& pairs, bool keep_light,
+                                      const std::uint32_t* pair, int i, int lanes) {
     const F alpha = load(b.alpha + i), per_t = inverse(load(b.per_mm + i));
     const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(b.tan2_i + i), load(b.tan2_o + i));
     F total[8];
@@ -564,7 +566,7 @@ struct TileKernel {
       for (int k = 0; k < lanes; ++k) to[pair[k]] = out[k];
     };
     std::uint16_t place[kLanes];
-    for (int k = 0; k < lanes; ++k) place[k] = pairs.place[pair[k]];
+    for (int k = 0; k < lanes; ++k) place[k] = places.place[pair[k]];
     add_to_pixels(light, load(b.area + i), place, lanes, b.sums);
     if (keep_light) scatter(pairs.light, light);
     if constexpr (kMode != KernelMode::value) {
@@ -590,14 +592,13 @@ struct TileKernel {
     }
   }
 
-  static void find(const TileTask& task, TilePairs& pairs) {
-    TileRaster<P>::find(task.blocks, task.runs, task.run_count, task.valid_rows, pairs.begin, pairs.place);
+  static void find(const TileTask& task, FoundPlaces& found) {
+    TileRaster<P>::find(task.blocks, task.runs, task.run_count, task.valid_rows, found.begin, found.place);
   }
 
   template <KernelMode kMode>
-  static void evaluate_mode(const TileTask& task, TileRoom& room, TilePairs& pairs) {
-    find(task, pairs);
-    const std::size_t count = pairs.begin[task.run_count];
+  static void evaluate_mode(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs) {
+    const std::size_t count = places.begin[task.run_count];
     if (task.keep_light) grow(pairs.light, count);
     if constexpr (kMode != KernelMode::value)
       for (std::vector<float>* v : {&pairs.shift, &pairs.turn, &room.area_shift, &room.area_turn}) grow(*v, count);
@@ -613,7 +614,7 @@ struct TileKernel {
     const auto lay_out_chunk = [&](std::size_t chunk) {
       if (chunk >= count) return;
       const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
-      lay_out(task, pairs, chunk, n, run, room.scratch[chunk / TileRoom::kChunk % 2]);
+      lay_out(task, places, chunk, n, run, room.scratch[chunk / TileRoom::kChunk % 2]);
     };
     lay_out_chunk(0);
     for (std::size_t chunk = 0; chunk < count; chunk += TileRoom::kChunk) {
@@ -621,17 +622,17 @@ struct TileKernel {
       const TileRoom::Scratch& scratch = room.scratch[chunk / TileRoom::kChunk % 2];
       const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
       for (int i = 0; i < n; i += kLanes) {
-        const Aside aside = cross<kMode>(task, room, scratch, pairs, chunk + i, i);
+        const Aside aside = cross<kMode>(task, places, room, scratch, chunk + i, i);
         const std::uint32_t used = n - i < kLanes ? (1U << (n - i)) - 1 : ~0U;
         set_aside(room.corners, static_cast<std::uint32_t>(chunk + i), scratch.run + i, aside.corners & used);
         set_aside(room.ends, static_cast<std::uint32_t>(chunk + i), scratch.run + i, aside.ends & used);
       }
       evaluate_pieces<kMode>(room, n);
       for (int i = 0; i < n; i += kLanes)
-        finish_crossing<kMode>(room, scratch, pairs, task.keep_light, chunk + i, i, std::min(kLanes, n - i));
+        finish_crossing<kMode>(room, scratch, places, pairs, task.keep_light, chunk + i, i, std::min(kLanes, n - i));
     }
-    finish_specials<kMode, false>(task, room, room.corners, pairs);
-    finish_specials<kMode, true>(task, room, room.ends, pairs);
+    finish_specials<kMode, false>(task, places, room, room.corners, pairs);
+    finish_specials<kMode, true>(task, places, room, room.ends, pairs);
   }
 
   static void set_aside(TileRoom::Special& special, std::uint32_t pair, const std::uint32_t* run, std::uint32_t bits) {
@@ -646,11 +647,11 @@ struct TileKernel {
   }
 
   /// Each pair's scratch beside it. `run` is the first pair's or an earlier one; it moves on to the last pair's.
-  static void lay_out(const TileTask& task, const TilePairs& pairs, std::size_t chunk, int n, std::uint32_t& run,
+  static void lay_out(const TileTask& task, const TilePlaces& places, std::size_t chunk, int n, std::uint32_t& run,
                       TileRoom::Scratch& scratch) {
     for (int k = 0; k < n;) {
-      while (pairs.begin[run + 1] <= chunk + k) ++run;
-      const int end = static_cast<int>(std::min<std::size_t>(n, pairs.begin[run + 1] - chunk));
+      while (places.begin[run + 1] <= chunk + k) ++run;
+      const int end = static_cast<int>(std::min<std::size_t>(n, places.begin[run + 1] - chunk));
       // Whole packets; what they write too far is written again.
       const float* c = &task.runs[run].across_x;
       const int until = end == n ? (n + 15) / 16 * 16 : end;
@@ -663,64 +664,68 @@ struct TileKernel {
     }
   }
 
-  static void evaluate(const TileTask& task, TileRoom& room, TilePairs& pairs) {
+  static void evaluate(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs) {
     switch (task.mode) {
       case KernelMode::value:
-        return evaluate_mode<KernelMode::value>(task, room, pairs);
+        return evaluate_mode<KernelMode::value>(task, places, room, pairs);
       case KernelMode::ends:
-        return evaluate_mode<KernelMode::ends>(task, room, pairs);
+        return evaluate_mode<KernelMode::ends>(task, places, room, pairs);
       case KernelMode::material:
-        return evaluate_mode<KernelMode::material>(task, room, pairs);
+        return evaluate_mode<KernelMode::material>(task, places, room, pairs);
     }
   }
 
-  [[gnu::flatten]] static void combine(KernelMode mode, std::size_t count, const float* base, const TileRoom& room,
-                                       TilePairs& pairs) {
-    if (mode == KernelMode::value) return;
-    const bool material = mode == KernelMode::material;
+  [[gnu::flatten]] static void combine(const TileTask& task, const TilePlaces& places, const float* base,
+                                       const TileRoom& room, const TilePairs& pairs, const TileJacobian& to) {
+    if (task.mode == KernelMode::value) return;
+    const bool material = task.mode == KernelMode::material;
+    const std::size_t count = places.begin[task.run_count];
     for (std::size_t i = 0; i < count; i += kLanes) {
-      const F b = packet::look_up<P>(base, &pairs.place[i]);
-      const auto take = [&](std::vector<float>& light, const std::vector<float>& area) {
-        store(&light[i], load(&light[i]) - b * load(&area[i]));
+      const F b = packet::look_up<P>(base, &places.place[i]);
+      const auto take = [&](const std::vector<float>& light, const std::vector<float>& area, float* out) {
+        store(out + i, load(&light[i]) - b * load(&area[i]));
       };
-      take(pairs.shift, room.area_shift);
-      take(pairs.turn, room.area_turn);
+      take(pairs.shift, room.area_shift, to.shift);
+      take(pairs.turn, room.area_turn, to.turn);
       if (!material) continue;
-      take(pairs.width, room.area_width);
-      take(pairs.rim, room.area_rim);
+      take(pairs.width, room.area_width, to.width);
+      take(pairs.rim, room.area_rim, to.rim);
+      store(to.alpha + i, load(&pairs.alpha[i]));
     }
-    for (EndPair& e : pairs.ends) {
-      e.light_first -= base[pairs.place[e.pair]] * e.area_first;
-      e.light_second -= base[pairs.place[e.pair]] * e.area_second;
+    for (std::size_t i = 0; i < pairs.ends.size(); ++i) {
+      EndPair e = pairs.ends[i];
+      e.light_first -= base[places.place[e.pair]] * e.area_first;
+      e.light_second -= base[places.place[e.pair]] * e.area_second;
+      to.ends[i] = e;
     }
   }
 
-  [[gnu::flatten]] static void gather(const TileTask& task, const float* weight, const TilePairs& pairs,
-                                      const std::array<float*, kRunGradients>& to) {
+  [[gnu::flatten]] static void gather(const TileTask& task, const TilePlaces& places, const float* weight,
+                                      const TileJacobian& jacobian, const std::array<float*, kRunGradients>& to) {
     const bool material = task.mode == KernelMode::material;
     const F lane = packet::lane_numbers<P>();
-    const EndPair *end = pairs.ends.data(), *ends_stop = end + pairs.ends.size();
+    const EndPair *end = jacobian.ends, *ends_stop = end + jacobian.end_count;
     for (std::uint32_t first = 0; first < task.run_count; first += kLanes) {
       const std::uint32_t stop = std::min<std::uint32_t>(first + kLanes, task.run_count);
       alignas(64) float by[kRunGradients][kLanes] = {};  // shift, turn, first end, second end, width, rim, alpha
       for (std::uint32_t r = first; r < stop; ++r) {
-        const std::size_t last = pairs.begin[r + 1];
+        const std::size_t last = places.begin[r + 1];
         F shift = zero(), turn = zero(), width = zero(), rim = zero(), alpha = zero();
-        for (std::size_t i = pairs.begin[r]; i < last; i += kLanes) {
+        for (std::size_t i = places.begin[r]; i < last; i += kLanes) {
           const Mask in = lane < F(static_cast<float>(last - i));
-          const F w = xsimd::select(in, packet::look_up<P>(weight, &pairs.place[i]), zero());
-          shift = shift + w * load(&pairs.shift[i]);
-          turn = turn + w * load(&pairs.turn[i]);
+          const F w = xsimd::select(in, packet::look_up<P>(weight, &places.place[i]), zero());
+          shift = shift + w * load(jacobian.shift + i);
+          turn = turn + w * load(jacobian.turn + i);
           if (!material) continue;
-          width = width + w * load(&pairs.width[i]);
-          rim = rim + w * load(&pairs.rim[i]);
-          alpha = alpha + w * load(&pairs.alpha[i]);
+          width = width + w * load(jacobian.width + i);
+          rim = rim + w * load(jacobian.rim + i);
+          alpha = alpha + w * load(jacobian.alpha + i);
         }
         const std::uint32_t k = r - first;
         by[0][k] = packet::sum(shift);
         by[1][k] = packet::sum(turn);
         for (; end != ends_stop && end->pair < last; ++end) {
-          const float w = weight[pairs.place[end->pair]];
+          const float w = weight[places.place[end->pair]];
           by[2][k] += w * end->light_first;
           by[3][k] += w * end->light_second;
         }

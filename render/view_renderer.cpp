@@ -18,28 +18,34 @@ void ScratchGradients::resize(std::size_t scratch_count) {
 }
 
 struct ViewRenderer::State {
-  ViewScene scene;
   RenderOptions options;
-  PixelIndex index;
-  ViewPixels pixels;  // of the exact twin
-  std::unique_ptr<ExactView> exact;
-  std::unique_ptr<FastView> fast;
+  int width = 0, height = 0;
+  double tool_width_um = 0, depth_um = 0;  // shared
   std::size_t scratch_count = 0;
 
-  State(ViewScene s, const RenderOptions& o, std::shared_ptr<RenderRoom> room)
-      : scene(std::move(s)), options(o), index(checked_grid()) {
-    if (options.use_double) {
-      pixels = view_pixels(scene, options.channels);
-      exact = std::make_unique<ExactView>(scene, pixels);
-    } else {
-      fast = std::make_unique<FastView>(scene, index, options.channels, options.simd,
-                                        room != nullptr ? std::move(room) : make_render_room());
-    }
-  }
+  std::unique_ptr<FastView> fast;
+  struct Exact {
+    ViewScene scene;
+    PixelIndex index;
+    ViewPixels pixels;
+    ExactView view;
 
-  const FootprintGrid& checked_grid() const {
+    Exact(ViewScene s, int channels)
+        : scene(std::move(s)), index(*scene.grid), pixels(view_pixels(scene, channels)), view(scene, pixels) {}
+  };
+  std::unique_ptr<Exact> exact;
+
+  State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderRoom> room) : options(o) {
     check_view(scene, options.channels);
-    return scene.grid;
+    width = scene.grid->width();
+    height = scene.grid->height();
+    tool_width_um = scene.tool_width_um;
+    depth_um = scene.material.depth_um;
+    if (options.use_double)
+      exact = std::make_unique<Exact>(std::move(scene), options.channels);
+    else  // which keeps what it needs of the scene, in float
+      fast = std::make_unique<FastView>(scene, options.channels, options.material_gradients, options.simd,
+                                        room != nullptr ? std::move(room) : make_render_room());
   }
 
   void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
@@ -50,9 +56,8 @@ struct ViewRenderer::State {
       fast->forward(scratches, keep_jacobian ? with : KernelMode::value, radiance);
       return;
     }
-    const std::vector<Strip> strips = strips_of(scratches, scene.tool_width_um, scene.material.depth_um);
-    exact->forward(scratches, find_pairs(index, scene.grid.width(), scene.grid.height(), strips), keep_jacobian,
-                   radiance);
+    const std::vector<Strip> strips = strips_of(scratches, tool_width_um, depth_um);
+    exact->view.forward(scratches, find_pairs(exact->index, width, height, strips), keep_jacobian, radiance);
   }
 };
 
@@ -62,7 +67,8 @@ ViewRenderer::~ViewRenderer() = default;
 ViewRenderer::ViewRenderer(ViewRenderer&&) noexcept = default;
 ViewRenderer& ViewRenderer::operator=(ViewRenderer&&) noexcept = default;
 
-const ViewScene& ViewRenderer::scene() const { return state_->scene; }
+int ViewRenderer::width() const { return state_->width; }
+int ViewRenderer::height() const { return state_->height; }
 
 void ViewRenderer::forward(const Scratches& scratches, Image& radiance) { state_->forward(scratches, false, radiance); }
 
@@ -71,11 +77,10 @@ void ViewRenderer::forward_with_jacobian(const Scratches& scratches, Image& radi
 }
 
 void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
-  const FootprintGrid& grid = state_->scene.grid;
-  if (dE_dradiance.width != grid.width() || dE_dradiance.height != grid.height() ||
+  if (dE_dradiance.width != width() || dE_dradiance.height != height() ||
       dE_dradiance.channels != state_->options.channels)
     fail("ViewRenderer::backward", "dE/dradiance has another size than the view",
-         "give " + std::to_string(grid.width()) + " x " + std::to_string(grid.height()) + " x " +
+         "give " + std::to_string(width()) + " x " + std::to_string(height()) + " x " +
              std::to_string(state_->options.channels));
   if (gradients.x0_mm.size() != state_->scratch_count)
     fail("ViewRenderer::backward", "the gradients are for " + std::to_string(gradients.x0_mm.size()) + " scratches",
@@ -83,7 +88,7 @@ void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradien
   if (state_->fast)
     state_->fast->backward(dE_dradiance, gradients);
   else
-    state_->exact->backward(dE_dradiance, gradients);
+    state_->exact->view.backward(dE_dradiance, gradients);
 }
 
 void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
@@ -93,11 +98,11 @@ void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
   if (state_->fast)
     state_->fast->add_contributions(contribution);
   else
-    state_->exact->add_contributions(contribution);
+    state_->exact->view.add_contributions(contribution);
 }
 
 std::size_t ViewRenderer::pair_count() const {
-  return state_->fast ? state_->fast->pair_count() : state_->exact->pair_count();
+  return state_->fast ? state_->fast->pair_count() : state_->exact->view.pair_count();
 }
 
 CameraView make_camera_view(const Bench& bench, const Board& board, const View& view, const PixelWindow& window) {
@@ -107,11 +112,11 @@ CameraView make_camera_view(const Bench& bench, const Board& board, const View& 
 ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& camera, const Light& light) {
   ViewScene scene;
   if (board.mesh.empty()) {
-    scene.grid = camera_grid(camera.lens, camera.T_camera_board, camera.surface, camera.window);
+    scene.grid = share(camera_grid(camera.lens, camera.T_camera_board, camera.surface, camera.window));
   } else {
     const BoardMesh mesh(read_obj(board.mesh), board.size_mm, board.mesh.string());
-    scene.grid = camera_grid(camera.lens, camera.T_camera_board, mesh, camera.window);
-    scene.hidden_from_light = hidden_pixels(scene.grid, mesh, light.position_mm);
+    scene.grid = share(camera_grid(camera.lens, camera.T_camera_board, mesh, camera.window));
+    scene.hidden_from_light = hidden_pixels(*scene.grid, mesh, light.position_mm);
   }
   scene.camera_center_mm = camera.T_camera_board.inverse().translation();
   scene.light = light;

@@ -18,7 +18,7 @@ namespace burin {
 
 /// Everything that one rendered view depends on, besides the scratches.
 struct ViewScene {
-  FootprintGrid grid;
+  std::shared_ptr<const FootprintGrid> grid;  ///< see share()
   Eigen::Vector3d camera_center_mm{0, 0, 0};
   Light light;
   Material material;           ///< shared alpha and depth where the scratches carry none
@@ -32,8 +32,8 @@ struct ViewScene {
 struct RenderOptions {
   int channels = 1;         ///< 1: mean of R, G, B (what a mono sensor sees); 3: R, G, B
   bool use_double = false;  ///< the slow exact twin
-  /// Whether forward_with_jacobian() keeps derivatives by width, depth and alpha too (always with use_double). Designs
-  /// that only move ends are faster and smaller without.
+  /// Whether forward_with_jacobian() keeps derivatives by width, depth, alpha and base_alpha too (always with
+  /// use_double). Designs that only move ends are faster and smaller without.
   bool material_gradients = true;
   SimdWidth simd = SimdWidth::best;  ///< packets of the fast path
 };
@@ -49,9 +49,12 @@ struct ScratchGradients {
 };
 
 /// The fast path's work buffers and sparse Jacobian (render/render_room.h). Renderers that share one need the memory of
-/// one view; each must then finish with a forward()'s results before the next renderer's forward().
+/// one view; each must then finish with a forward()'s results before the next renderer's forward(). Those that also
+/// share a grid share all that comes from it, and find the pairs of the same scratches once.
 class RenderRoom;
-std::shared_ptr<RenderRoom> make_render_room();
+/// `most_jacobian_bytes`: what of the Jacobian does not fit into it is computed again on the way back. The results are
+/// the same, bit for bit.
+std::shared_ptr<RenderRoom> make_render_room(std::size_t most_jacobian_bytes = 320'000'000);
 
 /// Renders one view again and again while the scratches move. Deterministic: same input, same bits, for any number of
 /// threads. Throws Error for scratches with NaN.
@@ -63,7 +66,8 @@ class ViewRenderer {
   ViewRenderer(ViewRenderer&&) noexcept;
   ViewRenderer& operator=(ViewRenderer&&) noexcept;
 
-  const ViewScene& scene() const;
+  int width() const;  ///< pixels of the view
+  int height() const;
 
   /// Radiance of every pixel of the grid (width x height x channels); pixels that miss the face are 0.
   void forward(const Scratches& scratches, Image& radiance);

@@ -59,10 +59,13 @@ void PaperDesign(benchmark::State& state) {
   Scratches scratches = paper_scratches(count);
   RenderOptions options;
   options.material_gradients = false;
+  // As optimize/design.cpp has them: one grid, and the memory of one view.
+  const std::shared_ptr<const FootprintGrid> grid = paper_grid(kPixels);
+  const std::shared_ptr<RenderRoom> room = make_render_room();
   std::vector<DesignedView> views;
   for (int v = 0; v < view_count; ++v) {
     const Image target = with_gamma_offset(target_picture(v));
-    views.push_back({ViewRenderer(paper_scene(kPixels, v, view_count), options),
+    views.push_back({ViewRenderer(paper_scene(grid, v, view_count), options, room),
                      PictureLoss(target, {}, {1, 0, gram ? 0.01 : 0}),
                      1,
                      {},
@@ -109,7 +112,7 @@ void PaperDesign(benchmark::State& state) {
   state.counters["pairs"] = static_cast<double>(pairs) / static_cast<double>(state.iterations());
   state.counters["allocations"] = static_cast<double>(from_heap) / static_cast<double>(counted);
   state.counters["loss_ratio"] = last_loss / first_loss;
-  report_correctness(state, paper_scene(kPixels, 0, view_count), paper_scratches(count), options.simd);
+  report_correctness(state, paper_scene(grid, 0, view_count), paper_scratches(count), options.simd);
 }
 BENCHMARK(PaperDesign)
     ->ArgNames({"scratches", "views", "gram", "threads"})

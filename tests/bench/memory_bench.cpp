@@ -59,9 +59,13 @@ int print_peak_memory() {
     RenderOptions options;
     options.material_gradients = false;
     std::vector<ViewRenderer> renderers;
-    for (int v = 0; v < kViews; ++v) renderers.emplace_back(paper_scene(kPixels, v, kViews), options);
+    const std::shared_ptr<RenderRoom> room = make_render_room();
+    {
+      const std::shared_ptr<const FootprintGrid> grid = paper_grid(kPixels);
+      for (int v = 0; v < kViews; ++v) renderers.emplace_back(paper_scene(grid, v, kViews), options, room);
+    }
     scenes = peak_resident_gb();
-    const Image weights = random_weights(renderers[0].scene());
+    const Image weights = random_weights(kPixels, kPixels);
     Image radiance;
     ScratchGradients gradients;
     gradients.resize(scratches.size());

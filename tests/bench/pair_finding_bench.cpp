@@ -96,8 +96,8 @@ void report_time(benchmark::State& state, std::size_t pairs) {
 
 void FindPairsByRaster(benchmark::State& state) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const ViewScene scene = paper_scene(kPixels);
-  const PixelIndex index(scene.grid);
+  const ViewScene scene = paper_scene(paper_grid(kPixels));
+  const PixelIndex index(*scene.grid);
   const std::vector<Strip> strips = all_strips(scene);
   PairCounter counter(index, strips);
   std::size_t pairs = 0;
@@ -114,7 +114,7 @@ void FindPairsByRaster(benchmark::State& state) {
       for (int c = span.begin; c < span.end; ++c)
         found.emplace_back(span.row * kPixels + c, static_cast<std::uint32_t>(s));
   }
-  report_pairs(state, found, true_pairs(scene.grid, some));
+  report_pairs(state, found, true_pairs(*scene.grid, some));
 }
 BENCHMARK(FindPairsByRaster)->Unit(benchmark::kMillisecond);
 
@@ -190,10 +190,10 @@ class Ribbons {
 void FindPairsByEmbree(benchmark::State& state, bool complete) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   RTCDevice device = rtcNewDevice("threads=1");
-  const ViewScene scene = paper_scene(kPixels);
+  const ViewScene scene = paper_scene(paper_grid(kPixels));
   const std::vector<Strip> strips = all_strips(scene);
   // A millionth more for float.
-  const double radius = (1 + 1e-6) * footprint_radius_mm(scene.grid) + 1e-6 * kPaperBoard_mm;
+  const double radius = (1 + 1e-6) * footprint_radius_mm(*scene.grid) + 1e-6 * kPaperBoard_mm;
   const auto ribbons_of = [&](const std::vector<Strip>& s) {
     return Ribbons(device, s, radius, complete ? radius : 0, complete ? 1 : 0);
   };
@@ -204,7 +204,7 @@ void FindPairsByEmbree(benchmark::State& state, bool complete) {
     const double start = seconds();
     const Ribbons ribbons = ribbons_of(strips);
     building += seconds() - start;
-    ribbons.find(scene.grid, pairs);
+    ribbons.find(*scene.grid, pairs);
     benchmark::DoNotOptimize(pairs.data());
   }
   report_time(state, pairs.size());
@@ -212,8 +212,8 @@ void FindPairsByEmbree(benchmark::State& state, bool complete) {
 
   const std::vector<Strip> some = some_of(strips);
   std::vector<Pair> found;
-  ribbons_of(some).find(scene.grid, found);
-  report_pairs(state, found, true_pairs(scene.grid, some));
+  ribbons_of(some).find(*scene.grid, found);
+  report_pairs(state, found, true_pairs(*scene.grid, some));
   rtcReleaseDevice(device);
 }
 BENCHMARK_CAPTURE(FindPairsByEmbree, complete, true)->Unit(benchmark::kMillisecond);

@@ -13,10 +13,15 @@ constexpr double kPi = 3.14159265358979;
 
 }  // namespace
 
-ViewScene paper_scene(int pixels, int view, int views) {
+std::shared_ptr<const FootprintGrid> paper_grid(int pixels) {
+  constexpr double kBoard = kPaperBoard_mm;
+  return share(board_grid({0, 0}, {kBoard, kBoard}, pixels, pixels, {{kBoard, kBoard}, {0, 0, 0}}));
+}
+
+ViewScene paper_scene(std::shared_ptr<const FootprintGrid> grid, int view, int views) {
   constexpr double kBoard = kPaperBoard_mm;
   ViewScene scene;
-  scene.grid = board_grid({0, 0}, {kBoard, kBoard}, pixels, pixels, {{kBoard, kBoard}, {0, 0, 0}});
+  scene.grid = std::move(grid);
   const double azimuth = kPi * view / views, r = 900;
   const Eigen::Vector3d middle(kBoard / 2, kBoard / 2, 0);
   scene.camera_center_mm = middle + r * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 1) / std::sqrt(2);
@@ -44,8 +49,8 @@ Scratches paper_scratches(int count) {
   return s;
 }
 
-Image random_weights(const ViewScene& scene) {
-  Image weights(scene.grid.width(), scene.grid.height(), 1);
+Image random_weights(int width, int height) {
+  Image weights(width, height, 1);
   std::mt19937 random(3);
   for (float& v : weights.data) v = std::uniform_real_distribution<float>(-1, 1)(random);
   return weights;
@@ -58,7 +63,7 @@ void report_correctness(benchmark::State& state, const ViewScene& scene, const S
   static std::map<std::pair<std::size_t, SimdWidth>, Errors> known;
   const auto [at, is_new] = known.try_emplace({scratches.size(), simd});
   if (is_new) {
-    const Image weights = random_weights(scene);
+    const Image weights = random_weights(scene.grid->width(), scene.grid->height());
     Image image[2];
     ScratchGradients g[2];
     for (const bool use_double : {false, true}) {

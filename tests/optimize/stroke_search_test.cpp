@@ -15,7 +15,7 @@ constexpr int kPixels = 48;
 
 ViewScene scene_of(const GlintView& glint) {
   ViewScene scene;
-  scene.grid = board_grid({0, 0}, {kSize, kSize}, kPixels, kPixels, {{kSize, kSize}, {0, 0, 0}});
+  scene.grid = share(board_grid({0, 0}, {kSize, kSize}, kPixels, kPixels, {{kSize, kSize}, {0, 0, 0}}));
   scene.camera_center_mm = glint.camera_mm;
   scene.light.position_mm = glint.light_mm;
   scene.material.alpha = 0.05;

@@ -295,11 +295,11 @@ TEST(BoardMesh, PairsOnFoldedFacesAreFound) {
   pinhole.width = 80;
   pinhole.height = 60;
   ViewScene scene;
-  scene.grid = camera_grid(pinhole, T, mesh, {0, 0, 80, 60});
+  scene.grid = share(camera_grid(pinhole, T, mesh, {0, 0, 80, 60}));
   scene.camera_center_mm = T.inverse().translation();
   scene.light.position_mm = {300, 500, 800};
   scene.material.alpha = 0.3;
-  scene.hidden_from_light = hidden_pixels(scene.grid, mesh, scene.light.position_mm);
+  scene.hidden_from_light = hidden_pixels(*scene.grid, mesh, scene.light.position_mm);
   Scratches scratches;
   for (int i = 0; i < 150; ++i) {
     const double x = std::fmod(i * 61.803398875, 280) + 10, y = std::fmod(i * 37.37, 180) + 10, a = i * 0.7;

@@ -158,21 +158,23 @@ TEST(RandomScenes, BrokenFootprintsAreDark) {
     ViewRenderer whole(w.scene);
     Image before, after;
     whole.forward(w.scratches, before);
-    const int width = w.scene.grid.width(), height = w.scene.grid.height(), stride = width + 1;
+    const int width = w.scene.grid->width(), height = w.scene.grid->height(), stride = width + 1;
+    FootprintGrid grid = *w.scene.grid;
     std::vector<bool> broken(static_cast<std::size_t>(width) * height, false);
     for (int k = 0; k < 12; ++k) {
       const int c = static_cast<int>(draw.uniform(0, width)), r = static_cast<int>(draw.uniform(0, height));
       const std::size_t pixel = static_cast<std::size_t>(r) * width + c;
       const std::size_t corner = static_cast<std::size_t>(r) * stride + c;
       if (k % 4 == 3) {
-        (round % 2 == 0 ? w.scene.grid.center_mm : w.scene.grid.normal)[pixel].y() = kNaN;
+        (round % 2 == 0 ? grid.center_mm : grid.normal)[pixel].y() = kNaN;
         broken[pixel] = true;
         continue;
       }
-      w.scene.grid.corner_x_mm[corner] = k % 4 == 0 ? kNaN : k % 4 == 1 ? kInfinity : -kInfinity;
+      grid.corner_x_mm[corner] = k % 4 == 0 ? kNaN : k % 4 == 1 ? kInfinity : -kInfinity;
       for (int y = std::max(0, r - 1); y <= r; ++y)
         for (int x = std::max(0, c - 1); x <= c; ++x) broken[static_cast<std::size_t>(y) * width + x] = true;
     }
+    w.scene.grid = share(grid);
     expect_finite(w, 1, round, "round " + std::to_string(round));
     for (const bool use_double : {false, true}) {
       ViewRenderer renderer(w.scene, {1, use_double});
@@ -183,10 +185,11 @@ TEST(RandomScenes, BrokenFootprintsAreDark) {
       }
     }
     // All corners of a picture in one place, or on one line: no footprint has an area.
-    for (double& x : w.scene.grid.corner_x_mm) x = 7;
+    for (double& x : grid.corner_x_mm) x = 7;
     if (round % 2 == 0)
-      for (double& y : w.scene.grid.corner_y_mm) y = 5;
-    w.scene.grid.board_from_pixel.reset();
+      for (double& y : grid.corner_y_mm) y = 5;
+    grid.board_from_pixel.reset();
+    w.scene.grid = share(grid);
     expect_finite(w, 1, round, "without area");
     ViewRenderer(w.scene).forward(w.scratches, after);
     for (const float v : after.data) EXPECT_EQ(v, 0);
@@ -278,7 +281,7 @@ TEST(RandomScenes, DarkWhereNothingCanBeSeenOrLit) {
     const bool lamp = round % 2 == 0;
     const Eigen::Vector3d behind(draw.uniform(-40, 60), draw.uniform(-40, 60), -draw.decades(-6, 3));
     (lamp ? w.scene.light.position_mm : w.scene.camera_center_mm) = behind;
-    w.scene.grid = board_grid({0, 0}, {20, 20}, 24, 18, {w.board.size_mm, {0, 0, 0}});
+    w.scene.grid = share(board_grid({0, 0}, {20, 20}, 24, 18, {w.board.size_mm, {0, 0, 0}}));
     const double room = w.scene.ambient.cwiseProduct(w.scene.material.f0).mean();
     for (const bool use_double : {false, true}) {
       ViewRenderer renderer(w.scene, {1, use_double});

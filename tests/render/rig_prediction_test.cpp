@@ -152,12 +152,13 @@ void each_view(const Rig& rig, const Light& lamp, const Eigen::Vector2d& low_mm,
     const PixelWindow window = window_of(rig.bench.lens, view.T_camera_board, face, low_mm, high_mm, 0);
     if (window.width < 50 || window.height < 50) continue;
     const CameraView camera = make_camera_view(rig.bench, rig.board, view, window);
-    ViewRenderer renderer(make_scene(rig.bench, rig.board, camera, lamp), {channels});
+    const ViewScene scene = make_scene(rig.bench, rig.board, camera, lamp);
+    ViewRenderer renderer(scene, {channels});
     Image radiance;
     const auto start = std::chrono::steady_clock::now();
     renderer.forward(rig.scratches, radiance);
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-    use(v, window, renderer.scene(), radiance, ms);
+    use(v, window, scene, radiance, ms);
   }
 }
 
@@ -196,9 +197,9 @@ TEST(RigPrediction, CleanBenchDownToTheNoise) {
 
 /// Pixels that see one scratch and no other, their neighbours within `reach` included.
 std::vector<bool> lonely_pixels(const ViewScene& scene, const Scratches& scratches, int reach) {
-  const int w = scene.grid.width(), h = scene.grid.height();
+  const int w = scene.grid->width(), h = scene.grid->height();
   const PixelPairs pairs =
-      find_pairs(PixelIndex(scene.grid), w, h, strips_of(scratches, scene.tool_width_um, scene.material.depth_um));
+      find_pairs(PixelIndex(*scene.grid), w, h, strips_of(scratches, scene.tool_width_um, scene.material.depth_um));
   std::vector<bool> lonely(static_cast<std::size_t>(w) * h, false);
   for (int y = reach; y < h - reach; ++y) {
     for (int x = reach; x < w - reach; ++x) {
@@ -250,7 +251,7 @@ TEST(RigPrediction, AmateurBenchInTheMiddle) {
           for (int y = 4; y < window.height - 4; ++y) {
             for (int x = 4; x < window.width - 4; ++x) {
               const std::size_t i = static_cast<std::size_t>(y) * window.width + x;
-              if (!lonely[i] || under_shape(scene.grid.center_mm[i])) continue;
+              if (!lonely[i] || under_shape(scene.grid->center_mm[i])) continue;
               const double px = window.x0 + x - (W - 1) / 2, py = window.y0 + y - (H - 1) / 2;
               const double r2 = (px * px + py * py) * 4 / (W * W + H * H);
               const double gain = exposure * (1 + r2 * (vignette[0] + r2 * (vignette[1] + r2 * vignette[2])));

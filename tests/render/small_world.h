@@ -74,14 +74,14 @@ inline double weighted_sum(const World& w, const ViewPixels& pixels, const Pixel
   ExactView view(w.scene, pixels);
   Image image;
   const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material.depth_um);
-  view.forward(w.scratches, find_pairs(index, w.scene.grid.width(), w.scene.grid.height(), strips), false, image);
+  view.forward(w.scratches, find_pairs(index, w.scene.grid->width(), w.scene.grid->height(), strips), false, image);
   double sum = 0;
   for (std::size_t i = 0; i < view.radiance().size(); ++i) sum += weights.data[i] * view.radiance()[i];
   return sum;
 }
 
 inline Image random_weights(const World& w, int channels, unsigned seed) {
-  Image weights(w.scene.grid.width(), w.scene.grid.height(), channels);
+  Image weights(w.scene.grid->width(), w.scene.grid->height(), channels);
   std::mt19937 random(seed);
   for (float& v : weights.data) v = std::uniform_real_distribution<float>(-1, 1)(random);
   return weights;

@@ -45,7 +45,7 @@ void expect_backward(World w, const std::string& what) {
   renderer.backward(weights, g);
 
   const ViewPixels pixels = view_pixels(w.scene, 3);
-  const PixelIndex index(w.scene.grid);
+  const PixelIndex index(*w.scene.grid);
   const auto check = [&](std::vector<double> Scratches::*member, const std::vector<double>& gradient, double step,
                          const char* name) {
     double largest = 0;
@@ -117,7 +117,7 @@ std::vector<std::pair<std::string, World>> edge_worlds(int count) {
     }
   });
   add("pixels smaller than the groove, limits cut by their edges", [](World& w) {
-    w.scene.grid = board_grid({8.013, 8.021}, {9.517, 9.413}, 40, 37, {w.board.size_mm, {0, 0, 0}});
+    w.scene.grid = share(board_grid({8.013, 8.021}, {9.517, 9.413}, 40, 37, {w.board.size_mm, {0, 0, 0}}));
     for (std::size_t s = 0; s < w.scratches.size(); ++s) {
       const double x = 8.1 + 0.021 * static_cast<double>(s), y = 8.15 + 0.017 * static_cast<double>(s * 7 % 50);
       const Eigen::Vector2d d(w.scratches.x1_mm[s] - w.scratches.x0_mm[s], w.scratches.y1_mm[s] - w.scratches.y0_mm[s]);
@@ -128,7 +128,7 @@ std::vector<std::pair<std::string, World>> edge_worlds(int count) {
     }
   });
   add("scratches along and across the rows of a picture", [](World& w) {
-    w.scene.grid = board_grid({0, 0}, {20, 20}, 23, 19, {w.board.size_mm, {0, 0, 0}});
+    w.scene.grid = share(board_grid({0, 0}, {20, 20}, 23, 19, {w.board.size_mm, {0, 0, 0}}));
     for (std::size_t s = 0; s < w.scratches.size(); ++s) {
       const double length = 0.05 + 0.07 * static_cast<double>(s % 60);
       w.scratches.x1_mm[s] = w.scratches.x0_mm[s] + (s % 2 == 0 ? length : 0);
@@ -222,8 +222,9 @@ std::vector<double> radiance_in_double(const World& w, int channels) {
   ExactView view(w.scene, pixels);
   Image image;
   const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material.depth_um);
-  view.forward(w.scratches, find_pairs(PixelIndex(w.scene.grid), w.scene.grid.width(), w.scene.grid.height(), strips),
-               false, image);
+  view.forward(w.scratches,
+               find_pairs(PixelIndex(*w.scene.grid), w.scene.grid->width(), w.scene.grid->height(), strips), false,
+               image);
   return view.radiance();
 }
 
@@ -316,8 +317,9 @@ TEST(FastView, AgreesWithDoubleForDesigns) {
       const double size = 64 * pixel_mm;
       w.board.size_mm = {20, 20};
       const Eigen::Vector2d low(10 - size / 8, 10 - size / 8), high(10 + size / 8, 10 + size / 8);
-      w.scene.grid = board_grid(pixel_mm > 0.1 ? Eigen::Vector2d(0, 0) : low,
-                                pixel_mm > 0.1 ? Eigen::Vector2d(20, 20) : high, 40, 37, {w.board.size_mm, {0, 0, 0}});
+      w.scene.grid =
+          share(board_grid(pixel_mm > 0.1 ? Eigen::Vector2d(0, 0) : low,
+                           pixel_mm > 0.1 ? Eigen::Vector2d(20, 20) : high, 40, 37, {w.board.size_mm, {0, 0, 0}}));
       w.scratches.width_um.clear();
       w.scratches.depth_um.clear();
       w.scratches.alpha.clear();
@@ -368,7 +370,7 @@ TEST(ViewRenderer, AFineGridHoldsTheWholeScratch) {
   w.scene.camera_center_mm = {-1e6, 4e6, 9e6};
   std::vector<double> sums;
   for (const int n : {1, 7, 64, 301}) {
-    w.scene.grid = board_grid({5, 5}, {15, 15}, n, n, {{20, 20}, {0, 0, 0}});
+    w.scene.grid = share(board_grid({5, 5}, {15, 15}, n, n, {{20, 20}, {0, 0, 0}}));
     for (const bool use_double : {true, false}) {
       ViewRenderer renderer(w.scene, {1, use_double});
       Image with, without;
@@ -383,12 +385,12 @@ TEST(ViewRenderer, AFineGridHoldsTheWholeScratch) {
   for (const double sum : sums) EXPECT_NEAR(sum, sums[0], 1e-4 * std::abs(sums[0]));
   const ViewPixels pixels = view_pixels(w.scene, 1);
   const PixelPairs pairs =
-      find_pairs(PixelIndex(w.scene.grid), 301, 301, strips_of(w.scratches, w.scene.tool_width_um, m.depth_um));
+      find_pairs(PixelIndex(*w.scene.grid), 301, 301, strips_of(w.scratches, w.scene.tool_width_um, m.depth_um));
   double area = 0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     for (std::size_t k = pairs.begin[i]; k < pairs.begin[i + 1]; ++k) {
       const ScratchFrame f = scratch_frame(w.scratches, 0, w.scene.tool_width_um, m.depth_um, m.alpha);
-      const auto corners = footprint_corners_mm(w.scene.grid, static_cast<int>(i % 301), static_cast<int>(i / 301));
+      const auto corners = footprint_corners_mm(*w.scene.grid, static_cast<int>(i % 301), static_cast<int>(i / 301));
       area += footprint_integral(f.groove, in_scratch(f, corners), in_scratch(f, pixels.shading[i].h_face)).area_mm2;
     }
   }
@@ -425,7 +427,11 @@ TEST(ViewRenderer, BadInputIsNamed) {
   scene.light.position_mm.x() = NAN;
   EXPECT_THAT(message([&] { ViewRenderer r(scene); }), testing::HasSubstr("light.position_mm"));
   scene = w.scene;
-  scene.grid.center_mm.clear();
+  FootprintGrid short_of_centers = *w.scene.grid;
+  short_of_centers.center_mm.clear();
+  scene.grid = share(short_of_centers);
+  EXPECT_THAT(message([&] { ViewRenderer r(scene); }), testing::HasSubstr("scene.grid"));
+  scene.grid = nullptr;
   EXPECT_THAT(message([&] { ViewRenderer r(scene); }), testing::HasSubstr("scene.grid"));
 }
 

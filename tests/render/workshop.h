@@ -60,7 +60,7 @@ inline World workshop(unsigned seed, int count) {
   w.scene = make_scene(w.bench, w.board, w.camera, lamp);
   if (on_board) {
     const Eigen::Vector2d low = middle.head<2>().array() - 0.5 * seen, high = middle.head<2>().array() + 0.5 * seen;
-    w.scene.grid = board_grid(low, high, kWidth, kHeight, {w.board.size_mm, w.bench.bow_mm});
+    w.scene.grid = share(board_grid(low, high, kWidth, kHeight, {w.board.size_mm, w.bench.bow_mm}));
     w.scene.camera_center_mm = eye;
   }
   const bool own = draw.chance(0.5);

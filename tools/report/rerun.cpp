@@ -62,8 +62,8 @@ struct Look {
 Look look_at(const Scratches& carved, const DesignedPicture& asked, const Image& target, const Bench& under,
              const Board& board, const fs::path& bench_file) {
   ViewScene scene;
-  scene.grid = board_grid(board.carve_min_mm, board.carve_max_mm, target.width, target.height,
-                          Surface{board.size_mm, under.bow_mm});
+  scene.grid = share(board_grid(board.carve_min_mm, board.carve_max_mm, target.width, target.height,
+                                Surface{board.size_mm, under.bow_mm}));
   scene.camera_center_mm = find_view(under, asked.view, bench_file.string()).T_camera_board.inverse().translation();
   scene.light = find_light(under, asked.light, bench_file.string());
   scene.material = under.material;
