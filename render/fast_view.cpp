@@ -177,7 +177,8 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
         for (int c = 0; c < channels; ++c) out[k * channels + c] += static_cast<float>(visible[i + k]) * ambient[c];
   });
   if (mode == KernelMode::value) return;
-  const TileJacobian& to = room->make_jacobian(t, mode, places.begin[task.run_count], w.pairs.ends.size());
+  const TileJacobian& to =
+      room->make_jacobian(t, mode, places.begin[task.run_count], w.pairs.ends.size() + w.pairs.cut_ends.size());
   if (to.shift != nullptr) kernels.combine(task, places, w.base, w.tile, w.pairs, to);
 }
 
@@ -191,8 +192,9 @@ double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradian
     places = room->places_of(t, task, kernels, w.found);
   } else {  // there was no room for it: once more
     places = evaluate_tile(t, task, w);
+    w.ends.resize(w.pairs.ends.size() + w.pairs.cut_ends.size());
     jacobian = {w.pairs.shift.data(), w.pairs.turn.data(), w.pairs.width.data(), w.pairs.rim.data(),
-                w.pairs.alpha.data(), w.pairs.ends.data(), w.pairs.ends.size()};
+                w.pairs.alpha.data(), w.ends.data(),       w.ends.size()};
     kernels.combine(task, places, w.base, w.tile, w.pairs, jacobian);
   }
   const bool material = mode == KernelMode::material;

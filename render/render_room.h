@@ -52,6 +52,7 @@ class RenderRoom {
     TileRoom tile;
     FoundPlaces found;
     TilePairs pairs;
+    std::vector<EndPair> ends;  // of a tile whose Jacobian is not kept
     float base[kTilePixels] = {}, weight[kTilePixels] = {};
   };
   tbb::enumerable_thread_specific<std::unique_ptr<Work>> work{[] { return std::make_unique<Work>(); }};

@@ -15,8 +15,8 @@
 //       where a level that is a pixel's edge brings another -t, which cancels unless the other level is an end
 //   dV/d(end moved along)                          = integral of W dt over where that end bounds the region
 // Each piece between breakpoints is one evaluation of mean moments. Most pairs have a single one, [-rim, rim]: the
-// pixel has no corner on the groove and no end in it. They go straight through; the others are set aside and done
-// afterwards, their pieces packed, so that packets stay full.
+// pixel has no corner on the groove, and an end in it runs across the groove within it. They go straight through; the
+// others are set aside and done afterwards, their pieces packed, so that packets stay full.
 #pragma once
 
 #include <array>
@@ -61,14 +61,15 @@ struct TilePairs {
   /// Derivatives of light: by a shift of one unit of t, by a turn of one radian, by log wt with the rim held, by the
   /// rim, by alpha.
   std::vector<float> shift, turn, width, rim, alpha;
-  std::vector<EndPair> ends;
+  std::vector<EndPair> ends;      ///< of ends square across the pixel, in the order of the pairs
+  std::vector<EndPair> cut_ends;  ///< of the others
 };
 
 /// Derivatives of what pairs add to their pixels, light minus the plain face's light that they cover, by what TilePairs
 /// names. Arrays are readable, and were written, up to a whole packet beyond the last pair.
 struct TileJacobian {
   float *shift = nullptr, *turn = nullptr, *width = nullptr, *rim = nullptr, *alpha = nullptr;
-  EndPair* ends = nullptr;
+  EndPair* ends = nullptr;  ///< in the order of the pairs
   std::size_t end_count = 0;
 };
 
@@ -133,7 +134,7 @@ struct TileKernels {
   /// Fills room.sums, room.area_* and `pairs`.
   void (*evaluate)(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs);
   /// After evaluate(): derivatives of light minus base[place] times those of area. `base`: the plain face's light a
-  /// mm^2, 0 where nothing is left of it; kTilePixels. Arrays of `to` may be those of `pairs`.
+  /// mm^2, 0 where nothing is left of it; kTilePixels. Arrays of `to` but the ends may be those of `pairs`.
   void (*combine)(const TileTask& task, const TilePlaces& places, const float* base, const TileRoom& room,
                   const TilePairs& pairs, const TileJacobian& to);
   /// The backward pass: sums over each run's pairs of weight[place] times derivative, see kRunGradients; the last three

@@ -49,15 +49,20 @@ struct TileKernel {
       Y_max = xsimd::max(xsimd::max(Y[0], Y[1]), xsimd::max(Y[2], Y[3]));
     }
 
-    /// Between which levels the polygon lies at t, cut to [first, second]; one level twice where it does not.
-    void levels(const F& at, const F& first, const F& second, F& top, F& bottom) const {
-      top = second;
-      bottom = first;
+    /// Cuts [bottom, top] to what the polygon has at t.
+    void cut_levels(const F& at, F& top, F& bottom) const {
       for (int i = 0; i < 4; ++i) {
         const F line = Y[i] + slope[i] * (at - t[i]);
         top = xsimd::select(is_top[i], xsimd::min(top, line), top);
         bottom = xsimd::select(is_bottom[i], xsimd::max(bottom, line), bottom);
       }
+    }
+
+    /// Between which levels the polygon lies at t, cut to [first, second]; one level twice where it does not.
+    void levels(const F& at, const F& first, const F& second, F& top, F& bottom) const {
+      top = second;
+      bottom = first;
+      cut_levels(at, top, bottom);
       close_where(top < bottom, top, bottom);
     }
   };
@@ -249,8 +254,9 @@ struct TileKernel {
     std::uint32_t corners, ends;
   };
 
-  /// One packet of pairs whose pixels the groove crosses from side to side: a piece each, at `at`. The others become
-  /// empty pieces: those to be set aside, and those that the groove does not meet at all.
+  /// One packet of pairs whose pixels the groove crosses from side to side, or enters with an end square across it: a
+  /// piece each, at `at`. The others become empty pieces: those to be set aside, and those that the groove does not
+  /// meet at all.
   template <KernelMode kMode>
   [[gnu::flatten]] static Aside cross(const TileTask& task, const TilePlaces& places, TileRoom& room,
                                       const TileRoom::Scratch& scratch, std::size_t pair, int at) {
@@ -261,29 +267,49 @@ struct TileKernel {
     const F first = constant(4), second = constant(5), rim = constant(7);
     const F tx = across_x * per_mm, ty = across_y * per_mm;
     Edges e;
-    F nearest(1e30F);
     for (int k = 0; k < 4; ++k) {
       e.t[k] = tx * px.x[k] + (ty * px.y[k] + t_origin);
       e.Y[k] = tx * px.y[k] - ty * px.x[k];
-      nearest = xsimd::min(nearest, xsimd::abs(e.t[k]));
     }
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
     e.make();
     const Mask apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
-    const Mask ends = ((e.Y_min < first) | (e.Y_max > second)) & !apart;
-    const Mask corners = (nearest <= rim) & !(apart | ends);
-    const Mask none = apart | ends | corners;
-
-    F top1, bottom1, top2, bottom2;
-    e.levels(-rim, first, second, top1, bottom1);
-    e.levels(rim, first, second, top2, bottom2);
+    // The groove reaches over [a, b] of the pixel. At both: the pixel's edges, and whether one of the scratch's ends
+    // lies before them.
+    const F a = xsimd::max(-rim, e.t_min), b = xsimd::min(rim, e.t_max);
+    F top1(1e30F), top2(1e30F), bottom1(-1e30F), bottom2(-1e30F);
+    e.cut_levels(a, top1, bottom1);
+    e.cut_levels(b, top2, bottom2);
+    const Mask capped1 = top1 > second, capped2 = top2 > second, raised1 = bottom1 < first, raised2 = bottom2 < first;
+    top1 = xsimd::min(top1, second);
+    top2 = xsimd::min(top2, second);
+    bottom1 = xsimd::max(bottom1, first);
+    bottom2 = xsimd::max(bottom2, first);
+    const Mask closed1 = top1 < bottom1, closed2 = top2 < bottom2;
+    const Mask mixed = (capped1 != capped2) | (raised1 != raised2) | (closed1 != closed2);
+    // An end that lies in the pixel from a to b, or beside it, bounds a single piece as an edge does. So does a corner
+    // at a or b, unless one of the pixel's edges runs along the groove there.
+    const Mask has_corner = (a > -rim) | (b < rim);
+    Mask corner_between = (e.t[0] > a) & (e.t[0] < b), slanting = e.is_top[0] | e.is_bottom[0];
+    for (int k = 1; k < 4; ++k) {
+      corner_between = corner_between | ((e.t[k] > a) & (e.t[k] < b));
+      slanting = slanting & (e.is_top[k] | e.is_bottom[k]);
+    }
+    const Mask along = !slanting;
+    corner_between = corner_between | (along & has_corner);
+    const Mask in_reach = ((e.Y_min < first) | (e.Y_max > second)) & !apart;
+    const Mask ends = in_reach & (corner_between | mixed);
+    const Mask corners = corner_between & !(apart | in_reach);
+    const Mask none = apart | ends | corners | (closed1 & closed2);
+    close_where(closed1, top1, bottom1);
+    close_where(closed2, top2, bottom2);
     const F height1 = top1 - bottom1, height2 = top2 - bottom2;
     const F per_t = inverse(per_mm), unit = xsimd::select(none, zero(), per_t * per_t);
     // Where n.h > 0, between lo and hi: on a deep groove one wall is often partly turned away.
     const auto limits = footprint::front_facing(hx, hz, rim);
-    const F &lo = limits.lo, &hi = limits.hi;
+    const F lo = xsimd::max(limits.lo, a), hi = xsimd::min(limits.hi, b);
     const Mask dark = none | (lo >= hi);
-    const F per_2rim = F(0.5F) * inverse(rim), at_lo = (lo + rim) * per_2rim, at_hi = (hi + rim) * per_2rim;
+    const F length = b - a, per_length = inverse(length), at_lo = (lo - a) * per_length, at_hi = (hi - a) * per_length;
     const F dtop = top2 - top1, dbottom = bottom2 - bottom1;
     const Piece p{
         lo, hi, top1 + at_lo * dtop, top1 + at_hi * dtop, bottom1 + at_lo * dbottom, bottom1 + at_hi * dbottom};
@@ -300,15 +326,22 @@ struct TileKernel {
     store(room.piece_alpha + at, constant(6));
     store(room.tan2_i + at, px.tan2_i);
     store(room.tan2_o + at, px.tan2_o);
-    store(room.area + at, unit * rim * (height1 + height2));
+    store(room.area + at, F(0.5F) * unit * length * (height1 + height2));
     if constexpr (kMode != KernelMode::value) {
       // The limit moves as h turns (W is 1 there).
       const F per_H = footprint::Arithmetic<P>::inverse_sqrt(hx * hx + hz * hz);
-      const F moving = xsimd::select(lo > -rim, (p.top1 - p.bottom1) * lo, zero()) +
-                       xsimd::select(hi < rim, (p.top2 - p.bottom2) * hi, zero());
+      const F moving = xsimd::select(lo > a, (p.top1 - p.bottom1) * lo, zero()) +
+                       xsimd::select(hi < b, (p.top2 - p.bottom2) * hi, zero());
       keep(room.moving_turn, -(hy * per_H * moving));
       store(&room.area_shift[pair], unit * (height2 - height1));
-      store(&room.area_turn[pair], F(-0.5F) * unit * (height2 * (top2 + bottom2) - height1 * (top1 + bottom1)));
+      const F on_first = xsimd::select(raised1 & !none, F(1.0F), zero()),
+              on_second = xsimd::select(capped1 & !none, F(1.0F), zero());
+      // An edge opposite an end turns alone.
+      const F alone = (on_second - on_first) * length * (a + b);
+      store(&room.area_turn[pair], F(0.5F) * unit * (alone + height1 * (top1 + bottom1) - height2 * (top2 + bottom2)));
+      store(room.on_first + at, on_first);
+      store(room.on_second + at, on_second);
+      store(room.a_first + at, unit * length);
     }
     if constexpr (kMode == KernelMode::material) {
       const F area_rim = unit * (height1 + height2);
@@ -329,8 +362,26 @@ struct TileKernel {
     const F V = load(room.piece_V + at), light = f.value * V;
     if (keep_light) store(&pairs.light[pair], light);
     if constexpr (kMode != KernelMode::value) {
+      const F first = load(room.on_first + at), second = load(room.on_second + at);
+      // An edge opposite an end turns alone (between two edges this part cancels).
+      const F turn = load(room.piece_turn + at) - (first - second) * load(room.piece_first + at);
       store(&pairs.shift[pair], f.value * load(room.piece_shift + at));
-      store(&pairs.turn[pair], f.value * (load(room.piece_turn + at) + load(room.moving_turn + at)));
+      store(&pairs.turn[pair], f.value * (turn + load(room.moving_turn + at)));
+      const std::uint32_t used = lanes < kLanes ? (1U << lanes) - 1 : ~0U;
+      std::uint32_t bits = packet::bits_of<P>(first + second > zero()) & used;
+      if (bits != 0) {
+        const F mean = f.value * load(room.piece_mean + at);
+        const F area = load(room.a_first + at);
+        alignas(64) float out[4][kLanes];
+        (-first * mean).store_aligned(out[0]);
+        (second * mean).store_aligned(out[1]);
+        (-first * area).store_aligned(out[2]);
+        (second * area).store_aligned(out[3]);
+        for (; bits != 0; bits &= bits - 1) {
+          const int k = std::countr_zero(bits);
+          pairs.ends.push_back({static_cast<std::uint32_t>(pair + k), out[0][k], out[1][k], out[2][k], out[3][k]});
+        }
+      }
     }
     if constexpr (kMode == KernelMode::material) {
       store(&pairs.width[pair], f.value * (V + load(room.piece_width + at)));
@@ -579,7 +630,7 @@ struct TileKernel {
         (f.value * total[4]).store_aligned(first);
         (f.value * total[5]).store_aligned(second);
         for (int k = 0; k < lanes; ++k)
-          pairs.ends.push_back({pair[k], first[k], second[k], b.a_first[i + k], b.a_second[i + k]});
+          pairs.cut_ends.push_back({pair[k], first[k], second[k], b.a_first[i + k], b.a_second[i + k]});
       }
     }
     if constexpr (kMode == KernelMode::material) {
@@ -607,6 +658,7 @@ struct TileKernel {
         grow(*v, count);
     std::fill(std::begin(room.sums), std::end(room.sums), 0.0F);
     pairs.ends.clear();
+    pairs.cut_ends.clear();
     room.corners.count = room.ends.count = 0;
 
     // One chunk ahead: what was stored just now cannot be loaded at once.
@@ -692,11 +744,12 @@ struct TileKernel {
       take(pairs.rim, room.area_rim, to.rim);
       store(to.alpha + i, load(&pairs.alpha[i]));
     }
-    for (std::size_t i = 0; i < pairs.ends.size(); ++i) {
-      EndPair e = pairs.ends[i];
-      e.light_first -= base[places.place[e.pair]] * e.area_first;
-      e.light_second -= base[places.place[e.pair]] * e.area_second;
-      to.ends[i] = e;
+    const auto before = [](const EndPair& a, const EndPair& b) { return a.pair < b.pair; };
+    std::merge(pairs.ends.begin(), pairs.ends.end(), pairs.cut_ends.begin(), pairs.cut_ends.end(), to.ends, before);
+    for (EndPair* e = to.ends; e != to.ends + to.end_count; ++e) {
+      const float b = base[places.place[e->pair]];
+      e->light_first -= b * e->area_first;
+      e->light_second -= b * e->area_second;
     }
   }
 
