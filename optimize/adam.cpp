@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "optimize/machine_clones.h"
+#include "render/machine_clones.h"
 #include "render/error.h"
 
 namespace burin {

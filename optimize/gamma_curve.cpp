@@ -7,7 +7,7 @@
 #include "optimize/bands.h"
 #include "optimize/lane_sum.h"
 #include "optimize/loss.h"
-#include "optimize/machine_clones.h"
+#include "render/machine_clones.h"
 
 namespace burin {
 namespace {

@@ -1,7 +1,7 @@
 // optimize/lane_sum.h - a float sum in packets: sixteen sums side by side, added up in one order on every machine.
 #pragma once
 
-#include "optimize/machine_clones.h"
+#include "render/machine_clones.h"
 
 namespace burin {
 

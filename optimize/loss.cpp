@@ -9,7 +9,7 @@
 #include "optimize/bands.h"
 #include "optimize/gram_term.h"
 #include "optimize/lane_sum.h"
-#include "optimize/machine_clones.h"
+#include "render/machine_clones.h"
 #include "render/error.h"
 
 namespace burin {

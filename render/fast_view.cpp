@@ -58,13 +58,8 @@ struct FastView::Data {
 
   TileTask task_of(std::size_t t) const {
     const GridTile& tile = grid->index.tiles()[t];
-    return {&grid->corners[t],
-            &shading[t],
-            room->runs.of(t),
-            room->runs.count(t),
-            grid->index.blocks(tile),
-            tile.all_valid ? nullptr : tile.valid_rows.data(),
-            mode};
+    return {&grid->corners[t],         &shading[t], room->runs.of(t), room->runs.count(t), grid->index.blocks(tile),
+            grid->index.valid_rows(t), mode};
   }
 
   /// visit(pixels, place in the tile and number in the picture of the first) for the rows of a tile.
@@ -215,9 +210,8 @@ double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradian
     for (int k = 0; k < n; ++k) by_slope += by_lobes[k] * room->open_slope[i + k];
     by_base_alpha += by_slope;
   });
-  std::array<float*, kRunGradients> to{};
-  for (int i = 0; i < (material ? kRunGradients : 4); ++i) to[i] = room->by_run[i].data() + room->runs.begin(t);
-  kernels.gather(task, places, w.weight, jacobian, to);
+  kernels.gather(task, places, w.weight, jacobian,
+                 &room->by_run[static_cast<std::size_t>(room->runs.begin(t)) * run_gradients(mode)]);
   return by_base_alpha;
 }
 
@@ -259,37 +253,43 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
          "call backward() before the next view's forward_with_jacobian()");
   const std::size_t tiles = d.grid->tiles();
   const bool material = d.mode == KernelMode::material;
-  for (int i = 0; i < (material ? kRunGradients : 4); ++i)
-    if (room.by_run[i].size() < room.runs.total()) room.by_run[i].resize(room.runs.total() + room.runs.total() / 4);
+  const std::size_t numbers = run_gradients(d.mode), needed = room.runs.total() * numbers;
+  if (room.by_run.size() <= needed) room.by_run.resize(needed + needed / 4 + 1);
   room.by_tile.resize(tiles);
   tbb::parallel_for(std::size_t{0}, tiles,
                     [&](std::size_t t) { room.by_tile[t] = d.differentiate_tile(t, dE_dradiance); });
   for (const double v : room.by_tile) gradients.shared_base_alpha += v;
   // A scratch's runs are added up in tile order.
   room.by_chunk.assign(room.runs.chunk_count(), Eigen::Array3d::Zero());
-  room.runs.each_scratch([&](std::size_t chunk, std::uint32_t s, std::span<const std::uint32_t> runs) {
-    const auto sum = [&](int i) {
-      double v = 0;
-      for (const std::uint32_t r : runs) v += room.by_run[i][r];
-      return v;
+  const auto add = [&](std::size_t chunk, std::uint32_t s, std::span<const std::uint32_t> runs) {
+    const auto sum_of = [&](std::size_t from) {
+      std::array<double, 4> sum{};
+      for (const std::uint32_t r : runs) {
+        const float* by = &room.by_run[r * numbers + from];
+        for (int i = 0; i < 4; ++i) sum[i] += by[i];
+      }
+      return sum;
     };
+    const std::array<double, 4> sum = sum_of(0);
     const StripDirection& x = room.runs.across(s);
-    const double at_second = sum(1) / x.length_mm, at_first = sum(0) - at_second, first = sum(2), second = sum(3);
+    const double at_second = sum[1] / x.length_mm, at_first = sum[0] - at_second, first = sum[2], second = sum[3];
     gradients.x0_mm[s] += x.x * at_first - x.y * first;
     gradients.y0_mm[s] += x.y * at_first + x.x * first;
     gradients.x1_mm[s] += x.x * at_second - x.y * second;
     gradients.y1_mm[s] += x.y * at_second + x.x * second;
     if (!material) return;
+    const std::array<double, 4> by_shape = sum_of(4);
     // The rim is sqrt(1 - exp(-2 d / wt)).
-    const double width = d.width_of(s), depth = d.depth_of(s), by_rim = sum(5);
+    const double width = d.width_of(s), depth = d.depth_of(s), by_rim = by_shape[1];
     const double rim_by_depth = std::exp(-2 * depth / width) / (width * groove_rim(width, depth));
-    const double by_depth = rim_by_depth * by_rim, by_width = (sum(4) - depth * by_depth) / width;
+    const double by_depth = rim_by_depth * by_rim, by_width = (by_shape[0] - depth * by_depth) / width;
     gradients.width_um[s] += by_width;
     gradients.depth_um[s] += by_depth;
-    const double by_alpha = sum(6);
+    const double by_alpha = by_shape[2];
     gradients.alpha[s] += by_alpha;
     room.by_chunk[chunk] += Eigen::Array3d(by_width, by_depth, by_alpha);
-  });
+  };
+  room.runs.each_scratch(add, [&](std::uint32_t run) { __builtin_prefetch(&room.by_run[run * numbers]); });
   for (const Eigen::Array3d& v : room.by_chunk) {
     gradients.shared_width_um += v[0];
     gradients.shared_depth_um += v[1];
@@ -304,7 +304,7 @@ void FastView::add_contributions(std::vector<double>& contribution) const {
     fail("ViewRenderer::add_contributions", "another view has been rendered in the same room since",
          "call add_contributions() before the next view's forward()");
   // Light is not kept pair by pair: it is found again, tile by tile.
-  std::vector<float>& by_run = room.by_run[0];
+  std::vector<float>& by_run = room.by_run;
   if (by_run.size() < room.runs.total()) by_run.resize(room.runs.total());
   tbb::parallel_for(std::size_t{0}, d.grid->tiles(), [&](std::size_t t) {
     RenderRoom::Work& w = *room.work.local();
@@ -324,9 +324,11 @@ void FastView::add_contributions(std::vector<double>& contribution) const {
       by_run[room.runs.begin(t) + r] = static_cast<float>(sum);
     }
   });
-  room.runs.each_scratch([&](std::size_t, std::uint32_t s, std::span<const std::uint32_t> runs) {
-    for (const std::uint32_t r : runs) contribution[s] += by_run[r];
-  });
+  room.runs.each_scratch(
+      [&](std::size_t, std::uint32_t s, std::span<const std::uint32_t> runs) {
+        for (const std::uint32_t r : runs) contribution[s] += by_run[r];
+      },
+      [&](std::uint32_t run) { __builtin_prefetch(&by_run[run]); });
 }
 
 }  // namespace burin

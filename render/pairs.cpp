@@ -158,6 +158,7 @@ PixelIndex::PixelIndex(const FootprintGrid& grid) : width_(grid.width()), height
   tiles_x_ = (width_ + kTile - 1) / kTile;
   tiles_y_ = (height_ + kTile - 1) / kTile;
   tiles_.resize(static_cast<std::size_t>(tiles_x_) * tiles_y_);
+  valid_rows_.resize(tiles_.size(), {});
   for (std::size_t t = 0; t < tiles_.size(); ++t) {
     GridTile& tile = tiles_[t];
     const int left = static_cast<int>(t % tiles_x_) * kTile, top = static_cast<int>(t / tiles_x_) * kTile;
@@ -170,7 +171,7 @@ PixelIndex::PixelIndex(const FootprintGrid& grid) : width_(grid.width()), height
           tile.all_valid = false;
           continue;
         }
-        tile.valid_rows[r - top] |= 1U << (c - left);
+        valid_rows_[t][r - top] |= 1U << (c - left);
         for (const Eigen::Vector2d& q : footprint_corners_mm(grid, c, r)) {
           low = low.cwiseMin(q);
           high = high.cwiseMax(q);
@@ -381,14 +382,7 @@ class StripRuns {
       if (runs_.count(t) == 0) return;
       const GridTile& tile = index.tiles()[t];
       thread_local FoundPlaces found;
-      kernels.find({nullptr,
-                    nullptr,
-                    runs_.of(t),
-                    runs_.count(t),
-                    index.blocks(tile),
-                    tile.all_valid ? nullptr : tile.valid_rows.data(),
-                    {}},
-                   found);
+      kernels.find({nullptr, nullptr, runs_.of(t), runs_.count(t), index.blocks(tile), index.valid_rows(t), {}}, found);
       visit(t, found.places());
     });
   }
@@ -410,14 +404,7 @@ void PixelIndex::find(const Strip& strip, std::vector<PixelSpan>& spans) const {
     const int left = static_cast<int>(t % tiles_x_) * kTile, top = static_cast<int>(t / tiles_x_) * kTile;
     FoundPlaces found;
     tile_kernels(SimdWidth::best)
-        .find({nullptr,
-               nullptr,
-               one.runs().of(t),
-               1,
-               blocks(tiles_[t]),
-               tiles_[t].all_valid ? nullptr : tiles_[t].valid_rows.data(),
-               {}},
-              found);
+        .find({nullptr, nullptr, one.runs().of(t), 1, blocks(tiles_[t]), valid_rows(t), {}}, found);
     for (std::uint32_t k = 0; k < found.begin[1]; ++k)
       pixels.emplace_back(top + found.place[k] / kTile, left + found.place[k] % kTile);
   }

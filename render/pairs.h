@@ -42,8 +42,7 @@ struct PixelSpan {
 struct GridTile {
   Eigen::Vector2d origin_mm{0, 0};
   std::uint32_t block_begin = 0, block_end = 0;
-  bool all_valid = false;                         ///< every pixel of the grid in it has a footprint
-  std::array<std::uint32_t, kTile> valid_rows{};  ///< bit c of row r: that pixel has one
+  bool all_valid = false;  ///< every pixel of the grid in it has a footprint
 };
 
 /// A map of a whole grid to its pixel lattice, right within error_px at every footprint's corner.
@@ -66,6 +65,11 @@ class PixelIndex {
     return std::span(blocks_).subspan(tile.block_begin, tile.block_end - tile.block_begin);
   }
 
+  /// Bit c of row r: that pixel of the tile has a footprint. Null where all have one.
+  const std::uint32_t* valid_rows(std::size_t tile) const {
+    return tiles_[tile].all_valid ? nullptr : valid_rows_[tile].data();
+  }
+
   const GridMap& map() const { return map_; }
 
   /// Appends the tiles that a strip may touch, in ascending order. `across_mm`: half its width across it.
@@ -86,6 +90,7 @@ class PixelIndex {
   int width_ = 0, height_ = 0, tiles_x_ = 0, tiles_y_ = 0;
   std::vector<std::uint8_t> valid_;
   std::vector<GridTile> tiles_;
+  std::vector<std::array<std::uint32_t, kTile>> valid_rows_;  // by tile
   std::vector<TileBlock> blocks_;
   GridMap map_;
 };

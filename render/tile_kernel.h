@@ -122,10 +122,10 @@ struct TileRoom {
   alignas(64) Lanes<kPieces> piece_V, piece_shift, piece_turn, piece_width, piece_radial, piece_mean, piece_first;
 };
 
-/// Numbers that gather() gives for each run: dE by a shift of the scratch across (1 mm), its moment about the scratch's
-/// first end (so that moment / length is by its second end moved across), dE by either end moved along (1 mm), and by
-/// log wt with the rim held, by the rim, by alpha.
-inline constexpr int kRunGradients = 7;
+/// What gather() gives for each run: dE by a shift of the scratch across (1 mm), its moment about the scratch's first
+/// end (so that moment / length is by its second end moved across), dE by either end moved along (1 mm); with material
+/// also by log wt with the rim held, by the rim, by alpha, and a zero.
+constexpr int run_gradients(KernelMode mode) { return mode == KernelMode::material ? 8 : 4; }
 
 /// The kernels of one width.
 struct TileKernels {
@@ -137,10 +137,9 @@ struct TileKernels {
   /// mm^2, 0 where nothing is left of it; kTilePixels. Arrays of `to` but the ends may be those of `pairs`.
   void (*combine)(const TileTask& task, const TilePlaces& places, const float* base, const TileRoom& room,
                   const TilePairs& pairs, const TileJacobian& to);
-  /// The backward pass: sums over each run's pairs of weight[place] times derivative, see kRunGradients; the last three
-  /// only with material. `to[i]`: where the task's first run goes.
+  /// The backward pass: sums over each run's pairs of weight[place] times derivative, run_gradients() numbers a run.
   void (*gather)(const TileTask& task, const TilePlaces& places, const float* weight, const TileJacobian& jacobian,
-                 const std::array<float*, kRunGradients>& to);
+                 float* to);
 };
 
 /// Throws Error for a width that does not run here.

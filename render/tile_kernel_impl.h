@@ -754,13 +754,13 @@ struct TileKernel {
   }
 
   [[gnu::flatten]] static void gather(const TileTask& task, const TilePlaces& places, const float* weight,
-                                      const TileJacobian& jacobian, const std::array<float*, kRunGradients>& to) {
+                                      const TileJacobian& jacobian, float* to) {
     const bool material = task.mode == KernelMode::material;
     const F lane = packet::lane_numbers<P>();
     const EndPair *end = jacobian.ends, *ends_stop = end + jacobian.end_count;
     for (std::uint32_t first = 0; first < task.run_count; first += kLanes) {
       const std::uint32_t stop = std::min<std::uint32_t>(first + kLanes, task.run_count);
-      alignas(64) float by[kRunGradients][kLanes] = {};  // shift, turn, first end, second end, width, rim, alpha
+      alignas(64) float by[8][kLanes] = {};  // shift, turn, first end, second end, width, rim, alpha
       for (std::uint32_t r = first; r < stop; ++r) {
         const std::size_t last = places.begin[r + 1];
         F shift = zero(), turn = zero(), width = zero(), rim = zero(), alpha = zero();
@@ -795,8 +795,21 @@ struct TileKernel {
       // The shift acts at the foot of the tile's origin, Y = 0.
       const F moment = -(load(by[0]) * run[4] + load(by[1]));
       const F out[4] = {per_mm * load(by[0]), moment, per_mm * load(by[2]), per_mm * load(by[3])};
-      for (int i = 0; i < 4; ++i) out[i].store_aligned(by[i]);
-      for (int i = 0; i < (material ? kRunGradients : 4); ++i) std::copy_n(by[i], stop - first, to[i] + first);
+      const F more[4] = {load(by[4]), load(by[5]), load(by[6]), zero()};
+      const std::size_t here = stop - first;
+      alignas(64) float rows[kLanes][4];
+      if (!material) {
+        packet::four_rows(out, rows);
+        std::memcpy(to, rows, here * sizeof(rows[0]));
+        to += 4 * here;
+        continue;
+      }
+      for (const auto* half : {&out, &more}) {
+        packet::four_rows(*half, rows);
+        for (std::size_t k = 0; k < here; ++k)
+          std::memcpy(to + 8 * k + (half == &out ? 0 : 4), rows[k], sizeof(rows[k]));
+      }
+      to += 8 * here;
     }
   }
 

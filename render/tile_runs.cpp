@@ -4,120 +4,154 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/machine_clones.h"
+
 namespace burin {
 namespace {
 
 constexpr int kBlock = 256;  // scratches that are worked on in one go: plain loops over arrays, which become vectors
 
 /// Zero where a scratch has no length.
-void find_directions(const ScratchLines& l, std::size_t first, std::size_t last, StripDirection* across) {
-  for (std::size_t i = first; i < last; ++i) {
-    const double dx = l.x1_mm[i] - l.x0_mm[i], dy = l.y1_mm[i] - l.y0_mm[i];
+BURIN_MACHINE_CLONES void find_directions(const double* x0, const double* y0, const double* x1, const double* y1, int n,
+                                          StripDirection* across) {
+  for (int i = 0; i < n; ++i) {
+    const double dx = x1[i] - x0[i], dy = y1[i] - y0[i];
     const double length = std::sqrt(dx * dx + dy * dy);
     const double per_length = length > 0 ? 1 / length : 0;
     across[i] = {dy * per_length, -dx * per_length, length};
   }
 }
 
-/// Boxes around a block's scratches in units of tiles, cut to the grid. Empty (high below low) where one misses it.
+/// What boxes are made of: a block of scratches.
+struct BlockLines {
+  const double *x0, *y0, *x1, *y1;
+  const StripDirection* across;
+  const double* half;  ///< half widths, mm
+  int n;
+};
+
+/// Boxes around a block's scratches in pixels.
+struct PixelBoxes {
+  alignas(64) double u_low[kBlock], u_high[kBlock], v_low[kBlock], v_high[kBlock];
+  bool good[kBlock];  // else only PixelIndex::find_tiles() knows
+};
+
+BURIN_MACHINE_CLONES void affine_boxes(const GridMap& map, const BlockLines& l, PixelBoxes& box) {
+  const double* const H = map.lattice_from_board.data();  // column by column
+  for (int i = 0; i < l.n; ++i) {
+    const double ua = H[0] * l.x0[i] + H[3] * l.y0[i], ub = H[0] * l.x1[i] + H[3] * l.y1[i];
+    const double va = H[1] * l.x0[i] + H[4] * l.y0[i], vb = H[1] * l.x1[i] + H[4] * l.y1[i];
+    const double pad_u = std::abs(H[0] * l.across[i].x + H[3] * l.across[i].y) * l.half[i];
+    const double pad_v = std::abs(H[1] * l.across[i].x + H[4] * l.across[i].y) * l.half[i];
+    box.u_low[i] = std::min(ua, ub) - pad_u + H[6];
+    box.u_high[i] = std::max(ua, ub) + pad_u + H[6];
+    box.v_low[i] = std::min(va, vb) - pad_v + H[7];
+    box.v_high[i] = std::max(va, vb) + pad_v + H[7];
+  }
+  std::fill_n(box.good, l.n, map.exists);
+}
+
+BURIN_MACHINE_CLONES void perspective_boxes(const GridMap& map, const BlockLines& l, PixelBoxes& box) {
+  const double* const H = map.lattice_from_board.data();
+  for (int i = 0; i < l.n; ++i) {
+    const double qx = (H[0] * l.across[i].x + H[3] * l.across[i].y) * l.half[i];
+    const double qy = (H[1] * l.across[i].x + H[4] * l.across[i].y) * l.half[i];
+    const double qw = (H[2] * l.across[i].x + H[5] * l.across[i].y) * l.half[i];
+    const double ua = H[0] * l.x0[i] + H[3] * l.y0[i] + H[6], ub = H[0] * l.x1[i] + H[3] * l.y1[i] + H[6];
+    const double va = H[1] * l.x0[i] + H[4] * l.y0[i] + H[7], vb = H[1] * l.x1[i] + H[4] * l.y1[i] + H[7];
+    const double wa = H[2] * l.x0[i] + H[5] * l.y0[i] + H[8], wb = H[2] * l.x1[i] + H[5] * l.y1[i] + H[8];
+    box.good[i] = map.exists && std::min(wa, wb) - std::abs(qw) > 0.5 * map.w_min;
+    // The four corners.
+    const double w1 = 1 / (wa - qw), w2 = 1 / (wa + qw), w3 = 1 / (wb - qw), w4 = 1 / (wb + qw);
+    const double u1 = (ua - qx) * w1, u2 = (ua + qx) * w2, u3 = (ub - qx) * w3, u4 = (ub + qx) * w4;
+    const double v1 = (va - qy) * w1, v2 = (va + qy) * w2, v3 = (vb - qy) * w3, v4 = (vb + qy) * w4;
+    box.u_low[i] = std::min(std::min(u1, u2), std::min(u3, u4));
+    box.u_high[i] = std::max(std::max(u1, u2), std::max(u3, u4));
+    box.v_low[i] = std::min(std::min(v1, v2), std::min(v3, v4));
+    box.v_high[i] = std::max(std::max(v1, v2), std::max(v3, v4));
+  }
+}
+
+/// The same in tiles, cut to the grid. Empty (high below low) where one misses it.
 struct TileBoxes {
   alignas(64) int column0[kBlock], column1[kBlock], row0[kBlock], row1[kBlock];
-  bool good[kBlock];  // else only PixelIndex::find_tiles() knows
-
-  void make(const PixelIndex& index, const ScratchLines& l, const StripDirection* across, std::size_t first, int n) {
-    const GridMap& map = index.map();
-    const Eigen::Matrix3d& H = map.lattice_from_board;
-    const double *x0 = l.x0_mm + first, *y0 = l.y0_mm + first, *x1 = l.x1_mm + first, *y1 = l.y1_mm + first;
-    alignas(64) double u_low[kBlock], u_high[kBlock], v_low[kBlock], v_high[kBlock], half[kBlock];
-    for (int i = 0; i < n; ++i) half[i] = l.rim[first + i] / l.per_mm[first + i];
-    const auto widen = [&](int i, double u, double v, double w, double side) {
-      const double qx = H(0, 0) * across[i].x + H(0, 1) * across[i].y,
-                   qy = H(1, 0) * across[i].x + H(1, 1) * across[i].y;
-      const double qw = H(2, 0) * across[i].x + H(2, 1) * across[i].y;
-      const double per_w = 1 / (w + side * qw);
-      const double a = (u + side * qx) * per_w, b = (v + side * qy) * per_w;
-      u_low[i] = std::min(u_low[i], a);
-      u_high[i] = std::max(u_high[i], a);
-      v_low[i] = std::min(v_low[i], b);
-      v_high[i] = std::max(v_high[i], b);
-    };
-    if (map.affine) {
-      for (int i = 0; i < n; ++i) {
-        const double ua = H(0, 0) * x0[i] + H(0, 1) * y0[i], ub = H(0, 0) * x1[i] + H(0, 1) * y1[i];
-        const double va = H(1, 0) * x0[i] + H(1, 1) * y0[i], vb = H(1, 0) * x1[i] + H(1, 1) * y1[i];
-        const double pad_u = std::abs(H(0, 0) * across[i].x + H(0, 1) * across[i].y) * half[i];
-        const double pad_v = std::abs(H(1, 0) * across[i].x + H(1, 1) * across[i].y) * half[i];
-        u_low[i] = std::min(ua, ub) - pad_u + H(0, 2);
-        u_high[i] = std::max(ua, ub) + pad_u + H(0, 2);
-        v_low[i] = std::min(va, vb) - pad_v + H(1, 2);
-        v_high[i] = std::max(va, vb) + pad_v + H(1, 2);
-        good[i] = map.exists;
-      }
-    } else {
-      for (int i = 0; i < n; ++i) {
-        const double wa = H(2, 0) * x0[i] + H(2, 1) * y0[i] + H(2, 2), wb = H(2, 0) * x1[i] + H(2, 1) * y1[i] + H(2, 2);
-        const double side = std::abs(H(2, 0) * across[i].x + H(2, 1) * across[i].y) * half[i];
-        good[i] = map.exists && std::min(wa, wb) - side > 0.5 * map.w_min;
-        u_low[i] = v_low[i] = 1e300;
-        u_high[i] = v_high[i] = -1e300;
-        for (const double s : {-half[i], half[i]}) {
-          widen(i, H(0, 0) * x0[i] + H(0, 1) * y0[i] + H(0, 2), H(1, 0) * x0[i] + H(1, 1) * y0[i] + H(1, 2), wa, s);
-          widen(i, H(0, 0) * x1[i] + H(0, 1) * y1[i] + H(0, 2), H(1, 0) * x1[i] + H(1, 1) * y1[i] + H(1, 2), wb, s);
-        }
-      }
-    }
-    // Clamped first, so that a cast rounds down: below the grid or beyond it gives a box without tiles.
-    constexpr double kPerTile = 1.0 / kTile;
-    const double pad = map.error_px * kPerTile, columns = index.tiles_x(), rows = index.tiles_y();
-    for (int i = 0; i < n; ++i) {
-      column0[i] = static_cast<int>(std::clamp(u_low[i] * kPerTile - pad, 0.0, columns));
-      column1[i] = static_cast<int>(std::clamp(u_high[i] * kPerTile + pad, -1.0, columns - 0.5) + 1) - 1;
-      row0[i] = static_cast<int>(std::clamp(v_low[i] * kPerTile - pad, 0.0, rows));
-      row1[i] = static_cast<int>(std::clamp(v_high[i] * kPerTile + pad, -1.0, rows - 0.5) + 1) - 1;
-    }
-  }
 };
+
+BURIN_MACHINE_CLONES void tile_boxes(const PixelBoxes& in, int n, double pad_px, double columns, double rows,
+                                     TileBoxes& out) {
+  constexpr double kPerTile = 1.0 / kTile;
+  const double pad = pad_px * kPerTile;
+  // Clamped first (what is no number to the lower limit), so that a cast rounds down: below the grid or beyond it
+  // gives a box without tiles.
+  for (int i = 0; i < n; ++i) {
+    out.column0[i] = static_cast<int>(std::min(std::max(0.0, in.u_low[i] * kPerTile - pad), columns));
+    out.column1[i] = static_cast<int>(std::min(std::max(-1.0, in.u_high[i] * kPerTile + pad), columns - 0.5) + 1) - 1;
+    out.row0[i] = static_cast<int>(std::min(std::max(0.0, in.v_low[i] * kPerTile - pad), rows));
+    out.row1[i] = static_cast<int>(std::min(std::max(-1.0, in.v_high[i] * kPerTile + pad), rows - 0.5) + 1) - 1;
+  }
+}
 
 }  // namespace
 
 void TileRuns::find_tiles(const PixelIndex& index, const ScratchLines& lines, Chunk& chunk) {
   const std::span<const GridTile> tiles = index.tiles();
-  chunk.entries.clear();
   chunk.counts.assign(tiles.size(), 0);
-  const auto add = [&](std::size_t scratch, std::uint32_t tile) {
-    if (tiles[tile].block_begin == tiles[tile].block_end) return;
-    chunk.entries.push_back({tile, static_cast<std::uint32_t>(scratch)});
-    ++chunk.counts[tile];
+  chunk.entry_count = 0;
+  const auto make_room = [&](std::size_t more) {
+    if (chunk.entries.size() < chunk.entry_count + more)
+      chunk.entries.resize(chunk.entry_count + more + chunk.entry_count / 4 + kBlock);
   };
-  find_directions(lines, chunk.first, chunk.last, across_.data());
+  // Without a branch: an entry that does not count is overwritten by the next.
+  const auto add = [&](std::size_t scratch, std::uint32_t tile, bool really) {
+    const std::uint32_t one = really && tiles[tile].block_begin != tiles[tile].block_end ? 1 : 0;
+    chunk.entries[chunk.entry_count] = {tile, static_cast<std::uint32_t>(scratch)};
+    chunk.counts[tile] += one;
+    chunk.entry_count += one;
+  };
+  PixelBoxes pixels;
   TileBoxes boxes;
+  alignas(64) double half[kBlock];
   for (std::size_t first = chunk.first; first < chunk.last; first += kBlock) {
     const int n = static_cast<int>(std::min<std::size_t>(kBlock, chunk.last - first));
-    const StripDirection* across = &across_[first];
-    boxes.make(index, lines, across, first, n);
+    StripDirection* across = &across_[first];
+    const BlockLines block{
+        lines.x0_mm + first, lines.y0_mm + first, lines.x1_mm + first, lines.y1_mm + first, across, half, n};
+    find_directions(block.x0, block.y0, block.x1, block.y1, n, across);
+    for (int i = 0; i < n; ++i) half[i] = lines.rim[first + i] / lines.per_mm[first + i];
+    if (index.map().affine)
+      affine_boxes(index.map(), block, pixels);
+    else
+      perspective_boxes(index.map(), block, pixels);
+    tile_boxes(pixels, n, index.map().error_px, index.tiles_x(), index.tiles_y(), boxes);
     for (int i = 0; i < n; ++i) {
       if (!(across[i].length_mm > 0)) continue;
       const std::size_t s = first + i;
-      const int columns = boxes.column1[i] - boxes.column0[i], rows = boxes.row1[i] - boxes.row0[i];
-      if (boxes.good[i] && std::min(columns, rows) <= 0) {
-        for (int row = boxes.row0[i]; row <= boxes.row1[i]; ++row)
-          for (int column = boxes.column0[i]; column <= boxes.column1[i]; ++column)
-            add(s, static_cast<std::uint32_t>(row * index.tiles_x() + column));
+      const int columns = boxes.column1[i] - boxes.column0[i] + 1, rows = boxes.row1[i] - boxes.row0[i] + 1;
+      if (pixels.good[i] && std::min(columns, rows) <= 1) {
+        if (std::min(columns, rows) <= 0) continue;
+        // A row or a column of tiles, seldom more than two.
+        const int count = columns * rows;
+        const auto at = static_cast<std::uint32_t>(boxes.row0[i] * index.tiles_x() + boxes.column0[i]);
+        const auto step = static_cast<std::uint32_t>(rows == 1 ? 1 : index.tiles_x());
+        make_room(static_cast<std::size_t>(count) + 1);
+        add(s, at, true);
+        add(s, count > 1 ? at + step : at, count > 1);
+        for (int k = 2; k < count; ++k) add(s, at + static_cast<std::uint32_t>(k) * step, true);
         continue;
       }
       chunk.touched.clear();
-      const double half = lines.rim[s] / lines.per_mm[s];
       index.find_tiles({lines.x0_mm[s], lines.y0_mm[s]}, {lines.x1_mm[s], lines.y1_mm[s]},
-                       {across[i].x * half, across[i].y * half}, chunk.touched);
-      for (const std::uint32_t t : chunk.touched) add(s, t);
+                       {across[i].x * half[i], across[i].y * half[i]}, chunk.touched);
+      make_room(chunk.touched.size());
+      for (const std::uint32_t t : chunk.touched) add(s, t, true);
     }
   }
-  chunk.slots.resize(chunk.entries.size());
+  if (chunk.slots.size() < chunk.entry_count) chunk.slots.resize(chunk.entries.size());
 }
 
 void TileRuns::make_runs(const PixelIndex& index, const ScratchLines& lines, Chunk& chunk) {
   const std::span<const GridTile> tiles = index.tiles();
-  for (std::size_t e = 0; e < chunk.entries.size(); ++e) {
+  for (std::size_t e = 0; e < chunk.entry_count; ++e) {
     const Entry& entry = chunk.entries[e];
     const std::size_t s = entry.scratch;
     const StripDirection& across = across_[s];

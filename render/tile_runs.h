@@ -6,6 +6,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -53,9 +54,10 @@ class TileRuns {
 
   std::size_t chunk_count() const { return chunks_.size(); }
   /// visit(chunk, scratch, numbers of its runs in tile order), chunks of scratches side by side. How scratches are
-  /// divided into chunks depends on their number alone. Numbers count over all tiles.
-  template <typename Visit>
-  void each_scratch(const Visit& visit) const;
+  /// divided into chunks depends on their number alone. Numbers count over all tiles. fetch(run) is called for each run
+  /// a little before its visit, which will look all over memory.
+  template <typename Visit, typename Fetch>
+  void each_scratch(const Visit& visit, const Fetch& fetch) const;
 
  private:
   /// Scratches are handed to threads in at most this many parts, whatever the number of threads.
@@ -66,7 +68,8 @@ class TileRuns {
   };
   struct Chunk {
     std::vector<std::uint32_t> touched;
-    std::vector<Entry> entries;         // in scratch order
+    std::size_t entry_count = 0;
+    std::vector<Entry> entries;         // in scratch order; longer than what is in use
     std::vector<std::uint32_t> slots;   // of the entries: number of the run
     std::vector<std::uint32_t> counts;  // by tile; then where this chunk's next run of the tile goes
     std::size_t first = 0, last = 0;
@@ -82,14 +85,17 @@ class TileRuns {
   std::vector<StripDirection> across_;  // by scratch
 };
 
-template <typename Visit>
-void TileRuns::each_scratch(const Visit& visit) const {
+template <typename Visit, typename Fetch>
+void TileRuns::each_scratch(const Visit& visit, const Fetch& fetch) const {
   tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t c) {
+    constexpr std::size_t kAhead = 24;
     const Chunk& chunk = chunks_[c];
-    for (std::size_t e = 0; e < chunk.entries.size();) {
+    std::size_t fetched = 0;
+    for (std::size_t e = 0; e < chunk.entry_count;) {
+      for (; fetched < std::min(e + kAhead, chunk.entry_count); ++fetched) fetch(chunk.slots[fetched]);
       const std::size_t from = e;
       const std::uint32_t scratch = chunk.entries[e].scratch;
-      while (e < chunk.entries.size() && chunk.entries[e].scratch == scratch) ++e;
+      while (e < chunk.entry_count && chunk.entries[e].scratch == scratch) ++e;
       visit(c, scratch, std::span(chunk.slots).subspan(from, e - from));
     }
   });

@@ -1,4 +1,4 @@
-// optimize/machine_clones.h - loops compiled for several instruction sets; the machine chooses when the program starts.
+// render/machine_clones.h - loops compiled for several instruction sets; the machine chooses when the program starts.
 //
 // For plain loops that the compiler turns into packets by itself. What they call must be inlined into them, or it runs
 // as compiled for the base line: mark it BURIN_INLINED. Where the compiler has no such attribute, or the machine no
