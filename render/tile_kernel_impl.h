@@ -314,8 +314,10 @@ struct TileKernel {
     const Piece p{
         lo, hi, top1 + at_lo * dtop, top1 + at_hi * dtop, bottom1 + at_lo * dbottom, bottom1 + at_hi * dbottom};
     const auto keep = [&](float* to, const F& v) { store(to + at, xsimd::select(dark, zero(), v)); };
-    keep(room.t1, p.t1);
-    keep(room.t2, p.t2);
+    // Empty pieces are as long as their neighbours, but without height: short ones would be worked out in another way.
+    const Mask away = limits.lo >= limits.hi;
+    store(room.t1 + at, xsimd::select(dark, xsimd::select(away, zero(), limits.lo), p.t1));
+    store(room.t2 + at, xsimd::select(dark, xsimd::select(away, zero(), limits.hi), p.t2));
     keep(room.top1, p.top1);
     keep(room.top2, p.top2);
     keep(room.bottom1, p.bottom1);
