@@ -224,14 +224,21 @@ struct TileKernel {
 
     template <class Place>
     [[gnu::always_inline]] Pixels(const TileTask& task, const Place& place) {
-      const auto corner = [&](int k, int below) {
-        const int p = place(k), row = p / kTile + below, column = p % kTile;
-        return task.corners->at[row * TileCorners::kSide + column];
-      };
+      // Where each pixel's numbers are, in floats from the first: rows of corners are one longer than rows of pixels.
+      static_assert(TileCorners::kSide == kTile + 1);
+      alignas(64) std::uint32_t corner[kLanes], shade[kLanes];
+      for (int k = 0; k < kLanes; ++k) {
+        const std::uint32_t p = place(k);
+        corner[k] = 2 * (p + p / kTile);
+        shade[k] = 4 * p;
+      }
+      // To memory, whatever the compiler thinks: single lanes are slow to take out of a register.
+      asm("" : "+m"(corner), "+m"(shade));
+      const float *corners = task.corners->at[0], *below = corners + 2 * TileCorners::kSide;
       F up[4], down[4], shading[4];
-      packet::four_columns(up, [&](int k) { return corner(k, 0); });
-      packet::four_columns(down, [&](int k) { return corner(k, 1); });
-      packet::four_columns(shading, [&](int k) { return task.shading->at[place(k)]; });
+      packet::four_columns(up, [&](int k) { return corners + corner[k]; });
+      packet::four_columns(down, [&](int k) { return below + corner[k]; });
+      packet::four_columns(shading, [&](int k) { return task.shading->at[0] + shade[k]; });
       x[0] = up[0];
       y[0] = up[1];
       x[1] = up[2];
@@ -289,14 +296,14 @@ struct TileKernel {
     const Mask mixed = (capped1 != capped2) | (raised1 != raised2) | (closed1 != closed2);
     // An end that lies in the pixel from a to b, or beside it, bounds a single piece as an edge does. So does a corner
     // at a or b, unless one of the pixel's edges runs along the groove there.
-    const Mask has_corner = (a > -rim) | (b < rim);
-    Mask corner_between = (e.t[0] > a) & (e.t[0] < b), slanting = e.is_top[0] | e.is_bottom[0];
+    F inside = (e.t[0] - a) * (b - e.t[0]);
+    Mask slanting = e.is_top[0] | e.is_bottom[0];
     for (int k = 1; k < 4; ++k) {
-      corner_between = corner_between | ((e.t[k] > a) & (e.t[k] < b));
+      inside = xsimd::max(inside, (e.t[k] - a) * (b - e.t[k]));
       slanting = slanting & (e.is_top[k] | e.is_bottom[k]);
     }
-    const Mask along = !slanting;
-    corner_between = corner_between | (along & has_corner);
+    const Mask along = !slanting, has_corner = b - a < rim + rim;
+    const Mask corner_between = (inside > zero()) | (along & has_corner);
     const Mask in_reach = ((e.Y_min < first) | (e.Y_max > second)) & !apart;
     const Mask ends = in_reach & (corner_between | mixed);
     const Mask corners = corner_between & !(apart | in_reach);
