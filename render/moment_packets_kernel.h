@@ -5,10 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <xsimd/xsimd.hpp>
 
-#include "render/footprint_core.h"
 #include "render/moment_packets.h"
+#include "render/packet_math.h"
 
 namespace burin::footprint {
 
@@ -18,7 +17,6 @@ struct PacketKernels {
   void (*moments_with_derivatives)(const Intervals&, const MomentArrays&) = nullptr;
 };
 
-PacketKernels base_kernels();
 PacketKernels avx2_kernels();
 PacketKernels avx512_kernels();
 

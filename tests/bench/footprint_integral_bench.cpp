@@ -4,6 +4,7 @@
 #include <benchmark/benchmark.h>
 
 #include "render/moment_packets.h"
+#include "render/simd_width.h"
 #include "tests/bench/interval_work.h"
 #include "tests/bench/multiply_add_peak.h"
 
@@ -12,22 +13,27 @@ namespace {
 
 using namespace footprint;
 
+SimdWidth width_of(std::int64_t lanes) {
+  return lanes == 16 ? SimdWidth::avx512 : lanes == 8 ? SimdWidth::avx2 : SimdWidth::generic;
+}
+
+bool can_run(benchmark::State& state) {
+  if (has_kernel(width_of(state.range(0)))) return true;
+  state.SkipWithError("this machine does not have it");
+  return false;
+}
+
 void MultiplyAddPeak(benchmark::State& state) {
-  const auto width = PacketWidth(state.range(0));
-  if (!supported(width)) {
-    state.SkipWithError("this machine does not have it");
-    return;
-  }
+  if (!can_run(state)) return;
   double operations = 0;
-  for (auto _ : state) operations += multiply_add(static_cast<int>(width));
+  for (auto _ : state) operations += multiply_add(static_cast<int>(state.range(0)));
   state.counters["operations"] = benchmark::Counter(operations, benchmark::Counter::kIsRate);
 }
 
-void run(benchmark::State& state, PacketWidth width, bool derivatives) {
-  if (!supported(width)) {
-    state.SkipWithError("this machine does not have it");
-    return;
-  }
+void run(benchmark::State& state, bool derivatives) {
+  if (!can_run(state)) return;
+  const auto lanes = static_cast<int>(state.range(0));
+  const SimdWidth width = width_of(lanes);
   IntervalWork work(8192);
   for (auto _ : state) {
     if (derivatives) {
@@ -41,18 +47,17 @@ void run(benchmark::State& state, PacketWidth width, bool derivatives) {
   state.counters["intervals"] = benchmark::Counter(double(state.iterations()) * 8192, benchmark::Counter::kIsRate);
   const double per_interval = operations_per_interval(work, derivatives);
   state.counters["operations_each"] = per_interval;
-  state.counters["of_peak"] =
-      benchmark::Counter(double(state.iterations()) * 8192 * per_interval / multiply_add_peak(static_cast<int>(width)),
-                         benchmark::Counter::kIsRate);
+  state.counters["of_peak"] = benchmark::Counter(
+      double(state.iterations()) * 8192 * per_interval / multiply_add_peak(lanes), benchmark::Counter::kIsRate);
   state.counters["error"] = work.error();
 }
 
-void Moments(benchmark::State& state) { run(state, PacketWidth(state.range(0)), false); }
-void MomentsWithDerivatives(benchmark::State& state) { run(state, PacketWidth(state.range(0)), true); }
+void Moments(benchmark::State& state) { run(state, false); }
+void MomentsWithDerivatives(benchmark::State& state) { run(state, true); }
 
-BENCHMARK(MultiplyAddPeak)->ArgName("width")->Arg(1)->Arg(4)->Arg(8)->Arg(16);
-BENCHMARK(Moments)->ArgName("width")->Arg(1)->Arg(4)->Arg(8)->Arg(16);
-BENCHMARK(MomentsWithDerivatives)->ArgName("width")->Arg(1)->Arg(4)->Arg(8)->Arg(16);
+BENCHMARK(MultiplyAddPeak)->ArgName("lanes")->Arg(1)->Arg(4)->Arg(8)->Arg(16);
+BENCHMARK(Moments)->ArgName("lanes")->Arg(4)->Arg(8)->Arg(16);
+BENCHMARK(MomentsWithDerivatives)->ArgName("lanes")->Arg(4)->Arg(8)->Arg(16);
 
 }  // namespace
 }  // namespace burin

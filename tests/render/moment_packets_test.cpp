@@ -60,7 +60,7 @@ Table random_table(int count, bool extreme) {
   return t;
 }
 
-constexpr PacketWidth kWidths[] = {PacketWidth::scalar, PacketWidth::base, PacketWidth::avx2, PacketWidth::avx512};
+constexpr SimdWidth kWidths[] = {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512};
 
 // Largest error of each of the six results, over what it could at most be: the interval's length (times half its length
 // for m1) times the peak of the integrand, s^-4, s^-5 (a turn by s crosses the peak) and s^-6.
@@ -88,7 +88,7 @@ TEST(MomentPackets, EveryWidthAgreesWithDouble) {
   for (const bool extreme : {false, true}) {
     Table t = random_table(20000, extreme);
     for (const auto width : kWidths) {
-      if (!supported(width)) continue;
+      if (!has_kernel(width)) continue;
       for (auto& v : t.r) std::fill(v.begin(), v.end(), std::numeric_limits<float>::quiet_NaN());
       moments_with_derivatives(t.intervals(), t.results(), width);
       const auto worst = worst_errors(t);
@@ -105,12 +105,24 @@ TEST(MomentPackets, EveryWidthAgreesWithDouble) {
   }
 }
 
+// Proves the same of plain float, the type between double and the packets.
+TEST(MomentPackets, PlainFloatAgreesWithDouble) {
+  Table t = random_table(20000, false);
+  for (std::size_t i = 0; i < t.t1.size(); ++i) {
+    const auto m = moments_with_derivatives(make_lobes(t.hx[i], t.hy[i], t.hz[i], t.alpha[i]), t.t1[i], t.t2[i]);
+    const float results[] = {m.value.m0, m.value.m1, m.turn.m0, m.turn.m1, m.radial_over_r2.m0, m.radial_over_r2.m1};
+    for (int k = 0; k < 6; ++k) t.r[k][i] = results[k];
+  }
+  const auto worst = worst_errors(t);
+  for (int k = 0; k < 6; ++k) EXPECT_LT(worst[k], k < 2 ? 2e-6 : 1e-5) << "result " << k;
+}
+
 // Proves that a lane's result does not depend on its neighbours or its place: any order, any length of array gives the
 // same bits. Images that do not depend on how work is cut rest on this.
 TEST(MomentPackets, LanesAreIndependent) {
   const Table t = random_table(1000, true);
   for (const auto width : kWidths) {
-    if (!supported(width)) continue;
+    if (!has_kernel(width)) continue;
     Table whole = t;
     moments_with_derivatives(whole.intervals(), whole.results(), width);
     std::vector<std::size_t> order(t.t1.size());
@@ -134,12 +146,12 @@ TEST(MomentPackets, LanesAreIndependent) {
 
 // Proves that the choice of width is sound on this machine, and that misuse is told.
 TEST(MomentPackets, WidthsAndErrors) {
-  EXPECT_TRUE(supported(PacketWidth::scalar));
-  EXPECT_TRUE(supported(PacketWidth::base));
-  EXPECT_TRUE(supported(widest_supported()));
-  EXPECT_FALSE(supported(PacketWidth(3)));
+  EXPECT_TRUE(has_kernel(SimdWidth::generic));
+  EXPECT_TRUE(has_kernel(resolved_simd(SimdWidth::best)));
+  const auto none = static_cast<SimdWidth>(99);
+  EXPECT_FALSE(has_kernel(none));
   Table t = random_table(20, false);
-  EXPECT_THROW(moments(t.intervals(), t.results(), PacketWidth(3)), Error);
+  EXPECT_THROW(moments(t.intervals(), t.results(), none), Error);
   MomentArrays short_results = t.results();
   short_results.m1 = short_results.m1.first(3);
   EXPECT_THROW(moments(t.intervals(), short_results), Error);
