@@ -103,6 +103,8 @@ struct TileRoom {
     std::size_t count = 0;
     std::vector<std::uint32_t> pair, run;
   } corners, ends;
+  int piece_count = 0;                      ///< pieces of those in work
+  std::uint16_t piece_owner[kPieces + 16];  ///< the pair of each, as counted in the group
 
   // Scratches beside their pairs, and what a pair carries from one stage to the next.
   struct Scratch {
@@ -115,8 +117,6 @@ struct TileRoom {
   alignas(64) Lanes<kChunk> area, a_shift, a_turn, a_first, a_second, a_rim, rim;
 
   // Pieces of the groove between breakpoints, and what each gives.
-  int piece_count = 0;
-  std::uint16_t piece_owner[kPieces + 16];
   alignas(64) Lanes<kPieces> t1, t2, top1, top2, bottom1, bottom2, on_first, on_second, hx, hy, hz, piece_alpha;
   alignas(64) Lanes<kPieces> front[6];
   alignas(64) Lanes<kPieces> piece_V, piece_shift, piece_turn, piece_width, piece_radial, piece_mean, piece_first;
