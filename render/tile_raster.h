@@ -138,9 +138,9 @@ struct TileRaster {
       for (int row = block.y0; row < block.y1; ++row) to = put(row, block.x0, block.x1, valid_rows, to);
       return to;
     }
+    if ((quads.thin >> k & 1) != 0) return draw_line(block, quads, k, valid_rows, to);
     const int row0 = std::max(block.y0, static_cast<int>(quads.row0[k]));
     const int row1 = std::min(block.y1 - 1, static_cast<int>(quads.row1[k]));
-    if ((quads.thin >> k & 1) != 0) return draw_line(block, quads, k, valid_rows, to);
     for (int first = row0; first <= row1; first += kLanes) {
       const F row = packet::lane_numbers<P>() + F(static_cast<float>(first));
       F low, high;
@@ -242,9 +242,9 @@ struct TileRaster {
 
   /// The places of all runs, one run after the other: those of run r are place[begin[r]] .. place[begin[r + 1] - 1].
   /// 16 zeros follow the last.
-  static void find(std::span<const TileBlock> blocks, const TileRun* runs, std::uint32_t count,
-                   const std::uint32_t* valid_rows, std::vector<std::uint32_t>& begin,
-                   std::vector<std::uint16_t>& place) {
+  [[gnu::flatten]] static void find(std::span<const TileBlock> blocks, const TileRun* runs, std::uint32_t count,
+                                    const std::uint32_t* valid_rows, std::vector<std::uint32_t>& begin,
+                                    std::vector<std::uint16_t>& place) {
     if (begin.size() < count + 1) begin.resize(count + 1);
     std::size_t n = 0;
     const auto room = [&] {
