@@ -9,10 +9,31 @@
 #include "render/error.h"
 #include "render/exact_view.h"
 #include "render/groove.h"
+#include "render/machine_clones.h"
 #include "render/pixel_shading.h"
 #include "render/render_room.h"
 
 namespace burin {
+
+namespace {
+
+/// What the pixels of a tile send, for a light of 1: the sums of their grooves and what is left of the plain face.
+/// `open`: the share that is left. `open_base`: the plain face's light where some of it is left, else 0.
+BURIN_MACHINE_CLONES void lobes_of_pixels(const float* sums, const float* inv_area, const float* base, float* open,
+                                          float* lobes, float* open_base) {
+  for (int k = 0; k < kTilePixels; ++k) {
+    const float covered = sums[2 * k + 1] * inv_area[k];
+    open[k] = covered < 1 ? 1 - covered : 0.0F;
+    open_base[k] = covered < 1 ? base[k] : 0.0F;
+    lobes[k] = sums[2 * k] * inv_area[k] + open[k] * base[k];
+  }
+}
+
+BURIN_MACHINE_CLONES void multiply(const float* a, const float* b, int n, float* out) {
+  for (int k = 0; k < n; ++k) out[k] = a[k] * b[k];
+}
+
+}  // namespace
 
 std::shared_ptr<RenderRoom> make_render_room(std::size_t most_jacobian_bytes) {
   return std::make_shared<RenderRoom>(most_jacobian_bytes);
@@ -138,8 +159,8 @@ void FastView::Data::sort_scratches(const Scratches& s) {
 TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, RenderRoom::Work& w) {
   const TilePlaces places = room->places_of(t, task, kernels, w.found);
   kernels.evaluate(task, places, w.tile, w.pairs);
-  const float *all_base = &base[t * kTilePixels], *inv_area = &grid->inv_area[t * kTilePixels];
-  for (int k = 0; k < kTilePixels; ++k) w.base[k] = w.tile.sums[2 * k + 1] * inv_area[k] < 1 ? all_base[k] : 0.0F;
+  const std::size_t first = t * kTilePixels;
+  lobes_of_pixels(w.tile.sums, &grid->inv_area[first], &base[first], w.open, w.lobes, w.open_base);
   return places;
 }
 
@@ -156,17 +177,15 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
   const bool with_slope = mode == KernelMode::material;
   each_row(t, [&](int n, std::size_t place, std::size_t pixel) {
     const std::size_t i = t * kTilePixels + place;
-    const float *sums = w.tile.sums + 2 * place, *f = &factor[i * channels], *inv_area = &grid->inv_area[i];
+    const float *lobes = w.lobes + place, *f = &factor[i * channels];
     float* out = &radiance.data[pixel * channels];
-    alignas(64) float lobes[kTile], open[kTile];
-    for (int k = 0; k < n; ++k) {
-      open[k] = 1 - std::min(1.0F, sums[2 * k + 1] * inv_area[k]);
-      lobes[k] = sums[2 * k] * inv_area[k] + open[k] * base[i + k];
+    if (with_slope) multiply(w.open + place, &base_slope[i], n, &room->open_slope[i]);
+    if (channels == 1) {
+      multiply(f, lobes, n, out);
+    } else {
+      for (int k = 0; k < n; ++k)
+        for (int c = 0; c < channels; ++c) out[k * channels + c] = f[k * channels + c] * lobes[k];
     }
-    if (with_slope)
-      for (int k = 0; k < n; ++k) room->open_slope[i + k] = open[k] * base_slope[i + k];
-    for (int k = 0; k < n; ++k)
-      for (int c = 0; c < channels; ++c) out[k * channels + c] = f[k * channels + c] * lobes[k];
     if (!visible.empty())
       for (int k = 0; k < n; ++k)
         for (int c = 0; c < channels; ++c) out[k * channels + c] += static_cast<float>(visible[i + k]) * ambient[c];
@@ -174,7 +193,7 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
   if (mode == KernelMode::value) return;
   const TileJacobian& to =
       room->make_jacobian(t, mode, places.begin[task.run_count], w.pairs.ends.size() + w.pairs.cut_ends.size());
-  if (to.shift != nullptr) kernels.combine(task, places, w.base, w.tile, w.pairs, to);
+  if (to.shift != nullptr) kernels.combine(task, places, w.open_base, w.tile, w.pairs, to);
 }
 
 /// Puts the gradients of the tile's runs into the room; returns dE / d base_alpha through the tile.
@@ -190,7 +209,7 @@ double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradian
     w.ends.resize(w.pairs.ends.size() + w.pairs.cut_ends.size());
     jacobian = {w.pairs.shift.data(), w.pairs.turn.data(), w.pairs.width.data(), w.pairs.rim.data(),
                 w.pairs.alpha.data(), w.ends.data(),       w.ends.size()};
-    kernels.combine(task, places, w.base, w.tile, w.pairs, jacobian);
+    kernels.combine(task, places, w.open_base, w.tile, w.pairs, jacobian);
   }
   const bool material = mode == KernelMode::material;
   double by_base_alpha = 0;
@@ -199,12 +218,12 @@ double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradian
     const float *in = &dE_dradiance.data[pixel * channels], *f = &factor[i * channels], *inv_area = &grid->inv_area[i];
     alignas(64) float by_lobes[kTile] = {};
     if (channels == 1) {
-      for (int k = 0; k < n; ++k) by_lobes[k] = in[k] * f[k];
+      multiply(in, f, n, by_lobes);
     } else {
       for (int k = 0; k < n; ++k)
         for (int c = 0; c < channels; ++c) by_lobes[k] += in[k * channels + c] * f[k * channels + c];
     }
-    for (int k = 0; k < n; ++k) w.weight[place + k] = by_lobes[k] * inv_area[k];
+    multiply(by_lobes, inv_area, n, w.weight + place);
     if (!material) return;
     float by_slope = 0;
     for (int k = 0; k < n; ++k) by_slope += by_lobes[k] * room->open_slope[i + k];

@@ -53,7 +53,8 @@ class RenderRoom {
     FoundPlaces found;
     TilePairs pairs;
     std::vector<EndPair> ends;  // of a tile whose Jacobian is not kept
-    float base[kTilePixels] = {}, weight[kTilePixels] = {};
+    float open[kTilePixels] = {}, lobes[kTilePixels] = {}, open_base[kTilePixels] = {};
+    float weight[kTilePixels] = {};
   };
   tbb::enumerable_thread_specific<std::unique_ptr<Work>> work{[] { return std::make_unique<Work>(); }};
 
