@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "optimize/toml_file.h"
 #include "render/error.h"
 #include "render/json_file.h"
 
@@ -88,10 +89,7 @@ MachineLimits read_limits(JsonObject json) {
   return limits;
 }
 
-}  // namespace
-
-MachineProfile read_machine_profile(const std::filesystem::path& file) {
-  const Json content = read_json(file, "burin/machine", 1);
+MachineProfile read_profile(const Json& content, const std::filesystem::path& file) {
   JsonObject json(content, file.string());
   const std::string base = json.text("based_on", "grbl");
   const std::optional<MachineProfile> known = built_in(base);
@@ -125,6 +123,16 @@ MachineProfile read_machine_profile(const std::filesystem::path& file) {
   read_block(json, "per_scratch", machine.per_scratch);
   read_block(json, "end", machine.end);
   json.finish();
+  return machine;
+}
+
+}  // namespace
+
+MachineProfile read_machine_profile(const std::filesystem::path& file) {
+  if (file.extension() != ".toml") return read_profile(read_json(file, "burin/machine", 1), file);
+  const TomlFile toml = read_toml(file, "burin/machine", 1);
+  MachineProfile machine;
+  with_line(file, toml, [&] { machine = read_profile(toml.content, file); });
   return machine;
 }
 

@@ -1,8 +1,9 @@
 // optimize/machine_profile.h - what a carving machine understands and how fast it moves.
 //
 // Machine coordinates are the board's: work zero at the lower-left corner of the carved face, x right, y up, z out of
-// the metal, mm; the face is z = 0. Built-in: "grbl", "linuxcnc", "marlin". A person's own machine is a JSON file,
-// format "burin/machine", that says what differs from the built-in profile it is `based_on`:
+// the metal, mm; the face is z = 0. Built-in: "grbl", "linuxcnc", "marlin". A person's own machine is a file in
+// JSON or, if its name ends in .toml, in TOML, format "burin/machine", that says what differs from the built-in profile
+// it is `based_on`:
 //
 //   { "format": "burin/machine", "version": 1, "name": "my router", "based_on": "grbl",
 //     "carve_feed_mm_min": 900, "plunge_feed_mm_min": 200, "rapid_mm_min": 3000, "rapid_z_mm_min": 800,
@@ -11,6 +12,8 @@
 //     "limits": { "step_mm": 0.0125, "shortest_mm": 0.5, "longest_mm": 40, "min_distance_mm": 0.05,
 //                 "max_overlap": 0.3, "max_grooves": 3 },
 //     "start": ["G21", "G90", "M3 S{force}"], "per_scratch": ["G0 X{x0} Y{y0}", ...], "end": ["M5", "M2"] }
+//
+// In TOML the same keys stand before `=`, and `limits` is a table of its own.
 //
 // Blocks are lines in which {name} is replaced: {z_safe} {feed} {plunge_feed} {rapid} {rapid_z} {force} everywhere, and
 // in `per_scratch` also {x0} {y0} {x1} {y1} {z_carve} (below the face, so negative) {depth_um} {number}. Heads that
@@ -70,6 +73,7 @@ struct MachineProfile {
 /// "grbl", "linuxcnc" or "marlin", or the path of a "burin/machine" file. Throws Error naming what there is.
 MachineProfile machine_profile(const std::string& name_or_file);
 
+/// Throws Error naming file, field, value and remedy, and of a TOML file the line.
 MachineProfile read_machine_profile(const std::filesystem::path& file);
 
 /// Time to go `length` mm from rest to rest with a trapezoidal profile: constant acceleration up to the feed (a

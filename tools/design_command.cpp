@@ -180,9 +180,10 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--carved", o->carved,
                 "Scratches that are in the metal already, as the machine was told them: they lie where the bench's "
                 "machine.affine brings them, and the rest is designed around them");
-  c->add_option("--machine", o->machine,
-                "grbl, linuxcnc, marlin, or a burin/machine JSON file: its limits are obeyed (steps, lengths, "
-                "distance, overlap), and its time counts for --carve-hours (grbl's without it)");
+  c->add_option(
+      "--machine", o->machine,
+      "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML: its limits are obeyed (steps, lengths, "
+      "distance, overlap), and its time counts for --carve-hours (grbl's without it)");
   c->add_option("--start-length", o->design.start_length_mm, "Mean length at the start, mm (0: chosen)");
   c->add_option("--start-brightness", o->design.start_brightness, "Guided start: part of its lobe a scratch shows")
       ->capture_default_str();

@@ -58,6 +58,77 @@ TEST(MachineProfile, WrongValuesAreNamed) {
   expect(R"("start": ["G21\nG90"])", "one line of text");
 }
 
+TEST(MachineProfile, TomlSaysTheSameAsJson) {
+  const TemporaryFolder folder;
+  const MachineProfile json = read_machine_profile(
+      folder.write("router.json", R"({"format": "burin/machine", "version": 1, "name": "r", "based_on": "marlin",
+      "carve_feed_mm_min": 900, "dwell_s": 0.05, "decimals": 3, "travel_mm": [[-10, 0], [400, 300]], "force": 350,
+      "limits": {"step_mm": 0.0125, "longest_mm": 40, "max_grooves": 3},
+      "per_scratch": ["G0 X{x0} Y{y0}", "G1 Z{z_carve}"], "end": ["M84"]})"));
+  const MachineProfile toml = read_machine_profile(folder.write("router.toml", R"(# a person's own machine
+format = "burin/machine"
+version = 1
+name = "r"
+based_on = "marlin"
+carve_feed_mm_min = 9e2
+dwell_s = 0.05
+decimals = 3
+travel_mm = [[-10, 0], [400, 300]]
+force = 350
+per_scratch = [
+  "G0 X{x0} Y{y0}",  # to the start
+  'G1 Z{z_carve}',
+]
+end = ["M84"]
+
+[limits]
+step_mm = 0.0125
+longest_mm = 40
+max_grooves = 3
+)"));
+  EXPECT_EQ(toml.name, json.name);
+  EXPECT_EQ(toml.dialect, json.dialect);
+  EXPECT_EQ(toml.carve_feed_mm_min, json.carve_feed_mm_min);
+  EXPECT_EQ(toml.rapid_mm_min, json.rapid_mm_min);
+  EXPECT_EQ(toml.dwell_s, json.dwell_s);
+  EXPECT_EQ(toml.decimals, json.decimals);
+  EXPECT_EQ(toml.travel->min_mm, json.travel->min_mm);
+  EXPECT_EQ(toml.travel->max_mm, json.travel->max_mm);
+  EXPECT_EQ(toml.force, json.force);
+  EXPECT_EQ(toml.limits.step_mm, json.limits.step_mm);
+  EXPECT_EQ(toml.limits.longest_mm, json.limits.longest_mm);
+  EXPECT_EQ(toml.limits.max_grooves, json.limits.max_grooves);
+  EXPECT_EQ(toml.start, json.start);
+  EXPECT_EQ(toml.per_scratch, json.per_scratch);
+  EXPECT_EQ(toml.end, json.end);
+}
+
+TEST(MachineProfile, WrongTomlIsNamedByItsLine) {
+  const TemporaryFolder folder;
+  // Two lines come before what is added.
+  const auto expect = [&](const std::string& lines, const std::string& message) {
+    const auto file = folder.write("m.toml", "format = \"burin/machine\"\nversion = 1\n" + lines);
+    EXPECT_THAT([&] { read_machine_profile(file); }, ThrowsMessage<Error>(HasSubstr(message))) << lines;
+  };
+  expect("carve_feed_mm_min = 0", "m.toml:3: carve_feed_mm_min: is 0; write a number greater than 0");
+  expect("\nfeed_mm_min = 100", "m.toml:4: feed_mm_min: unknown key; did you mean \"carve_feed_mm_min\"?");
+  expect("name = \"a\"\n[limits]\nmax_overlap = 1.5", "m.toml:5: limits.max_overlap: is no share of a groove");
+  expect("limits = { step_mm = -1 }", "m.toml:3: limits.step_mm: is -1.0");
+  expect("limits = 3", "m.toml:3: limits: is 3; write an object");
+  expect("dwell_s = nan", "m.toml:3: dwell_s: is not finite");
+  expect("travel_mm = [[10, 0], [0, 10]]", "m.toml:3: travel_mm: is [[10.0,0.0],[0.0,10.0]]; write the lower-left");
+  expect("start = [\"G21\", 3]", "m.toml:3: start: has an entry that is not one line of text");
+  expect("name = 2024-05-01", "m.toml:3:8: name: is a date or a time; write a number");
+  expect("decimals = ", "m.toml:3:12: is not TOML: ");
+  expect("dwell_s = 0.1\ndwell_s = 0.2", "m.toml:4:11: is not TOML: ");
+  const auto other = folder.write("bench.toml", "version = 1\nformat = \"burin/bench\"\n");
+  EXPECT_THAT([&] { read_machine_profile(other); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("bench.toml:2: format: is \"burin/bench\""),
+                                         HasSubstr("\"burin/machine\" is needed"))));
+  EXPECT_THAT([&] { read_machine_profile(folder.write("old.toml", "format = \"burin/machine\"")); },
+              ThrowsMessage<Error>(HasSubstr("old.toml: version: is missing")));
+}
+
 TEST(MachineProfile, MovesTakeTheTimeOfATrapezoid) {
   const double feed = 1200, acceleration = 200;  // 20 mm/s, reached after 1 mm
   EXPECT_EQ(move_time_s(0, feed, acceleration), 0);
