@@ -68,7 +68,7 @@ std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, std::size_
                                             std::exp(log_exposure[view.exposure_group]), view.target.mask);
       const Image picture = shown_picture(view.radiance, exposure);
       point.psnr_db.push_back(psnr_db(picture, view.target.picture, view.target.mask));
-      point.ssim.push_back(ssim(picture, view.target.picture));
+      point.ssim.push_back(ssim(picture, view.target.picture, view.target.mask));
     }
     curve.push_back(std::move(point));
   }

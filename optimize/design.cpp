@@ -1,6 +1,7 @@
 #include "optimize/design.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -133,10 +134,12 @@ StrokeRules stroke_rules(const CarvingLimits& limits, double mean_length_mm, dou
 }
 
 // Moves the scratches whose absence costs least to where the pictures of all views miss most, as far as that pays, then
-// searches a better place for each. The views must be as rendered. Returns the moved ones, ascending.
+// searches a better place for each, until `stop` says so. The views must be as rendered. Returns the moved ones,
+// ascending.
 std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkView>& views,
                                   const std::vector<double>& log_exposure, const CarvingLimits& limits,
-                                  const StrokeRules& rules, std::size_t movable, double share, std::uint64_t seed) {
+                                  const StrokeRules& rules, std::size_t movable, double share, std::uint64_t seed,
+                                  const std::function<bool()>& stop) {
   const Scratches before = scratches;
   std::vector<StrokeView> light = stroke_views(views, log_exposure, false);
   std::vector<double> worth = worth_of(light, rules, scratches);
@@ -150,7 +153,7 @@ std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkVi
   {
     std::vector<StrokeView> lifted = light;
     lift_strokes(lifted, rules, scratches, order);
-    std::vector<Stroke> strokes = place_strokes(lifted, rules, order.size(), seed);
+    std::vector<Stroke> strokes = place_strokes(lifted, rules, order.size(), seed, stop);
     std::stable_sort(strokes.begin(), strokes.end(), [](const Stroke& a, const Stroke& b) { return a.gain > b.gain; });
     std::size_t moved = 0;
     while (moved < strokes.size() && strokes[moved].gain > worth[order[moved]]) ++moved;
@@ -162,7 +165,7 @@ std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkVi
     }
     add_strokes(light, rules, scratches, order);
   }
-  for (const std::size_t i : improve_strokes(light, rules, scratches, movable, seed + 1)) changed[i] = 1;
+  for (const std::size_t i : improve_strokes(light, rules, scratches, movable, seed + 1, stop)) changed[i] = 1;
   std::vector<std::size_t> moved;
   for (std::size_t i = 0; i < changed.size(); ++i)
     if (changed[i]) {
@@ -262,9 +265,14 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   if (carved.size() > 0)
     for (WorkView& v : views) v.renderer.forward(carved, v.face);  // what cannot be undone: the face and what is in it
   constexpr double kStartShare = 0.4;  // of the time limit: iterations gain more than a better start
+  // Asked within sweeps too, by several threads; a wish to stop holds.
+  std::atomic<bool> wished{false};
+  const auto stop_wished = [&] {
+    if (!wished && options.stop && options.stop()) wished = true;
+    return wished.load();
+  };
   const auto enough = [&] {
-    return (options.stop && options.stop()) ||
-           (options.time_limit_s > 0 && seconds_since(began) > kStartShare * options.time_limit_s);
+    return stop_wished() || (options.time_limit_s > 0 && seconds_since(began) > kStartShare * options.time_limit_s);
   };
   Scratches scratches;
   if (options.from) {
@@ -285,7 +293,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     std::vector<StrokeView> light = stroke_views(views, log_exposure, true);
     scratches = append({}, place_strokes(light, rules, movable, options.seed, enough));
     if (scratches.size() < movable && enough())
-      result.warnings.push_back("the time ended the start early: " + std::to_string(scratches.size()) + " of " +
+      result.warnings.push_back("the start was ended early: " + std::to_string(scratches.size()) + " of " +
                                 std::to_string(movable) +
                                 " scratches begin where the pictures want them, the rest anywhere");
     // Where the model finds no more to gain, the rest start anywhere: relocation may yet find them a place.
@@ -330,7 +338,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   if (!options.from && options.start == Start::guided)
     for (int k = 0; k < options.start_sweeps && !enough(); ++k) {
       report("searching places", static_cast<double>(k) / options.start_sweeps);
-      relocate(scratches, views, log_exposure, limits, rules, movable, 0, options.seed + 100 + k);
+      relocate(scratches, views, log_exposure, limits, rules, movable, 0, options.seed + 100 + k, enough);
       render_all(views, scratches);
       log_exposure = fitting_exposures(views, log_exposure);
     }
@@ -435,8 +443,14 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   const double first_rate = options.rate > 0 ? options.rate : random ? 1e-3 : 0.1 / options.pixels;
   const double last_rate = options.final_rate > 0 ? options.final_rate : random ? 1e-4 : 0.007 / options.pixels;
   int iteration = 0;
+  double look_s = 0;  // what all views' pictures and gradients took last
+  // Room for the last look, dropping and the figures, which cost about two more.
+  const auto time_to_end = [&] {
+    return stop_wished() || (options.time_limit_s > 0 && seconds_since(began) + 3 * look_s > options.time_limit_s);
+  };
   for (;; ++iteration) {
     const bool last = iteration == options.iterations || result.stopped_early;
+    const Clock::time_point look_began = Clock::now();
     gradients.resize(count);
     std::vector<double> d_log_exposure(group_count, 0.0);
     DesignIteration record;
@@ -459,6 +473,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
           std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable), g->end(), 0.0);  // what is carved stays
       }
     }
+    look_s = seconds_since(look_began);
     record.seconds = seconds_since(iterations_began);
     result.history.push_back(record);
     if (!std::isfinite(record.loss))
@@ -471,7 +486,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
             best_exposure(v.radiance, v.target.picture, std::exp(log_exposure[v.exposure_group]), v.target.mask);
         out.start = shown_picture(v.radiance, exposure);
         out.start_psnr_db = psnr_db(out.start, v.target.picture, v.target.mask);
-        out.start_ssim = ssim(out.start, v.target.picture);
+        out.start_ssim = ssim(out.start, v.target.picture, v.target.mask);
         result.views.push_back(std::move(out));
       }
     if (last || std::find(contact.begin(), contact.end(), iteration) != contact.end()) {
@@ -504,8 +519,9 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
         (options.time_limit_s <= 0 || seconds_since(began) < options.relocate_until * options.time_limit_s);
     if (options.relocate_every > 0 && iteration > 0 && iteration % options.relocate_every == 0 && may_move) {
       render_all(views, scratches);
-      const std::vector<std::size_t> moved = relocate(scratches, views, log_exposure, limits, rules, movable,
-                                                      options.relocate_share, options.seed + 1000 + iteration);
+      const std::vector<std::size_t> moved =
+          relocate(scratches, views, log_exposure, limits, rules, movable, options.relocate_share,
+                   options.seed + 1000 + iteration, time_to_end);
       for (const std::size_t i : moved) {
         for (Adam* adam : {&adam_x0, &adam_y0, &adam_x1, &adam_y1}) adam->restart(i);
       }
@@ -528,12 +544,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       log_shared[2] = std::min(log_shared[2], 0.0);
       spread_shared();
     }
-    if (options.time_limit_s > 0) {
-      const double each = seconds_since(iterations_began) / (iteration + 1);
-      // Room for the last look, dropping and the figures, which cost about two iterations.
-      if (seconds_since(began) + 3 * each > options.time_limit_s) result.stopped_early = true;
-    }
-    if (options.stop && options.stop()) result.stopped_early = true;
+    if (time_to_end()) result.stopped_early = true;
   }
   result.iteration_seconds = seconds_since(iterations_began);
   if (!weak_dropped && !result.stopped_early) drop_weak();
@@ -560,7 +571,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     out.best_exposure = best_exposure(v.radiance, out.target, out.exposure, v.target.mask);
     out.shown = shown_picture(v.radiance, out.best_exposure);
     out.psnr_db = psnr_db(out.shown, out.target, v.target.mask);
-    out.ssim = ssim(out.shown, out.target);
+    out.ssim = ssim(out.shown, out.target, v.target.mask);
     // The plain face alone, at the same exposure: nothing can be darker.
     Image face = v.face;
     for (float& f : face.data) f *= static_cast<float>(out.best_exposure);
@@ -574,10 +585,11 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
       targets.push_back({result.views[k].target, views[k].target.mask, result.views[k].best_exposure});
     result.tolerance = measure_tolerance(spec, board, bench, targets, result.scratches, progress);
   }
-  for (DesignedView& a : result.views)
-    for (const DesignedView& b : result.views) {
-      a.ghost.push_back(correlation(a.shown, b.target));
-      a.target_correlation.push_back(correlation(a.target, b.target));
+  for (std::size_t k = 0; k < shown; ++k)
+    for (const DesignedView& other : result.views) {
+      DesignedView& out = result.views[k];
+      out.ghost.push_back(correlation(out.shown, other.target, views[k].target.mask));
+      out.target_correlation.push_back(correlation(out.target, other.target, views[k].target.mask));
     }
   if (options.carve_curve || budget_s > 0) {
     report("measuring the curve over carving time", 0);

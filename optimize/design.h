@@ -81,7 +81,8 @@ struct DesignOptions {
   std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's);
                                   ///< those marked as carved stay as they are
   std::function<void(const DesignFrame&)> watch;  ///< called once an iteration; may be empty
-  std::function<bool()> stop;  ///< asked once an iteration: true ends the iterations, keeping what there is
+  std::function<bool()> stop;  ///< true ends the search or the iterations, keeping what there is; asked often, within
+                               ///< a sweep of the search too, by several threads at once
 };
 
 /// One view of the result. Pictures are gamma-encoded, clipped at white.

@@ -10,11 +10,12 @@ namespace burin {
 double psnr_db(const Image& picture, const Image& target, const Image& mask = {});
 
 /// Mean structural similarity (Wang, Bovik, Sheikh & Simoncelli, IEEE TIP 13(4), 2004): Gaussian window of sigma 1.5
-/// on 11 x 11 pixels, K1 = 0.01, K2 = 0.03, L = 1; windows that leave the picture are left out.
-double ssim(const Image& picture, const Image& target);
+/// on 11 x 11 pixels, K1 = 0.01, K2 = 0.03, L = 1; windows that leave the picture are left out. Where the mask is 0
+/// there are no pixels: windows take their statistics from the others, and count by the mask at their middle.
+double ssim(const Image& picture, const Image& target, const Image& mask = {});
 
 /// Pearson correlation of two pictures' values, -1 to 1; 0 where one of them is of one tone.
-double correlation(const Image& a, const Image& b);
+double correlation(const Image& a, const Image& b, const Image& mask = {});
 
 /// The one exposure, near `guess`, with which exposure * radiance, shown (gamma 1/2.2, clipped), comes closest to the
 /// target in mean square.

@@ -307,6 +307,9 @@ class Field {
   std::vector<double> missing_;  // running sums
 };
 
+// Strokes between two looks at whether to stop: some milliseconds.
+constexpr std::size_t kAskEvery = 16;
+
 struct Ends {
   Eigen::Vector2d a, b;
 };
@@ -418,6 +421,7 @@ std::vector<Stroke> place_strokes(std::vector<StrokeView>& views, const StrokeRu
     tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) {
       fields[v].survey();
       for (int failures = 0; placed[v].size() < wanted[v] && failures < kTries;) {
+        if (stop && placed[v].size() % kAskEvery == 0 && stop()) break;
         Stroke best;
         for (int c = 0; c < rules.candidates; ++c) {
           const Stroke candidate = fields[v].anywhere(random[v]);
@@ -440,7 +444,7 @@ std::vector<Stroke> place_strokes(std::vector<StrokeView>& views, const StrokeRu
 }
 
 std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const StrokeRules& rules, Scratches& scratches,
-                                         std::size_t movable, std::uint64_t seed) {
+                                         std::size_t movable, std::uint64_t seed, const std::function<bool()>& stop) {
   constexpr double kAnywhere = 0.25;  // share of the candidates that do not lie near the old stroke
   constexpr std::size_t kSurveyEvery = 1000;
   const std::vector<std::size_t> view = views_of(views, rules, scratches);
@@ -453,6 +457,7 @@ std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const S
     for (std::size_t k = mine.size(); k > 1; --k) std::swap(mine[k - 1], mine[random() % k]);
     Field field(views[v], rules);
     for (std::size_t k = 0; k < mine.size(); ++k) {
+      if (stop && k % kAskEvery == 0 && stop()) break;
       if (k % kSurveyEvery == 0) field.survey();
       const std::size_t i = mine[k];
       const Ends old = ends_of(scratches, i);

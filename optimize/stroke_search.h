@@ -79,10 +79,11 @@ Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen:
 std::vector<Stroke> place_strokes(std::vector<StrokeView>& views, const StrokeRules& rules, std::size_t count,
                                   std::uint64_t seed, const std::function<bool()>& stop = {});
 
-/// One sweep over the first `movable` scratches. `views` must show them all; it follows the changes. Returns the
-/// scratches that were changed, ascending.
+/// One sweep over the first `movable` scratches, or a part of it once `stop` says so (as above). `views` must show them
+/// all; it follows the changes. Returns the scratches that were changed, ascending.
 std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const StrokeRules& rules, Scratches& scratches,
-                                         std::size_t movable, std::uint64_t seed);
+                                         std::size_t movable, std::uint64_t seed,
+                                         const std::function<bool()>& stop = {});
 
 /// Squared error of the shown pictures, of all views: what gains and worths are parts of.
 double squared_error(const std::vector<StrokeView>& views);

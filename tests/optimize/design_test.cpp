@@ -7,8 +7,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <atomic>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 
 #include "optimize/carving_time.h"
 #include "optimize/design_output.h"
@@ -239,6 +241,40 @@ TEST_F(DesignTest, GoesOnFromScratchesAndStopsWhenAsked) {
   EXPECT_TRUE(second.stopped_early);
   EXPECT_EQ(second.history.size(), 4U);
   EXPECT_LT(second.history.front().loss, 1.5 * first.final_loss);
+}
+
+TEST_F(DesignTest, AWishToStopIsHeardWithinTheStartAndWithinASweep) {
+  std::string stage;
+  std::atomic<int> asked{0}, asked_after{0};
+  const Progress progress = [&](std::string_view now, double) { stage = now; };
+  // Heard at the fifth question of a stage, and never asked again: views are worked on in parallel, so a question may
+  // be under way in each.
+  const auto stopped_in = [&](const std::string& wanted) {
+    asked = asked_after = 0;
+    options_.stop = [&, wanted] {
+      if (stage != wanted) return false;
+      if (++asked > 5) ++asked_after;
+      return asked >= 5;
+    };
+    const DesignResult result = design(spec_, board_, bench_, options_, progress);
+    EXPECT_TRUE(result.stopped_early) << wanted;
+    EXPECT_LE(asked_after, 2) << wanted;
+    EXPECT_EQ(result.scratches.size() + result.dropped, result.started_with) << wanted;
+    return result;
+  };
+  options_.relocate_every = 1;
+  options_.start_sweeps = 1;
+  const DesignResult placing = stopped_in("placing scratches");
+  EXPECT_EQ(placing.history.size(), 2U);
+  EXPECT_THAT(placing.warnings, testing::Contains(HasSubstr("the start was ended early")));
+  const DesignResult searching = stopped_in("searching places");
+  EXPECT_EQ(searching.history.size(), 2U);
+  EXPECT_EQ(searching.relocated, 0U);
+  // The first iteration has no sweep and asks once; the fourth question is one within the second's sweep.
+  const DesignResult iterating = stopped_in("designing");
+  EXPECT_EQ(iterating.history.size(), 3U);
+  EXPECT_GT(iterating.relocated, 0U);
+  EXPECT_LT(iterating.relocated, 200U);  // of 2500
 }
 
 TEST_F(DesignTest, FreeDepthIsReportedAndWritten) {

@@ -44,6 +44,24 @@ TEST(PictureMetrics, Correlation) {
   EXPECT_EQ(correlation(pattern(1), Image(40, 30, 1, 0.3F)), 0);
 }
 
+TEST(PictureMetrics, WhatTheMaskTakesOutDoesNotCount) {
+  // A picture that is right but for what the mask takes out, whatever stands there.
+  Image spoilt = pattern(1), mask(spoilt.width, spoilt.height, 1, 1.0F);
+  for (int y = 8; y < 20; ++y)
+    for (int x = 10; x < 16; ++x) {
+      spoilt.at(x, y) = 1 - spoilt.at(x, y);
+      mask.at(x, y) = 0;
+    }
+  EXPECT_LT(ssim(spoilt, pattern(1)), 0.95);
+  EXPECT_LT(correlation(spoilt, pattern(1)), 0.99);
+  EXPECT_NEAR(ssim(spoilt, pattern(1), mask), 1, 1e-9);
+  EXPECT_NEAR(correlation(spoilt, pattern(1), mask), 1, 1e-9);
+  // A mask of one value everywhere changes nothing.
+  const Image half(spoilt.width, spoilt.height, 1, 0.5F);
+  EXPECT_NEAR(ssim(spoilt, pattern(1), half), ssim(spoilt, pattern(1)), 1e-9);
+  EXPECT_NEAR(correlation(spoilt, pattern(1), half), correlation(spoilt, pattern(1)), 1e-9);
+}
+
 TEST(PictureMetrics, BestExposureFindsTheScale) {
   const Image target = pattern(2);
   Image radiance = target;

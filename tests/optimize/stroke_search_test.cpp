@@ -3,6 +3,7 @@
 #include "optimize/stroke_search.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <cmath>
 #include <numeric>
@@ -172,6 +173,30 @@ TEST(StrokeSearch, SweepsLowerTheErrorAndLeaveWhatMayNotMove) {
   }
   EXPECT_LT(error, 0.95 * placed);
   for (std::size_t i = 100; i < 150; ++i) EXPECT_EQ(scratches.x0_mm[i], before.x0_mm[i]);
+}
+
+TEST(StrokeSearch, StopsWithinASweepAndLeavesAllAsItShows) {
+  std::vector<StrokeView> views = two_views();
+  const double empty = squared_error(views);
+  EXPECT_TRUE(place_strokes(views, rules(), 150, 4, [] { return true; }).empty());
+  EXPECT_EQ(squared_error(views), empty);
+  Scratches scratches = as_scratches(place_strokes(views, rules(), 150, 4));
+  const Scratches before = scratches;
+  // One thread, so that the first view's sweep asks three times before the second's ends at once.
+  tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  int asked = 0;
+  const auto moved = improve_strokes(views, rules(), scratches, 150, 7, [&] { return ++asked > 2; });
+  EXPECT_FALSE(moved.empty());
+  EXPECT_LE(moved.size(), 32U);  // 16 strokes between two questions
+  EXPECT_LE(asked, 4);
+  std::size_t differ = 0;
+  for (std::size_t i = 0; i < 150; ++i) differ += scratches.x0_mm[i] != before.x0_mm[i] ? 1 : 0;
+  EXPECT_EQ(differ, moved.size());
+  // The light follows what was moved: without all of it, nothing is left.
+  std::vector<std::size_t> all(150);
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  lift_strokes(views, rules(), scratches, all);
+  EXPECT_NEAR(squared_error(views), empty, 1e-4 * empty);
 }
 
 TEST(StrokeSearch, WhatIsMaskedAttractsNothing) {
