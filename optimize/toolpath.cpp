@@ -278,6 +278,57 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
   return path;
 }
 
+Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std::string_view text, std::size_t line,
+                    const std::string& name) {
+  const Replay replay = replay_gcode(text, machine, name);
+  if (line < 1 || line > replay.lines)
+    fail(name + ": line " + std::to_string(line), "is not in the file, which has " + std::to_string(replay.lines),
+         "give the line at which the machine stopped");
+  const double tolerance_mm = 1e-3;  // of coordinates with the fewest decimals that make sense
+  const std::vector<std::ptrdiff_t> found = find_planned(replay.scratches, planned.scratches, tolerance_mm);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (found[k] < 0)
+      fail(name + ":" + std::to_string(replay.scratches[k].line),
+           "carves a scratch that is not among those given, " + point_text(replay.scratches[k].from_mm) + " to " +
+               point_text(replay.scratches[k].to_mm),
+           "give the scratches, board, bench and machine that the file was made with");
+  // A scratch is done once the line that carves it lies behind the machine.
+  const auto first = std::find_if(replay.scratches.begin(), replay.scratches.end(),
+                                  [&](const ReplayedScratch& s) { return s.line >= line; });
+  if (first == replay.scratches.begin())
+    fail(name, "has carved nothing before line " + std::to_string(line), "start it again from its beginning");
+  if (first == replay.scratches.end())
+    fail(name, "has carved all its scratches before line " + std::to_string(line), "go on with the next file");
+
+  Toolpath left;
+  left.done_before = static_cast<std::size_t>(first - replay.scratches.begin());
+  left.compensated = planned.compensated;
+  left.already_carved = planned.already_carved;
+  left.stepped_mm = planned.stepped_mm;
+  left.min_mm.setConstant(std::numeric_limits<double>::infinity());
+  left.max_mm = -left.min_mm;
+  Eigen::Vector2d at(0, 0);
+  for (std::size_t k = left.done_before; k < found.size(); ++k) {
+    const auto i = static_cast<std::size_t>(found[k]);
+    PlannedScratch s = planned.scratches[i];
+    CarvingStep step = planned.order[i];
+    if ((s.from_mm - replay.scratches[k].from_mm).norm() > tolerance_mm) {
+      std::swap(s.from_mm, s.to_mm);
+      step.reversed = !step.reversed;
+    }
+    left.min_mm = left.min_mm.cwiseMin(s.from_mm).cwiseMin(s.to_mm);
+    left.max_mm = left.max_mm.cwiseMax(s.from_mm).cwiseMax(s.to_mm);
+    left.carve_mm += (s.to_mm - s.from_mm).norm();
+    left.travel_mm += (s.from_mm - at).norm();
+    left.duration_s += scratch_time(at, s.from_mm, s.to_mm, s.depth_mm, machine).total_s();
+    at = s.to_mm;
+    left.order.push_back(step);
+    left.scratches.push_back(s);
+  }
+  left.file_order_travel_mm = left.travel_mm;
+  return left;
+}
+
 std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& machine,
                                    const ToolpathOptions& options) {
   const auto parts = split(path, machine, options.part_s);
@@ -381,7 +432,17 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   if (!is_gcode && extension != ".svg" && extension != ".dxf")
     fail(out.string(), "unknown kind of tool path \"" + extension + "\"", "use .gcode, .nc, .ngc, .svg or .dxf");
   ToolpathReport report;
-  const Toolpath path = plan_toolpath(scratches, board, measured, machine, options, progress);
+  ToolpathOptions settings = options;
+  if (options.after) {
+    std::error_code unknown;
+    if (fs::equivalent(options.after->file, out, unknown))
+      fail(out.string(), "is the file that was interrupted", "name another one for what is left");
+    settings.keep_order = true;  // the interrupted file has the order
+  }
+  Toolpath path = plan_toolpath(scratches, board, measured, machine, settings, progress);
+  if (options.after)
+    path = left_after(path, machine, read_text(options.after->file), options.after->line, options.after->file.string());
+  report.done_before = path.done_before;
   report.scratch_count = path.scratches.size();
   report.duration_s = path.duration_s;
   report.carve_mm = path.carve_mm;
@@ -413,7 +474,7 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
     write_text(frame, report.files.back());
     report.file_duration_s.push_back(replay_gcode(frame, machine, report.files.back().string()).duration_s);
   }
-  remove_stale_parts(out, report.files);
+  if (!options.after) remove_stale_parts(out, report.files);
   return report;
 }
 

@@ -11,8 +11,10 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "optimize/carving_limits.h"
@@ -42,12 +44,21 @@ struct Toolpath {
   bool compensated = false;               ///< whether a measured affine map other than none was undone
   std::size_t already_carved = 0;         ///< rows of the scratches given that are in the metal and are left out
   double stepped_mm = 0;                  ///< the farthest that the machine's steps move an end
+  std::size_t done_before = 0;            ///< scratches of the interrupted file that are done
+};
+
+/// A file of G-code in which the machine stopped, and the line (from 1) that it was at: what is carved before it is
+/// done; the scratch that it was at, and what follows, is not.
+struct Interruption {
+  std::filesystem::path file;
+  std::size_t line = 0;
 };
 
 struct ToolpathOptions {
   bool keep_order = false;  ///< carve in the file's order instead of the shortest
   double part_s = 0;        ///< split G-code into files of at most about this long; 0: as few files as max_lines allows
-  bool frame = false;       ///< G-code: also a file that moves round the scratches at safe height, to see that they fit
+  std::optional<Interruption> after{};  ///< carve only what this file left, in its order
+  bool frame = false;  ///< G-code: also a file that moves round the scratches at safe height, to see that they fit
 };
 
 /// One file of G-code: it sets up units and modes and lifts the tool before it moves, so that carving may begin with
@@ -69,6 +80,7 @@ struct ToolpathReport {
   bool compensated = false;
   std::size_t already_carved = 0;
   double stepped_mm = 0;
+  std::size_t done_before = 0;
 };
 
 /// The rules that a tool path obeys. `measured` may be null.
@@ -80,6 +92,14 @@ CarvingLimits toolpath_limits(const Board& board, const Bench* measured, const M
 Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                        const MachineProfile& machine, const ToolpathOptions& options = {},
                        const Progress& progress = {});
+
+/// What an interrupted file left of a tool path: its scratches from the one on that its `line` belongs to, in its
+/// order. `planned` must hold all scratches of the file (it may hold more: other parts), `text` is the file's content.
+/// By replay: what was carved before the line and what is left are together the file's scratches, once each. Throws
+/// Error if the file carves anything that is not planned (another board, bench or machine), if the line is not in the
+/// file, and if nothing or everything is left.
+Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std::string_view text, std::size_t line,
+                    const std::string& name);
 
 /// Throws Error for a block of the profile with a placeholder that nobody knows.
 std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& machine,
@@ -96,7 +116,8 @@ std::string dxf(const Toolpath& path, int decimals = 4);
 
 /// Plans and writes `out` by its extension: .gcode, .nc, .ngc, .svg or .dxf. G-code of several parts becomes
 /// out-01.gcode, out-02.gcode, ...; parts that an earlier, longer run left behind are removed. G-code is replayed
-/// before it is written: a scratch lost, doubled or mirrored is an Error and nothing is written.
+/// before it is written: a scratch lost, doubled or mirrored is an Error and nothing is written. After an interruption
+/// no other file is removed, and `out` may not be the interrupted one.
 ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                               const MachineProfile& machine, const ToolpathOptions& options,
                               const std::filesystem::path& out, const Progress& progress = {});

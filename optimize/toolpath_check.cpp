@@ -325,6 +325,14 @@ ToolpathCheck check_toolpath(std::span<const ReplayedScratch> carved, std::span<
   return check;
 }
 
+std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved,
+                                         std::span<const PlannedScratch> planned, double tolerance_mm) {
+  StrokeIndex index(planned, tolerance_mm);
+  std::vector<std::ptrdiff_t> found;
+  for (const ReplayedScratch& s : carved) found.push_back(index.hit(s.from_mm, s.to_mm, s.depth_mm));
+  return found;
+}
+
 void fail_unless_good(const ToolpathCheck& check, const std::string& name) {
   if (check.good()) return;
   if (check.mirrored > 0 && check.mirrored * 2 >= check.lost)

@@ -54,6 +54,11 @@ struct ToolpathCheck {
 ToolpathCheck check_toolpath(std::span<const ReplayedScratch> carved, std::span<const PlannedScratch> planned,
                              double tolerance_mm);
 
+/// For each carved stroke which of the planned ones it is (ends in either order, and depths, within the tolerance),
+/// different ones for strokes planned several times; -1 for one that was not planned.
+std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved,
+                                         std::span<const PlannedScratch> planned, double tolerance_mm);
+
 /// Throws Error saying what is wrong, unless the check is good.
 void fail_unless_good(const ToolpathCheck& check, const std::string& name);
 

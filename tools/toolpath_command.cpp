@@ -20,11 +20,12 @@ namespace burin {
 namespace {
 
 struct Options {
-  std::filesystem::path scratches, board, bench, out, ordered;
+  std::filesystem::path scratches, board, bench, out, ordered, resume;
   std::vector<std::filesystem::path> replay;
   std::string machine = "grbl", part;
   bool keep_order = false, frame = false, mend = false;
   int decimals = 0, max_lines = -1;
+  std::size_t at_line = 0;
 };
 
 MachineProfile machine_of(const Options& options) {
@@ -55,6 +56,7 @@ void write(const Options& options) {
   settings.keep_order = options.keep_order;
   settings.frame = options.frame;
   if (!options.part.empty()) settings.part_s = duration_from_text(options.part);
+  if (!options.resume.empty()) settings.after = Interruption{options.resume, options.at_line};
 
   ProgressBar bar;
   const ToolpathReport report =
@@ -74,6 +76,19 @@ void write(const Options& options) {
                report.stepped_mm);
   fmt::print("carves {:.1f} m, travels {:.1f} m in the air ({:.1f} m in the file's own order)\n",
              report.carve_mm / 1000, report.travel_mm / 1000, report.file_order_travel_mm / 1000);
+  if (!options.resume.empty()) {
+    const CarvingStep& next = report.order.front();
+    fmt::print(
+        "{}: {} scratches are done before line {}; the first that is left is row {} of {}. Controllers are told lines "
+        "ahead of what they carve: look whether the last ones are there, and name an earlier line if not.\n",
+        options.resume.string(), report.done_before, options.at_line, next.scratch + 1, options.scratches.string());
+    fmt::print(
+        "Wrote the {} scratches left, about {}: home the machine, set work zero where it was, and carve{}; then go on "
+        "with the next file.\n",
+        report.scratch_count, duration_text(report.duration_s),
+        options.frame ? " (the frame first: it goes round them in the air)" : "");
+    return;
+  }
   fmt::print(
       "Wrote {} scratches for {}, about {}: set work zero at the board's lower left corner, on its face, and carve.\n",
       report.scratch_count, machine.name, duration_text(report.duration_s));
@@ -114,7 +129,7 @@ void add_toolpath_command(CLI::App& burin) {
   command->add_option("SCRATCHES.csv", options->scratches, "The scratches to carve")->required();
   command->add_option("--board", options->board, "board.json: size, carve area, depth")->required();
   command->add_option("--bench", options->bench, "A measured bench.json: its machine.affine is compensated");
-  command->add_option("--machine", options->machine, "grbl, linuxcnc, marlin, or a burin/machine JSON file")
+  command->add_option("--machine", options->machine, "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML")
       ->capture_default_str();
   CLI::Option* out = command->add_option("--out", options->out, "Where to write: .gcode, .nc, .ngc, .svg or .dxf");
   command->add_option("--chunks", options->part, "Split G-code into files of about this long, such as 30min");
@@ -132,12 +147,22 @@ void add_toolpath_command(CLI::App& burin) {
   command->add_flag("--keep-order", options->keep_order, "Carve in the file's order, not the shortest way");
   command->add_flag("--frame", options->frame, "Also write a file that moves round the scratches in the air");
   command->add_option("--ordered", options->ordered, "Also write the scratches in the order they are carved, a CSV");
+  CLI::Option* resume = command->add_option(
+      "--resume", options->resume, "Write what this interrupted G-code file left, in its order (with --at-line)");
+  resume->needs(command
+                    ->add_option("--at-line", options->at_line,
+                                 "The line at which the machine stopped: what it carved before is done")
+                    ->check(CLI::PositiveNumber)
+                    ->needs(resume));
   CLI::Option* check = command->add_option(
       "--replay", options->replay, "Write nothing: replay this G-code (all its parts) and check it against them");
   out->excludes(check);
-  command->footer(
-      example("burin toolpath scratches.csv --board board.json --bench bench.json --machine grbl --out board.gcode\n"
-              "  burin toolpath scratches.csv --board board.json --bench bench.json --replay board.gcode"));
+  resume->excludes(check);
+  command->footer(example(
+      "burin toolpath scratches.csv --board board.json --bench bench.json --machine grbl --out board.gcode\n"
+      "  burin toolpath scratches.csv --board board.json --bench bench.json --replay board.gcode\n"
+      "  burin toolpath scratches.csv --board board.json --bench bench.json --resume board-03.gcode --at-line 812 "
+      "--out rest.gcode"));
   command->callback([options] {
     if (options->out.empty() && options->replay.empty()) throw CLI::RequiredError("--out FILE (or --replay FILE)");
     if (options->replay.empty())

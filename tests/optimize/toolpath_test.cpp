@@ -296,5 +296,82 @@ TEST(Toolpath, Durations) {
   EXPECT_EQ(duration_text(6.5 * 3600), "6 h 30 min");
 }
 
+TEST(Toolpath, WhatAnInterruptedFileLeftIsCarvedOnce) {
+  const TemporaryFolder folder;
+  const Scratches s = random_scratches(60);
+  Bench bench = bench_with_machine((Affine2() << 1.001, 0.002, 0.3, -0.001, 0.999, -0.2).finished());
+  std::mt19937 random(3);
+  for (const char* name : {"grbl", "marlin"}) {
+    const MachineProfile machine = machine_profile(name);
+    ToolpathOptions options;
+    options.part_s = 30;
+    const auto out = folder / (std::string(name) + ".gcode");
+    const ToolpathReport whole = write_toolpath(s, board_200x100(), &bench, machine, options, out);
+    ASSERT_GE(whole.files.size(), 3u);
+    const std::filesystem::path stopped = whole.files[1];
+    const Replay file = replay_gcode(file_text(stopped), machine, "stopped");
+    ToolpathOptions keep;
+    keep.keep_order = true;
+    const Toolpath planned = plan_toolpath(s, board_200x100(), &bench, machine, keep);
+    for (int k = 0; k < 20; ++k) {
+      const std::size_t line =
+          file.scratches[0].line + 1 + random() % (file.scratches.back().line - file.scratches[0].line);
+      options.part_s = 0;
+      options.frame = true;
+      options.after = Interruption{stopped, line};
+      const auto rest_file = folder / "rest.gcode";
+      const ToolpathReport rest = write_toolpath(s, board_200x100(), &bench, machine, options, rest_file);
+      ASSERT_EQ(rest.files.front(), rest_file);
+      // What a machine carves that stops before `line`, then does the rest, then the other parts: everything once.
+      std::vector<ReplayedScratch> carved;
+      for (const ReplayedScratch& done : file.scratches)
+        if (done.line < line) carved.push_back(done);
+      EXPECT_EQ(rest.done_before, carved.size());
+      const Replay left = replay_gcode(file_text(rest_file), machine, "rest");
+      // Each as it would have been carved: same order, same direction, same digits.
+      ASSERT_EQ(carved.size() + left.scratches.size(), file.scratches.size());
+      for (std::size_t i = 0; i < left.scratches.size(); ++i) {
+        EXPECT_EQ(left.scratches[i].from_mm, file.scratches[carved.size() + i].from_mm);
+        EXPECT_EQ(left.scratches[i].to_mm, file.scratches[carved.size() + i].to_mm);
+        EXPECT_EQ(left.scratches[i].depth_mm, file.scratches[carved.size() + i].depth_mm);
+      }
+      carved.insert(carved.end(), left.scratches.begin(), left.scratches.end());
+      for (std::size_t f = 0; f < whole.files.size(); ++f) {
+        if (f == 1) continue;
+        const Replay part = replay_gcode(file_text(whole.files[f]), machine, "part");
+        carved.insert(carved.end(), part.scratches.begin(), part.scratches.end());
+      }
+      EXPECT_TRUE(check_toolpath(carved, planned.scratches, 1e-3).good());
+      // It lifts the tool before anything else moves, wherever it was left.
+      const std::string text = file_text(rest_file);
+      EXPECT_LT(text.find("\nG0 Z"), text.find("\nG0 X")) << text.substr(0, 300);
+    }
+    for (const auto& part : whole.files) EXPECT_TRUE(std::filesystem::exists(part)) << part;
+  }
+}
+
+TEST(Toolpath, InterruptionsThatLeaveNothingToDoAreRefused) {
+  const TemporaryFolder folder;
+  const Scratches s = random_scratches(20);
+  const MachineProfile machine = machine_profile("grbl");
+  const auto file = folder / "board.gcode";
+  write_toolpath(s, board_200x100(), nullptr, machine, {}, file);
+  const Replay replay = replay_gcode(file_text(file), machine, "board");
+  const auto expect = [&](const Scratches& scratches, std::size_t line, const std::string& out, const char* message) {
+    ToolpathOptions options;
+    options.after = Interruption{file, line};
+    EXPECT_THAT([&] { write_toolpath(scratches, board_200x100(), nullptr, machine, options, folder / out); },
+                ThrowsMessage<Error>(HasSubstr(message)));
+  };
+  expect(s, 3, "rest.gcode", "carved nothing before line 3");
+  expect(s, replay.scratches.back().line + 1, "rest.gcode", "carved all its scratches");
+  expect(s, replay.lines + 1, "rest.gcode", "is not in the file");
+  expect(s, 40, "board.gcode", "is the file that was interrupted");
+  Scratches others = s;
+  others.x0_mm[7] += 0.5;
+  expect(others, 40, "rest.gcode", "carves a scratch that is not among those given");
+  EXPECT_FALSE(std::filesystem::exists(folder / "rest.gcode"));
+}
+
 }  // namespace
 }  // namespace burin

@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -28,6 +32,31 @@ TEST(ToolpathCommand, WritesAndReplays) {
       run_burin(folder, {"toolpath", "scratches.csv", "--board", "board.json", "--replay", "board.gcode"});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
   EXPECT_THAT(replayed.out, HasSubstr("all 3 scratches"));
+}
+
+TEST(ToolpathCommand, GoesOnAfterAnInterruption) {
+  const TemporaryFolder folder;
+  folder.write("board.json", kBoard);
+  folder.write("scratches.csv", kScratches);
+  const std::vector<std::string> command{"toolpath", "scratches.csv", "--board", "board.json", "--out"};
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), command.begin(), command.end());
+    return run_burin(folder, more);
+  };
+  EXPECT_EQ(run({"board.gcode"}).exit_code, 0);
+  const std::string gcode = file_text(folder / "board.gcode");
+  // Stopped while the second of three was carved: its line with both G1 and X.
+  std::size_t at = gcode.find("G1 X");
+  at = gcode.find("G1 X", at + 1);
+  const auto line = std::count(gcode.begin(), gcode.begin() + static_cast<std::ptrdiff_t>(at), '\n') + 1;
+  const Outcome rest = run({"rest.gcode", "--resume", "board.gcode", "--at-line", std::to_string(line)});
+  EXPECT_EQ(rest.exit_code, 0) << rest.err;
+  EXPECT_THAT(rest.out, AllOf(HasSubstr("1 scratches are done before line " + std::to_string(line)),
+                              HasSubstr("Wrote the 2 scratches left")));
+  const Outcome again = run({"board.gcode", "--resume", "board.gcode", "--at-line", std::to_string(line)});
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_EQ(file_text(folder / "board.gcode"), gcode);
+  EXPECT_EQ(run({"rest.gcode", "--resume", "board.gcode"}).exit_code, 2);
 }
 
 TEST(ToolpathCommand, SaysWhatIsWrongAndWritesNothing) {
