@@ -19,6 +19,7 @@ namespace {
 constexpr double kFilePerMm = 1e5;   // scratches.csv keeps five decimals; a division by this gives what it reads back
 constexpr double kSlack_mm = 1e-9;   // of lengths and distances, for rounding in double
 constexpr double kInside_mm = 2e-5;  // how far a mended end keeps from a rule's edge
+constexpr int kHairs = 4;            // steps of 0.6 times the least distance that a scratch may go aside to keep it
 constexpr double kSmallestGroove = 1e-9;  // mm2, below which two grooves only touch
 
 std::string millimetres(double value) {
@@ -162,6 +163,29 @@ double widest_of(const std::vector<Groove>& grooves) {
   double widest = 0;
   for (const Groove& g : grooves) widest = std::max(widest, g.half_width_mm);
   return widest;
+}
+
+// Ends near those of a scratch, the nearest first: a hair aside, a hair longer or shorter, then cut off at one end.
+std::vector<Ends> nearby(const Ends& e, double distance_mm) {
+  const double length = e.length();
+  const Eigen::Vector2d u = (e.b - e.a) / length, across(-u.y(), u.x());
+  std::vector<Ends> list;
+  if (distance_mm > 0)
+    for (int k = 1; k <= kHairs; ++k) {
+      const Eigen::Vector2d along = 0.6 * k * distance_mm * u, aside = 0.6 * k * distance_mm * across;
+      for (const int side : {1, -1}) list.push_back({e.a + side * aside, e.b + side * aside});
+      for (const int way : {1, -1}) {
+        if (length < 2 * along.norm()) continue;
+        list.push_back({e.a + way * along, e.b});
+        list.push_back({e.a, e.b + way * along});
+        list.push_back({e.a + way * along, e.b + way * along});
+      }
+    }
+  for (const double part : {0.1, 0.2, 0.35, 0.5}) {
+    list.push_back({e.a + part * (e.b - e.a), e.b});
+    list.push_back({e.a, e.b - part * (e.b - e.a)});
+  }
+  return list;
 }
 
 // The points of the machine's grid (or of the file's decimals) around a place, the nearest first, as the file has them.
@@ -425,7 +449,11 @@ Mended mend(const Scratches& scratches, const CarvingLimits& limits, std::span<c
   const Eigen::Matrix2d A_inverse = limits.affine.leftCols<2>().inverse();
   Scratches moved = scratches;
   std::vector<std::size_t> order;
-  const auto drop = [&](Rule rule) { ++out.dropped[static_cast<std::size_t>(rule)]; };
+  out.broken.resize(scratches.size());
+  const auto drop = [&](std::size_t i, Rule rule) {
+    ++out.dropped[static_cast<std::size_t>(rule)];
+    out.broken[i] = rule;
+  };
   std::vector<std::size_t> carved;
   for (std::size_t i = 0; i < scratches.size(); ++i) {
     if (scratches.is_carved(i)) {
@@ -436,12 +464,12 @@ Mended mend(const Scratches& scratches, const CarvingLimits& limits, std::span<c
     if (!moved.width_um.empty() && limits.width_um > 0) moved.width_um[i] = limits.width_um;
     const double half_width = half_width_mm(moved, i, limits);
     if (!confine(moved, i, limits, came.a, came.b)) {
-      drop(broken_alone(came, half_width, limits, 0).value_or(Rule::shortest));
+      drop(i, broken_alone(came, half_width, limits, 0).value_or(Rule::shortest));
       continue;
     }
     Ends ends = ends_of(moved, i);
     if (const std::optional<Rule> rule = put_on_grid(ends, half_width, limits, A_inverse)) {
-      drop(*rule);
+      drop(i, *rule);
       continue;
     }
     set_ends(moved, i, ends);
@@ -451,33 +479,52 @@ Mended mend(const Scratches& scratches, const CarvingLimits& limits, std::span<c
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth[a] > worth[b]; });
 
   if (has_pair_rules(m)) {
-    const std::vector<Groove> grooves = grooves_of(moved, limits);
+    std::vector<Groove> grooves = grooves_of(moved, limits);
     const double widest = widest_of(grooves);
     GrooveIndex index = index_for(moved, limits);
     std::vector<double> lost(grooves.size(), 0.0);  // area that others take from each
     for (const std::size_t i : carved) index.insert(static_cast<std::uint32_t>(i), grooves[i]);
-    std::vector<std::size_t> kept;
-    for (const std::size_t i : order) {
-      const Meeting met = meet(i, grooves, index, widest, m);
+    // The first rule of pairs that a scratch breaks among those kept; what it meets there.
+    const auto broken_by = [&](std::size_t i, Meeting& met) -> std::optional<Rule> {
+      met = meet(i, grooves, index, widest, m);
       const auto spoils = [&](const auto& take) {
         return !scratches.is_carved(take.first) &&
                lost[take.first] + take.second > m.max_overlap * grooves[take.first].area_mm2();
       };
-      if (m.distance_mm > 0 && met.nearest_mm < m.distance_mm) {
-        drop(Rule::distance);
-      } else if (m.max_overlap > 0 &&
-                 (met.share > m.max_overlap || std::any_of(met.takes.begin(), met.takes.end(), spoils))) {
-        drop(Rule::overlap);
-      } else if (m.max_grooves > 0 && met.grooves > m.max_grooves) {
-        drop(Rule::grooves);
-      } else {
-        for (const auto& [other, area] : met.takes) {
-          lost[other] += area;
-          lost[i] += area;
+      if (m.distance_mm > 0 && met.nearest_mm < m.distance_mm) return Rule::distance;
+      if (m.max_overlap > 0 && (met.share > m.max_overlap || std::any_of(met.takes.begin(), met.takes.end(), spoils)))
+        return Rule::overlap;
+      if (m.max_grooves > 0 && met.grooves > m.max_grooves) return Rule::grooves;
+      return std::nullopt;
+    };
+    std::vector<std::size_t> kept;
+    for (const std::size_t i : order) {
+      Meeting met;
+      const std::optional<Rule> broken = broken_by(i, met);
+      bool lawful = !broken;
+      if (broken) {
+        const Ends came = ends_of(moved, i);
+        for (const Ends& near : nearby(came, std::max(m.distance_mm, m.step_mm))) {
+          Ends ends = near;
+          if (broken_alone(ends, grooves[i].half_width_mm, limits, 0) ||
+              put_on_grid(ends, grooves[i].half_width_mm, limits, A_inverse))
+            continue;
+          set_ends(moved, i, ends);
+          grooves[i] = groove_of(moved, i, limits);
+          lawful = !broken_by(i, met);
+          if (lawful) break;
         }
-        index.insert(static_cast<std::uint32_t>(i), grooves[i]);
-        kept.push_back(i);
       }
+      if (!lawful) {
+        drop(i, *broken);
+        continue;
+      }
+      for (const auto& [other, area] : met.takes) {
+        lost[other] += area;
+        lost[i] += area;
+      }
+      index.insert(static_cast<std::uint32_t>(i), grooves[i]);
+      kept.push_back(i);
     }
     order.swap(kept);
   }

@@ -78,12 +78,14 @@ struct Mended {
   Scratches scratches;                        ///< ends on steps, or on the file's decimals where there is no step
   std::vector<std::size_t> rows;              ///< of the scratches given, for each kept one, ascending
   std::array<std::size_t, kRules> dropped{};  ///< by the rule that they could not obey
+  std::vector<std::optional<Rule>> broken;    ///< of each scratch given: the rule it was dropped for
   double moved_mm = 0;                        ///< the farthest that an end of a kept one moved
 };
 
-/// Confines each scratch, puts its ends on steps, and keeps one after the other, the worthiest first, unless it would
-/// break a rule of pairs with those kept before. `worth`: one each, or empty for the file's order. What is in the metal
-/// already is kept as it is.
+/// Confines each scratch, puts its ends on steps, and keeps one after the other, the worthiest first. One that would
+/// break a rule of pairs with those kept before goes aside, grows or shrinks by up to 2.4 times the least distance, or
+/// is cut off to no less than half its length; where that does not help it is dropped. `worth`: one each, or empty for
+/// the file's order. What is in the metal already is kept as it is.
 Mended mend(const Scratches& scratches, const CarvingLimits& limits, std::span<const double> worth = {});
 
 /// "12 for their length, 3 for overlap", or nothing.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <numeric>
 #include <random>
 #include <span>
@@ -15,6 +16,7 @@
 #include "optimize/carving_limits.h"
 #include "optimize/carving_time.h"
 #include "optimize/design_views.h"
+#include "optimize/obey.h"
 #include "optimize/picture_metrics.h"
 #include "optimize/stroke_search.h"
 #include "optimize/target.h"
@@ -199,19 +201,18 @@ std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, con
   return {from, joined(carved, options.carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha)};
 }
 
-// The last word on the rules: ends on steps, pairs apart; what cannot obey is dropped, the least worthy first.
-void obey(Scratches& scratches, CarvingLimits limits, const std::vector<WorkView>& views,
-          const std::vector<double>& log_exposure, const StrokeRules& rules, const DesignOptions& options,
-          const std::vector<double>& log_shared, DesignResult& result) {
+// The last word on the rules: ends on steps, pairs apart; what cannot obey is placed anew or dropped.
+void have_the_last_word(Scratches& scratches, CarvingLimits limits, std::vector<WorkView>& views,
+                        const std::vector<double>& log_exposure, const StrokeRules& rules, const DesignOptions& options,
+                        const std::vector<double>& log_shared, const std::function<bool()>& stop,
+                        DesignResult& result) {
   if (options.optimise_width) limits.width_um = std::exp(log_shared[0]);
-  std::vector<double> worth;
-  if (has_pair_rules(limits.machine)) worth = worth_of(stroke_views(views, log_exposure, false), rules, scratches);
-  Mended mended = mend(scratches, limits, worth);
-  for (std::size_t r = 0; r < kRules; ++r) result.dropped_by_rule[r] += mended.dropped[r];
-  if (mended.rows.size() == result.carved)
-    fail("design", "no scratch can obey the machine's limits (" + dropped_text(mended.dropped) + " were dropped)",
+  Obeying obeying = obey(scratches, limits, views, log_exposure, rules, options.seed + 2000, stop);
+  for (std::size_t r = 0; r < kRules; ++r) result.dropped_by_rule[r] += obeying.dropped[r];
+  if (obeying.rows.size() == result.carved)
+    fail("design", "no scratch can obey the machine's limits (" + dropped_text(obeying.dropped) + " were dropped)",
          "loosen them, or make the board's keep-outs smaller");
-  scratches = std::move(mended.scratches);
+  scratches = std::move(obeying.scratches);
   fail_unless_good(check_limits(scratches, limits), "design");
 }
 
@@ -273,6 +274,9 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   };
   const auto enough = [&] {
     return stop_wished() || (options.time_limit_s > 0 && seconds_since(began) > kStartShare * options.time_limit_s);
+  };
+  const auto time_over = [&] {
+    return stop_wished() || (options.time_limit_s > 0 && seconds_since(began) > options.time_limit_s);
   };
   Scratches scratches;
   if (options.from) {
@@ -399,16 +403,6 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
                                                   : rise <= options.drop_error * error;
                 }));
     result.dropped += count - kept.size();
-    // What breaks the rules of pairs goes now too, so that the last iterations make up for it.
-    if (has_pair_rules(limits.machine)) {
-      const std::vector<double> worth = worth_of(now, rules, scratches);
-      std::vector<double> kept_worth;
-      for (const std::size_t i : kept) kept_worth.push_back(worth[i]);
-      const Mended mended = mend(selected(scratches, kept), limits, kept_worth);
-      for (std::size_t r = 0; r < kRules; ++r) result.dropped_by_rule[r] += mended.dropped[r];
-      for (std::size_t k = 0; k < mended.rows.size(); ++k) kept[k] = kept[mended.rows[k]];
-      kept.resize(mended.rows.size());
-    }
     keep_only(kept);
   };
   // Down to the time there is, in steps, so that the scratches that stay can make up for those that go. What is carved
@@ -549,7 +543,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   result.iteration_seconds = seconds_since(iterations_began);
   if (!weak_dropped && !result.stopped_early) drop_weak();
   if (budget_s > 0) keep_to_budget(budget_s);
-  obey(scratches, limits, views, log_exposure, rules, options, log_shared, result);
+  have_the_last_word(scratches, limits, views, log_exposure, rules, options, log_shared, time_over, result);
   movable = scratches.size() - result.carved;
   result.scratches = scratches;
 

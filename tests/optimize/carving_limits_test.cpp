@@ -237,6 +237,29 @@ TEST(CarvingLimits, WorthDecidesWhichOfTwoStays) {
   EXPECT_EQ(mend(cross, limits, std::vector<double>{2, 1}).rows, std::vector<std::size_t>{0});
 }
 
+TEST(CarvingLimits, AHairAsideOrAShorterEndKeepsAScratch) {
+  MachineLimits machine;
+  machine.distance_mm = 0.1;
+  const CarvingLimits limits = limits_for(board_100(), machine);
+  // One ends just short of another, one runs close beside it, one is far from both.
+  const Scratches near{{40, 50, 45, 20}, {50, 50.03, 50.05, 20}, {60, 50, 55, 25}, {50, 55, 50.05, 20}, {}, {}, {}};
+  EXPECT_EQ(broken(check_limits(near, limits), Rule::distance), 3U);
+  const Mended mended = mend(near, limits, std::vector<double>{3, 2, 1, 1});
+  EXPECT_EQ(mended.rows.size(), 4U);
+  EXPECT_TRUE(check_limits(mended.scratches, limits).good());
+  EXPECT_EQ(mended.scratches.x0_mm[0], 40);  // the worthiest stays
+  EXPECT_LT(mended.moved_mm, 2.5 * machine.distance_mm);
+  EXPECT_GT(mended.moved_mm, 0);
+  // Two that share all of their grooves' overlap at their ends: the less worthy gives way by its length.
+  machine.distance_mm = 0;
+  machine.max_grooves = 1;
+  const Scratches cross{{40, 48}, {50, 49}, {52, 48}, {50, 59}, {}, {}, {}};
+  const Mended cut = mend(cross, limits_for(board_100(), machine), std::vector<double>{2, 1});
+  EXPECT_EQ(cut.rows.size(), 2U);
+  EXPECT_NEAR(cut.scratches.y0_mm[1], 51, 1e-4);  // a fifth of ten
+  EXPECT_EQ(cut.scratches.y1_mm[1], 59);
+}
+
 TEST(CarvingLimits, WhatIsCarvedStaysAndCounts) {
   MachineLimits machine;
   machine.max_grooves = 1;

@@ -147,6 +147,29 @@ TEST_F(DesignTest, ScratchesObeyTheLimits) {
   }
 }
 
+TEST_F(DesignTest, RulesOfPairsCostLessThanDroppingWhatBreaksThem) {
+  options_.iterations = 20;
+  options_.rate = 0;
+  options_.drop_error = 0;
+  spec_.scratches = 1200;
+  board_.tool_width_um = 100;
+  const DesignResult free = design(spec_, board_, bench_, options_, {});
+  options_.machine.distance_mm = 0.02;
+  options_.machine.max_overlap = 0.3;
+  const DesignResult ruled = design(spec_, board_, bench_, options_, {});
+  CarvingLimits limits = carving_limits(board_, options_.machine, bench_.material.depth_um, bench_.machine_affine);
+  limits.machine.shortest_mm = options_.min_length * 60;
+  EXPECT_TRUE(check_limits(ruled.scratches, limits).good());
+  // The other way: the free design, mended. A design of no iterations measures what that shows.
+  const Mended mended = mend(free.scratches, limits);
+  options_.from = mended.scratches;
+  options_.iterations = 0;
+  const DesignResult dropped = design(spec_, board_, bench_, options_, {});
+  ASSERT_EQ(dropped.scratches.size(), mended.scratches.size());
+  EXPECT_GT(ruled.scratches.size(), mended.scratches.size());
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_GT(ruled.views[k].psnr_db, dropped.views[k].psnr_db + 0.3);
+}
+
 TEST_F(DesignTest, DropsByCountByLightOrByError) {
   options_.iterations = 5;
   options_.drop_count = 0.4;
