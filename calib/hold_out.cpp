@@ -204,9 +204,10 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
   data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
   data.model.f0 = board.material.f0.mean();
   data.model.last_carved_rules = refined.overlap == Overlap::last;
+  data.model.alpha_jitter = refined.alpha_jitter;
+  data.model.depth_jitter = refined.depth_jitter;
   for (const Light& light : bench.lights) data.is_spot.push_back(light.falloff_exponent > 0);
   State state = state_of(bench, data.model);
-  for (int i = 0; i < 2; ++i) state.shared[unknown::depth_gradient + i] = refined.depth_gradient[i];
   const int merged_bin = photos.empty() ? 1 : photos.front().bin;  // the bench's blur is in pixels of the photos
   state.shared[unknown::log_blur] -= std::log(merged_bin);
   std::vector<double> sizes;
@@ -214,16 +215,19 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
   const double size = median_of(sizes);
   const int bin = size > 0 ? std::max(1, static_cast<int>(std::ceil(options.finest_pixel_mm / size - 1e-9))) : 1;
   data.photos = photos_at(views, bin, board, bench, bench.sensor.psf_sigma_px / merged_bin);
+  correct_binning(data, views, board, bench, state);
   const Scratches carved = carved_scratches(data.model, state.of(0));
   std::vector<PhotoFit> out;
   for (std::size_t k = 0; k < data.photos.size(); ++k) {
     // Outliers are counted with the model error that the fit's own photos showed.
     PhotoData& photo = data.photos[k];
-    const Image predicted = predict(data.model, photo, state.of(photo.photo.light), carved);
+    const GrooveSlopes p = predict_with_slopes(data.model, photo, state.of(photo.photo.light), carved);
     for (std::size_t i = 0; i < photo.weight.size(); ++i)
       if (photo.weight[i] > 0)
         photo.weight[i] = static_cast<float>(
-            1 / std::hypot(static_cast<double>(photo.photo.sigma.data[i]), refined.model_error * predicted.data[i]));
+            1 / std::hypot(
+                    std::hypot(static_cast<double>(photo.photo.sigma.data[i]), refined.model_error * p.value.data[i]),
+                    refined.alpha_jitter * p.by_log_alpha.data[i], refined.depth_jitter * p.by_log_depth.data[i]));
     out.push_back(photo_fit(data, k, state, carved, bench));
   }
   return out;

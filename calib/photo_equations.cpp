@@ -3,9 +3,11 @@
 #include <ceres/jet.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
 #include "calib/lamp.h"
 #include "calib/overlap.h"
@@ -114,10 +116,8 @@ Image rendered_light(const PhotoData& photo, const Unknowns& x, const Scratches&
   return light;
 }
 
-}  // namespace
-
-PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& board, const Bench& bench,
-                          double margin_px) {
+// A photo's grid and camera, without a pixel in use.
+PhotoData photo_without_weights(const LightView& binned_view, int bin, const Board& board, const Bench& bench) {
   PhotoData data;
   data.photo = binned_view;
   data.bin = bin;
@@ -129,11 +129,45 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
   data.scene = make_scene(bench, board, data.camera, light);
   data.scene.ambient.setZero();
   data.scene.material.f0 = board.material.f0;
+  const PixelWindow& window = data.scene.grid->window;
+  data.radius2.resize(static_cast<std::size_t>(window.width) * window.height);
+  data.weight.assign(data.radius2.size(), 0);
+  for (int y = 0; y < window.height; ++y)
+    for (int x = 0; x < window.width; ++x)
+      data.radius2[static_cast<std::size_t>(y) * window.width + x] = static_cast<float>(
+          vignette_radius2(binned_view.lens.width, binned_view.lens.height, x + window.x0, y + window.y0));
+  return data;
+}
 
+// Of the Gaussian that the prediction on these pixels applies.
+double blur_sigma_px(const PhotoData& photo, const Unknowns& x) {
+  return std::exp(photo.correction.empty() ? x[unknown::log_blur] : photo.log_blur_at);
+}
+
+// What correct_binning() adds to the value of pixel i.
+double corrected_by(const PhotoData& photo, const Unknowns& x, std::size_t i) {
+  const double shift = photo.groove_shift.empty() ? 0 : static_cast<double>(photo.groove_shift[i]);
+  if (photo.correction.empty()) return shift;
+  return shift + photo.correction[i] + (x[unknown::log_blur] - photo.log_blur_at) * photo.blur_slope[i];
+}
+
+// From the lamp's light to the photo's value: ambient light, blur, vignetting.
+Image value_of_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
+  const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
+  for (std::size_t i = 0; i < light.data.size(); ++i)
+    if (std::isfinite(photo.scene.grid->center_mm[i].x())) light.data[i] += ambient;
+  Image value = blurred(std::move(light), blur_kernel(blur_sigma_px(photo, x), photo.bin));
+  for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] *= static_cast<float>(vignette_of(photo, x, i));
+  return value;
+}
+
+}  // namespace
+
+PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& board, const Bench& bench,
+                          double margin_px) {
+  PhotoData data = photo_without_weights(binned_view, bin, board, bench);
   const FootprintGrid& grid = *data.scene.grid;
   const int width = grid.width(), height = grid.height();
-  data.radius2.resize(static_cast<std::size_t>(width) * height);
-  data.weight.assign(data.radius2.size(), 0);
   // One margin for the whole photo, from the pixel's size at the board's center.
   const std::size_t middle = static_cast<std::size_t>(height / 2) * (width + 1) + width / 2;
   const double pixel_mm = std::max(std::hypot(grid.corner_x_mm[middle + 1] - grid.corner_x_mm[middle],
@@ -145,13 +179,17 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      data.radius2[i] = static_cast<float>(
-          vignette_radius2(binned_view.lens.width, binned_view.lens.height, x + grid.window.x0, y + grid.window.y0));
       const Eigen::Vector3d& p = grid.center_mm[i];
       if (!binned_view.valid[i] || !std::isfinite(p.x()) || !metal.is_free(p.x(), p.y())) continue;
       data.weight[i] = 1 / binned_view.sigma.data[i];
     }
   return data;
+}
+
+std::array<double, GrooveField::kTerms> field_of(const Unknowns& x, int first) {
+  std::array<double, GrooveField::kTerms> terms{};
+  for (int i = 0; i < GrooveField::kTerms; ++i) terms[i] = x[first + i];
+  return terms;
 }
 
 Scratches carved_scratches(const ModelData& model, const Unknowns& x) {
@@ -163,27 +201,107 @@ Scratches carved_scratches(const ModelData& model, const Unknowns& x) {
   // What scratches carry of their own is taken as designed on a board of the believed material: ratios are kept.
   for (double& d : carved.depth_um) d *= depth / model.board->material.depth_um;
   for (double& a : carved.alpha) a = std::min(1.0, a * alpha / model.board->material.alpha);
-  const double gx = x[unknown::depth_gradient], gy = x[unknown::depth_gradient + 1];
-  if (gx != 0 || gy != 0) {
-    if (carved.depth_um.empty()) carved.depth_um.assign(carved.size(), depth);
-    for (std::size_t i = 0; i < carved.size(); ++i) {
-      const double u = 0.5 * (carved.x0_mm[i] + carved.x1_mm[i]) / model.board->size_mm.x() - 0.5;
-      const double v = 0.5 * (carved.y0_mm[i] + carved.y1_mm[i]) / model.board->size_mm.y() - 0.5;
-      carved.depth_um[i] *= std::max(0.05, 1 + gx * u + gy * v);
-    }
-  }
+  apply_fields({field_of(x, unknown::depth_field), {}}, {field_of(x, unknown::alpha_field), {}}, depth, alpha,
+               model.board->size_mm, carved);
   if (!model.last_carved_rules) return carved;
   return visible_pieces(carved, model.board->tool_width_um, depth).pieces;
 }
 
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
-  Image light = rendered_light(photo, x, carved, falloff_image(photo, x));
-  const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
-  for (std::size_t i = 0; i < light.data.size(); ++i)
-    if (std::isfinite(photo.scene.grid->center_mm[i].x())) light.data[i] += ambient;
-  Image value = blurred(std::move(light), blur_kernel(std::exp(x[unknown::log_blur]), photo.bin));
-  for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] *= static_cast<float>(vignette_of(photo, x, i));
+  Image value = value_of_light(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
+  for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] += static_cast<float>(corrected_by(photo, x, i));
   return value;
+}
+
+GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                                 const Scratches& carved) {
+  const ViewScene& scene = scene_at(photo, x);
+  constexpr std::array kBy{SceneParameter::alpha, SceneParameter::depth_um};
+  RadianceDerivatives rendered = render_with_derivatives(scene, photo.camera, carved, kBy);
+  if (const std::vector<float> falloff = falloff_image(photo, x); !falloff.empty()) {
+    multiply(rendered.radiance, falloff);
+    for (Image& image : rendered.d_radiance) multiply(image, falloff);
+  }
+  const cv::Mat kernel = blur_kernel(blur_sigma_px(photo, x), photo.bin);
+  GrooveSlopes out{value_of_light(model, photo, x, std::move(rendered.radiance)),
+                   blurred(std::move(rendered.d_radiance[0]), kernel),
+                   blurred(std::move(rendered.d_radiance[1]), kernel)};
+  for (std::size_t i = 0; i < out.value.data.size(); ++i) {
+    const double vignette = vignette_of(photo, x, i);
+    out.value.data[i] += static_cast<float>(corrected_by(photo, x, i));
+    out.by_log_alpha.data[i] *= static_cast<float>(vignette * scene.material.alpha);
+    out.by_log_depth.data[i] *= static_cast<float>(vignette * scene.material.depth_um);
+  }
+  return out;
+}
+
+void shift_by_grooves(const ModelData& model, const Unknowns& x, PhotoData& photo) {
+  photo.groove_shift.clear();
+  if (!(model.alpha_jitter > 0) && !(model.depth_jitter > 0)) return;
+  const std::vector<float> falloff = falloff_image(photo, x);
+  const auto at = [&](const Unknowns& other) {
+    return value_of_light(model, photo, x, rendered_light(photo, other, carved_scratches(model, other), falloff));
+  };
+  const Image middle = at(x);
+  std::vector<float> shift(middle.data.size(), 0);
+  for (const auto& [index, jitter] :
+       {std::pair(unknown::log_alpha, model.alpha_jitter), std::pair(unknown::log_depth, model.depth_jitter)}) {
+    if (!(jitter > 0)) continue;
+    const double node = std::sqrt(3.0) * jitter;  // of weight 1/6 on either side
+    Unknowns more = x, less = x;
+    more[index] += node;
+    less[index] -= node;
+    const Image above = at(more), below = at(less);
+    for (std::size_t i = 0; i < shift.size(); ++i) shift[i] += (above.data[i] + below.data[i] - 2 * middle.data[i]) / 6;
+  }
+  photo.groove_shift = std::move(shift);
+}
+
+void correct_binning(const ModelData& model, const LightView& whole, const Board& board, const Bench& bench,
+                     const Unknowns& x, const Scratches& carved, std::size_t max_pixels, PhotoData& photo) {
+  photo.correction.clear();
+  photo.groove_shift.clear();  // taken anew afterwards: fine and binned pixels are compared without it
+  int divisor = 1;
+  const auto fits = [&](int d) {
+    return photo.bin % d == 0 && whole.value.data.size() / (static_cast<std::size_t>(d) * d) <= max_pixels;
+  };
+  while (divisor < photo.bin && !fits(divisor)) ++divisor;
+  if (divisor >= photo.bin) return;
+  const int parts = photo.bin / divisor;
+  const PhotoData fine = photo_without_weights(binned(whole, divisor), divisor, board, bench);
+  Image light;  // many pixels and no derivatives: the fast path, good to 1e-6 of the peak
+  ViewRenderer(scene_at(fine, x)).forward(carved, light);
+  const std::vector<float> falloff = falloff_image(fine, x);
+  if (!falloff.empty()) multiply(light, falloff);
+  const Image on_binned = predict(model, photo, x, carved);
+  constexpr double kStep = 0.02;
+  Unknowns wider = x, narrower = x;
+  wider[unknown::log_blur] += kStep;
+  narrower[unknown::log_blur] -= kStep;
+  const Image on_fine = value_of_light(model, fine, x, light), on_wider = value_of_light(model, fine, wider, light),
+              on_narrower = value_of_light(model, fine, narrower, light);
+  const PixelWindow &f = fine.photo.window, &c = photo.photo.window;
+  std::vector<float> correction(on_binned.data.size(), 0), slope(on_binned.data.size(), 0);
+  for (int y = 0; y < c.height; ++y)
+    for (int px = 0; px < c.width; ++px) {
+      double sum = 0, change = 0;
+      bool inside = true;
+      for (int v = 0; v < parts; ++v)
+        for (int u = 0; u < parts; ++u) {
+          const int fx = (px + c.x0) * parts + u - f.x0, fy = (y + c.y0) * parts + v - f.y0;
+          inside = inside && fx >= 0 && fy >= 0 && fx < f.width && fy < f.height;
+          if (!inside) continue;
+          sum += on_fine.at(fx, fy);
+          change += static_cast<double>(on_wider.at(fx, fy)) - on_narrower.at(fx, fy);
+        }
+      if (!inside) continue;
+      const std::size_t i = static_cast<std::size_t>(y) * c.width + px;
+      correction[i] = static_cast<float>(sum / (parts * parts) - on_binned.at(px, y));
+      slope[i] = static_cast<float>(change / (2 * kStep * parts * parts));
+    }
+  photo.correction = std::move(correction);
+  photo.blur_slope = std::move(slope);
+  photo.log_blur_at = x[unknown::log_blur];
 }
 
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
@@ -213,8 +331,10 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     if (want) wanted.insert(wanted.end(), parameters);
     return at;
   };
-  const int at_alpha = ask(free[unknown::log_alpha], {P::alpha});
-  const bool want_depth = free[unknown::log_depth] || any(unknown::depth_gradient, 2);
+  constexpr int kOverBoard = GrooveField::kTerms - 1, kWear = kOverBoard;
+  const bool want_alpha = free[unknown::log_alpha] || any(unknown::alpha_field, kOverBoard);
+  const int at_alpha = ask(want_alpha, {P::alpha});
+  const bool want_depth = free[unknown::log_depth] || any(unknown::depth_field, kOverBoard);
   const int at_depth = ask(want_depth, {P::depth_um});
   const int at_base = ask(free[unknown::log_base_alpha], {P::base_alpha});
   const bool want_lamp = any(unknown::lamp_position, 3), want_machine = any(unknown::machine, 6);
@@ -222,6 +342,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   const int at_lamp = ask(want_lamp, {P::light_x_mm, P::light_y_mm, P::light_z_mm});
   const int at_machine =
       ask(want_machine, {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
+  const int at_bow = ask(any(unknown::bow, 3), {P::bow_0_mm, P::bow_1_mm, P::bow_2_mm});
   const int at_pose = ask(want_pose, {P::pose_rx, P::pose_ry, P::pose_rz, P::pose_tx_mm, P::pose_ty_mm, P::pose_tz_mm});
 
   const ViewScene& scene = scene_at(photo, x);
@@ -246,7 +367,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     for (Image& image : rendered.d_radiance) multiply(image, falloff);
   }
 
-  const double blur_sigma = std::exp(x[unknown::log_blur]);
+  const double blur_sigma = blur_sigma_px(photo, x);
   const cv::Mat kernel = blur_kernel(blur_sigma, photo.bin);
   const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
   Image light = std::move(rendered.radiance), total = light;
@@ -264,24 +385,38 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     for (float& v : image.data) v *= static_cast<float>(by);
     return image;
   };
-  if (free[unknown::log_alpha])
-    add_column(unknown::log_alpha, scaled(rendered.d_radiance[at_alpha], scene.material.alpha));
-  if (want_depth) {
-    // By a common factor of all depths; a gradient multiplies it by the place on the board, being smooth.
-    const Image by_factor = scaled(rendered.d_radiance[at_depth], scene.material.depth_um);
-    for (int axis = 0; axis < 2; ++axis) {
-      if (!free[unknown::depth_gradient + axis]) continue;
-      Image by_gradient = by_factor;
+  // By a common factor of all depths (or roughnesses); a field multiplies it by the place on the board, being smooth.
+  const auto add_groove = [&](int log_mean, int field, const Image& by_factor) {
+    const auto terms = field_of(x, field);
+    for (int term = 0; term < kOverBoard; ++term) {
+      if (!free[field + term]) continue;
+      Image by_term = by_factor;
       for (std::size_t i = 0; i < pixels; ++i) {
         const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
         if (!std::isfinite(p.x())) continue;
-        const double u = p.x() / model.board->size_mm.x() - 0.5, v = p.y() / model.board->size_mm.y() - 0.5;
-        const double factor = 1 + x[unknown::depth_gradient] * u + x[unknown::depth_gradient + 1] * v;
-        by_gradient.data[i] *= static_cast<float>((axis == 0 ? u : v) / factor);
+        const double u = p.x() / model.board->size_mm.x(), v = p.y() / model.board->size_mm.y();
+        by_term.data[i] *= static_cast<float>(field_terms_at(u, v)[term] / field_over_board(terms, u, v));
       }
-      add_column(unknown::depth_gradient + axis, std::move(by_gradient));
+      add_column(field + term, std::move(by_term));
     }
-    if (free[unknown::log_depth]) add_column(unknown::log_depth, by_factor);
+    if (free[log_mean]) add_column(log_mean, by_factor);
+  };
+  if (want_alpha)
+    add_groove(unknown::log_alpha, unknown::alpha_field, scaled(rendered.d_radiance[at_alpha], scene.material.alpha));
+  if (want_depth)
+    add_groove(unknown::log_depth, unknown::depth_field,
+               scaled(rendered.d_radiance[at_depth], scene.material.depth_um));
+  // Wear goes with the carving order, which no place on the board tells: one more rendering.
+  for (const int field : {unknown::depth_field, unknown::alpha_field}) {
+    if (!free[field + kWear]) continue;
+    constexpr double kStep = 0.02;
+    Unknowns worn = x;
+    worn[field + kWear] += kStep;
+    Image change = rendered_light(photo, worn, carved_scratches(model, worn), falloff);
+    scene_at(photo, x);
+    for (std::size_t i = 0; i < pixels; ++i)
+      change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(kStep);
+    add_column(field + kWear, std::move(change));
   }
   if (free[unknown::log_base_alpha])
     add_column(unknown::log_base_alpha, scaled(rendered.d_radiance[at_base], scene.material.base_alpha));
@@ -318,12 +453,20 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   }
   for (int k = 0; k < 6; ++k)
     if (free[unknown::pose + k]) add_column(unknown::pose + k, std::move(rendered.d_radiance[at_pose + k]));
+  for (int k = 0; k < 3; ++k)
+    if (free[unknown::bow + k]) add_column(unknown::bow + k, std::move(rendered.d_radiance[at_bow + k]));
   if (free[unknown::log_blur]) {
     constexpr double kStep = 0.02;
-    Image wider = blurred(total, blur_kernel(blur_sigma * (1 + kStep), photo.bin));
-    const Image narrower = blurred(total, blur_kernel(blur_sigma * (1 - kStep), photo.bin));
-    for (std::size_t i = 0; i < pixels; ++i)
-      wider.data[i] = (wider.data[i] - narrower.data[i]) / static_cast<float>(2 * kStep);
+    Image wider(width, height, 1);
+    if (photo.correction.empty()) {
+      wider = blurred(total, blur_kernel(blur_sigma * (1 + kStep), photo.bin));
+      const Image narrower = blurred(total, blur_kernel(blur_sigma * (1 - kStep), photo.bin));
+      for (std::size_t i = 0; i < pixels; ++i)
+        wider.data[i] = (wider.data[i] - narrower.data[i]) / static_cast<float>(2 * kStep);
+    } else {
+      for (std::size_t i = 0; i < pixels; ++i)
+        wider.data[i] = photo.blur_slope[i] / static_cast<float>(vignette_of(photo, x, i));
+    }
     index.push_back(unknown::log_blur);
     columns.push_back(std::move(wider));
   }
@@ -341,14 +484,16 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   const int tile_rows = tile_mm > 0 ? static_cast<int>(std::ceil(model.board->size_mm.y() / tile_mm)) : 0;
   Eigen::MatrixXd tiles = Eigen::MatrixXd::Zero(n, tile_columns * tile_rows);
   Eigen::MatrixXd rows(n, width);  // one row of the photo at a time: a column a pixel
-  Eigen::VectorXd r(width);
+  Eigen::VectorXd r(width), to_noise(width);
+  Eigen::MatrixXd noise_JtJ = Eigen::MatrixXd::Zero(n, n), noise_rows;
   for (int y = 0; y < height; ++y) {
     Eigen::Index used = 0;
     for (int px = 0; px < width; ++px) {
       const std::size_t i = static_cast<std::size_t>(y) * width + px;
       if (!(photo.weight[i] > 0)) continue;
       const double vignette = vignette_of(photo, x, i);
-      const double residual = photo.weight[i] * (vignette * base.data[i] - photo.photo.value.data[i]);
+      const double correction = corrected_by(photo, x, i);
+      const double residual = photo.weight[i] * (vignette * base.data[i] + correction - photo.photo.value.data[i]);
       const Loss loss = cauchy_loss(residual * residual, model.cauchy);
       out.cost += 0.5 * loss.rho;
       const double root = std::sqrt(loss.weight), scale = root * photo.weight[i] * vignette;
@@ -361,6 +506,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
       for (int v = 0; v < 3; ++v, radius_power *= photo.radius2[i])
         if (free[unknown::vignette + v]) rows(row++, used) = root * photo.weight[i] * radius_power * base.data[i];
       if (tile_mm > 0) {
+        to_noise[used] = 1 / (root * photo.weight[i] * photo.photo.sigma.data[i]);
         const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
         const int tx = std::clamp(static_cast<int>(p.x() / tile_mm), 0, tile_columns - 1);
         const int ty = std::clamp(static_cast<int>(p.y() / tile_mm), 0, tile_rows - 1);
@@ -371,16 +517,27 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     if (used == 0) continue;
     JtJ.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(used));
     Jtr.noalias() += rows.leftCols(used) * r.head(used);
+    if (tile_mm > 0) {
+      noise_rows = rows.leftCols(used) * to_noise.head(used).asDiagonal();
+      noise_JtJ.selfadjointView<Eigen::Lower>().rankUpdate(noise_rows);
+    }
   }
+  noise_JtJ.triangularView<Eigen::StrictlyUpper>() = noise_JtJ.transpose();
   JtJ.triangularView<Eigen::StrictlyUpper>() = JtJ.transpose();
 
   out.JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
   out.Jtr = Eigen::VectorXd::Zero(unknown::count);
-  if (tile_mm > 0) out.tile_scores = Eigen::MatrixXd::Zero(unknown::count, tiles.cols());
+  if (tile_mm > 0) {
+    out.tile_scores = Eigen::MatrixXd::Zero(unknown::count, tiles.cols());
+    out.noise_JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
+  }
   for (Eigen::Index a = 0; a < n; ++a) {
     out.Jtr[index[a]] = Jtr[a];
     if (tile_mm > 0) out.tile_scores.row(index[a]) = tiles.row(a);
-    for (Eigen::Index b = 0; b < n; ++b) out.JtJ(index[a], index[b]) = JtJ(a, b);
+    for (Eigen::Index b = 0; b < n; ++b) {
+      out.JtJ(index[a], index[b]) = JtJ(a, b);
+      if (tile_mm > 0) out.noise_JtJ(index[a], index[b]) = noise_JtJ(a, b);
+    }
   }
   return out;
 }

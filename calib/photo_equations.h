@@ -10,6 +10,7 @@
 #include "calib/light_samples.h"
 #include "render/bench.h"
 #include "render/board.h"
+#include "render/groove_field.h"
 #include "render/scratches.h"
 #include "render/view_renderer.h"
 
@@ -21,16 +22,19 @@ enum Index : int {
   log_alpha = 0,
   log_depth = 1,
   log_base_alpha = 2,
-  depth_gradient = 3,  // gx, gy: see Refinement
-  machine = 5,  // a00 a01 a10 a11 tx ty: carved = center + A (designed - center) + t, mm, about the carve area's center
-  ambient = 11,        // radiance, mean of the channels
-  vignette = 12,       // v1 v2 v3
-  log_blur = 15,       // of the Gaussian's sigma in pixels of the photo as taken
-  lamp_position = 16,  // mm
-  log_intensity = 19,
-  spot = 20,  // aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp
-  pose = 23,  // rotation vector on the left of T_camera_board, about the board's center; then translation, mm
-  count = 29
+  depth_field = 3,  // GrooveField's terms: gx gy, qxx qxy qyy, wear
+  alpha_field = 9,
+  machine =
+      15,  // a00 a01 a10 a11 tx ty: carved = center + A (designed - center) + t, mm, about the carve area's center
+  ambient = 21,        // radiance, mean of the channels
+  vignette = 22,       // v1 v2 v3
+  log_blur = 25,       // of the Gaussian's sigma in pixels of the photo as taken
+  lamp_position = 26,  // mm
+  log_intensity = 29,
+  spot = 30,  // aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp
+  pose = 33,  // rotation vector on the left of T_camera_board, about the board's center; then translation, mm
+  bow = 39,   // mm
+  count = 42
 };
 }  // namespace unknown
 
@@ -47,6 +51,11 @@ struct PhotoData {
   CameraView camera;
   std::vector<float> weight;   ///< 1 / expected error of each pixel; 0 where it is not used
   std::vector<float> radius2;  ///< vignetting's r^2
+  /// What the photo's own pixels would add to the value predicted on binned ones (see correct_binning); empty: nothing.
+  std::vector<float> correction;
+  std::vector<float> blur_slope;    ///< with a correction: the value's derivative by log_blur, from the same pixels
+  double log_blur_at = 0;           ///< where both were taken; binned pixels are blurred by this much then
+  std::vector<float> groove_shift;  ///< what grooves that differ add to the mean of the value (shift_by_grooves)
 };
 
 /// What all photos share.
@@ -57,17 +66,43 @@ struct ModelData {
   Eigen::Vector2d center_mm{0, 0};  ///< of the carve area
   double f0 = 0.92;                 ///< mean of the channels
   double cauchy = 3;                ///< scale of the robust loss, in expected errors
+  /// How much roughness and depth differ from groove to groove: standard deviations of their logarithms.
+  double alpha_jitter = 0, depth_jitter = 0;
 };
 
 /// Prepares a photo. `margin_px`: distance (in binned pixels) that used pixels keep from tags and the board's edge.
 PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& board, const Bench& bench,
                           double margin_px);
 
+/// The terms of the field of depth or alpha: `first` is unknown::depth_field or alpha_field.
+std::array<double, GrooveField::kTerms> field_of(const Unknowns& x, int first);
+
 /// The scratches as carved under these unknowns, cut where later ones rule if the model says so.
 Scratches carved_scratches(const ModelData& model, const Unknowns& x);
 
 /// The photo as predicted (linear value / exposure factor).
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
+
+/// The same with its derivatives by the logarithms of alpha and depth.
+struct GrooveSlopes {
+  Image value, by_log_alpha, by_log_depth;
+};
+GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                                 const Scratches& carved);
+
+/// Sets `photo.groove_shift` at x: a pixel's value is not linear in a groove's roughness or depth, so grooves that
+/// differ by model.alpha_jitter and depth_jitter send other light on average than equal ones. Their logarithms are
+/// taken as normal, by Gauss and Hermite's rule of three points.
+void shift_by_grooves(const ModelData& model, const Unknowns& x, PhotoData& photo);
+
+/// Sets `photo.correction` at x: the prediction on the photo's own pixels (`whole`, the view that was binned),
+/// averaged, less the one on binned pixels. What is not linear within a binned pixel (grooves that cover a pixel more
+/// than once, the blur's shape, directions) is so predicted as on fine pixels, at the price of one rendering. The
+/// blur, being finer than a binned pixel, is taken from the fine ones altogether: its effect (blur_slope) is linear
+/// about this state. Pixels are at most `max_pixels` large images; larger ones are binned by the smallest divisor of
+/// photo.bin that fits, and where none does, nothing is corrected.
+void correct_binning(const ModelData& model, const LightView& whole, const Board& board, const Bench& bench,
+                     const Unknowns& x, const Scratches& carved, std::size_t max_pixels, PhotoData& photo);
 
 /// Cost (half the sum of the robust loss), and its Gauss-Newton model by all unknowns (rows of held ones are 0).
 struct PhotoEquations {
@@ -76,11 +111,12 @@ struct PhotoEquations {
   Eigen::VectorXd Jtr;
   /// Scores summed over squares of the board, tile_columns x tile_rows, one column a square: count x tiles.
   Eigen::MatrixXd tile_scores;
+  Eigen::MatrixXd noise_JtJ;  ///< with tile_scores: weighted by the photo's noise alone, without loss
 };
 
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
 
-/// `tile_mm` > 0 asks for tile_scores.
+/// `tile_mm` > 0 asks for tile_scores and noise_JtJ.
 PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
                                const Scratches& carved, const FreeUnknowns& free, double tile_mm = 0);
 

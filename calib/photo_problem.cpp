@@ -109,6 +109,10 @@ State state_of(const Bench& bench, const ModelData& model) {
   state.shared[unknown::log_alpha] = std::log(bench.material.alpha);
   state.shared[unknown::log_depth] = std::log(bench.material.depth_um);
   state.shared[unknown::log_base_alpha] = std::log(bench.material.base_alpha);
+  for (int i = 0; i < GrooveField::kTerms; ++i) {
+    state.shared[unknown::depth_field + i] = bench.depth_field.terms[i];
+    state.shared[unknown::alpha_field + i] = bench.alpha_field.terms[i];
+  }
   const Affine2& affine = bench.machine_affine;
   const Eigen::Vector2d shift = affine.leftCols<2>() * model.center_mm + affine.col(2) - model.center_mm;
   for (int row = 0; row < 2; ++row) {
@@ -130,6 +134,15 @@ State state_of(const Bench& bench, const ModelData& model) {
   return state;
 }
 
+State moved_state(const State& state, const Eigen::VectorXd& step) {
+  State out = state;
+  for (int i = 0; i < kSharedUnknowns; ++i) out.shared[i] += step[i];
+  out.log_paper[0] += step[kSharedUnknowns];
+  for (std::size_t light = 0; light < out.lamps.size(); ++light)
+    for (int i = 0; i < kLampUnknowns; ++i) out.lamps[light][i] += step[global_index(kFirstLampUnknown + i, light)];
+  return out;
+}
+
 bool frees(const Stage& stage, int first) {
   switch (first) {
     case unknown::log_alpha:
@@ -137,8 +150,18 @@ bool frees(const Stage& stage, int first) {
       return stage.groove;
     case unknown::log_base_alpha:
       return stage.base;
-    case unknown::depth_gradient:
-      return stage.gradient;
+    case unknown::depth_field:
+      return stage.depth_field.linear;
+    case unknown::depth_field + 2:
+      return stage.depth_field.quadratic;
+    case unknown::depth_field + 5:
+      return stage.depth_field.wear;
+    case unknown::alpha_field:
+      return stage.alpha_field.linear;
+    case unknown::alpha_field + 2:
+      return stage.alpha_field.quadratic;
+    case unknown::alpha_field + 5:
+      return stage.alpha_field.wear;
     case unknown::machine:
       return stage.machine;
     case unknown::ambient:
@@ -169,16 +192,18 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
              const Progress& progress, const std::string& stage_name) {
   CarvedCache cache;
   ceres::Problem problem;
-  std::vector<std::array<double, 6>> poses(data.photos.size(), std::array<double, 6>{});
+  std::vector<std::array<double, 9>> geometry(data.photos.size(), std::array<double, 9>{});  // pose and bow, held
   std::set<std::size_t> lights;
   for (std::size_t k = 0; k < data.photos.size(); ++k) {
     const std::size_t light = data.photos[k].photo.light;
     lights.insert(light);
     std::vector<double*> blocks;
     for (const Block& block : kBlocks)
-      blocks.push_back(block.first == unknown::pose ? poses[k].data() : state.block(block.first, light));
+      blocks.push_back(block.first >= unknown::pose ? geometry[k].data() + (block.first - unknown::pose)
+                                                    : state.block(block.first, light));
     problem.AddResidualBlock(new PhotoCost(data.model, data.photos[k], cache), nullptr, blocks);
-    problem.SetParameterBlockConstant(poses[k].data());
+    for (const int offset : {0, unknown::bow - unknown::pose})
+      problem.SetParameterBlockConstant(geometry[k].data() + offset);
   }
   for (const LightSample& sample : data.paper) {
     if (!lights.count(sample.light)) continue;
@@ -192,7 +217,7 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
   add_prior(problem, state.log_paper, {kPaperFactorSigma});
 
   for (const Block& block : kBlocks) {
-    if (block.first == unknown::pose) continue;
+    if (block.first >= unknown::pose) continue;
     for (const std::size_t light : lights) {
       double* values = state.block(block.first, light);
       const bool free = block.first == unknown::spot ? stage.lamp && data.is_spot[light] : frees(stage, block.first);
@@ -240,44 +265,104 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
   return summary.final_cost;
 }
 
-void weigh_photos(Problem& data, const State& state) {
+namespace {
+
+// One pixel's squares: residual, noise, prediction, its slopes by log alpha and log depth.
+struct PixelSquares {
+  double residual, noise, value, by_alpha, by_depth;
+};
+
+// The relative error m of the model for which the median of residual^2 / expected^2 is a normal distribution's.
+double relative_error(const std::vector<PixelSquares>& pixels, double alpha_jitter, double depth_jitter) {
+  constexpr double kNormalMedian = 0.6745;
+  std::vector<double> ratios(pixels.size());
+  const auto median_ratio = [&](double m) {
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const PixelSquares& p = pixels[i];
+      ratios[i] = p.residual / (p.noise + m * m * p.value + alpha_jitter * alpha_jitter * p.by_alpha +
+                                depth_jitter * depth_jitter * p.by_depth);
+    }
+    return std::sqrt(median_of(ratios));
+  };
+  if (pixels.empty() || median_ratio(0) <= kNormalMedian) return 0;
+  double low = 0, high = 3;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    (median_ratio(middle) > kNormalMedian ? low : high) = middle;
+  }
+  return high;
+}
+
+// Variances of log alpha and log depth (not negative) that explain what noise and m leave, by weighted least squares.
+Eigen::Vector2d groove_variances(const std::vector<std::vector<PixelSquares>>& photos, const std::vector<double>& m,
+                                 const Eigen::Vector2d& variances) {
+  Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d g = Eigen::Vector2d::Zero();
+  for (std::size_t k = 0; k < photos.size(); ++k)
+    for (const PixelSquares& p : photos[k]) {
+      const Eigen::Vector2d slopes(p.by_alpha, p.by_depth);
+      const double known = p.noise + m[k] * m[k] * p.value, expected = known + variances.dot(slopes);
+      constexpr double kMost = 9;
+      const double weight = 1 / (expected * expected);
+      H += weight * slopes * slopes.transpose();
+      g += weight * (std::min(p.residual, kMost * expected) - known) * slopes;
+    }
+  if (!(H(0, 0) > 0) || !(H(1, 1) > 0)) return Eigen::Vector2d::Zero();
+  const Eigen::Vector2d both = H.ldlt().solve(g), alone = g.cwiseQuotient(H.diagonal()).cwiseMax(0);
+  if (both.minCoeff() >= 0) return both;
+  return both[0] < both[1] ? Eigen::Vector2d(0, alone[1]) : Eigen::Vector2d(alone[0], 0);
+}
+
+void weigh(Problem& data, const State& state, bool grooves_differ) {
   const Scratches carved = carved_scratches(data.model, state.of(0));
   data.photo_model_error.assign(data.photos.size(), 0);
+  std::vector<GrooveSlopes> predicted;
+  std::vector<std::vector<PixelSquares>> squares;
+  for (const PhotoData& photo : data.photos) {
+    const Unknowns x = state.of(photo.photo.light);
+    predicted.push_back(grooves_differ ? predict_with_slopes(data.model, photo, x, carved)
+                                       : GrooveSlopes{predict(data.model, photo, x, carved), {}, {}});
+    const GrooveSlopes& p = predicted.back();
+    const auto square = [](double v) { return v * v; };
+    squares.emplace_back();
+    const std::size_t stride = 1 + p.value.data.size() / 200'000;
+    for (std::size_t i = 0; i < p.value.data.size(); i += stride)
+      if (photo.weight[i] > 0)
+        squares.back().push_back({square(static_cast<double>(p.value.data[i]) - photo.photo.value.data[i]),
+                                  square(photo.photo.sigma.data[i]), square(p.value.data[i]),
+                                  grooves_differ ? square(p.by_log_alpha.data[i]) : 0,
+                                  grooves_differ ? square(p.by_log_depth.data[i]) : 0});
+  }
+  Eigen::Vector2d variances = Eigen::Vector2d::Zero();
+  constexpr int kRounds = 8;
+  for (int round = 0; round < (grooves_differ ? kRounds : 1); ++round) {
+    if (round > 0) variances = groove_variances(squares, data.photo_model_error, variances);
+    for (std::size_t k = 0; k < data.photos.size(); ++k)
+      data.photo_model_error[k] = relative_error(squares[k], std::sqrt(variances[0]), std::sqrt(variances[1]));
+  }
+  if (grooves_differ) {
+    data.model.alpha_jitter = std::sqrt(variances[0]);
+    data.model.depth_jitter = std::sqrt(variances[1]);
+  }
   for (std::size_t k = 0; k < data.photos.size(); ++k) {
     PhotoData& photo = data.photos[k];
-    const Image predicted = predict(data.model, photo, state.of(photo.photo.light), carved);
-    struct Term {
-      double r2, noise2, value2;
-    };
-    std::vector<Term> terms;
-    const std::size_t stride = 1 + predicted.data.size() / 200'000;
-    for (std::size_t i = 0; i < predicted.data.size(); i += stride) {
+    const GrooveSlopes& p = predicted[k];
+    for (std::size_t i = 0; i < p.value.data.size(); ++i) {
       if (!(photo.weight[i] > 0)) continue;
-      const double r = static_cast<double>(predicted.data[i]) - photo.photo.value.data[i];
-      const double noise = photo.photo.sigma.data[i], value = predicted.data[i];
-      terms.push_back({r * r, noise * noise, value * value});
+      const double noise = photo.photo.sigma.data[i], miss = data.photo_model_error[k] * p.value.data[i];
+      const double grooves = grooves_differ ? std::hypot(data.model.alpha_jitter * p.by_log_alpha.data[i],
+                                                         data.model.depth_jitter * p.by_log_depth.data[i])
+                                            : 0;
+      photo.weight[i] = static_cast<float>(1 / std::sqrt(noise * noise + miss * miss + grooves * grooves));
     }
-    constexpr double kNormalMedian = 0.6745;
-    std::vector<double> ratios(terms.size());
-    const auto median_ratio = [&](double m) {
-      for (std::size_t i = 0; i < terms.size(); ++i)
-        ratios[i] = terms[i].r2 / (terms[i].noise2 + m * m * terms[i].value2);
-      return std::sqrt(median_of(ratios));
-    };
-    double low = 0, high = 3;
-    if (terms.empty() || median_ratio(0) <= kNormalMedian) high = 0;
-    for (int i = 0; i < 30 && high > 0; ++i) {
-      const double middle = 0.5 * (low + high);
-      (median_ratio(middle) > kNormalMedian ? low : high) = middle;
-    }
-    const double m = high;
-    data.photo_model_error[k] = m;
-    for (std::size_t i = 0; i < predicted.data.size(); ++i)
-      if (photo.weight[i] > 0)
-        photo.weight[i] = static_cast<float>(
-            1 / std::hypot(static_cast<double>(photo.photo.sigma.data[i]), m * static_cast<double>(predicted.data[i])));
   }
 }
+
+}  // namespace
+
+void weigh_photos(Problem& data, const State& state) { weigh(data, state, false); }
+
+void weigh_photos_and_grooves(Problem& data, const State& state) { weigh(data, state, true); }
 
 double pixel_mm(const LightView& view, const Bench& bench) {
   const Eigen::Isometry3d& T = bench.views[view.view].T_camera_board;
@@ -290,6 +375,17 @@ std::vector<PhotoData> photos_at(const std::vector<LightView>& views, int bin, c
   for (const LightView& view : views)
     photos.push_back(make_photo_data(binned(view, bin), bin, board, bench, 0.8 + 3 * blur_px / bin));
   return photos;
+}
+
+void correct_binning(Problem& data, const std::vector<LightView>& views, const Board& board, const Bench& bench,
+                     const State& state) {
+  constexpr std::size_t kMaxPixels = 4'000'000;  // of a photo: some 100 bytes each while it is worked on
+  const Scratches carved = carved_scratches(data.model, state.of(0));
+  for (std::size_t k = 0; k < data.photos.size(); ++k) {
+    const Unknowns x = state.of(views[k].light);
+    correct_binning(data.model, views[k], board, bench, x, carved, kMaxPixels, data.photos[k]);
+    shift_by_grooves(data.model, x, data.photos[k]);
+  }
 }
 
 double cost_of(const Problem& data, const State& state, std::size_t stride) {

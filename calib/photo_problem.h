@@ -4,9 +4,11 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "calib/geometry_prior.h"
 #include "calib/lamp.h"
 #include "calib/light_samples.h"
 #include "calib/photo_equations.h"
@@ -18,10 +20,15 @@ namespace burin {
 struct Block {
   int first, size;
 };
-constexpr std::array<Block, 12> kBlocks = {{{unknown::log_alpha, 1},
+constexpr std::array<Block, 18> kBlocks = {{{unknown::log_alpha, 1},
                                             {unknown::log_depth, 1},
                                             {unknown::log_base_alpha, 1},
-                                            {unknown::depth_gradient, 2},
+                                            {unknown::depth_field, 2},
+                                            {unknown::depth_field + 2, 3},
+                                            {unknown::depth_field + 5, 1},
+                                            {unknown::alpha_field, 2},
+                                            {unknown::alpha_field + 2, 3},
+                                            {unknown::alpha_field + 5, 1},
                                             {unknown::machine, 6},
                                             {unknown::ambient, 1},
                                             {unknown::vignette, 3},
@@ -29,7 +36,8 @@ constexpr std::array<Block, 12> kBlocks = {{{unknown::log_alpha, 1},
                                             {unknown::lamp_position, 3},
                                             {unknown::log_intensity, 1},
                                             {unknown::spot, 3},
-                                            {unknown::pose, 6}}};
+                                            {unknown::pose, 6},
+                                            {unknown::bow, 3}}};
 constexpr int kFirstLampUnknown = unknown::lamp_position;
 constexpr int kSharedUnknowns = kFirstLampUnknown;  // those before the lamp's
 constexpr int kLampUnknowns = unknown::pose - unknown::lamp_position;
@@ -54,10 +62,17 @@ struct State {
 /// What a bench says of all of them. A lamp's aim is where its axis meets the board's plane.
 State state_of(const Bench& bench, const ModelData& model);
 
+/// The state moved by a step of all unknowns, in the order of global_index().
+State moved_state(const State& state, const Eigen::VectorXd& step);
+
 /// Groups of unknowns that a stage frees.
+struct FreeField {
+  bool linear = false, quadratic = false, wear = false;
+};
 struct Stage {
-  bool groove = true, base = true, gradient = false, machine = true, ambient = true, vignette = true, blur = false,
-       lamp = true, intensity = true;
+  FreeField depth_field, alpha_field;
+  bool groove = true, base = true, machine = true, ambient = true, vignette = true, blur = false, lamp = true,
+       intensity = true;
 };
 
 /// Whether a stage frees the block of unknowns that starts at `first`; the spot is free with the lamp, where it is one.
@@ -94,6 +109,7 @@ struct Problem {
   std::vector<LightSample> paper;
   std::vector<double> photo_model_error;
   std::vector<bool> is_spot;
+  std::optional<GeometryPrior> geometry;  ///< none: poses and bow are exact
 };
 
 PaperResidual paper_residual(const Problem& problem, const LightSample& sample);
@@ -107,6 +123,16 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
 /// median of |residual| / sqrt(noise^2 + (m prediction)^2) is that of a normal distribution. A photo that the model
 /// cannot explain (moved, out of focus) so weighs little by itself.
 void weigh_photos(Problem& data, const State& state);
+
+/// The same with grooves that differ: the scatter of their roughness and depth (model.alpha_jitter, depth_jitter) is
+/// found from the residuals, by how their squares follow the squares of the prediction's slopes by the two, and a
+/// pixel's expected error counts it: where half vectors lean towards the cut-off, a groove a hundredth deeper than the
+/// others is many times the noise away from them. Squared residuals beyond three expected errors count as that much.
+void weigh_photos_and_grooves(Problem& data, const State& state);
+
+/// Corrects all photos (which photos_at() made of `views`) for their binning, at `state`: see photo_equations.h.
+void correct_binning(Problem& data, const std::vector<LightView>& views, const Board& board, const Bench& bench,
+                     const State& state);
 
 /// Cost of every `stride`-th photo.
 double cost_of(const Problem& data, const State& state, std::size_t stride);

@@ -235,7 +235,7 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& desig
   State state = state_of(bench, data.model);
   const Eigen::Index n = kSharedUnknowns + 1 + static_cast<Eigen::Index>(bench.lights.size()) * kLampUnknowns;
   std::vector<bool> free(n, true);
-  free[unknown::depth_gradient] = free[unknown::depth_gradient + 1] = false;
+  for (int i = 0; i < GrooveField::kTerms; ++i) free[unknown::depth_field + i] = free[unknown::alpha_field + i] = false;
   for (std::size_t i = 0; i < bench.lights.size(); ++i)
     for (int k = 0; k < 3; ++k) free[global_index(unknown::spot + k, i)] = data.is_spot[i];
   std::vector<std::vector<LightCandidate>> light(directions);

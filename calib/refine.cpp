@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <utility>
 
+#include "calib/field_choice.h"
 #include "calib/lamp.h"
 #include "calib/light_samples.h"
 #include "calib/next_photo.h"
@@ -137,38 +140,67 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   }
   out.overlap = data.model.last_carved_rules ? Overlap::last : Overlap::add;
 
-  stage.gradient = options.fit_depth_gradient;
   if (middle < coarse) data.photos = photos_at(views, middle, board, out.bench, blur());
   stage.blur = true;
   weigh_photos(data, state);
   solve(data, stage, options.max_iterations, 1e-5, state, progress, "fitting binned photos");
-  if (stage.gradient) {
-    const Uncertainty sigmas = uncertainty_of(data, stage, state, state.lamps.size());
-    double significance = 0;
-    for (int i = 0; i < 2; ++i)
-      significance = std::max(significance, std::abs(state.shared[unknown::depth_gradient + i]) /
-                                                sigmas.sigma(unknown::depth_gradient + i));
-    constexpr double kSignificant = 3;
-    if (significance < kSignificant) {
-      stage.gradient = false;
-      for (int i = 0; i < 2; ++i) state.shared[unknown::depth_gradient + i] = 0;
-    }
+  // A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other.
+  for (std::size_t light = 0; light < state.lamps.size(); ++light) {
+    double* spot = state.block(unknown::spot, light);
+    if (!data.is_spot[light]) continue;
+    constexpr double kLeastExponent = 0.3;
+    if (spot[2] > kLeastExponent) continue;
+    data.is_spot[light] = false;
+    spot[2] = 0;
+    weigh_photos(data, state);
+    solve(data, stage, options.max_iterations, 1e-5, state, progress, "fitting a bare lamp");
   }
-
   if (finest < middle) {
     data.photos = photos_at(views, finest, board, out.bench, blur());
     weigh_photos(data, state);
     solve(data, stage, options.max_iterations, 1e-5, state, progress, "fitting photos");
   }
-  weigh_photos(data, state);
-  solve(data, stage, options.max_iterations, 3e-6, state, progress, "fitting photos with their own errors");
+  // Binned pixels are quick but not quite what the camera saw: the difference to the photo's own pixels is taken at the
+  // solution and held while the fit goes on.
+  const auto solve_corrected = [&](const std::string& name) {
+    correct_binning(data, views, board, out.bench, state);
+    weigh_photos_and_grooves(data, state);
+    solve(data, stage, options.max_iterations, 3e-6, state, progress, name);
+  };
+  solve_corrected("fitting photos with their own errors");
+  const auto move_geometry = [&] {
+    joint_step(data, stage, state, out.bench);
+    data.photos = photos_at(views, finest, board, out.bench, blur());
+    solve_corrected("fitting photos, cameras and bow");
+  };
+  if (options.fit_geometry) {
+    data.geometry = geometry_prior(board, out.bench);
+    move_geometry();
+  }
+  if (options.fit_fields) {
+    // Only now: what cameras, bow or lamp still had wrong would look like grooves that vary.
+    if (progress) progress("asking whether depth and roughness vary", 0);
+    const FieldChoice choice = choose_fields(data, stage, state);
+    stage.depth_field = choice.depth;
+    stage.alpha_field = choice.alpha;
+    for (const auto& [name, field] : {std::pair("depth_field", choice.depth), std::pair("alpha_field", choice.alpha)})
+      out.bench.verdict[name] = {
+          true,
+          field_name(field) + ", chosen by predicting each view from the others, accidents of single grooves counted"};
+    if (terms_of(choice.depth) + terms_of(choice.alpha) > 0) {
+      solve_corrected("fitting photos and how grooves vary");
+      if (options.fit_geometry) move_geometry();
+    }
+  }
   if (progress) progress("judging the result", 0);
-  const Uncertainty uncertainty = uncertainty_of(data, stage, state, state.lamps.size());
+  const Uncertainty uncertainty = uncertainty_of(data, stage, state);
 
   const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
   advise_light(data, state, uncertainty, judged, out.bench, progress);
   out.bench.sensor.psf_sigma_px *= merged_bin;
   fit_colors(data, merged, state, out.bench);
+  out.alpha_jitter = data.model.alpha_jitter;
+  out.depth_jitter = data.model.depth_jitter;
   out.model_error = median_of(data.photo_model_error);
   const Scratches carved = carved_scratches(data.model, state.of(0));
   for (std::size_t k = 0; k < data.photos.size(); ++k)

@@ -3,11 +3,15 @@
 //
 // One least-squares problem over all photos: residual = photo value / exposure factor
 //   - vignette(r) * blur( I(w) * radiance of a bare unit lamp + ambient * F0 ),
-// weighted by the photo's noise and a model error that is estimated from the residuals, under a Cauchy loss. Unknown:
-// alpha, d, base_alpha, lamp position and intensity (aim and exponent of a spot), ambient light, vignetting, blur, the
-// machine's affine map, and if asked d's linear gradient over the board. The renderer's own derivatives
-// (render_with_derivatives) fill the Jacobian; each photo's is compressed to its normal equations, so memory does not
-// grow with the pixels. Coarse (binned) photos first: there the machine may be off by more than a groove's width.
+// weighted by the photo's noise and a model error that is estimated from the residuals (grooves that differ from one
+// another included: weigh_photos_and_grooves), under a Cauchy loss. Unknown: alpha, d, base_alpha, lamp position and
+// intensity (aim and exponent of a spot), ambient light, vignetting, blur, the machine's affine map, and how depth and
+// alpha vary over the board and with wear, as far as the photos ask for it (field_choice.h). The renderer's own
+// derivatives (render_with_derivatives) fill the Jacobian; each photo's is compressed to its normal equations, so
+// memory does not grow with the pixels. Coarse (binned) photos first: there the machine may be off by more than a
+// groove's width.
+//
+// Cameras' poses and the bow move too (geometry_prior.h), with the tags as their prior.
 //
 // Sigmas are not those of white noise. Several estimates are made, and the largest is reported: the inverse of the
 // normal equations times the residuals' scatter; sandwiches whose scores are summed over 20 mm squares of the board
@@ -35,10 +39,12 @@ enum class Overlap { automatic, add, last };
 struct RefineOptions {
   Overlap overlap = Overlap::automatic;  ///< automatic: whichever explains the photos better
   bool fit_lamp = true;                  ///< false keeps bench.lights' positions
-  bool fit_depth_gradient = true;  ///< try a linear gradient of depth over the board, keep it if it is significant
-  /// Photos are binned until a pixel is at least this large on the board. Grooves are found far below a pixel, so 0.5
-  /// mm loses little and is several times faster than what a good camera resolves; 0 for the photos as taken.
-  double finest_pixel_mm = 0.5;
+  bool fit_geometry = true;              ///< false: the bench's poses and bow are exact
+  bool fit_fields = true;                ///< let depth and alpha vary over the board and with wear (field_choice.h)
+  /// Photos are binned until a pixel is at least this large on the board, 0 for the photos as taken. Grooves are found
+  /// far below a pixel, so binning loses little and is several times faster; what it distorts is corrected by
+  /// predictions on the photos' own pixels (correct_binning).
+  double finest_pixel_mm = 0.8;
   int max_iterations = 12;              ///< of the trust region, at each resolution
   std::size_t max_pixels = 12'000'000;  ///< of all photos together at the finest resolution; they are binned to fit
 };
@@ -52,14 +58,22 @@ struct PhotoFit {
   double outliers = 0;           ///< fraction of pixels beyond 4 sigma of noise and model error
 };
 
+/// A reported sigma beside the Cramer-Rao bound of white noise: the rest is what the model misses.
+struct NoiseBound {
+  std::string name;  ///< as in the verdict
+  double sigma = 0, bound = 0;
+  std::string unit;
+};
+
 struct Refinement {
   Bench bench;  ///< completed: material, lights, sensor, ambient, machine_affine, sigmas, verdict
   std::vector<PhotoFit> photos;
   double model_error = 0;  ///< relative, what the residuals say that the model misses beyond noise
+  /// How much roughness and depth differ from groove to groove, as the residuals say: sigmas of their logarithms.
+  double alpha_jitter = 0, depth_jitter = 0;
   Overlap overlap = Overlap::add;
-  Eigen::Vector2d depth_gradient{0, 0};  ///< depth_um (1 + gx (u - 1/2) + gy (v - 1/2)), u = x / width, v = y / height
-  Eigen::Vector2d depth_gradient_sigma{0, 0};
-  std::vector<std::string> findings;  ///< sentences for a person: what was left out, what looks wrong
+  std::vector<NoiseBound> noise_bounds;  ///< of alpha, base_alpha, depth_um and the lamps, as far as they were fitted
+  std::vector<std::string> findings;     ///< sentences for a person: what was left out, what looks wrong
 };
 
 /// Reads the session's photos and completes `measured` (lens, poses, tags, bow from calibration; its lamps, where they

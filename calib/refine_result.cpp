@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <utility>
 
 namespace burin {
 PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Scratches& carved,
@@ -100,10 +103,17 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
   bench.sensor.vignette = Eigen::Vector3d(s[unknown::vignette], s[unknown::vignette + 1], s[unknown::vignette + 2]);
   bench.sensor.psf_sigma_px = std::exp(s[unknown::log_blur]);
   bench.ambient.setConstant(s[unknown::ambient]);
-  for (int i = 0; i < 2; ++i) {
-    out.depth_gradient[i] = s[unknown::depth_gradient + i];
-    out.depth_gradient_sigma[i] = stage.gradient ? uncertainty.sigma(unknown::depth_gradient + i) : 0;
-  }
+  const auto fill_field = [&](int first, GrooveField& field) {
+    field = {};
+    std::array<double, GrooveField::kTerms> sigma{};
+    for (int i = 0; i < GrooveField::kTerms; ++i) {
+      field.terms[i] = s[first + i];
+      sigma[i] = uncertainty.sigma(first + i);
+    }
+    if (!field.is_constant()) field.sigma = sigma;
+  };
+  fill_field(unknown::depth_field, bench.depth_field);
+  fill_field(unknown::alpha_field, bench.alpha_field);
 
   bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
   bench.material_sigma.depth_um = bench.material.depth_um * uncertainty.sigma(unknown::log_depth);
@@ -151,7 +161,29 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
     }
     l.intensity_sigma = l.intensity * uncertainty.sigma(at(unknown::log_intensity));
   }
-  return judge_light(data, state, uncertainty, stage, bench);
+  Combinations judged = judge_light(data, state, uncertainty, stage, bench);
+
+  // How far the sigmas stand above what the camera's noise alone would allow: the rest is what the model misses.
+  const auto beside_noise = [&](const std::string& name, double sigma, double bound, const std::string& unit) {
+    const auto verdict = bench.verdict.find(name);
+    if (verdict == bench.verdict.end() || !verdict->second.determined || !(bound > 0)) return;
+    out.noise_bounds.push_back({name, sigma, bound, unit});
+    std::ostringstream times;
+    times << std::setprecision(2) << sigma / bound;
+    verdict->second.reason += "; " + times.str() + " times what the camera's noise alone would allow";
+  };
+  for (const auto& [name, index] : {std::pair("alpha", unknown::log_alpha), std::pair("depth_um", unknown::log_depth),
+                                    std::pair("base_alpha", unknown::log_base_alpha)})
+    beside_noise(name, 100 * uncertainty.sigma(index), 100 * uncertainty.bound(index), " %");
+  for (std::size_t light = 0; light < bench.lights.size() && stage.lamp; ++light) {
+    Eigen::Vector3d sigma_mm, bound_mm;
+    for (int i = 0; i < 3; ++i) {
+      sigma_mm[i] = uncertainty.sigma(global_index(unknown::lamp_position + i, light));
+      bound_mm[i] = uncertainty.bound(global_index(unknown::lamp_position + i, light));
+    }
+    beside_noise("light." + bench.lights[light].id + ".position_mm", sigma_mm.norm(), bound_mm.norm(), " mm");
+  }
+  return judged;
 }
 
 }  // namespace burin

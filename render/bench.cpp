@@ -1,8 +1,11 @@
 #include "render/bench.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "render/error.h"
 #include "render/groove.h"
@@ -158,6 +161,46 @@ Json light_json(const Light& light) {
   return json;
 }
 
+// {"linear": [gx, gy], "quadratic": [qxx, qxy, qyy], "wear": w}, each with its sigma; what is left out is 0.
+struct FieldPart {
+  const char* name;
+  int first, count;
+};
+constexpr std::array<FieldPart, 3> kFieldParts{{{"linear", 0, 2}, {"quadratic", 2, 3}, {"wear", 5, 1}}};
+
+GrooveField read_field(JsonObject& material, const std::string& name) {
+  GrooveField field;
+  if (!material.has(name)) return field;
+  JsonObject json = material.object(name);
+  for (const FieldPart& part : kFieldParts) {
+    const std::string sigma_name = std::string(part.name) + "_sigma";
+    if (json.has(part.name)) {
+      const auto values = json.numbers(part.name, part.count);
+      std::copy(values.begin(), values.end(), field.terms.begin() + part.first);
+    }
+    if (json.has(sigma_name)) {
+      const auto values = json.numbers(sigma_name, part.count);
+      if (!field.sigma) field.sigma.emplace();
+      std::copy(values.begin(), values.end(), field.sigma->begin() + part.first);
+    }
+  }
+  json.finish();
+  return field;
+}
+
+Json field_json(const GrooveField& field) {
+  Json json = Json::object();
+  for (const FieldPart& part : kFieldParts) {
+    const auto begin = field.terms.begin() + part.first, end = begin + part.count;
+    if (std::all_of(begin, end, [](double v) { return v == 0; })) continue;
+    json[part.name] = std::vector<double>(begin, end);
+    if (field.sigma)
+      json[std::string(part.name) + "_sigma"] =
+          std::vector<double>(field.sigma->begin() + part.first, field.sigma->begin() + part.first + part.count);
+  }
+  return json;
+}
+
 Json material_json(const Bench& bench, double tool_width_um) {
   Json json;
   json["alpha"] = bench.material.alpha;
@@ -168,10 +211,19 @@ Json material_json(const Bench& bench, double tool_width_um) {
   json["base_alpha"] = bench.material.base_alpha;
   if (bench.material_sigma.base_alpha) json["base_alpha_sigma"] = *bench.material_sigma.base_alpha;
   json["f0"] = to_json(bench.material.f0);
+  if (!bench.depth_field.is_constant()) json["depth_field"] = field_json(bench.depth_field);
+  if (!bench.alpha_field.is_constant()) json["alpha_field"] = field_json(bench.alpha_field);
   return json;
 }
 
 }  // namespace
+
+Scratches as_carved(const Scratches& designed, const Bench& bench, const Eigen::Vector2d& board_size_mm) {
+  Scratches carved = transformed(designed, bench.machine_affine);
+  apply_fields(bench.depth_field, bench.alpha_field, bench.material.depth_um, bench.material.alpha, board_size_mm,
+               carved);
+  return carved;
+}
 
 Bench read_bench(const std::filesystem::path& file) {
   const Json content = read_json(file, "burin/bench", 1);
@@ -193,6 +245,8 @@ Bench read_bench(const std::filesystem::path& file) {
     bench.material_sigma.alpha = optional_sigma(material, "alpha_sigma");
     bench.material_sigma.depth_um = optional_sigma(material, "depth_sigma_um");
     bench.material_sigma.base_alpha = optional_sigma(material, "base_alpha_sigma");
+    bench.depth_field = read_field(material, "depth_field");
+    bench.alpha_field = read_field(material, "alpha_field");
     material.positive("half_width_um", 1);  // derived from depth_um and the tool's width: for people, not for us
     material.finish();
   }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "render/board.h"
+#include "render/groove_field.h"
 #include "render/lens.h"
 
 namespace burin {
@@ -70,6 +71,7 @@ struct Bench {
   std::vector<Light> lights;
   Material material;
   MaterialSigma material_sigma;
+  GrooveField depth_field, alpha_field;  ///< what multiplies material.depth_um and alpha, scratch by scratch
   Sensor sensor;
   Eigen::Vector3d ambient{0, 0, 0};  ///< radiance of uniform surroundings, R G B (in units of gain = 1)
   Eigen::Vector3d bow_mm{0, 0, 0};   ///< face height z = b0 X^2 + b1 X Y + b2 Y^2; X, Y from -1 to 1 over the board
@@ -78,6 +80,10 @@ struct Bench {
   std::optional<Affine2> machine_affine_sigma;
   std::map<std::string, Verdict> verdict;  ///< by parameter name: "depth_um", "alpha", "light.lamp.position_mm", ...
 };
+
+/// Designed scratches as this bench's machine carves them: moved by its map; where depth or alpha vary (their fields),
+/// each scratch with its own.
+Scratches as_carved(const Scratches& designed, const Bench& bench, const Eigen::Vector2d& board_size_mm);
 
 /// Reads `bench.json` and the `.cameramodel` it names. Throws Error on anything missing, unknown or out of range.
 Bench read_bench(const std::filesystem::path& file);

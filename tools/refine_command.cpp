@@ -1,8 +1,10 @@
 #include <CLI/Error.hpp>
 #include <CLI/Validators.hpp>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <string>
 
 #include "calib/refine.h"
 #include "render/error.h"
@@ -27,15 +29,26 @@ std::string with_sigma(const Bench& bench, const std::string& name, double value
   return fmt::format("{:.{}f} +- {:.{}f}", value, digits, *sigma, digits + 1);
 }
 
+void print_field(const std::string& name, const GrooveField& field) {
+  if (field.is_constant()) return;
+  const auto sigma = field.sigma.value_or(std::array<double, GrooveField::kTerms>{});
+  const auto term = [&](int i) { return fmt::format("{:.1f} +- {:.1f} %", 100 * field.terms[i], 100 * sigma[i]); };
+  if (field.is_linear())
+    fmt::print("         {} varies by {} from left to right, {} from bottom to top\n", name, term(0), term(1));
+  if (field.is_quadratic())
+    fmt::print("         and is not linear: {} x x, {} x y, {} y y\n", term(2), term(3), term(4));
+  if (field.wear() != 0) fmt::print("         {} falls by {} from the first scratch to the last\n", name, term(5));
+}
+
 void print_result(const Refinement& r, const Board& board) {
   const Bench& b = r.bench;
   fmt::print("alpha    {}\n", with_sigma(b, "alpha", b.material.alpha, b.material_sigma.alpha, 4));
+  print_field("alpha", b.alpha_field);
   fmt::print("depth    {} um", with_sigma(b, "depth_um", b.material.depth_um, b.material_sigma.depth_um, 2));
   fmt::print("; half-width {:.1f} um\n", half_width_um(board.tool_width_um, b.material.depth_um));
-  if (!r.depth_gradient.isZero())
-    fmt::print("         varies by {:.1f} +- {:.1f} % from left to right, {:.1f} +- {:.1f} % from bottom to top\n",
-               100 * r.depth_gradient.x(), 100 * r.depth_gradient_sigma.x(), 100 * r.depth_gradient.y(),
-               100 * r.depth_gradient_sigma.y());
+  print_field("depth", b.depth_field);
+  fmt::print("grooves  differ from one another by {:.1f} % in alpha and {:.1f} % in depth\n", 100 * r.alpha_jitter,
+             100 * r.depth_jitter);
   fmt::print("face     base_alpha {}\n",
              with_sigma(b, "base_alpha", b.material.base_alpha, b.material_sigma.base_alpha, 4));
   for (const Light& light : b.lights) {
@@ -55,6 +68,11 @@ void print_result(const Refinement& r, const Board& board) {
     }
   fmt::print("machine  off by at most {:.3f} mm over the carve area; {}\n", worst,
              b.verdict.count("machine.affine") ? b.verdict.at("machine.affine").reason : "");
+  fmt::print("bound   ");
+  for (std::size_t i = 0; i < r.noise_bounds.size(); ++i)
+    fmt::print("{} {} {:.2g}{}, x{:.1f}", i ? ";" : "", r.noise_bounds[i].name, r.noise_bounds[i].bound,
+               r.noise_bounds[i].unit, r.noise_bounds[i].sigma / r.noise_bounds[i].bound);
+  fmt::print("\n         what the camera's noise alone would allow, and how many times above it the sigmas stand\n");
   fmt::print("photos   {:>10} {:>9} {:>13} {:>12} {:>9}\n", "view", "pixels", "residual", "/ its noise", "outliers");
   for (const PhotoFit& photo : r.photos)
     fmt::print("         {:>10} {:>9} {:>11.2f} % {:>12.2f} {:>7.1f} %\n", photo.view, photo.pixels,
@@ -72,6 +90,7 @@ void add_refine_command(CLI::App& burin) {
     Overlap overlap = Overlap::automatic;
     bool keep_lamp = false;
     std::string hold_out;
+    double pixel_mm = RefineOptions{}.finest_pixel_mm;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand(
@@ -92,6 +111,11 @@ void add_refine_command(CLI::App& burin) {
                        "Fit again without some photos and predict their pixels: names of views (v03,v07), a share, a "
                        "number of folds (each takes as long again), or nothing (a quarter of the views)")
           ->expected(0, 1);
+  command
+      ->add_option("--pixel-mm", options->pixel_mm,
+                   "Bin photos until a pixel is this large on the board, mm; 0 takes them as they are (slow)")
+      ->check(CLI::Range(0.0, 100.0))
+      ->capture_default_str();
   command->footer(example("burin refine session/session.json --bench bench/bench.json"));
   command->callback([options, hold_out] {
     const Session session = read_session(options->session);
@@ -104,6 +128,7 @@ void add_refine_command(CLI::App& burin) {
     RefineOptions o;
     o.overlap = options->overlap;
     o.fit_lamp = !options->keep_lamp;
+    o.finest_pixel_mm = options->pixel_mm;
     ProgressBar bar;
     bar.progress()("reading photos", 0);
     const std::vector<MergedView> merged = photos_for_refine(session, board, measured);

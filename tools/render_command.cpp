@@ -49,7 +49,7 @@ void run(const Options& o) {
   if (board.scratches.empty())
     fail(o.board.string(), "names no scratches", "name some in \"scratches\", or give --scratches FILE.csv");
   Scratches scratches = read_scratches(board.scratches);
-  if (o.as_carved) scratches = transformed(scratches, bench.machine_affine);
+  if (o.as_carved) scratches = as_carved(scratches, bench, board.size_mm);
   const View& view = find_view(bench, o.view, "--view");
   const Light& light = o.light.empty() ? bench.lights.front() : find_light(bench, o.light, "--light");
 

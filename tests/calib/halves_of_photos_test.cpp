@@ -53,7 +53,7 @@ TEST(HalvesOfPhotos, AreWhereSolvingAgainEnds) {
     weigh_photos(all, state);
     solve(all, stage, 15, 1e-8, state, {}, "");
   }
-  const Uncertainty u = uncertainty_of(all, stage, state, 1);
+  const Uncertainty u = uncertainty_of(all, stage, state);
   const EquationsInParts parts = light_in_parts(all, state, u);
   const HalfSamples halves = half_samples(parts);
   ASSERT_EQ(parts.pairs.size(), 3U);

@@ -36,7 +36,8 @@ TEST(Refine, CleanBench) {
   for (const char* name : {"alpha", "depth_um", "base_alpha", "light.lamp.position_mm", "machine.affine"})
     EXPECT_TRUE(r.bench.verdict.at(name).determined) << name << ": " << r.bench.verdict.at(name).reason;
   ASSERT_TRUE(r.bench.material_sigma.depth_um.has_value());
-  EXPECT_EQ(r.depth_gradient, Eigen::Vector2d::Zero());  // one depth everywhere: no gradient is made up
+  EXPECT_TRUE(r.bench.depth_field.is_constant());  // one depth and one roughness everywhere: no field is made up
+  EXPECT_TRUE(r.bench.alpha_field.is_constant());
   ASSERT_EQ(r.photos.size(), 5U);
   for (const PhotoFit& photo : r.photos) EXPECT_LT(photo.outliers, 0.1) << photo.view;
 }
@@ -51,7 +52,8 @@ TEST(Refine, AmateursBench) {
   EXPECT_NEAR(r.bench.material.depth_um / truth["depth_um"].get<double>(), 1, 0.05);
   EXPECT_LT((r.bench.lights[0].position_mm - true_lamp_position(rig.truth)).norm(), 10);
   EXPECT_LT(affine_error_mm(r.bench.machine_affine, true_affine(rig.truth), rig.board), 0.03);
-  EXPECT_GT(r.depth_gradient.x(), 0.02);  // truth 0.07
+  EXPECT_NEAR(r.bench.depth_field.terms[0], 0.07, 0.03);
+  EXPECT_NEAR(r.bench.depth_field.terms[1], -0.04, 0.03);
   // The lamp's colour: ratios of its channels.
   const Eigen::Vector3d color = r.bench.lights[0].intensity / r.bench.lights[0].intensity[0];
   EXPECT_NEAR(color[1], 600. / 620., 0.02);

@@ -47,6 +47,9 @@ Bench full_bench(const TemporaryFolder& folder) {
   bench.lights = {light, Light()};
   bench.material = {0.061, 14.2, 0.17, {0.9, 0.8, 0.7}};
   bench.material_sigma = {0.001, 0.4, 0.004};
+  bench.depth_field = {{0.07, -0.04, 0.01, 0.02, -0.03, 0.05},
+                       std::array<double, 6>{1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3}};
+  bench.alpha_field.terms[5] = -0.02;
   bench.sensor = {3.5, {-0.1, 0.02, -0.003}, 0.6};
   bench.ambient = {0.01, 0.02, 0.03};
   bench.bow_mm = {0.1, -0.02, 0.03};
@@ -93,6 +96,10 @@ TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
   EXPECT_EQ(back.material_sigma.alpha, 0.001);
   EXPECT_EQ(back.material_sigma.depth_um, 0.4);
   EXPECT_EQ(back.material_sigma.base_alpha, 0.004);
+  EXPECT_EQ(back.depth_field.terms, bench.depth_field.terms);
+  EXPECT_EQ(back.depth_field.sigma, bench.depth_field.sigma);
+  EXPECT_EQ(back.alpha_field.terms, bench.alpha_field.terms);
+  EXPECT_FALSE(back.alpha_field.sigma.has_value());
   EXPECT_EQ(back.sensor.gain, 3.5);
   EXPECT_EQ(back.sensor.vignette, bench.sensor.vignette);
   EXPECT_EQ(back.sensor.psf_sigma_px, 0.6);

@@ -444,7 +444,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   in.board = read_board(in.session.board);
   in.bench = read_bench(folder / "bench.json");
   if (!in.board.scratches.empty() && std::filesystem::exists(in.board.scratches))
-    in.carved = transformed(read_scratches(in.board.scratches), in.bench.machine_affine);
+    in.carved = as_carved(read_scratches(in.board.scratches), in.bench, in.board.size_mm);
   in.residuals = read_residuals(folder / "residuals.vnl");
   in.held_out = read_hold_out(folder);
   if (progress) progress("reading photos for the report", 0);

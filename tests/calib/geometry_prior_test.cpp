@@ -1,0 +1,188 @@
+// What is proved: the tags' information about a pose is that of their corners' projections, by finite differences; a
+// pose and its difference are each other's inverse; and three joint steps bring poses that are wrong by a twentieth of
+// a pixel back to where the picture was taken from, with all else, although nobody told which was wrong. Not proved:
+// that real corners are as good as their RMS says (tools/random-benches).
+#include "calib/geometry_prior.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "calib/photo_uncertainty.h"
+#include "render/lens.h"
+
+namespace burin {
+namespace {
+
+Bench two_views() {
+  Bench bench;
+  bench.lens.model = "LENSMODEL_PINHOLE";
+  bench.lens.intrinsics = {420, 425, 80, 60};
+  bench.lens.width = 160;
+  bench.lens.height = 120;
+  for (const double tilt : {0.35, -0.3, 0.1}) {
+    View view;
+    view.name = "v" + std::to_string(bench.views.size());
+    const Eigen::Matrix3d R =
+        (Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.5 * tilt, Eigen::Vector3d::UnitY()) *
+         Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))
+            .toRotationMatrix();
+    view.T_camera_board.linear() = R;
+    view.T_camera_board.translation() = Eigen::Vector3d(0, 0, 190) - R * Eigen::Vector3d(30, 20, 0);
+    view.reprojection_rms_px = 0.5;
+    view.tags = 4;
+    bench.views.push_back(view);
+  }
+  bench.lights.resize(1);
+  return bench;
+}
+
+Board small_board() {
+  Board board;
+  board.size_mm << 60, 40;
+  board.carve_min_mm << 5, 5;
+  board.carve_max_mm << 55, 35;
+  board.tool_width_um = 600;
+  for (int i = 0; i < 4; ++i) {
+    Tag tag;
+    tag.id = i;
+    tag.center_mm << (i % 2 ? 57 : 3), (i / 2 ? 37 : 3);
+    tag.size_mm = 3;
+    board.tags.list.push_back(tag);
+  }
+  board.tags.z_mm = 0.1;
+  return board;
+}
+
+TEST(Geometry, DifferenceAndMoveAreInverse) {
+  const Eigen::Isometry3d T = two_views().views[0].T_camera_board;
+  const Vector6 by = (Vector6() << 0.01, -0.02, 0.005, 0.3, -0.1, 0.7).finished();
+  EXPECT_LT((pose_difference(T, moved_pose(T, by)) - by).norm(), 1e-12);
+  EXPECT_LT(pose_difference(T, T).norm(), 1e-12);
+}
+
+TEST(Geometry, TagsThatAreExactTellTheirCornersInformation) {
+  Board board = small_board();
+  const Bench bench = two_views();
+  board.tags.sigma_mm = 1e-4;  // as exact as a prior gets
+  const GeometryPrior prior = geometry_prior(board, bench);
+  const Vector6 by = (Vector6() << 2e-5, -1e-5, 3e-5, 0.002, -0.003, 0.004).finished();
+  const Eigen::Isometry3d T = bench.views[0].T_camera_board, moved = moved_pose(T, by);
+  double sum = 0;  // of squared shifts of all corners, in sigmas
+  for (const Tag& tag : board.tags.list)
+    for (const double x : {-1.5, 1.5})
+      for (const double y : {-1.5, 1.5}) {
+        const Eigen::Vector3d p(tag.center_mm.x() + x, tag.center_mm.y() + y, 0.1);
+        const std::vector<Eigen::Vector3d> both{T * p, moved * p};
+        std::vector<Eigen::Vector2d> q(2);
+        std::vector<PixelByPoint> dq_dp;
+        project(bench.lens, both, q, &dq_dp);
+        sum += (q[1] - q[0]).squaredNorm() / (0.5 * 0.5);
+      }
+  // With everything else held the information is that of the corners; that the lens is free can only take from it.
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(prior.information.rows());
+  all.head<6>() = by;
+  const double told = all.dot(prior.information * all);
+  EXPECT_LT(told, 1.001 * sum);
+  EXPECT_GT(told, 0.02 * sum);
+  // A turn about the optical axis is nothing that a lens without distortion could make up for.
+  all.setZero();
+  all[2] = 1e-4;
+  const double turn = all.dot(prior.information * all);
+  double turned = 0;
+  for (const Tag& tag : board.tags.list)
+    for (const double x : {-1.5, 1.5})
+      for (const double y : {-1.5, 1.5}) {
+        const Eigen::Vector3d p = T * Eigen::Vector3d(tag.center_mm.x() + x, tag.center_mm.y() + y, 0.1);
+        turned += std::pow(1e-4 * 420 / p.z() * p.head<2>().norm() / 0.5, 2);
+      }
+  EXPECT_NEAR(turn / turned, 1, 0.1);
+}
+
+// A bow shows in how corners move against each other between views: with tags that lie anywhere it is unknown, with
+// exact ones it is known to the corners' noise over the views' parallax.
+TEST(Geometry, BowIsKnownAsWellAsTheTags) {
+  Board board = small_board();
+  const Bench bench = two_views();
+  const auto bow_sigma = [&](double tag_sigma_mm) {
+    board.tags.sigma_mm = tag_sigma_mm;
+    const Eigen::MatrixXd information = geometry_prior(board, bench).information;
+    const Eigen::VectorXd scale = information.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd covariance = (scale.asDiagonal() * information * scale.asDiagonal()).inverse();
+    return std::sqrt(covariance(18, 18)) * scale[18];
+  };
+  EXPECT_GT(bow_sigma(0.2), bow_sigma(0.001));
+  EXPECT_LT(bow_sigma(0.001), 2);
+  EXPECT_GT(bow_sigma(0.001), 0.01);
+}
+
+TEST(Geometry, StepsBringThePosesBack) {
+  const Board board = small_board();
+  const Bench truth = two_views();
+  Scratches designed;
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> x(8, 52), y(8, 32), turn(0, M_PI);
+  for (int i = 0; i < 120; ++i) {
+    const double cx = x(random), cy = y(random), a = turn(random);
+    designed.x0_mm.push_back(cx - 3 * std::cos(a));
+    designed.y0_mm.push_back(cy - 3 * std::sin(a));
+    designed.x1_mm.push_back(cx + 3 * std::cos(a));
+    designed.y1_mm.push_back(cy + 3 * std::sin(a));
+  }
+  Problem data;
+  data.model.board = &board;
+  data.model.designed = &designed;
+  data.model.center_mm << 30, 20;
+  data.model.f0 = board.material.f0.mean();
+  data.is_spot = {false};
+  State state;
+  state.lamps.resize(1);
+  state.shared[unknown::log_alpha] = std::log(0.15);
+  state.shared[unknown::log_depth] = std::log(25);
+  state.shared[unknown::log_base_alpha] = std::log(0.3);
+  state.shared[unknown::machine] = state.shared[unknown::machine + 3] = 1;
+  state.shared[unknown::log_blur] = std::log(0.8);
+  state.lamps[0] = {60, -60, 180, std::log(4e4), 30, 20, 0};
+
+  std::vector<LightView> views;
+  for (std::size_t k = 0; k < truth.views.size(); ++k) {
+    LightView v;
+    v.merged = v.view = k;
+    v.lens = truth.lens;
+    v.window = {0, 0, 160, 120};
+    v.value = Image(160, 120, 1);
+    v.sigma = Image(160, 120, 1, 0.02F);
+    v.valid.assign(160 * 120, 1);
+    const PhotoData photo = make_photo_data(v, 1, board, truth, 2);
+    v.value = predict(data.model, photo, state.of(0), carved_scratches(data.model, state.of(0)));
+    views.push_back(v);
+  }
+  Bench bench = truth;
+  data.geometry = geometry_prior(board, bench);
+  bench.views[1].T_camera_board =
+      moved_pose(truth.views[1].T_camera_board, (Vector6() << 4e-5, -3e-5, 5e-5, 0.01, -0.015, 0.02).finished());
+  data.geometry->T_camera_board[1] = bench.views[1].T_camera_board;  // what the tags said was wrong
+  State start = state;
+  start.shared[unknown::log_alpha] += 0.02;
+  const auto away = [&](std::size_t k) {  // in pixels at the board's middle, roughly
+    const Vector6 d = pose_difference(truth.views[k].T_camera_board, bench.views[k].T_camera_board);
+    return 420 / 190.0 * std::hypot(d[3] + 190 * d[1], d[4] - 190 * d[0]);
+  };
+  const double before = away(1);
+  ASSERT_GT(before, 0.04);
+  Stage stage;
+  stage.machine = false;  // a shift common to all views would be the machine's as well
+  for (int step = 0; step < 3; ++step) {
+    data.photos = photos_at(views, 1, board, bench, 0.8);
+    joint_step(data, stage, start, bench);
+  }
+  data.photos = photos_at(views, 1, board, bench, 0.8);
+  for (std::size_t k = 0; k < truth.views.size(); ++k) EXPECT_LT(away(k), 0.15 * before) << k;
+  const double alpha_sigma = uncertainty_of(data, stage, start).sigma(unknown::log_alpha);
+  EXPECT_LT(alpha_sigma, 0.02);
+  EXPECT_NEAR(start.shared[unknown::log_alpha], std::log(0.15), 0.1 * alpha_sigma);
+}
+
+}  // namespace
+}  // namespace burin

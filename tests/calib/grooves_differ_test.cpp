@@ -1,0 +1,199 @@
+// What is proved, on photos predicted from grooves that each have a roughness and a depth of their own: the slopes by
+// which their scatter is found are the prediction's derivatives; the scatter is found; the mean light of many such
+// boards is predicted better with it than by equal grooves; and a field over the board is told apart from such
+// accidents: none is chosen where there is none, a gradient of depth is found where there is one. Not proved: that real
+// grooves differ as normal distributions do.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "calib/field_choice.h"
+#include "calib/photo_problem.h"
+
+namespace burin {
+namespace {
+
+struct Grooves {
+  Board board;
+  Bench bench;
+  Scratches designed;
+  Problem data;
+  State truth;
+};
+
+// Six views of a small board, half vectors on both sides of the grooves' cut-off.
+void fill(Grooves& s) {
+  s.board.size_mm << 60, 60;
+  s.board.carve_min_mm << 5, 5;
+  s.board.carve_max_mm << 55, 55;
+  s.board.tool_width_um = 600;
+  s.board.material.alpha = 0.08;
+  s.board.material.depth_um = 18;
+  s.bench.lens.model = "LENSMODEL_PINHOLE";
+  s.bench.lens.intrinsics = {300, 300, 59.5, 59.5};
+  s.bench.lens.width = s.bench.lens.height = 120;
+  s.bench.lights.resize(1);
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> place(8, 52), turn(0, M_PI);
+  for (int i = 0; i < 500; ++i) {
+    const double x = place(random), y = place(random), a = turn(random);
+    s.designed.x0_mm.push_back(x - 2 * std::cos(a));
+    s.designed.y0_mm.push_back(y - 2 * std::sin(a));
+    s.designed.x1_mm.push_back(x + 2 * std::cos(a));
+    s.designed.y1_mm.push_back(y + 2 * std::sin(a));
+  }
+  Problem& data = s.data;
+  data.model.board = &s.board;
+  data.model.designed = &s.designed;
+  data.model.center_mm << 30, 30;
+  data.model.f0 = s.board.material.f0.mean();
+  data.is_spot = {false};
+  s.truth.lamps.resize(1);
+  s.truth.shared[unknown::log_alpha] = std::log(0.08);
+  s.truth.shared[unknown::log_depth] = std::log(18);
+  s.truth.shared[unknown::log_base_alpha] = std::log(0.2);
+  s.truth.shared[unknown::machine] = s.truth.shared[unknown::machine + 3] = 1;
+  s.truth.shared[unknown::log_blur] = std::log(0.7);
+  s.truth.lamps[0] = {30, -90, 220, std::log(4e4), 30, 30, 0};
+  for (int k = 0; k < 6; ++k) {
+    View view;
+    view.name = "v" + std::to_string(k);
+    const double azimuth = 1.1 * k, lean = 0.12 + 0.13 * k;
+    const Eigen::Vector3d eye =
+        Eigen::Vector3d(30, 30, 0) +
+        190 * Eigen::Vector3d(std::sin(lean) * std::cos(azimuth), std::sin(lean) * std::sin(azimuth), std::cos(lean));
+    const Eigen::Vector3d forward = (Eigen::Vector3d(30, 30, 0) - eye).normalized();
+    const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitY()).normalized();
+    view.T_camera_board.linear() << right.transpose(), forward.cross(right).transpose(), forward.transpose();
+    view.T_camera_board.translation() = -(view.T_camera_board.linear() * eye);
+    s.bench.views.push_back(view);
+    LightView v;
+    v.merged = v.view = k;
+    v.lens = s.bench.lens;
+    v.window = {0, 0, 120, 120};
+    v.value = Image(120, 120, 1);
+    v.sigma = Image(120, 120, 1, 1);
+    v.valid.assign(120 * 120, 1);
+    data.photos.push_back(make_photo_data(v, 1, s.board, s.bench, 2));
+  }
+}
+
+// Grooves of their own: log-normal factors, and depth_gradient from left to right.
+Scratches uneven(const Grooves& s, double alpha_jitter, double depth_jitter, double depth_gradient,
+                 std::mt19937_64& random) {
+  std::normal_distribution<double> normal;
+  Scratches carved = carved_scratches(s.data.model, s.truth.of(0));
+  for (std::size_t i = 0; i < carved.size(); ++i) {
+    const double u = 0.5 * (carved.x0_mm[i] + carved.x1_mm[i]) / s.board.size_mm.x() - 0.5;
+    carved.alpha.push_back(0.08 * std::exp(alpha_jitter * normal(random)));
+    carved.depth_um.push_back(18 * std::exp(depth_jitter * normal(random)) * (1 + depth_gradient * u));
+  }
+  return carved;
+}
+
+// Photographs the board with noise of a hundredth of each photo's brightest pixel.
+void photograph(Grooves& s, const Scratches& carved, std::mt19937_64& random) {
+  std::normal_distribution<float> normal;
+  for (PhotoData& photo : s.data.photos) {
+    photo.photo.value = predict(s.data.model, photo, s.truth.of(0), carved);
+    float brightest = 0;
+    for (const float v : photo.photo.value.data) brightest = std::max(brightest, v);
+    for (std::size_t i = 0; i < photo.weight.size(); ++i) {
+      photo.photo.sigma.data[i] = 0.002F * brightest;
+      photo.photo.value.data[i] += photo.photo.sigma.data[i] * normal(random);
+      if (photo.weight[i] > 0) photo.weight[i] = 1 / photo.photo.sigma.data[i];
+    }
+  }
+}
+
+TEST(GroovesDiffer, SlopesAreThePredictionsDerivatives) {
+  Grooves s;
+  fill(s);
+  const PhotoData& photo = s.data.photos[3];
+  const Unknowns x = s.truth.of(0);
+  const GrooveSlopes p = predict_with_slopes(s.data.model, photo, x, carved_scratches(s.data.model, x));
+  for (const int index : {unknown::log_alpha, unknown::log_depth}) {
+    constexpr double kStep = 0.01;
+    Unknowns more = x, less = x;
+    more[index] += kStep;
+    less[index] -= kStep;
+    const Image above = predict(s.data.model, photo, more, carved_scratches(s.data.model, more));
+    const Image below = predict(s.data.model, photo, less, carved_scratches(s.data.model, less));
+    const Image& slope = index == unknown::log_alpha ? p.by_log_alpha : p.by_log_depth;
+    double off = 0, size = 0;
+    for (std::size_t i = 0; i < slope.data.size(); ++i) {
+      const double difference = (static_cast<double>(above.data[i]) - below.data[i]) / (2 * kStep);
+      off += std::pow(difference - slope.data[i], 2);
+      size += difference * difference;
+    }
+    EXPECT_GT(size, 0);
+    EXPECT_LT(std::sqrt(off / size), 0.01) << index;
+  }
+}
+
+TEST(GroovesDiffer, TheirScatterIsFound) {
+  for (const auto& [alpha, depth] : {std::pair(0.1, 0.0), {0.0, 0.04}, {0.06, 0.03}, {0.0, 0.0}}) {
+    Grooves s;
+    fill(s);
+    std::mt19937_64 random(5);
+    photograph(s, uneven(s, alpha, depth, 0, random), random);
+    weigh_photos_and_grooves(s.data, s.truth);
+    // Where grooves cross, a pixel's slope is a sum and its scatter less than that. The two are not quite told apart.
+    EXPECT_NEAR(s.data.model.alpha_jitter, alpha, 0.3 * alpha + 0.015);
+    EXPECT_NEAR(s.data.model.depth_jitter, depth, 0.3 * depth + 0.015);
+  }
+}
+
+TEST(GroovesDiffer, MeanLightIsNotThatOfEqualGrooves) {
+  Grooves s;
+  fill(s);
+  std::mt19937_64 random(7);
+  PhotoData& photo = s.data.photos[2];
+  const Unknowns x = s.truth.of(0);
+  constexpr int kBoards = 400;
+  std::vector<double> mean(photo.weight.size(), 0);
+  for (int board = 0; board < kBoards; ++board) {
+    const Image value = predict(s.data.model, photo, x, uneven(s, 0.2, 0, 0, random));
+    for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += value.data[i] / kBoards;
+  }
+  const auto sums = [&] {  // of prediction less mean; and of what is bright, so that the plain face is not all
+    const Image value = predict(s.data.model, photo, x, carved_scratches(s.data.model, x));
+    double off = 0;
+    for (std::size_t i = 0; i < mean.size(); ++i)
+      if (photo.weight[i] > 0) off += value.data[i] - mean[i];
+    return off;
+  };
+  const double equal = sums();
+  s.data.model.alpha_jitter = 0.2;
+  shift_by_grooves(s.data.model, x, photo);
+  EXPECT_LT(std::abs(sums()), 0.25 * std::abs(equal));
+}
+
+TEST(GroovesDiffer, FieldsAreToldApartFromAccidents) {
+  for (const double gradient : {0.0, -0.1}) {
+    Grooves s;
+    fill(s);
+    std::mt19937_64 random(9);
+    photograph(s, uneven(s, 0.08, 0.02, gradient, random), random);
+    Stage stage;
+    stage.lamp = stage.machine = stage.ambient = stage.vignette = false;
+    State state = s.truth;
+    for (int round = 0; round < 2; ++round) {
+      weigh_photos_and_grooves(s.data, state);
+      solve(s.data, stage, 10, 1e-7, state, {}, "");
+    }
+    const FieldChoice choice = choose_fields(s.data, stage, state);
+    EXPECT_EQ(choice.depth.linear, gradient != 0);
+    EXPECT_FALSE(choice.depth.quadratic);
+    EXPECT_EQ(terms_of(choice.alpha), 0) << field_name(choice.alpha);
+    if (gradient == 0) continue;
+    stage.depth_field = choice.depth;
+    solve(s.data, stage, 10, 1e-7, state, {}, "");
+    EXPECT_NEAR(state.shared[unknown::depth_field], gradient, 0.3 * std::abs(gradient));
+    EXPECT_NEAR(state.shared[unknown::depth_field + 1], 0, 0.3 * std::abs(gradient));
+  }
+}
+
+}  // namespace
+}  // namespace burin
