@@ -60,6 +60,7 @@ Obeying obey(const Scratches& scratches, const CarvingLimits& limits, std::vecto
     }
     std::sort(tried.begin(), tried.end());
     std::vector<double> tried_value;
+    tried_value.reserve(tried.size());
     for (const std::size_t i : tried) tried_value.push_back(value[i]);
     Mended more = mend(selected(all, tried), limits, tried_value);
     for (std::size_t& row : more.rows) row = tried[row];

@@ -20,8 +20,10 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
     case toml::node_type::table: {
       Json object = Json::object();
       for (const auto& [name, value] : *node.as_table()) {
-        const std::string inner(name.str());
-        object[inner] = as_json(value, key.empty() ? inner : key + "." + inner, file, line);
+        std::string place = key;
+        if (!place.empty()) place += '.';
+        place += name.str();
+        object[std::string(name.str())] = as_json(value, place, file, line);
       }
       return object;
     }

@@ -329,6 +329,7 @@ std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved
                                          std::span<const PlannedScratch> planned, double tolerance_mm) {
   StrokeIndex index(planned, tolerance_mm);
   std::vector<std::ptrdiff_t> found;
+  found.reserve(carved.size());
   for (const ReplayedScratch& s : carved) found.push_back(index.hit(s.from_mm, s.to_mm, s.depth_mm));
   return found;
 }
