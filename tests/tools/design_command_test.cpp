@@ -106,7 +106,7 @@ TEST_F(DesignCommand, TimeEndsTheStartToo) {
   const Outcome run = run_burin(folder_, {"design", "bench/design.json", "--out", "out", "--scratches", "300000",
                                           "--pixels", "512", "--iterations", "1000000", "--time", "3s"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("the time ended the start early"));
+  EXPECT_THAT(run.err, HasSubstr("the start was ended early"));
   EXPECT_THAT(run.out, HasSubstr("Stopped early. Go on with"));
   // Generous: other work runs beside the tests.
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(), 90);
