@@ -48,14 +48,14 @@ struct DesignOptions {
   int iterations = 100;
   std::uint64_t seed = 1;
   double rate = 0;        ///< Adam's, in uv (fractions of the board's width and height) an iteration; 0: 1e-3 from a
-                          ///< random start, else 3e-4
+                          ///< random start, else 0.3 pixels
   double final_rate = 0;  ///< the rate falls along a half cosine to this; 0: chosen
   LossWeights loss{.perceptual = 0, .l2 = 1, .gram = 0};  ///< what PSNR measures; the paper's are 1, 0, 0.01
   Start start = Start::guided;
   double start_length_mm = 0;     ///< mean length at the start; 0: chosen from the number of scratches
   double start_brightness = 0.6;  ///< guided start: mean part of its lobe that a scratch shows
   int start_sweeps = 4;           ///< guided start: times that each scratch is searched a better place
-  int relocate_every = 5;         ///< iterations between such searches; 0: never
+  int relocate_every = 2;         ///< iterations between such searches; 0: never
   double relocate_until = 0.95;   ///< part of the iterations (or of the time limit) after which there are none
   double relocate_share = 0.02;   ///< of the scratches, the least worthy, that may change their view each time
   double tolerance_mm = 0;        ///< how far eye and lamp may stand aside (optimize/design_views.h); 0: not at all
