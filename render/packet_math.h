@@ -18,6 +18,14 @@
 #include <immintrin.h>
 #endif
 
+/// For a kernel's stages: all that they call becomes part of them. Not with a sanitizer, whose checks would make them
+/// so long that they take GCC many minutes.
+#ifdef __SANITIZE_ADDRESS__
+#define BURIN_FLATTEN
+#else
+#define BURIN_FLATTEN [[gnu::flatten]]
+#endif
+
 namespace burin {
 
 template <class P>

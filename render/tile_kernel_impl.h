@@ -113,7 +113,7 @@ struct TileKernel {
   }
 
   template <footprint::Parts kParts>
-  [[gnu::flatten]] static void front_of_pieces(TileRoom& b, int i) {
+  BURIN_FLATTEN static void front_of_pieces(TileRoom& b, int i) {
     const auto lobes = footprint::make_lobes(load(b.hx + i), load(b.hy + i), load(b.hz + i), load(b.piece_alpha + i));
     const auto m = footprint::front_lobe<kParts, true>(lobes, load(b.t1 + i), load(b.t2 + i));
     for (int k = 0; k < m.kParts; ++k) {
@@ -123,7 +123,7 @@ struct TileKernel {
   }
 
   template <KernelMode kMode, footprint::Parts kParts>
-  [[gnu::flatten]] static void rest_of_pieces(TileRoom& b, int i) {
+  BURIN_FLATTEN static void rest_of_pieces(TileRoom& b, int i) {
     const F t1 = load(b.t1 + i), t2 = load(b.t2 + i), hx = load(b.hx + i), hy = load(b.hy + i), hz = load(b.hz + i);
     const auto lobes = footprint::make_lobes(hx, hy, hz, load(b.piece_alpha + i));
     auto m = footprint::back_lobe<kParts, true>(lobes, t1, t2);
@@ -265,8 +265,8 @@ struct TileKernel {
   /// piece each, at `at`. The others become empty pieces: those to be set aside, and those that the groove does not
   /// meet at all.
   template <KernelMode kMode>
-  [[gnu::flatten]] static Aside cross(const TileTask& task, const TilePlaces& places, TileRoom& room,
-                                      const TileRoom::Scratch& scratch, std::size_t pair, int at) {
+  BURIN_FLATTEN static Aside cross(const TileTask& task, const TilePlaces& places, TileRoom& room,
+                                   const TileRoom::Scratch& scratch, std::size_t pair, int at) {
     const std::uint16_t* place = &places.place[pair];
     const Pixels px(task, [&](int k) { return place[k]; });
     const auto constant = [&](int c) { return load(scratch.constant[c] + at); };
@@ -363,9 +363,8 @@ struct TileKernel {
 
   /// The factors of one packet of pairs that cross() began, and their places.
   template <KernelMode kMode>
-  [[gnu::flatten]] static void finish_crossing(TileRoom& room, const TileRoom::Scratch& scratch,
-                                               const TilePlaces& places, TilePairs& pairs, bool keep_light,
-                                               std::size_t pair, int at, int lanes) {
+  BURIN_FLATTEN static void finish_crossing(TileRoom& room, const TileRoom::Scratch& scratch, const TilePlaces& places,
+                                            TilePairs& pairs, bool keep_light, std::size_t pair, int at, int lanes) {
     const F alpha = load(room.piece_alpha + at), per_t = inverse(load(scratch.constant[2] + at));
     const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(room.tan2_i + at), load(room.tan2_o + at));
     const F V = load(room.piece_V + at), light = f.value * V;
@@ -402,7 +401,7 @@ struct TileKernel {
 
   /// Evaluates the pieces that cut() made and adds what they give to their pairs.
   template <KernelMode kMode, bool kEnds>
-  [[gnu::flatten]] static void add_pieces(TileRoom& b) {
+  BURIN_FLATTEN static void add_pieces(TileRoom& b) {
     // Harmless pieces up to a full packet.
     for (int i = b.piece_count; i < b.piece_count + kLanes; ++i) {
       b.t1[i] = b.t2[i] = b.top1[i] = b.top2[i] = b.bottom1[i] = b.bottom2[i] = b.hx[i] = b.hy[i] = 0;
@@ -450,8 +449,8 @@ struct TileKernel {
   /// Cuts one packet of pairs at the pixels' corners and, with kEnds, at where their edges meet the scratch's ends: up
   /// to three or seven pieces each. `from`: the packet's place in the group.
   template <KernelMode kMode, bool kEnds>
-  [[gnu::flatten]] static void cut(const TileTask& task, TileRoom& b, const TilePlaces& places,
-                                   const std::uint32_t* pair, const std::uint32_t* run, int from, int lanes) {
+  BURIN_FLATTEN static void cut(const TileTask& task, TileRoom& b, const TilePlaces& places, const std::uint32_t* pair,
+                                const std::uint32_t* run, int from, int lanes) {
     const Pixels px(task, [&](int k) { return places.place[pair[std::min(k, lanes - 1)]]; });
     F r[8];
     for (const int half : {0, 4})
@@ -611,8 +610,8 @@ struct TileKernel {
   }
 
   template <KernelMode kMode, bool kEnds>
-  [[gnu::flatten]] static void finish(TileRoom& b, const TilePlaces& places, TilePairs& pairs, bool keep_light,
-                                      const std::uint32_t* pair, int i, int lanes) {
+  BURIN_FLATTEN static void finish(TileRoom& b, const TilePlaces& places, TilePairs& pairs, bool keep_light,
+                                   const std::uint32_t* pair, int i, int lanes) {
     const F alpha = load(b.alpha + i), per_t = inverse(load(b.per_mm + i));
     const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(b.tan2_i + i), load(b.tan2_o + i));
     F total[8];
@@ -736,8 +735,8 @@ struct TileKernel {
     }
   }
 
-  [[gnu::flatten]] static void combine(const TileTask& task, const TilePlaces& places, const float* base,
-                                       const TileRoom& room, const TilePairs& pairs, const TileJacobian& to) {
+  BURIN_FLATTEN static void combine(const TileTask& task, const TilePlaces& places, const float* base,
+                                    const TileRoom& room, const TilePairs& pairs, const TileJacobian& to) {
     if (task.mode == KernelMode::value) return;
     const bool material = task.mode == KernelMode::material;
     const std::size_t count = places.begin[task.run_count];
@@ -762,8 +761,8 @@ struct TileKernel {
     }
   }
 
-  [[gnu::flatten]] static void gather(const TileTask& task, const TilePlaces& places, const float* weight,
-                                      const TileJacobian& jacobian, float* to) {
+  BURIN_FLATTEN static void gather(const TileTask& task, const TilePlaces& places, const float* weight,
+                                   const TileJacobian& jacobian, float* to) {
     const bool material = task.mode == KernelMode::material;
     const F lane = packet::lane_numbers<P>();
     const EndPair *end = jacobian.ends, *ends_stop = end + jacobian.end_count;

@@ -42,7 +42,7 @@ struct TileRaster {
   };
   static constexpr float kThin_px = 0.1F;
 
-  [[gnu::flatten]] static void make(const TileBlock& block, const TileRun* runs, int count, Quads& out) {
+  BURIN_FLATTEN static void make(const TileBlock& block, const TileRun* runs, int count, Quads& out) {
     F run[8];
     for (const int half : {0, 4})
       packet::four_columns(run + half, [&](int k) { return &runs[std::min(k, count - 1)].across_x + half; });
@@ -131,8 +131,8 @@ struct TileRaster {
 
   /// Writes the places (row * kTile + column) that quadrilateral k touches; returns where the next would go. Up to
   /// kTilePixels + 16 entries are written. `valid_rows`: a bit a pixel, or null where all are valid.
-  [[gnu::flatten]] static std::uint16_t* draw(const TileBlock& block, const Quads& quads, int k,
-                                              const std::uint32_t* valid_rows, std::uint16_t* to) {
+  BURIN_FLATTEN static std::uint16_t* draw(const TileBlock& block, const Quads& quads, int k,
+                                           const std::uint32_t* valid_rows, std::uint16_t* to) {
     if ((quads.empty >> k & 1) != 0) return to;
     if ((quads.everything >> k & 1) != 0) {
       for (int row = block.y0; row < block.y1; ++row) to = put(row, block.x0, block.x1, valid_rows, to);
@@ -242,9 +242,9 @@ struct TileRaster {
 
   /// The places of all runs, one run after the other: those of run r are place[begin[r]] .. place[begin[r + 1] - 1].
   /// 16 zeros follow the last.
-  [[gnu::flatten]] static void find(std::span<const TileBlock> blocks, const TileRun* runs, std::uint32_t count,
-                                    const std::uint32_t* valid_rows, std::vector<std::uint32_t>& begin,
-                                    std::vector<std::uint16_t>& place) {
+  BURIN_FLATTEN static void find(std::span<const TileBlock> blocks, const TileRun* runs, std::uint32_t count,
+                                 const std::uint32_t* valid_rows, std::vector<std::uint32_t>& begin,
+                                 std::vector<std::uint16_t>& place) {
     if (begin.size() < count + 1) begin.resize(count + 1);
     std::size_t n = 0;
     const auto room = [&] {
