@@ -51,16 +51,19 @@ double chi_squared(const Eigen::VectorXd& step, const Eigen::MatrixXd& covarianc
   return terms.dot(C.ldlt().solve(terms));
 }
 
-// Whether chance makes chi^2 of `terms` terms, under a covariance from `samples` scores, as large as this at most once
-// in a thousand times: Hotelling's T^2 is distributed as F, and F's cube root nearly as a normal ratio (Paulson, Annals
-// of Mathematical Statistics 13, 1942).
+// Whether chance makes chi^2 of `terms` terms, under a covariance from `samples` scores, as large as this seldom
+// enough: once in ten thousand times for a slope or wear, once in a million for more terms, which are rarer on real
+// boards and were made up on one random bench in ten (a field made up does more harm than one missed). Hotelling's T^2
+// is distributed as F, and F's cube root nearly as a normal ratio (Paulson, Annals of Mathematical Statistics 13,
+// 1942).
 bool beyond_chance(double chi2, std::size_t terms, std::size_t samples) {
-  constexpr double kOnceInAThousand = 3.09;  // sigmas of a normal distribution
+  constexpr double kOnceInTenThousand = 3.719, kOnceInAMillion = 4.753;  // sigmas of a normal distribution
+  const double sigmas = terms > 2 ? kOnceInAMillion : kOnceInTenThousand;
   if (samples < terms + 3) return false;
   const auto k = static_cast<double>(terms), n = static_cast<double>(samples);
   const double root = std::cbrt(chi2 * (n - k) / (k * (n - 1)));
   const double a = 2 / (9 * (n - k)), b = 2 / (9 * k);
-  return (1 - a) * root - (1 - b) > kOnceInAThousand * std::sqrt(a * root * root + b);
+  return (1 - a) * root - (1 - b) > sigmas * std::sqrt(a * root * root + b);
 }
 
 // Whether the terms `added` are more than the model's own errors make up, which are alike in all photos of a place and
@@ -90,11 +93,11 @@ bool significant(const Problem& data, const Stage& all, const State& state, cons
 
 int terms_of(const FreeField& f) { return (f.linear ? 2 : 0) + (f.quadratic ? 3 : 0) + (f.wear ? 1 : 0); }
 
-FieldChoice choose_fields(const Problem& data, const Stage& stage, State& state) {
+FreeField choose_depth_field(const Problem& data, const Stage& stage, State& state) {
   Stage all = stage;
-  all.depth_field = all.alpha_field = {true, true, true};
+  all.depth_field = {true, true, true};
   const ViewEquations equations = view_equations(data, all, state);
-  FieldChoice choice;
+  FreeField choice;
   const std::size_t views = equations.H.size();
   constexpr std::size_t kFewest = 4;
   if (views < kFewest) return choice;
@@ -104,40 +107,35 @@ FieldChoice choose_fields(const Problem& data, const Stage& stage, State& state)
     H += equations.H[k];
     g += equations.g[k];
   }
-  const auto free_with = [&](const FieldChoice& c) {
+  const auto free_with = [&](const FreeField& field) {
     std::vector<bool> free = equations.free;
-    set_free(c.depth, unknown::depth_field, free);
-    set_free(c.alpha, unknown::alpha_field, free);
+    set_free(field, unknown::depth_field, free);
     return free;
   };
   std::vector<bool> free = free_with(choice);
   for (bool stepped = true; stepped;) {
     stepped = false;
-    FieldChoice best = choice;
+    FreeField best = choice;
     double best_gain = 0;
-    for (const bool of_depth : {true, false})
-      for (const FreeField& more :
-           {FreeField{true, false, false}, FreeField{true, true, false}, FreeField{false, false, true}}) {
-        FieldChoice trial = choice;
-        FreeField& field = of_depth ? trial.depth : trial.alpha;
-        const int before = terms_of(field);
-        field = {field.linear || more.linear, field.quadratic || more.quadratic, field.wear || more.wear};
-        if (terms_of(field) == before) continue;
-        const std::vector<bool> trial_free = free_with(trial);
-        std::vector<Eigen::Index> added;
-        for (std::size_t i = 0; i < trial_free.size(); ++i)
-          if (trial_free[i] && !free[i]) added.push_back(static_cast<Eigen::Index>(i));
-        const std::vector<double> gains = held_out_gains(equations, H, g, free, added);
-        const auto n = static_cast<double>(views);
-        const double gain = std::accumulate(gains.begin(), gains.end(), 0.0), mean = gain / n;
-        double scatter = 0;
-        for (const double one : gains) scatter += std::pow(one - mean, 2);
-        if (!(mean > std::sqrt(scatter / (n * (n - 1)))) || !(gain > best_gain)) continue;
-        if (!significant(data, all, state, equations, H, g, trial_free, added)) continue;
-        best = trial;
-        best_gain = gain;
-        stepped = true;
-      }
+    for (const FreeField& more :
+         {FreeField{true, false, false}, FreeField{true, true, false}, FreeField{false, false, true}}) {
+      const FreeField trial{choice.linear || more.linear, choice.quadratic || more.quadratic, choice.wear || more.wear};
+      if (terms_of(trial) == terms_of(choice)) continue;
+      const std::vector<bool> trial_free = free_with(trial);
+      std::vector<Eigen::Index> added;
+      for (std::size_t i = 0; i < trial_free.size(); ++i)
+        if (trial_free[i] && !free[i]) added.push_back(static_cast<Eigen::Index>(i));
+      const std::vector<double> gains = held_out_gains(equations, H, g, free, added);
+      const auto n = static_cast<double>(views);
+      const double gain = std::accumulate(gains.begin(), gains.end(), 0.0), mean = gain / n;
+      double scatter = 0;
+      for (const double one : gains) scatter += std::pow(one - mean, 2);
+      if (!(mean > std::sqrt(scatter / (n * (n - 1)))) || !(gain > best_gain)) continue;
+      if (!significant(data, all, state, equations, H, g, trial_free, added)) continue;
+      best = trial;
+      best_gain = gain;
+      stepped = true;
+    }
     choice = best;
     free = free_with(choice);
   }

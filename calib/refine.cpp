@@ -179,15 +179,12 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   }
   if (options.fit_fields) {
     // Only now: what cameras, bow or lamp still had wrong would look like grooves that vary.
-    if (progress) progress("asking whether depth and roughness vary", 0);
-    const FieldChoice choice = choose_fields(data, stage, state);
-    stage.depth_field = choice.depth;
-    stage.alpha_field = choice.alpha;
-    for (const auto& [name, field] : {std::pair("depth_field", choice.depth), std::pair("alpha_field", choice.alpha)})
-      out.bench.verdict[name] = {
-          true,
-          field_name(field) + ", chosen by predicting each view from the others, accidents of single grooves counted"};
-    if (terms_of(choice.depth) + terms_of(choice.alpha) > 0) {
+    if (progress) progress("asking whether depth varies", 0);
+    stage.depth_field = choose_depth_field(data, stage, state);
+    out.bench.verdict["depth_field"] = {
+        true, field_name(stage.depth_field) +
+                  ", chosen by predicting each view from the others, accidents of single grooves counted"};
+    if (terms_of(stage.depth_field) > 0) {
       solve_corrected("fitting photos and how grooves vary");
       if (options.fit_geometry) move_geometry();
     }

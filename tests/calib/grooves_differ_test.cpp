@@ -183,12 +183,11 @@ TEST(GroovesDiffer, FieldsAreToldApartFromAccidents) {
       weigh_photos_and_grooves(s.data, state);
       solve(s.data, stage, 10, 1e-7, state, {}, "");
     }
-    const FieldChoice choice = choose_fields(s.data, stage, state);
-    EXPECT_EQ(choice.depth.linear, gradient != 0);
-    EXPECT_FALSE(choice.depth.quadratic);
-    EXPECT_EQ(terms_of(choice.alpha), 0) << field_name(choice.alpha);
+    const FreeField choice = choose_depth_field(s.data, stage, state);
+    EXPECT_EQ(choice.linear, gradient != 0);
+    EXPECT_FALSE(choice.quadratic);
     if (gradient == 0) continue;
-    stage.depth_field = choice.depth;
+    stage.depth_field = choice;
     solve(s.data, stage, 10, 1e-7, state, {}, "");
     EXPECT_NEAR(state.shared[unknown::depth_field], gradient, 0.3 * std::abs(gradient));
     EXPECT_NEAR(state.shared[unknown::depth_field + 1], 0, 0.3 * std::abs(gradient));
