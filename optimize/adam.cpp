@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/machine_clones.h"
 #include "render/error.h"
+#include "render/machine_clones.h"
 
 namespace burin {
 namespace {

@@ -9,8 +9,8 @@
 #include "optimize/bands.h"
 #include "optimize/gram_term.h"
 #include "optimize/lane_sum.h"
-#include "render/machine_clones.h"
 #include "render/error.h"
+#include "render/machine_clones.h"
 
 namespace burin {
 namespace {

@@ -98,8 +98,7 @@ void TileRuns::find_tiles(const PixelIndex& index, const ScratchLines& lines, Ch
   chunk.counts.assign(tiles.size(), 0);
   chunk.entry_count = 0;
   const auto make_room = [&](std::size_t more) {
-    if (chunk.entries.size() < chunk.entry_count + more)
-      chunk.entries.resize(2 * chunk.entry_count + more + kBlock);
+    if (chunk.entries.size() < chunk.entry_count + more) chunk.entries.resize(2 * chunk.entry_count + more + kBlock);
   };
   // Without a branch: an entry that does not count is overwritten by the next.
   const auto add = [&](std::size_t scratch, std::uint32_t tile, bool really) {
