@@ -11,10 +11,11 @@
 namespace burin {
 namespace {
 
-void set_free(const FreeField& field, int first, std::vector<bool>& free) {
-  for (int i = 0; i < 2; ++i) free[first + i] = field.linear;
-  for (int i = 2; i < 5; ++i) free[first + i] = field.quadratic;
-  free[first + 5] = field.wear;
+void set_free(const FreeField& field, std::vector<bool>& free) {
+  constexpr int kFirst = unknown::depth_field;
+  for (int i = 0; i < 2; ++i) free[kFirst + i] = field.linear;
+  for (int i = 2; i < 5; ++i) free[kFirst + i] = field.quadratic;
+  free[kFirst + 5] = field.wear;
 }
 
 // By how much each view's cost falls when the terms `added` are fitted to the other views. All other unknowns (`free`)
@@ -109,7 +110,7 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, State& sta
   }
   const auto free_with = [&](const FreeField& field) {
     std::vector<bool> free = equations.free;
-    set_free(field, unknown::depth_field, free);
+    set_free(field, free);
     return free;
   };
   std::vector<bool> free = free_with(choice);

@@ -5,8 +5,8 @@
 //   - vignette(r) * blur( I(w) * radiance of a bare unit lamp + ambient * F0 ),
 // weighted by the photo's noise and a model error that is estimated from the residuals (grooves that differ from one
 // another included: weigh_photos_and_grooves), under a Cauchy loss. Unknown: alpha, d, base_alpha, lamp position and
-// intensity (aim and exponent of a spot), ambient light, vignetting, blur, the machine's affine map, and how depth and
-// alpha vary over the board and with wear, as far as the photos ask for it (field_choice.h). The renderer's own
+// intensity (aim and exponent of a spot), ambient light, vignetting, blur, the machine's affine map, and how depth
+// varies over the board and with wear, as far as the photos ask for it (field_choice.h). The renderer's own
 // derivatives (render_with_derivatives) fill the Jacobian; each photo's is compressed to its normal equations, so
 // memory does not grow with the pixels. Coarse (binned) photos first: there the machine may be off by more than a
 // groove's width.
@@ -40,7 +40,7 @@ struct RefineOptions {
   Overlap overlap = Overlap::automatic;  ///< automatic: whichever explains the photos better
   bool fit_lamp = true;                  ///< false keeps bench.lights' positions
   bool fit_geometry = true;              ///< false: the bench's poses and bow are exact
-  bool fit_fields = true;                ///< let depth and alpha vary over the board and with wear (field_choice.h)
+  bool fit_fields = true;                ///< let depth vary over the board and with wear (field_choice.h)
   /// Photos are binned until a pixel is at least this large on the board, 0 for the photos as taken. Grooves are found
   /// far below a pixel, so binning loses little and is several times faster; what it distorts is corrected by
   /// predictions on the photos' own pixels (correct_binning).

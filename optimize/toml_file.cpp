@@ -72,16 +72,7 @@ TomlFile read_toml(const std::filesystem::path& file, const std::string& format,
     fail(at_line(file, error.source()), "is not TOML: " + std::string(error.description()),
          "correct it there (a key, =, and a number, text in double quotes, or an array in [ ])");
   }
-  with_line(file, toml, [&] {
-    JsonObject object(toml.content, file.string());
-    const std::string found = object.text("format");
-    if (found != format)
-      object.fail_field("format", "is \"" + found + "\"", "a file with \"" + format + "\" is needed here");
-    const int found_version = object.integer("version");
-    if (found_version != version)
-      object.fail_field("version", "is " + std::to_string(found_version),
-                        "this Burin reads version " + std::to_string(version));
-  });
+  with_line(file, toml, [&] { check_format(JsonObject(toml.content, file.string()), format, version); });
   return toml;
 }
 

@@ -251,6 +251,16 @@ std::string read_text(const std::filesystem::path& file) {
   return text;
 }
 
+void check_format(JsonObject object, const std::string& format, int version) {
+  const std::string found = object.text("format");
+  if (found != format)
+    object.fail_field("format", "is \"" + found + "\"", "a file with \"" + format + "\" is needed here");
+  const int found_version = object.integer("version");
+  if (found_version != version)
+    object.fail_field("version", "is " + std::to_string(found_version),
+                      "this Burin reads version " + std::to_string(version));
+}
+
 Json read_json(const std::filesystem::path& file, const std::string& format, int version) {
   const std::string text = read_text(file);
   Json json;
@@ -264,14 +274,7 @@ Json read_json(const std::filesystem::path& file, const std::string& format, int
   if (!check.duplicate.empty())
     fail(file.string() + ": " + check.duplicate, "the key appears twice in one object", "keep one of them");
 
-  JsonObject object(json, file.string());
-  const std::string found = object.text("format");
-  if (found != format)
-    object.fail_field("format", "is \"" + found + "\"", "a file with \"" + format + "\" is needed here");
-  const int found_version = object.integer("version");
-  if (found_version != version)
-    object.fail_field("version", "is " + std::to_string(found_version),
-                      "this Burin reads version " + std::to_string(version));
+  check_format(JsonObject(json, file.string()), format, version);
   return json;
 }
 

@@ -56,6 +56,9 @@ class JsonObject {
   mutable std::set<std::string> asked_;
 };
 
+/// Throws Error where the object's "format" and "version" are not these.
+void check_format(JsonObject object, const std::string& format, int version);
+
 /// Parses a JSON file and checks its "format" ("burin/board") and "version". Throws Error with line and column on
 /// broken JSON. The caller keeps the Json alive while reading its JsonObject (which already asked for both keys).
 Json read_json(const std::filesystem::path& file, const std::string& format, int version);

@@ -256,6 +256,17 @@ struct TileKernel {
     }
   };
 
+  /// The pixels' corners in their scratches' own units: t = tx x + ty y + t_origin across, Y along.
+  [[gnu::always_inline]] static Edges edges_of(const Pixels& px, const F& tx, const F& ty, const F& t_origin) {
+    Edges e;
+    for (int k = 0; k < 4; ++k) {
+      e.t[k] = tx * px.x[k] + (ty * px.y[k] + t_origin);
+      e.Y[k] = tx * px.y[k] - ty * px.x[k];
+    }
+    e.make();
+    return e;
+  }
+
   /// Pairs that are not to be finished at once, as bits of the lanes.
   struct Aside {
     std::uint32_t corners, ends;
@@ -272,14 +283,8 @@ struct TileKernel {
     const auto constant = [&](int c) { return load(scratch.constant[c] + at); };
     const F across_x = constant(0), across_y = constant(1), per_mm = constant(2), t_origin = constant(3);
     const F first = constant(4), second = constant(5), rim = constant(7);
-    const F tx = across_x * per_mm, ty = across_y * per_mm;
-    Edges e;
-    for (int k = 0; k < 4; ++k) {
-      e.t[k] = tx * px.x[k] + (ty * px.y[k] + t_origin);
-      e.Y[k] = tx * px.y[k] - ty * px.x[k];
-    }
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
-    e.make();
+    const Edges e = edges_of(px, across_x * per_mm, across_y * per_mm, t_origin);
     const Mask apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
     // The groove reaches over [a, b] of the pixel. At both: the pixel's edges, and whether one of the scratch's ends
     // lies before them.
@@ -457,14 +462,8 @@ struct TileKernel {
       packet::four_columns(r + half, [&](int k) { return &task.runs[run[std::min(k, lanes - 1)]].across_x + half; });
     const F &across_x = r[0], &across_y = r[1], &per_mm = r[2], &t_origin = r[3];
     const F &first = r[4], &second = r[5], &alpha = r[6], &rim = r[7];
-    const F tx = across_x * per_mm, ty = across_y * per_mm;
-    Edges e;
-    for (int k = 0; k < 4; ++k) {
-      e.t[k] = tx * px.x[k] + (ty * px.y[k] + t_origin);
-      e.Y[k] = tx * px.y[k] - ty * px.x[k];
-    }
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
-    e.make();
+    const Edges e = edges_of(px, across_x * per_mm, across_y * per_mm, t_origin);
     constexpr int kBreaks = kEnds ? 8 : 4;
     F t[kBreaks] = {e.t[0], e.t[1], e.t[2], e.t[3]};
     if constexpr (kEnds) {
