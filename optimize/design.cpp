@@ -46,6 +46,8 @@ void check_options(const DesignOptions& o, const Board& board) {
   need(o.max_length_mm == 0 || o.max_length_mm > shortest, "max_length_mm", "is below the smallest length",
        "give more, or 0 for any length");
   need(o.carve_hours >= 0 && o.carve_hours < 1e5, "carve_hours", "is out of range", "5 to 10 is usual");
+  need(o.candidates >= 1 && o.candidates <= 10000, "candidates", "is out of range", "24 is usual");
+  need(o.balance >= 0 && o.balance <= 10, "balance", "is out of range", "0 is for the mean of the views, 1 is strong");
   need(o.tolerance_mm >= 0 && o.tolerance_mm < 1e6, "tolerance_mm", "is out of range", "20 mm is a start");
   need(o.drop_error >= 0 && o.drop_error < 1 && o.drop_light >= 0 && o.drop_light < 1 && o.drop_count >= 0 &&
            o.drop_count < 1,
@@ -257,7 +259,8 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   const double mean_length = options.start_length_mm > 0      ? options.start_length_mm
                              : options.start == Start::guided ? covering
                                                               : 0.03 * area.maxCoeff();
-  const StrokeRules rules = stroke_rules(limits, mean_length, bench.material.alpha);
+  StrokeRules rules = stroke_rules(limits, mean_length, bench.material.alpha);
+  rules.candidates = options.candidates;
   // One exposure a group, in logarithms.
   const int group_count = 1 + std::max_element(views.begin(), views.end(), [](const WorkView& a, const WorkView& b) {
                                 return a.exposure_group < b.exposure_group;
@@ -513,6 +516,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
         (options.time_limit_s <= 0 || seconds_since(began) < options.relocate_until * options.time_limit_s);
     if (options.relocate_every > 0 && iteration > 0 && iteration % options.relocate_every == 0 && may_move) {
       render_all(views, scratches);
+      balance_views(views, log_exposure, options.balance);
       const std::vector<std::size_t> moved =
           relocate(scratches, views, log_exposure, limits, rules, movable, options.relocate_share,
                    options.seed + 1000 + iteration, time_to_end);

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "optimize/glint.h"
@@ -157,7 +158,7 @@ std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const s
     Image light = from_face ? v.face : v.radiance, unit = v.unit;
     for (float& l : light.data) l *= e;
     for (float& u : unit.data) u *= e * static_cast<float>(v.pitch_mm);
-    const double weight = v.spec.weight * v.share;
+    const double weight = v.spec.weight * v.share * v.balance;
     if (v.of < out.size())
       out[v.of].asides.push_back({v.glint, std::move(light), std::move(unit), weight});
     else
@@ -175,6 +176,18 @@ std::vector<double> fitting_exposures(const std::vector<WorkView>& views, std::v
   }
   for (std::size_t g = 0; g < sum.size(); ++g) log_exposure[g] = sum[g] / members[g];
   return log_exposure;
+}
+
+void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_exposure, double exponent) {
+  constexpr double kMost = 8;  // no view is given up for another
+  for (WorkView& v : views) v.balance = 1;
+  if (exponent == 0) return;
+  const std::vector<StrokeView> seen = stroke_views(views, log_exposure, false);
+  std::vector<double> log_error;
+  log_error.reserve(seen.size());
+  for (const StrokeView& v : seen) log_error.push_back(std::log(std::max(squared_error({v}), 1e-12)));
+  const double mean = std::accumulate(log_error.begin(), log_error.end(), 0.0) / static_cast<double>(log_error.size());
+  for (WorkView& v : views) v.balance = std::clamp(std::exp(exponent * (log_error[v.of] - mean)), 1 / kMost, kMost);
 }
 
 void render_all(std::vector<WorkView>& views, const Scratches& scratches) {

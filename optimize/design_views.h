@@ -31,8 +31,9 @@ struct WorkView {
   PictureLoss loss;
   Image radiance{}, picture{}, dE_dpicture{}, dE_dradiance{};
   LossValue value{};
-  Image face{};  ///< radiance of the face without scratches
-  Image unit{};  ///< measure_units()
+  double balance = 1;  ///< of its errors where views compete for scratches (balance_views)
+  Image face{};        ///< radiance of the face without scratches
+  Image unit{};        ///< measure_units()
 };
 
 /// The pixels of the carve area that all views of a design look at: `pixels` along its longer side.
@@ -55,6 +56,11 @@ std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const s
 
 /// The one brightness a group with which its views, as rendered last, come closest to their targets (their mean).
 std::vector<double> fitting_exposures(const std::vector<WorkView>& views, std::vector<double> log_exposure);
+
+/// Sets every view's balance for the search: (its weighted squared error, as rendered last, over the views' geometric
+/// mean) ^ exponent, at most 8 and at least 1/8. So scratches go where the sum of errors ^ (1 + exponent) falls most:
+/// 0 serves the mean of all views, much more than 1 the worst of them.
+void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_exposure, double exponent);
 
 /// Fills every view's radiance.
 void render_all(std::vector<WorkView>& views, const Scratches& scratches);

@@ -191,7 +191,11 @@ void add_design_command(CLI::App& burin) {
       ->capture_default_str();
   c->add_option("--relocate-every", o->design.relocate_every, "Iterations between such searches (0: never)")
       ->capture_default_str();
+  c->add_option("--candidates", o->design.candidates, "Places tried for each scratch in a search")
+      ->capture_default_str();
   c->add_option("--relocate-share", o->design.relocate_share, "Share of the scratches that may change their view then")
+      ->capture_default_str();
+  c->add_option("--balance", o->design.balance, "How much views worse than others draw scratches (0: not; 1: strongly)")
       ->capture_default_str();
   c->add_option("--relocate-until", o->design.relocate_until, "Part of the run after which there are none")
       ->capture_default_str();

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <filesystem>
@@ -110,6 +111,26 @@ TEST_F(DesignTest, GuidedStartAndRelocationEachLowerTheLoss) {
   EXPECT_LT(moved, 0.5 * plain);
   EXPECT_LT(guided, 0.5 * plain);
   EXPECT_LT(both, guided);
+}
+
+TEST_F(DesignTest, BalanceTakesFromTheBetterViewForTheWorse) {
+  // Much harder than the disc: tiles of all greys.
+  Image tiles(64, 64, 1);
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x) tiles.at(x, y) = 0.2F + 0.1F * static_cast<float>((x / 5 * 7 + y / 5 * 5) % 8);
+  write_picture(tiles, folder_ / "ramp.png");
+  spec_.scratches = 1000;  // few, so that the views compete for them
+  options_.rate = 0;
+  const auto decibels = [&](double balance) {
+    options_.balance = balance;
+    const DesignResult result = design(spec_, board_, bench_, options_, {});
+    const double first = result.views[0].psnr_db, second = result.views[1].psnr_db;
+    return std::pair(std::min(first, second), std::max(first, second));
+  };
+  const auto [worse, better] = decibels(0);
+  const auto [worse_balanced, better_balanced] = decibels(3);
+  EXPECT_GT(worse_balanced, worse + 0.3);
+  EXPECT_LT(better_balanced - worse_balanced, 0.7 * (better - worse));
 }
 
 TEST_F(DesignTest, SameSeedSameBitsForAnyNumberOfThreads) {

@@ -176,7 +176,8 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   out.body =
       "<h2>Round after round</h2>\n<p>Promised: the photo that the bench it was designed for would "
       "give. Photographed: the photo taken from there. All are laid flat on the carve area, at the one exposure that "
-      "comes nearest to the target. Each is compared with the target after gamma 1/2.2, as PSNR.</p>\n" +
+      "comes nearest to the target. Each is compared with the target after gamma 1/2.2, as PSNR. A camera blurs the "
+      "hatching that a design's own figures count, all its pixels one by one: these here are higher.</p>\n" +
       table(results) + pictures;
   // The whole of the newest: the measured bench, and the design made for it.
   if (measured_rounds > 0) {
