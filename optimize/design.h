@@ -52,22 +52,24 @@ struct DesignOptions {
   double final_rate = 0;  ///< the rate falls along a half cosine to this; 0: chosen
   LossWeights loss{.perceptual = 0, .l2 = 1, .gram = 0};  ///< what PSNR measures; the paper's are 1, 0, 0.01
   Start start = Start::guided;
-  int start_sweeps = 4;           ///< guided start: times that each scratch is searched a better place
-  double start_length_mm = 0;     ///< mean length at the start; 0: chosen from the number of scratches
-  double start_brightness = 0.6;  ///< guided start: mean part of its lobe that a scratch shows
-  int relocate_every = 2;         ///< iterations between such searches; 0: never
-  int candidates = 24;            ///< places tried for each scratch in a search
-  double relocate_until = 0.95;   ///< part of the iterations (or of the time limit) after which there are none
-  double relocate_share = 0.02;   ///< of the scratches, the least worthy, that may change their view each time
-  double balance = 0.5;           ///< how much views that are worse than others draw scratches (balance_views)
-  double tolerance_mm = 0;        ///< how far eye and lamp may stand aside (optimize/design_views.h); 0: not at all
-  double min_length = 1e-3;       ///< shortest scratch, as a fraction of the board's longer edge
-  double max_length_mm = 0;       ///< longest scratch; 0: any
-  MachineLimits machine;          ///< obeyed exactly by the result (optimize/carving_limits.h)
-  Scratches carved;               ///< in the metal already, where they lie; DesignSpec::scratches counts them too
-  double start_exposure = 0.2;    ///< random start: times the exposure that matches the pictures' means
-  double exposure_rate = 0.02;    ///< Adam's, in log(exposure) an iteration; 0 holds it
-  double log_rate = 0.01;         ///< Adam's, in log(width), log(depth), log(alpha) an iteration
+  int start_sweeps = 4;          ///< guided start: times that each scratch is searched a better place
+  double start_length_mm = 0;    ///< random start: mean length; searched scratches are a tenth to ten times as long; 0:
+                                 ///< chosen from the number of scratches
+  double start_light = 0.5;      ///< guided start: light of a pixel that a scratch of the best direction crosses along
+                                 ///< one pixel's length, of white; sets the exposures
+  int relocate_every = 2;        ///< iterations between such searches; 0: never
+  int candidates = 24;           ///< places tried for each scratch in a search
+  double relocate_until = 0.95;  ///< part of the iterations (or of the time limit) after which there are none
+  double relocate_share = 0.02;  ///< of the scratches, the least worthy, that may change their view each time
+  double balance = 0.5;          ///< how much views that are worse than others draw scratches (balance_views)
+  double tolerance_mm = 0;       ///< how far eye and lamp may stand aside (optimize/design_views.h); 0: not at all
+  double min_length = 1e-3;      ///< shortest scratch, as a fraction of the board's longer edge
+  double max_length_mm = 0;      ///< longest scratch; 0: any
+  MachineLimits machine;         ///< obeyed exactly by the result (optimize/carving_limits.h)
+  Scratches carved;              ///< in the metal already, where they lie; DesignSpec::scratches counts them too
+  double start_exposure = 0.2;   ///< random start: times the exposure that matches the pictures' means
+  double exposure_rate = 0.02;   ///< Adam's, in log(exposure) an iteration; 0 holds it
+  double log_rate = 0.01;        ///< Adam's, in log(width), log(depth), log(alpha) an iteration
   double drop_error = 0.01;  ///< the least worthy scratches go that together keep the squared error down by this share
   double drop_light = 0;     ///< or those that together carry this share of the light (if > 0)
   double drop_count = 0;     ///< or this share of the scratches (if > 0)

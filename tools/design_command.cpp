@@ -184,8 +184,10 @@ void add_design_command(CLI::App& burin) {
       "--machine", o->machine,
       "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML: its limits are obeyed (steps, lengths, "
       "distance, overlap), and its time counts for --carve-hours (grbl's without it)");
-  c->add_option("--start-length", o->design.start_length_mm, "Mean length at the start, mm (0: chosen)");
-  c->add_option("--start-brightness", o->design.start_brightness, "Guided start: part of its lobe a scratch shows")
+  c->add_option("--start-length", o->design.start_length_mm,
+                "Random start: mean length, mm; guided: scratches are a tenth to ten times as long (0: chosen)");
+  c->add_option("--start-light", o->design.start_light,
+                "Guided start: light that a scratch brings to a pixel that it crosses, of white")
       ->capture_default_str();
   c->add_option("--start-sweeps", o->design.start_sweeps, "Guided start: times that each scratch seeks a better place")
       ->capture_default_str();
