@@ -79,8 +79,14 @@ struct FastView::Data {
 
   TileTask task_of(std::size_t t) const {
     const GridTile& tile = grid->index.tiles()[t];
-    return {&grid->corners[t],         &shading[t], room->runs.of(t), room->runs.count(t), grid->index.blocks(tile),
-            grid->index.valid_rows(t), mode};
+    return {&grid->lattice[t],
+            grid->corners.empty() ? nullptr : &grid->corners[t],
+            &shading[t],
+            room->runs.of(t),
+            room->runs.count(t),
+            grid->index.blocks(tile),
+            grid->index.valid_rows(t),
+            mode};
   }
 
   /// visit(pixels, place in the tile and number in the picture of the first) for the rows of a tile.
@@ -171,7 +177,7 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
   const auto fetch = [](const auto* what) {
     for (std::size_t k = 0; k < sizeof(*what); k += 64) __builtin_prefetch(reinterpret_cast<const char*>(what) + k);
   };
-  fetch(task.corners);
+  if (task.corners != nullptr) fetch(task.corners);
   fetch(task.shading);
   const TilePlaces places = evaluate_tile(t, task, w);
   const bool with_slope = mode == KernelMode::material;

@@ -13,6 +13,7 @@
 #include <xsimd/xsimd.hpp>
 
 #include "render/footprint_core.h"
+#include "render/tile.h"
 
 #ifdef __AVX2__
 #include <immintrin.h>
@@ -228,6 +229,95 @@ template <class P>
 [[gnu::always_inline]] inline P lane_numbers() {
   alignas(64) constexpr float numbers[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
   return P::load_aligned(numbers);
+}
+
+/// Picks a number for each lane from tables of two packets: lane k takes entry index[k], counted modulo the table's
+/// length.
+template <class P>
+class Picker {
+ public:
+  [[gnu::always_inline]] explicit Picker(const std::uint32_t* index) : index_(index) {}
+  [[gnu::always_inline]] P operator()(const float* table) const {
+#ifdef __AVX512BW__
+    if constexpr (kIs512<P>)
+      return _mm512_permutex2var_ps(_mm512_loadu_ps(table), _mm512_loadu_si512(index_), _mm512_loadu_ps(table + 16));
+#endif
+#ifdef __AVX2__
+    if constexpr (sizeof(P) == sizeof(__m256)) {
+      const __m256i i = _mm256_loadu_si256(reinterpret_cast<const __m256i*>(index_));
+      return _mm256_blendv_ps(_mm256_permutevar8x32_ps(_mm256_loadu_ps(table), i),
+                              _mm256_permutevar8x32_ps(_mm256_loadu_ps(table + 8), i),
+                              _mm256_castsi256_ps(_mm256_slli_epi32(i, 28)));
+    }
+#endif
+    alignas(64) float lanes[kLanesOf<P>];
+    for (int k = 0; k < kLanesOf<P>; ++k) lanes[k] = table[index_[k] % (2 * kLanesOf<P>)];
+    return P::load_aligned(lanes);
+  }
+
+ private:
+  const std::uint32_t* index_;
+};
+
+/// A packet of doubles, half as many, and floats in memory turned into it and back.
+template <class P>
+using DoublesOf = xsimd::batch<double, typename P::arch_type>;
+
+template <class P>
+[[gnu::always_inline]] inline DoublesOf<P> doubles(const float* from) {
+#ifdef __AVX512BW__
+  if constexpr (kIs512<P>) return _mm512_cvtps_pd(_mm256_loadu_ps(from));
+#endif
+#ifdef __AVX2__
+  if constexpr (sizeof(P) == sizeof(__m256)) return _mm256_cvtps_pd(_mm_loadu_ps(from));
+#endif
+  return DoublesOf<P>::load_unaligned(from);
+}
+
+template <class P>
+[[gnu::always_inline]] inline void store_floats(float* to, const DoublesOf<P>& v) {
+#ifdef __AVX512BW__
+  if constexpr (kIs512<P>) {
+    _mm256_storeu_ps(to, _mm512_cvtpd_ps(v));
+    return;
+  }
+#endif
+#ifdef __AVX2__
+  if constexpr (sizeof(P) == sizeof(__m256)) {
+    _mm_storeu_ps(to, _mm256_cvtpd_ps(v));
+    return;
+  }
+#endif
+  v.store_unaligned(to);
+}
+
+/// Columns and rows of places[0 .. lanes - 1], row * kTile + column.
+template <class P>
+[[gnu::always_inline]] inline void columns_and_rows(const std::uint16_t* places, P& column, P& row) {
+  static_assert(kTile == 32);
+#ifdef __AVX512BW__
+  if constexpr (kIs512<P>) {
+    const __m512i place = _mm512_cvtepu16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(places)));
+    column = _mm512_cvtepi32_ps(_mm512_and_si512(place, _mm512_set1_epi32(kTile - 1)));
+    row = _mm512_cvtepi32_ps(_mm512_srli_epi32(place, 5));
+    return;
+  }
+#endif
+#ifdef __AVX2__
+  if constexpr (sizeof(P) == sizeof(__m256)) {
+    const __m256i place = _mm256_cvtepu16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(places)));
+    column = _mm256_cvtepi32_ps(_mm256_and_si256(place, _mm256_set1_epi32(kTile - 1)));
+    row = _mm256_cvtepi32_ps(_mm256_srli_epi32(place, 5));
+    return;
+  }
+#endif
+  alignas(64) float columns[kLanesOf<P>], rows[kLanesOf<P>];
+  for (int i = 0; i < kLanesOf<P>; ++i) {
+    columns[i] = static_cast<float>(places[i] % kTile);
+    rows[i] = static_cast<float>(places[i] / kTile);
+  }
+  column = P::load_aligned(columns);
+  row = P::load_aligned(rows);
 }
 
 /// table[index[0 .. lanes - 1]].

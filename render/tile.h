@@ -10,8 +10,15 @@ namespace burin {
 inline constexpr int kTile = 32;  ///< pixels along a side
 inline constexpr int kTilePixels = kTile * kTile;
 
-/// The corners of a tile's footprints: those of pixel (column, row) are (column, row), (column + 1, row),
-/// (column + 1, row + 1), (column, row + 1); either way round. x, y in mm from the tile's origin.
+/// The affine lattice nearest to the corners of a tile's footprints. Those of pixel (column, row) are (column, row),
+/// (column + 1, row), (column + 1, row + 1), (column, row + 1); either way round. x, y in mm from the tile's origin.
+struct TileLattice {
+  double first_x = 0, first_y = 0;    ///< the middle of pixel (0, 0)
+  double column_x = 0, column_y = 0;  ///< from a column to the next
+  double row_x = 0, row_y = 0;
+};
+
+/// How far a tile's corners are off its lattice: x, y in mm.
 struct alignas(64) TileCorners {
   static constexpr int kSide = kTile + 1;
   float at[kSide * kSide][2] = {};
@@ -31,6 +38,8 @@ struct TileRun {
   float t_origin = 0;                   ///< t of the tile's origin
   float first_end = 0, second_end = 0;  ///< Y of its ends
   float alpha = 1, rim = 1;             ///< it reaches over |t| <= rim
+  /// What float leaves out of across_x, across_y and t_origin: pixels may be much larger than the groove.
+  float across_x_rest = 0, across_y_rest = 0, t_origin_rest = 0, unused = 0;
 };
 
 /// Pixels x0 .. x1 - 1, y0 .. y1 - 1 of a tile, and a projective map that takes their corners to the tile's pixel

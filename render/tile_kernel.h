@@ -75,7 +75,8 @@ struct TileJacobian {
 
 /// What evaluate() reads. `runs` must be readable one entry beyond the last.
 struct TileTask {
-  const TileCorners* corners = nullptr;
+  const TileLattice* lattice = nullptr;
+  const TileCorners* corners = nullptr;  ///< null where all corners lie on the lattice
   const TileShading* shading = nullptr;
   const TileRun* runs = nullptr;
   std::uint32_t run_count = 0;
@@ -85,10 +86,44 @@ struct TileTask {
   bool keep_light = false;  ///< fills TilePairs::light
 };
 
+/// What pairs need of their scratch: how t and Y change over the tile's lattice, in the units of TileRun. Of a pixel
+/// (column, row) the middle is at t = mid + column * by column + row * by row.
+///
+/// Pixels may be much larger than the groove; then t runs over hundreds within a tile, while an edge that lies within
+/// the groove must be known to 1e-6. So t is given in two parts. The `coarse` ones are multiples of one number, coarse
+/// enough that small integers times them, and sums and halves of those, are exact in float; the `fine` ones are the
+/// rests.
+enum Line : std::uint8_t {
+  kAcrossX,  // as in TileRun
+  kAcrossY,
+  kPerMm,
+  kFirstEnd,
+  kSecondEnd,
+  kAlpha,
+  kRim,
+  kMidCoarse,  // t of the middle of pixel (0, 0)
+  kMidFine,
+  kColumnCoarse,  // its change by a column
+  kColumnFine,
+  kRowCoarse,
+  kRowFine,
+  kReachCoarse,  // how far a pixel reaches to either side of its middle in t
+  kReachFine,
+  kMidY,
+  kColumnY,
+  kRowY,
+  kReachY,  // the same in Y
+  kFarY,    // Y, from the middle, of the corner with the largest t
+  kSteep,   // dY / dt of a pixel's sides, the larger first
+  kFlat,
+  kLineConstants
+};
+
 /// One thread's room for work.
 struct TileRoom {
   static constexpr int kChunk = 128;  ///< pairs that go from stage to stage together
   static constexpr int kPieces = 512;
+  static constexpr int kLines = 32;
   /// Rounded up to a whole packet, and an odd number of cache lines apart: entries of the same place must not all fall
   /// into the same set of the cache.
   template <int n>
@@ -98,19 +133,20 @@ struct TileRoom {
   /// Derivatives of area, as those in TilePairs.
   std::vector<float> area_shift, area_turn, area_width, area_rim;
 
-  /// Pairs set aside: their numbers and their runs, those with corners only and those with ends.
+  /// Pairs set aside: their numbers and their runs' among the live ones, those with corners only and those with ends.
   struct Special {
     std::size_t count = 0;
-    std::vector<std::uint32_t> pair, run;
+    std::vector<std::uint32_t> pair, line;
   } corners, ends;
   int piece_count = 0;                      ///< pieces of those in work
   std::uint16_t piece_owner[kPieces + 16];  ///< the pair of each, as counted in the group
 
-  // Scratches beside their pairs, and what a pair carries from one stage to the next.
-  struct Scratch {
-    alignas(64) Lanes<kChunk> constant[8];  ///< as the members of TileRun
-    std::uint32_t run[kChunk + 16];
-  } scratch[2];  ///< of this chunk and of the next
+  std::vector<std::uint32_t> live;  ///< the runs that have pairs
+  /// Of the pairs of this chunk and of the next: the numbers of their runs among the live ones.
+  std::uint32_t line_of[2][kChunk + 16];
+  /// Constants of the live runs, two packets of them: those of number n are in column n % (2 lanes).
+  alignas(64) float line[kLineConstants][kLines] = {};
+  // What a pair carries from one stage to the next.
   alignas(64) Lanes<kChunk> per_mm, alpha, tan2_i, tan2_o, rim_light, moving_turn;
   /// Sums of a pair's pieces: V, shift, turn, width; first end, second end, radial.
   alignas(64) float total[kChunk + 16][8];

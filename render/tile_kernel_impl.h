@@ -3,7 +3,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "render/packet_math.h"
 #include "render/tile_kernel.h"
@@ -218,35 +221,78 @@ struct TileKernel {
     }
   }
 
-  /// What a packet of pairs takes from its pixels.
-  struct Pixels {
-    F x[4], y[4], h_x, h_y, h_z, tan2_i, tan2_o;
+  /// The lines of kLanes runs, row(k) the numbers of run k's TileRun, into column `at` and on.
+  template <class Row>
+  BURIN_FLATTEN static void make_lines(const TileLattice& lattice, const Row& row, float (*to)[TileRoom::kLines],
+                                       int at) {
+    F run[12];
+    for (const int i : {0, 4, 8}) packet::four_columns(run + i, [&](int k) { return row(k) + i; });
+    alignas(64) float in[12][kLanes];
+    for (int i = 0; i < 12; ++i) run[i].store_aligned(in[i]);
+    using D = packet::DoublesOf<P>;
+    const auto l = [&](double TileLattice::*which) { return D(lattice.*which); };
+    const D first_x = l(&TileLattice::first_x), first_y = l(&TileLattice::first_y);
+    const D column_x = l(&TileLattice::column_x), column_y = l(&TileLattice::column_y);
+    const D row_x = l(&TileLattice::row_x), row_y = l(&TileLattice::row_y);
+    for (int k = 0; k < kLanes; k += static_cast<int>(D::size)) {
+      const auto get = [&](int i) { return packet::doubles<P>(in[i] + k); };
+      const auto put = [&](Line line, const D& v) { packet::store_floats<P>(to[line] + at + k, v); };
+      const D per_mm = get(2), tx = per_mm * (get(0) + get(8)), ty = per_mm * (get(1) + get(9));
+      const D mid = tx * first_x + ty * first_y + (get(3) + get(10));
+      const D column = tx * column_x + ty * column_y, row_t = tx * row_x + ty * row_y;
+      const D column_Y = tx * column_y - ty * column_x, row_Y = tx * row_y - ty * row_x;
+      // Added and taken away again, a large number leaves multiples of 2^-21 of the power of two in `size`.
+      const D u = xsimd::abs(column), v = xsimd::abs(row_t), size = xsimd::abs(mid) + D(kTile) * (u + v);
+      const D exponent_bits(std::numeric_limits<double>::infinity());
+      const D large = D(3.0 * (1 << 30)) * (size & exponent_bits);
+      const auto split = [&](const D& of, Line coarse, Line fine) {
+        const D c = (of + large) - large;
+        put(coarse, c);
+        put(fine, of - c);
+        return c;
+      };
+      split(mid, kMidCoarse, kMidFine);
+      const D coarse_column = split(column, kColumnCoarse, kColumnFine);
+      const D coarse_row = split(row_t, kRowCoarse, kRowFine);
+      const D reach = D(0.5) * (xsimd::abs(coarse_column) + xsimd::abs(coarse_row));
+      put(kReachCoarse, reach);
+      put(kReachFine, D(0.5) * (u + v) - reach);
+      // A pixel's sides, taken towards larger t.
+      const D u_Y = xsimd::select(column < D(0.0), -column_Y, column_Y);
+      const D v_Y = xsimd::select(row_t < D(0.0), -row_Y, row_Y);
+      const auto slope = [](const D& t, const D& Y) {
+        return xsimd::min(xsimd::max(Y / xsimd::max(t, D(1e-30)), D(-1e30)), D(1e30));
+      };
+      const D u_slope = slope(u, u_Y), v_slope = slope(v, v_Y);
+      const auto u_steeper = u_Y * v > v_Y * u;
+      put(kSteep, xsimd::select(u_steeper, u_slope, v_slope));
+      put(kFlat, xsimd::select(u_steeper, v_slope, u_slope));
+      put(kMidY, tx * first_y - ty * first_x);
+      put(kColumnY, column_Y);
+      put(kRowY, row_Y);
+      put(kReachY, D(0.5) * (xsimd::abs(column_Y) + xsimd::abs(row_Y)));
+      put(kFarY, D(0.5) * (u_Y + v_Y));
+    }
+    store(to[kAcrossX] + at, run[0]);
+    store(to[kAcrossY] + at, run[1]);
+    store(to[kPerMm] + at, run[2]);
+    store(to[kFirstEnd] + at, run[4]);
+    store(to[kSecondEnd] + at, run[5]);
+    store(to[kAlpha] + at, run[6]);
+    store(to[kRim] + at, run[7]);
+  }
 
-    template <class Place>
-    [[gnu::always_inline]] Pixels(const TileTask& task, const Place& place) {
-      // Where each pixel's numbers are, in floats from the first: rows of corners are one longer than rows of pixels.
-      static_assert(TileCorners::kSide == kTile + 1);
-      alignas(64) std::uint32_t corner[kLanes], shade[kLanes];
-      for (int k = 0; k < kLanes; ++k) {
-        const std::uint32_t p = place(k);
-        corner[k] = 2 * (p + p / kTile);
-        shade[k] = 4 * p;
-      }
+  /// How a packet of pairs' pixels are lit and seen.
+  struct Shading {
+    F h_x, h_y, h_z, tan2_i, tan2_o;
+
+    [[gnu::always_inline]] Shading(const TileTask& task, const std::uint16_t* place) {
       // To memory, whatever the compiler thinks: single lanes are slow to take out of a register.
-      asm("" : "+m"(corner), "+m"(shade));
-      const float *corners = task.corners->at[0], *below = corners + 2 * TileCorners::kSide;
-      F up[4], down[4], shading[4];
-      packet::four_columns(up, [&](int k) { return corners + corner[k]; });
-      packet::four_columns(down, [&](int k) { return below + corner[k]; });
-      packet::four_columns(shading, [&](int k) { return task.shading->at[0] + shade[k]; });
-      x[0] = up[0];
-      y[0] = up[1];
-      x[1] = up[2];
-      y[1] = up[3];
-      x[2] = down[2];
-      y[2] = down[3];
-      x[3] = down[0];
-      y[3] = down[1];
+      alignas(64) std::uint32_t at[kLanes];
+      for (int k = 0; k < kLanes; ++k) at[k] = 4U * place[k];
+      asm("" : "+m"(at));
+      F shading[4];
+      packet::four_columns(shading, [&](int k) { return task.shading->at[0] + at[k]; });
       h_x = shading[0];
       h_y = shading[1];
       const F hz2 = xsimd::max(F(1.0F) - (h_x * h_x + h_y * h_y), F(1e-12F));
@@ -256,15 +302,112 @@ struct TileKernel {
     }
   };
 
-  /// The pixels' corners in their scratches' own units: t = tx x + ty y + t_origin across, Y along.
-  [[gnu::always_inline]] static Edges edges_of(const Pixels& px, const F& tx, const F& ty, const F& t_origin) {
-    Edges e;
-    for (int k = 0; k < 4; ++k) {
-      e.t[k] = tx * px.x[k] + (ty * px.y[k] + t_origin);
-      e.Y[k] = tx * px.y[k] - ty * px.x[k];
+  /// Where the middles of a packet of pairs' pixels would be on the lattice, in the scratches' own units.
+  template <class Constant>
+  struct Middle {
+    F coarse, fine, Y;
+
+    [[gnu::always_inline]] Middle(const std::uint16_t* place, const Constant& of) {
+      F column, row;
+      packet::columns_and_rows(place, column, row);
+      coarse = of(kMidCoarse) + column * of(kColumnCoarse) + row * of(kRowCoarse);
+      fine = of(kMidFine) + column * of(kColumnFine) + row * of(kRowFine);
+      Y = of(kMidY) + column * of(kColumnY) + row * of(kRowY);
     }
+  };
+
+  /// The pixels' corners in their scratches' own units. of(Line) is a constant of the scratches.
+  template <class Constant>
+  [[gnu::always_inline]] static Edges edges_of(const TileTask& task, const std::uint16_t* place, const Constant& of) {
+    Edges e;
+    const Middle middle(place, of);
+    const F half(0.5F);
+    constexpr float kColumn[4] = {-1, 1, 1, -1}, kRow[4] = {-1, -1, 1, 1};
+    F fine[4];
+    for (int k = 0; k < 4; ++k) {
+      const F column = half * F(kColumn[k]), row = half * F(kRow[k]);
+      e.t[k] = middle.coarse + (column * of(kColumnCoarse) + row * of(kRowCoarse));
+      fine[k] = middle.fine + (column * of(kColumnFine) + row * of(kRowFine));
+      e.Y[k] = middle.Y + (column * of(kColumnY) + row * of(kRowY));
+    }
+    if (task.corners != nullptr) {
+      // In floats from the first: rows of corners are one longer than rows of pixels.
+      static_assert(TileCorners::kSide == kTile + 1);
+      alignas(64) std::uint32_t at[kLanes];
+      for (int k = 0; k < kLanes; ++k) at[k] = 2U * (place[k] + place[k] / kTile);
+      asm("" : "+m"(at));  // as above
+      const float *corners = task.corners->at[0], *below = corners + 2 * TileCorners::kSide;
+      F up[4], down[4];
+      packet::four_columns(up, [&](int k) { return corners + at[k]; });
+      packet::four_columns(down, [&](int k) { return below + at[k]; });
+      const F tx = of(kAcrossX) * of(kPerMm), ty = of(kAcrossY) * of(kPerMm);
+      const auto move = [&](int k, const F& x, const F& y) {
+        fine[k] += tx * x + ty * y;
+        e.Y[k] += tx * y - ty * x;
+      };
+      move(0, up[0], up[1]);
+      move(1, up[2], up[3]);
+      move(2, down[2], down[3]);
+      move(3, down[0], down[1]);
+    }
+    for (int k = 0; k < 4; ++k) e.t[k] += fine[k];
     e.make();
     return e;
+  }
+
+  /// What of a packet of pixels lies across their grooves, before the scratches' ends.
+  struct Crossing {
+    F t_min, t_max, Y_min, Y_max;
+    F a, b;  // the groove reaches over [a, b] of the pixel
+    F top1, top2, bottom1, bottom2;
+    F inside;    // above 0 where a corner lies between a and b
+    Mask along;  // a side runs along the groove
+  };
+
+  template <class Constant>
+  [[gnu::always_inline]] static Crossing crossing_of_corners(const TileTask& task, const std::uint16_t* place,
+                                                             const Constant& of) {
+    const Edges e = edges_of(task, place, of);
+    const F rim = of(kRim), a = xsimd::max(-rim, e.t_min), b = xsimd::min(rim, e.t_max);
+    F top1(1e30F), top2(1e30F), bottom1(-1e30F), bottom2(-1e30F);
+    e.cut_levels(a, top1, bottom1);
+    e.cut_levels(b, top2, bottom2);
+    F inside = (e.t[0] - a) * (b - e.t[0]);
+    Mask slanting = e.is_top[0] | e.is_bottom[0];
+    for (int k = 1; k < 4; ++k) {
+      inside = xsimd::max(inside, (e.t[k] - a) * (b - e.t[k]));
+      slanting = slanting & (e.is_top[k] | e.is_bottom[k]);
+    }
+    return {e.t_min, e.t_max, e.Y_min, e.Y_max, a, b, top1, top2, bottom1, bottom2, inside, !slanting};
+  }
+
+  /// The same where all corners lie on the lattice: pixels are parallelograms, whose sides the constants hold. From the
+  /// corner with the least t the steeper side goes up and then the flatter one, below it the other way round.
+  template <class Constant>
+  [[gnu::always_inline]] static Crossing crossing_on_lattice(const std::uint16_t* place, const Constant& of) {
+    const Middle middle(place, of);
+    Crossing c;
+    c.t_min = (middle.coarse - of(kReachCoarse)) + (middle.fine - of(kReachFine));
+    c.t_max = (middle.coarse + of(kReachCoarse)) + (middle.fine + of(kReachFine));
+    c.Y_min = middle.Y - of(kReachY);
+    c.Y_max = middle.Y + of(kReachY);
+    const F rim = of(kRim);
+    c.a = xsimd::max(-rim, c.t_min);
+    c.b = xsimd::min(rim, c.t_max);
+    const F near_Y = middle.Y - of(kFarY), far_Y = middle.Y + of(kFarY), steep = of(kSteep), flat = of(kFlat);
+    const auto levels = [&](const F& at, F& top, F& bottom) {
+      const F from_near = at - c.t_min, from_far = at - c.t_max;
+      top = xsimd::min(near_Y + steep * from_near, far_Y + flat * from_far);
+      bottom = xsimd::max(near_Y + flat * from_near, far_Y + steep * from_far);
+    };
+    levels(c.a, c.top1, c.bottom1);
+    levels(c.b, c.top2, c.bottom2);
+    const F column = xsimd::abs(of(kColumnCoarse) + of(kColumnFine)), row = xsimd::abs(of(kRowCoarse) + of(kRowFine));
+    const F t1 = c.t_min + column, t2 = c.t_min + row;
+    c.inside = xsimd::max((t1 - c.a) * (c.b - t1), (t2 - c.a) * (c.b - t2));
+    // So nearly along it that its corners may round to the same t.
+    c.along = xsimd::min(column, row) < F(1e-6F);
+    return c;
   }
 
   /// Pairs that are not to be finished at once, as bits of the lanes.
@@ -275,23 +418,25 @@ struct TileKernel {
   /// One packet of pairs whose pixels the groove crosses from side to side, or enters with an end square across it: a
   /// piece each, at `at`. The others become empty pieces: those to be set aside, and those that the groove does not
   /// meet at all.
-  template <KernelMode kMode>
+  template <KernelMode kMode, bool kOnLattice>
   BURIN_FLATTEN static Aside cross(const TileTask& task, const TilePlaces& places, TileRoom& room,
-                                   const TileRoom::Scratch& scratch, std::size_t pair, int at) {
+                                   const std::uint32_t* line, std::size_t pair, int at) {
     const std::uint16_t* place = &places.place[pair];
-    const Pixels px(task, [&](int k) { return place[k]; });
-    const auto constant = [&](int c) { return load(scratch.constant[c] + at); };
-    const F across_x = constant(0), across_y = constant(1), per_mm = constant(2), t_origin = constant(3);
-    const F first = constant(4), second = constant(5), rim = constant(7);
+    const packet::Picker<P> pick(line);
+    const auto constant = [&](Line c) { return pick(room.line[c]); };
+    Crossing e;
+    if constexpr (kOnLattice)
+      e = crossing_on_lattice(place, constant);
+    else
+      e = crossing_of_corners(task, place, constant);
+    const Shading px(task, place);
+    const F across_x = constant(kAcrossX), across_y = constant(kAcrossY), per_mm = constant(kPerMm);
+    const F first = constant(kFirstEnd), second = constant(kSecondEnd), rim = constant(kRim);
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
-    const Edges e = edges_of(px, across_x * per_mm, across_y * per_mm, t_origin);
     const Mask apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
-    // The groove reaches over [a, b] of the pixel. At both: the pixel's edges, and whether one of the scratch's ends
-    // lies before them.
-    const F a = xsimd::max(-rim, e.t_min), b = xsimd::min(rim, e.t_max);
-    F top1(1e30F), top2(1e30F), bottom1(-1e30F), bottom2(-1e30F);
-    e.cut_levels(a, top1, bottom1);
-    e.cut_levels(b, top2, bottom2);
+    // At both ends of [a, b]: the pixel's edges, and whether one of the scratch's ends lies before them.
+    const F &a = e.a, &b = e.b;
+    F top1 = e.top1, top2 = e.top2, bottom1 = e.bottom1, bottom2 = e.bottom2;
     const Mask capped1 = top1 > second, capped2 = top2 > second, raised1 = bottom1 < first, raised2 = bottom2 < first;
     top1 = xsimd::min(top1, second);
     top2 = xsimd::min(top2, second);
@@ -301,14 +446,8 @@ struct TileKernel {
     const Mask mixed = (capped1 != capped2) | (raised1 != raised2) | (closed1 != closed2);
     // An end that lies in the pixel from a to b, or beside it, bounds a single piece as an edge does. So does a corner
     // at a or b, unless one of the pixel's edges runs along the groove there.
-    F inside = (e.t[0] - a) * (b - e.t[0]);
-    Mask slanting = e.is_top[0] | e.is_bottom[0];
-    for (int k = 1; k < 4; ++k) {
-      inside = xsimd::max(inside, (e.t[k] - a) * (b - e.t[k]));
-      slanting = slanting & (e.is_top[k] | e.is_bottom[k]);
-    }
-    const Mask along = !slanting, has_corner = b - a < rim + rim;
-    const Mask corner_between = (inside > zero()) | (along & has_corner);
+    const Mask has_corner = b - a < rim + rim;
+    const Mask corner_between = (e.inside > zero()) | (e.along & has_corner);
     const Mask in_reach = ((e.Y_min < first) | (e.Y_max > second)) & !apart;
     const Mask ends = in_reach & (corner_between | mixed);
     const Mask corners = corner_between & !(apart | in_reach);
@@ -337,9 +476,10 @@ struct TileKernel {
     store(room.hx + at, hx);
     store(room.hy + at, hy);
     store(room.hz + at, hz);
-    store(room.piece_alpha + at, constant(6));
+    store(room.piece_alpha + at, constant(kAlpha));
     store(room.tan2_i + at, px.tan2_i);
     store(room.tan2_o + at, px.tan2_o);
+    store(room.per_mm + at, per_mm);
     store(room.area + at, F(0.5F) * unit * length * (height1 + height2));
     if constexpr (kMode != KernelMode::value) {
       // The limit moves as h turns (W is 1 there).
@@ -361,16 +501,16 @@ struct TileKernel {
       const F area_rim = unit * (height1 + height2);
       store(&room.area_rim[pair], area_rim);
       store(&room.area_width[pair], rim * area_rim);
-      keep(room.rim_light, rim_light(hx, hy, hz, constant(6), lo, hi, rim, height1, height2));
+      keep(room.rim_light, rim_light(hx, hy, hz, constant(kAlpha), lo, hi, rim, height1, height2));
     }
     return {packet::bits_of<P>(corners), packet::bits_of<P>(ends)};
   }
 
   /// The factors of one packet of pairs that cross() began, and their places.
   template <KernelMode kMode>
-  BURIN_FLATTEN static void finish_crossing(TileRoom& room, const TileRoom::Scratch& scratch, const TilePlaces& places,
-                                            TilePairs& pairs, bool keep_light, std::size_t pair, int at, int lanes) {
-    const F alpha = load(room.piece_alpha + at), per_t = inverse(load(scratch.constant[2] + at));
+  BURIN_FLATTEN static void finish_crossing(TileRoom& room, const TilePlaces& places, TilePairs& pairs, bool keep_light,
+                                            std::size_t pair, int at, int lanes) {
+    const F alpha = load(room.piece_alpha + at), per_t = inverse(load(room.per_mm + at));
     const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(room.tan2_i + at), load(room.tan2_o + at));
     const F V = load(room.piece_V + at), light = f.value * V;
     if (keep_light) store(&pairs.light[pair], light);
@@ -455,15 +595,17 @@ struct TileKernel {
   /// to three or seven pieces each. `from`: the packet's place in the group.
   template <KernelMode kMode, bool kEnds>
   BURIN_FLATTEN static void cut(const TileTask& task, TileRoom& b, const TilePlaces& places, const std::uint32_t* pair,
-                                const std::uint32_t* run, int from, int lanes) {
-    const Pixels px(task, [&](int k) { return places.place[pair[std::min(k, lanes - 1)]]; });
-    F r[8];
-    for (const int half : {0, 4})
-      packet::four_columns(r + half, [&](int k) { return &task.runs[run[std::min(k, lanes - 1)]].across_x + half; });
-    const F &across_x = r[0], &across_y = r[1], &per_mm = r[2], &t_origin = r[3];
-    const F &first = r[4], &second = r[5], &alpha = r[6], &rim = r[7];
+                                const std::uint32_t* line, int from, int lanes) {
+    alignas(64) std::uint16_t place[kLanes];
+    for (int k = 0; k < kLanes; ++k) place[k] = places.place[pair[std::min(k, lanes - 1)]];
+    make_lines(
+        *task.lattice, [&](int k) { return &task.runs[b.live[line[std::min(k, lanes - 1)]]].across_x; }, b.line, 0);
+    const auto constant = [&](Line c) { return load(b.line[c]); };
+    const Edges e = edges_of(task, place, constant);
+    const Shading px(task, place);
+    const F across_x = constant(kAcrossX), across_y = constant(kAcrossY), per_mm = constant(kPerMm);
+    const F first = constant(kFirstEnd), second = constant(kSecondEnd), alpha = constant(kAlpha), rim = constant(kRim);
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
-    const Edges e = edges_of(px, across_x * per_mm, across_y * per_mm, t_origin);
     constexpr int kBreaks = kEnds ? 8 : 4;
     F t[kBreaks] = {e.t[0], e.t[1], e.t[2], e.t[3]};
     if constexpr (kEnds) {
@@ -511,8 +653,6 @@ struct TileKernel {
       close_where(outside, top[k], bottom[k]);
     }
 
-    // Where an edge meets an end's level, rounding leaves it a little beside.
-    const F slack = F(1e-5F) * (e.Y_max - e.Y_min);
     const F per_t = inverse(per_mm), unit = per_t * per_t;
     const auto limits = footprint::front_facing(hx, hz, rim);
     const Mask dark = limits.lo >= limits.hi;
@@ -527,9 +667,14 @@ struct TileKernel {
       const Mask tall = (height1 > zero()) | (height2 > zero());
       F on_first = zero(), on_second = zero();
       if constexpr (kEnds) {
-        const Mask bounded = height1 + height2 > slack;
-        on_first = xsimd::select(bounded & (xsimd::max(p.bottom1, p.bottom2) <= first + slack), F(1.0F), zero());
-        on_second = xsimd::select(bounded & (xsimd::min(p.top1, p.top2) >= second - slack), F(1.0F), zero());
+        // An end bounds a piece where it lies between the pixel's edges. Where an edge meets it is a breakpoint, near
+        // which rounding leaves the edge a little beside it, much where the edge is steep: so ask in the middle.
+        const F middle = F(0.5F) * (p.t1 + p.t2);
+        F upper(1e30F), lower(-1e30F);
+        e.cut_levels(middle, upper, lower);
+        const Mask within = (middle > e.t_min) & (middle < e.t_max);
+        on_first = xsimd::select(within & (lower < first) & (upper > first), F(1.0F), zero());
+        on_second = xsimd::select(within & (lower < second) & (upper > second), F(1.0F), zero());
         by_first -= on_first * length;
         by_second += on_second * length;
         alone -= (on_first - on_second) * length * F(0.5F) * (p.t1 + p.t2);
@@ -597,11 +742,11 @@ struct TileKernel {
     const std::size_t count = special.count;
     for (std::size_t group = 0; group < count; group += kGroup) {
       const int n = static_cast<int>(std::min(kGroup, count - group));
-      const std::uint32_t *pair = &special.pair[group], *run = &special.run[group];
+      const std::uint32_t *pair = &special.pair[group], *line = &special.line[group];
       b.piece_count = 0;
       std::memset(b.total, 0, (n + kLanes) * sizeof(b.total[0]));
       for (int i = 0; i < n; i += kLanes)
-        cut<kMode, kEnds>(task, b, places, pair + i, run + i, i, std::min(kLanes, n - i));
+        cut<kMode, kEnds>(task, b, places, pair + i, line + i, i, std::min(kLanes, n - i));
       add_pieces<kMode, kEnds>(b);
       for (int i = 0; i < n; i += kLanes)
         finish<kMode, kEnds>(b, places, pairs, task.keep_light, pair + i, i, std::min(kLanes, n - i));
@@ -668,57 +813,70 @@ struct TileKernel {
     pairs.cut_ends.clear();
     room.corners.count = room.ends.count = 0;
 
+    list_live_runs(task, places, room);
     // One chunk ahead: what was stored just now cannot be loaded at once.
-    std::uint32_t run = 0;
-    const auto lay_out_chunk = [&](std::size_t chunk) {
+    std::uint32_t line = 0, made = 0;
+    const auto number_chunk = [&](std::size_t chunk) {
       if (chunk >= count) return;
       const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
-      lay_out(task, places, chunk, n, run, room.scratch[chunk / TileRoom::kChunk % 2]);
+      number_lines(places, room.live, chunk, n, line, room.line_of[chunk / TileRoom::kChunk % 2]);
     };
-    lay_out_chunk(0);
+    number_chunk(0);
     for (std::size_t chunk = 0; chunk < count; chunk += TileRoom::kChunk) {
-      lay_out_chunk(chunk + TileRoom::kChunk);
-      const TileRoom::Scratch& scratch = room.scratch[chunk / TileRoom::kChunk % 2];
+      number_chunk(chunk + TileRoom::kChunk);
+      const std::uint32_t* line_of = room.line_of[chunk / TileRoom::kChunk % 2];
       const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
       for (int i = 0; i < n; i += kLanes) {
-        const Aside aside = cross<kMode>(task, places, room, scratch, chunk + i, i);
+        for (; made <= line_of[i + kLanes - 1]; made += kLanes)
+          make_lines(
+              *task.lattice, [&](int k) { return &task.runs[room.live[made + k]].across_x; }, room.line,
+              static_cast<int>(made % (2 * kLanes)));
+        const Aside aside = task.corners == nullptr
+                                ? cross<kMode, true>(task, places, room, line_of + i, chunk + i, i)
+                                : cross<kMode, false>(task, places, room, line_of + i, chunk + i, i);
         const std::uint32_t used = n - i < kLanes ? (1U << (n - i)) - 1 : ~0U;
-        set_aside(room.corners, static_cast<std::uint32_t>(chunk + i), scratch.run + i, aside.corners & used);
-        set_aside(room.ends, static_cast<std::uint32_t>(chunk + i), scratch.run + i, aside.ends & used);
+        set_aside(room.corners, static_cast<std::uint32_t>(chunk + i), line_of + i, aside.corners & used);
+        set_aside(room.ends, static_cast<std::uint32_t>(chunk + i), line_of + i, aside.ends & used);
       }
       evaluate_pieces<kMode>(room, n);
       for (int i = 0; i < n; i += kLanes)
-        finish_crossing<kMode>(room, scratch, places, pairs, task.keep_light, chunk + i, i, std::min(kLanes, n - i));
+        finish_crossing<kMode>(room, places, pairs, task.keep_light, chunk + i, i, std::min(kLanes, n - i));
     }
     finish_specials<kMode, false>(task, places, room, room.corners, pairs);
     finish_specials<kMode, true>(task, places, room, room.ends, pairs);
   }
 
-  static void set_aside(TileRoom::Special& special, std::uint32_t pair, const std::uint32_t* run, std::uint32_t bits) {
+  static void set_aside(TileRoom::Special& special, std::uint32_t pair, const std::uint32_t* line, std::uint32_t bits) {
     if (bits == 0) return;
     if (special.pair.size() < special.count + 2 * kLanes) {
       special.pair.resize(2 * special.count + 512);
-      special.run.resize(special.pair.size());
+      special.line.resize(special.pair.size());
     }
-    packet::pack_numbers<P>(&special.run[special.count], run, bits);
+    packet::pack_numbers<P>(&special.line[special.count], line, bits);
     for (; bits != 0; bits &= bits - 1)
       special.pair[special.count++] = pair + static_cast<std::uint32_t>(std::countr_zero(bits));
   }
 
-  /// Each pair's scratch beside it. `run` is the first pair's or an earlier one; it moves on to the last pair's.
-  static void lay_out(const TileTask& task, const TilePlaces& places, std::size_t chunk, int n, std::uint32_t& run,
-                      TileRoom::Scratch& scratch) {
+  /// The runs that have pairs; a packet more, all the last.
+  static void list_live_runs(const TileTask& task, const TilePlaces& places, TileRoom& room) {
+    if (room.live.size() < task.run_count + kLanes) room.live.resize(task.run_count + task.run_count / 4 + kLanes);
+    std::uint32_t n = 0;
+    for (std::uint32_t r = 0; r < task.run_count; ++r) {
+      room.live[n] = r;
+      n += places.begin[r + 1] > places.begin[r] ? 1 : 0;
+    }
+    std::fill_n(room.live.data() + n, kLanes, n > 0 ? room.live[n - 1] : 0);
+  }
+
+  /// Numbers each of n pairs' runs among the live ones. `line` is the first pair's or an earlier one; it moves on to
+  /// the last pair's.
+  static void number_lines(const TilePlaces& places, const std::vector<std::uint32_t>& live, std::size_t chunk, int n,
+                           std::uint32_t& line, std::uint32_t* to) {
     for (int k = 0; k < n;) {
-      while (places.begin[run + 1] <= chunk + k) ++run;
-      const int end = static_cast<int>(std::min<std::size_t>(n, places.begin[run + 1] - chunk));
+      while (places.begin[live[line] + 1] <= chunk + k) ++line;
+      const int end = static_cast<int>(std::min<std::size_t>(n, places.begin[live[line] + 1] - chunk));
       // Whole packets; what they write too far is written again.
-      const float* c = &task.runs[run].across_x;
-      const int until = end == n ? (n + 15) / 16 * 16 : end;
-      for (int i = k; i < until; i += 16) {
-        for (int m = 0; m < 8; ++m)
-          for (int j = 0; j < 16; j += kLanes) store(scratch.constant[m] + i + j, F(c[m]));
-        std::fill_n(scratch.run + i, 16, run);
-      }
+      for (int i = k; i < (end == n ? (n + 15) / 16 * 16 : end); i += 16) std::fill_n(to + i, 16, line);
       k = end;
     }
   }

@@ -161,14 +161,20 @@ void TileRuns::make_runs(const PixelIndex& index, const ScratchLines& lines, Chu
     const std::uint32_t slot = chunk.counts[entry.tile]++;
     chunk.slots[e] = slot;
     scratch_[slot] = entry.scratch;
-    runs_[slot] = {static_cast<float>(across.x),
-                   static_cast<float>(across.y),
+    const double t_origin = per_mm * (across.x * ox + across.y * oy);
+    const auto x = static_cast<float>(across.x), y = static_cast<float>(across.y), t = static_cast<float>(t_origin);
+    runs_[slot] = {x,
+                   y,
                    per_mm,
-                   static_cast<float>(per_mm * (across.x * ox + across.y * oy)),
+                   t,
                    static_cast<float>(-per_mm * foot_mm),
                    static_cast<float>(per_mm * (across.length_mm - foot_mm)),
                    lines.alpha[s],
-                   lines.rim[s]};
+                   lines.rim[s],
+                   static_cast<float>(across.x - x),
+                   static_cast<float>(across.y - y),
+                   static_cast<float>(t_origin - t),
+                   0};
   }
 }
 

@@ -17,10 +17,11 @@ struct TiledGrid {
 
   int width = 0, height = 0;
   PixelIndex index;
-  std::vector<TileCorners> corners;  ///< by tile
+  std::vector<TileLattice> lattice;  ///< by tile
+  std::vector<TileCorners> corners;  ///< by tile; empty where all corners lie on their lattices, as on boards
   std::vector<float> inv_area;       ///< 1 / mm^2, by tile * kTilePixels + place in the tile; 0 without a footprint
 
-  std::size_t tiles() const { return corners.size(); }
+  std::size_t tiles() const { return lattice.size(); }
 
   /// visit(x, y of the picture, place in the tile) for the pixels of a tile.
   template <typename Visit>

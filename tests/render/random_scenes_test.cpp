@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -26,10 +27,12 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 const std::vector<SimdWidth> kWidths{SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512};
 
 TEST(RandomScenes, FastPathIsTheDoublePathForEveryWidth) {
-  // A few in a hundred such benches miss one of the limits (tests/bench/accuracy_bench.cpp counts them): there one
-  // scratch outshines all others and a pixel's edge runs along it through its peak, where float's rounding of that edge
-  // shows. None is among these.
-  for (unsigned seed = 0; seed < 60; ++seed) {
+  // After the first ones, those of many that are hardest: one scratch outshines all others, in pixels much
+  // larger than the groove, and a pixel's edge runs along it through its peak, where every rounding of that edge shows.
+  std::vector<unsigned> seeds(60);
+  std::iota(seeds.begin(), seeds.end(), 0);
+  seeds.insert(seeds.end(), {62, 88, 89, 94, 120, 153, 160, 258, 1017, 1947});
+  for (const unsigned seed : seeds) {
     const World w = workshop(seed, 150);
     for (const SimdWidth simd : kWidths) {
       if (!has_kernel(simd)) continue;
