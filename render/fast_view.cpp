@@ -9,6 +9,7 @@
 #include "render/error.h"
 #include "render/exact_view.h"
 #include "render/groove.h"
+#include "render/grow.h"
 #include "render/machine_clones.h"
 #include "render/pixel_shading.h"
 #include "render/render_room.h"
@@ -279,7 +280,7 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
   const std::size_t tiles = d.grid->tiles();
   const bool material = d.mode == KernelMode::material;
   const std::size_t numbers = run_gradients(d.mode), needed = room.runs.total() * numbers;
-  if (room.by_run.size() <= needed) room.by_run.resize(needed + needed / 4 + 1);
+  grow_to(room.by_run, needed + 1);
   room.by_tile.resize(tiles);
   tbb::parallel_for(std::size_t{0}, tiles,
                     [&](std::size_t t) { room.by_tile[t] = d.differentiate_tile(t, dE_dradiance); });
@@ -330,7 +331,7 @@ void FastView::add_contributions(std::vector<double>& contribution) const {
          "call add_contributions() before the next view's forward()");
   // Light is not kept pair by pair: it is found again, tile by tile.
   std::vector<float>& by_run = room.by_run;
-  if (by_run.size() < room.runs.total()) by_run.resize(room.runs.total());
+  grow_to(by_run, room.runs.total());
   tbb::parallel_for(std::size_t{0}, d.grid->tiles(), [&](std::size_t t) {
     RenderRoom::Work& w = *room.work.local();
     TileTask task = d.task_of(t);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/grow.h"
 #include "render/machine_clones.h"
 
 namespace burin {
@@ -96,6 +97,7 @@ BURIN_MACHINE_CLONES void tile_boxes(const PixelBoxes& in, int n, double pad_px,
 void TileRuns::find_tiles(const PixelIndex& index, const ScratchLines& lines, Chunk& chunk) {
   const std::span<const GridTile> tiles = index.tiles();
   chunk.counts.assign(tiles.size(), 0);
+  chunk.touched.reserve(tiles.size());  // all that one scratch can touch
   chunk.entry_count = 0;
   const auto make_room = [&](std::size_t more) {
     if (chunk.entries.size() < chunk.entry_count + more) chunk.entries.resize(2 * chunk.entry_count + more + kBlock);
@@ -198,10 +200,8 @@ void TileRuns::sort(const PixelIndex& index, const ScratchLines& lines) {
     }
   }
   begin_[tiles] = run;
-  if (runs_.size() < run + 1) {
-    runs_.resize(run + run / 4 + 1);
-    scratch_.resize(runs_.size());
-  }
+  grow_to(runs_, run + 1);
+  grow_to(scratch_, run + 1);
   tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t c) { make_runs(index, lines, chunks_[c]); });
 }
 
