@@ -19,15 +19,19 @@ namespace burin {
 namespace {
 
 /// What the pixels of a tile send, for a light of 1: the sums of their grooves and what is left of the plain face.
-/// `open`: the share that is left. `open_base`: the plain face's light where some of it is left, else 0.
-BURIN_MACHINE_CLONES void lobes_of_pixels(const float* sums, const float* inv_area, const float* base, float* open,
-                                          float* lobes, float* open_base) {
+/// `open`: the share that is left. `covered_base`: the plain face's light where nothing of it is left, else 0. Returns
+/// whether any of those is not 0.
+BURIN_MACHINE_CLONES bool lobes_of_pixels(const float* sums, const float* inv_area, const float* base, float* open,
+                                          float* lobes, float* covered_base) {
+  int some = 0;
   for (int k = 0; k < kTilePixels; ++k) {
     const float covered = sums[2 * k + 1] * inv_area[k];
     open[k] = covered < 1 ? 1 - covered : 0.0F;
-    open_base[k] = covered < 1 ? base[k] : 0.0F;
+    covered_base[k] = covered < 1 ? 0.0F : base[k];
+    some |= covered_base[k] > 0 ? 1 : 0;
     lobes[k] = sums[2 * k] * inv_area[k] + open[k] * base[k];
   }
+  return some != 0;
 }
 
 BURIN_MACHINE_CLONES void multiply(const float* a, const float* b, int n, float* out) {
@@ -72,7 +76,7 @@ struct FastView::Data {
 
   void shade(const ViewScene& scene, bool material);
   void sort_scratches(const Scratches& scratches);
-  TilePlaces evaluate_tile(std::size_t t, const TileTask& task, RenderRoom::Work& w);
+  TilePlaces evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderRoom::Work& w, TileJacobian& to);
   void render_tile(std::size_t t, Image& radiance);
   double differentiate_tile(std::size_t t, const Image& dE_dradiance);
   double width_of(std::size_t scratch) const { return width_um[width_um.size() == 1 ? 0 : scratch]; }
@@ -83,6 +87,8 @@ struct FastView::Data {
     return {&grid->lattice[t],
             grid->corners.empty() ? nullptr : &grid->corners[t],
             &shading[t],
+            &base[t * kTilePixels],
+            alpha.size() == 1 ? alpha.data() : nullptr,
             room->runs.of(t),
             room->runs.count(t),
             grid->index.blocks(tile),
@@ -162,12 +168,22 @@ void FastView::Data::sort_scratches(const Scratches& s) {
                     {alpha.data(), s.alpha.empty()}});
 }
 
-/// Finds and evaluates a tile's pairs; `w` then holds what combine() reads.
-TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, RenderRoom::Work& w) {
+/// Finds and evaluates a tile's pairs. `to` is their Jacobian: kept where that is asked for and there is room, else in
+/// `w` until the next tile.
+TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderRoom::Work& w,
+                                         TileJacobian& to) {
   const TilePlaces places = room->places_of(t, task, kernels, w.found);
-  kernels.evaluate(task, places, w.tile, w.pairs);
-  const std::size_t first = t * kTilePixels;
-  lobes_of_pixels(w.tile.sums, &grid->inv_area[first], &base[first], w.open, w.lobes, w.open_base);
+  const std::size_t first = t * kTilePixels, count = places.begin[task.run_count];
+  if (keep) to = room->keep_jacobian(mode, count);
+  const TileJacobian kept = to;
+  if (to.shift == nullptr) to = RenderRoom::make_jacobian(mode, count, w);
+  kernels.evaluate(task, places, w.tile, w.pairs, to);
+  to.ends = w.pairs.ends.data();
+  to.end_count = w.pairs.ends.size();
+  const bool some_covered =
+      lobes_of_pixels(w.tile.sums, &grid->inv_area[first], &base[first], w.open, w.lobes, w.covered_base);
+  if (mode != KernelMode::value && some_covered) kernels.cover(task, places, w.covered_base, w.tile, to);
+  if (keep) room->keep_ends(t, kept, w.pairs.ends);
   return places;
 }
 
@@ -180,7 +196,8 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
   };
   if (task.corners != nullptr) fetch(task.corners);
   fetch(task.shading);
-  const TilePlaces places = evaluate_tile(t, task, w);
+  TileJacobian jacobian;
+  evaluate_tile(t, task, mode != KernelMode::value, w, jacobian);
   const bool with_slope = mode == KernelMode::material;
   each_row(t, [&](int n, std::size_t place, std::size_t pixel) {
     const std::size_t i = t * kTilePixels + place;
@@ -197,10 +214,6 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
       for (int k = 0; k < n; ++k)
         for (int c = 0; c < channels; ++c) out[k * channels + c] += static_cast<float>(visible[i + k]) * ambient[c];
   });
-  if (mode == KernelMode::value) return;
-  const TileJacobian& to =
-      room->make_jacobian(t, mode, places.begin[task.run_count], w.pairs.ends.size() + w.pairs.cut_ends.size());
-  if (to.shift != nullptr) kernels.combine(task, places, w.open_base, w.tile, w.pairs, to);
 }
 
 /// Puts the gradients of the tile's runs into the room; returns dE / d base_alpha through the tile.
@@ -212,11 +225,7 @@ double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradian
   if (jacobian.shift != nullptr) {
     places = room->places_of(t, task, kernels, w.found);
   } else {  // there was no room for it: once more
-    places = evaluate_tile(t, task, w);
-    w.ends.resize(w.pairs.ends.size() + w.pairs.cut_ends.size());
-    jacobian = {w.pairs.shift.data(), w.pairs.turn.data(), w.pairs.width.data(), w.pairs.rim.data(),
-                w.pairs.alpha.data(), w.ends.data(),       w.ends.size()};
-    kernels.combine(task, places, w.open_base, w.tile, w.pairs, jacobian);
+    places = evaluate_tile(t, task, false, w, jacobian);
   }
   const bool material = mode == KernelMode::material;
   double by_base_alpha = 0;
@@ -338,7 +347,7 @@ void FastView::add_contributions(std::vector<double>& contribution) const {
     task.mode = KernelMode::value;
     task.keep_light = true;
     const TilePlaces places = room.places_of(t, task, d.kernels, w.found);
-    d.kernels.evaluate(task, places, w.tile, w.pairs);
+    d.kernels.evaluate(task, places, w.tile, w.pairs, {});
     for (std::uint32_t r = 0; r < task.run_count; ++r) {
       double sum = 0;
       for (std::uint32_t k = places.begin[r]; k < places.begin[r + 1]; ++k) {

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 #include <xsimd/xsimd.hpp>
@@ -222,6 +223,30 @@ template <class P>
   if constexpr (kIs512<P>) return _mm512_reduce_add_ps(v);
 #endif
   return xsimd::hadd(v);
+}
+
+/// Lane k of the result is the sum of the lanes of rows[k].
+template <class P>
+[[gnu::always_inline]] inline P sums_of_rows(const P* rows) {
+#ifdef __AVX512BW__
+  if constexpr (kIs512<P>) {
+    // Four times: half as many rows, whose lanes are sums of half as many lanes of each of two.
+    __m512 a[8], b[4], c[2];
+    for (int i = 0; i < 8; ++i) {
+      const __m512 x = rows[i + i / 4 * 4], y = rows[i + i / 4 * 4 + 4];
+      a[i] = _mm512_add_ps(_mm512_shuffle_f32x4(x, y, 0x44), _mm512_shuffle_f32x4(x, y, 0xee));
+    }
+    for (int i = 0; i < 4; ++i)
+      b[i] = _mm512_add_ps(_mm512_shuffle_f32x4(a[i], a[i + 4], 0x88), _mm512_shuffle_f32x4(a[i], a[i + 4], 0xdd));
+    for (int i = 0; i < 2; ++i)
+      c[i] = _mm512_add_ps(_mm512_shuffle_ps(b[2 * i], b[2 * i + 1], 0x44),
+                           _mm512_shuffle_ps(b[2 * i], b[2 * i + 1], 0xee));
+    return _mm512_add_ps(_mm512_shuffle_ps(c[0], c[1], 0x88), _mm512_shuffle_ps(c[0], c[1], 0xdd));
+  }
+#endif
+  alignas(64) float sums[kLanesOf<P>];
+  for (int i = 0; i < kLanesOf<P>; ++i) sums[i] = sum(rows[i]);
+  return P::load_aligned(sums);
 }
 
 /// 0, 1, 2, ...

@@ -382,8 +382,17 @@ class StripRuns {
       if (runs_.count(t) == 0) return;
       const GridTile& tile = index.tiles()[t];
       thread_local FoundPlaces found;
-      kernels.find(
-          {nullptr, nullptr, nullptr, runs_.of(t), runs_.count(t), index.blocks(tile), index.valid_rows(t), {}}, found);
+      kernels.find({nullptr,
+                    nullptr,
+                    nullptr,
+                    nullptr,
+                    nullptr,
+                    runs_.of(t),
+                    runs_.count(t),
+                    index.blocks(tile),
+                    index.valid_rows(t),
+                    {}},
+                   found);
       visit(t, found.places());
     });
   }
@@ -405,7 +414,8 @@ void PixelIndex::find(const Strip& strip, std::vector<PixelSpan>& spans) const {
     const int left = static_cast<int>(t % tiles_x_) * kTile, top = static_cast<int>(t / tiles_x_) * kTile;
     FoundPlaces found;
     tile_kernels(SimdWidth::best)
-        .find({nullptr, nullptr, nullptr, one.runs().of(t), 1, blocks(tiles_[t]), valid_rows(t), {}}, found);
+        .find({nullptr, nullptr, nullptr, nullptr, nullptr, one.runs().of(t), 1, blocks(tiles_[t]), valid_rows(t), {}},
+              found);
     for (std::uint32_t k = 0; k < found.begin[1]; ++k)
       pixels.emplace_back(top + found.place[k] / kTile, left + found.place[k] % kTile);
   }

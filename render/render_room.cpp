@@ -4,6 +4,8 @@
 #include <cstring>
 #include <type_traits>
 
+#include "render/grow.h"
+
 namespace burin {
 namespace {
 
@@ -12,6 +14,21 @@ constexpr std::size_t kPlaceShare = 5;
 
 /// A multiple of 16 that leaves room for a whole packet beyond the last.
 std::size_t padded(std::size_t count) { return (count + 31) / 16 * 16; }
+
+std::size_t jacobian_arrays(KernelMode mode) { return mode == KernelMode::material ? 5 : 2; }
+
+/// The arrays of a mode, one after the other, `padded`.
+TileJacobian jacobian_at(float* at, KernelMode mode, std::size_t count) {
+  TileJacobian to;
+  const std::size_t n = padded(count);
+  const std::array<float**, 5> arrays{&to.shift, &to.turn, &to.width, &to.rim, &to.alpha};
+  for (std::size_t i = 0; i < jacobian_arrays(mode); ++i, at += n) {
+    *arrays[i] = at;
+    // A packet's lanes beyond the last pair weigh nothing, but must be numbers.
+    std::fill(at + count / 16 * 16, at + n, 0.0F);
+  }
+  return to;
+}
 
 std::size_t shape_size(const ScratchLines& lines, const Each<float>& of) { return of.shared ? 1 : lines.count; }
 
@@ -74,24 +91,27 @@ TilePlaces RenderRoom::places_of(std::size_t tile, const TileTask& task, const T
   return places_[tile];
 }
 
-TileJacobian& RenderRoom::make_jacobian(std::size_t tile, KernelMode mode, std::size_t count, std::size_t ends) {
+TileJacobian RenderRoom::make_jacobian(KernelMode mode, std::size_t count, Work& work) {
+  if (mode == KernelMode::value) return {};
+  grow_to(work.jacobian, jacobian_arrays(mode) * padded(count));
+  return jacobian_at(work.jacobian.data(), mode, count);
+}
+
+TileJacobian RenderRoom::keep_jacobian(KernelMode mode, std::size_t count) {
+  std::byte* const room = jacobian_store.take(jacobian_arrays(mode) * padded(count) * sizeof(float));
+  return room == nullptr ? TileJacobian{} : jacobian_at(reinterpret_cast<float*>(room), mode, count);
+}
+
+void RenderRoom::keep_ends(std::size_t tile, TileJacobian made, const std::vector<EndPair>& ends) {
   static_assert(std::is_trivially_copyable_v<EndPair>);
-  TileJacobian& to = jacobian[tile];
-  to = {};
-  const std::size_t arrays = mode == KernelMode::material ? 5 : 2, n = padded(count);
-  std::byte* const room = jacobian_store.take(arrays * n * sizeof(float) + ends * sizeof(EndPair));
-  if (room == nullptr) return to;
-  auto* at = reinterpret_cast<float*>(room);
-  for (float** array : {&to.shift, &to.turn, &to.width, &to.rim, &to.alpha}) {
-    if (at == reinterpret_cast<float*>(room) + arrays * n) break;
-    *array = at;
-    // A packet's lanes beyond the last pair weigh nothing, but must be numbers.
-    std::fill(at + count / 16 * 16, at + n, 0.0F);
-    at += n;
-  }
-  to.ends = reinterpret_cast<EndPair*>(at);
-  to.end_count = ends;
-  return to;
+  jacobian[tile] = {};
+  if (made.shift == nullptr) return;
+  std::byte* const room = jacobian_store.take(ends.size() * sizeof(EndPair));
+  if (room == nullptr) return;
+  std::memcpy(room, ends.data(), ends.size() * sizeof(EndPair));
+  made.ends = reinterpret_cast<EndPair*>(room);
+  made.end_count = ends.size();
+  jacobian[tile] = made;
 }
 
 }  // namespace burin

@@ -34,8 +34,14 @@ class RenderRoom {
   /// The pairs of a tile: as kept, or found anew. `found` must outlive them.
   TilePlaces places_of(std::size_t tile, const TileTask& task, const TileKernels& kernels, FoundPlaces& found);
 
-  /// Room for the Jacobian of the tile's `count` pairs and `ends` in the mode; without arrays where none is left.
-  TileJacobian& make_jacobian(std::size_t tile, KernelMode mode, std::size_t count, std::size_t ends);
+  /// Room for the Jacobian of a tile's `count` pairs in the mode, where nothing is kept of any: `work` holds it until
+  /// the next.
+  struct Work;
+  static TileJacobian make_jacobian(KernelMode mode, std::size_t count, Work& work);
+  /// The same where it is kept until the next forward(), or without arrays where no room is left.
+  TileJacobian keep_jacobian(KernelMode mode, std::size_t count);
+  /// Completes what keep_jacobian() made with its ends and keeps it; with nothing where no room is left for those.
+  void keep_ends(std::size_t tile, TileJacobian jacobian, const std::vector<EndPair>& ends);
 
   const void* owner = nullptr;  ///< the view whose Jacobian this is
   TileRuns runs;
@@ -52,8 +58,8 @@ class RenderRoom {
     TileRoom tile;
     FoundPlaces found;
     TilePairs pairs;
-    std::vector<EndPair> ends;  // of a tile whose Jacobian is not kept
-    float open[kTilePixels] = {}, lobes[kTilePixels] = {}, open_base[kTilePixels] = {};
+    std::vector<float> jacobian;  // of a tile for which there is no room
+    float open[kTilePixels] = {}, lobes[kTilePixels] = {}, covered_base[kTilePixels] = {};
     float weight[kTilePixels] = {};
   };
   tbb::enumerable_thread_specific<std::unique_ptr<Work>> work{[] { return std::make_unique<Work>(); }};

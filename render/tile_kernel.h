@@ -2,8 +2,8 @@
 // derivatives, in float packets.
 //
 // A tile's pairs (pixel, scratch) lie one scratch after the other. find() finds them; evaluate() adds up light and area
-// of each pixel; when the caller knows what share of each pixel is left plain, combine() turns the derivatives of light
-// and area into one number each; gather() is the backward pass.
+// of each pixel and makes one derivative of each pair's light and of the plain face's light that it covers; where a
+// pixel turns out to be covered whole, cover() takes the plain face out again; gather() is the backward pass.
 // Kernels of several SIMD widths do the same work; tile_kernels() picks one.
 // Frames: render/tile.h. Source: DESIGN 3.3 and 7; the integrals are render/footprint_core.h.
 //
@@ -34,10 +34,11 @@ namespace burin {
 /// alpha.
 enum class KernelMode : std::uint8_t { value, ends, material };
 
-/// A pair that an end of its scratch bounds: derivatives by the ends moved along, a unit of Y.
+/// A pair that an end of its scratch bounds: derivatives by the ends moved along, a unit of Y, of what it adds to its
+/// pixel and of the area that it covers.
 struct EndPair {
-  std::uint32_t pair = 0;
-  float light_first = 0, light_second = 0, area_first = 0, area_second = 0;
+  std::uint32_t pair = 0, run = 0;
+  float first = 0, second = 0, area_first = 0, area_second = 0;
 };
 
 /// The pixels that a tile's runs touch: those of run r are at place[begin[r]] .. place[begin[r + 1] - 1].
@@ -54,23 +55,19 @@ struct FoundPlaces {
   TilePlaces places() const { return {begin.data(), place.data()}; }
 };
 
-/// What evaluate() gives for the pairs of a tile. Arrays grow to the largest tile and may be longer than what is in
-/// use.
-struct TilePairs {
-  std::vector<float> light;  ///< Dhat G, mm^2; only where it was asked for
-  /// Derivatives of light: by a shift of one unit of t, by a turn of one radian, by log wt with the rim held, by the
-  /// rim, by alpha.
-  std::vector<float> shift, turn, width, rim, alpha;
-  std::vector<EndPair> ends;      ///< of ends square across the pixel, in the order of the pairs
-  std::vector<EndPair> cut_ends;  ///< of the others
-};
-
-/// Derivatives of what pairs add to their pixels, light minus the plain face's light that they cover, by what TilePairs
-/// names. Arrays are readable, and were written, up to a whole packet beyond the last pair.
+/// Derivatives of what pairs add to their pixels, light minus the plain face's light that they cover: by a shift of one
+/// unit of t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha. Arrays have room for a whole
+/// packet beyond the last pair, and hold numbers there.
 struct TileJacobian {
   float *shift = nullptr, *turn = nullptr, *width = nullptr, *rim = nullptr, *alpha = nullptr;
-  EndPair* ends = nullptr;  ///< in the order of the pairs
+  EndPair* ends = nullptr;
   std::size_t end_count = 0;
+};
+
+/// What evaluate() gives beside the Jacobian. Arrays grow to the largest tile and may be longer than what is in use.
+struct TilePairs {
+  std::vector<float> light;  ///< Dhat G, mm^2; only where it was asked for
+  std::vector<EndPair> ends;
 };
 
 /// What evaluate() reads. `runs` must be readable one entry beyond the last.
@@ -78,6 +75,8 @@ struct TileTask {
   const TileLattice* lattice = nullptr;
   const TileCorners* corners = nullptr;  ///< null where all corners lie on the lattice
   const TileShading* shading = nullptr;
+  const float* base = nullptr;   ///< the plain face's light a mm^2 of each pixel; not read for `value`
+  const float* alpha = nullptr;  ///< of all runs, or null where they have their own
   const TileRun* runs = nullptr;
   std::uint32_t run_count = 0;
   std::span<const TileBlock> blocks;
@@ -97,6 +96,7 @@ enum Line : std::uint8_t {
   kAcrossX,  // as in TileRun
   kAcrossY,
   kPerMm,
+  kUnit,  // 1 / kPerMm^2: mm^2 in a unit of t times one of Y
   kFirstEnd,
   kSecondEnd,
   kAlpha,
@@ -130,8 +130,11 @@ struct TileRoom {
   using Lanes = float[n + 16];
 
   alignas(64) float sums[2 * kTilePixels] = {};  ///< of each pixel: light, area (mm^2)
-  /// Derivatives of area, as those in TilePairs.
+  /// Derivatives of area, as those of TileJacobian.
   std::vector<float> area_shift, area_turn, area_width, area_rim;
+  /// Where all scratches have one alpha, of each pixel: x and y of the half vector, G alpha^2 / pi, and the base; and
+  /// d log(alpha^2 G) / d alpha.
+  alignas(64) float lit[kTilePixels][4], lit_by_alpha[kTilePixels];
 
   /// Pairs set aside: their numbers and their runs' among the live ones, those with corners only and those with ends.
   struct Special {
@@ -147,14 +150,14 @@ struct TileRoom {
   /// Constants of the live runs, two packets of them: those of number n are in column n % (2 lanes).
   alignas(64) float line[kLineConstants][kLines] = {};
   // What a pair carries from one stage to the next.
-  alignas(64) Lanes<kChunk> per_mm, alpha, tan2_i, tan2_o, rim_light, moving_turn;
+  alignas(64) Lanes<kChunk> unit, alpha, gain, base, by_alpha, rim_light, moving_turn;
   /// Sums of a pair's pieces: V, shift, turn, width; first end, second end, radial.
   alignas(64) float total[kChunk + 16][8];
   alignas(64) Lanes<kChunk> area, a_shift, a_turn, a_first, a_second, a_rim, rim;
 
   // Pieces of the groove between breakpoints, and what each gives.
   alignas(64) Lanes<kPieces> t1, t2, top1, top2, bottom1, bottom2, on_first, on_second, hx, hy, hz, piece_alpha;
-  alignas(64) Lanes<kPieces> front[6];
+  alignas(64) Lanes<kPieces> front[6], lobes[7];
   alignas(64) Lanes<kPieces> piece_V, piece_shift, piece_turn, piece_width, piece_radial, piece_mean, piece_first;
 };
 
@@ -167,12 +170,12 @@ constexpr int run_gradients(KernelMode mode) { return mode == KernelMode::materi
 struct TileKernels {
   /// Finds the pairs. Reads neither corners nor shading.
   void (*find)(const TileTask& task, FoundPlaces& found);
-  /// Fills room.sums, room.area_* and `pairs`.
-  void (*evaluate)(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs);
-  /// After evaluate(): derivatives of light minus base[place] times those of area. `base`: the plain face's light a
-  /// mm^2, 0 where nothing is left of it; kTilePixels. Arrays of `to` but the ends may be those of `pairs`.
-  void (*combine)(const TileTask& task, const TilePlaces& places, const float* base, const TileRoom& room,
-                  const TilePairs& pairs, const TileJacobian& to);
+  /// Fills room.sums, room.area_*, `pairs` and the arrays of `to` that the mode has, but not its ends.
+  void (*evaluate)(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs,
+                   const TileJacobian& to);
+  /// After evaluate(): nothing is left of the plain face in pixels where `covered` is not 0 but task.base; kTilePixels.
+  void (*cover)(const TileTask& task, const TilePlaces& places, const float* covered, const TileRoom& room,
+                const TileJacobian& to);
   /// The backward pass: sums over each run's pairs of weight[place] times derivative, run_gradients() numbers a run.
   void (*gather)(const TileTask& task, const TilePlaces& places, const float* weight, const TileJacobian& jacobian,
                  float* to);

@@ -123,12 +123,27 @@ struct TileKernel {
       store(b.front[2 * k] + i, m.part[k].m0);
       store(b.front[2 * k + 1] + i, m.part[k].m1);
     }
+    if constexpr (kParts == footprint::Parts::all) return;
+    const F* const kept[7] = {&lobes.e, &lobes.k, &lobes.p, &lobes.q, &lobes.s2, &lobes.inv_s, &lobes.r};
+    for (int k = 0; k < 7; ++k) store(b.lobes[k] + i, *kept[k]);
+  }
+
+  /// As front_of_pieces() made them.
+  template <footprint::Parts kParts>
+  [[gnu::always_inline]] static footprint::Lobes<F> lobes_of_pieces(const TileRoom& b, int i) {
+    if constexpr (kParts == footprint::Parts::all)
+      return footprint::make_lobes(load(b.hx + i), load(b.hy + i), load(b.hz + i), load(b.piece_alpha + i));
+    footprint::Lobes<F> lobes;
+    F* const kept[7] = {&lobes.e, &lobes.k, &lobes.p, &lobes.q, &lobes.s2, &lobes.inv_s, &lobes.r};
+    for (int k = 0; k < 7; ++k) *kept[k] = load(b.lobes[k] + i);
+    lobes.s = lobes.s2 * lobes.inv_s;
+    return lobes;
   }
 
   template <KernelMode kMode, footprint::Parts kParts>
   BURIN_FLATTEN static void rest_of_pieces(TileRoom& b, int i) {
     const F t1 = load(b.t1 + i), t2 = load(b.t2 + i), hx = load(b.hx + i), hy = load(b.hy + i), hz = load(b.hz + i);
-    const auto lobes = footprint::make_lobes(hx, hy, hz, load(b.piece_alpha + i));
+    const auto lobes = lobes_of_pieces<kParts>(b, i);
     auto m = footprint::back_lobe<kParts, true>(lobes, t1, t2);
     for (int k = 0; k < m.kParts; ++k) {
       m.part[k].m0 = F(0.25F) * (m.part[k].m0 + load(b.front[2 * k] + i));
@@ -183,19 +198,19 @@ struct TileKernel {
            xsimd::select(lo > -rim, zero(), at_lo * footprint::weight(lobes, F(-rim)));
   }
 
-  /// G and what of alpha's derivative is in it: (alpha^2 / pi) (wt / 2)^2 G, and d log(alpha^2 G) / d alpha.
+  /// G and what of alpha's derivative is in it: (alpha^2 / pi) G, and d log(alpha^2 G) / d alpha.
   struct Factor {
     F value, by_alpha;
   };
   template <KernelMode kMode>
-  [[gnu::always_inline]] static Factor factor_of(const F& alpha, const F& unit, const F& tan2_i, const F& tan2_o) {
+  [[gnu::always_inline]] static Factor factor_of(const F& alpha, const F& tan2_i, const F& tan2_o) {
     const F one(1.0F), alpha2 = alpha * alpha;
     const F u = one + alpha2 * tan2_i, v = one + alpha2 * tan2_o;
     const F per_root_i = footprint::Arithmetic<P>::inverse_sqrt(u),
             per_root_o = footprint::Arithmetic<P>::inverse_sqrt(v);
     const F root_i = u * per_root_i, root_o = v * per_root_o;
     const F G = F(4.0F) * inverse((one + root_i) * (one + root_o));
-    Factor f{F(0.318309886F) * unit * alpha2 * G, zero()};
+    Factor f{F(0.318309886F) * alpha2 * G, zero()};
     if constexpr (kMode == KernelMode::material)
       f.by_alpha =
           F(2.0F) / alpha - alpha * (tan2_i * per_root_i / (one + root_i) + tan2_o * per_root_o / (one + root_o));
@@ -227,52 +242,57 @@ struct TileKernel {
                                        int at) {
     F run[12];
     for (const int i : {0, 4, 8}) packet::four_columns(run + i, [&](int k) { return row(k) + i; });
-    alignas(64) float in[12][kLanes];
+    alignas(64) float in[12][kLanes], split[6][kLanes], Y[3][kLanes];
     for (int i = 0; i < 12; ++i) run[i].store_aligned(in[i]);
     using D = packet::DoublesOf<P>;
-    const auto l = [&](double TileLattice::*which) { return D(lattice.*which); };
-    const D first_x = l(&TileLattice::first_x), first_y = l(&TileLattice::first_y);
-    const D column_x = l(&TileLattice::column_x), column_y = l(&TileLattice::column_y);
-    const D row_x = l(&TileLattice::row_x), row_y = l(&TileLattice::row_y);
     for (int k = 0; k < kLanes; k += static_cast<int>(D::size)) {
       const auto get = [&](int i) { return packet::doubles<P>(in[i] + k); };
-      const auto put = [&](Line line, const D& v) { packet::store_floats<P>(to[line] + at + k, v); };
       const D per_mm = get(2), tx = per_mm * (get(0) + get(8)), ty = per_mm * (get(1) + get(9));
-      const D mid = tx * first_x + ty * first_y + (get(3) + get(10));
-      const D column = tx * column_x + ty * column_y, row_t = tx * row_x + ty * row_y;
-      const D column_Y = tx * column_y - ty * column_x, row_Y = tx * row_y - ty * row_x;
+      const D t[3] = {tx * D(lattice.first_x) + ty * D(lattice.first_y) + (get(3) + get(10)),
+                      tx * D(lattice.column_x) + ty * D(lattice.column_y),
+                      tx * D(lattice.row_x) + ty * D(lattice.row_y)};
+      packet::store_floats<P>(Y[0] + k, tx * D(lattice.first_y) - ty * D(lattice.first_x));
+      packet::store_floats<P>(Y[1] + k, tx * D(lattice.column_y) - ty * D(lattice.column_x));
+      packet::store_floats<P>(Y[2] + k, tx * D(lattice.row_y) - ty * D(lattice.row_x));
       // Added and taken away again, a large number leaves multiples of 2^-21 of the power of two in `size`.
-      const D u = xsimd::abs(column), v = xsimd::abs(row_t), size = xsimd::abs(mid) + D(kTile) * (u + v);
+      const D size = xsimd::abs(t[0]) + D(kTile) * (xsimd::abs(t[1]) + xsimd::abs(t[2]));
       const D exponent_bits(std::numeric_limits<double>::infinity());
       const D large = D(3.0 * (1 << 30)) * (size & exponent_bits);
-      const auto split = [&](const D& of, Line coarse, Line fine) {
-        const D c = (of + large) - large;
-        put(coarse, c);
-        put(fine, of - c);
-        return c;
-      };
-      split(mid, kMidCoarse, kMidFine);
-      const D coarse_column = split(column, kColumnCoarse, kColumnFine);
-      const D coarse_row = split(row_t, kRowCoarse, kRowFine);
-      const D reach = D(0.5) * (xsimd::abs(coarse_column) + xsimd::abs(coarse_row));
-      put(kReachCoarse, reach);
-      put(kReachFine, D(0.5) * (u + v) - reach);
-      // A pixel's sides, taken towards larger t.
-      const D u_Y = xsimd::select(column < D(0.0), -column_Y, column_Y);
-      const D v_Y = xsimd::select(row_t < D(0.0), -row_Y, row_Y);
-      const auto slope = [](const D& t, const D& Y) {
-        return xsimd::min(xsimd::max(Y / xsimd::max(t, D(1e-30)), D(-1e30)), D(1e30));
-      };
-      const D u_slope = slope(u, u_Y), v_slope = slope(v, v_Y);
-      const auto u_steeper = u_Y * v > v_Y * u;
-      put(kSteep, xsimd::select(u_steeper, u_slope, v_slope));
-      put(kFlat, xsimd::select(u_steeper, v_slope, u_slope));
-      put(kMidY, tx * first_y - ty * first_x);
-      put(kColumnY, column_Y);
-      put(kRowY, row_Y);
-      put(kReachY, D(0.5) * (xsimd::abs(column_Y) + xsimd::abs(row_Y)));
-      put(kFarY, D(0.5) * (u_Y + v_Y));
+      for (int i = 0; i < 3; ++i) {
+        const D coarse = (t[i] + large) - large;
+        packet::store_floats<P>(split[2 * i] + k, coarse);
+        packet::store_floats<P>(split[2 * i + 1] + k, t[i] - coarse);
+      }
     }
+    const auto put = [&](Line line, const F& v) { store(to[line] + at, v); };
+    const F column_coarse = F::load_aligned(split[2]), column_fine = F::load_aligned(split[3]);
+    const F row_coarse = F::load_aligned(split[4]), row_fine = F::load_aligned(split[5]);
+    put(kMidCoarse, F::load_aligned(split[0]));
+    put(kMidFine, F::load_aligned(split[1]));
+    put(kColumnCoarse, column_coarse);
+    put(kColumnFine, column_fine);
+    put(kRowCoarse, row_coarse);
+    put(kRowFine, row_fine);
+    const F column_Y = F::load_aligned(Y[1]), row_Y = F::load_aligned(Y[2]);
+    put(kMidY, F::load_aligned(Y[0]));
+    put(kColumnY, column_Y);
+    put(kRowY, row_Y);
+    // A pixel's sides, taken towards larger t.
+    const F half(0.5F), column = column_coarse + column_fine, row_t = row_coarse + row_fine;
+    const Mask column_back = column < zero(), row_back = row_t < zero();
+    const F u = xsimd::abs(column), v = xsimd::abs(row_t);
+    const F u_Y = xsimd::select(column_back, -column_Y, column_Y), v_Y = xsimd::select(row_back, -row_Y, row_Y);
+    put(kReachCoarse, half * (xsimd::abs(column_coarse) + xsimd::abs(row_coarse)));
+    put(kReachFine,
+        half * (xsimd::select(column_back, -column_fine, column_fine) + xsimd::select(row_back, -row_fine, row_fine)));
+    put(kReachY, half * (xsimd::abs(column_Y) + xsimd::abs(row_Y)));
+    put(kFarY, half * (u_Y + v_Y));
+    const F u_slope = u_Y * inverse(xsimd::max(u, F(1e-25F))), v_slope = v_Y * inverse(xsimd::max(v, F(1e-25F)));
+    const Mask u_steeper = u_Y * v > v_Y * u;
+    put(kSteep, xsimd::select(u_steeper, u_slope, v_slope));
+    put(kFlat, xsimd::select(u_steeper, v_slope, u_slope));
+    const F per_t = inverse(run[2]);
+    put(kUnit, per_t * per_t);
     store(to[kAcrossX] + at, run[0]);
     store(to[kAcrossY] + at, run[1]);
     store(to[kPerMm] + at, run[2]);
@@ -282,25 +302,60 @@ struct TileKernel {
     store(to[kRim] + at, run[7]);
   }
 
-  /// How a packet of pairs' pixels are lit and seen.
+  /// How a packet of pairs' pixels are lit and seen: the half vector and what `of` has beside it.
   struct Shading {
-    F h_x, h_y, h_z, tan2_i, tan2_o;
+    F h_x, h_y, h_z, beside[2];
 
-    [[gnu::always_inline]] Shading(const TileTask& task, const std::uint16_t* place) {
+    [[gnu::always_inline]] Shading(const float (*of)[4], const std::uint16_t* place) {
       // To memory, whatever the compiler thinks: single lanes are slow to take out of a register.
       alignas(64) std::uint32_t at[kLanes];
       for (int k = 0; k < kLanes; ++k) at[k] = 4U * place[k];
       asm("" : "+m"(at));
       F shading[4];
-      packet::four_columns(shading, [&](int k) { return task.shading->at[0] + at[k]; });
+      packet::four_columns(shading, [&](int k) { return of[0] + at[k]; });
       h_x = shading[0];
       h_y = shading[1];
       const F hz2 = xsimd::max(F(1.0F) - (h_x * h_x + h_y * h_y), F(1e-12F));
       h_z = hz2 * footprint::Arithmetic<P>::inverse_sqrt(hz2);
-      tan2_i = shading[2];
-      tan2_o = shading[3];
+      beside[0] = shading[2];
+      beside[1] = shading[3];
     }
   };
+
+  /// How a packet of pairs' pixels are lit. Stores from `at` on: what light a pair sends for V = 1 and a unit of 1
+  /// mm^2, the plain face's light a mm^2 there, and d log(alpha^2 G) / d alpha.
+  template <KernelMode kMode>
+  [[gnu::always_inline]] static Shading shade(const TileTask& task, TileRoom& room, const std::uint16_t* place,
+                                              const F& alpha, int at) {
+    const bool one_alpha = task.alpha != nullptr;
+    const Shading px(one_alpha ? room.lit : task.shading->at, place);
+    Factor f{px.beside[0], zero()};
+    F base = px.beside[1];
+    if (one_alpha) {
+      if constexpr (kMode == KernelMode::material) f.by_alpha = packet::look_up<P>(room.lit_by_alpha, place);
+    } else {
+      f = factor_of<kMode>(alpha, px.beside[0], px.beside[1]);
+      if constexpr (kMode != KernelMode::value) base = packet::look_up<P>(task.base, place);
+    }
+    store(room.gain + at, f.value);
+    if constexpr (kMode != KernelMode::value) store(room.base + at, base);
+    if constexpr (kMode == KernelMode::material) store(room.by_alpha + at, f.by_alpha);
+    return px;
+  }
+
+  /// Fills room.lit and room.lit_by_alpha.
+  template <KernelMode kMode>
+  BURIN_FLATTEN static void shade_tile(const TileTask& task, TileRoom& room) {
+    const F alpha(*task.alpha);
+    for (int i = 0; i < kTilePixels; i += kLanes) {
+      F of[4];
+      packet::four_columns(of, [&](int k) { return task.shading->at[i + k]; });
+      const Factor f = factor_of<kMode>(alpha, of[2], of[3]);
+      const F base = kMode == KernelMode::value ? zero() : load(task.base + i);
+      packet::four_rows({of[0], of[1], f.value, base}, room.lit + i);
+      if constexpr (kMode == KernelMode::material) store(room.lit_by_alpha + i, f.by_alpha);
+    }
+  }
 
   /// Where the middles of a packet of pairs' pixels would be on the lattice, in the scratches' own units.
   template <class Constant>
@@ -429,8 +484,9 @@ struct TileKernel {
       e = crossing_on_lattice(place, constant);
     else
       e = crossing_of_corners(task, place, constant);
-    const Shading px(task, place);
-    const F across_x = constant(kAcrossX), across_y = constant(kAcrossY), per_mm = constant(kPerMm);
+    const F alpha = constant(kAlpha);
+    const Shading px = shade<kMode>(task, room, place, alpha, at);
+    const F across_x = constant(kAcrossX), across_y = constant(kAcrossY);
     const F first = constant(kFirstEnd), second = constant(kSecondEnd), rim = constant(kRim);
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
     const Mask apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
@@ -455,7 +511,7 @@ struct TileKernel {
     close_where(closed1, top1, bottom1);
     close_where(closed2, top2, bottom2);
     const F height1 = top1 - bottom1, height2 = top2 - bottom2;
-    const F per_t = inverse(per_mm), unit = xsimd::select(none, zero(), per_t * per_t);
+    const F unit = xsimd::select(none, zero(), constant(kUnit));
     // Where n.h > 0, between lo and hi: on a deep groove one wall is often partly turned away.
     const auto limits = footprint::front_facing(hx, hz, rim);
     const F lo = xsimd::max(limits.lo, a), hi = xsimd::min(limits.hi, b);
@@ -476,10 +532,8 @@ struct TileKernel {
     store(room.hx + at, hx);
     store(room.hy + at, hy);
     store(room.hz + at, hz);
-    store(room.piece_alpha + at, constant(kAlpha));
-    store(room.tan2_i + at, px.tan2_i);
-    store(room.tan2_o + at, px.tan2_o);
-    store(room.per_mm + at, per_mm);
+    store(room.piece_alpha + at, alpha);
+    store(room.unit + at, unit);
     store(room.area + at, F(0.5F) * unit * length * (height1 + height2));
     if constexpr (kMode != KernelMode::value) {
       // The limit moves as h turns (W is 1 there).
@@ -501,45 +555,45 @@ struct TileKernel {
       const F area_rim = unit * (height1 + height2);
       store(&room.area_rim[pair], area_rim);
       store(&room.area_width[pair], rim * area_rim);
-      keep(room.rim_light, rim_light(hx, hy, hz, constant(kAlpha), lo, hi, rim, height1, height2));
+      keep(room.rim_light, rim_light(hx, hy, hz, alpha, lo, hi, rim, height1, height2));
     }
     return {packet::bits_of<P>(corners), packet::bits_of<P>(ends)};
   }
 
-  /// The factors of one packet of pairs that cross() began, and their places.
+  /// The factors of one packet of pairs that cross() began, and their places. `line`: as in TileRoom.
   template <KernelMode kMode>
-  BURIN_FLATTEN static void finish_crossing(TileRoom& room, const TilePlaces& places, TilePairs& pairs, bool keep_light,
+  BURIN_FLATTEN static void finish_crossing(const TileTask& task, const TilePlaces& places, TileRoom& room,
+                                            TilePairs& pairs, const TileJacobian& to, const std::uint32_t* line,
                                             std::size_t pair, int at, int lanes) {
-    const F alpha = load(room.piece_alpha + at), per_t = inverse(load(room.per_mm + at));
-    const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(room.tan2_i + at), load(room.tan2_o + at));
-    const F V = load(room.piece_V + at), light = f.value * V;
-    if (keep_light) store(&pairs.light[pair], light);
+    const F gain = load(room.unit + at) * load(room.gain + at), V = load(room.piece_V + at), light = gain * V;
+    if (task.keep_light) store(&pairs.light[pair], light);
     if constexpr (kMode != KernelMode::value) {
-      const F first = load(room.on_first + at), second = load(room.on_second + at);
+      const F base = load(room.base + at), first = load(room.on_first + at), second = load(room.on_second + at);
       // An edge opposite an end turns alone (between two edges this part cancels).
       const F turn = load(room.piece_turn + at) - (first - second) * load(room.piece_first + at);
-      store(&pairs.shift[pair], f.value * load(room.piece_shift + at));
-      store(&pairs.turn[pair], f.value * (turn + load(room.moving_turn + at)));
+      store(to.shift + pair, gain * load(room.piece_shift + at) - base * load(&room.area_shift[pair]));
+      store(to.turn + pair, gain * (turn + load(room.moving_turn + at)) - base * load(&room.area_turn[pair]));
       const std::uint32_t used = lanes < kLanes ? (1U << lanes) - 1 : ~0U;
       std::uint32_t bits = packet::bits_of<P>(first + second > zero()) & used;
       if (bits != 0) {
-        const F mean = f.value * load(room.piece_mean + at);
-        const F area = load(room.a_first + at);
+        const F area = load(room.a_first + at), both = gain * load(room.piece_mean + at) - base * area;
         alignas(64) float out[4][kLanes];
-        (-first * mean).store_aligned(out[0]);
-        (second * mean).store_aligned(out[1]);
+        (-first * both).store_aligned(out[0]);
+        (second * both).store_aligned(out[1]);
         (-first * area).store_aligned(out[2]);
         (second * area).store_aligned(out[3]);
         for (; bits != 0; bits &= bits - 1) {
           const int k = std::countr_zero(bits);
-          pairs.ends.push_back({static_cast<std::uint32_t>(pair + k), out[0][k], out[1][k], out[2][k], out[3][k]});
+          pairs.ends.push_back(
+              {static_cast<std::uint32_t>(pair + k), room.live[line[k]], out[0][k], out[1][k], out[2][k], out[3][k]});
         }
       }
-    }
-    if constexpr (kMode == KernelMode::material) {
-      store(&pairs.width[pair], f.value * (V + load(room.piece_width + at)));
-      store(&pairs.rim[pair], f.value * load(room.rim_light + at));
-      store(&pairs.alpha[pair], f.value * (V * f.by_alpha - alpha * load(room.piece_radial + at)));
+      if constexpr (kMode == KernelMode::material) {
+        const F alpha = load(room.piece_alpha + at);
+        store(to.width + pair, gain * (V + load(room.piece_width + at)) - base * load(&room.area_width[pair]));
+        store(to.rim + pair, gain * load(room.rim_light + at) - base * load(&room.area_rim[pair]));
+        store(to.alpha + pair, gain * (V * load(room.by_alpha + at) - alpha * load(room.piece_radial + at)));
+      }
     }
     add_to_pixels(light, load(room.area + at), &places.place[pair], lanes, room.sums);
   }
@@ -602,9 +656,9 @@ struct TileKernel {
         *task.lattice, [&](int k) { return &task.runs[b.live[line[std::min(k, lanes - 1)]]].across_x; }, b.line, 0);
     const auto constant = [&](Line c) { return load(b.line[c]); };
     const Edges e = edges_of(task, place, constant);
-    const Shading px(task, place);
-    const F across_x = constant(kAcrossX), across_y = constant(kAcrossY), per_mm = constant(kPerMm);
     const F first = constant(kFirstEnd), second = constant(kSecondEnd), alpha = constant(kAlpha), rim = constant(kRim);
+    const Shading px = shade<kMode>(task, b, place, alpha, from);
+    const F across_x = constant(kAcrossX), across_y = constant(kAcrossY);
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
     constexpr int kBreaks = kEnds ? 8 : 4;
     F t[kBreaks] = {e.t[0], e.t[1], e.t[2], e.t[3]};
@@ -653,7 +707,7 @@ struct TileKernel {
       close_where(outside, top[k], bottom[k]);
     }
 
-    const F per_t = inverse(per_mm), unit = per_t * per_t;
+    const F unit = constant(kUnit);
     const auto limits = footprint::front_facing(hx, hz, rim);
     const Mask dark = limits.lo >= limits.hi;
     const bool any_cut = xsimd::any((limits.lo > -rim) | (limits.hi < rim));
@@ -709,9 +763,7 @@ struct TileKernel {
 
     store(b.area + from, unit * area);
     store(b.alpha + from, alpha);
-    store(b.per_mm + from, per_mm);
-    store(b.tan2_i + from, px.tan2_i);
-    store(b.tan2_o + from, px.tan2_o);
+    store(b.unit + from, unit);
     if constexpr (kMode != KernelMode::value) {
       constexpr int kLast = kBreaks - 1;
       const F height0 = top[0] - bottom[0], height1 = top[kLast] - bottom[kLast];
@@ -736,7 +788,7 @@ struct TileKernel {
   /// Pairs set aside, a group at a time: cut, their pieces evaluated, and put in their places.
   template <KernelMode kMode, bool kEnds>
   static void finish_specials(const TileTask& task, const TilePlaces& places, TileRoom& b,
-                              const TileRoom::Special& special, TilePairs& pairs) {
+                              const TileRoom::Special& special, TilePairs& pairs, const TileJacobian& to) {
     constexpr std::size_t kGroup = TileRoom::kPieces / (kEnds ? 8 : 4);
     static_assert(kGroup <= TileRoom::kChunk);
     const std::size_t count = special.count;
@@ -749,49 +801,50 @@ struct TileKernel {
         cut<kMode, kEnds>(task, b, places, pair + i, line + i, i, std::min(kLanes, n - i));
       add_pieces<kMode, kEnds>(b);
       for (int i = 0; i < n; i += kLanes)
-        finish<kMode, kEnds>(b, places, pairs, task.keep_light, pair + i, i, std::min(kLanes, n - i));
+        finish<kMode, kEnds>(task, places, b, pairs, to, pair + i, line + i, i, std::min(kLanes, n - i));
     }
   }
 
   template <KernelMode kMode, bool kEnds>
-  BURIN_FLATTEN static void finish(TileRoom& b, const TilePlaces& places, TilePairs& pairs, bool keep_light,
-                                   const std::uint32_t* pair, int i, int lanes) {
-    const F alpha = load(b.alpha + i), per_t = inverse(load(b.per_mm + i));
-    const Factor f = factor_of<kMode>(alpha, per_t * per_t, load(b.tan2_i + i), load(b.tan2_o + i));
+  BURIN_FLATTEN static void finish(const TileTask& task, const TilePlaces& places, TileRoom& b, TilePairs& pairs,
+                                   const TileJacobian& to, const std::uint32_t* pair, const std::uint32_t* line, int i,
+                                   int lanes) {
+    const F gain = load(b.unit + i) * load(b.gain + i);
     F total[8];
     packet::four_columns(total, [&](int k) { return b.total[i + k]; });
     if constexpr (kEnds || kMode == KernelMode::material)
       packet::four_columns(total + 4, [&](int k) { return b.total[i + k] + 4; });
-    const F &V = total[0], light = f.value * V;
+    const F &V = total[0], light = gain * V;
     alignas(64) float out[kLanes];
-    const auto scatter = [&](std::vector<float>& to, const F& v) {
+    const auto scatter = [&](float* array, const F& v) {
       v.store_aligned(out);
-      for (int k = 0; k < lanes; ++k) to[pair[k]] = out[k];
+      for (int k = 0; k < lanes; ++k) array[pair[k]] = out[k];
     };
-    std::uint16_t place[kLanes];
+    std::uint16_t place[kLanes] = {};
     for (int k = 0; k < lanes; ++k) place[k] = places.place[pair[k]];
     add_to_pixels(light, load(b.area + i), place, lanes, b.sums);
-    if (keep_light) scatter(pairs.light, light);
+    if (task.keep_light) scatter(pairs.light.data(), light);
     if constexpr (kMode != KernelMode::value) {
-      scatter(pairs.shift, f.value * total[1]);
-      scatter(pairs.turn, f.value * (total[2] + load(b.moving_turn + i)));
-      scatter(b.area_shift, load(b.a_shift + i));
-      scatter(b.area_turn, load(b.a_turn + i));
+      const F base = load(b.base + i), area_shift = load(b.a_shift + i), area_turn = load(b.a_turn + i);
+      scatter(to.shift, gain * total[1] - base * area_shift);
+      scatter(to.turn, gain * (total[2] + load(b.moving_turn + i)) - base * area_turn);
+      scatter(b.area_shift.data(), area_shift);
+      scatter(b.area_turn.data(), area_turn);
       if constexpr (kEnds) {
         alignas(64) float first[kLanes], second[kLanes];
-        (f.value * total[4]).store_aligned(first);
-        (f.value * total[5]).store_aligned(second);
+        (gain * total[4] - base * load(b.a_first + i)).store_aligned(first);
+        (gain * total[5] - base * load(b.a_second + i)).store_aligned(second);
         for (int k = 0; k < lanes; ++k)
-          pairs.cut_ends.push_back({pair[k], first[k], second[k], b.a_first[i + k], b.a_second[i + k]});
+          pairs.ends.push_back({pair[k], b.live[line[k]], first[k], second[k], b.a_first[i + k], b.a_second[i + k]});
       }
-    }
-    if constexpr (kMode == KernelMode::material) {
-      const F area_rim = load(b.a_rim + i);
-      scatter(b.area_rim, area_rim);
-      scatter(b.area_width, load(b.rim + i) * area_rim);
-      scatter(pairs.width, f.value * (V + total[3]));
-      scatter(pairs.rim, f.value * load(b.rim_light + i));
-      scatter(pairs.alpha, f.value * (V * f.by_alpha - alpha * total[6]));
+      if constexpr (kMode == KernelMode::material) {
+        const F area_rim = load(b.a_rim + i), area_width = load(b.rim + i) * area_rim, alpha = load(b.alpha + i);
+        scatter(b.area_rim.data(), area_rim);
+        scatter(b.area_width.data(), area_width);
+        scatter(to.width, gain * (V + total[3]) - base * area_width);
+        scatter(to.rim, gain * load(b.rim_light + i) - base * area_rim);
+        scatter(to.alpha, gain * (V * load(b.by_alpha + i) - alpha * total[6]));
+      }
     }
   }
 
@@ -800,19 +853,19 @@ struct TileKernel {
   }
 
   template <KernelMode kMode>
-  static void evaluate_mode(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs) {
+  static void evaluate_mode(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs,
+                            const TileJacobian& to) {
     const std::size_t count = places.begin[task.run_count];
     if (task.keep_light) grow(pairs.light, count);
     if constexpr (kMode != KernelMode::value)
-      for (std::vector<float>* v : {&pairs.shift, &pairs.turn, &room.area_shift, &room.area_turn}) grow(*v, count);
+      for (std::vector<float>* v : {&room.area_shift, &room.area_turn}) grow(*v, count);
     if constexpr (kMode == KernelMode::material)
-      for (std::vector<float>* v : {&pairs.width, &pairs.rim, &pairs.alpha, &room.area_width, &room.area_rim})
-        grow(*v, count);
+      for (std::vector<float>* v : {&room.area_width, &room.area_rim}) grow(*v, count);
     std::fill(std::begin(room.sums), std::end(room.sums), 0.0F);
     pairs.ends.clear();
-    pairs.cut_ends.clear();
     room.corners.count = room.ends.count = 0;
 
+    if (task.alpha != nullptr) shade_tile<kMode>(task, room);
     list_live_runs(task, places, room);
     // One chunk ahead: what was stored just now cannot be loaded at once.
     std::uint32_t line = 0, made = 0;
@@ -827,10 +880,14 @@ struct TileKernel {
       const std::uint32_t* line_of = room.line_of[chunk / TileRoom::kChunk % 2];
       const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
       for (int i = 0; i < n; i += kLanes) {
-        for (; made <= line_of[i + kLanes - 1]; made += kLanes)
+        for (; made <= line_of[i + kLanes - 1]; made += kLanes) {
+          // Those of the packet after the next: runs come from far away.
+          const auto* ahead = reinterpret_cast<const char*>(&task.runs[room.live[made]] + 2 * kLanes);
+          for (std::size_t byte = 0; byte < kLanes * sizeof(TileRun); byte += 64) __builtin_prefetch(ahead + byte);
           make_lines(
               *task.lattice, [&](int k) { return &task.runs[room.live[made + k]].across_x; }, room.line,
               static_cast<int>(made % (2 * kLanes)));
+        }
         const Aside aside = task.corners == nullptr
                                 ? cross<kMode, true>(task, places, room, line_of + i, chunk + i, i)
                                 : cross<kMode, false>(task, places, room, line_of + i, chunk + i, i);
@@ -840,10 +897,10 @@ struct TileKernel {
       }
       evaluate_pieces<kMode>(room, n);
       for (int i = 0; i < n; i += kLanes)
-        finish_crossing<kMode>(room, places, pairs, task.keep_light, chunk + i, i, std::min(kLanes, n - i));
+        finish_crossing<kMode>(task, places, room, pairs, to, line_of + i, chunk + i, i, std::min(kLanes, n - i));
     }
-    finish_specials<kMode, false>(task, places, room, room.corners, pairs);
-    finish_specials<kMode, true>(task, places, room, room.ends, pairs);
+    finish_specials<kMode, false>(task, places, room, room.corners, pairs, to);
+    finish_specials<kMode, true>(task, places, room, room.ends, pairs, to);
   }
 
   static void set_aside(TileRoom::Special& special, std::uint32_t pair, const std::uint32_t* line, std::uint32_t bits) {
@@ -881,104 +938,97 @@ struct TileKernel {
     }
   }
 
-  static void evaluate(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs) {
+  static void evaluate(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs,
+                       const TileJacobian& to) {
     switch (task.mode) {
       case KernelMode::value:
-        return evaluate_mode<KernelMode::value>(task, places, room, pairs);
+        return evaluate_mode<KernelMode::value>(task, places, room, pairs, to);
       case KernelMode::ends:
-        return evaluate_mode<KernelMode::ends>(task, places, room, pairs);
+        return evaluate_mode<KernelMode::ends>(task, places, room, pairs, to);
       case KernelMode::material:
-        return evaluate_mode<KernelMode::material>(task, places, room, pairs);
+        return evaluate_mode<KernelMode::material>(task, places, room, pairs, to);
     }
   }
 
-  BURIN_FLATTEN static void combine(const TileTask& task, const TilePlaces& places, const float* base,
-                                    const TileRoom& room, const TilePairs& pairs, const TileJacobian& to) {
-    if (task.mode == KernelMode::value) return;
-    const bool material = task.mode == KernelMode::material;
+  BURIN_FLATTEN static void cover(const TileTask& task, const TilePlaces& places, const float* covered,
+                                  const TileRoom& room, const TileJacobian& to) {
     const std::size_t count = places.begin[task.run_count];
     for (std::size_t i = 0; i < count; i += kLanes) {
-      const F b = packet::look_up<P>(base, &places.place[i]);
-      const auto take = [&](const std::vector<float>& light, const std::vector<float>& area, float* out) {
-        store(out + i, load(&light[i]) - b * load(&area[i]));
+      const F base = packet::look_up<P>(covered, &places.place[i]);
+      const auto give_back = [&](const std::vector<float>& area, float* of) {
+        store(of + i, load(of + i) + base * load(&area[i]));
       };
-      take(pairs.shift, room.area_shift, to.shift);
-      take(pairs.turn, room.area_turn, to.turn);
-      if (!material) continue;
-      take(pairs.width, room.area_width, to.width);
-      take(pairs.rim, room.area_rim, to.rim);
-      store(to.alpha + i, load(&pairs.alpha[i]));
+      give_back(room.area_shift, to.shift);
+      give_back(room.area_turn, to.turn);
+      if (task.mode != KernelMode::material) continue;
+      give_back(room.area_width, to.width);
+      give_back(room.area_rim, to.rim);
     }
-    const auto before = [](const EndPair& a, const EndPair& b) { return a.pair < b.pair; };
-    std::merge(pairs.ends.begin(), pairs.ends.end(), pairs.cut_ends.begin(), pairs.cut_ends.end(), to.ends, before);
     for (EndPair* e = to.ends; e != to.ends + to.end_count; ++e) {
-      const float b = base[places.place[e->pair]];
-      e->light_first -= b * e->area_first;
-      e->light_second -= b * e->area_second;
+      const float base = covered[places.place[e->pair]];
+      e->first += base * e->area_first;
+      e->second += base * e->area_second;
     }
   }
 
-  BURIN_FLATTEN static void gather(const TileTask& task, const TilePlaces& places, const float* weight,
-                                   const TileJacobian& jacobian, float* to) {
-    const bool material = task.mode == KernelMode::material;
+  template <bool kMaterial>
+  BURIN_FLATTEN static void gather_mode(const TileTask& task, const TilePlaces& places, const float* weight,
+                                        const TileJacobian& jacobian, float* to) {
+    constexpr int kNumbers = run_gradients(kMaterial ? KernelMode::material : KernelMode::ends);
+    constexpr int kSums = kMaterial ? 5 : 2;
+    const float* const arrays[5] = {jacobian.shift, jacobian.turn, jacobian.width, jacobian.rim, jacobian.alpha};
     const F lane = packet::lane_numbers<P>();
-    const EndPair *end = jacobian.ends, *ends_stop = end + jacobian.end_count;
     for (std::uint32_t first = 0; first < task.run_count; first += kLanes) {
       const std::uint32_t stop = std::min<std::uint32_t>(first + kLanes, task.run_count);
-      alignas(64) float by[8][kLanes] = {};  // shift, turn, first end, second end, width, rim, alpha
+      F sums[kSums][kLanes];  // a packet a run: shift, turn, width, rim, alpha
       for (std::uint32_t r = first; r < stop; ++r) {
         const std::size_t last = places.begin[r + 1];
-        F shift = zero(), turn = zero(), width = zero(), rim = zero(), alpha = zero();
+        F sum[kSums];
+        for (F& s : sum) s = zero();
         for (std::size_t i = places.begin[r]; i < last; i += kLanes) {
           const Mask in = lane < F(static_cast<float>(last - i));
           const F w = xsimd::select(in, packet::look_up<P>(weight, &places.place[i]), zero());
-          shift = shift + w * load(jacobian.shift + i);
-          turn = turn + w * load(jacobian.turn + i);
-          if (!material) continue;
-          width = width + w * load(jacobian.width + i);
-          rim = rim + w * load(jacobian.rim + i);
-          alpha = alpha + w * load(jacobian.alpha + i);
+          for (int k = 0; k < kSums; ++k) sum[k] = sum[k] + w * load(arrays[k] + i);
         }
-        const std::uint32_t k = r - first;
-        by[0][k] = packet::sum(shift);
-        by[1][k] = packet::sum(turn);
-        for (; end != ends_stop && end->pair < last; ++end) {
-          const float w = weight[places.place[end->pair]];
-          by[2][k] += w * end->light_first;
-          by[3][k] += w * end->light_second;
-        }
-        if (!material) continue;
-        by[4][k] = packet::sum(width);
-        by[5][k] = packet::sum(rim);
-        by[6][k] = packet::sum(alpha);
+        for (int k = 0; k < kSums; ++k) sums[k][r - first] = sum[k];
       }
+      for (std::uint32_t r = stop; r < first + kLanes; ++r)
+        for (int k = 0; k < kSums; ++k) sums[k][r - first] = zero();
       F run[8];
       for (const int half : {0, 4})
         packet::four_columns(run + half,
                              [&](int k) { return &task.runs[std::min(first + k, stop - 1)].across_x + half; });
-      const F& per_mm = run[2];
       // The shift acts at the foot of the tile's origin, Y = 0.
-      const F moment = -(load(by[0]) * run[4] + load(by[1]));
-      const F out[4] = {per_mm * load(by[0]), moment, per_mm * load(by[2]), per_mm * load(by[3])};
-      const F more[4] = {load(by[4]), load(by[5]), load(by[6]), zero()};
+      const F shift = packet::sums_of_rows(sums[0]), turn = packet::sums_of_rows(sums[1]);
+      const F out[4] = {run[2] * shift, -(shift * run[4] + turn), zero(), zero()};
       const std::size_t here = stop - first;
       alignas(64) float rows[kLanes][4];
-      if (!material) {
-        packet::four_rows(out, rows);
-        std::memcpy(to, rows, here * sizeof(rows[0]));
-        to += 4 * here;
-        continue;
+      packet::four_rows(out, rows);
+      for (std::size_t k = 0; k < here; ++k) std::memcpy(to + (first + k) * kNumbers, rows[k], sizeof(rows[k]));
+      if constexpr (kMaterial) {
+        packet::four_rows(
+            {packet::sums_of_rows(sums[2]), packet::sums_of_rows(sums[3]), packet::sums_of_rows(sums[4]), zero()},
+            rows);
+        for (std::size_t k = 0; k < here; ++k) std::memcpy(to + (first + k) * kNumbers + 4, rows[k], sizeof(rows[k]));
       }
-      for (const auto* half : {&out, &more}) {
-        packet::four_rows(*half, rows);
-        for (std::size_t k = 0; k < here; ++k)
-          std::memcpy(to + 8 * k + (half == &out ? 0 : 4), rows[k], sizeof(rows[k]));
-      }
-      to += 8 * here;
+    }
+    for (const EndPair *e = jacobian.ends, *stop = e + jacobian.end_count; e != stop; ++e) {
+      const float w = task.runs[e->run].per_mm * weight[places.place[e->pair]];
+      float* by = to + static_cast<std::size_t>(e->run) * kNumbers;
+      by[2] += w * e->first;
+      by[3] += w * e->second;
     }
   }
 
-  static constexpr TileKernels kernels() { return {find, evaluate, combine, gather}; }
+  static void gather(const TileTask& task, const TilePlaces& places, const float* weight, const TileJacobian& jacobian,
+                     float* to) {
+    if (task.mode == KernelMode::material)
+      gather_mode<true>(task, places, weight, jacobian, to);
+    else
+      gather_mode<false>(task, places, weight, jacobian, to);
+  }
+
+  static constexpr TileKernels kernels() { return {find, evaluate, cover, gather}; }
 };
 
 }  // namespace burin
