@@ -117,16 +117,26 @@ template <class P>
   for (; bits != 0; bits &= bits - 1) *to++ = lanes[std::countr_zero(bits)];
 }
 
-/// Packs those of from[0 .. lanes - 1] that `bits` names to `to`; a whole packet may be overwritten there.
+/// Packs those of from[0 .. lanes - 1] that `bits` names to `to`, and the numbers of those lanes counted from `first`
+/// to `number`; whole packets may be overwritten there.
 template <class P>
-[[gnu::always_inline]] inline void pack_numbers(std::uint32_t* to, const std::uint32_t* from, std::uint32_t bits) {
+[[gnu::always_inline]] inline void pack_numbers(std::uint32_t* to, std::uint32_t* number, const std::uint32_t* from,
+                                                std::uint32_t first, std::uint32_t bits) {
 #ifdef __AVX512BW__
   if constexpr (kIs512<P>) {
-    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(static_cast<__mmask16>(bits), _mm512_loadu_si512(from)));
+    const auto mask = static_cast<__mmask16>(bits);
+    const __m512i lanes = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    _mm512_storeu_si512(to, _mm512_maskz_compress_epi32(mask, _mm512_loadu_si512(from)));
+    _mm512_storeu_si512(
+        number, _mm512_maskz_compress_epi32(mask, _mm512_add_epi32(lanes, _mm512_set1_epi32(static_cast<int>(first)))));
     return;
   }
 #endif
-  for (; bits != 0; bits &= bits - 1) *to++ = from[std::countr_zero(bits)];
+  for (; bits != 0; bits &= bits - 1) {
+    const int k = std::countr_zero(bits);
+    *to++ = from[k];
+    *number++ = first + static_cast<std::uint32_t>(k);
+  }
 }
 
 /// The four floats that start at row(lane), lane by lane: one packet for each of the four.

@@ -144,7 +144,8 @@ struct TileRoom {
   int piece_count = 0;                      ///< pieces of those in work
   std::uint16_t piece_owner[kPieces + 16];  ///< the pair of each, as counted in the group
 
-  std::vector<std::uint32_t> live;  ///< the runs that have pairs
+  std::vector<std::uint32_t> live;   ///< the runs that have pairs
+  std::vector<std::uint8_t> starts;  ///< a bit a pair: it is the first of its run
   /// Of the pairs of this chunk and of the next: the numbers of their runs among the live ones.
   std::uint32_t line_of[2][kChunk + 16];
   /// Constants of the live runs, two packets of them: those of number n are in column n % (2 lanes).

@@ -866,19 +866,19 @@ struct TileKernel {
     room.corners.count = room.ends.count = 0;
 
     if (task.alpha != nullptr) shade_tile<kMode>(task, room);
-    list_live_runs(task, places, room);
+    list_live_runs(task, places, count, room);
     // One chunk ahead: what was stored just now cannot be loaded at once.
-    std::uint32_t line = 0, made = 0;
+    std::uint32_t line = ~0U, made = 0;
     const auto number_chunk = [&](std::size_t chunk) {
-      if (chunk >= count) return;
-      const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
-      number_lines(places, room.live, chunk, n, line, room.line_of[chunk / TileRoom::kChunk % 2]);
+      if (chunk < count) number_lines(&room.starts[chunk / 8], line, room.line_of[chunk / TileRoom::kChunk % 2]);
     };
     number_chunk(0);
     for (std::size_t chunk = 0; chunk < count; chunk += TileRoom::kChunk) {
       number_chunk(chunk + TileRoom::kChunk);
       const std::uint32_t* line_of = room.line_of[chunk / TileRoom::kChunk % 2];
       const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
+      make_room(room.corners);
+      make_room(room.ends);
       for (int i = 0; i < n; i += kLanes) {
         for (; made <= line_of[i + kLanes - 1]; made += kLanes) {
           // Those of the packet after the next: runs come from far away.
@@ -903,38 +903,54 @@ struct TileKernel {
     finish_specials<kMode, true>(task, places, room, room.ends, pairs, to);
   }
 
-  static void set_aside(TileRoom::Special& special, std::uint32_t pair, const std::uint32_t* line, std::uint32_t bits) {
-    if (bits == 0) return;
-    if (special.pair.size() < special.count + 2 * kLanes) {
-      special.pair.resize(2 * special.count + 512);
-      special.line.resize(special.pair.size());
-    }
-    packet::pack_numbers<P>(&special.line[special.count], line, bits);
-    for (; bits != 0; bits &= bits - 1)
-      special.pair[special.count++] = pair + static_cast<std::uint32_t>(std::countr_zero(bits));
+  /// Without asking whether there are any: wrong guesses cost more.
+  [[gnu::always_inline]] static void set_aside(TileRoom::Special& special, std::uint32_t pair,
+                                               const std::uint32_t* line, std::uint32_t bits) {
+    packet::pack_numbers<P>(&special.line[special.count], &special.pair[special.count], line, pair, bits);
+    special.count += static_cast<std::size_t>(std::popcount(bits));
   }
 
-  /// The runs that have pairs; a packet more, all the last.
-  static void list_live_runs(const TileTask& task, const TilePlaces& places, TileRoom& room) {
+  /// Room for another chunk.
+  static void make_room(TileRoom::Special& special) {
+    if (special.pair.size() >= special.count + TileRoom::kChunk + 16) return;
+    special.pair.resize(2 * special.count + 4 * TileRoom::kChunk);
+    special.line.resize(special.pair.size());
+  }
+
+  /// Lists the runs that have pairs; a packet more, all the last. Marks each one's first pair.
+  static void list_live_runs(const TileTask& task, const TilePlaces& places, std::size_t count, TileRoom& room) {
     if (room.live.size() < task.run_count + kLanes) room.live.resize(task.run_count + task.run_count / 4 + kLanes);
+    if (room.starts.size() < count / 8 + TileRoom::kChunk) room.starts.resize(count / 4 + TileRoom::kChunk);
+    std::fill_n(room.starts.data(), count / 8 + TileRoom::kChunk, std::uint8_t{0});
     std::uint32_t n = 0;
     for (std::uint32_t r = 0; r < task.run_count; ++r) {
+      const std::uint32_t begin = places.begin[r], lives = places.begin[r + 1] > begin ? 1 : 0;
       room.live[n] = r;
-      n += places.begin[r + 1] > places.begin[r] ? 1 : 0;
+      room.starts[begin / 8] |= static_cast<std::uint8_t>(lives << begin % 8);
+      n += lives;
     }
     std::fill_n(room.live.data() + n, kLanes, n > 0 ? room.live[n - 1] : 0);
   }
 
-  /// Numbers each of n pairs' runs among the live ones. `line` is the first pair's or an earlier one; it moves on to
-  /// the last pair's.
-  static void number_lines(const TilePlaces& places, const std::vector<std::uint32_t>& live, std::size_t chunk, int n,
-                           std::uint32_t& line, std::uint32_t* to) {
-    for (int k = 0; k < n;) {
-      while (places.begin[live[line] + 1] <= chunk + k) ++line;
-      const int end = static_cast<int>(std::min<std::size_t>(n, places.begin[live[line] + 1] - chunk));
-      // Whole packets; what they write too far is written again.
-      for (int i = k; i < (end == n ? (n + 15) / 16 * 16 : end); i += 16) std::fill_n(to + i, 16, line);
-      k = end;
+  /// How many of bits 0 .. k of a byte are set.
+  struct CountsOfBits {
+    std::uint8_t of[256][8] = {};
+
+    constexpr CountsOfBits() {
+      for (int byte = 0; byte < 256; ++byte)
+        for (int k = 0; k < 8; ++k)
+          of[byte][k] = static_cast<std::uint8_t>((k > 0 ? of[byte][k - 1] : 0) + (byte >> k & 1));
+    }
+  };
+  static constexpr CountsOfBits kCountsOfBits{};
+
+  /// Numbers the runs of a chunk's pairs among the live ones, by where runs start; `line` is the number of the last
+  /// pair before it, and then of its last.
+  BURIN_FLATTEN static void number_lines(const std::uint8_t* starts, std::uint32_t& line, std::uint32_t* to) {
+    for (int i = 0; i < TileRoom::kChunk; i += 8) {
+      const std::uint8_t* count = kCountsOfBits.of[starts[i / 8]];
+      for (int k = 0; k < 8; ++k) to[i + k] = line + count[k];
+      line += count[7];
     }
   }
 
