@@ -354,6 +354,17 @@ void PixelIndex::find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d&
 
 namespace {
 
+/// The task of finding a tile's pairs.
+TileTask finding(const PixelIndex& index, const TileRuns& runs, std::size_t t) {
+  TileTask task;
+  task.runs = runs.of(t);
+  task.shapes = runs.shapes(t);
+  task.run_count = runs.count(t);
+  task.blocks = index.blocks(index.tiles()[t]);
+  task.valid_rows = index.valid_rows(t);
+  return task;
+}
+
 /// Strips as lines with |t| <= 1 across them, sorted into tiles.
 class StripRuns {
  public:
@@ -365,12 +376,14 @@ class StripRuns {
       x1_[i] = strips[i].p1_mm.x();
       y1_[i] = strips[i].p1_mm.y();
       per_mm_[i] = static_cast<float>(1 / strips[i].half_width_mm);
+      same_width_ = same_width_ && per_mm_[i] == per_mm_[0];
     }
     sort(index);
   }
   void sort(const PixelIndex& index) {
-    runs_.sort(index,
-               {x0_.size(), x0_.data(), y0_.data(), x1_.data(), y1_.data(), {per_mm_.data(), false}, {&one_}, {&one_}});
+    runs_.sort(
+        index,
+        {x0_.size(), x0_.data(), y0_.data(), x1_.data(), y1_.data(), {per_mm_.data(), same_width_}, {&one_}, {&one_}});
   }
   const TileRuns& runs() const { return runs_; }
 
@@ -380,19 +393,8 @@ class StripRuns {
     const TileKernels& kernels = tile_kernels(simd);
     tbb::parallel_for(std::size_t{0}, index.tiles().size(), [&](std::size_t t) {
       if (runs_.count(t) == 0) return;
-      const GridTile& tile = index.tiles()[t];
       thread_local FoundPlaces found;
-      kernels.find({nullptr,
-                    nullptr,
-                    nullptr,
-                    nullptr,
-                    nullptr,
-                    runs_.of(t),
-                    runs_.count(t),
-                    index.blocks(tile),
-                    index.valid_rows(t),
-                    {}},
-                   found);
+      kernels.find(finding(index, runs_, t), found);
       visit(t, found.places());
     });
   }
@@ -400,6 +402,7 @@ class StripRuns {
  private:
   std::vector<double> x0_, y0_, x1_, y1_;
   std::vector<float> per_mm_;
+  bool same_width_ = true;
   const float one_ = 1;
   TileRuns runs_;
 };
@@ -413,9 +416,7 @@ void PixelIndex::find(const Strip& strip, std::vector<PixelSpan>& spans) const {
     if (one.runs().count(t) == 0) continue;
     const int left = static_cast<int>(t % tiles_x_) * kTile, top = static_cast<int>(t / tiles_x_) * kTile;
     FoundPlaces found;
-    tile_kernels(SimdWidth::best)
-        .find({nullptr, nullptr, nullptr, nullptr, nullptr, one.runs().of(t), 1, blocks(tiles_[t]), valid_rows(t), {}},
-              found);
+    tile_kernels(SimdWidth::best).find(finding(*this, one.runs(), t), found);
     for (std::uint32_t k = 0; k < found.begin[1]; ++k)
       pixels.emplace_back(top + found.place[k] / kTile, left + found.place[k] % kTile);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace burin {
@@ -34,12 +35,25 @@ struct alignas(64) TileShading {
 /// Y = 2 y / wt along it, Y = 0 at the foot of the tile's origin. Across is (d.y, -d.x) for a direction d.
 struct TileRun {
   float across_x = 1, across_y = 0;     ///< unit vector across it
-  float per_mm = 1;                     ///< 2 / wt
   float t_origin = 0;                   ///< t of the tile's origin
   float first_end = 0, second_end = 0;  ///< Y of its ends
-  float alpha = 1, rim = 1;             ///< it reaches over |t| <= rim
   /// What float leaves out of across_x, across_y and t_origin: pixels may be much larger than the groove.
-  float across_x_rest = 0, across_y_rest = 0, t_origin_rest = 0, unused = 0;
+  float across_x_rest = 0, across_y_rest = 0, t_origin_rest = 0;
+};
+
+/// What scratches mostly share.
+struct RunShape {
+  float per_mm = 1;  ///< 2 / wt
+  float rim = 1;     ///< the groove reaches over |t| <= rim
+  float alpha = 1, unused = 0;
+};
+
+/// The shapes of runs: one each, or one for all.
+struct RunShapes {
+  const RunShape* shapes = nullptr;
+  bool shared = true;
+
+  const RunShape& operator[](std::size_t run) const { return shapes[shared ? 0 : run]; }
 };
 
 /// Pixels x0 .. x1 - 1, y0 .. y1 - 1 of a tile, and a projective map that takes their corners to the tile's pixel

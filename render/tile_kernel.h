@@ -75,9 +75,9 @@ struct TileTask {
   const TileLattice* lattice = nullptr;
   const TileCorners* corners = nullptr;  ///< null where all corners lie on the lattice
   const TileShading* shading = nullptr;
-  const float* base = nullptr;   ///< the plain face's light a mm^2 of each pixel; not read for `value`
-  const float* alpha = nullptr;  ///< of all runs, or null where they have their own
+  const float* base = nullptr;  ///< the plain face's light a mm^2 of each pixel; not read for `value`
   const TileRun* runs = nullptr;
+  RunShapes shapes;
   std::uint32_t run_count = 0;
   std::span<const TileBlock> blocks;
   const std::uint32_t* valid_rows = nullptr;  ///< a bit a pixel with a footprint; null where all have one
@@ -93,7 +93,7 @@ struct TileTask {
 /// enough that small integers times them, and sums and halves of those, are exact in float; the `fine` ones are the
 /// rests.
 enum Line : std::uint8_t {
-  kAcrossX,  // as in TileRun
+  kAcrossX,  // as in TileRun and RunShape
   kAcrossY,
   kPerMm,
   kUnit,  // 1 / kPerMm^2: mm^2 in a unit of t times one of Y
@@ -132,7 +132,7 @@ struct TileRoom {
   alignas(64) float sums[2 * kTilePixels] = {};  ///< of each pixel: light, area (mm^2)
   /// Derivatives of area, as those of TileJacobian.
   std::vector<float> area_shift, area_turn, area_width, area_rim;
-  /// Where all scratches have one alpha, of each pixel: x and y of the half vector, G alpha^2 / pi, and the base; and
+  /// Where all scratches have one shape, of each pixel: x and y of the half vector, G alpha^2 / pi, and the base; and
   /// d log(alpha^2 G) / d alpha.
   alignas(64) float lit[kTilePixels][4], lit_by_alpha[kTilePixels];
 

@@ -236,19 +236,22 @@ struct TileKernel {
     }
   }
 
-  /// The lines of kLanes runs, row(k) the numbers of run k's TileRun, into column `at` and on.
-  template <class Row>
-  BURIN_FLATTEN static void make_lines(const TileLattice& lattice, const Row& row, float (*to)[TileRoom::kLines],
+  /// The lines of the runs number(0) .. number(kLanes - 1), into column `at` and on.
+  template <class Number>
+  BURIN_FLATTEN static void make_lines(const TileTask& task, const Number& number, float (*to)[TileRoom::kLines],
                                        int at) {
-    F run[12];
-    for (const int i : {0, 4, 8}) packet::four_columns(run + i, [&](int k) { return row(k) + i; });
-    alignas(64) float in[12][kLanes], split[6][kLanes], Y[3][kLanes];
-    for (int i = 0; i < 12; ++i) run[i].store_aligned(in[i]);
+    F run[8], shape[4] = {F(task.shapes[0].per_mm), F(task.shapes[0].rim), F(task.shapes[0].alpha)};
+    for (const int i : {0, 4}) packet::four_columns(run + i, [&](int k) { return &task.runs[number(k)].across_x + i; });
+    if (!task.shapes.shared) packet::four_columns(shape, [&](int k) { return &task.shapes[number(k)].per_mm; });
+    const TileLattice& lattice = *task.lattice;
+    alignas(64) float in[9][kLanes], split[6][kLanes], Y[3][kLanes];
+    for (int i = 0; i < 8; ++i) run[i].store_aligned(in[i]);
+    shape[0].store_aligned(in[8]);
     using D = packet::DoublesOf<P>;
     for (int k = 0; k < kLanes; k += static_cast<int>(D::size)) {
       const auto get = [&](int i) { return packet::doubles<P>(in[i] + k); };
-      const D per_mm = get(2), tx = per_mm * (get(0) + get(8)), ty = per_mm * (get(1) + get(9));
-      const D t[3] = {tx * D(lattice.first_x) + ty * D(lattice.first_y) + (get(3) + get(10)),
+      const D per_mm = get(8), tx = per_mm * (get(0) + get(5)), ty = per_mm * (get(1) + get(6));
+      const D t[3] = {tx * D(lattice.first_x) + ty * D(lattice.first_y) + (get(2) + get(7)),
                       tx * D(lattice.column_x) + ty * D(lattice.column_y),
                       tx * D(lattice.row_x) + ty * D(lattice.row_y)};
       packet::store_floats<P>(Y[0] + k, tx * D(lattice.first_y) - ty * D(lattice.first_x));
@@ -291,15 +294,15 @@ struct TileKernel {
     const Mask u_steeper = u_Y * v > v_Y * u;
     put(kSteep, xsimd::select(u_steeper, u_slope, v_slope));
     put(kFlat, xsimd::select(u_steeper, v_slope, u_slope));
-    const F per_t = inverse(run[2]);
+    const F per_t = inverse(shape[0]);
     put(kUnit, per_t * per_t);
-    store(to[kAcrossX] + at, run[0]);
-    store(to[kAcrossY] + at, run[1]);
-    store(to[kPerMm] + at, run[2]);
-    store(to[kFirstEnd] + at, run[4]);
-    store(to[kSecondEnd] + at, run[5]);
-    store(to[kAlpha] + at, run[6]);
-    store(to[kRim] + at, run[7]);
+    put(kAcrossX, run[0]);
+    put(kAcrossY, run[1]);
+    put(kPerMm, shape[0]);
+    put(kFirstEnd, run[3]);
+    put(kSecondEnd, run[4]);
+    put(kAlpha, shape[2]);
+    put(kRim, shape[1]);
   }
 
   /// How a packet of pairs' pixels are lit and seen: the half vector and what `of` has beside it.
@@ -327,7 +330,7 @@ struct TileKernel {
   template <KernelMode kMode>
   [[gnu::always_inline]] static Shading shade(const TileTask& task, TileRoom& room, const std::uint16_t* place,
                                               const F& alpha, int at) {
-    const bool one_alpha = task.alpha != nullptr;
+    const bool one_alpha = task.shapes.shared;
     const Shading px(one_alpha ? room.lit : task.shading->at, place);
     Factor f{px.beside[0], zero()};
     F base = px.beside[1];
@@ -346,7 +349,7 @@ struct TileKernel {
   /// Fills room.lit and room.lit_by_alpha.
   template <KernelMode kMode>
   BURIN_FLATTEN static void shade_tile(const TileTask& task, TileRoom& room) {
-    const F alpha(*task.alpha);
+    const F alpha(task.shapes[0].alpha);
     for (int i = 0; i < kTilePixels; i += kLanes) {
       F of[4];
       packet::four_columns(of, [&](int k) { return task.shading->at[i + k]; });
@@ -653,7 +656,7 @@ struct TileKernel {
     alignas(64) std::uint16_t place[kLanes];
     for (int k = 0; k < kLanes; ++k) place[k] = places.place[pair[std::min(k, lanes - 1)]];
     make_lines(
-        *task.lattice, [&](int k) { return &task.runs[b.live[line[std::min(k, lanes - 1)]]].across_x; }, b.line, 0);
+        task, [&](int k) { return b.live[line[std::min(k, lanes - 1)]]; }, b.line, 0);
     const auto constant = [&](Line c) { return load(b.line[c]); };
     const Edges e = edges_of(task, place, constant);
     const F first = constant(kFirstEnd), second = constant(kSecondEnd), alpha = constant(kAlpha), rim = constant(kRim);
@@ -849,7 +852,7 @@ struct TileKernel {
   }
 
   static void find(const TileTask& task, FoundPlaces& found) {
-    TileRaster<P>::find(task.blocks, task.runs, task.run_count, task.valid_rows, found.begin, found.place);
+    TileRaster<P>::find(task.blocks, task.runs, task.shapes, task.run_count, task.valid_rows, found.begin, found.place);
   }
 
   template <KernelMode kMode>
@@ -865,7 +868,7 @@ struct TileKernel {
     pairs.ends.clear();
     room.corners.count = room.ends.count = 0;
 
-    if (task.alpha != nullptr) shade_tile<kMode>(task, room);
+    if (task.shapes.shared) shade_tile<kMode>(task, room);
     list_live_runs(task, places, count, room);
     // One chunk ahead: what was stored just now cannot be loaded at once.
     std::uint32_t line = ~0U, made = 0;
@@ -885,8 +888,7 @@ struct TileKernel {
           const auto* ahead = reinterpret_cast<const char*>(&task.runs[room.live[made]] + 2 * kLanes);
           for (std::size_t byte = 0; byte < kLanes * sizeof(TileRun); byte += 64) __builtin_prefetch(ahead + byte);
           make_lines(
-              *task.lattice, [&](int k) { return &task.runs[room.live[made + k]].across_x; }, room.line,
-              static_cast<int>(made % (2 * kLanes)));
+              task, [&](int k) { return room.live[made + k]; }, room.line, static_cast<int>(made % (2 * kLanes)));
         }
         const Aside aside = task.corners == nullptr
                                 ? cross<kMode, true>(task, places, room, line_of + i, chunk + i, i)
@@ -1010,13 +1012,13 @@ struct TileKernel {
       }
       for (std::uint32_t r = stop; r < first + kLanes; ++r)
         for (int k = 0; k < kSums; ++k) sums[k][r - first] = zero();
-      F run[8];
-      for (const int half : {0, 4})
-        packet::four_columns(run + half,
-                             [&](int k) { return &task.runs[std::min(first + k, stop - 1)].across_x + half; });
+      const auto number = [&](int k) { return std::min<std::size_t>(first + k, stop - 1); };
+      F run[4], shape[4] = {F(task.shapes[0].per_mm)};
+      packet::four_columns(run, [&](int k) { return &task.runs[number(k)].across_x; });
+      if (!task.shapes.shared) packet::four_columns(shape, [&](int k) { return &task.shapes[number(k)].per_mm; });
       // The shift acts at the foot of the tile's origin, Y = 0.
       const F shift = packet::sums_of_rows(sums[0]), turn = packet::sums_of_rows(sums[1]);
-      const F out[4] = {run[2] * shift, -(shift * run[4] + turn), zero(), zero()};
+      const F out[4] = {shape[0] * shift, -(shift * run[3] + turn), zero(), zero()};
       const std::size_t here = stop - first;
       alignas(64) float rows[kLanes][4];
       packet::four_rows(out, rows);
@@ -1029,7 +1031,7 @@ struct TileKernel {
       }
     }
     for (const EndPair *e = jacobian.ends, *stop = e + jacobian.end_count; e != stop; ++e) {
-      const float w = task.runs[e->run].per_mm * weight[places.place[e->pair]];
+      const float w = task.shapes[e->run].per_mm * weight[places.place[e->pair]];
       float* by = to + static_cast<std::size_t>(e->run) * kNumbers;
       by[2] += w * e->first;
       by[3] += w * e->second;

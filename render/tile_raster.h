@@ -42,15 +42,19 @@ struct TileRaster {
   };
   static constexpr float kThin_px = 0.1F;
 
-  BURIN_FLATTEN static void make(const TileBlock& block, const TileRun* runs, int count, Quads& out) {
+  BURIN_FLATTEN static void make(const TileBlock& block, const TileRun* runs, const RunShapes& shapes,
+                                 std::size_t first, int count, Quads& out) {
     F run[8];
     for (const int half : {0, 4})
-      packet::four_columns(run + half, [&](int k) { return &runs[std::min(k, count - 1)].across_x + half; });
-    const F &across_x = run[0], &across_y = run[1], &t_origin = run[3], &rim = run[7];
-    const F mm = F(1.0F) / run[2], half_width = rim * mm;
+      packet::four_columns(run + half, [&](int k) { return &runs[first + std::min(k, count - 1)].across_x + half; });
+    F shape[4] = {F(shapes[0].per_mm), F(shapes[0].rim)};
+    if (!shapes.shared)
+      packet::four_columns(shape, [&](int k) { return &shapes[first + std::min(k, count - 1)].per_mm; });
+    const F &across_x = run[0], &across_y = run[1], &t_origin = run[2];
+    const F mm = F(1.0F) / shape[0], half_width = shape[1] * mm;
     const F along_x = -across_y, &along_y = across_x;
     const F foot_x = -t_origin * mm * across_x, foot_y = -t_origin * mm * across_y;
-    F from = run[4] * mm, to = run[5] * mm;  // mm along from the foot of the tile's origin
+    F from = run[3] * mm, to = run[4] * mm;  // mm along from the foot of the tile's origin
     const auto cut = [&](const F& foot, const F& along, float low, float high) {
       const F margin = half_width * F(1.0001F) + F(1e-5F * (high - low));
       const Mask steep = xsimd::abs(along) > F(1e-6F);
@@ -242,9 +246,9 @@ struct TileRaster {
 
   /// The places of all runs, one run after the other: those of run r are place[begin[r]] .. place[begin[r + 1] - 1].
   /// 16 zeros follow the last.
-  BURIN_FLATTEN static void find(std::span<const TileBlock> blocks, const TileRun* runs, std::uint32_t count,
-                                 const std::uint32_t* valid_rows, std::vector<std::uint32_t>& begin,
-                                 std::vector<std::uint16_t>& place) {
+  BURIN_FLATTEN static void find(std::span<const TileBlock> blocks, const TileRun* runs, const RunShapes& shapes,
+                                 std::uint32_t count, const std::uint32_t* valid_rows,
+                                 std::vector<std::uint32_t>& begin, std::vector<std::uint16_t>& place) {
     if (begin.size() < count + 1) begin.resize(count + 1);
     std::size_t n = 0;
     const auto room = [&] {
@@ -256,7 +260,7 @@ struct TileRaster {
     if (blocks.size() == 1) {
       for (std::uint32_t first = 0; first < count; first += kLanes) {
         const int runs_here = static_cast<int>(std::min<std::uint32_t>(kLanes, count - first));
-        make(blocks[0], runs + first, runs_here, quads);
+        make(blocks[0], runs, shapes, first, runs_here, quads);
         for (int k = 0; k < runs_here; ++k) {
           begin[first + k] = static_cast<std::uint32_t>(n);
           n = draw(blocks[0], quads, k, valid_rows, room()) - place.data();
@@ -266,7 +270,7 @@ struct TileRaster {
       for (std::uint32_t r = 0; r < count; ++r) {
         begin[r] = static_cast<std::uint32_t>(n);
         for (const TileBlock& block : blocks) {
-          make(block, runs + r, 1, quads);
+          make(block, runs, shapes, r, 1, quads);
           n = draw(block, quads, 0, valid_rows, room()) - place.data();
         }
       }

@@ -167,16 +167,13 @@ void TileRuns::make_runs(const PixelIndex& index, const ScratchLines& lines, Chu
     const auto x = static_cast<float>(across.x), y = static_cast<float>(across.y), t = static_cast<float>(t_origin);
     runs_[slot] = {x,
                    y,
-                   per_mm,
                    t,
                    static_cast<float>(-per_mm * foot_mm),
                    static_cast<float>(per_mm * (across.length_mm - foot_mm)),
-                   lines.alpha[s],
-                   lines.rim[s],
                    static_cast<float>(across.x - x),
                    static_cast<float>(across.y - y),
-                   static_cast<float>(t_origin - t),
-                   0};
+                   static_cast<float>(t_origin - t)};
+    if (!shared_shape_) shapes_[slot] = {per_mm, lines.rim[s], lines.alpha[s], 0};
   }
 }
 
@@ -202,6 +199,9 @@ void TileRuns::sort(const PixelIndex& index, const ScratchLines& lines) {
   begin_[tiles] = run;
   grow_to(runs_, run + 1);
   grow_to(scratch_, run + 1);
+  shared_shape_ = lines.per_mm.shared && lines.rim.shared && lines.alpha.shared;
+  grow_to(shapes_, shared_shape_ ? 1 : run + 1);
+  if (shared_shape_) shapes_[0] = {lines.per_mm[0], lines.rim[0], lines.alpha[0], 0};
   tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t c) { make_runs(index, lines, chunks_[c]); });
 }
 

@@ -48,6 +48,7 @@ class TileRuns {
   std::uint32_t total() const { return begin_.back(); }
   /// The runs of a tile; readable one beyond the last.
   const TileRun* of(std::size_t tile) const { return &runs_[begin_[tile]]; }
+  RunShapes shapes(std::size_t tile) const { return {&shapes_[shared_shape_ ? 0 : begin_[tile]], shared_shape_}; }
   std::uint32_t scratch(std::size_t tile, std::uint32_t run) const { return scratch_[begin_[tile] + run]; }
 
   const StripDirection& across(std::size_t scratch) const { return across_[scratch]; }
@@ -81,6 +82,8 @@ class TileRuns {
   std::vector<Chunk> chunks_;
   std::vector<std::uint32_t> begin_;  // by tile, one more
   std::vector<TileRun> runs_;         // by tile, one more
+  bool shared_shape_ = true;
+  std::vector<RunShape> shapes_;  // one, or as runs_
   std::vector<std::uint32_t> scratch_;
   std::vector<StripDirection> across_;  // by scratch
 };
