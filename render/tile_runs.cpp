@@ -201,7 +201,7 @@ void TileRuns::sort(const PixelIndex& index, const ScratchLines& lines) {
   grow_to(scratch_, run + 1);
   shared_shape_ = lines.per_mm.shared && lines.rim.shared && lines.alpha.shared;
   grow_to(shapes_, shared_shape_ ? 1 : run + 1);
-  if (shared_shape_) shapes_[0] = {lines.per_mm[0], lines.rim[0], lines.alpha[0], 0};
+  if (shared_shape_ && lines.count > 0) shapes_[0] = {lines.per_mm[0], lines.rim[0], lines.alpha[0], 0};
   tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t c) { make_runs(index, lines, chunks_[c]); });
 }
 
