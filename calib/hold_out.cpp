@@ -227,7 +227,7 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
         photo.weight[i] = static_cast<float>(
             1 / std::hypot(
                     std::hypot(static_cast<double>(photo.photo.sigma.data[i]), refined.model_error * p.value.data[i]),
-                    refined.alpha_jitter * p.by_log_alpha.data[i], refined.depth_jitter * p.by_log_depth.data[i]));
+                    refined.slope_error[0] * p.by_log_alpha.data[i], refined.slope_error[1] * p.by_log_depth.data[i]));
     out.push_back(photo_fit(data, k, state, carved, bench));
   }
   return out;

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "calib/lamp.h"
-#include "calib/overlap.h"
+#include "render/error.h"
 
 namespace burin {
 namespace {
@@ -82,11 +83,11 @@ SpotJet log_falloff(const Unknowns& x, const Eigen::Vector3d& p) {
 }
 
 struct Loss {
-  double rho, weight;  // of s = r^2: rho(s) and rho'(s)
+  double rho, weight, curvature;  // of s = r^2: rho(s), rho'(s), and half the second derivative by r, at least 0
 };
 Loss cauchy_loss(double s, double scale) {
-  const double c2 = scale * scale;
-  return {c2 * std::log1p(s / c2), 1 / (1 + s / c2)};
+  const double c2 = scale * scale, weight = 1 / (1 + s / c2);
+  return {c2 * std::log1p(s / c2), weight, std::max(0.0, 1 - s / c2) * weight * weight};
 }
 
 void multiply(Image& image, const std::vector<float>& by) {
@@ -192,7 +193,9 @@ std::array<double, GrooveField::kTerms> field_of(const Unknowns& x, int first) {
   return terms;
 }
 
-Scratches carved_scratches(const ModelData& model, const Unknowns& x) {
+namespace {
+
+Scratches whole_scratches(const ModelData& model, const Unknowns& x) {
   const Eigen::Matrix2d A = machine_linear(x);
   Eigen::Matrix<double, 2, 3> affine;
   affine << A, model.center_mm - A * model.center_mm + machine_shift(x);
@@ -203,8 +206,27 @@ Scratches carved_scratches(const ModelData& model, const Unknowns& x) {
   for (double& a : carved.alpha) a = std::min(1.0, a * alpha / model.board->material.alpha);
   apply_fields({field_of(x, unknown::depth_field), {}}, {field_of(x, unknown::alpha_field), {}}, depth, alpha,
                model.board->size_mm, carved);
+  return carved;
+}
+
+}  // namespace
+
+Scratches carved_scratches(const ModelData& model, const Unknowns& x) {
+  Scratches carved = whole_scratches(model, x);
   if (!model.last_carved_rules) return carved;
-  return visible_pieces(carved, model.board->tool_width_um, depth).pieces;
+  return visible_pieces(carved, model.board->tool_width_um, std::exp(x[unknown::log_depth])).pieces;
+}
+
+VisiblePieces carved_pieces(const ModelData& model, const Unknowns& x) {
+  Scratches carved = whole_scratches(model, x);
+  const double depth = std::exp(x[unknown::log_depth]), alpha = std::exp(x[unknown::log_alpha]);
+  if (carved.depth_um.empty()) carved.depth_um.assign(carved.size(), depth);
+  if (carved.alpha.empty()) carved.alpha.assign(carved.size(), alpha);
+  if (model.last_carved_rules) return visible_pieces(carved, model.board->tool_width_um, depth);
+  VisiblePieces whole{std::move(carved), {}};
+  whole.source.resize(whole.pieces.size());
+  std::iota(whole.source.begin(), whole.source.end(), std::size_t{0});
+  return whole;
 }
 
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
@@ -231,6 +253,33 @@ GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo,
     out.value.data[i] += static_cast<float>(corrected_by(photo, x, i));
     out.by_log_alpha.data[i] *= static_cast<float>(vignette * scene.material.alpha);
     out.by_log_depth.data[i] *= static_cast<float>(vignette * scene.material.depth_um);
+  }
+  return out;
+}
+
+std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                                              std::span<const Image> dE_dvalue) {
+  if (carved.depth_um.empty() || carved.alpha.empty())
+    fail("groove_gradients", "scratches without depth and roughness of their own", "use carved_pieces()");
+  ViewRenderer renderer(scene_at(photo, x));
+  Image radiance;
+  renderer.forward_with_jacobian(carved, radiance);
+  const std::vector<float> falloff = falloff_image(photo, x);
+  const cv::Mat kernel = blur_kernel(blur_sigma_px(photo, x), photo.bin);
+  std::vector<GrooveGradients> out;
+  for (const Image& given : dE_dvalue) {
+    Image back = given;
+    for (std::size_t i = 0; i < back.data.size(); ++i) back.data[i] *= static_cast<float>(vignette_of(photo, x, i));
+    back = blurred(std::move(back), kernel);  // a symmetric kernel is its own adjoint, but for the rim, which is unused
+    if (!falloff.empty()) multiply(back, falloff);
+    ScratchGradients gradients;
+    gradients.resize(carved.size());
+    renderer.backward(back, gradients);
+    for (std::size_t i = 0; i < carved.size(); ++i) {
+      gradients.alpha[i] *= carved.alpha[i];
+      gradients.depth_um[i] *= carved.depth_um[i];
+    }
+    out.push_back({std::move(gradients.alpha), std::move(gradients.depth_um)});
   }
   return out;
 }
@@ -484,8 +533,8 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   const int tile_rows = tile_mm > 0 ? static_cast<int>(std::ceil(model.board->size_mm.y() / tile_mm)) : 0;
   Eigen::MatrixXd tiles = Eigen::MatrixXd::Zero(n, tile_columns * tile_rows);
   Eigen::MatrixXd rows(n, width);  // one row of the photo at a time: a column a pixel
-  Eigen::VectorXd r(width), to_noise(width);
-  Eigen::MatrixXd noise_JtJ = Eigen::MatrixXd::Zero(n, n), noise_rows;
+  Eigen::VectorXd r(width), to_noise(width), to_curvature(width);
+  Eigen::MatrixXd noise_JtJ = Eigen::MatrixXd::Zero(n, n), curvature_JtJ = noise_JtJ, other_rows;
   for (int y = 0; y < height; ++y) {
     Eigen::Index used = 0;
     for (int px = 0; px < width; ++px) {
@@ -507,6 +556,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
         if (free[unknown::vignette + v]) rows(row++, used) = root * photo.weight[i] * radius_power * base.data[i];
       if (tile_mm > 0) {
         to_noise[used] = 1 / (root * photo.weight[i] * photo.photo.sigma.data[i]);
+        to_curvature[used] = std::sqrt(loss.curvature / loss.weight);
         const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
         const int tx = std::clamp(static_cast<int>(p.x() / tile_mm), 0, tile_columns - 1);
         const int ty = std::clamp(static_cast<int>(p.y() / tile_mm), 0, tile_rows - 1);
@@ -518,11 +568,14 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     JtJ.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(used));
     Jtr.noalias() += rows.leftCols(used) * r.head(used);
     if (tile_mm > 0) {
-      noise_rows = rows.leftCols(used) * to_noise.head(used).asDiagonal();
-      noise_JtJ.selfadjointView<Eigen::Lower>().rankUpdate(noise_rows);
+      other_rows = rows.leftCols(used) * to_noise.head(used).asDiagonal();
+      noise_JtJ.selfadjointView<Eigen::Lower>().rankUpdate(other_rows);
+      other_rows = rows.leftCols(used) * to_curvature.head(used).asDiagonal();
+      curvature_JtJ.selfadjointView<Eigen::Lower>().rankUpdate(other_rows);
     }
   }
   noise_JtJ.triangularView<Eigen::StrictlyUpper>() = noise_JtJ.transpose();
+  curvature_JtJ.triangularView<Eigen::StrictlyUpper>() = curvature_JtJ.transpose();
   JtJ.triangularView<Eigen::StrictlyUpper>() = JtJ.transpose();
 
   out.JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
@@ -530,13 +583,17 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   if (tile_mm > 0) {
     out.tile_scores = Eigen::MatrixXd::Zero(unknown::count, tiles.cols());
     out.noise_JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
+    out.curvature_JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
   }
   for (Eigen::Index a = 0; a < n; ++a) {
     out.Jtr[index[a]] = Jtr[a];
     if (tile_mm > 0) out.tile_scores.row(index[a]) = tiles.row(a);
     for (Eigen::Index b = 0; b < n; ++b) {
       out.JtJ(index[a], index[b]) = JtJ(a, b);
-      if (tile_mm > 0) out.noise_JtJ(index[a], index[b]) = noise_JtJ(a, b);
+      if (tile_mm > 0) {
+        out.noise_JtJ(index[a], index[b]) = noise_JtJ(a, b);
+        out.curvature_JtJ(index[a], index[b]) = curvature_JtJ(a, b);
+      }
     }
   }
   return out;

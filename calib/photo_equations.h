@@ -5,9 +5,11 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "calib/light_samples.h"
+#include "calib/overlap.h"
 #include "render/bench.h"
 #include "render/board.h"
 #include "render/groove_field.h"
@@ -66,8 +68,10 @@ struct ModelData {
   Eigen::Vector2d center_mm{0, 0};  ///< of the carve area
   double f0 = 0.92;                 ///< mean of the channels
   double cauchy = 3;                ///< scale of the robust loss, in expected errors
-  /// How much roughness and depth differ from groove to groove: standard deviations of their logarithms.
+  /// How much roughness and depth differ from groove to groove: standard deviations of their logarithms
+  /// (groove_scatter.h), and the standard errors of these numbers' squares.
   double alpha_jitter = 0, depth_jitter = 0;
+  double alpha_jitter2_sigma = 0, depth_jitter2_sigma = 0;
 };
 
 /// Prepares a photo. `margin_px`: distance (in binned pixels) that used pixels keep from tags and the board's edge.
@@ -80,6 +84,9 @@ std::array<double, GrooveField::kTerms> field_of(const Unknowns& x, int first);
 /// The scratches as carved under these unknowns, cut where later ones rule if the model says so.
 Scratches carved_scratches(const ModelData& model, const Unknowns& x);
 
+/// The same with the scratch that each is a piece of, and with a depth and a roughness for each.
+VisiblePieces carved_pieces(const ModelData& model, const Unknowns& x);
+
 /// The photo as predicted (linear value / exposure factor).
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
 
@@ -89,6 +96,15 @@ struct GrooveSlopes {
 };
 GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x,
                                  const Scratches& carved);
+
+/// dE/d(log alpha) and dE/d(log depth) of each scratch.
+struct GrooveGradients {
+  std::vector<double> by_log_alpha, by_log_depth;
+};
+/// Those of several E, given dE/d(value) of each, one number a pixel: predict() backwards. `carved` must have depths
+/// and roughnesses of its own (carved_pieces).
+std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                                              std::span<const Image> dE_dvalue);
 
 /// Sets `photo.groove_shift` at x: a pixel's value is not linear in a groove's roughness or depth, so grooves that
 /// differ by model.alpha_jitter and depth_jitter send other light on average than equal ones. Their logarithms are
@@ -111,12 +127,13 @@ struct PhotoEquations {
   Eigen::VectorXd Jtr;
   /// Scores summed over squares of the board, tile_columns x tile_rows, one column a square: count x tiles.
   Eigen::MatrixXd tile_scores;
-  Eigen::MatrixXd noise_JtJ;  ///< with tile_scores: weighted by the photo's noise alone, without loss
+  Eigen::MatrixXd noise_JtJ;      ///< with tile_scores: weighted by the photo's noise alone, without loss
+  Eigen::MatrixXd curvature_JtJ;  ///< with tile_scores: weighted by the loss' curvature, where it is not negative
 };
 
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
 
-/// `tile_mm` > 0 asks for tile_scores and noise_JtJ.
+/// `tile_mm` > 0 asks for tile_scores, noise_JtJ and curvature_JtJ.
 PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
                                const Scratches& carved, const FreeUnknowns& free, double tile_mm = 0);
 

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <set>
 
+#include "calib/groove_scatter.h"
+
 namespace burin {
 namespace {
 
@@ -341,18 +343,15 @@ void weigh(Problem& data, const State& state, bool grooves_differ) {
     for (std::size_t k = 0; k < data.photos.size(); ++k)
       data.photo_model_error[k] = relative_error(squares[k], std::sqrt(variances[0]), std::sqrt(variances[1]));
   }
-  if (grooves_differ) {
-    data.model.alpha_jitter = std::sqrt(variances[0]);
-    data.model.depth_jitter = std::sqrt(variances[1]);
-  }
+  if (grooves_differ) data.slope_error = variances.cwiseSqrt();
   for (std::size_t k = 0; k < data.photos.size(); ++k) {
     PhotoData& photo = data.photos[k];
     const GrooveSlopes& p = predicted[k];
     for (std::size_t i = 0; i < p.value.data.size(); ++i) {
       if (!(photo.weight[i] > 0)) continue;
       const double noise = photo.photo.sigma.data[i], miss = data.photo_model_error[k] * p.value.data[i];
-      const double grooves = grooves_differ ? std::hypot(data.model.alpha_jitter * p.by_log_alpha.data[i],
-                                                         data.model.depth_jitter * p.by_log_depth.data[i])
+      const double grooves = grooves_differ ? std::hypot(data.slope_error[0] * p.by_log_alpha.data[i],
+                                                         data.slope_error[1] * p.by_log_depth.data[i])
                                             : 0;
       photo.weight[i] = static_cast<float>(1 / std::sqrt(noise * noise + miss * miss + grooves * grooves));
     }
@@ -363,7 +362,15 @@ void weigh(Problem& data, const State& state, bool grooves_differ) {
 
 void weigh_photos(Problem& data, const State& state) { weigh(data, state, false); }
 
-void weigh_photos_and_grooves(Problem& data, const State& state) { weigh(data, state, true); }
+void weigh_photos_and_grooves(Problem& data, const State& state) {
+  weigh(data, state, true);
+  const GrooveScatter scatter = groove_scatter(data, state);
+  data.model.alpha_jitter = std::sqrt(scatter.variance[0]);
+  data.model.depth_jitter = std::sqrt(scatter.variance[1]);
+  data.model.alpha_jitter2_sigma = scatter.sigma[0];
+  data.model.depth_jitter2_sigma = scatter.sigma[1];
+  for (PhotoData& photo : data.photos) shift_by_grooves(data.model, state.of(photo.photo.light), photo);
+}
 
 double pixel_mm(const LightView& view, const Bench& bench) {
   const Eigen::Isometry3d& T = bench.views[view.view].T_camera_board;

@@ -108,6 +108,8 @@ struct Problem {
   std::vector<PhotoData> photos;
   std::vector<LightSample> paper;
   std::vector<double> photo_model_error;
+  /// What pixels scatter along their slopes by log alpha and log depth, from whatever cause: standard deviations.
+  Eigen::Vector2d slope_error{0, 0};
   std::vector<bool> is_spot;
   std::optional<GeometryPrior> geometry;  ///< none: poses and bow are exact
 };
@@ -124,10 +126,10 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
 /// cannot explain (moved, out of focus) so weighs little by itself.
 void weigh_photos(Problem& data, const State& state);
 
-/// The same with grooves that differ: the scatter of their roughness and depth (model.alpha_jitter, depth_jitter) is
-/// found from the residuals, by how their squares follow the squares of the prediction's slopes by the two, and a
-/// pixel's expected error counts it: where half vectors lean towards the cut-off, a groove a hundredth deeper than the
-/// others is many times the noise away from them. Squared residuals beyond three expected errors count as that much.
+/// The same with grooves that differ: how residuals' squares follow the squares of the prediction's slopes by log alpha
+/// and log depth (`slope_error`) counts in a pixel's expected error: where half vectors lean towards the cut-off, a
+/// groove a hundredth deeper than the others is many times the noise away from them. A residual counts up to 1.5
+/// expected errors. What of it is the grooves' own (model.alpha_jitter, depth_jitter) is found by groove_scatter().
 void weigh_photos_and_grooves(Problem& data, const State& state);
 
 /// Corrects all photos (which photos_at() made of `views`) for their binning, at `state`: see photo_equations.h.

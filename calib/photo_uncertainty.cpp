@@ -31,7 +31,13 @@ struct NormalSystem {
   std::size_t pixels = 0;
 };
 
-NormalSystem normal_system(const Problem& data, const ModelData& model, const Stage& stage, State& state) {
+// What stands in H for the robust loss: Gauss and Newton's weights, which lead to the optimum, or the loss' own
+// curvature there, which says how far scores move the optimum. That is less by a fifth for normal errors, by a half
+// where errors have long tails, as those of grooves near their cut-off have.
+enum class Information { weights, curvature };
+
+NormalSystem normal_system(const Problem& data, const ModelData& model, const Stage& stage, State& state,
+                           Information information) {
   const std::size_t lights = state.lamps.size();
   const Eigen::Index n = kSharedUnknowns + 1 + static_cast<Eigen::Index>(lights) * kLampUnknowns;
   const bool free_geometry = data.geometry.has_value();
@@ -79,7 +85,7 @@ NormalSystem normal_system(const Problem& data, const ModelData& model, const St
       tiles.row(pa) += e.tile_scores.row(a);
       for (int b = 0; b < count; ++b) {
         const Eigen::Index pb = place(photo, b);
-        Fv(pa, pb) += e.JtJ(a, b);
+        Fv(pa, pb) += information == Information::curvature ? e.curvature_JtJ(a, b) : e.JtJ(a, b);
         if (pa < n && pb < n) out.noise_H(pa, pb) += e.noise_JtJ(a, b);
       }
     }
@@ -126,10 +132,11 @@ NormalSystem normal_system(const Problem& data, const ModelData& model, const St
   // Paper belongs to the photo it was seen in; a tag's albedo is its own in all photos.
   for (const LightSample& sample : data.paper) {
     const auto [r, row] = paper_equation(data, state, sample, out.free);
-    const double weight = 1 / (1 + r * r / (kPaperLoss * kPaperLoss));
-    const Eigen::MatrixXd outer = weight * row * row.transpose();
+    const double s = r * r / (kPaperLoss * kPaperLoss), weight = 1 / (1 + s);
+    const double counted = information == Information::curvature ? std::max(0.0, 1 - s) * weight * weight : weight;
+    const Eigen::MatrixXd outer = counted * row * row.transpose();
     const std::size_t view = data.photos[sample.light_view].photo.view;
-    out.noise_H += outer;
+    out.noise_H += weight * row * row.transpose();
     out.H_view[view] += outer;
     out.g_view[view] += weight * r * row;
     out.photos[sample.light_view] += weight * r * row;
@@ -165,7 +172,7 @@ Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& 
 }
 
 ViewEquations view_equations(const Problem& data, const Stage& stage, State& state) {
-  const NormalSystem system = normal_system(data, data.model, stage, state);
+  const NormalSystem system = normal_system(data, data.model, stage, state, Information::weights);
   ViewEquations out;
   out.free = system.free;
   out.prior = system.prior;
@@ -184,7 +191,7 @@ ViewEquations view_equations(const Problem& data, const Stage& stage, State& sta
 }
 
 void joint_step(const Problem& data, const Stage& stage, State& state, Bench& bench) {
-  const NormalSystem system = normal_system(data, data.model, stage, state);
+  const NormalSystem system = normal_system(data, data.model, stage, state, Information::weights);
   const Eigen::VectorXd step = -safe_inverse(system.H, system.free) * system.g;
   state = moved_state(state, step);
   if (!data.geometry) return;
@@ -201,7 +208,7 @@ void joint_step(const Problem& data, const Stage& stage, State& state, Bench& be
 }
 
 Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state) {
-  const NormalSystem system = normal_system(data, data.model, stage, state);
+  const NormalSystem system = normal_system(data, data.model, stage, state, Information::curvature);
   const Eigen::Index n = system.H.rows();
   const Eigen::MatrixXd inverse = safe_inverse(system.H, system.free);
   Uncertainty out;
@@ -209,9 +216,19 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state
   // forgives them moves the answer. One step towards the optimum of another scale shows by how much.
   ModelData tolerant = data.model;
   tolerant.cauchy *= 2;
-  const NormalSystem other = normal_system(data, tolerant, stage, state);
+  const NormalSystem other = normal_system(data, tolerant, stage, state, Information::curvature);
   Eigen::VectorXd shift = safe_inverse(other.H, other.free) * other.g;
   out.shifts.push_back(shift);
+  // And what it owes to how much grooves are believed to differ: that sets the mean light of uneven ones.
+  for (const auto& [jitter, sigma2] : {std::pair(&ModelData::alpha_jitter, data.model.alpha_jitter2_sigma),
+                                       std::pair(&ModelData::depth_jitter, data.model.depth_jitter2_sigma)}) {
+    if (!(sigma2 > 0)) continue;
+    Problem uneven = data;
+    uneven.model.*jitter = std::sqrt(std::pow(data.model.*jitter, 2) + sigma2);
+    for (PhotoData& photo : uneven.photos) shift_by_grooves(uneven.model, state.of(photo.photo.light), photo);
+    const NormalSystem moved = normal_system(uneven, uneven.model, stage, state, Information::curvature);
+    out.shifts.push_back(inverse * (moved.g - system.g));
+  }
   out.noise_bound = safe_inverse(system.noise_H, system.free);
   const double scatter = system.pixels ? std::max(1.0, 2 * system.cost / static_cast<double>(system.pixels)) : 1;
   out.covariances.push_back(scatter * inverse);

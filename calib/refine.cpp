@@ -198,6 +198,7 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   fit_colors(data, merged, state, out.bench);
   out.alpha_jitter = data.model.alpha_jitter;
   out.depth_jitter = data.model.depth_jitter;
+  out.slope_error = data.slope_error;
   out.model_error = median_of(data.photo_model_error);
   const Scratches carved = carved_scratches(data.model, state.of(0));
   for (std::size_t k = 0; k < data.photos.size(); ++k)

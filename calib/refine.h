@@ -13,11 +13,11 @@
 //
 // Cameras' poses and the bow move too (geometry_prior.h), with the tags as their prior.
 //
-// Sigmas are not those of white noise. Several estimates are made, and the largest is reported: the inverse of the
-// normal equations times the residuals' scatter; sandwiches whose scores are summed over 20 mm squares of the board
-// (errors that a place has in all photos: dust, a groove's own depth), over its quadrants, and over groups of photos
-// with like half vectors (errors of the model itself); the delete-one-photo jackknife (errors that a photo has as a
-// whole: its pose).
+// Sigmas are not those of white noise. Several estimates are made, and the largest is reported, all of them with the
+// robust loss' own curvature at the optimum: the inverse of the normal equations times the residuals' scatter;
+// sandwiches whose scores are summed over 20 mm squares of the board (errors that a place has in all photos: dust, a
+// groove's own depth), over its quadrants, and over groups of photos with like half vectors (errors of the model
+// itself); the delete-one-photo jackknife (errors that a photo has as a whole: its pose).
 #pragma once
 
 #include <span>
@@ -71,6 +71,9 @@ struct Refinement {
   double model_error = 0;  ///< relative, what the residuals say that the model misses beyond noise
   /// How much roughness and depth differ from groove to groove, as the residuals say: sigmas of their logarithms.
   double alpha_jitter = 0, depth_jitter = 0;
+  /// What pixels scatter along their slopes by log alpha and log depth, grooves' differences included
+  /// (photo_problem.h).
+  Eigen::Vector2d slope_error{0, 0};
   Overlap overlap = Overlap::add;
   std::vector<NoiseBound> noise_bounds;  ///< of alpha, base_alpha, depth_um and the lamps, as far as they were fitted
   std::vector<std::string> findings;     ///< sentences for a person: what was left out, what looks wrong

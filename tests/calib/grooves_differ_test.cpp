@@ -1,5 +1,6 @@
 // What is proved, on photos predicted from grooves that each have a roughness and a depth of their own: the slopes by
-// which their scatter is found are the prediction's derivatives; the scatter is found; the mean light of many such
+// which their scatter is found are the prediction's derivatives, and so are each groove's; the scatter is found, and is
+// not taken from errors that pixels have alone; the mean light of many such
 // boards is predicted better with it than by equal grooves; and a field over the board is told apart from such
 // accidents: none is chosen where there is none, a gradient of depth is found where there is one. Not proved: that real
 // grooves differ as normal distributions do.
@@ -142,6 +143,70 @@ TEST(GroovesDiffer, TheirScatterIsFound) {
     // Where grooves cross, a pixel's slope is a sum and its scatter less than that. The two are not quite told apart.
     EXPECT_NEAR(s.data.model.alpha_jitter, alpha, 0.3 * alpha + 0.015);
     EXPECT_NEAR(s.data.model.depth_jitter, depth, 0.3 * depth + 0.015);
+  }
+}
+
+TEST(GroovesDiffer, ErrorsOfSinglePixelsAreNoScatterOfGrooves) {
+  Grooves s;
+  fill(s);
+  std::mt19937_64 random(5);
+  photograph(s, uneven(s, 0.06, 0, 0, random), random);
+  // As if every pixel saw grooves of another depth: the same squares, nothing in common.
+  constexpr double kError = 0.03;
+  std::normal_distribution<double> normal;
+  const Unknowns x = s.truth.of(0);
+  for (PhotoData& photo : s.data.photos) {
+    const GrooveSlopes p = predict_with_slopes(s.data.model, photo, x, carved_scratches(s.data.model, x));
+    for (std::size_t i = 0; i < p.by_log_depth.data.size(); ++i)
+      photo.photo.value.data[i] += static_cast<float>(kError * normal(random) * p.by_log_depth.data[i]);
+  }
+  weigh_photos_and_grooves(s.data, s.truth);
+  EXPECT_NEAR(s.data.slope_error[1], kError, 0.3 * kError);
+  EXPECT_LT(s.data.model.depth_jitter, 0.012);
+  EXPECT_NEAR(s.data.model.alpha_jitter, 0.06, 0.02);
+  EXPECT_GT(s.data.model.depth_jitter2_sigma, 0);
+  EXPECT_LT(s.data.model.depth_jitter2_sigma, kError * kError);
+}
+
+TEST(GroovesDiffer, GradientsOfGroovesAreThePredictionsBackwards) {
+  Grooves s;
+  fill(s);
+  for (const bool last_rules : {false, true}) {
+    s.data.model.last_carved_rules = last_rules;
+    const PhotoData& photo = s.data.photos[3];
+    const Unknowns x = s.truth.of(0);
+    const VisiblePieces pieces = carved_pieces(s.data.model, x);
+    ASSERT_EQ(pieces.source.size(), pieces.pieces.size());
+    // E: the values of the pixels in use, each by a weight of its own.
+    std::mt19937_64 random(3);
+    std::normal_distribution<float> normal;
+    Image weights(photo.photo.value.width, photo.photo.value.height, 1);
+    for (std::size_t i = 0; i < weights.data.size(); ++i)
+      if (photo.weight[i] > 0) weights.data[i] = normal(random);
+    const std::vector<GrooveGradients> gradients = groove_gradients(photo, x, pieces.pieces, {&weights, 1});
+    ASSERT_EQ(gradients.size(), 1U);
+    const auto E = [&](const Scratches& carved) {
+      const Image value = predict(s.data.model, photo, x, carved);
+      double sum = 0;
+      for (std::size_t i = 0; i < value.data.size(); ++i) sum += static_cast<double>(weights.data[i]) * value.data[i];
+      return sum;
+    };
+    for (const bool of_depth : {false, true}) {  // by all grooves at once, each by an amount of its own
+      constexpr double kStep = 0.003;
+      Scratches more = pieces.pieces, less = pieces.pieces;
+      double expected = 0, size = 0;
+      for (std::size_t i = 0; i < more.size(); ++i) {
+        const double by = normal(random);
+        std::vector<double>&above = of_depth ? more.depth_um : more.alpha,
+        &below = of_depth ? less.depth_um : less.alpha;
+        above[i] *= std::exp(kStep * by);
+        below[i] *= std::exp(-kStep * by);
+        const double term = by * (of_depth ? gradients[0].by_log_depth[i] : gradients[0].by_log_alpha[i]);
+        expected += term;
+        size += term * term;
+      }
+      EXPECT_NEAR((E(more) - E(less)) / (2 * kStep), expected, 0.01 * std::sqrt(size)) << of_depth << last_rules;
+    }
   }
 }
 
