@@ -10,6 +10,7 @@
 
 #include "capture/tag_family.h"
 #include "render/groove.h"
+#include "render/keep_out.h"
 #include "render/surface.h"
 
 namespace burin {
@@ -227,6 +228,7 @@ BoardMask metal_mask(const Board& board, const Bench& bench, double margin_mm) {
         const double half_cells = 0.5 * tag.pattern.total_cells + margin_mm / tag.cell_mm;
         free = std::abs(at.x()) > half_cells || std::abs(at.y()) > half_cells;
       }
+      for (const KeepOut& place : board.keep_out) free = free && distance_mm({x, y}, place) > margin_mm;
       mask.free[static_cast<std::size_t>(row) * mask.width + column] = free;
     }
   return mask;

@@ -73,7 +73,7 @@ std::vector<LightSample> gather_light_samples(std::span<const LightView> views, 
                                               const Scratches& scratches, const LightSampleOptions& options = {});
 
 /// A picture of the board, row 0 at y = 0, `cell_mm` a pixel: 1 where only plain metal or scratches may be seen, 0 on
-/// the tags' paper (and `margin_mm` around), and beyond the board's edge.
+/// the tags' paper, on keep-outs (and `margin_mm` around both), and beyond the board's edge.
 struct BoardMask {
   double cell_mm = 0.25;
   int width = 0, height = 0;

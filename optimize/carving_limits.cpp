@@ -9,7 +9,7 @@
 #include <set>
 
 #include "optimize/groove_pairs.h"
-#include "optimize/keep_out.h"
+#include "render/keep_out.h"
 #include "render/error.h"
 #include "render/groove.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "optimize/glint.h"
-#include "optimize/keep_out.h"
+#include "render/keep_out.h"
 #include "optimize/picture_metrics.h"
 #include "render/groove.h"
 

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "optimize/groove_pairs.h"
-#include "optimize/keep_out.h"
+#include "render/keep_out.h"
 #include "render/error.h"
 #include "render/groove.h"
 #include "tests/temporary_folder.h"

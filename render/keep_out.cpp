@@ -1,4 +1,4 @@
-#include "optimize/keep_out.h"
+#include "render/keep_out.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// optimize/keep_out.h - which parts of a straight line a forbidden place (render/board.h) leaves free.
+// render/keep_out.h - which parts of a straight line a forbidden place (render/board.h) leaves free.
 // Frame: any plane, mm.
 #pragma once
 
