@@ -1,6 +1,8 @@
-// Proves: the paper that tool paths keep free of a tag is as wide as AprilTag draws the tag.
+// Proves: the paper that tool paths keep free of a tag is as wide as AprilTag draws the tag; photos are not compared on
+// the paper, on keep-outs (a clamp, a hole) and beyond the board.
 #include <gtest/gtest.h>
 
+#include "calib/light_samples.h"
 #include "capture/tag_family.h"
 #include "render/board.h"
 #include "render/error.h"
@@ -19,6 +21,23 @@ TEST(TagPaper, IsAsWideAsAprilTagDrawsIt) {
     EXPECT_NEAR(paper.polygon_mm[0].x(), 50 - side / 2, 1e-12) << family;
   }
   EXPECT_THROW(tag_paper({}, "tag99"), Error);
+}
+
+TEST(MetalMask, LeavesOutPaperKeepOutsAndTheEdge) {
+  Board board;
+  board.size_mm = {100, 80};
+  board.tags.family = "tagStandard41h12";
+  board.tags.list = {{0, {20, 20}, 10, 0}};
+  board.keep_out = {{"hole", {}, {70, 40}, 6}};
+  Bench bench;
+  bench.tags = board.tags.list;
+  const BoardMask metal = metal_mask(board, bench, 1);
+  EXPECT_TRUE(metal.is_free(50, 60));
+  EXPECT_FALSE(metal.is_free(20, 20));    // the tag
+  EXPECT_FALSE(metal.is_free(70, 40));    // the hole
+  EXPECT_FALSE(metal.is_free(76.5, 40));  // its margin
+  EXPECT_TRUE(metal.is_free(77.5, 40));
+  EXPECT_FALSE(metal.is_free(99.5, 60));  // the edge
 }
 
 }  // namespace
