@@ -950,7 +950,8 @@ struct TileKernel {
   /// pair before it, and then of its last.
   BURIN_FLATTEN static void number_lines(const std::uint8_t* starts, std::uint32_t& line, std::uint32_t* to) {
     for (int i = 0; i < TileRoom::kChunk; i += 8) {
-      const std::uint8_t* count = kCountsOfBits.of[starts[i / 8]];
+      std::uint8_t count[8];  // a copy: bytes may lie anywhere, also where numbers are stored
+      std::memcpy(count, kCountsOfBits.of[starts[i / 8]], sizeof(count));
       for (int k = 0; k < 8; ++k) to[i + k] = line + count[k];
       line += count[7];
     }
