@@ -218,7 +218,7 @@ struct TileKernel {
   }
 
   static void grow(std::vector<float>& v, std::size_t n) {
-    if (v.size() < n + 16) v.resize(n + n / 4 + 16);
+    if (v.size() < n + 16) v.resize(2 * n + 16);
   }
 
   /// Adds lanes 0 .. n - 1 of light and area to the pixels' sums.
@@ -915,13 +915,13 @@ struct TileKernel {
   /// Room for another chunk.
   static void make_room(TileRoom::Special& special) {
     if (special.pair.size() >= special.count + TileRoom::kChunk + 16) return;
-    special.pair.resize(2 * special.count + 4 * TileRoom::kChunk);
+    special.pair.resize(3 * special.count + 16 * TileRoom::kChunk);
     special.line.resize(special.pair.size());
   }
 
   /// Lists the runs that have pairs; a packet more, all the last. Marks each one's first pair.
   static void list_live_runs(const TileTask& task, const TilePlaces& places, std::size_t count, TileRoom& room) {
-    if (room.live.size() < task.run_count + kLanes) room.live.resize(task.run_count + task.run_count / 4 + kLanes);
+    if (room.live.size() < task.run_count + kLanes) room.live.resize(2 * task.run_count + kLanes);
     if (room.starts.size() < count / 8 + TileRoom::kChunk) room.starts.resize(count / 4 + TileRoom::kChunk);
     std::fill_n(room.starts.data(), count / 8 + TileRoom::kChunk, std::uint8_t{0});
     std::uint32_t n = 0;

@@ -249,11 +249,11 @@ struct TileRaster {
   BURIN_FLATTEN static void find(std::span<const TileBlock> blocks, const TileRun* runs, const RunShapes& shapes,
                                  std::uint32_t count, const std::uint32_t* valid_rows,
                                  std::vector<std::uint32_t>& begin, std::vector<std::uint16_t>& place) {
-    if (begin.size() < count + 1) begin.resize(count + 1);
+    if (begin.size() < count + 1) begin.resize(2 * count + 1);
     std::size_t n = 0;
     const auto room = [&] {
       const std::size_t needed = n + kTilePixels + 64;
-      if (place.size() < needed) place.resize(needed + needed / 4);
+      if (place.size() < needed) place.resize(2 * needed);
       return place.data() + n;
     };
     Quads quads;
