@@ -9,9 +9,9 @@
 #include <set>
 
 #include "optimize/groove_pairs.h"
-#include "render/keep_out.h"
 #include "render/error.h"
 #include "render/groove.h"
+#include "render/keep_out.h"
 
 namespace burin {
 namespace {

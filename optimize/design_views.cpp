@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "optimize/glint.h"
-#include "render/keep_out.h"
 #include "optimize/picture_metrics.h"
 #include "render/groove.h"
+#include "render/keep_out.h"
 
 namespace burin {
 namespace {

@@ -10,9 +10,9 @@
 #include <random>
 
 #include "optimize/groove_pairs.h"
-#include "render/keep_out.h"
 #include "render/error.h"
 #include "render/groove.h"
+#include "render/keep_out.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
