@@ -203,6 +203,7 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
   data.model.designed = &designed;
   data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
   data.model.f0 = board.material.f0.mean();
+  data.model.alpha_field = bench.alpha_field.terms;
   data.model.last_carved_rules = refined.overlap == Overlap::last;
   data.model.alpha_jitter = refined.alpha_jitter;
   data.model.depth_jitter = refined.depth_jitter;

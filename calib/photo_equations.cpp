@@ -187,9 +187,9 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
   return data;
 }
 
-std::array<double, GrooveField::kTerms> field_of(const Unknowns& x, int first) {
+std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x) {
   std::array<double, GrooveField::kTerms> terms{};
-  for (int i = 0; i < GrooveField::kTerms; ++i) terms[i] = x[first + i];
+  for (int i = 0; i < GrooveField::kTerms; ++i) terms[i] = x[unknown::depth_field + i];
   return terms;
 }
 
@@ -204,8 +204,7 @@ Scratches whole_scratches(const ModelData& model, const Unknowns& x) {
   // What scratches carry of their own is taken as designed on a board of the believed material: ratios are kept.
   for (double& d : carved.depth_um) d *= depth / model.board->material.depth_um;
   for (double& a : carved.alpha) a = std::min(1.0, a * alpha / model.board->material.alpha);
-  apply_fields({field_of(x, unknown::depth_field), {}}, {field_of(x, unknown::alpha_field), {}}, depth, alpha,
-               model.board->size_mm, carved);
+  apply_fields({depth_field_of(x), {}}, {model.alpha_field, {}}, depth, alpha, model.board->size_mm, carved);
   return carved;
 }
 
@@ -381,7 +380,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     return at;
   };
   constexpr int kOverBoard = GrooveField::kTerms - 1, kWear = kOverBoard;
-  const bool want_alpha = free[unknown::log_alpha] || any(unknown::alpha_field, kOverBoard);
+  const bool want_alpha = free[unknown::log_alpha];
   const int at_alpha = ask(want_alpha, {P::alpha});
   const bool want_depth = free[unknown::log_depth] || any(unknown::depth_field, kOverBoard);
   const int at_depth = ask(want_depth, {P::depth_um});
@@ -434,11 +433,13 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     for (float& v : image.data) v *= static_cast<float>(by);
     return image;
   };
-  // By a common factor of all depths (or roughnesses); a field multiplies it by the place on the board, being smooth.
-  const auto add_groove = [&](int log_mean, int field, const Image& by_factor) {
-    const auto terms = field_of(x, field);
+  if (want_alpha) add_column(unknown::log_alpha, scaled(rendered.d_radiance[at_alpha], scene.material.alpha));
+  if (want_depth) {
+    // By a common factor of all depths; a field multiplies it by the place on the board, being smooth.
+    const Image by_factor = scaled(rendered.d_radiance[at_depth], scene.material.depth_um);
+    const auto terms = depth_field_of(x);
     for (int term = 0; term < kOverBoard; ++term) {
-      if (!free[field + term]) continue;
+      if (!free[unknown::depth_field + term]) continue;
       Image by_term = by_factor;
       for (std::size_t i = 0; i < pixels; ++i) {
         const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
@@ -446,26 +447,20 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
         const double u = p.x() / model.board->size_mm.x(), v = p.y() / model.board->size_mm.y();
         by_term.data[i] *= static_cast<float>(field_terms_at(u, v)[term] / field_over_board(terms, u, v));
       }
-      add_column(field + term, std::move(by_term));
+      add_column(unknown::depth_field + term, std::move(by_term));
     }
-    if (free[log_mean]) add_column(log_mean, by_factor);
-  };
-  if (want_alpha)
-    add_groove(unknown::log_alpha, unknown::alpha_field, scaled(rendered.d_radiance[at_alpha], scene.material.alpha));
-  if (want_depth)
-    add_groove(unknown::log_depth, unknown::depth_field,
-               scaled(rendered.d_radiance[at_depth], scene.material.depth_um));
+    if (free[unknown::log_depth]) add_column(unknown::log_depth, by_factor);
+  }
   // Wear goes with the carving order, which no place on the board tells: one more rendering.
-  for (const int field : {unknown::depth_field, unknown::alpha_field}) {
-    if (!free[field + kWear]) continue;
+  if (free[unknown::depth_field + kWear]) {
     constexpr double kStep = 0.02;
     Unknowns worn = x;
-    worn[field + kWear] += kStep;
+    worn[unknown::depth_field + kWear] += kStep;
     Image change = rendered_light(photo, worn, carved_scratches(model, worn), falloff);
     scene_at(photo, x);
     for (std::size_t i = 0; i < pixels; ++i)
       change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(kStep);
-    add_column(field + kWear, std::move(change));
+    add_column(unknown::depth_field + kWear, std::move(change));
   }
   if (free[unknown::log_base_alpha])
     add_column(unknown::log_base_alpha, scaled(rendered.d_radiance[at_base], scene.material.base_alpha));

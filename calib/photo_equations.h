@@ -25,18 +25,16 @@ enum Index : int {
   log_depth = 1,
   log_base_alpha = 2,
   depth_field = 3,  // GrooveField's terms: gx gy, qxx qxy qyy, wear
-  alpha_field = 9,
-  machine =
-      15,  // a00 a01 a10 a11 tx ty: carved = center + A (designed - center) + t, mm, about the carve area's center
-  ambient = 21,        // radiance, mean of the channels
-  vignette = 22,       // v1 v2 v3
-  log_blur = 25,       // of the Gaussian's sigma in pixels of the photo as taken
-  lamp_position = 26,  // mm
-  log_intensity = 29,
-  spot = 30,  // aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp
-  pose = 33,  // rotation vector on the left of T_camera_board, about the board's center; then translation, mm
-  bow = 39,   // mm
-  count = 42
+  machine = 9,  // a00 a01 a10 a11 tx ty: carved = center + A (designed - center) + t, mm, about the carve area's center
+  ambient = 15,        // radiance, mean of the channels
+  vignette = 16,       // v1 v2 v3
+  log_blur = 19,       // of the Gaussian's sigma in pixels of the photo as taken
+  lamp_position = 20,  // mm
+  log_intensity = 23,
+  spot = 24,  // aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp
+  pose = 27,  // rotation vector on the left of T_camera_board, about the board's center; then translation, mm
+  bow = 33,   // mm
+  count = 36
 };
 }  // namespace unknown
 
@@ -64,6 +62,8 @@ struct PhotoData {
 struct ModelData {
   const Board* board = nullptr;
   const Scratches* designed = nullptr;
+  /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
+  std::array<double, GrooveField::kTerms> alpha_field{};
   bool last_carved_rules = false;   ///< overlap: see calib/overlap.h
   Eigen::Vector2d center_mm{0, 0};  ///< of the carve area
   double f0 = 0.92;                 ///< mean of the channels
@@ -78,8 +78,8 @@ struct ModelData {
 PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& board, const Bench& bench,
                           double margin_px);
 
-/// The terms of the field of depth or alpha: `first` is unknown::depth_field or alpha_field.
-std::array<double, GrooveField::kTerms> field_of(const Unknowns& x, int first);
+/// The terms of the field of depth.
+std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x);
 
 /// The scratches as carved under these unknowns, cut where later ones rule if the model says so.
 Scratches carved_scratches(const ModelData& model, const Unknowns& x);

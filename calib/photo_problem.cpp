@@ -111,10 +111,7 @@ State state_of(const Bench& bench, const ModelData& model) {
   state.shared[unknown::log_alpha] = std::log(bench.material.alpha);
   state.shared[unknown::log_depth] = std::log(bench.material.depth_um);
   state.shared[unknown::log_base_alpha] = std::log(bench.material.base_alpha);
-  for (int i = 0; i < GrooveField::kTerms; ++i) {
-    state.shared[unknown::depth_field + i] = bench.depth_field.terms[i];
-    state.shared[unknown::alpha_field + i] = bench.alpha_field.terms[i];
-  }
+  for (int i = 0; i < GrooveField::kTerms; ++i) state.shared[unknown::depth_field + i] = bench.depth_field.terms[i];
   const Affine2& affine = bench.machine_affine;
   const Eigen::Vector2d shift = affine.leftCols<2>() * model.center_mm + affine.col(2) - model.center_mm;
   for (int row = 0; row < 2; ++row) {
@@ -158,12 +155,6 @@ bool frees(const Stage& stage, int first) {
       return stage.depth_field.quadratic;
     case unknown::depth_field + 5:
       return stage.depth_field.wear;
-    case unknown::alpha_field:
-      return stage.alpha_field.linear;
-    case unknown::alpha_field + 2:
-      return stage.alpha_field.quadratic;
-    case unknown::alpha_field + 5:
-      return stage.alpha_field.wear;
     case unknown::machine:
       return stage.machine;
     case unknown::ambient:
@@ -188,6 +179,14 @@ double paper_albedo(const Board& board, SampleKind kind) {
 PaperResidual paper_residual(const Problem& problem, const LightSample& sample) {
   const double error = std::hypot(sample.sigma, kPaperError * sample.value);
   return {&sample, paper_albedo(*problem.model.board, sample.kind), 1 / error};
+}
+
+std::pair<double, double> log_blur_range(const Problem& data) {
+  for (const PhotoData& photo : data.photos) {
+    constexpr double kHolds = 0.3;
+    if (!photo.correction.empty()) return {photo.log_blur_at - kHolds, photo.log_blur_at + kHolds};
+  }
+  return {std::log(0.05), std::log(6.0)};
 }
 
 double solve(const Problem& data, const Stage& stage, int max_iterations, double tolerance, State& state,
@@ -236,7 +235,8 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
   bounds(unknown::log_alpha, 0, std::log(0.004), std::log(0.8), 0);
   bounds(unknown::log_depth, 0, std::log(1e-3 * width_um), std::log(0.7 * width_um), 0);
   bounds(unknown::log_base_alpha, 0, std::log(0.01), std::log(1.0), 0);
-  bounds(unknown::log_blur, 0, std::log(0.05), std::log(6.0), 0);
+  const auto [least_blur, most_blur] = log_blur_range(data);
+  bounds(unknown::log_blur, 0, least_blur, most_blur, 0);
   bounds(unknown::ambient, 0, 0, 1e9, 0);
   for (const std::size_t light : lights) {
     bounds(unknown::lamp_position, 2, 0.02 * data.model.board->size_mm.norm(), 1e6, light);

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "calib/geometry_prior.h"
@@ -20,15 +21,12 @@ namespace burin {
 struct Block {
   int first, size;
 };
-constexpr std::array<Block, 18> kBlocks = {{{unknown::log_alpha, 1},
+constexpr std::array<Block, 15> kBlocks = {{{unknown::log_alpha, 1},
                                             {unknown::log_depth, 1},
                                             {unknown::log_base_alpha, 1},
                                             {unknown::depth_field, 2},
                                             {unknown::depth_field + 2, 3},
                                             {unknown::depth_field + 5, 1},
-                                            {unknown::alpha_field, 2},
-                                            {unknown::alpha_field + 2, 3},
-                                            {unknown::alpha_field + 5, 1},
                                             {unknown::machine, 6},
                                             {unknown::ambient, 1},
                                             {unknown::vignette, 3},
@@ -70,7 +68,7 @@ struct FreeField {
   bool linear = false, quadratic = false, wear = false;
 };
 struct Stage {
-  FreeField depth_field, alpha_field;
+  FreeField depth_field;
   bool groove = true, base = true, machine = true, ambient = true, vignette = true, blur = false, lamp = true,
        intensity = true;
 };
@@ -115,6 +113,11 @@ struct Problem {
 };
 
 PaperResidual paper_residual(const Problem& problem, const LightSample& sample);
+
+/// Where the logarithm of the blur may lie. Corrections for binning follow it by its slope where they were taken, which
+/// holds for a third more or less: beyond that it promises photos that no blur makes, and the blur runs away. It did on
+/// sharp photos, whose slope is nearly none: until no pixel was further from a tag than the blur reached.
+std::pair<double, double> log_blur_range(const Problem& problem);
 
 /// Minimises over what `stage` frees, until the cost falls by less than `tolerance` (relative). Returns the cost;
 /// `state` moves.

@@ -194,6 +194,8 @@ void joint_step(const Problem& data, const Stage& stage, State& state, Bench& be
   const NormalSystem system = normal_system(data, data.model, stage, state, Information::weights);
   const Eigen::VectorXd step = -safe_inverse(system.H, system.free) * system.g;
   state = moved_state(state, step);
+  const auto [least_blur, most_blur] = log_blur_range(data);
+  state.shared[unknown::log_blur] = std::clamp(state.shared[unknown::log_blur], least_blur, most_blur);
   if (!data.geometry) return;
   const Eigen::VectorXd scale = system.A.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd inner = scale.asDiagonal() * system.A * scale.asDiagonal();

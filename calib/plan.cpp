@@ -231,11 +231,12 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& desig
   data.model.designed = &designed;
   data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
   data.model.f0 = board.material.f0.mean();
+  data.model.alpha_field = bench.alpha_field.terms;
   for (const Light& light : bench.lights) data.is_spot.push_back(light.falloff_exponent > 0);
   State state = state_of(bench, data.model);
   const Eigen::Index n = kSharedUnknowns + 1 + static_cast<Eigen::Index>(bench.lights.size()) * kLampUnknowns;
   std::vector<bool> free(n, true);
-  for (int i = 0; i < GrooveField::kTerms; ++i) free[unknown::depth_field + i] = free[unknown::alpha_field + i] = false;
+  for (int i = 0; i < GrooveField::kTerms; ++i) free[unknown::depth_field + i] = false;
   for (std::size_t i = 0; i < bench.lights.size(); ++i)
     for (int k = 0; k < 3; ++k) free[global_index(unknown::spot + k, i)] = data.is_spot[i];
   std::vector<std::vector<LightCandidate>> light(directions);

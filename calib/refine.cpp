@@ -13,6 +13,7 @@
 #include "calib/photo_problem.h"
 #include "calib/photo_uncertainty.h"
 #include "calib/refine_result.h"
+#include "calib/strange_regions.h"
 #include "render/error.h"
 
 namespace burin {
@@ -23,7 +24,7 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
     fail("scratches", "there is no scratch to refine against", "name the designed scratches in board.json");
   Refinement out;
   out.bench = measured;
-  const std::vector<LightView> views = make_light_views(merged, board, out.bench, out.findings);
+  std::vector<LightView> views = make_light_views(merged, board, out.bench, out.findings);
   if (views.empty())
     fail("session", "no photo has both a camera pose and the board in it", "run burin calibrate on this session first");
 
@@ -87,12 +88,15 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
 
   const auto blur = [&] { return std::exp(state.shared[unknown::log_blur]); };
   data.photos = photos_at(views, coarse, board, out.bench, blur());
-  std::size_t used = 0;
-  for (const PhotoData& photo : data.photos)
-    used += std::count_if(photo.weight.begin(), photo.weight.end(), [](float w) { return w > 0; });
-  if (used < 1000)
-    fail("session", "hardly a pixel of bare metal is seen unclipped",
-         "add shorter exposures, or photos nearer to the board");
+  const auto check_pixels = [&] {
+    std::size_t used = 0;
+    for (const PhotoData& photo : data.photos)
+      used += std::count_if(photo.weight.begin(), photo.weight.end(), [](float w) { return w > 0; });
+    if (used < 1000)
+      fail("session", "hardly a pixel of bare metal is seen unclipped",
+           "add shorter exposures, or photos nearer to the board and in focus");
+  };
+  check_pixels();
 
   // A grid of starts over alpha and depth: what is believed of them may be off by factors.
   for (PhotoData& photo : data.photos)
@@ -163,11 +167,19 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   // Binned pixels are quick but not quite what the camera saw: the difference to the photo's own pixels is taken at the
   // solution and held while the fit goes on.
   const auto solve_corrected = [&](const std::string& name) {
+    check_pixels();
     correct_binning(data, views, board, out.bench, state);
     weigh_photos_and_grooves(data, state);
     solve(data, stage, options.max_iterations, 3e-6, state, progress, name);
   };
   solve_corrected("fitting photos with their own errors");
+  const std::vector<StrangeRegion> strange = strange_regions(data, state);
+  if (!strange.empty()) {
+    for (const StrangeRegion& region : strange) out.findings.push_back(told(region));
+    leave_out(strange, data, views);
+    data.photos = photos_at(views, finest, board, out.bench, blur());
+    solve_corrected("fitting photos without what lies on the board");
+  }
   const auto move_geometry = [&] {
     joint_step(data, stage, state, out.bench);
     data.photos = photos_at(views, finest, board, out.bench, blur());

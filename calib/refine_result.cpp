@@ -103,17 +103,14 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
   bench.sensor.vignette = Eigen::Vector3d(s[unknown::vignette], s[unknown::vignette + 1], s[unknown::vignette + 2]);
   bench.sensor.psf_sigma_px = std::exp(s[unknown::log_blur]);
   bench.ambient.setConstant(s[unknown::ambient]);
-  const auto fill_field = [&](int first, GrooveField& field) {
-    field = {};
-    std::array<double, GrooveField::kTerms> sigma{};
-    for (int i = 0; i < GrooveField::kTerms; ++i) {
-      field.terms[i] = s[first + i];
-      sigma[i] = uncertainty.sigma(first + i);
-    }
-    if (!field.is_constant()) field.sigma = sigma;
-  };
-  fill_field(unknown::depth_field, bench.depth_field);
-  fill_field(unknown::alpha_field, bench.alpha_field);
+  bench.alpha_field = {};
+  bench.depth_field = {};
+  std::array<double, GrooveField::kTerms> field_sigma{};
+  for (int i = 0; i < GrooveField::kTerms; ++i) {
+    bench.depth_field.terms[i] = s[unknown::depth_field + i];
+    field_sigma[i] = uncertainty.sigma(unknown::depth_field + i);
+  }
+  if (!bench.depth_field.is_constant()) bench.depth_field.sigma = field_sigma;
 
   bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
   bench.material_sigma.depth_um = bench.material.depth_um * uncertainty.sigma(unknown::log_depth);
