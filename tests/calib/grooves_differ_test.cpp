@@ -11,77 +11,18 @@
 
 #include "calib/field_choice.h"
 #include "calib/photo_problem.h"
+#include "tests/calib/small_grooves.h"
 
 namespace burin {
 namespace {
 
-struct Grooves {
-  Board board;
-  Bench bench;
-  Scratches designed;
-  Problem data;
-  State truth;
-};
-
-// Six views of a small board, half vectors on both sides of the grooves' cut-off.
-void fill(Grooves& s) {
-  s.board.size_mm << 60, 60;
-  s.board.carve_min_mm << 5, 5;
-  s.board.carve_max_mm << 55, 55;
-  s.board.tool_width_um = 600;
-  s.board.material.alpha = 0.08;
-  s.board.material.depth_um = 18;
-  s.bench.lens.model = "LENSMODEL_PINHOLE";
-  s.bench.lens.intrinsics = {300, 300, 59.5, 59.5};
-  s.bench.lens.width = s.bench.lens.height = 120;
-  s.bench.lights.resize(1);
-  std::mt19937_64 random(11);
-  std::uniform_real_distribution<double> place(8, 52), turn(0, M_PI);
-  for (int i = 0; i < 500; ++i) {
-    const double x = place(random), y = place(random), a = turn(random);
-    s.designed.x0_mm.push_back(x - 2 * std::cos(a));
-    s.designed.y0_mm.push_back(y - 2 * std::sin(a));
-    s.designed.x1_mm.push_back(x + 2 * std::cos(a));
-    s.designed.y1_mm.push_back(y + 2 * std::sin(a));
-  }
-  Problem& data = s.data;
-  data.model.board = &s.board;
-  data.model.designed = &s.designed;
-  data.model.center_mm << 30, 30;
-  data.model.f0 = s.board.material.f0.mean();
-  data.is_spot = {false};
-  s.truth.lamps.resize(1);
-  s.truth.shared[unknown::log_alpha] = std::log(0.08);
-  s.truth.shared[unknown::log_depth] = std::log(18);
-  s.truth.shared[unknown::log_base_alpha] = std::log(0.2);
-  s.truth.shared[unknown::machine] = s.truth.shared[unknown::machine + 3] = 1;
-  s.truth.shared[unknown::log_blur] = std::log(0.7);
-  s.truth.lamps[0] = {30, -90, 220, std::log(4e4), 30, 30, 0};
-  for (int k = 0; k < 6; ++k) {
-    View view;
-    view.name = "v" + std::to_string(k);
-    const double azimuth = 1.1 * k, lean = 0.12 + 0.13 * k;
-    const Eigen::Vector3d eye =
-        Eigen::Vector3d(30, 30, 0) +
-        190 * Eigen::Vector3d(std::sin(lean) * std::cos(azimuth), std::sin(lean) * std::sin(azimuth), std::cos(lean));
-    const Eigen::Vector3d forward = (Eigen::Vector3d(30, 30, 0) - eye).normalized();
-    const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitY()).normalized();
-    view.T_camera_board.linear() << right.transpose(), forward.cross(right).transpose(), forward.transpose();
-    view.T_camera_board.translation() = -(view.T_camera_board.linear() * eye);
-    s.bench.views.push_back(view);
-    LightView v;
-    v.merged = v.view = k;
-    v.lens = s.bench.lens;
-    v.window = {0, 0, 120, 120};
-    v.value = Image(120, 120, 1);
-    v.sigma = Image(120, 120, 1, 1);
-    v.valid.assign(120 * 120, 1);
-    data.photos.push_back(make_photo_data(v, 1, s.board, s.bench, 2));
-  }
+void fill(SmallGrooves& s) {
+  fill_small_grooves(s, 11);
+  for (int k = 0; k < 6; ++k) s.data.photos.push_back(make_photo_data(add_view(s, k), 1, s.board, s.bench, 2));
 }
 
 // Grooves of their own: log-normal factors, and depth_gradient from left to right.
-Scratches uneven(const Grooves& s, double alpha_jitter, double depth_jitter, double depth_gradient,
+Scratches uneven(const SmallGrooves& s, double alpha_jitter, double depth_jitter, double depth_gradient,
                  std::mt19937_64& random) {
   std::normal_distribution<double> normal;
   Scratches carved = carved_scratches(s.data.model, s.truth.of(0));
@@ -94,7 +35,7 @@ Scratches uneven(const Grooves& s, double alpha_jitter, double depth_jitter, dou
 }
 
 // Photographs the board with noise of a hundredth of each photo's brightest pixel.
-void photograph(Grooves& s, const Scratches& carved, std::mt19937_64& random) {
+void photograph(SmallGrooves& s, const Scratches& carved, std::mt19937_64& random) {
   std::normal_distribution<float> normal;
   for (PhotoData& photo : s.data.photos) {
     photo.photo.value = predict(s.data.model, photo, s.truth.of(0), carved);
@@ -109,7 +50,7 @@ void photograph(Grooves& s, const Scratches& carved, std::mt19937_64& random) {
 }
 
 TEST(GroovesDiffer, SlopesAreThePredictionsDerivatives) {
-  Grooves s;
+  SmallGrooves s;
   fill(s);
   const PhotoData& photo = s.data.photos[3];
   const Unknowns x = s.truth.of(0);
@@ -135,7 +76,7 @@ TEST(GroovesDiffer, SlopesAreThePredictionsDerivatives) {
 
 TEST(GroovesDiffer, TheirScatterIsFound) {
   for (const auto& [alpha, depth] : {std::pair(0.1, 0.0), {0.0, 0.04}, {0.06, 0.03}, {0.0, 0.0}}) {
-    Grooves s;
+    SmallGrooves s;
     fill(s);
     std::mt19937_64 random(5);
     photograph(s, uneven(s, alpha, depth, 0, random), random);
@@ -147,7 +88,7 @@ TEST(GroovesDiffer, TheirScatterIsFound) {
 }
 
 TEST(GroovesDiffer, ErrorsOfSinglePixelsAreNoScatterOfGrooves) {
-  Grooves s;
+  SmallGrooves s;
   fill(s);
   std::mt19937_64 random(5);
   photograph(s, uneven(s, 0.06, 0, 0, random), random);
@@ -169,7 +110,7 @@ TEST(GroovesDiffer, ErrorsOfSinglePixelsAreNoScatterOfGrooves) {
 }
 
 TEST(GroovesDiffer, GradientsOfGroovesAreThePredictionsBackwards) {
-  Grooves s;
+  SmallGrooves s;
   fill(s);
   for (const bool last_rules : {false, true}) {
     s.data.model.last_carved_rules = last_rules;
@@ -211,7 +152,7 @@ TEST(GroovesDiffer, GradientsOfGroovesAreThePredictionsBackwards) {
 }
 
 TEST(GroovesDiffer, MeanLightIsNotThatOfEqualGrooves) {
-  Grooves s;
+  SmallGrooves s;
   fill(s);
   std::mt19937_64 random(7);
   PhotoData& photo = s.data.photos[2];
@@ -237,7 +178,7 @@ TEST(GroovesDiffer, MeanLightIsNotThatOfEqualGrooves) {
 
 TEST(GroovesDiffer, FieldsAreToldApartFromAccidents) {
   for (const double gradient : {0.0, -0.1}) {
-    Grooves s;
+    SmallGrooves s;
     fill(s);
     std::mt19937_64 random(9);
     photograph(s, uneven(s, 0.08, 0.02, gradient, random), random);

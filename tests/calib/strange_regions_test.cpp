@@ -12,81 +12,30 @@
 #include <cmath>
 #include <random>
 
+#include "tests/calib/small_grooves.h"
+
 namespace burin {
 namespace {
 
 using ::testing::HasSubstr;
 
-struct Workshop {
-  Board board;
-  Bench bench;
-  Scratches designed;
-  Problem data;
-  State truth;
+struct Workshop : SmallGrooves {
   std::vector<LightView> views;
 };
 
-// Six views of a board of 60 mm, one pixel to about 0.6 mm, photographed with noise and grooves that differ.
+// Photographs the board with noise and grooves that differ.
 void fill(Workshop& w) {
-  w.board.size_mm << 60, 60;
-  w.board.carve_min_mm << 5, 5;
-  w.board.carve_max_mm << 55, 55;
-  w.board.tool_width_um = 600;
-  w.board.material.alpha = 0.08;
-  w.board.material.depth_um = 18;
-  w.bench.lens.model = "LENSMODEL_PINHOLE";
-  w.bench.lens.intrinsics = {300, 300, 59.5, 59.5};
-  w.bench.lens.width = w.bench.lens.height = 120;
-  w.bench.lights.resize(1);
-  std::mt19937_64 random(21);
-  std::uniform_real_distribution<double> place(8, 52), turn(0, M_PI);
-  for (int i = 0; i < 500; ++i) {
-    const double x = place(random), y = place(random), a = turn(random);
-    w.designed.x0_mm.push_back(x - 2 * std::cos(a));
-    w.designed.y0_mm.push_back(y - 2 * std::sin(a));
-    w.designed.x1_mm.push_back(x + 2 * std::cos(a));
-    w.designed.y1_mm.push_back(y + 2 * std::sin(a));
-  }
-  Problem& data = w.data;
-  data.model.board = &w.board;
-  data.model.designed = &w.designed;
-  data.model.center_mm << 30, 30;
-  data.model.f0 = w.board.material.f0.mean();
-  data.is_spot = {false};
-  w.truth.lamps.resize(1);
-  w.truth.shared[unknown::log_alpha] = std::log(0.08);
-  w.truth.shared[unknown::log_depth] = std::log(18);
-  w.truth.shared[unknown::log_base_alpha] = std::log(0.2);
-  w.truth.shared[unknown::machine] = w.truth.shared[unknown::machine + 3] = 1;
-  w.truth.shared[unknown::log_blur] = std::log(0.7);
-  w.truth.lamps[0] = {30, -90, 220, std::log(4e4), 30, 30, 0};
+  std::mt19937_64 random = fill_small_grooves(w, 21);
   std::normal_distribution<double> normal;
-  VisiblePieces uneven = carved_pieces(data.model, w.truth.of(0));
+  VisiblePieces uneven = carved_pieces(w.data.model, w.truth.of(0));
   for (std::size_t i = 0; i < uneven.pieces.size(); ++i) {
     uneven.pieces.alpha[i] *= std::exp(0.08 * normal(random));
     uneven.pieces.depth_um[i] *= std::exp(0.02 * normal(random));
   }
   for (int k = 0; k < 6; ++k) {
-    View view;
-    view.name = "v" + std::to_string(k);
-    const double azimuth = 1.1 * k, lean = 0.12 + 0.13 * k;
-    const Eigen::Vector3d eye =
-        Eigen::Vector3d(30, 30, 0) +
-        190 * Eigen::Vector3d(std::sin(lean) * std::cos(azimuth), std::sin(lean) * std::sin(azimuth), std::cos(lean));
-    const Eigen::Vector3d forward = (Eigen::Vector3d(30, 30, 0) - eye).normalized();
-    const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitY()).normalized();
-    view.T_camera_board.linear() << right.transpose(), forward.cross(right).transpose(), forward.transpose();
-    view.T_camera_board.translation() = -(view.T_camera_board.linear() * eye);
-    w.bench.views.push_back(view);
-    LightView v;
-    v.merged = v.view = static_cast<std::size_t>(k);
-    v.lens = w.bench.lens;
-    v.window = {0, 0, 120, 120};
-    v.value = Image(120, 120, 1);
-    v.sigma = Image(120, 120, 1, 1);
-    v.valid.assign(120 * 120, 1);
+    LightView v = add_view(w, k);
     const PhotoData photo = make_photo_data(v, 1, w.board, w.bench, 2);
-    v.value = predict(data.model, photo, w.truth.of(0), uneven.pieces);
+    v.value = predict(w.data.model, photo, w.truth.of(0), uneven.pieces);
     const float brightest = *std::max_element(v.value.data.begin(), v.value.data.end());
     for (std::size_t i = 0; i < v.value.data.size(); ++i) {
       v.sigma.data[i] = 0.002F * brightest;
