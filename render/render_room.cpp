@@ -108,7 +108,7 @@ void RenderRoom::keep_ends(std::size_t tile, TileJacobian made, const std::vecto
   if (made.shift == nullptr) return;
   std::byte* const room = jacobian_store.take(ends.size() * sizeof(EndPair));
   if (room == nullptr) return;
-  std::memcpy(room, ends.data(), ends.size() * sizeof(EndPair));
+  if (!ends.empty()) std::memcpy(room, ends.data(), ends.size() * sizeof(EndPair));
   made.ends = reinterpret_cast<EndPair*>(room);
   made.end_count = ends.size();
   jacobian[tile] = made;
