@@ -105,26 +105,23 @@ GrooveScatter groove_scatter(const Problem& data, const State& state) {
   GrooveScatter out;
   if (!(M(0, 0) > 0) || !(M(1, 1) > 0) || !(M.determinant() > 0)) return out;
   const Eigen::Matrix2d inverse = M.inverse();
-  // Each groove is a sample of its own.
-  const auto sigmas = [&](const Eigen::Matrix2d& estimate) {
-    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-    for (std::size_t g = 0; g < grooves; ++g) {
-      Eigen::Vector2d off;
-      for (int p = 0; p < kKinds; ++p) {
-        off[p] = scores[p].of(g);
-        for (int q = 0; q < kKinds; ++q)
-          off[p] -= out.variance[q] * known[static_cast<std::size_t>(p) * kKinds + q].of(g);
-      }
-      sum += (estimate * off).cwiseAbs2();
-    }
-    return Eigen::Vector2d(sum.cwiseSqrt());
-  };
   out.variance = inverse * t;
   if (out.variance.minCoeff() < 0) {  // one of them, or both, are not seen: the other alone explains
     const Eigen::Vector2d alone = t.cwiseQuotient(M.diagonal()).cwiseMax(0);
     out.variance = out.variance[0] < out.variance[1] ? Eigen::Vector2d(0, alone[1]) : Eigen::Vector2d(alone[0], 0);
   }
-  out.sigma = sigmas(inverse);
+  // Each groove is a sample of its own.
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (std::size_t g = 0; g < grooves; ++g) {
+    Eigen::Vector2d off;
+    for (int p = 0; p < kKinds; ++p) {
+      off[p] = scores[p].of(g);
+      for (int q = 0; q < kKinds; ++q)
+        off[p] -= out.variance[q] * known[static_cast<std::size_t>(p) * kKinds + q].of(g);
+    }
+    sum += (inverse * off).cwiseAbs2();
+  }
+  out.sigma = sum.cwiseSqrt();
   return out;
 }
 

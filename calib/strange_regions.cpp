@@ -23,6 +23,13 @@ struct Squares {
     const int row = std::clamp(static_cast<int>(p_mm.y() / kStrangeSquareMm), 0, rows - 1);
     return static_cast<std::size_t>(row) * columns + column;
   }
+  // visit(index) for a square and those that touch it.
+  template <typename Visit>
+  void each_around(int column, int row, const Visit& visit) const {
+    for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r)
+      for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c)
+        visit(static_cast<std::size_t>(r) * columns + c);
+  }
 };
 
 }  // namespace
@@ -66,13 +73,11 @@ std::vector<StrangeRegion> strange_regions(const Problem& data, const State& sta
       region.squares.emplace_back(column, row);
       region.strange_in = std::max(region.strange_in, static_cast<std::size_t>(squares.strange[s]));
       region.seen_in = std::max(region.seen_in, static_cast<std::size_t>(squares.seen[s]));
-      for (int r = std::max(0, row - 1); r <= std::min(squares.rows - 1, row + 1); ++r)
-        for (int c = std::max(0, column - 1); c <= std::min(squares.columns - 1, column + 1); ++c) {
-          const std::size_t other = static_cast<std::size_t>(r) * squares.columns + c;
-          if (taken[other] || !is_strange(other)) continue;
-          taken[other] = true;
-          next.push_back(other);
-        }
+      squares.each_around(column, row, [&](std::size_t other) {
+        if (taken[other] || !is_strange(other)) return;
+        taken[other] = true;
+        next.push_back(other);
+      });
     }
     constexpr std::size_t kFewest = 4;
     if (region.squares.size() < kFewest) continue;
@@ -97,9 +102,7 @@ void leave_out(const std::vector<StrangeRegion>& regions, const Problem& data, s
   std::vector<bool> out(squares.seen.size(), false);
   for (const StrangeRegion& region : regions)
     for (const Eigen::Vector2i& square : region.squares)
-      for (int r = std::max(0, square.y() - 1); r <= std::min(squares.rows - 1, square.y() + 1); ++r)
-        for (int c = std::max(0, square.x() - 1); c <= std::min(squares.columns - 1, square.x() + 1); ++c)
-          out[static_cast<std::size_t>(r) * squares.columns + c] = true;
+      squares.each_around(square.x(), square.y(), [&](std::size_t near) { out[near] = true; });
   for (std::size_t k = 0; k < data.photos.size(); ++k) {
     const PhotoData& photo = data.photos[k];
     LightView& view = views[k];
@@ -125,8 +128,7 @@ std::string told(const StrangeRegion& region) {
        << middle.x() << ", " << middle.y() << ") mm does not look like the board in " << region.strange_in << " of "
        << region.seen_in
        << " photos: a sticker, or fingerprints? It is left out of the fit; clean the board there and photograph it "
-          "again if "
-          "the grooves under it matter";
+          "again if the grooves under it matter";
   return text.str();
 }
 

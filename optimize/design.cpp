@@ -126,8 +126,9 @@ CarvingLimits design_limits(const Board& board, const Bench& bench, const Design
 
 // ---- Placing scratches by optimize/stroke_search.h ------------------------------------------------------------
 
-StrokeRules stroke_rules(const CarvingLimits& limits, double mean_length_mm, double alpha) {
+StrokeRules stroke_rules(const CarvingLimits& limits, double mean_length_mm, double alpha, int candidates) {
   StrokeRules rules;
+  rules.candidates = candidates;
   rules.min_mm = limits.min_mm;
   rules.max_mm = limits.max_mm;
   // Flat parts of a picture want long strokes. Short ones cost the machine as much as they bring light.
@@ -260,8 +261,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   const double mean_length = options.start_length_mm > 0      ? options.start_length_mm
                              : options.start == Start::guided ? covering
                                                               : 0.03 * area.maxCoeff();
-  StrokeRules rules = stroke_rules(limits, mean_length, bench.material.alpha);
-  rules.candidates = options.candidates;
+  const StrokeRules rules = stroke_rules(limits, mean_length, bench.material.alpha, options.candidates);
   // One exposure a group, in logarithms.
   const int group_count = 1 + std::max_element(views.begin(), views.end(), [](const WorkView& a, const WorkView& b) {
                                 return a.exposure_group < b.exposure_group;
@@ -289,12 +289,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     scratches = random_start(movable, limits, mean_length, options.seed);
   } else {
     // Later on exposures hardly change any more: the strokes that stand are of the right brightness for them.
-    std::vector<double> crossing(group_count, 0.0), members(group_count, 0.0);
-    for (const WorkView& v : views) {
-      crossing[v.exposure_group] += std::log(mean_value(v.unit) * v.pitch_mm);
-      members[v.exposure_group] += 1;
-    }
-    for (int g = 0; g < group_count; ++g) log_exposure[g] = std::log(options.start_light) - crossing[g] / members[g];
+    log_exposure = starting_exposures(views, log_exposure.size(), options.start_light);
     report("placing scratches", 0);
     std::vector<StrokeView> light = stroke_views(views, log_exposure, true);
     scratches = append({}, place_strokes(light, rules, movable, options.seed, enough));

@@ -43,6 +43,18 @@ Image carvable(const CarvingLimits& limits, double clearance_mm, int width, int 
   return mask;
 }
 
+// The mean over its views of what `of` says of each, a group; `groups` in all.
+template <typename Of>
+std::vector<double> means_of_groups(const std::vector<WorkView>& views, std::size_t groups, const Of& of) {
+  std::vector<double> sum(groups, 0.0), members(groups, 0.0);
+  for (const WorkView& v : views) {
+    sum[v.exposure_group] += of(v);
+    members[v.exposure_group] += 1;
+  }
+  for (std::size_t g = 0; g < groups; ++g) sum[g] /= members[g];
+  return sum;
+}
+
 std::string percent_text(double share) {
   const std::string text = std::to_string(std::round(1000 * share) / 10);
   return text.substr(0, text.find('.') + 2);
@@ -167,15 +179,18 @@ std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const s
   return out;
 }
 
-std::vector<double> fitting_exposures(const std::vector<WorkView>& views, std::vector<double> log_exposure) {
-  std::vector<double> sum(log_exposure.size(), 0.0), members = sum;
-  for (const WorkView& v : views) {
-    sum[v.exposure_group] +=
-        std::log(best_exposure(v.radiance, v.target.picture, std::exp(log_exposure[v.exposure_group]), v.target.mask));
-    members[v.exposure_group] += 1;
-  }
-  for (std::size_t g = 0; g < sum.size(); ++g) log_exposure[g] = sum[g] / members[g];
-  return log_exposure;
+std::vector<double> fitting_exposures(const std::vector<WorkView>& views, const std::vector<double>& log_exposure) {
+  return means_of_groups(views, log_exposure.size(), [&](const WorkView& v) {
+    return std::log(
+        best_exposure(v.radiance, v.target.picture, std::exp(log_exposure[v.exposure_group]), v.target.mask));
+  });
+}
+
+std::vector<double> starting_exposures(const std::vector<WorkView>& views, std::size_t groups, double start_light) {
+  std::vector<double> crossing =
+      means_of_groups(views, groups, [](const WorkView& v) { return std::log(mean_value(v.unit) * v.pitch_mm); });
+  for (double& c : crossing) c = std::log(start_light) - c;
+  return crossing;
 }
 
 void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_exposure, double exponent) {
@@ -185,7 +200,7 @@ void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_
   const std::vector<StrokeView> seen = stroke_views(views, log_exposure, false);
   std::vector<double> log_error;
   log_error.reserve(seen.size());
-  for (const StrokeView& v : seen) log_error.push_back(std::log(std::max(squared_error({v}), 1e-12)));
+  for (const StrokeView& v : seen) log_error.push_back(std::log(std::max(squared_error(v), 1e-12)));
   const double mean = std::accumulate(log_error.begin(), log_error.end(), 0.0) / static_cast<double>(log_error.size());
   for (WorkView& v : views) v.balance = std::clamp(std::exp(exponent * (log_error[v.of] - mean)), 1 / kMost, kMost);
 }

@@ -55,7 +55,11 @@ std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const s
                                      bool from_face);
 
 /// The one brightness a group with which its views, as rendered last, come closest to their targets (their mean).
-std::vector<double> fitting_exposures(const std::vector<WorkView>& views, std::vector<double> log_exposure);
+std::vector<double> fitting_exposures(const std::vector<WorkView>& views, const std::vector<double>& log_exposure);
+
+/// Logarithms of the exposures, a group, with which a scratch of the best direction brings `start_light` of white to a
+/// pixel that it crosses along one pixel's length (geometric mean over the group's views).
+std::vector<double> starting_exposures(const std::vector<WorkView>& views, std::size_t groups, double start_light);
 
 /// Sets every view's balance for the search: (its weighted squared error, as rendered last, over the views' geometric
 /// mean) ^ exponent, at most 8 and at least 1/8. So scratches go where the sum of errors ^ (1 + exponent) falls most:

@@ -486,19 +486,23 @@ std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const S
   return moved;
 }
 
+double squared_error(const StrokeView& view) {
+  double sum = 0;
+  const auto add = [&](const Image& light, double weight) {
+    for (std::size_t i = 0; i < light.data.size(); ++i) {
+      const double m = view.mask.data.empty() ? 1 : view.mask.data[i];
+      const double d = m * (encoded()(light.data[i]) - view.target.data[i]);
+      sum += weight * d * d;
+    }
+  };
+  add(view.light, view.weight);
+  for (const StrokeAside& aside : view.asides) add(aside.light, aside.weight);
+  return sum;
+}
+
 double squared_error(const std::vector<StrokeView>& views) {
   double sum = 0;
-  for (const StrokeView& v : views) {
-    const auto add = [&](const Image& light, double weight) {
-      for (std::size_t i = 0; i < light.data.size(); ++i) {
-        const double m = v.mask.data.empty() ? 1 : v.mask.data[i];
-        const double d = m * (encoded()(light.data[i]) - v.target.data[i]);
-        sum += weight * d * d;
-      }
-    };
-    add(v.light, v.weight);
-    for (const StrokeAside& aside : v.asides) add(aside.light, aside.weight);
-  }
+  for (const StrokeView& v : views) sum += squared_error(v);
   return sum;
 }
 

@@ -85,7 +85,8 @@ std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const S
                                          std::size_t movable, std::uint64_t seed,
                                          const std::function<bool()>& stop = {});
 
-/// Squared error of the shown pictures, of all views: what gains and worths are parts of.
+/// Squared error of the shown pictures, of one view or of all: what gains and worths are parts of.
+double squared_error(const StrokeView& view);
 double squared_error(const std::vector<StrokeView>& views);
 
 /// By how much the squared error would grow without each scratch in the view it is meant for; negative: it does harm.
