@@ -23,8 +23,8 @@ std::byte* ByteStore::take(std::size_t bytes) {
     used_ = 0;
   }
   if (block_ == blocks_.size()) {
-    // A quarter more than there is, so that what grows slowly seldom comes here.
-    const std::size_t size = std::max({bytes, kLeastBlock, held_ / 4});
+    // As much as there is, so that what grows seldom comes here; what is never used of it costs no memory.
+    const std::size_t size = std::max({bytes, kLeastBlock, held_});
     const std::size_t left = most_ - held_;
     if (bytes > left) return nullptr;
     Block block;

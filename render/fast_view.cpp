@@ -93,7 +93,10 @@ struct FastView::Data {
             room->runs.count(t),
             grid->index.blocks(tile),
             grid->index.valid_rows(t),
-            mode};
+            mode,
+            false,
+            room->most_runs,
+            room->most_pairs};
   }
 
   /// visit(pixels, place in the tile and number in the picture of the first) for the rows of a tile.
@@ -275,7 +278,10 @@ void FastView::forward(const Scratches& scratches, KernelMode mode, Image& radia
   d.sort_scratches(scratches);
   tbb::parallel_for(std::size_t{0}, tiles, [&](std::size_t t) { d.render_tile(t, radiance); });
   d.pair_count = 0;
-  for (std::size_t t = 0; t < tiles; ++t) d.pair_count += room.pair_count[t];
+  for (std::size_t t = 0; t < tiles; ++t) {
+    d.pair_count += room.pair_count[t];
+    room.most_pairs = std::max<std::size_t>(room.most_pairs, room.pair_count[t]);
+  }
 }
 
 void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {

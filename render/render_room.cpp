@@ -70,6 +70,7 @@ void RenderRoom::sort(const std::shared_ptr<const TiledGrid>& grid, const Scratc
   for (int i = 0; i < 3; ++i)
     sorted_shape_[i].assign(shape[i]->values, shape[i]->values + shape_size(lines, *shape[i]));
   runs.sort(grid->index, lines);
+  for (std::size_t t = 0; t < grid->tiles(); ++t) most_runs = std::max<std::size_t>(most_runs, runs.count(t));
   places_.assign(grid->tiles(), {});
   pair_count.assign(grid->tiles(), 0);
   place_store_.clear();

@@ -45,13 +45,14 @@ class RenderRoom {
 
   const void* owner = nullptr;  ///< the view whose Jacobian this is
   TileRuns runs;
-  std::vector<std::uint32_t> pair_count;  ///< by tile
-  std::vector<TileJacobian> jacobian;     ///< by tile
-  ByteStore jacobian_store;               ///< of the last forward()
-  std::vector<float> open_slope;          ///< by tile and place: d (plain face's lobe) / d base_alpha
-  std::vector<float> by_run;              ///< of the backward pass: run_gradients() a run
-  std::vector<double> by_tile;            ///< by base_alpha
-  std::vector<Eigen::Array3d> by_chunk;   ///< of scratches: by width, depth, alpha
+  std::vector<std::uint32_t> pair_count;      ///< by tile
+  std::size_t most_runs = 0, most_pairs = 0;  ///< of any tile so far
+  std::vector<TileJacobian> jacobian;         ///< by tile
+  ByteStore jacobian_store;                   ///< of the last forward()
+  std::vector<float> open_slope;              ///< by tile and place: d (plain face's lobe) / d base_alpha
+  std::vector<float> by_run;                  ///< of the backward pass: run_gradients() a run
+  std::vector<double> by_tile;                ///< by base_alpha
+  std::vector<Eigen::Array3d> by_chunk;       ///< of scratches: by width, depth, alpha
 
   /// A thread's own.
   struct Work {

@@ -83,6 +83,8 @@ struct TileTask {
   const std::uint32_t* valid_rows = nullptr;  ///< a bit a pixel with a footprint; null where all have one
   KernelMode mode = KernelMode::value;
   bool keep_light = false;  ///< fills TilePairs::light
+  /// Of any tile so far: buffers that grow are made for so many, whatever tiles their thread has met.
+  std::size_t most_runs = 0, most_pairs = 0;
 };
 
 /// What pairs need of their scratch: how t and Y change over the tile's lattice, in the units of TileRun. Of a pixel
@@ -110,6 +112,7 @@ enum Line : std::uint8_t {
   kReachCoarse,  // how far a pixel reaches to either side of its middle in t
   kReachFine,
   kMidY,
+  kOriginY,  // where pixels have lines of their own
   kColumnY,
   kRowY,
   kReachY,  // the same in Y
@@ -154,7 +157,7 @@ struct TileRoom {
   alignas(64) Lanes<kChunk> unit, alpha, gain, base, by_alpha, rim_light, moving_turn;
   /// Sums of a pair's pieces: V, shift, turn, width; first end, second end, radial.
   alignas(64) float total[kChunk + 16][8];
-  alignas(64) Lanes<kChunk> area, a_shift, a_turn, a_first, a_second, a_rim, rim;
+  alignas(64) Lanes<kChunk> area, origin_Y, a_shift, a_turn, a_first, a_second, a_rim, rim;
 
   // Pieces of the groove between breakpoints, and what each gives.
   alignas(64) Lanes<kPieces> t1, t2, top1, top2, bottom1, bottom2, on_first, on_second, hx, hy, hz, piece_alpha;

@@ -18,6 +18,7 @@ template <class P>
 struct TileKernel {
   using F = P;
   using Mask = typename P::batch_bool_type;
+  using Raster = TileRaster<P>;
   static constexpr int kLanes = kLanesOf<P>;
 
   static F load(const float* p) { return F::load_unaligned(p); }
@@ -217,10 +218,6 @@ struct TileKernel {
     return f;
   }
 
-  static void grow(std::vector<float>& v, std::size_t n) {
-    if (v.size() < n + 16) v.resize(2 * n + 16);
-  }
-
   /// Adds lanes 0 .. n - 1 of light and area to the pixels' sums.
   [[gnu::always_inline]] static void add_to_pixels(const F& light, const F& area, const std::uint16_t* place, int n,
                                                    float* sums) {
@@ -236,25 +233,43 @@ struct TileKernel {
     }
   }
 
-  /// The lines of the runs number(0) .. number(kLanes - 1), into column `at` and on.
+  /// The lines of the runs number(0) .. number(kLanes - 1), into column `at` and on. With `place`, a pixel for each of
+  /// them: what the lines say of pixel (0, 0) is said of that pixel, and Y counts from kOriginY, which lies in it: Y
+  /// keeps its digits where a scratch's end and a pixel's side nearly meet.
   template <class Number>
   BURIN_FLATTEN static void make_lines(const TileTask& task, const Number& number, float (*to)[TileRoom::kLines],
-                                       int at) {
+                                       int at, const std::uint16_t* place = nullptr) {
     F run[8], shape[4] = {F(task.shapes[0].per_mm), F(task.shapes[0].rim), F(task.shapes[0].alpha)};
     for (const int i : {0, 4}) packet::four_columns(run + i, [&](int k) { return &task.runs[number(k)].across_x + i; });
     if (!task.shapes.shared) packet::four_columns(shape, [&](int k) { return &task.shapes[number(k)].per_mm; });
     const TileLattice& lattice = *task.lattice;
-    alignas(64) float in[9][kLanes], split[6][kLanes], Y[3][kLanes];
+    alignas(64) float in[9][kLanes], split[6][kLanes], Y[3][kLanes], origin[kLanes], pixel[2][kLanes];
     for (int i = 0; i < 8; ++i) run[i].store_aligned(in[i]);
     shape[0].store_aligned(in[8]);
+    if (place != nullptr) {
+      F column, row;
+      packet::columns_and_rows(place, column, row);
+      column.store_aligned(pixel[0]);
+      row.store_aligned(pixel[1]);
+    }
     using D = packet::DoublesOf<P>;
     for (int k = 0; k < kLanes; k += static_cast<int>(D::size)) {
       const auto get = [&](int i) { return packet::doubles<P>(in[i] + k); };
       const D per_mm = get(8), tx = per_mm * (get(0) + get(5)), ty = per_mm * (get(1) + get(6));
-      const D t[3] = {tx * D(lattice.first_x) + ty * D(lattice.first_y) + (get(2) + get(7)),
-                      tx * D(lattice.column_x) + ty * D(lattice.column_y),
+      D x(lattice.first_x), y(lattice.first_y);
+      if (place != nullptr) {
+        const D column = packet::doubles<P>(pixel[0] + k), row = packet::doubles<P>(pixel[1] + k);
+        x += column * D(lattice.column_x) + row * D(lattice.row_x);
+        y += column * D(lattice.column_y) + row * D(lattice.row_y);
+      }
+      const D t[3] = {tx * x + ty * y + (get(2) + get(7)), tx * D(lattice.column_x) + ty * D(lattice.column_y),
                       tx * D(lattice.row_x) + ty * D(lattice.row_y)};
-      packet::store_floats<P>(Y[0] + k, tx * D(lattice.first_y) - ty * D(lattice.first_x));
+      D mid_Y = tx * y - ty * x;
+      if (place != nullptr) {
+        packet::store_floats<P>(origin + k, mid_Y);
+        mid_Y -= packet::doubles<P>(origin + k);
+      }
+      packet::store_floats<P>(Y[0] + k, mid_Y);
       packet::store_floats<P>(Y[1] + k, tx * D(lattice.column_y) - ty * D(lattice.column_x));
       packet::store_floats<P>(Y[2] + k, tx * D(lattice.row_y) - ty * D(lattice.row_x));
       // Added and taken away again, a large number leaves multiples of 2^-21 of the power of two in `size`.
@@ -278,6 +293,7 @@ struct TileKernel {
     put(kRowFine, row_fine);
     const F column_Y = F::load_aligned(Y[1]), row_Y = F::load_aligned(Y[2]);
     put(kMidY, F::load_aligned(Y[0]));
+    if (place != nullptr) put(kOriginY, F::load_aligned(origin));
     put(kColumnY, column_Y);
     put(kRowY, row_Y);
     // A pixel's sides, taken towards larger t.
@@ -361,24 +377,23 @@ struct TileKernel {
   }
 
   /// Where the middles of a packet of pairs' pixels would be on the lattice, in the scratches' own units.
-  template <class Constant>
   struct Middle {
     F coarse, fine, Y;
-
-    [[gnu::always_inline]] Middle(const std::uint16_t* place, const Constant& of) {
-      F column, row;
-      packet::columns_and_rows(place, column, row);
-      coarse = of(kMidCoarse) + column * of(kColumnCoarse) + row * of(kRowCoarse);
-      fine = of(kMidFine) + column * of(kColumnFine) + row * of(kRowFine);
-      Y = of(kMidY) + column * of(kColumnY) + row * of(kRowY);
-    }
   };
+  template <class Constant>
+  [[gnu::always_inline]] static Middle middle_of(const std::uint16_t* place, const Constant& of) {
+    F column, row;
+    packet::columns_and_rows(place, column, row);
+    return {of(kMidCoarse) + column * of(kColumnCoarse) + row * of(kRowCoarse),
+            of(kMidFine) + column * of(kColumnFine) + row * of(kRowFine),
+            of(kMidY) + column * of(kColumnY) + row * of(kRowY)};
+  }
 
   /// The pixels' corners in their scratches' own units. of(Line) is a constant of the scratches.
   template <class Constant>
-  [[gnu::always_inline]] static Edges edges_of(const TileTask& task, const std::uint16_t* place, const Constant& of) {
+  [[gnu::always_inline]] static Edges edges_of(const TileTask& task, const std::uint16_t* place, const Middle& middle,
+                                               const Constant& of) {
     Edges e;
-    const Middle middle(place, of);
     const F half(0.5F);
     constexpr float kColumn[4] = {-1, 1, 1, -1}, kRow[4] = {-1, -1, 1, 1};
     F fine[4];
@@ -425,7 +440,7 @@ struct TileKernel {
   template <class Constant>
   [[gnu::always_inline]] static Crossing crossing_of_corners(const TileTask& task, const std::uint16_t* place,
                                                              const Constant& of) {
-    const Edges e = edges_of(task, place, of);
+    const Edges e = edges_of(task, place, middle_of(place, of), of);
     const F rim = of(kRim), a = xsimd::max(-rim, e.t_min), b = xsimd::min(rim, e.t_max);
     F top1(1e30F), top2(1e30F), bottom1(-1e30F), bottom2(-1e30F);
     e.cut_levels(a, top1, bottom1);
@@ -443,7 +458,7 @@ struct TileKernel {
   /// corner with the least t the steeper side goes up and then the flatter one, below it the other way round.
   template <class Constant>
   [[gnu::always_inline]] static Crossing crossing_on_lattice(const std::uint16_t* place, const Constant& of) {
-    const Middle middle(place, of);
+    const Middle middle = middle_of(place, of);
     Crossing c;
     c.t_min = (middle.coarse - of(kReachCoarse)) + (middle.fine - of(kReachFine));
     c.t_max = (middle.coarse + of(kReachCoarse)) + (middle.fine + of(kReachFine));
@@ -656,10 +671,11 @@ struct TileKernel {
     alignas(64) std::uint16_t place[kLanes];
     for (int k = 0; k < kLanes; ++k) place[k] = places.place[pair[std::min(k, lanes - 1)]];
     make_lines(
-        task, [&](int k) { return b.live[line[std::min(k, lanes - 1)]]; }, b.line, 0);
+        task, [&](int k) { return b.live[line[std::min(k, lanes - 1)]]; }, b.line, 0, place);
     const auto constant = [&](Line c) { return load(b.line[c]); };
-    const Edges e = edges_of(task, place, constant);
-    const F first = constant(kFirstEnd), second = constant(kSecondEnd), alpha = constant(kAlpha), rim = constant(kRim);
+    const Edges e = edges_of(task, place, Middle{constant(kMidCoarse), constant(kMidFine), constant(kMidY)}, constant);
+    const F origin_Y = constant(kOriginY), first = constant(kFirstEnd) - origin_Y,
+            second = constant(kSecondEnd) - origin_Y, alpha = constant(kAlpha), rim = constant(kRim);
     const Shading px = shade<kMode>(task, b, place, alpha, from);
     const F across_x = constant(kAcrossX), across_y = constant(kAcrossY);
     const F hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
@@ -770,9 +786,12 @@ struct TileKernel {
     if constexpr (kMode != KernelMode::value) {
       constexpr int kLast = kBreaks - 1;
       const F height0 = top[0] - bottom[0], height1 = top[kLast] - bottom[kLast];
-      store(b.a_shift + from, unit * (height1 - height0));
+      const F shift = height1 - height0;
+      store(b.origin_Y + from, origin_Y);
+      store(b.a_shift + from, unit * shift);
       store(b.a_turn + from,
-            unit * (alone - F(0.5F) * (height1 * (top[kLast] + bottom[kLast]) - height0 * (top[0] + bottom[0]))));
+            unit * (alone - F(0.5F) * (height1 * (top[kLast] + bottom[kLast]) - height0 * (top[0] + bottom[0])) -
+                    origin_Y * shift));
       store(b.a_first + from, unit * by_first);
       store(b.a_second + from, unit * by_second);
       F turn = zero();
@@ -830,7 +849,8 @@ struct TileKernel {
     if constexpr (kMode != KernelMode::value) {
       const F base = load(b.base + i), area_shift = load(b.a_shift + i), area_turn = load(b.a_turn + i);
       scatter(to.shift, gain * total[1] - base * area_shift);
-      scatter(to.turn, gain * (total[2] + load(b.moving_turn + i)) - base * area_turn);
+      const F turn = total[2] - load(b.origin_Y + i) * total[1];
+      scatter(to.turn, gain * (turn + load(b.moving_turn + i)) - base * area_turn);
       scatter(b.area_shift.data(), area_shift);
       scatter(b.area_turn.data(), area_turn);
       if constexpr (kEnds) {
@@ -852,18 +872,24 @@ struct TileKernel {
   }
 
   static void find(const TileTask& task, FoundPlaces& found) {
-    TileRaster<P>::find(task.blocks, task.runs, task.shapes, task.run_count, task.valid_rows, found.begin, found.place);
+    Raster::grow(found.begin, task.most_runs);
+    Raster::grow(found.place, task.most_pairs + kTilePixels + 48);
+    Raster::find(task.blocks, task.runs, task.shapes, task.run_count, task.valid_rows, found.begin, found.place);
   }
 
   template <KernelMode kMode>
   static void evaluate_mode(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs,
                             const TileJacobian& to) {
     const std::size_t count = places.begin[task.run_count];
-    if (task.keep_light) grow(pairs.light, count);
+    const std::size_t most = std::max(count, task.most_pairs);
+    if (task.keep_light) Raster::grow(pairs.light, most);
     if constexpr (kMode != KernelMode::value)
-      for (std::vector<float>* v : {&room.area_shift, &room.area_turn}) grow(*v, count);
+      for (std::vector<float>* v : {&room.area_shift, &room.area_turn}) Raster::grow(*v, most);
     if constexpr (kMode == KernelMode::material)
-      for (std::vector<float>* v : {&room.area_width, &room.area_rim}) grow(*v, count);
+      for (std::vector<float>* v : {&room.area_width, &room.area_rim}) Raster::grow(*v, most);
+    for (TileRoom::Special* special : {&room.corners, &room.ends})
+      for (std::vector<std::uint32_t>* v : {&special->pair, &special->line}) Raster::grow(*v, most + TileRoom::kChunk);
+    if (pairs.ends.capacity() < most) pairs.ends.reserve(16 * most);
     std::fill(std::begin(room.sums), std::end(room.sums), 0.0F);
     pairs.ends.clear();
     room.corners.count = room.ends.count = 0;
@@ -880,8 +906,6 @@ struct TileKernel {
       number_chunk(chunk + TileRoom::kChunk);
       const std::uint32_t* line_of = room.line_of[chunk / TileRoom::kChunk % 2];
       const int n = static_cast<int>(std::min<std::size_t>(TileRoom::kChunk, count - chunk));
-      make_room(room.corners);
-      make_room(room.ends);
       for (int i = 0; i < n; i += kLanes) {
         for (; made <= line_of[i + kLanes - 1]; made += kLanes) {
           // Those of the packet after the next: runs come from far away.
@@ -912,17 +936,10 @@ struct TileKernel {
     special.count += static_cast<std::size_t>(std::popcount(bits));
   }
 
-  /// Room for another chunk.
-  static void make_room(TileRoom::Special& special) {
-    if (special.pair.size() >= special.count + TileRoom::kChunk + 16) return;
-    special.pair.resize(3 * special.count + 16 * TileRoom::kChunk);
-    special.line.resize(special.pair.size());
-  }
-
   /// Lists the runs that have pairs; a packet more, all the last. Marks each one's first pair.
   static void list_live_runs(const TileTask& task, const TilePlaces& places, std::size_t count, TileRoom& room) {
-    if (room.live.size() < task.run_count + kLanes) room.live.resize(2 * task.run_count + kLanes);
-    if (room.starts.size() < count / 8 + TileRoom::kChunk) room.starts.resize(count / 4 + TileRoom::kChunk);
+    Raster::grow(room.live, std::max<std::size_t>(task.run_count, task.most_runs));
+    Raster::grow(room.starts, std::max(count, task.most_pairs) / 8 + TileRoom::kChunk);
     std::fill_n(room.starts.data(), count / 8 + TileRoom::kChunk, std::uint8_t{0});
     std::uint32_t n = 0;
     for (std::uint32_t r = 0; r < task.run_count; ++r) {

@@ -244,16 +244,24 @@ struct TileRaster {
     return to;
   }
 
+  /// Makes a tile's buffer longer than `n` by a packet. Much more is reserved, which costs no memory until it
+  /// is used: tiles differ, strokes grow, and an iteration seldom goes to the heap for either.
+  template <class T>
+  static void grow(std::vector<T>& v, std::size_t n) {
+    if (v.size() >= n + 16) return;
+    if (v.capacity() < n + 16) v.reserve(16 * n + 16);
+    v.resize(n + 16);
+  }
+
   /// The places of all runs, one run after the other: those of run r are place[begin[r]] .. place[begin[r + 1] - 1].
   /// 16 zeros follow the last.
   BURIN_FLATTEN static void find(std::span<const TileBlock> blocks, const TileRun* runs, const RunShapes& shapes,
                                  std::uint32_t count, const std::uint32_t* valid_rows,
                                  std::vector<std::uint32_t>& begin, std::vector<std::uint16_t>& place) {
-    if (begin.size() < count + 1) begin.resize(2 * count + 1);
+    grow(begin, count);
     std::size_t n = 0;
     const auto room = [&] {
-      const std::size_t needed = n + kTilePixels + 64;
-      if (place.size() < needed) place.resize(2 * needed);
+      grow(place, n + kTilePixels + 48);
       return place.data() + n;
     };
     Quads quads;
