@@ -58,7 +58,10 @@ GrooveScatter groove_scatter(const Problem& data, const State& state) {
   std::array<Products, kKinds> scores{Products(grooves), Products(grooves)};
   std::vector<Products> known(static_cast<std::size_t>(kKinds) * kKinds, Products(grooves));  // [of kind][by kind]
   constexpr double kStep = 0.01;
-  for (const PhotoData& photo : data.photos) {
+  // Of each photo: scores and those that the known differences would cause, half by half.
+  std::vector<std::vector<Pair>> of_photos(data.photos.size());
+  each_photo(data.photos.size(), [&](std::size_t k) {
+    const PhotoData& photo = data.photos[k];
     const Unknowns x = state.of(photo.photo.light);
     const Image value = predict(data.model, photo, x, pieces.pieces);
     std::array<Image, kKinds> slope;  // J z
@@ -68,7 +71,6 @@ GrooveScatter groove_scatter(const Problem& data, const State& state) {
       for (std::size_t i = 0; i < less.data.size(); ++i)
         slope[kind].data[i] = (slope[kind].data[i] - less.data[i]) / static_cast<float>(2 * kStep);
     }
-    // For each half: the residuals' scores, and those that the known differences would cause.
     const double c2 = data.model.cauchy * data.model.cauchy;
     std::vector<Image> images(static_cast<std::size_t>(2) * (1 + kKinds), Image(value.width, value.height, 1));
     for (int y = 0; y < value.height; ++y)
@@ -84,17 +86,21 @@ GrooveScatter groove_scatter(const Problem& data, const State& state) {
           of_half[1 + kind].data[i] = static_cast<float>(curvature * slope[kind].data[i]);
       }
     const std::vector<GrooveGradients> back = groove_gradients(photo, x, pieces.pieces, images);
-    for (std::size_t at = 0; at < back.size(); ++at) {
+    for (const GrooveGradients& gradients : back) {
       Pair of_groove{std::vector<double>(grooves, 0), std::vector<double>(grooves, 0)};
       for (std::size_t i = 0; i < pieces.source.size(); ++i) {
-        of_groove[0][pieces.source[i]] += back[at].by_log_alpha[i];
-        of_groove[1][pieces.source[i]] += back[at].by_log_depth[i];
+        of_groove[0][pieces.source[i]] += gradients.by_log_alpha[i];
+        of_groove[1][pieces.source[i]] += gradients.by_log_depth[i];
       }
+      of_photos[k].push_back(std::move(of_groove));
+    }
+  });
+  for (const std::vector<Pair>& of_photo : of_photos)
+    for (std::size_t at = 0; at < of_photo.size(); ++at) {
       const std::size_t what = at % (1 + kKinds);
       for (std::size_t kind = 0; kind < kKinds; ++kind)
-        (what == 0 ? scores[kind] : known[kind * kKinds + (what - 1)]).add(of_groove[kind]);
+        (what == 0 ? scores[kind] : known[kind * kKinds + (what - 1)]).add(of_photo[at][kind]);
     }
-  }
 
   Eigen::Matrix2d M;
   Eigen::Vector2d t;

@@ -109,12 +109,25 @@ double vignette_of(const PhotoData& photo, const Unknowns& x, std::size_t i) {
   return vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i]));
 }
 
-// Lamp light before blur, in place: rendered radiance times the spot's fall-off.
+// Lamp light before blur: rendered radiance times the spot's fall-off. Without derivatives it is the fast path's, good
+// to 1e-6 of the peak.
 Image rendered_light(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
                      const std::vector<float>& falloff) {
-  Image light = render_with_derivatives(scene_at(photo, x), photo.camera, carved, {}).radiance;
+  Image light;
+  ViewRenderer(scene_at(photo, x), {}, photo.room).forward(carved, light);
   if (!falloff.empty()) multiply(light, falloff);
   return light;
+}
+
+// The same with all grooves exp(step) times as rough (index log_alpha) or as deep (log_depth); which of them is seen
+// where they cross stays as it is.
+Image light_of_changed(const PhotoData& photo, const Unknowns& x, const Scratches& carved, int index, double step,
+                       const std::vector<float>& falloff) {
+  Unknowns other = x;
+  other[index] += step;
+  Scratches changed = carved;
+  for (double& own : index == unknown::log_alpha ? changed.alpha : changed.depth_um) own *= std::exp(step);
+  return rendered_light(photo, other, changed, falloff);
 }
 
 // A photo's grid and camera, without a pixel in use.
@@ -126,6 +139,7 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   data.camera.T_camera_board = bench.views[binned_view.view].T_camera_board;
   data.camera.surface = {board.size_mm, bench.bow_mm};
   data.camera.window = binned_view.window;
+  data.room = make_render_room();
   Light light;  // everything about it is an unknown
   data.scene = make_scene(bench, board, data.camera, light);
   data.scene.ambient.setZero();
@@ -152,14 +166,25 @@ double corrected_by(const PhotoData& photo, const Unknowns& x, std::size_t i) {
   return shift + photo.correction[i] + (x[unknown::log_blur] - photo.log_blur_at) * photo.blur_slope[i];
 }
 
-// From the lamp's light to the photo's value: ambient light, blur, vignetting.
-Image value_of_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
+// The lamp's light with ambient light where the face is.
+Image with_ambient(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
   const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
   for (std::size_t i = 0; i < light.data.size(); ++i)
     if (std::isfinite(photo.scene.grid->center_mm[i].x())) light.data[i] += ambient;
-  Image value = blurred(std::move(light), blur_kernel(blur_sigma_px(photo, x), photo.bin));
+  return light;
+}
+
+// From the lamp's light to the photo's value: ambient light, blur, vignetting.
+Image value_of_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
+  Image value =
+      blurred(with_ambient(model, photo, x, std::move(light)), blur_kernel(blur_sigma_px(photo, x), photo.bin));
   for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] *= static_cast<float>(vignette_of(photo, x, i));
   return value;
+}
+
+// Of the photo where `light` is seen, in expected errors.
+double residual_at(const PhotoData& photo, const Unknowns& x, std::size_t i, double vignette, const Image& light) {
+  return photo.weight[i] * (vignette * light.data[i] + corrected_by(photo, x, i) - photo.photo.value.data[i]);
 }
 
 }  // namespace
@@ -236,31 +261,26 @@ Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x,
 
 GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x,
                                  const Scratches& carved) {
-  const ViewScene& scene = scene_at(photo, x);
-  constexpr std::array kBy{SceneParameter::alpha, SceneParameter::depth_um};
-  RadianceDerivatives rendered = render_with_derivatives(scene, photo.camera, carved, kBy);
-  if (const std::vector<float> falloff = falloff_image(photo, x); !falloff.empty()) {
-    multiply(rendered.radiance, falloff);
-    for (Image& image : rendered.d_radiance) multiply(image, falloff);
-  }
+  const std::vector<float> falloff = falloff_image(photo, x);
   const cv::Mat kernel = blur_kernel(blur_sigma_px(photo, x), photo.bin);
-  GrooveSlopes out{value_of_light(model, photo, x, std::move(rendered.radiance)),
-                   blurred(std::move(rendered.d_radiance[0]), kernel),
-                   blurred(std::move(rendered.d_radiance[1]), kernel)};
-  for (std::size_t i = 0; i < out.value.data.size(); ++i) {
-    const double vignette = vignette_of(photo, x, i);
-    out.value.data[i] += static_cast<float>(corrected_by(photo, x, i));
-    out.by_log_alpha.data[i] *= static_cast<float>(vignette * scene.material.alpha);
-    out.by_log_depth.data[i] *= static_cast<float>(vignette * scene.material.depth_um);
-  }
-  return out;
+  constexpr double kStep = 0.02;
+  const auto slope = [&](int index) {
+    Image above = light_of_changed(photo, x, carved, index, kStep, falloff);
+    const Image below = light_of_changed(photo, x, carved, index, -kStep, falloff);
+    for (std::size_t i = 0; i < above.data.size(); ++i)
+      above.data[i] = (above.data[i] - below.data[i]) / static_cast<float>(2 * kStep);
+    Image out = blurred(std::move(above), kernel);
+    for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] *= static_cast<float>(vignette_of(photo, x, i));
+    return out;
+  };
+  return {predict(model, photo, x, carved), slope(unknown::log_alpha), slope(unknown::log_depth)};
 }
 
 std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
                                               std::span<const Image> dE_dvalue) {
   if (carved.depth_um.empty() || carved.alpha.empty())
     fail("groove_gradients", "scratches without depth and roughness of their own", "use carved_pieces()");
-  ViewRenderer renderer(scene_at(photo, x));
+  ViewRenderer renderer(scene_at(photo, x), {}, photo.room);
   Image radiance;
   renderer.forward_with_jacobian(carved, radiance);
   const std::vector<float> falloff = falloff_image(photo, x);
@@ -283,23 +303,19 @@ std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unkn
   return out;
 }
 
-void shift_by_grooves(const ModelData& model, const Unknowns& x, PhotoData& photo) {
+void shift_by_grooves(const ModelData& model, const Unknowns& x, const Scratches& carved, PhotoData& photo) {
   photo.groove_shift.clear();
   if (!(model.alpha_jitter > 0) && !(model.depth_jitter > 0)) return;
   const std::vector<float> falloff = falloff_image(photo, x);
-  const auto at = [&](const Unknowns& other) {
-    return value_of_light(model, photo, x, rendered_light(photo, other, carved_scratches(model, other), falloff));
-  };
-  const Image middle = at(x);
+  const auto seen = [&](Image light) { return value_of_light(model, photo, x, std::move(light)); };
+  const Image middle = seen(rendered_light(photo, x, carved, falloff));
   std::vector<float> shift(middle.data.size(), 0);
   for (const auto& [index, jitter] :
        {std::pair(unknown::log_alpha, model.alpha_jitter), std::pair(unknown::log_depth, model.depth_jitter)}) {
     if (!(jitter > 0)) continue;
     const double node = std::sqrt(3.0) * jitter;  // of weight 1/6 on either side
-    Unknowns more = x, less = x;
-    more[index] += node;
-    less[index] -= node;
-    const Image above = at(more), below = at(less);
+    const Image above = seen(light_of_changed(photo, x, carved, index, node, falloff)),
+                below = seen(light_of_changed(photo, x, carved, index, -node, falloff));
     for (std::size_t i = 0; i < shift.size(); ++i) shift[i] += (above.data[i] + below.data[i] - 2 * middle.data[i]) / 6;
   }
   photo.groove_shift = std::move(shift);
@@ -352,19 +368,27 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
   photo.log_blur_at = x[unknown::log_blur];
 }
 
+Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
+  return blurred(with_ambient(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x))),
+                 blur_kernel(blur_sigma_px(photo, x), photo.bin));
+}
+
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
-  const Image value = predict(model, photo, x, carved);
+  return photo_cost(model, photo, x, seen_light(model, photo, x, carved));
+}
+
+double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light) {
   double cost = 0;
-  for (std::size_t i = 0; i < value.data.size(); ++i) {
+  for (std::size_t i = 0; i < light.data.size(); ++i) {
     if (!(photo.weight[i] > 0)) continue;
-    const double r = photo.weight[i] * (static_cast<double>(value.data[i]) - photo.photo.value.data[i]);
+    const double r = residual_at(photo, x, i, vignette_of(photo, x, i), light);
     cost += 0.5 * cauchy_loss(r * r, model.cauchy).rho;
   }
   return cost;
 }
 
-PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
-                               const Scratches& carved, const FreeUnknowns& free, double tile_mm) {
+PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                         const FreeUnknowns& free) {
   using P = SceneParameter;
   const std::size_t pixels = photo.weight.size();
   const int width = photo.scene.grid->width(), height = photo.scene.grid->height();
@@ -417,14 +441,13 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
 
   const double blur_sigma = blur_sigma_px(photo, x);
   const cv::Mat kernel = blur_kernel(blur_sigma, photo.bin);
-  const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
-  Image light = std::move(rendered.radiance), total = light;
-  for (std::size_t i = 0; i < pixels; ++i)
-    if (std::isfinite(photo.scene.grid->center_mm[i].x())) total.data[i] += ambient;
+  const Image light = std::move(rendered.radiance), total = with_ambient(model, photo, x, light);
 
-  // Columns of the Jacobian, before vignetting (which is applied in the last loop).
-  std::vector<int> index;  // into Unknowns
-  std::vector<Image> columns;
+  PhotoSlopes out;
+  out.at = x;
+  out.free = free;
+  std::vector<int>& index = out.index;
+  std::vector<Image>& columns = out.columns;
   const auto add_column = [&](int at, Image image) {
     index.push_back(at);
     columns.push_back(blurred(std::move(image), kernel));
@@ -514,11 +537,46 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     index.push_back(unknown::log_blur);
     columns.push_back(std::move(wider));
   }
+  out.light = blurred(total, kernel);
+  return out;
+}
+
+bool slopes_hold(const ModelData& model, const PhotoData& photo, const PhotoSlopes& slopes, const Unknowns& x,
+                 const Image& light) {
+  const Unknowns step = x - slopes.at;
+  double missed = 0, changed = 0;
+  for (std::size_t i = 0; i < light.data.size(); ++i) {
+    if (!(photo.weight[i] > 0)) continue;
+    double foretold = model.f0 * step[unknown::ambient];
+    for (std::size_t k = 0; k < slopes.columns.size(); ++k) {
+      const bool of_the_light = slopes.index[k] != unknown::log_blur || photo.correction.empty();
+      if (of_the_light) foretold += step[slopes.index[k]] * slopes.columns[k].data[i];
+    }
+    const double change = static_cast<double>(light.data[i]) - slopes.light.data[i];
+    const double scale = photo.weight[i] * vignette_of(photo, x, i);
+    missed += std::pow(scale * (change - foretold), 2);
+    changed += std::pow(scale * change, 2);
+  }
+  constexpr double kTenth = 0.1;
+  return changed < 1 || missed < kTenth * kTenth * changed;
+}
+
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                               const Scratches& carved, const FreeUnknowns& free, double tile_mm) {
+  const PhotoSlopes slopes = photo_slopes(model, photo, x, carved, free);
+  return photo_equations(model, photo, x, slopes.light, slopes, tile_mm);
+}
+
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
+                               const PhotoSlopes& slopes, double tile_mm) {
+  const FreeUnknowns& free = slopes.free;
+  const std::vector<Image>& columns = slopes.columns;
   const std::size_t rendered_columns = columns.size();
+  const int width = photo.scene.grid->width(), height = photo.scene.grid->height();
+  std::vector<int> index = slopes.index;
   if (free[unknown::ambient]) index.push_back(unknown::ambient);
   for (int k = 0; k < 3; ++k)
     if (free[unknown::vignette + k]) index.push_back(unknown::vignette + k);
-  const Image base = blurred(std::move(total), kernel);
 
   PhotoEquations out;
   const auto n = static_cast<Eigen::Index>(index.size());
@@ -536,8 +594,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
       const std::size_t i = static_cast<std::size_t>(y) * width + px;
       if (!(photo.weight[i] > 0)) continue;
       const double vignette = vignette_of(photo, x, i);
-      const double correction = corrected_by(photo, x, i);
-      const double residual = photo.weight[i] * (vignette * base.data[i] + correction - photo.photo.value.data[i]);
+      const double residual = residual_at(photo, x, i, vignette, light);
       const Loss loss = cauchy_loss(residual * residual, model.cauchy);
       out.cost += 0.5 * loss.rho;
       const double root = std::sqrt(loss.weight), scale = root * photo.weight[i] * vignette;
@@ -548,7 +605,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
       if (free[unknown::ambient]) rows(row++, used) = scale * model.f0;
       double radius_power = photo.radius2[i];
       for (int v = 0; v < 3; ++v, radius_power *= photo.radius2[i])
-        if (free[unknown::vignette + v]) rows(row++, used) = root * photo.weight[i] * radius_power * base.data[i];
+        if (free[unknown::vignette + v]) rows(row++, used) = root * photo.weight[i] * radius_power * light.data[i];
       if (tile_mm > 0) {
         to_noise[used] = 1 / (root * photo.weight[i] * photo.photo.sigma.data[i]);
         to_curvature[used] = std::sqrt(loss.curvature / loss.weight);

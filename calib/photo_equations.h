@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -48,6 +49,8 @@ struct PhotoData {
   /// Grid and camera. Its lamp and material are overwritten with the unknowns by each function below, so that the grid
   /// is never copied: one thread at a time may work on one photo.
   mutable ViewScene scene;
+  /// What the renderer keeps of the grid, and the places of the last scratches; as for the scene, one thread at a time.
+  std::shared_ptr<RenderRoom> room;
   CameraView camera;
   std::vector<float> weight;   ///< 1 / expected error of each pixel; 0 where it is not used
   std::vector<float> radius2;  ///< vignetting's r^2
@@ -90,7 +93,7 @@ VisiblePieces carved_pieces(const ModelData& model, const Unknowns& x);
 /// The photo as predicted (linear value / exposure factor).
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
 
-/// The same with its derivatives by the logarithms of alpha and depth.
+/// The same with its derivatives by the logarithms of alpha and depth, from differences: for weights.
 struct GrooveSlopes {
   Image value, by_log_alpha, by_log_depth;
 };
@@ -109,7 +112,7 @@ std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unkn
 /// Sets `photo.groove_shift` at x: a pixel's value is not linear in a groove's roughness or depth, so grooves that
 /// differ by model.alpha_jitter and depth_jitter send other light on average than equal ones. Their logarithms are
 /// taken as normal, by Gauss and Hermite's rule of three points.
-void shift_by_grooves(const ModelData& model, const Unknowns& x, PhotoData& photo);
+void shift_by_grooves(const ModelData& model, const Unknowns& x, const Scratches& carved, PhotoData& photo);
 
 /// Sets `photo.correction` at x: the prediction on the photo's own pixels (`whole`, the view that was binned),
 /// averaged, less the one on binned pixels. What is not linear within a binned pixel (grooves that cover a pixel more
@@ -119,6 +122,25 @@ void shift_by_grooves(const ModelData& model, const Unknowns& x, PhotoData& phot
 /// photo.bin that fits, and where none does, nothing is corrected.
 void correct_binning(const ModelData& model, const LightView& whole, const Board& board, const Bench& bench,
                      const Unknowns& x, const Scratches& carved, std::size_t max_pixels, PhotoData& photo);
+
+/// What the photo shows at x before vignetting and corrections, lamp and ambient light blurred: what takes rendering.
+Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
+
+/// The same with its derivatives by all unknowns that it depends on otherwise than by a factor.
+struct PhotoSlopes {
+  Unknowns at = Unknowns::Zero();
+  FreeUnknowns free{};
+  Image light;                 ///< seen_light() at `at`
+  std::vector<int> index;      ///< of the unknown that each column is by
+  std::vector<Image> columns;  ///< before vignetting
+};
+PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                         const FreeUnknowns& free);
+
+/// Whether slopes that were taken elsewhere serve at x, where the photo shows `light`: they foretold what has changed
+/// since, in expected errors, to a tenth, or it is less than one expected error in all pixels together.
+bool slopes_hold(const ModelData& model, const PhotoData& photo, const PhotoSlopes& slopes, const Unknowns& x,
+                 const Image& light);
 
 /// Cost (half the sum of the robust loss), and its Gauss-Newton model by all unknowns (rows of held ones are 0).
 struct PhotoEquations {
@@ -132,9 +154,14 @@ struct PhotoEquations {
 };
 
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
+/// The same where `light` is seen.
+double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light);
 
 /// `tile_mm` > 0 asks for tile_scores, noise_JtJ and curvature_JtJ.
 PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
                                const Scratches& carved, const FreeUnknowns& free, double tile_mm = 0);
+/// The same where `light` is seen, with slopes that hold there.
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
+                               const PhotoSlopes& slopes, double tile_mm = 0);
 
 }  // namespace burin

@@ -1,6 +1,9 @@
 #include "calib/photo_problem.h"
 
 #include <ceres/ceres.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +37,8 @@ class CarvedCache {
 
 // One photo as Ceres sees it: its weighted residuals and their Jacobian, turned by an orthogonal transform into count +
 // 1 numbers that have the same cost, gradient and Gauss-Newton matrix. So Ceres' memory does not grow with the pixels.
+// Derivatives take ten times as long as values, so they are kept while they hold (slopes_hold): a fit that starts
+// near its end takes them once.
 class PhotoCost : public ceres::CostFunction {
  public:
   PhotoCost(const ModelData& model, const PhotoData& photo, CarvedCache& cache)
@@ -53,11 +58,18 @@ class PhotoCost : public ceres::CostFunction {
     const std::shared_ptr<const Scratches> carved = cache_.get(model_, x);
     Eigen::Map<Eigen::VectorXd> out(residuals, unknown::count + 1);
     out.setZero();
+    // A step that is taken is asked for twice: for its cost, and with the Jacobian.
+    if (light_.data.empty() || x != seen_at_) {
+      light_ = seen_light(model_, photo_, x, *carved);
+      seen_at_ = x;
+    }
     if (jacobians == nullptr) {
-      out[unknown::count] = std::sqrt(2 * photo_cost(model_, photo_, x, *carved));
+      out[unknown::count] = std::sqrt(2 * photo_cost(model_, photo_, x, light_));
       return out.allFinite();
     }
-    const PhotoEquations equations = photo_equations(model_, photo_, x, *carved, free);
+    if (slopes_.free != free || !slopes_hold(model_, photo_, slopes_, x, light_))
+      slopes_ = photo_slopes(model_, photo_, x, *carved, free);
+    const PhotoEquations equations = photo_equations(model_, photo_, x, light_, slopes_);
     // JtJ = D U S U^T D with D its diagonal's root: rows sqrt(S) U^T D, residuals S^-1/2 U^T D^-1 Jtr.
     Eigen::VectorXd D = equations.JtJ.diagonal().cwiseSqrt(), D_inverse = D;
     for (double& d : D_inverse) d = d > 0 ? 1 / d : 0;
@@ -83,6 +95,10 @@ class PhotoCost : public ceres::CostFunction {
   const ModelData& model_;
   const PhotoData& photo_;
   CarvedCache& cache_;
+  // Ceres asks for one evaluation of a block at a time.
+  mutable Unknowns seen_at_ = Unknowns::Zero();
+  mutable Image light_;  // at seen_at_
+  mutable PhotoSlopes slopes_;
 };
 
 using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 3, 1>;
@@ -277,20 +293,23 @@ struct PixelSquares {
 // The relative error m of the model for which the median of residual^2 / expected^2 is a normal distribution's.
 double relative_error(const std::vector<PixelSquares>& pixels, double alpha_jitter, double depth_jitter) {
   constexpr double kNormalMedian = 0.6745;
-  std::vector<double> ratios(pixels.size());
-  const auto median_ratio = [&](double m) {
-    for (std::size_t i = 0; i < pixels.size(); ++i) {
-      const PixelSquares& p = pixels[i];
-      ratios[i] = p.residual / (p.noise + m * m * p.value + alpha_jitter * alpha_jitter * p.by_alpha +
-                                depth_jitter * depth_jitter * p.by_depth);
-    }
-    return std::sqrt(median_of(ratios));
+  // Half of the pixels are beyond the median: a pixel is while beyond - m^2 value > 0.
+  std::vector<double> beyond(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const PixelSquares& p = pixels[i];
+    beyond[i] = p.residual / (kNormalMedian * kNormalMedian) - p.noise - alpha_jitter * alpha_jitter * p.by_alpha -
+                depth_jitter * depth_jitter * p.by_depth;
+  }
+  const auto too_small = [&](double m) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < pixels.size(); ++i) count += beyond[i] > m * m * pixels[i].value ? 1 : 0;
+    return 2 * count > pixels.size();
   };
-  if (pixels.empty() || median_ratio(0) <= kNormalMedian) return 0;
+  if (pixels.empty() || !too_small(0)) return 0;
   double low = 0, high = 3;
   for (int i = 0; i < 30; ++i) {
     const double middle = 0.5 * (low + high);
-    (median_ratio(middle) > kNormalMedian ? low : high) = middle;
+    (too_small(middle) ? low : high) = middle;
   }
   return high;
 }
@@ -319,29 +338,30 @@ Eigen::Vector2d groove_variances(const std::vector<std::vector<PixelSquares>>& p
 void weigh(Problem& data, const State& state, bool grooves_differ) {
   const Scratches carved = carved_scratches(data.model, state.of(0));
   data.photo_model_error.assign(data.photos.size(), 0);
-  std::vector<GrooveSlopes> predicted;
-  std::vector<std::vector<PixelSquares>> squares;
-  for (const PhotoData& photo : data.photos) {
+  std::vector<GrooveSlopes> predicted(data.photos.size());
+  std::vector<std::vector<PixelSquares>> squares(data.photos.size());
+  each_photo(data.photos.size(), [&](std::size_t k) {
+    const PhotoData& photo = data.photos[k];
     const Unknowns x = state.of(photo.photo.light);
-    predicted.push_back(grooves_differ ? predict_with_slopes(data.model, photo, x, carved)
-                                       : GrooveSlopes{predict(data.model, photo, x, carved), {}, {}});
-    const GrooveSlopes& p = predicted.back();
+    GrooveSlopes& p = predicted[k];
+    p = grooves_differ ? predict_with_slopes(data.model, photo, x, carved)
+                       : GrooveSlopes{predict(data.model, photo, x, carved), {}, {}};
     const auto square = [](double v) { return v * v; };
-    squares.emplace_back();
     const std::size_t stride = 1 + p.value.data.size() / 200'000;
     for (std::size_t i = 0; i < p.value.data.size(); i += stride)
       if (photo.weight[i] > 0)
-        squares.back().push_back({square(static_cast<double>(p.value.data[i]) - photo.photo.value.data[i]),
-                                  square(photo.photo.sigma.data[i]), square(p.value.data[i]),
-                                  grooves_differ ? square(p.by_log_alpha.data[i]) : 0,
-                                  grooves_differ ? square(p.by_log_depth.data[i]) : 0});
-  }
+        squares[k].push_back({square(static_cast<double>(p.value.data[i]) - photo.photo.value.data[i]),
+                              square(photo.photo.sigma.data[i]), square(p.value.data[i]),
+                              grooves_differ ? square(p.by_log_alpha.data[i]) : 0,
+                              grooves_differ ? square(p.by_log_depth.data[i]) : 0});
+  });
   Eigen::Vector2d variances = Eigen::Vector2d::Zero();
   constexpr int kRounds = 8;
   for (int round = 0; round < (grooves_differ ? kRounds : 1); ++round) {
     if (round > 0) variances = groove_variances(squares, data.photo_model_error, variances);
-    for (std::size_t k = 0; k < data.photos.size(); ++k)
+    each_photo(data.photos.size(), [&](std::size_t k) {
       data.photo_model_error[k] = relative_error(squares[k], std::sqrt(variances[0]), std::sqrt(variances[1]));
+    });
   }
   if (grooves_differ) data.slope_error = variances.cwiseSqrt();
   for (std::size_t k = 0; k < data.photos.size(); ++k) {
@@ -369,7 +389,20 @@ void weigh_photos_and_grooves(Problem& data, const State& state) {
   data.model.depth_jitter = std::sqrt(scatter.variance[1]);
   data.model.alpha_jitter2_sigma = scatter.sigma[0];
   data.model.depth_jitter2_sigma = scatter.sigma[1];
-  for (PhotoData& photo : data.photos) shift_by_grooves(data.model, state.of(photo.photo.light), photo);
+  const Scratches carved = carved_scratches(data.model, state.of(0));
+  each_photo(data.photos.size(), [&](std::size_t k) {
+    shift_by_grooves(data.model, state.of(data.photos[k].photo.light), carved, data.photos[k]);
+  });
+}
+
+void each_photo(std::size_t count, const std::function<void(std::size_t)>& body) {
+  // Isolated: a thread that waits for the rest of its own photo's rendering must not begin another photo.
+  tbb::parallel_for(
+      tbb::blocked_range<std::size_t>(0, count, 1),
+      [&](const tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t k = range.begin(); k < range.end(); ++k) tbb::this_task_arena::isolate([&] { body(k); });
+      },
+      tbb::simple_partitioner());
 }
 
 double pixel_mm(const LightView& view, const Bench& bench) {
@@ -389,11 +422,11 @@ void correct_binning(Problem& data, const std::vector<LightView>& views, const B
                      const State& state) {
   constexpr std::size_t kMaxPixels = 4'000'000;  // of a photo: some 100 bytes each while it is worked on
   const Scratches carved = carved_scratches(data.model, state.of(0));
-  for (std::size_t k = 0; k < data.photos.size(); ++k) {
+  each_photo(data.photos.size(), [&](std::size_t k) {
     const Unknowns x = state.of(views[k].light);
     correct_binning(data.model, views[k], board, bench, x, carved, kMaxPixels, data.photos[k]);
-    shift_by_grooves(data.model, x, data.photos[k]);
-  }
+    shift_by_grooves(data.model, x, carved, data.photos[k]);
+  });
 }
 
 double cost_of(const Problem& data, const State& state, std::size_t stride) {

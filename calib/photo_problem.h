@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -138,6 +139,10 @@ void weigh_photos_and_grooves(Problem& data, const State& state);
 /// Corrects all photos (which photos_at() made of `views`) for their binning, at `state`: see photo_equations.h.
 void correct_binning(Problem& data, const std::vector<LightView>& views, const Board& board, const Bench& bench,
                      const State& state);
+
+/// body(k) for the photos 0 .. count - 1, as many at a time as there are cores and no more: what a photo needs while it
+/// is worked on is not small.
+void each_photo(std::size_t count, const std::function<void(std::size_t)>& body);
 
 /// Cost of every `stride`-th photo.
 double cost_of(const Problem& data, const State& state, std::size_t stride);

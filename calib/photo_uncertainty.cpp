@@ -36,8 +36,44 @@ struct NormalSystem {
 // where errors have long tails, as those of grooves near their cut-off have.
 enum class Information { weights, curvature };
 
-NormalSystem normal_system(const Problem& data, const ModelData& model, const Stage& stage, State& state,
-                           Information information) {
+// What normal_system() differentiates by: all that the stage frees, and poses and bow where they may move.
+FreeUnknowns wanted_of(const Problem& data, const Stage& stage) {
+  FreeUnknowns wanted{};
+  for (const Block& block : kBlocks)
+    for (int i = 0; i < block.size; ++i)
+      wanted[block.first + i] = block.first >= unknown::pose   ? data.geometry.has_value()
+                                : block.first == unknown::spot ? stage.lamp
+                                                               : frees(stage, block.first);
+  return wanted;
+}
+
+// Every photo's equations under each of some models, which differ in their loss and in how much grooves differ, the
+// problem's own first: [model][photo]. Slopes, which take the time, are rendered once.
+std::vector<std::vector<PhotoEquations>> equations_of_photos(const Problem& data, const Stage& stage,
+                                                             const State& state, const std::vector<ModelData>& models) {
+  const FreeUnknowns wanted = wanted_of(data, stage);
+  const Scratches carved = carved_scratches(data.model, state.of(0));
+  std::vector<std::vector<PhotoEquations>> out(models.size(), std::vector<PhotoEquations>(data.photos.size()));
+  each_photo(data.photos.size(), [&](std::size_t k) {
+    const PhotoData& photo = data.photos[k];
+    const Unknowns x = state.of(photo.photo.light);
+    const PhotoSlopes slopes = photo_slopes(data.model, photo, x, carved, wanted);
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      const ModelData& model = models[m];
+      if (model.alpha_jitter == data.model.alpha_jitter && model.depth_jitter == data.model.depth_jitter) {
+        out[m][k] = photo_equations(model, photo, x, slopes.light, slopes, kTileMm);
+      } else {
+        PhotoData shifted = photo;
+        shift_by_grooves(model, x, carved, shifted);
+        out[m][k] = photo_equations(model, shifted, x, slopes.light, slopes, kTileMm);
+      }
+    }
+  });
+  return out;
+}
+
+NormalSystem normal_system(const Problem& data, const Stage& stage, State& state, Information information,
+                           const std::vector<PhotoEquations>& equations) {
   const std::size_t lights = state.lamps.size();
   const Eigen::Index n = kSharedUnknowns + 1 + static_cast<Eigen::Index>(lights) * kLampUnknowns;
   const bool free_geometry = data.geometry.has_value();
@@ -45,19 +81,10 @@ NormalSystem normal_system(const Problem& data, const ModelData& model, const St
   NormalSystem out;
   out.free.assign(n, false);
   out.free[kSharedUnknowns] = true;
-  FreeUnknowns wanted{};
-  for (const Block& block : kBlocks)
-    for (int i = 0; i < block.size; ++i) {
-      bool& want = wanted[block.first + i];
-      if (block.first >= unknown::pose) {
-        want = free_geometry;
-        continue;
-      }
-      want = block.first == unknown::spot ? stage.lamp : frees(stage, block.first);
-      for (std::size_t light = 0; light < lights; ++light)
-        if (want && (block.first != unknown::spot || data.is_spot[light]))
-          out.free[global_index(block.first + i, light)] = true;
-    }
+  const FreeUnknowns wanted = wanted_of(data, stage);
+  for (int i = 0; i < unknown::pose; ++i)
+    for (std::size_t light = 0; light < lights; ++light)
+      if (wanted[i] && (i < unknown::spot || data.is_spot[light])) out.free[global_index(i, light)] = true;
 
   // Each photo's equations over (unknowns, geometry), in their places of the whole.
   constexpr int kInner = unknown::pose;
@@ -68,14 +95,14 @@ NormalSystem normal_system(const Problem& data, const ModelData& model, const St
   };
   const int count = free_geometry ? static_cast<int>(unknown::count) : kInner;
   out.noise_H = Eigen::MatrixXd::Zero(n, n);
-  const Scratches carved = carved_scratches(model, state.of(0));
   std::map<std::size_t, Eigen::MatrixXd> F_view;  // over (unknowns, geometry)
   std::vector<Eigen::VectorXd> f_photo;
   Eigen::MatrixXd tiles;
   Eigen::MatrixXd F = Eigen::MatrixXd::Zero(n + m, n + m);
   Eigen::VectorXd f = Eigen::VectorXd::Zero(n + m);
-  for (const PhotoData& photo : data.photos) {
-    const PhotoEquations e = photo_equations(model, photo, state.of(photo.photo.light), carved, wanted, kTileMm);
+  for (std::size_t k = 0; k < data.photos.size(); ++k) {
+    const PhotoData& photo = data.photos[k];
+    const PhotoEquations& e = equations[k];
     Eigen::MatrixXd& Fv = F_view.try_emplace(photo.photo.view, Eigen::MatrixXd::Zero(n + m, n + m)).first->second;
     Eigen::VectorXd fk = Eigen::VectorXd::Zero(n + m);
     if (tiles.size() == 0) tiles = Eigen::MatrixXd::Zero(n + m, e.tile_scores.cols());
@@ -157,6 +184,11 @@ NormalSystem normal_system(const Problem& data, const ModelData& model, const St
   return out;
 }
 
+NormalSystem weighted_system(const Problem& data, const Stage& stage, State& state) {
+  return normal_system(data, stage, state, Information::weights,
+                       equations_of_photos(data, stage, state, {data.model}).front());
+}
+
 }  // namespace
 
 Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& free) {
@@ -172,7 +204,7 @@ Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& 
 }
 
 ViewEquations view_equations(const Problem& data, const Stage& stage, State& state) {
-  const NormalSystem system = normal_system(data, data.model, stage, state, Information::weights);
+  const NormalSystem system = weighted_system(data, stage, state);
   ViewEquations out;
   out.free = system.free;
   out.prior = system.prior;
@@ -191,7 +223,7 @@ ViewEquations view_equations(const Problem& data, const Stage& stage, State& sta
 }
 
 void joint_step(const Problem& data, const Stage& stage, State& state, Bench& bench) {
-  const NormalSystem system = normal_system(data, data.model, stage, state, Information::weights);
+  const NormalSystem system = weighted_system(data, stage, state);
   const Eigen::VectorXd step = -safe_inverse(system.H, system.free) * system.g;
   state = moved_state(state, step);
   const auto [least_blur, most_blur] = log_blur_range(data);
@@ -210,27 +242,28 @@ void joint_step(const Problem& data, const Stage& stage, State& state, Bench& be
 }
 
 Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state) {
-  const NormalSystem system = normal_system(data, data.model, stage, state, Information::curvature);
-  const Eigen::Index n = system.H.rows();
-  const Eigen::MatrixXd inverse = safe_inverse(system.H, system.free);
-  Uncertainty out;
   // What the answer owes to the loss: residuals of dust and of the model's own errors are skewed, and a loss that
   // forgives them moves the answer. One step towards the optimum of another scale shows by how much.
-  ModelData tolerant = data.model;
-  tolerant.cauchy *= 2;
-  const NormalSystem other = normal_system(data, tolerant, stage, state, Information::curvature);
-  Eigen::VectorXd shift = safe_inverse(other.H, other.free) * other.g;
-  out.shifts.push_back(shift);
+  std::vector<ModelData> models{data.model, data.model};
+  models.back().cauchy *= 2;
   // And what it owes to how much grooves are believed to differ: that sets the mean light of uneven ones.
   for (const auto& [jitter, sigma2] : {std::pair(&ModelData::alpha_jitter, data.model.alpha_jitter2_sigma),
                                        std::pair(&ModelData::depth_jitter, data.model.depth_jitter2_sigma)}) {
     if (!(sigma2 > 0)) continue;
-    Problem uneven = data;
-    uneven.model.*jitter = std::sqrt(std::pow(data.model.*jitter, 2) + sigma2);
-    for (PhotoData& photo : uneven.photos) shift_by_grooves(uneven.model, state.of(photo.photo.light), photo);
-    const NormalSystem moved = normal_system(uneven, uneven.model, stage, state, Information::curvature);
-    out.shifts.push_back(inverse * (moved.g - system.g));
+    models.push_back(data.model);
+    models.back().*jitter = std::sqrt(std::pow(data.model.*jitter, 2) + sigma2);
   }
+  const std::vector<std::vector<PhotoEquations>> equations = equations_of_photos(data, stage, state, models);
+  const auto system_of = [&](std::size_t model) {
+    return normal_system(data, stage, state, Information::curvature, equations[model]);
+  };
+  const NormalSystem system = system_of(0), tolerant = system_of(1);
+  const Eigen::Index n = system.H.rows();
+  const Eigen::MatrixXd inverse = safe_inverse(system.H, system.free);
+  Uncertainty out;
+  out.shifts.emplace_back(safe_inverse(tolerant.H, tolerant.free) * tolerant.g);
+  for (std::size_t model = 2; model < models.size(); ++model)
+    out.shifts.emplace_back(inverse * (system_of(model).g - system.g));
   out.noise_bound = safe_inverse(system.noise_H, system.free);
   const double scatter = system.pixels ? std::max(1.0, 2 * system.cost / static_cast<double>(system.pixels)) : 1;
   out.covariances.push_back(scatter * inverse);

@@ -7,9 +7,9 @@
 // another included: weigh_photos_and_grooves), under a Cauchy loss. Unknown: alpha, d, base_alpha, lamp position and
 // intensity (aim and exponent of a spot), ambient light, vignetting, blur, the machine's affine map, and how depth
 // varies over the board and with wear, as far as the photos ask for it (field_choice.h). The renderer's own
-// derivatives (render_with_derivatives) fill the Jacobian; each photo's is compressed to its normal equations, so
-// memory does not grow with the pixels. Coarse (binned) photos first: there the machine may be off by more than a
-// groove's width.
+// derivatives (render_with_derivatives) fill the Jacobian, and it is kept while it foretells what a step changes; each
+// photo's is compressed to its normal equations. Coarse (binned) photos first: there the machine may be off by more
+// than a groove's width.
 //
 // Cameras' poses and the bow move too (geometry_prior.h), with the tags as their prior.
 //

@@ -129,6 +129,35 @@ TEST(PhotoEquations, GradientIsTheCostsDerivativeSpot) {
   check_gradient(s);
 }
 
+TEST(PhotoEquations, SlopesHoldNearWhereTheyWereTakenAndNotFarAway) {
+  for (const bool spot : {false, true}) {
+    Scene s;
+    fill(s, spot);
+    FreeUnknowns free{};
+    for (int i = 0; i < unknown::pose; ++i) free[i] = i < unknown::depth_field || i >= unknown::machine;
+    const PhotoSlopes slopes = photo_slopes(s.model, s.photo, s.start, carved_scratches(s.model, s.start), free);
+    const auto seen = [&](const Unknowns& x) { return seen_light(s.model, s.photo, x, carved_scratches(s.model, x)); };
+    Unknowns near = s.start, far = s.start;
+    near[unknown::log_alpha] += 0.01;
+    near[unknown::log_depth] -= 0.01;
+    near[unknown::machine + 4] += 0.002;
+    near[unknown::lamp_position] += 0.2;
+    near[unknown::log_blur] += 0.01;
+    near[unknown::ambient] += 0.02;
+    far[unknown::log_alpha] -= 0.5;
+    EXPECT_TRUE(slopes_hold(s.model, s.photo, slopes, s.start, seen(s.start)));
+    EXPECT_TRUE(slopes_hold(s.model, s.photo, slopes, near, seen(near)));
+    EXPECT_FALSE(slopes_hold(s.model, s.photo, slopes, far, seen(far)));
+    // A change that the slopes did not foretell.
+    EXPECT_FALSE(slopes_hold(s.model, s.photo, slopes, s.start, seen(near)));
+    const PhotoEquations kept = photo_equations(s.model, s.photo, near, seen(near), slopes);
+    const PhotoEquations taken = photo_equations(s.model, s.photo, near, carved_scratches(s.model, near), free);
+    EXPECT_NEAR(kept.cost, taken.cost, 1e-5 * taken.cost);
+    for (int i = 0; i < unknown::pose; ++i)
+      EXPECT_NEAR(kept.Jtr[i], taken.Jtr[i], 0.05 * std::sqrt(2 * taken.cost * taken.JtJ(i, i))) << "unknown " << i;
+  }
+}
+
 TEST(PhotoEquations, DepthOfScratchesThatCarryTheirOwnKeepsItsRatio) {
   Scene s;
   fill(s, false);

@@ -37,10 +37,11 @@ TEST(BenchPhotos, SaysWhatIsWrongWithASession) {
   const TemporaryFolder folder;
   folder.write("empty.json", R"({"format": "burin/session", "photos": []})");
   folder.write("cut.json", R"({"format": "burin/ses)");
-  folder.write("gone.json", R"({"board": "board.json", "photos": [{"file": "gone.png", "view": "a", "exposure_s": 1}]})");
-  for (const auto& [session, what] : {std::pair("missing.json", "no session can be read"),
-                                      std::pair("empty.json", "it lists no photos"),
-                                      std::pair("cut.json", "this is no JSON"), std::pair("gone.json", "gone.png")}) {
+  folder.write("gone.json",
+               R"({"board": "board.json", "photos": [{"file": "gone.png", "view": "a", "exposure_s": 1}]})");
+  for (const auto& [session, what] :
+       {std::pair("missing.json", "no session can be read"), std::pair("empty.json", "it lists no photos"),
+        std::pair("cut.json", "this is no JSON"), std::pair("gone.json", "gone.png")}) {
     const Outcome run = bench_photos(folder, "--session " + std::string(session));
     EXPECT_NE(run.exit_code, 0) << session;
     EXPECT_THAT(run.err, AllOf(HasSubstr("tools/bench-photos: "), HasSubstr(what), Not(HasSubstr("Traceback"))));
