@@ -89,20 +89,22 @@ std::vector<int> lattice(int count) {
 Eigen::Vector2d meet_face(const Surface& surface, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
   Eigen::Vector2d missed(kNaN, kNaN);
   if (!(direction.z() < 0)) return missed;
-  double lambda = -origin.z() / direction.z();
-  const bool bowed = surface.bow_mm != Eigen::Vector3d::Zero();
-  if (bowed) {
-    bool converged = false;
-    for (int step = 0; step < 20 && !converged; ++step) {
-      const double x = origin.x() + lambda * direction.x(), y = origin.y() + lambda * direction.y();
-      const Eigen::Vector3d n = face_normal(surface, x, y);
-      const double slope = n.dot(direction) / n.z();
-      if (!(slope < 0)) return missed;
-      const double change = (height_mm(surface, x, y) - origin.z() - lambda * direction.z()) / slope;
-      lambda += change;
-      converged = std::abs(change) <= 1e-14 * std::abs(lambda);
-    }
-    if (!std::isfinite(lambda)) return missed;
+  double lambda = -origin.z() / direction.z();  // of the plane z = 0
+  if (surface.bow_mm != Eigen::Vector3d::Zero()) {
+    // On the ray, the face's height over the ray's own is a quadratic c + b s + a s^2 of the way s from there on. The
+    // root that is 0 where the face is flat is where the ray comes from the front (the slope is the discriminant's
+    // root).
+    const double X = 2 * (origin.x() + lambda * direction.x()) / surface.size_mm.x() - 1,
+                 dX = 2 * direction.x() / surface.size_mm.x();
+    const double Y = 2 * (origin.y() + lambda * direction.y()) / surface.size_mm.y() - 1,
+                 dY = 2 * direction.y() / surface.size_mm.y();
+    const Eigen::Vector3d& bow = surface.bow_mm;
+    const double c = bow[0] * X * X + bow[1] * X * Y + bow[2] * Y * Y;
+    const double b = 2 * bow[0] * X * dX + bow[1] * (X * dY + Y * dX) + 2 * bow[2] * Y * dY - direction.z();
+    const double a = bow[0] * dX * dX + bow[1] * dX * dY + bow[2] * dY * dY;
+    const double discriminant = b * b - 4 * a * c;
+    if (!(b > 0) || !(discriminant > 0)) return missed;
+    lambda -= 2 * c / (b + std::sqrt(discriminant));
   }
   if (!(lambda > 0)) return missed;
   Eigen::Vector2d p = (origin + lambda * direction).head<2>();
