@@ -154,7 +154,41 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
       }
     views.push_back(std::move(v));
   }
+  // Views of one size share their lens.
+  for (std::size_t first = 0; first < views.size(); ++first) {
+    if (views[first].rays != nullptr) continue;
+    const Lens lens = views[first].lens;
+    const auto same = [&](const LightView& v) { return v.lens.width == lens.width && v.lens.height == lens.height; };
+    int x0 = lens.width, y0 = lens.height, x1 = 0, y1 = 0;
+    for (const LightView& v : views) {
+      if (!same(v)) continue;
+      x0 = std::min(x0, v.window.x0);
+      y0 = std::min(y0, v.window.y0);
+      x1 = std::max(x1, v.window.x0 + v.window.width);
+      y1 = std::max(y1, v.window.y0 + v.window.height);
+    }
+    const auto rays = std::make_shared<const CornerRays>(corner_rays(lens, {x0, y0, x1 - x0, y1 - y0}));
+    for (LightView& v : views)
+      if (same(v)) v.rays = rays;
+  }
   return views;
+}
+
+FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_board, const Surface& surface) {
+  // A lens without distortion costs nothing, and its grid is a homography, which serves the renderer.
+  if (view.rays == nullptr || view.rays->undistorted)
+    return camera_grid(view.lens, T_camera_board, surface, view.window);
+  const CornerRays& all = *view.rays;
+  CornerRays rays;
+  rays.window = view.window;
+  const std::size_t row = static_cast<std::size_t>(all.window.width) + 1;
+  for (int r = 0; r <= view.window.height; ++r)
+    for (int c = 0; c <= view.window.width; ++c) {
+      const int x = (c + view.window.x0) * view.bin - all.window.x0,
+                y = (r + view.window.y0) * view.bin - all.window.y0;
+      rays.slope.push_back(all.slope.at(static_cast<std::size_t>(y) * row + x));
+    }
+  return camera_grid(rays, T_camera_board, surface);
 }
 
 Lens binned_lens(const Lens& lens, int bin) {
@@ -179,6 +213,8 @@ LightView binned(const LightView& view, int bin) {
   out.merged = view.merged;
   out.view = view.view;
   out.light = view.light;
+  out.bin = view.bin * bin;
+  out.rays = view.rays;
   out.lens = binned_lens(view.lens, bin);
   // Binned pixels start at multiples of `bin` of the whole photo, so that all of a photo's windows share one grid.
   const int x0 = (view.window.x0 + bin - 1) / bin, y0 = (view.window.y0 + bin - 1) / bin;
@@ -244,7 +280,7 @@ std::vector<LightSample> gather_light_samples(std::span<const LightView> views, 
   for (std::size_t k = 0; k < views.size(); ++k) {
     const LightView& view = views[k];
     const Eigen::Isometry3d& T_camera_board = bench.views[view.view].T_camera_board;
-    const FootprintGrid grid = camera_grid(view.lens, T_camera_board, surface, view.window);
+    const FootprintGrid grid = grid_of(view, T_camera_board, surface);
     const Eigen::Vector3d camera = T_camera_board.inverse().translation();
     const int width = view.window.width, height = view.window.height;
     const double pixel_mm = pixel_size_mm(grid, width / 2, height / 2);

@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -27,7 +28,14 @@ struct LightView {
   PixelWindow window;               ///< of the whole (binned) photo; the images below are this large
   Image value, sigma;               ///< one channel
   std::vector<std::uint8_t> valid;  ///< 1 where the value is held by some exposure
+  int bin = 1;                      ///< of binned(): how many of the session's pixels, either way
+  /// Of all that the session's views show, in its pixels: found once, since inverting a lens for millions of pixels
+  /// takes longer than to render them. None: from the lens.
+  std::shared_ptr<const CornerRays> rays;
 };
+
+/// The footprints of a light view's pixels.
+FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_board, const Surface& surface);
 
 /// The lens of pixels that are averages of bin x bin pixels.
 Lens binned_lens(const Lens& lens, int bin);

@@ -140,10 +140,16 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   data.camera.surface = {board.size_mm, bench.bow_mm};
   data.camera.window = binned_view.window;
   data.room = make_render_room();
-  Light light;  // everything about it is an unknown
-  data.scene = make_scene(bench, board, data.camera, light);
-  data.scene.ambient.setZero();
+  // Lamp, material and ambient light are unknowns.
+  if (board.mesh.empty()) {
+    data.scene.grid = share(grid_of(binned_view, data.camera.T_camera_board, data.camera.surface));
+    data.scene.camera_center_mm = data.camera.T_camera_board.inverse().translation();
+  } else {
+    data.scene = make_scene(bench, board, data.camera, {});
+    data.scene.ambient.setZero();
+  }
   data.scene.material.f0 = board.material.f0;
+  data.scene.tool_width_um = board.tool_width_um;
   const PixelWindow& window = data.scene.grid->window;
   data.radius2.resize(static_cast<std::size_t>(window.width) * window.height);
   data.weight.assign(data.radius2.size(), 0);

@@ -115,5 +115,40 @@ TEST(Binned, KeepsPlacesAndMeans) {
   EXPECT_NEAR(half.sigma.at(0, 0), 0.1 / 3, 1e-6);
 }
 
+TEST(Binned, RaysOfAllViewsServeEveryWindow) {
+  for (const char* model : {"LENSMODEL_PINHOLE", "LENSMODEL_OPENCV4"}) {
+    LightView view;
+    view.lens.model = model;
+    view.lens.intrinsics = {700, 690, 161, 118};
+    if (view.lens.model == "LENSMODEL_OPENCV4") view.lens.intrinsics = {700, 690, 161, 118, -0.2, 0.1, 0.001, -0.002};
+    view.lens.width = 320;
+    view.lens.height = 240;
+    view.window = {21, 17, 203, 151};
+    view.value = view.sigma = Image(203, 151, 1);
+    view.valid.assign(203 * 151, 1);
+    const Surface surface{{60, 40}, {0.1, 0, 0.2}};
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = Eigen::AngleAxisd(M_PI - 0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    T.translation() = Eigen::Vector3d(0, 0, 200) - T.linear() * Eigen::Vector3d(30, 20, 0);
+    LightView shared = view;
+    shared.rays = std::make_shared<const CornerRays>(corner_rays(view.lens, {10, 5, 300, 230}));
+    for (const int twice : {1, 2})
+      for (const int bin : {1, 3}) {
+        const FootprintGrid own = grid_of(binned(binned(view, bin), twice), T, surface),
+                            of_all = grid_of(binned(binned(shared, bin), twice), T, surface);
+        ASSERT_EQ(own.corner_x_mm.size(), of_all.corner_x_mm.size());
+        std::size_t on_board = 0;
+        for (std::size_t i = 0; i < own.corner_x_mm.size(); ++i) {
+          ASSERT_EQ(std::isnan(own.corner_x_mm[i]), std::isnan(of_all.corner_x_mm[i]));
+          if (std::isnan(own.corner_x_mm[i])) continue;
+          ++on_board;
+          ASSERT_NEAR(own.corner_x_mm[i], of_all.corner_x_mm[i], 1e-7);
+          ASSERT_NEAR(own.corner_y_mm[i], of_all.corner_y_mm[i], 1e-7);
+        }
+        EXPECT_GT(on_board, own.corner_x_mm.size() / 4);
+      }
+  }
+}
+
 }  // namespace
 }  // namespace burin
