@@ -315,17 +315,21 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   if (options.fit_spot) {
     for (std::size_t light = 0; light < usable.size(); ++light) {
       if (!usable[light]) continue;
-      Fit best = fit;
       std::vector<bool> with_spot = spot;
       with_spot[light] = true;
+      // A tenth of the samples says from which exponent to start.
+      constexpr std::size_t kThin = 10;
+      Fit thin, best;
       for (const double exponent : {2., 8., 25.}) {
         Blocks from = fit.blocks;
         from.lamps[light].spot[0] = data.center_mm.x();
         from.lamps[light].spot[1] = data.center_mm.y();
         from.lamps[light].spot[2] = exponent;
-        Fit candidate = run_fit(data, from, with_spot, -1, 1, true, 60, false);
-        if (candidate.usable && candidate.cost < best.cost) best = std::move(candidate);
+        Fit candidate = run_fit(data, from, with_spot, -1, kThin, true, 60, false);
+        if (candidate.usable && (!thin.usable || candidate.cost < thin.cost)) thin = std::move(candidate);
       }
+      if (thin.usable) best = run_fit(data, thin.blocks, with_spot, -1, 1, true, 60, false);
+      if (!best.usable) continue;
       // A spot has three parameters more. Errors of paper and face are not independent, so ask for far more than a test
       // of white noise would.
       constexpr double kWorthIt = 0.9;
