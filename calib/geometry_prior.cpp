@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "calib/bundle.h"
+#include "calib/identifiability.h"
 #include "render/lens.h"
 #include "render/surface.h"
 
@@ -68,7 +69,11 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
       }
   }
   const auto views = static_cast<Eigen::Index>(bench.views.size());
-  const Eigen::Index kept = 6 * views + 3;
+  BundleOptions options;
+  options.fix_lens = lens_was_given(bench);
+  const auto lens = static_cast<Eigen::Index>(options.fix_lens ? 0 : free_lens_parameters(bench.lens));
+  const Eigen::Index kept = 6 * views + 3 + lens;
+  prior.lens_moved = Eigen::VectorXd::Zero(lens);
   constexpr double kExact = 1e18;
   prior.information = Eigen::MatrixXd::Zero(kept, kept);
   if (bundle.corners.empty()) {
@@ -76,12 +81,13 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
     return prior;
   }
 
-  // Poses, then what all views share, with the bow in front.
-  const BundleEquations equations = bundle_equations(bundle, {});
+  // Poses, then what all views share, with bow and lens in front.
+  const BundleEquations equations = bundle_equations(bundle, options);
   const Eigen::Index columns = equations.columns, bow = equations.shared_at + 1;
   std::vector<Eigen::Index> order{bow, bow + 1, bow + 2};
+  for (Eigen::Index i = 0; i < lens; ++i) order.push_back(equations.lens_at + i);
   for (Eigen::Index i = 0; i < columns; ++i)
-    if (i < bow || i > bow + 2) order.push_back(i);
+    if (std::find(order.begin(), order.end(), i) == order.end()) order.push_back(i);
   Eigen::MatrixXd shared = equations.prior;
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(6 * views + columns, 6 * views + columns);
   for (Eigen::Index v = 0; v < views; ++v) {
@@ -107,7 +113,25 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
   const Eigen::MatrixXd scaled = across * scale.asDiagonal();
   prior.information = H.topLeftCorner(kept, kept) - scaled * inner.ldlt().solve(scaled.transpose());
   prior.information = 0.5 * (prior.information + prior.information.transpose()).eval();
+  // The lens in the units of moved_lens().
+  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(lens, 4); ++i) {
+    const double unit = bench.lens.intrinsics[i % 2];
+    prior.information.row(kept - lens + i) *= unit;
+    prior.information.col(kept - lens + i) *= unit;
+  }
   return prior;
+}
+
+std::size_t free_lens_parameters(const Lens& lens) {
+  constexpr std::size_t kCore = 4, kMost = 12;
+  const std::size_t parameters = lens.intrinsics.size();
+  return parameters >= kCore && parameters <= kMost ? parameters : 0;
+}
+
+Lens moved_lens(const Lens& lens, const Eigen::VectorXd& by) {
+  Lens moved = lens;
+  for (Eigen::Index i = 0; i < by.size(); ++i) moved.intrinsics[i] += by[i] * (i < 4 ? lens.intrinsics[i % 2] : 1);
+  return moved;
 }
 
 Vector6 pose_difference(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {

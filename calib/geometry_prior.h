@@ -1,11 +1,14 @@
 // calib/geometry_prior.h - what the tags say about cameras and bow, for fits that let them move.
 // Frame: board, mm. Poses move as the renderer's: T' = exp(r) T_camera_board, then its translation + t; (r, t) in
-// radians and mm, camera axes. The geometry's unknowns in one vector: (r, t) of each view, then bow_mm (3).
+// radians and mm, camera axes. The geometry's unknowns in one vector: (r, t) of each view, bow_mm (3), and the lens as
+// moved_lens() takes it.
 //
 // Tags give each pose to some hundredths of a pixel and the bow to a micrometre. That is not nothing: a micrometre of
 // bow moves a lamp that is seen by its glints by half a millimetre, and scratches tell lamp and machine better than
-// that. So cameras and bow are unknowns beside all others, with the tags' corners as their prior; where tags lie and
-// what the lens is have been eliminated from it. They move so little that one Gauss-Newton step does it.
+// that. So cameras, bow and lens are unknowns beside all others, with the tags' corners as their prior; where tags lie
+// has been eliminated from it. A lens that was held would hold the cameras, too: a focal length that is one tenth of
+// its sigma too long puts all of them, and through the glints the lamp, farther off than their pixels would allow. They
+// move so little that one Gauss-Newton step does it.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -21,12 +24,22 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 struct GeometryPrior {
   std::vector<Eigen::Isometry3d> T_camera_board;  ///< one a view of the bench
   Eigen::Vector3d bow_mm{0, 0, 0};
-  Eigen::MatrixXd information;  ///< inverse covariance of the geometry's unknowns: 6 a view, then 3
+  /// How far the lens has been moved since; as long as there are parameters that are free.
+  Eigen::VectorXd lens_moved;
+  Eigen::MatrixXd information;  ///< inverse covariance of the geometry's unknowns: 6 a view, 3, the lens' parameters
 };
+
+/// How many parameters of a lens move: all of one that has focal lengths and centre and at most twelve, else none.
+std::size_t free_lens_parameters(const Lens& lens);
+
+/// The lens moved by fx and fy relative to themselves, cx / fx, cy / fy, and the rest as they are: the same numbers for
+/// photos and for binned ones.
+Lens moved_lens(const Lens& lens, const Eigen::VectorXd& by);
 
 /// From a calibrated bench, by bundle_equations(): the four corners of as many tags as each view used, known to the
 /// view's reprojection RMS; tags to board.tags.sigma_mm, their mean shift, turn and growth zero (they are the frame); a
-/// lens that is free. A view that says nothing of its tags has a pose that is taken as exact.
+/// lens that is free, unless the bench says that it was given. A view that says nothing of its tags has a pose that is
+/// taken as exact.
 GeometryPrior geometry_prior(const Board& board, const Bench& bench);
 
 /// (r, t) that takes `from` to `to`.

@@ -11,6 +11,8 @@
 namespace burin {
 namespace {
 
+constexpr const char* kLensGiven = "given, and held fixed";
+
 std::string number(double value, int digits = 2) {
   std::ostringstream out;
   out.precision(digits);
@@ -153,6 +155,11 @@ std::vector<HalvesVerdict> pose_halves(const BoardSolution& geometry, const std:
 
 }  // namespace
 
+bool lens_was_given(const Bench& bench) {
+  const auto verdict = bench.verdict.find("lens");
+  return verdict != bench.verdict.end() && verdict->second.reason == kLensGiven;
+}
+
 Combinations judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench) {
   const BundleEquations equations = bundle_equations(geometry.bundle, geometry.options);
   EquationsInParts parts;
@@ -178,7 +185,7 @@ Combinations judge_geometry(const BoardSolution& geometry, const Board& board, b
   Combinations judged_here;
   const Lens& lens = geometry.lens;
   if (fixed_lens) {
-    bench.verdict["lens"] = {true, "given, and held fixed"};
+    bench.verdict["lens"] = {true, kLensGiven};
   } else {
     std::vector<Eigen::VectorXd> rows;
     std::vector<double> sigmas;

@@ -25,6 +25,9 @@ namespace burin {
 /// What was judged, by its name in the verdict: the linear combinations of a problem's unknowns that it is made of.
 using Combinations = std::map<std::string, std::vector<Eigen::VectorXd>>;
 
+/// Whether calibration was given the lens and held it, as judge_geometry() says in the verdict.
+bool lens_was_given(const Bench& bench);
+
 /// Judges "lens", "poses" (and "pose.VIEW" where one is worse than determined), "board.tags", "board.bow_mm"; widens
 /// the views' centre sigmas where their tags contradict each other. Combinations are of BundleEquations' columns.
 Combinations judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench);

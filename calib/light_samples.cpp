@@ -154,6 +154,12 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
       }
     views.push_back(std::move(v));
   }
+  share_rays(views);
+  return views;
+}
+
+void share_rays(std::span<LightView> views) {
+  for (LightView& v : views) v.rays = nullptr;
   // Views of one size share their lens.
   for (std::size_t first = 0; first < views.size(); ++first) {
     if (views[first].rays != nullptr) continue;
@@ -171,7 +177,6 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
     for (LightView& v : views)
       if (same(v)) v.rays = rays;
   }
-  return views;
 }
 
 FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_board, const Surface& surface) {

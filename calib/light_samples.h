@@ -34,6 +34,9 @@ struct LightView {
   std::shared_ptr<const CornerRays> rays;
 };
 
+/// Finds the rays of views as make_light_views() makes them (not binned), whose lenses may have been moved since.
+void share_rays(std::span<LightView> views);
+
 /// The footprints of a light view's pixels.
 FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_board, const Surface& surface);
 

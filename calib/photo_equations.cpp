@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "calib/geometry_prior.h"
 #include "calib/lamp.h"
 #include "render/error.h"
 
@@ -374,6 +375,52 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
   photo.log_blur_at = x[unknown::log_blur];
 }
 
+namespace {
+
+// The picture's derivatives by the lens, in the units of moved_lens(). A turn of the camera about x or y moves what is
+// seen over the picture and changes nothing else, and so does the lens: from G dq/d(rx, ry) = dI/d(rx, ry) follows how
+// the picture changes where its content moves, and dI/dlens = G dq/dlens. That content also grows a little is left out.
+std::vector<Image> lens_slopes(const PhotoData& photo, const Image& by_rx, const Image& by_ry) {
+  const Lens& lens = photo.camera.lens;
+  const std::size_t parameters = free_lens_parameters(lens);
+  const int width = by_rx.width, height = by_rx.height;
+  std::vector<Image> out(parameters, Image(width, height, 1));
+  if (parameters == 0) return out;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::size_t> pixels;
+  std::vector<Eigen::Vector2d> q;
+  std::vector<PixelByPoint> dq_dp;
+  std::vector<double> dq_dlens;
+  for (int y = 0; y < height; ++y) {
+    points.clear();
+    pixels.clear();
+    for (int px = 0; px < width; ++px) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + px;
+      const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
+      if (!std::isfinite(p.x())) continue;
+      points.emplace_back(photo.camera.T_camera_board * p);
+      pixels.push_back(i);
+    }
+    q.resize(points.size());
+    project(lens, points, q, &dq_dp, &dq_dlens);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      Eigen::Matrix2d by_turn;  // of q, by rx and ry
+      by_turn << dq_dp[k] * Eigen::Vector3d::UnitX().cross(points[k]),
+          dq_dp[k] * Eigen::Vector3d::UnitY().cross(points[k]);
+      const std::size_t i = pixels[k];
+      const Eigen::Vector2d G = by_turn.transpose().inverse() * Eigen::Vector2d(by_rx.data[i], by_ry.data[i]);
+      const double* by_lens = &dq_dlens[k * 2 * parameters];
+      for (std::size_t j = 0; j < parameters; ++j) {
+        const double unit = j < 4 ? lens.intrinsics[j % 2] : 1;
+        out[j].data[i] = static_cast<float>(unit * (G.x() * by_lens[j] + G.y() * by_lens[parameters + j]));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
 Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
   return blurred(with_ambient(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x))),
                  blur_kernel(blur_sigma_px(photo, x), photo.bin));
@@ -416,7 +463,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   const int at_depth = ask(want_depth, {P::depth_um});
   const int at_base = ask(free[unknown::log_base_alpha], {P::base_alpha});
   const bool want_lamp = any(unknown::lamp_position, 3), want_machine = any(unknown::machine, 6);
-  const bool want_pose = any(unknown::pose, 6);
+  const bool want_pose = any(unknown::pose, 6) || any(unknown::lens, kLensUnknowns);
   const int at_lamp = ask(want_lamp, {P::light_x_mm, P::light_y_mm, P::light_z_mm});
   const int at_machine =
       ask(want_machine, {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
@@ -523,6 +570,11 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
       }
       if (free[unknown::machine + 4 + row]) add_column(unknown::machine + 4 + row, by_row[2]);
     }
+  }
+  if (any(unknown::lens, kLensUnknowns)) {
+    std::vector<Image> by_lens = lens_slopes(photo, rendered.d_radiance[at_pose], rendered.d_radiance[at_pose + 1]);
+    for (std::size_t k = 0; k < by_lens.size(); ++k)
+      if (free[unknown::lens + k]) add_column(unknown::lens + static_cast<int>(k), std::move(by_lens[k]));
   }
   for (int k = 0; k < 6; ++k)
     if (free[unknown::pose + k]) add_column(unknown::pose + k, std::move(rendered.d_radiance[at_pose + k]));

@@ -33,12 +33,14 @@ enum Index : int {
   lamp_position = 20,  // mm
   log_intensity = 23,
   spot = 24,  // aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp
-  pose = 27,  // rotation vector on the left of T_camera_board, about the board's center; then translation, mm
+  pose = 27,  // rotation vector on the left of T_camera_board; then translation, mm
   bow = 33,   // mm
-  count = 36
+  lens = 36,  // as moved_lens() (geometry_prior.h) takes them; lenses of more parameters are held
+  count = 48
 };
 }  // namespace unknown
 
+constexpr int kLensUnknowns = unknown::count - unknown::lens;
 using Unknowns = Eigen::Matrix<double, unknown::count, 1>;
 using FreeUnknowns = std::array<bool, unknown::count>;
 

@@ -13,15 +13,22 @@ namespace {
 
 constexpr double kTileMm = 20;
 
+// A^-1 b for a positive definite A whose unknowns have very different units.
+Eigen::MatrixXd inverse_times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b) {
+  const Eigen::VectorXd scale = A.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd inner = scale.asDiagonal() * A * scale.asDiagonal();
+  return scale.asDiagonal() * inner.ldlt().solve(scale.asDiagonal() * b);
+}
+
 // The normal equations of everything at one state, cameras and bow ("geometry") eliminated.
 struct NormalSystem {
   std::vector<bool> free;
   Eigen::MatrixXd H, noise_H;  // of all; with the camera's noise alone as weights, poses known
   Eigen::VectorXd g;
-  Eigen::VectorXd prior;                // diagonal of the priors' information
-  Eigen::MatrixXd geometry_scatter;     // of the scores, from the tags' noise in the geometry's prior
-  Eigen::MatrixXd tiles;                // scores by square of the board
-  std::vector<Eigen::VectorXd> photos;  // scores by photo
+  Eigen::VectorXd prior;             // diagonal of the priors' information
+  Eigen::MatrixXd geometry_scatter;  // of the scores, from the tags' noise in the geometry's prior
+  // Scores by square of the board and by photo; below them the geometry's own.
+  Eigen::MatrixXd tiles, photos;
   std::map<int, Eigen::VectorXd> tags;  // scores by tag (paper)
   std::map<std::size_t, Eigen::MatrixXd> H_view;
   std::map<std::size_t, Eigen::VectorXd> g_view;
@@ -36,9 +43,11 @@ struct NormalSystem {
 // where errors have long tails, as those of grooves near their cut-off have.
 enum class Information { weights, curvature };
 
-// What normal_system() differentiates by: all that the stage frees, and poses and bow where they may move.
+// What normal_system() differentiates by: all that the stage frees, and poses, bow and lens where they may move.
 FreeUnknowns wanted_of(const Problem& data, const Stage& stage) {
   FreeUnknowns wanted{};
+  if (data.geometry)
+    for (Eigen::Index i = 0; i < data.geometry->lens_moved.size(); ++i) wanted[unknown::lens + i] = true;
   for (const Block& block : kBlocks)
     for (int i = 0; i < block.size; ++i)
       wanted[block.first + i] = block.first >= unknown::pose   ? data.geometry.has_value()
@@ -77,7 +86,9 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, State& state
   const std::size_t lights = state.lamps.size();
   const Eigen::Index n = kSharedUnknowns + 1 + static_cast<Eigen::Index>(lights) * kLampUnknowns;
   const bool free_geometry = data.geometry.has_value();
-  const Eigen::Index m = free_geometry ? data.geometry->information.rows() : 0, at_bow = m - 3;
+  const Eigen::Index m = free_geometry ? data.geometry->information.rows() : 0;
+  const Eigen::Index lens = free_geometry ? data.geometry->lens_moved.size() : 0, at_lens = m - lens,
+                     at_bow = at_lens - 3;
   NormalSystem out;
   out.free.assign(n, false);
   out.free[kSharedUnknowns] = true;
@@ -91,9 +102,10 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, State& state
   const auto place = [&](const PhotoData& photo, int index) -> Eigen::Index {
     if (index < kInner) return global_index(index, photo.photo.light);
     if (index < unknown::bow) return n + 6 * static_cast<Eigen::Index>(photo.photo.view) + (index - unknown::pose);
-    return n + at_bow + (index - unknown::bow);
+    if (index < unknown::lens) return n + at_bow + (index - unknown::bow);
+    return n + at_lens + (index - unknown::lens);
   };
-  const int count = free_geometry ? static_cast<int>(unknown::count) : kInner;
+  const int count = free_geometry ? unknown::lens + static_cast<int>(lens) : kInner;
   out.noise_H = Eigen::MatrixXd::Zero(n, n);
   std::map<std::size_t, Eigen::MatrixXd> F_view;  // over (unknowns, geometry)
   std::vector<Eigen::VectorXd> f_photo;
@@ -132,14 +144,13 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, State& state
       const std::size_t view = photo.photo.view;
       off.segment<6>(6 * static_cast<Eigen::Index>(view)) =
           pose_difference(prior.T_camera_board[view], photo.camera.T_camera_board);
-      off.tail<3>() = photo.camera.surface.bow_mm - prior.bow_mm;
+      off.segment<3>(at_bow) = photo.camera.surface.bow_mm - prior.bow_mm;
     }
+    off.tail(lens) = prior.lens_moved;
     out.A = F.bottomRightCorner(m, m) + prior.information;
     out.B = F.topRightCorner(n, m);
     out.geometry_g = f.tail(m) + prior.information * off;
-    const Eigen::VectorXd scale = out.A.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd inner = scale.asDiagonal() * out.A * scale.asDiagonal();
-    out.gain = (scale.asDiagonal() * inner.ldlt().solve(scale.asDiagonal() * out.B.transpose())).transpose();
+    out.gain = inverse_times(out.A, out.B.transpose()).transpose();
     eliminate.rightCols(m) = -out.gain;
     out.geometry_scatter = out.gain * prior.information * out.gain.transpose();
     f.tail(m) = out.geometry_g;
@@ -148,11 +159,15 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, State& state
     out.H_view[view] = eliminate * Fv * eliminate.transpose();
     out.g_view[view] = Eigen::VectorXd::Zero(n);
   }
+  Eigen::MatrixXd with_geometry(n + m, n + m);
+  with_geometry << eliminate, Eigen::MatrixXd::Zero(m, n), Eigen::MatrixXd::Identity(m, m);
+  out.photos.resize(n + m, static_cast<Eigen::Index>(data.photos.size()));
   for (std::size_t k = 0; k < data.photos.size(); ++k) {
-    out.photos.emplace_back(eliminate * f_photo[k]);
-    out.g_view[data.photos[k].photo.view] += out.photos.back();
+    const auto column = static_cast<Eigen::Index>(k);
+    out.photos.col(column) = with_geometry * f_photo[k];
+    out.g_view[data.photos[k].photo.view] += out.photos.col(column).head(n);
   }
-  out.tiles = eliminate * tiles;
+  out.tiles = with_geometry * tiles;
   out.g = eliminate * f;
   out.H = out.geometry_scatter;
 
@@ -166,7 +181,7 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, State& state
     out.noise_H += weight * row * row.transpose();
     out.H_view[view] += outer;
     out.g_view[view] += weight * r * row;
-    out.photos[sample.light_view] += weight * r * row;
+    out.photos.col(static_cast<Eigen::Index>(sample.light_view)).head(n) += weight * r * row;
     out.g += weight * r * row;
     auto [at, fresh] = out.tags.try_emplace(sample.tag, Eigen::VectorXd::Zero(n));
     at->second += weight * r * row;
@@ -216,29 +231,30 @@ ViewEquations view_equations(const Problem& data, const Stage& stage, State& sta
     out.g.push_back(system.g_view.at(view));
     out.prior_g -= out.g.back();
   }
-  out.tiles = system.tiles;
+  out.tiles = system.tiles.topRows(system.H.rows());
   out.prior_scatter = system.geometry_scatter;
   out.prior_scatter.diagonal() += system.prior;
   return out;
 }
 
-void joint_step(const Problem& data, const Stage& stage, State& state, Bench& bench) {
+Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Bench& bench) {
   const NormalSystem system = weighted_system(data, stage, state);
   const Eigen::VectorXd step = -safe_inverse(system.H, system.free) * system.g;
   state = moved_state(state, step);
   const auto [least_blur, most_blur] = log_blur_range(data);
   state.shared[unknown::log_blur] = std::clamp(state.shared[unknown::log_blur], least_blur, most_blur);
-  if (!data.geometry) return;
-  const Eigen::VectorXd scale = system.A.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd inner = scale.asDiagonal() * system.A * scale.asDiagonal();
-  const Eigen::VectorXd by =
-      -scale.cwiseProduct(inner.ldlt().solve(scale.cwiseProduct(system.geometry_g + system.B.transpose() * step)));
+  if (!data.geometry) return {};
+  const Eigen::VectorXd by = -inverse_times(system.A, system.geometry_g + system.B.transpose() * step);
   for (const PhotoData& photo : data.photos) {
     const std::size_t view = photo.photo.view;
     bench.views[view].T_camera_board =
         moved_pose(photo.camera.T_camera_board, by.segment<6>(6 * static_cast<Eigen::Index>(view)));
   }
-  bench.bow_mm += by.tail<3>();
+  const Eigen::Index lens = data.geometry->lens_moved.size();
+  bench.bow_mm += by.segment<3>(by.size() - lens - 3);
+  data.geometry->lens_moved += by.tail(lens);
+  bench.lens = moved_lens(bench.lens, by.tail(lens));
+  return by.tail(lens);
 }
 
 Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state) {
@@ -261,53 +277,97 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state
   const Eigen::Index n = system.H.rows();
   const Eigen::MatrixXd inverse = safe_inverse(system.H, system.free);
   Uncertainty out;
-  out.shifts.emplace_back(safe_inverse(tolerant.H, tolerant.free) * tolerant.g);
-  for (std::size_t model = 2; model < models.size(); ++model)
-    out.shifts.emplace_back(inverse * (system_of(model).g - system.g));
+  std::vector<Eigen::VectorXd> geometry_shifts;
+  const auto add_shift = [&](const NormalSystem& by, const Eigen::MatrixXd& by_inverse, const Eigen::VectorXd& g,
+                             const Eigen::VectorXd& geometry_g) {
+    out.shifts.emplace_back(-by_inverse * g);
+    if (data.geometry)
+      geometry_shifts.emplace_back(-inverse_times(by.A, geometry_g + by.B.transpose() * out.shifts.back()));
+  };
+  add_shift(tolerant, safe_inverse(tolerant.H, tolerant.free), tolerant.g, tolerant.geometry_g);
+  for (std::size_t model = 2; model < models.size(); ++model) {
+    const NormalSystem uneven = system_of(model);
+    add_shift(system, inverse, uneven.g - system.g, uneven.geometry_g - system.geometry_g);
+  }
   out.noise_bound = safe_inverse(system.noise_H, system.free);
   const double scatter = system.pixels ? std::max(1.0, 2 * system.cost / static_cast<double>(system.pixels)) : 1;
   out.covariances.push_back(scatter * inverse);
 
   Eigen::MatrixXd priors = system.geometry_scatter;  // the priors' own scatter
   priors.diagonal() += system.prior;
-  Eigen::MatrixXd meat = system.tiles * system.tiles.transpose() + priors;
-  for (const auto& [tag, score] : system.tags) meat += score * score.transpose();
-  out.covariances.push_back(inverse * meat * inverse);
-
+  // Scores that are taken for independent, and by what factor a sum over few of them falls short.
+  struct Clusters {
+    Eigen::MatrixXd scores;
+    double factor = 1;
+  };
+  std::vector<Clusters> clusters(1);
+  clusters[0].scores = system.tiles;
+  clusters[0].scores.conservativeResize(Eigen::NoChange,
+                                        system.tiles.cols() + static_cast<Eigen::Index>(system.tags.size()));
+  clusters[0].scores.rightCols(static_cast<Eigen::Index>(system.tags.size())).setZero();
+  for (Eigen::Index column = system.tiles.cols(); const auto& [tag, score] : system.tags)
+    clusters[0].scores.col(column++).head(n) = score;
   // Errors of the model itself are alike in neighbouring places and in photos with like half vectors, so clusters that
   // small would take them for many independent ones. Few large clusters do not: the board's quadrants, and the photos
   // in groups along the lean of their half vectors.
-  const auto add_clusters = [&](const std::vector<Eigen::VectorXd>& scores) {
-    const auto clusters = static_cast<double>(scores.size());
-    if (scores.size() < 2) return;
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(n, n);
-    for (const Eigen::VectorXd& score : scores) sum += score * score.transpose();
-    out.covariances.push_back(inverse * (clusters / (clusters - 1) * sum + priors) * inverse);
+  const auto add_clusters = [&](const Eigen::MatrixXd& scores) {
+    const auto count = static_cast<double>(scores.cols());
+    if (scores.cols() >= 2) clusters.push_back({scores, count / (count - 1)});
   };
-  std::vector<Eigen::VectorXd> quadrants(4, Eigen::VectorXd::Zero(n));
+  Eigen::MatrixXd quadrants = Eigen::MatrixXd::Zero(system.tiles.rows(), 4);
   const auto tile_columns = static_cast<Eigen::Index>(std::ceil(data.model.board->size_mm.x() / kTileMm));
   const Eigen::Index tile_rows = system.tiles.cols() / tile_columns;
   for (Eigen::Index tile = 0; tile < system.tiles.cols(); ++tile) {
     const bool right = 2 * (tile % tile_columns) >= tile_columns, upper = 2 * (tile / tile_columns) >= tile_rows;
-    quadrants[(right ? 1 : 0) + (upper ? 2 : 0)] += system.tiles.col(tile);
+    quadrants.col((right ? 1 : 0) + (upper ? 2 : 0)) += system.tiles.col(tile);
   }
   add_clusters(quadrants);
 
-  const std::size_t count = system.photos.size();
-  std::vector<std::pair<double, std::size_t>> by_lean;
+  const std::size_t count = data.photos.size();
+  std::vector<std::pair<double, Eigen::Index>> by_lean;
   for (std::size_t k = 0; k < count; ++k) {
     const Unknowns x = state.of(data.photos[k].photo.light);
     const Eigen::Vector3d center(data.model.center_mm.x(), data.model.center_mm.y(), 0);
     const Eigen::Vector3d lamp = x.segment<3>(unknown::lamp_position);
     const Eigen::Vector3d h =
         ((lamp - center).normalized() + (data.photos[k].scene.camera_center_mm - center).normalized()).normalized();
-    by_lean.emplace_back(h.z(), k);
+    by_lean.emplace_back(h.z(), static_cast<Eigen::Index>(k));
   }
   std::sort(by_lean.begin(), by_lean.end());
   const std::size_t groups = std::min<std::size_t>(4, count / 2);
-  std::vector<Eigen::VectorXd> grouped(groups, Eigen::VectorXd::Zero(n));
-  for (std::size_t k = 0; k < count && groups > 0; ++k) grouped[k * groups / count] += system.photos[by_lean[k].second];
+  Eigen::MatrixXd grouped = Eigen::MatrixXd::Zero(system.photos.rows(), static_cast<Eigen::Index>(groups));
+  for (std::size_t k = 0; k < count && groups > 0; ++k)
+    grouped.col(static_cast<Eigen::Index>(k * groups / count)) += system.photos.col(by_lean[k].second);
   add_clusters(grouped);
+  for (const Clusters& c : clusters) {
+    const Eigen::MatrixXd by_cluster = inverse * c.scores.topRows(n);
+    out.covariances.emplace_back(c.factor * by_cluster * by_cluster.transpose() + inverse * priors * inverse);
+  }
+
+  if (data.geometry) {
+    const Eigen::Index m = system.A.rows();
+    out.center_sigma_mm.assign(data.geometry->T_camera_board.size(), Eigen::Vector3d::Zero());
+    for (const PhotoData& photo : data.photos) {
+      const auto view = static_cast<Eigen::Index>(photo.photo.view);
+      for (int axis = 0; axis < 3; ++axis) {
+        // The centre -R^T t moves by -R^T times what t moves by; turns about the camera leave it where it is.
+        Eigen::VectorXd by_geometry = Eigen::VectorXd::Zero(m);
+        by_geometry.segment<3>(6 * view + 3) = -photo.camera.T_camera_board.linear().col(axis);
+        const Eigen::VectorXd by_own = inverse_times(system.A, by_geometry), by_unknowns = system.gain * by_geometry,
+                              by_scores = inverse * by_unknowns;
+        Eigen::VectorXd by_score(n + m);  // the centre's move for each score of the unknowns and of the geometry
+        by_score << by_scores, -by_own;
+        const Eigen::VectorXd by_tags = by_own + system.gain.transpose() * by_scores;
+        const double by_priors =
+            by_tags.dot(data.geometry->information * by_tags) + by_scores.dot(system.prior.cwiseProduct(by_scores));
+        double variance = scatter * (by_geometry.dot(by_own) + by_unknowns.dot(by_scores));
+        for (const Clusters& c : clusters)
+          variance = std::max(variance, c.factor * (by_score.transpose() * c.scores).squaredNorm() + by_priors);
+        for (const Eigen::VectorXd& shift : geometry_shifts) variance += std::pow(by_geometry.dot(shift), 2);
+        out.center_sigma_mm[photo.photo.view][axis] = std::sqrt(variance);
+      }
+    }
+  }
 
   const auto views = static_cast<double>(system.H_view.size());
   if (views >= 3) {

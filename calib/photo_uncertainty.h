@@ -24,6 +24,10 @@ struct Uncertainty {
   /// were all that is wrong with them, poses known. How far sigma() stands above it is what the model misses.
   Eigen::MatrixXd noise_bound;
 
+  /// Of each view's camera centre, board axes, by the same estimates but the jackknife: without its own photos a camera
+  /// is where the tags have it. Empty where cameras did not move; 0 for a view without photos.
+  std::vector<Eigen::Vector3d> center_sigma_mm;
+
   /// By how much the answer moves under choices that are as good as the one made; each counts as one sigma.
   std::vector<Eigen::VectorXd> shifts;
 
@@ -38,7 +42,7 @@ struct Uncertainty {
   double bound(int index) const { return std::sqrt(noise_bound(index, index)); }
 };
 
-/// At the optimum `state` of what `stage` freed, poses and bow (where the problem has a prior for them) included.
+/// At the optimum `state` of what `stage` freed, poses, bow and lens (where the problem has a prior for them) included.
 Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state);
 
 /// The views' own normal equations at `state`, of all that `stage` frees; their sum and the priors' are the problem's.
@@ -57,8 +61,9 @@ ViewEquations view_equations(const Problem& data, const Stage& stage, State& sta
 /// Inverse of H on the free unknowns, 0 elsewhere; directions without information get a variance that says so.
 Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& free);
 
-/// One Gauss-Newton step of what `stage` frees and of all poses and the bow together (geometry_prior.h), from near the
-/// optimum. Moves `state` and `bench`'s poses and bow; the problem's photos must be made anew afterwards.
-void joint_step(const Problem& data, const Stage& stage, State& state, Bench& bench);
+/// One Gauss-Newton step of what `stage` frees and of all poses, the bow and the lens together (geometry_prior.h), from
+/// near the optimum. Moves `state` and `bench`'s poses, bow and lens; the problem's photos must be made anew
+/// afterwards, from views whose lens has been moved_lens() by what is returned.
+Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Bench& bench);
 
 }  // namespace burin

@@ -181,9 +181,11 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
     solve_corrected("fitting photos without what lies on the board");
   }
   const auto move_geometry = [&] {
-    joint_step(data, stage, state, out.bench);
+    const Eigen::VectorXd lens = joint_step(data, stage, state, out.bench);
+    for (LightView& view : views) view.lens = moved_lens(view.lens, lens);
+    share_rays(views);
     data.photos = photos_at(views, finest, board, out.bench, blur());
-    solve_corrected("fitting photos, cameras and bow");
+    solve_corrected("fitting photos, cameras, lens and bow");
   };
   if (options.fit_geometry) {
     data.geometry = geometry_prior(board, out.bench);

@@ -11,7 +11,7 @@
 // photo's is compressed to its normal equations. Coarse (binned) photos first: there the machine may be off by more
 // than a groove's width.
 //
-// Cameras' poses and the bow move too (geometry_prior.h), with the tags as their prior.
+// Cameras' poses, the bow and the lens move too (geometry_prior.h), with the tags as their prior.
 //
 // Sigmas are not those of white noise. Several estimates are made, and the largest is reported, all of them with the
 // robust loss' own curvature at the optimum: the inverse of the normal equations times the residuals' scatter;
@@ -39,7 +39,7 @@ enum class Overlap { automatic, add, last };
 struct RefineOptions {
   Overlap overlap = Overlap::automatic;  ///< automatic: whichever explains the photos better
   bool fit_lamp = true;                  ///< false keeps bench.lights' positions
-  bool fit_geometry = true;              ///< false: the bench's poses and bow are exact
+  bool fit_geometry = true;              ///< false: the bench's poses, bow and lens are exact
   bool fit_fields = true;                ///< let depth vary over the board and with wear (field_choice.h)
   /// Photos are binned until a pixel is at least this large on the board, 0 for the photos as taken. Grooves are found
   /// far below a pixel, so binning loses little and is several times faster; what it distorts is corrected by

@@ -158,6 +158,9 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
     }
     l.intensity_sigma = l.intensity * uncertainty.sigma(at(unknown::log_intensity));
   }
+  for (std::size_t view = 0; view < uncertainty.center_sigma_mm.size(); ++view)
+    if (uncertainty.center_sigma_mm[view] != Eigen::Vector3d::Zero())
+      bench.views[view].center_sigma_mm = uncertainty.center_sigma_mm[view];
   Combinations judged = judge_light(data, state, uncertainty, stage, bench);
 
   // How far the sigmas stand above what the camera's noise alone would allow: the rest is what the model misses.

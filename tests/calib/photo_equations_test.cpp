@@ -3,10 +3,12 @@
 // fall-off, the blur, vignetting and the robust loss together. Not proved: that the model is right (the rigs prove
 // that, refine_test.cpp).
 #include "calib/photo_equations.h"
+#include "calib/geometry_prior.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <random>
 
 namespace burin {
@@ -20,6 +22,16 @@ struct Scene {
   PhotoData photo;
   Unknowns truth, start;
 };
+
+LightView view_through(const Lens& lens) {
+  LightView v;
+  v.lens = lens;
+  v.window = {0, 0, 160, 120};
+  v.value = Image(160, 120, 1);
+  v.sigma = Image(160, 120, 1, 0.05F);
+  v.valid.assign(160 * 120, 1);
+  return v;
+}
 
 void fill(Scene& s, bool spot) {
   s.board.size_mm << 60, 40;
@@ -69,12 +81,7 @@ void fill(Scene& s, bool spot) {
   t[unknown::log_intensity] = std::log(4e4);
   if (spot) t.segment<3>(unknown::spot) << 25, 15, 6;
 
-  LightView v;
-  v.lens = s.bench.lens;
-  v.window = {0, 0, 160, 120};
-  v.value = Image(160, 120, 1);
-  v.sigma = Image(160, 120, 1, 0.05F);
-  v.valid.assign(160 * 120, 1);
+  LightView v = view_through(s.bench.lens);
   s.photo = make_photo_data(v, 1, s.board, s.bench, 2);
   s.photo.photo.value = predict(s.model, s.photo, t, carved_scratches(s.model, t));
   s.start = t;
@@ -115,6 +122,48 @@ void check_gradient(const Scene& s) {
     EXPECT_NEAR(e.Jtr[i], difference, tolerance * std::abs(difference) + 1e-3 * scale) << "unknown " << i;
     EXPECT_GT(e.JtJ(i, i), 0) << "unknown " << i;
   }
+}
+
+// The cost changes with lens and pose as its gradient says, the photo's grid made anew for each. (That distortion
+// makes things larger or smaller as well is left out of its gradient, hence the wider bound.)
+TEST(PhotoEquations, LensAndPoseMoveThePicture) {
+  Scene s;
+  fill(s, false);
+  s.bench.lens.model = "LENSMODEL_OPENCV4";
+  s.bench.lens.intrinsics = {420, 425, 80, 60, -0.1, 0.05, 0.002, -0.001};
+  const Scratches carved = carved_scratches(s.model, s.start);
+  const PhotoData far_from_edges = make_photo_data(view_through(s.bench.lens), 1, s.board, s.bench, 8);
+  const auto photo_of = [&](const Bench& bench) {
+    PhotoData photo = make_photo_data(view_through(bench.lens), 1, s.board, bench, 2);
+    photo.photo.value = s.photo.photo.value;
+    photo.weight = far_from_edges.weight;  // blur brings in pixels that hold the board's edge
+    return photo;
+  };
+  const PhotoData photo = photo_of(s.bench);
+  FreeUnknowns free{};
+  const auto parameters = static_cast<int>(free_lens_parameters(s.bench.lens));
+  ASSERT_EQ(parameters, 8);
+  for (int i = unknown::pose; i < unknown::bow; ++i) free[i] = true;
+  for (int i = 0; i < parameters; ++i) free[unknown::lens + i] = true;
+  const PhotoEquations e = photo_equations(s.model, photo, s.start, carved, free);
+  const auto check = [&](int unknown, double step, double tolerance, const std::function<Bench(double)>& moved) {
+    const auto cost = [&](double by) { return photo_cost(s.model, photo_of(moved(by)), s.start, carved); };
+    const double scale = std::sqrt(2 * e.cost * e.JtJ(unknown, unknown));
+    EXPECT_NEAR(e.Jtr[unknown], (cost(step) - cost(-step)) / (2 * step), tolerance * scale) << "unknown " << unknown;
+    EXPECT_GT(e.JtJ(unknown, unknown), 0);
+  };
+  for (int i = 0; i < 6; ++i)
+    check(unknown::pose + i, i < 3 ? 1e-5 : 0.002, 3e-3, [&](double by) {
+      Bench bench = s.bench;
+      bench.views[0].T_camera_board = moved_pose(bench.views[0].T_camera_board, by * Vector6::Unit(i));
+      return bench;
+    });
+  for (int i = 0; i < parameters; ++i)
+    check(unknown::lens + i, i < 4 ? 1e-5 : 5e-4, i < 4 ? 3e-3 : 5e-3, [&](double by) {
+      Bench bench = s.bench;
+      bench.lens = moved_lens(bench.lens, by * Eigen::VectorXd::Unit(parameters, i));
+      return bench;
+    });
 }
 
 TEST(PhotoEquations, GradientIsTheCostsDerivativeBareLamp) {
