@@ -73,7 +73,8 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
   options.fix_lens = lens_was_given(bench);
   const auto lens = static_cast<Eigen::Index>(options.fix_lens ? 0 : free_lens_parameters(bench.lens));
   const Eigen::Index kept = 6 * views + 3 + lens;
-  prior.lens_moved = Eigen::VectorXd::Zero(lens);
+  prior.lens_parameters = lens;
+  prior.moved = Eigen::VectorXd::Zero(kept);
   constexpr double kExact = 1e18;
   prior.information = Eigen::MatrixXd::Zero(kept, kept);
   if (bundle.corners.empty()) {

@@ -24,8 +24,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 struct GeometryPrior {
   std::vector<Eigen::Isometry3d> T_camera_board;  ///< one a view of the bench
   Eigen::Vector3d bow_mm{0, 0, 0};
-  /// How far the lens has been moved since; as long as there are parameters that are free.
-  Eigen::VectorXd lens_moved;
+  Eigen::Index lens_parameters = 0;  ///< those that move
+  Eigen::VectorXd moved;             ///< how far the geometry's unknowns have been moved since
   Eigen::MatrixXd information;  ///< inverse covariance of the geometry's unknowns: 6 a view, 3, the lens' parameters
 };
 

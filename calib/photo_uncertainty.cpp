@@ -47,7 +47,7 @@ enum class Information { weights, curvature };
 FreeUnknowns wanted_of(const Problem& data, const Stage& stage) {
   FreeUnknowns wanted{};
   if (data.geometry)
-    for (Eigen::Index i = 0; i < data.geometry->lens_moved.size(); ++i) wanted[unknown::lens + i] = true;
+    for (Eigen::Index i = 0; i < data.geometry->lens_parameters; ++i) wanted[unknown::lens + i] = true;
   for (const Block& block : kBlocks)
     for (int i = 0; i < block.size; ++i)
       wanted[block.first + i] = block.first >= unknown::pose   ? data.geometry.has_value()
@@ -87,7 +87,7 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, State& state
   const Eigen::Index n = kSharedUnknowns + 1 + static_cast<Eigen::Index>(lights) * kLampUnknowns;
   const bool free_geometry = data.geometry.has_value();
   const Eigen::Index m = free_geometry ? data.geometry->information.rows() : 0;
-  const Eigen::Index lens = free_geometry ? data.geometry->lens_moved.size() : 0, at_lens = m - lens,
+  const Eigen::Index lens = free_geometry ? data.geometry->lens_parameters : 0, at_lens = m - lens,
                      at_bow = at_lens - 3;
   NormalSystem out;
   out.free.assign(n, false);
@@ -139,14 +139,12 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, State& state
   out.geometry_scatter = Eigen::MatrixXd::Zero(n, n);
   if (free_geometry) {
     const GeometryPrior& prior = *data.geometry;
-    Eigen::VectorXd off = Eigen::VectorXd::Zero(m);
+    Eigen::VectorXd off = prior.moved;  // of poses exactly, where a photo says
     for (const PhotoData& photo : data.photos) {
       const std::size_t view = photo.photo.view;
       off.segment<6>(6 * static_cast<Eigen::Index>(view)) =
           pose_difference(prior.T_camera_board[view], photo.camera.T_camera_board);
-      off.segment<3>(at_bow) = photo.camera.surface.bow_mm - prior.bow_mm;
     }
-    off.tail(lens) = prior.lens_moved;
     out.A = F.bottomRightCorner(m, m) + prior.information;
     out.B = F.topRightCorner(n, m);
     out.geometry_g = f.tail(m) + prior.information * off;
@@ -245,14 +243,14 @@ Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Benc
   state.shared[unknown::log_blur] = std::clamp(state.shared[unknown::log_blur], least_blur, most_blur);
   if (!data.geometry) return {};
   const Eigen::VectorXd by = -inverse_times(system.A, system.geometry_g + system.B.transpose() * step);
-  for (const PhotoData& photo : data.photos) {
-    const std::size_t view = photo.photo.view;
-    bench.views[view].T_camera_board =
-        moved_pose(photo.camera.T_camera_board, by.segment<6>(6 * static_cast<Eigen::Index>(view)));
+  // Views without photos go along: their tags were seen through the same lens, on the same board.
+  for (std::size_t view = 0; view < bench.views.size(); ++view) {
+    Eigen::Isometry3d& T = bench.views[view].T_camera_board;
+    T = moved_pose(T, by.segment<6>(6 * static_cast<Eigen::Index>(view)));
   }
-  const Eigen::Index lens = data.geometry->lens_moved.size();
+  const Eigen::Index lens = data.geometry->lens_parameters;
   bench.bow_mm += by.segment<3>(by.size() - lens - 3);
-  data.geometry->lens_moved += by.tail(lens);
+  data.geometry->moved += by;
   bench.lens = moved_lens(bench.lens, by.tail(lens));
   return by.tail(lens);
 }
