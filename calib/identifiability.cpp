@@ -328,6 +328,7 @@ Combinations judge_light(const Problem& data, const State& state, const Uncertai
   const auto unit = [&](int at) { return Eigen::VectorXd(Eigen::VectorXd::Unit(n, at)); };
   const auto check_of = [&](const std::vector<Eigen::VectorXd>& rows) {
     std::vector<double> sigmas;
+    sigmas.reserve(rows.size());
     for (const Eigen::VectorXd& row : rows) sigmas.push_back(u.sigma(row));
     return pooled(halves, rows, sigmas);
   };
@@ -439,8 +440,8 @@ Combinations judge_light(const Problem& data, const State& state, const Uncertai
     if (!stage.lamp) {
       bench.verdict[name + ".position_mm"] = {true, "given, and held fixed"};
     } else {
-      std::vector<Eigen::VectorXd> rows;
-      for (int k = 0; k < 3; ++k) rows.push_back(unit(at(unknown::lamp_position + k)));
+      const int x = unknown::lamp_position;
+      std::vector<Eigen::VectorXd> rows{unit(at(x)), unit(at(x + 1)), unit(at(x + 2))};
       const HalvesVerdict check = check_of(judged_here[name + ".position_mm"] = rows);
       Eigen::Vector3d sigma;
       for (int k = 0; k < 3; ++k) sigma[k] = widening(check) * u.sigma(rows[k]);

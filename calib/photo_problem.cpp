@@ -215,6 +215,7 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
     const std::size_t light = data.photos[k].photo.light;
     lights.insert(light);
     std::vector<double*> blocks;
+    blocks.reserve(kBlocks.size());
     for (const Block& block : kBlocks)
       blocks.push_back(block.first >= unknown::pose ? geometry[k].data() + (block.first - unknown::pose)
                                                     : state.block(block.first, light));
@@ -330,7 +331,8 @@ Eigen::Vector2d groove_variances(const std::vector<std::vector<PixelSquares>>& p
       g += weight * (std::min(p.residual, kMost * expected) / kMeanOfNormal - known) * slopes;
     }
   if (!(H(0, 0) > 0) || !(H(1, 1) > 0)) return Eigen::Vector2d::Zero();
-  const Eigen::Vector2d both = H.ldlt().solve(g), alone = g.cwiseQuotient(H.diagonal()).cwiseMax(0);
+  const Eigen::Vector2d alone = g.cwiseQuotient(H.diagonal()).cwiseMax(0);
+  Eigen::Vector2d both = H.ldlt().solve(g);
   if (both.minCoeff() >= 0) return both;
   return both[0] < both[1] ? Eigen::Vector2d(0, alone[1]) : Eigen::Vector2d(alone[0], 0);
 }
@@ -413,6 +415,7 @@ double pixel_mm(const LightView& view, const Bench& bench) {
 std::vector<PhotoData> photos_at(const std::vector<LightView>& views, int bin, const Board& board, const Bench& bench,
                                  double blur_px) {
   std::vector<PhotoData> photos;
+  photos.reserve(views.size());
   for (const LightView& view : views)
     photos.push_back(make_photo_data(binned(view, bin), bin, board, bench, 0.8 + 3 * blur_px / bin));
   return photos;

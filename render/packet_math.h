@@ -349,7 +349,8 @@ template <class P>
   alignas(64) float columns[kLanesOf<P>], rows[kLanesOf<P>];
   for (int i = 0; i < kLanesOf<P>; ++i) {
     columns[i] = static_cast<float>(places[i] % kTile);
-    rows[i] = static_cast<float>(places[i] / kTile);
+    const int whole_rows = places[i] / kTile;
+    rows[i] = static_cast<float>(whole_rows);
   }
   column = P::load_aligned(columns);
   row = P::load_aligned(rows);

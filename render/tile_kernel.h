@@ -133,11 +133,11 @@ struct TileRoom {
   using Lanes = float[n + 16];
 
   alignas(64) float sums[2 * kTilePixels] = {};  ///< of each pixel: light, area (mm^2)
-  /// Derivatives of area, as those of TileJacobian.
-  std::vector<float> area_shift, area_turn, area_width, area_rim;
   /// Where all scratches have one shape, of each pixel: x and y of the half vector, G alpha^2 / pi, and the base; and
   /// d log(alpha^2 G) / d alpha.
   alignas(64) float lit[kTilePixels][4], lit_by_alpha[kTilePixels];
+  /// Derivatives of area, as those of TileJacobian.
+  std::vector<float> area_shift, area_turn, area_width, area_rim;
 
   /// Pairs set aside: their numbers and their runs' among the live ones, those with corners only and those with ends.
   struct Special {
