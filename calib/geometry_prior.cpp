@@ -13,6 +13,8 @@ namespace burin {
 
 namespace {
 
+constexpr std::size_t kLensCore = 4;  // fx fy cx cy
+
 // BundleUncertainty's pose parameters (added to the rotation vector; translation) by this room's (r, t).
 Eigen::Matrix<double, 6, 6> bundle_pose_by_move(const Eigen::Isometry3d& T) {
   const auto cross = [](const Eigen::Vector3d& v) {
@@ -34,7 +36,6 @@ Eigen::Matrix<double, 6, 6> bundle_pose_by_move(const Eigen::Isometry3d& T) {
 
 GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
   GeometryPrior prior;
-  prior.bow_mm = bench.bow_mm;
   Bundle bundle;  // its corners lie where they are predicted: only their information is asked for
   bundle.lens = bench.lens;
   bundle.surface = {board.size_mm, bench.bow_mm};
@@ -115,8 +116,8 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
   prior.information = H.topLeftCorner(kept, kept) - scaled * inner.ldlt().solve(scaled.transpose());
   prior.information = 0.5 * (prior.information + prior.information.transpose()).eval();
   // The lens in the units of moved_lens().
-  for (Eigen::Index i = 0; i < std::min<Eigen::Index>(lens, 4); ++i) {
-    const double unit = bench.lens.intrinsics[i % 2];
+  for (Eigen::Index i = 0; i < lens; ++i) {
+    const double unit = lens_unit(bench.lens, i);
     prior.information.row(kept - lens + i) *= unit;
     prior.information.col(kept - lens + i) *= unit;
   }
@@ -124,14 +125,15 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
 }
 
 std::size_t free_lens_parameters(const Lens& lens) {
-  constexpr std::size_t kCore = 4, kMost = 12;
   const std::size_t parameters = lens.intrinsics.size();
-  return parameters >= kCore && parameters <= kMost ? parameters : 0;
+  return parameters >= kLensCore && parameters <= kMostLensParameters ? parameters : 0;
 }
+
+double lens_unit(const Lens& lens, std::size_t i) { return i < kLensCore ? lens.intrinsics[i % 2] : 1; }
 
 Lens moved_lens(const Lens& lens, const Eigen::VectorXd& by) {
   Lens moved = lens;
-  for (Eigen::Index i = 0; i < by.size(); ++i) moved.intrinsics[i] += by[i] * (i < 4 ? lens.intrinsics[i % 2] : 1);
+  for (Eigen::Index i = 0; i < by.size(); ++i) moved.intrinsics[i] += by[i] * lens_unit(lens, i);
   return moved;
 }
 

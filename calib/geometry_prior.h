@@ -1,4 +1,4 @@
-// calib/geometry_prior.h - what the tags say about cameras and bow, for fits that let them move.
+// calib/geometry_prior.h - what the tags say about cameras, bow and lens, for fits that let them move.
 // Frame: board, mm. Poses move as the renderer's: T' = exp(r) T_camera_board, then its translation + t; (r, t) in
 // radians and mm, camera axes. The geometry's unknowns in one vector: (r, t) of each view, bow_mm (3), and the lens as
 // moved_lens() takes it.
@@ -23,14 +23,17 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 struct GeometryPrior {
   std::vector<Eigen::Isometry3d> T_camera_board;  ///< one a view of the bench
-  Eigen::Vector3d bow_mm{0, 0, 0};
-  Eigen::Index lens_parameters = 0;  ///< those that move
-  Eigen::VectorXd moved;             ///< how far the geometry's unknowns have been moved since
+  Eigen::Index lens_parameters = 0;               ///< those that move
+  Eigen::VectorXd moved;                          ///< how far the geometry's unknowns have been moved since
   Eigen::MatrixXd information;  ///< inverse covariance of the geometry's unknowns: 6 a view, 3, the lens' parameters
 };
 
-/// How many parameters of a lens move: all of one that has focal lengths and centre and at most twelve, else none.
+/// How many parameters of a lens move: all of one that has focal lengths and centre and at most so many, else none.
+constexpr int kMostLensParameters = 12;
 std::size_t free_lens_parameters(const Lens& lens);
+
+/// What a unit of moved_lens() is in parameter i of a lens.
+double lens_unit(const Lens& lens, std::size_t i);
 
 /// The lens moved by fx and fy relative to themselves, cx / fx, cy / fy, and the rest as they are: the same numbers for
 /// photos and for binned ones.

@@ -11,7 +11,7 @@
 namespace burin {
 namespace {
 
-constexpr const char* kLensGiven = "given, and held fixed";
+constexpr const char* kGiven = "given, and held fixed";
 
 std::string number(double value, int digits = 2) {
   std::ostringstream out;
@@ -157,7 +157,7 @@ std::vector<HalvesVerdict> pose_halves(const BoardSolution& geometry, const std:
 
 bool lens_was_given(const Bench& bench) {
   const auto verdict = bench.verdict.find("lens");
-  return verdict != bench.verdict.end() && verdict->second.reason == kLensGiven;
+  return verdict != bench.verdict.end() && verdict->second.reason == kGiven;
 }
 
 Combinations judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench) {
@@ -185,7 +185,7 @@ Combinations judge_geometry(const BoardSolution& geometry, const Board& board, b
   Combinations judged_here;
   const Lens& lens = geometry.lens;
   if (fixed_lens) {
-    bench.verdict["lens"] = {true, kLensGiven};
+    bench.verdict["lens"] = {true, kGiven};
   } else {
     std::vector<Eigen::VectorXd> rows;
     std::vector<double> sigmas;
@@ -438,7 +438,7 @@ Combinations judge_light(const Problem& data, const State& state, const Uncertai
       continue;
     }
     if (!stage.lamp) {
-      bench.verdict[name + ".position_mm"] = {true, "given, and held fixed"};
+      bench.verdict[name + ".position_mm"] = {true, kGiven};
     } else {
       const int x = unknown::lamp_position;
       std::vector<Eigen::VectorXd> rows{unit(at(x)), unit(at(x + 1)), unit(at(x + 2))};

@@ -187,6 +187,7 @@ FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_b
   CornerRays rays;
   rays.window = view.window;
   const std::size_t row = static_cast<std::size_t>(all.window.width) + 1;
+  rays.slope.reserve((static_cast<std::size_t>(view.window.width) + 1) * (view.window.height + 1));
   for (int r = 0; r <= view.window.height; ++r)
     for (int c = 0; c <= view.window.width; ++c) {
       const int x = (c + view.window.x0) * view.bin - all.window.x0,

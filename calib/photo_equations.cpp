@@ -10,7 +10,6 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
-#include "calib/geometry_prior.h"
 #include "calib/lamp.h"
 #include "render/error.h"
 
@@ -181,10 +180,14 @@ Image with_ambient(const ModelData& model, const PhotoData& photo, const Unknown
   return light;
 }
 
-// From the lamp's light to the photo's value: ambient light, blur, vignetting.
+// From the lamp's light to what the sensor sees: ambient light and blur.
+Image at_sensor(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
+  return blurred(with_ambient(model, photo, x, std::move(light)), blur_kernel(blur_sigma_px(photo, x), photo.bin));
+}
+
+// And to the photo's value: vignetting.
 Image value_of_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
-  Image value =
-      blurred(with_ambient(model, photo, x, std::move(light)), blur_kernel(blur_sigma_px(photo, x), photo.bin));
+  Image value = at_sensor(model, photo, x, std::move(light));
   for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] *= static_cast<float>(vignette_of(photo, x, i));
   return value;
 }
@@ -411,8 +414,8 @@ std::vector<Image> lens_slopes(const PhotoData& photo, const Image& by_rx, const
       const Eigen::Vector2d G = by_turn.transpose().inverse() * Eigen::Vector2d(by_rx.data[i], by_ry.data[i]);
       const double* by_lens = &dq_dlens[k * 2 * parameters];
       for (std::size_t j = 0; j < parameters; ++j) {
-        const double unit = j < 4 ? lens.intrinsics[j % 2] : 1;
-        out[j].data[i] = static_cast<float>(unit * (G.x() * by_lens[j] + G.y() * by_lens[parameters + j]));
+        out[j].data[i] =
+            static_cast<float>(lens_unit(lens, j) * (G.x() * by_lens[j] + G.y() * by_lens[parameters + j]));
       }
     }
   }
@@ -422,8 +425,7 @@ std::vector<Image> lens_slopes(const PhotoData& photo, const Image& by_rx, const
 }  // namespace
 
 Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
-  return blurred(with_ambient(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x))),
-                 blur_kernel(blur_sigma_px(photo, x), photo.bin));
+  return at_sensor(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
 }
 
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
@@ -463,7 +465,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   const int at_depth = ask(want_depth, {P::depth_um});
   const int at_base = ask(free[unknown::log_base_alpha], {P::base_alpha});
   const bool want_lamp = any(unknown::lamp_position, 3), want_machine = any(unknown::machine, 6);
-  const bool want_pose = any(unknown::pose, 6) || any(unknown::lens, kLensUnknowns);
+  const bool want_pose = any(unknown::pose, 6) || any(unknown::lens, kMostLensParameters);
   const int at_lamp = ask(want_lamp, {P::light_x_mm, P::light_y_mm, P::light_z_mm});
   const int at_machine =
       ask(want_machine, {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
@@ -571,7 +573,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
       if (free[unknown::machine + 4 + row]) add_column(unknown::machine + 4 + row, by_row[2]);
     }
   }
-  if (any(unknown::lens, kLensUnknowns)) {
+  if (any(unknown::lens, kMostLensParameters)) {
     std::vector<Image> by_lens = lens_slopes(photo, rendered.d_radiance[at_pose], rendered.d_radiance[at_pose + 1]);
     for (std::size_t k = 0; k < by_lens.size(); ++k)
       if (free[unknown::lens + k]) add_column(unknown::lens + static_cast<int>(k), std::move(by_lens[k]));

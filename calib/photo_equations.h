@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "calib/geometry_prior.h"
 #include "calib/light_samples.h"
 #include "calib/overlap.h"
 #include "render/bench.h"
@@ -36,11 +37,10 @@ enum Index : int {
   pose = 27,  // rotation vector on the left of T_camera_board; then translation, mm
   bow = 33,   // mm
   lens = 36,  // as moved_lens() (geometry_prior.h) takes them; lenses of more parameters are held
-  count = 48
+  count = lens + kMostLensParameters
 };
 }  // namespace unknown
 
-constexpr int kLensUnknowns = unknown::count - unknown::lens;
 using Unknowns = Eigen::Matrix<double, unknown::count, 1>;
 using FreeUnknowns = std::array<bool, unknown::count>;
 

@@ -20,7 +20,7 @@ Eigen::MatrixXd inverse_times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b
   return scale.asDiagonal() * inner.ldlt().solve(scale.asDiagonal() * b);
 }
 
-// The normal equations of everything at one state, cameras and bow ("geometry") eliminated.
+// The normal equations of everything at one state, cameras, bow and lens ("geometry") eliminated.
 struct NormalSystem {
   std::vector<bool> free;
   Eigen::MatrixXd H, noise_H;  // of all; with the camera's noise alone as weights, poses known
@@ -337,33 +337,35 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state
   for (std::size_t k = 0; k < count && groups > 0; ++k)
     grouped.col(static_cast<Eigen::Index>(k * groups / count)) += system.photos.col(by_lean[k].second);
   add_clusters(grouped);
+  const Eigen::MatrixXd by_priors = inverse * priors * inverse;
   for (const Clusters& c : clusters) {
     const Eigen::MatrixXd by_cluster = inverse * c.scores.topRows(n);
-    out.covariances.emplace_back(c.factor * by_cluster * by_cluster.transpose() + inverse * priors * inverse);
+    out.covariances.emplace_back(c.factor * by_cluster * by_cluster.transpose() + by_priors);
   }
 
   if (data.geometry) {
-    const Eigen::Index m = system.A.rows();
-    out.center_sigma_mm.assign(data.geometry->T_camera_board.size(), Eigen::Vector3d::Zero());
+    // The centres -R^T t move by -R^T times what t moves by; turns about the camera leave them where they are. A column
+    // an axis of each view; those of views without photos stay 0.
+    const Eigen::Index m = system.A.rows(), views = static_cast<Eigen::Index>(data.geometry->T_camera_board.size());
+    Eigen::MatrixXd by_geometry = Eigen::MatrixXd::Zero(m, 3 * views);
     for (const PhotoData& photo : data.photos) {
       const auto view = static_cast<Eigen::Index>(photo.photo.view);
-      for (int axis = 0; axis < 3; ++axis) {
-        // The centre -R^T t moves by -R^T times what t moves by; turns about the camera leave it where it is.
-        Eigen::VectorXd by_geometry = Eigen::VectorXd::Zero(m);
-        by_geometry.segment<3>(6 * view + 3) = -photo.camera.T_camera_board.linear().col(axis);
-        const Eigen::VectorXd by_own = inverse_times(system.A, by_geometry), by_unknowns = system.gain * by_geometry,
-                              by_scores = inverse * by_unknowns;
-        Eigen::VectorXd by_score(n + m);  // the centre's move for each score of the unknowns and of the geometry
-        by_score << by_scores, -by_own;
-        const Eigen::VectorXd by_tags = by_own + system.gain.transpose() * by_scores;
-        const double by_priors =
-            by_tags.dot(data.geometry->information * by_tags) + by_scores.dot(system.prior.cwiseProduct(by_scores));
-        double variance = scatter * (by_geometry.dot(by_own) + by_unknowns.dot(by_scores));
-        for (const Clusters& c : clusters)
-          variance = std::max(variance, c.factor * (by_score.transpose() * c.scores).squaredNorm() + by_priors);
-        for (const Eigen::VectorXd& shift : geometry_shifts) variance += std::pow(by_geometry.dot(shift), 2);
-        out.center_sigma_mm[photo.photo.view][axis] = std::sqrt(variance);
-      }
+      by_geometry.block<3, 3>(6 * view + 3, 3 * view) = -photo.camera.T_camera_board.linear();
+    }
+    const Eigen::MatrixXd by_own = inverse_times(system.A, by_geometry), by_unknowns = system.gain * by_geometry,
+                          by_scores = inverse * by_unknowns;
+    const Eigen::MatrixXd by_tags = by_own + system.gain.transpose() * by_scores;
+    Eigen::MatrixXd by_score(n + m, 3 * views);  // the centres' moves for each score of the unknowns and the geometry
+    by_score << by_scores, -by_own;
+    out.center_sigma_mm.assign(data.geometry->T_camera_board.size(), Eigen::Vector3d::Zero());
+    for (Eigen::Index k = 0; k < 3 * views; ++k) {
+      const double of_priors = by_tags.col(k).dot(data.geometry->information * by_tags.col(k)) +
+                               by_scores.col(k).dot(system.prior.cwiseProduct(by_scores.col(k)));
+      double variance = scatter * (by_geometry.col(k).dot(by_own.col(k)) + by_unknowns.col(k).dot(by_scores.col(k)));
+      for (const Clusters& c : clusters)
+        variance = std::max(variance, c.factor * (by_score.col(k).transpose() * c.scores).squaredNorm() + of_priors);
+      for (const Eigen::VectorXd& shift : geometry_shifts) variance += std::pow(by_geometry.col(k).dot(shift), 2);
+      out.center_sigma_mm[k / 3][k % 3] = std::sqrt(variance);
     }
   }
 
