@@ -1,10 +1,10 @@
 # burin_library(room USES <public libraries> PRIVATE_USES <libraries only its .cpp files see>)
 #
-# Makes the static library `burin_<room>` (exported as burin::<room>) from every .cpp file of the current folder.
-# Headers are included as "room/header.h".
+# Makes the static library `burin_<room>` (exported as burin::<room>) from every .cpp file in and below the current folder.
+# Headers are included as "burin/room/header.h".
 function(burin_library room)
   cmake_parse_arguments(ARG "" "" "USES;PRIVATE_USES" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS *.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   if(NOT sources)  # a room with headers only still is a library that others can link
     set(sources ${CMAKE_CURRENT_BINARY_DIR}/no_sources.cpp)
     file(WRITE ${sources} "")
@@ -14,7 +14,7 @@ function(burin_library room)
   set_target_properties(burin_${room} PROPERTIES EXPORT_NAME ${room})
   target_compile_features(burin_${room} PUBLIC cxx_std_20)
   target_include_directories(burin_${room} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-                                                  $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/burin>)
+                                                  $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(burin_${room} PUBLIC ${ARG_USES} PRIVATE ${ARG_PRIVATE_USES})
   burin_warnings(burin_${room})
 endfunction()

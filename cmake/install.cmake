@@ -5,7 +5,7 @@ list(TRANSFORM burin_rooms PREPEND burin_ OUTPUT_VARIABLE burin_targets)
 install(TARGETS ${burin_targets} EXPORT burinTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS burin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 foreach(room ${burin_rooms})
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/burin
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/burin/${room} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/burin
           FILES_MATCHING PATTERN "*.h")
 endforeach()
 set(burin_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/burin)

@@ -3,7 +3,7 @@
 
 The sample is committed as this program leaves it; run it again only to change the sample. It needs Python alone.
 
-Geometry (board frame, mm): a lamp 40 degrees from the board's normal, a camera half a metre away. A view glints on the
+Geometry (board frame, mm): a lamp 40 degrees from the board's normal, a camera half a meter away. A view glints on the
 scratches that lie across its half vector's lean, so the three designed views lean 19 to 20 degrees towards -35, -90 and
 -145 degrees in azimuth: inside the groove's cut-off (26 degrees as believed), and well apart modulo 180 degrees.
 Further views are for measuring: from the mirror direction (3 degrees) to beyond the cut-off (33 degrees).
@@ -52,7 +52,7 @@ def look_at(eye, target, roll_deg=0.0):
 
 
 def eye_for_half_vector(lamp, tilt_deg, azimuth_deg, distance):
-    """Where the camera must stand for the board's centre to have that half vector."""
+    """Where the camera must stand for the board's center to have that half vector."""
     wi = unit([a - b for a, b in zip(lamp, CENTER)])
     h = direction(tilt_deg, azimuth_deg)
     wo = [2 * dot(wi, h) * a - b for a, b in zip(h, wi)]

@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "calib/calibrate.h"
+#include "burin/calib/calibrate.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"
@@ -68,7 +68,7 @@ void add_calibrate_command(CLI::App& burin) {
                g.rms_board_mm);
     double worst = 0;
     for (const View& view : g.views) worst = std::max(worst, view.center_sigma_mm->maxCoeff());
-    fmt::print("cameras  {} views, centres known to {:.3f} mm or better along each axis\n", g.views.size(), worst);
+    fmt::print("cameras  {} views, centers known to {:.3f} mm or better along each axis\n", g.views.size(), worst);
     fmt::print("board    bow {:.4f}, {:.4f}, {:.4f} mm, +- {:.4f} mm; {} tags used\n", g.bow_mm[0], g.bow_mm[1],
                g.bow_mm[2], g.bow_sigma_mm.maxCoeff(), g.tags.size());
     if (g.check)

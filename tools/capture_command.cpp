@@ -1,8 +1,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "capture/folder_session.h"
-#include "render/error.h"
+#include "burin/capture/folder_session.h"
+#include "burin/render/error.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 

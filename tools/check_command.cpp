@@ -5,8 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "render/error.h"
-#include "render/ndf_cases.h"
+#include "burin/render/error.h"
+#include "burin/render/footprint/ndf_cases.h"
 #include "tools/commands.h"
 
 namespace burin {
@@ -45,7 +45,9 @@ void add_check_command(CLI::App& burin) {
   CLI::App* ndf = check->add_subcommand(
       "ndf",
       "Compare the footprint integral with a table of known values: prints value, gradient and error of each row");
-  ndf->add_option("CASES.csv", options->cases, "Table with the columns that render/ndf_cases.h describes")->required();
+  ndf->add_option("CASES.csv", options->cases,
+                  "Table with the columns that burin/render/footprint/ndf_cases.h describes")
+      ->required();
   ndf->add_flag("--brief", options->brief, "Leave out the gradients");
   ndf->footer(example("burin check ndf CASES.csv") +
               "\nExit code 1 if a row is beyond its tolerance (1e-9 relative; gradients 1e-8 of the row's largest).");

@@ -9,7 +9,7 @@
 #include <exception>
 #include <memory>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tools/commands.h"
 
 namespace burin {

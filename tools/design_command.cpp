@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "optimize/design.h"
-#include "optimize/design_output.h"
-#include "optimize/machine_profile.h"
-#include "render/error.h"
-#include "render/json_file.h"
+#include "burin/optimize/design.h"
+#include "burin/optimize/design/design_output.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 
@@ -169,7 +169,7 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--board", o->board, "Design for this board instead of the one that DESIGN.json names");
   c->add_option("--scratches", o->scratches, "How many to start with, instead of DESIGN.json's")
       ->check(CLI::Range(1, 2000000));
-  c->add_option("--iterations", o->design.iterations, "Steps of the optimiser")->capture_default_str();
+  c->add_option("--iterations", o->design.iterations, "Steps of the optimizer")->capture_default_str();
   c->add_option("--time", o->time, "Stop after about this long: 30s, 5min, 1h");
   c->add_option("--pixels", o->design.pixels, "Pixels along the longer side of the carve area")->capture_default_str();
   c->add_option("--seed", o->design.seed, "Of the random start")->capture_default_str();
@@ -217,9 +217,9 @@ void add_design_command(CLI::App& burin) {
                 "The time there is to carve: scratches go during the design until they fit");
   c->add_flag("--carve-curve", o->design.carve_curve, "Report quality over carving time (always with --carve-hours)");
   c->add_flag("--report-tolerance", o->design.report_tolerance, "Report how far they may, without designing for it");
-  c->add_flag("--free-width", o->design.optimise_width, "Optimise the cutter's width too (one for all)");
-  c->add_flag("--free-depth", o->design.optimise_depth, "Optimise the depth too (one for all)");
-  c->add_flag("--free-alpha", o->design.optimise_alpha, "Optimise the roughness too (one for all)");
+  c->add_flag("--free-width", o->design.optimize_width, "Optimize the cutter's width too (one for all)");
+  c->add_flag("--free-depth", o->design.optimize_depth, "Optimize the depth too (one for all)");
+  c->add_flag("--free-alpha", o->design.optimize_alpha, "Optimize the roughness too (one for all)");
   c->add_option("--min-length", o->design.min_length, "Shortest scratch, in fractions of the board's edge")
       ->capture_default_str();
   c->add_option("--max-length", o->design.max_length_mm, "Longest scratch, mm (0: any)")->capture_default_str();

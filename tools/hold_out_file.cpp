@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "render/json_file.h"
+#include "burin/render/files/json_file.h"
 
 namespace burin {
 namespace {

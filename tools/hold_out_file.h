@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "calib/hold_out.h"
+#include "burin/calib/hold_out.h"
 
 namespace burin {
 

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "calib/chessboard.h"
-#include "calib/lens_solver.h"
-#include "render/image.h"
-#include "render/json_file.h"
+#include "burin/calib/geometry/chessboard.h"
+#include "burin/calib/geometry/lens_solver.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/image.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 
@@ -146,7 +146,7 @@ void add_lens_command(CLI::App& burin) {
       fmt::print("{:<24} {:4} corners, {:.3f} px RMS\n", found.views[v].name, found.views[v].q_px.size(),
                  s.view_rms_point_px[v]);
     const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, s.covariance(i, i))); };
-    fmt::print("lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, centre {:.2f}, {:.2f} px\n",
+    fmt::print("lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, center {:.2f}, {:.2f} px\n",
                s.lens.model, s.lens.intrinsics[0], sigma(0), s.lens.intrinsics[1], sigma(1), s.lens.intrinsics[2],
                s.lens.intrinsics[3]);
     fmt::print("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {} photos\n", s.rms_point_px, s.rms_px,

@@ -22,14 +22,14 @@
 #include <string>
 #include <vector>
 
-#include "optimize/design_file.h"
-#include "optimize/machine_profile.h"
-#include "optimize/toolpath_check.h"
-#include "render/bench.h"
-#include "render/board.h"
-#include "render/error.h"
-#include "render/json_file.h"
-#include "render/scratches.h"
+#include "burin/optimize/carving/toolpath_check.h"
+#include "burin/optimize/design_file.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/scratches.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/project.h"

@@ -5,11 +5,12 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
-#include "calib/plan.h"
-#include "render/brdf.h"
-#include "render/error.h"
-#include "render/json_file.h"
+#include "burin/calib/plan.h"
+#include "burin/render/brdf.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/plan_drawing.h"
 #include "tools/progress_bar.h"
@@ -54,9 +55,9 @@ Json plan_json(const Plan& plan, const Board& board) {
     item["center_mm"] = to_json(shot.camera.center_mm());
     item["T_camera_board"] = to_json(shot.camera.T_camera_board.matrix());
     item["distance_mm"] = shot.camera.distance_mm;
-    item["tilt_deg"] = shot.camera.tilt_rad * 180 / kPi;
-    item["azimuth_deg"] = std::fmod(shot.camera.azimuth_rad * 180 / kPi + 360, 360);
-    item["roll_deg"] = shot.camera.roll_rad * 180 / kPi;
+    item["tilt_deg"] = shot.camera.tilt_rad * 180 / std::numbers::pi;
+    item["azimuth_deg"] = std::fmod(shot.camera.azimuth_rad * 180 / std::numbers::pi + 360, 360);
+    item["roll_deg"] = shot.camera.roll_rad * 180 / std::numbers::pi;
     item["light"] = {{"id", light.id}, {"position_mm", to_json(light.position_mm)}};
     item["exposure_stops"] = shot.stops;
     if (is_measured(plan)) item["exposure_s"] = exposure_s(plan, shot);
@@ -115,7 +116,7 @@ Bench usual_bench(const Board& board) {
   const double focal_px = 50.0 / 36.0 * kWidth;
   bench.lens.intrinsics = {focal_px, focal_px, (kWidth - 1) / 2.0, (kHeight - 1) / 2.0, 0, 0, 0, 0, 0};
   Light light;
-  const double reach = 1.5 * board.size_mm.norm(), tilt = 35 * kPi / 180;
+  const double reach = 1.5 * board.size_mm.norm(), tilt = 35 * std::numbers::pi / 180;
   light.position_mm = {board.size_mm.x() / 2, board.size_mm.y() / 2 + reach * std::sin(tilt), reach * std::cos(tilt)};
   bench.lights = {light};
   bench.material = board.material;

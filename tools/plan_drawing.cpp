@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <vector>
 
@@ -42,7 +43,7 @@ std::string line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const char*
 std::string star(const Eigen::Vector2d& c, double radius) {
   std::string points;
   for (int i = 0; i < 16; ++i) {
-    const double r = i % 2 == 0 ? radius : 0.45 * radius, a = i * 3.14159265 / 8;
+    const double r = i % 2 == 0 ? radius : 0.45 * radius, a = i * std::numbers::pi / 8;
     points += fmt::format("{:.1f},{:.1f} ", c.x() + r * std::cos(a), c.y() + r * std::sin(a));
   }
   return fmt::format("<polygon points=\"{}\" fill=\"{}\"/>\n", points, kLamp);

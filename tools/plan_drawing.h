@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "calib/plan.h"
-#include "render/board.h"
+#include "burin/calib/plan.h"
+#include "burin/render/board.h"
 
 namespace burin {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "render/progress.h"
+#include "burin/render/progress.h"
 
 namespace burin {
 

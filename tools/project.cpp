@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "render/brdf.h"
+#include "burin/render/brdf.h"
 
 namespace burin {
 namespace {
@@ -33,7 +34,7 @@ int Project::rounds() const {
 
 const View* measured_view(const Bench& measured, const View& designed, const Board& board) {
   const View* nearest = nullptr;
-  double largest_cosine = std::cos(kSameViewDegrees * kPi / 180);
+  double largest_cosine = std::cos(kSameViewDegrees * std::numbers::pi / 180);
   for (const View& view : measured.views) {
     const double cosine = direction_of(view, board).dot(direction_of(designed, board));
     if (cosine < largest_cosine) continue;

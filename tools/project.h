@@ -1,12 +1,12 @@
 // tools/project.h - where a loop project keeps its files, and which photographed view belongs to which designed one.
-// Frame: board, mm. DESIGN 4; what each file is stands in tools/loop_command.cpp.
+// Frame: board, mm. docs/file-formats.md; what each file is stands in tools/loop_command.cpp.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
-#include "render/bench.h"
-#include "render/board.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
 
 namespace burin {
 
@@ -19,7 +19,7 @@ struct Project {
   int rounds() const;  ///< how many round folders there are, counted from 1 without a gap
 };
 
-/// The measured view that was taken from a designed view's place: the nearest in direction from the board's centre.
+/// The measured view that was taken from a designed view's place: the nearest in direction from the board's center.
 /// Null if none stands within 15 degrees.
 const View* measured_view(const Bench& measured, const View& designed, const Board& board);
 

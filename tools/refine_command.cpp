@@ -6,9 +6,9 @@
 #include <memory>
 #include <string>
 
-#include "calib/refine.h"
-#include "render/error.h"
-#include "render/groove.h"
+#include "burin/calib/refine.h"
+#include "burin/render/error.h"
+#include "burin/render/groove.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "render/bench.h"
-#include "render/error.h"
-#include "render/image.h"
-#include "render/json_file.h"
-#include "render/scratches.h"
-#include "render/view_renderer.h"
+#include "burin/render/bench.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/image.h"
+#include "burin/render/scratches.h"
+#include "burin/render/view_renderer.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 

@@ -2,8 +2,8 @@
 #include <memory>
 #include <optional>
 
-#include "render/error.h"
-#include "render/json_file.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/report/rerun.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/simulated_camera.h"
+#include "burin/capture/simulator/simulated_camera.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 

@@ -1,18 +1,18 @@
-// burin toolpath - scratches into files that a machine carves. The work is in optimize/toolpath.h.
+// burin toolpath - scratches into files that a machine carves. The work is in burin/optimize/toolpath.h.
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "optimize/carving_limits.h"
-#include "optimize/toolpath.h"
-#include "optimize/toolpath_check.h"
-#include "render/bench.h"
-#include "render/board.h"
-#include "render/error.h"
-#include "render/json_file.h"
-#include "render/scratches.h"
+#include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/carving/toolpath_check.h"
+#include "burin/optimize/toolpath.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/scratches.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 

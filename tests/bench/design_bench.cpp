@@ -1,7 +1,7 @@
-// The paper's two workloads, whole iterations as optimize/design.cpp makes them: every view rendered with its Jacobian,
-// gamma curve, loss, back to the scratches' ends, one step of Adam. With E_p alone and with E_p + Gram, on one thread
-// and on two. `s/100`: wall time of 100 iterations; `cpu_s/100`: processor time of all threads. The scratches move
-// meanwhile, as they do in a design.
+// The paper's two workloads, whole iterations as burin/optimize/design.cpp makes them: every view rendered with its
+// Jacobian, gamma curve, loss, back to the scratches' ends, one step of Adam. With E_p alone and with E_p + Gram, on
+// one thread and on two. `s/100`: wall time of 100 iterations; `cpu_s/100`: processor time of all threads. The
+// scratches move meanwhile, as they do in a design.
 //
 // `loss_ratio`: the loss after the timed iterations over that before them (an iteration that does not descend is not
 // worth timing). `allocations`: calls of malloc and its like in an iteration, over the second half of them.
@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "optimize/adam.h"
-#include "optimize/loss.h"
+#include "burin/optimize/loss/adam.h"
+#include "burin/optimize/loss/loss.h"
 #include "tests/allocations.h"
 #include "tests/bench/paper_scene.h"
 
@@ -59,7 +59,7 @@ void PaperDesign(benchmark::State& state) {
   Scratches scratches = paper_scratches(count);
   RenderOptions options;
   options.material_gradients = false;
-  // As optimize/design.cpp has them: one grid, and the memory of one view.
+  // As burin/optimize/design.cpp has them: one grid, and the memory of one view.
   const std::shared_ptr<const FootprintGrid> grid = paper_grid(kPixels);
   const std::shared_ptr<RenderRoom> room = make_render_room();
   std::vector<DesignedView> views;

@@ -3,8 +3,8 @@
 // Correctness stands beside time: `error` is that of IntervalWork, against double.
 #include <benchmark/benchmark.h>
 
-#include "render/moment_packets.h"
-#include "render/simd_width.h"
+#include "burin/render/fast/moment_packets.h"
+#include "burin/render/simd_width.h"
 #include "tests/bench/interval_work.h"
 #include "tests/bench/multiply_add_peak.h"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "render/footprint_core.h"
+#include "burin/render/footprint/footprint_core.h"
 
 namespace burin {
 namespace {

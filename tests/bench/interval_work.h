@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "render/moment_packets.h"
+#include "burin/render/fast/moment_packets.h"
 
 namespace burin {
 

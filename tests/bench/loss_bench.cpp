@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "optimize/adam.h"
-#include "optimize/loss.h"
+#include "burin/optimize/loss/adam.h"
+#include "burin/optimize/loss/loss.h"
 #include "tests/allocations.h"
 
 namespace burin {

@@ -11,7 +11,7 @@ namespace {
 
 // Twelve chains side by side, so that none waits for another, each a variable of its own: arrays would go to memory. A
 // macro, because GCC splits the vectors of a template for the machine it stands on before it is inlined into a function
-// for another. The empty assembly keeps a packet in its register, and unpacked with its neighbours.
+// for another. The empty assembly keeps a packet in its register, and unpacked with its neighbors.
 #if defined(__x86_64__)
 #define BURIN_STEP(v)       \
   (v) = (v)*0.999F + 1e-3F; \

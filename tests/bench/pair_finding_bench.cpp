@@ -1,8 +1,8 @@
 // Finding the pairs of pixels and scratches, 80,000 scratches in 512 x 512 pixels, one thread: rasterised
-// (render/pairs.h) and by Embree, side by side, with how many of the true pairs each misses.
+// (burin/render/fast/pairs.h) and by Embree, side by side, with how many of the true pairs each misses.
 //
 // Embree's complete recipe: a scratch is a flat ribbon whose half-width is the groove's plus the largest radius of a
-// footprint, its ends lengthened by that radius too; one ray through each footprint's centre, straight down, reports
+// footprint, its ends lengthened by that radius too; one ray through each footprint's center, straight down, reports
 // every ribbon that it meets. A footprint and a strip that share a point then cannot be missed. The paper's recipe
 // (supplement, 1.1) leaves out the groove's half-width and the ends. The tree is built anew every time, as scratches
 // move in every iteration; `build_ms` is its share.
@@ -10,7 +10,6 @@
 // `missed` and `in_vain` are shares of the true pairs, counted over 2,000 of the scratches and all pixels against
 // separating axes of both quadrilaterals.
 #include <benchmark/benchmark.h>
-#include <embree3/rtcore.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
@@ -19,7 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include "render/pairs.h"
+#include "burin/render/embree_rays.h"
+#include "burin/render/fast/pairs.h"
 #include "tests/bench/paper_scene.h"
 #include "tests/render/quadrilaterals.h"
 
@@ -44,7 +44,7 @@ std::vector<Strip> some_of(const std::vector<Strip>& strips) {
   return some;
 }
 
-/// The largest distance from a footprint's centre to its corners, mm.
+/// The largest distance from a footprint's center to its corners, mm.
 double footprint_radius_mm(const FootprintGrid& grid) {
   double radius = 0;
   for (int r = 0; r < grid.height(); ++r)
@@ -153,8 +153,7 @@ class Ribbons {
 
   void find(const FootprintGrid& grid, std::vector<Pair>& pairs) const {
     Context context{};
-    rtcInitIntersectContext(&context.base);
-    context.base.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    init_query(context.base);
     context.pairs = &pairs;
     for (std::size_t i = 0; i < grid.center_mm.size(); ++i) {
       RTCRay ray{};
@@ -165,13 +164,13 @@ class Ribbons {
       ray.tfar = 2;
       ray.mask = ~0U;
       context.pixel = static_cast<std::uint32_t>(i);
-      rtcOccluded1(scene_, &context.base, &ray);
+      any_hit(scene_, context.base, true, ray);
     }
   }
 
  private:
   struct Context {
-    RTCIntersectContext base;
+    QueryContext base;
     std::vector<Pair>* pairs;
     std::uint32_t pixel;
   };

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 #include <utility>
 
 namespace burin {
-namespace {
-
-constexpr double kPi = 3.14159265358979;
-
-}  // namespace
+namespace {}  // namespace
 
 std::shared_ptr<const FootprintGrid> paper_grid(int pixels) {
   constexpr double kBoard = kPaperBoard_mm;
@@ -22,7 +19,7 @@ ViewScene paper_scene(std::shared_ptr<const FootprintGrid> grid, int view, int v
   constexpr double kBoard = kPaperBoard_mm;
   ViewScene scene;
   scene.grid = std::move(grid);
-  const double azimuth = kPi * view / views, r = 900;
+  const double azimuth = std::numbers::pi * view / views, r = 900;
   const Eigen::Vector3d middle(kBoard / 2, kBoard / 2, 0);
   scene.camera_center_mm = middle + r * Eigen::Vector3d(std::cos(azimuth), std::sin(azimuth), 1) / std::sqrt(2);
   scene.light.position_mm = middle + r * Eigen::Vector3d(-std::sin(azimuth), std::cos(azimuth), 1) / std::sqrt(2);
@@ -34,7 +31,7 @@ ViewScene paper_scene(std::shared_ptr<const FootprintGrid> grid, int view, int v
 
 Scratches paper_scratches(int count) {
   std::mt19937 random(7);
-  std::uniform_real_distribution<double> where(0, kPaperBoard_mm), turn(0, kPi),
+  std::uniform_real_distribution<double> where(0, kPaperBoard_mm), turn(0, std::numbers::pi),
       half_length(0.0075 * kPaperBoard_mm, 0.0225 * kPaperBoard_mm);
   Scratches s;
   for (auto* ends : {&s.x0_mm, &s.y0_mm, &s.x1_mm, &s.y1_mm}) ends->reserve(count);

@@ -3,7 +3,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "render/view_renderer.h"
+#include "burin/render/view_renderer.h"
 
 namespace burin {
 

@@ -9,8 +9,8 @@
 
 #include <string>
 
-#include "render/simd_width.h"
-#include "render/view_renderer.h"
+#include "burin/render/simd_width.h"
+#include "burin/render/view_renderer.h"
 #include "tests/bench/interval_work.h"
 #include "tests/bench/multiply_add_peak.h"
 #include "tests/bench/paper_scene.h"

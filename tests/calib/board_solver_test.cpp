@@ -1,22 +1,24 @@
 // Poses, lens, bow and tags from tags: photographed benches against their truth, and synthetic ones against their
 // predicted uncertainty.
-#include "calib/board_solver.h"
+#include "burin/calib/geometry/board_solver.h"
+#include "tests/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <filesystem>
+#include <numbers>
 #include <random>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/calib/rig_truth.h"
 
 namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kShared = BURIN_SHARED_DIR;
+const fs::path kShared = places::shared();
 
 struct Rig {
   RigTruth truth;
@@ -36,7 +38,7 @@ Rig detect_rig(const fs::path& folder) {
   return rig;
 }
 
-// Proves: on photographs of a bench with known truth, camera centres come out within issue 4's figure (0.15 mm RMS on
+// Proves: on photographs of a bench with known truth, camera centers come out within issue 4's figure (0.15 mm RMS on
 // the clean bench, 0.5 mm on the amateur's), and errors are of the size that the covariance says.
 class BoardOfRig : public testing::TestWithParam<std::tuple<const char*, double, double>> {};
 TEST_P(BoardOfRig, CamerasAreWhereTheyWere) {
@@ -47,12 +49,12 @@ TEST_P(BoardOfRig, CamerasAreWhereTheyWere) {
   const BoardSolution s = solve_board(rig.board, rig.pictures, rig.truth.lens.width, rig.truth.lens.height);
   for (const Finding& f : s.findings) std::printf("  %s\n", sentence(f).c_str());
   ASSERT_EQ(s.views.size(), rig.truth.views.size());
-  double sum2 = 0, normalised2 = 0;
+  double sum2 = 0, normalized2 = 0;
   for (std::size_t v = 0; v < s.views.size(); ++v) {
     const Eigen::Vector3d e =
         s.views[v].T_camera_board.inverse().translation() - rig.truth.views[v].T_camera_board.inverse().translation();
     sum2 += e.squaredNorm();
-    normalised2 += e.dot(s.center_covariance_mm2[v].ldlt().solve(e));
+    normalized2 += e.dot(s.center_covariance_mm2[v].ldlt().solve(e));
     const Eigen::Vector3d g = *s.views[v].center_sigma_mm;
     std::printf("  %s: error %6.3f %6.3f %6.3f mm, sigma %.3f %.3f %.3f, rms %.4f px, %d tags\n",
                 s.views[v].name.c_str(), e.x(), e.y(), e.z(), g.x(), g.y(), g.z(), *s.views[v].reprojection_rms_px,
@@ -66,8 +68,8 @@ TEST_P(BoardOfRig, CamerasAreWhereTheyWere) {
   }
   const double rms = std::sqrt(sum2 / s.views.size());
   std::printf(
-      "%s: centres %.3f mm RMS (in sigmas %.2f), corners %.4f px, f %.2f %.2f (true %.2f %.2f, sigma %.2f) %s\n", name,
-      rms, std::sqrt(normalised2 / 3 / s.views.size()), s.rms_px, s.lens.intrinsics[0], s.lens.intrinsics[1],
+      "%s: centers %.3f mm RMS (in sigmas %.2f), corners %.4f px, f %.2f %.2f (true %.2f %.2f, sigma %.2f) %s\n", name,
+      rms, std::sqrt(normalized2 / 3 / s.views.size()), s.rms_px, s.lens.intrinsics[0], s.lens.intrinsics[1],
       rig.truth.lens.intrinsics[0], rig.truth.lens.intrinsics[1], std::sqrt(s.lens_covariance(0, 0)),
       s.lens.model.c_str());
   std::printf(
@@ -78,7 +80,7 @@ TEST_P(BoardOfRig, CamerasAreWhereTheyWere) {
       rig.truth.surface.bow_mm[1], rig.truth.surface.bow_mm[2], s.check->max_shift_px, s.check->max_center_mm);
   EXPECT_LT(rms, bound_mm);
   EXPECT_LT(s.rms_px, bound_px);
-  EXPECT_LT(std::sqrt(normalised2 / 3 / s.views.size()), 2);
+  EXPECT_LT(std::sqrt(normalized2 / 3 / s.views.size()), 2);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(s.bow_mm[i], rig.truth.surface.bow_mm[i], 3 * s.bow_sigma_mm[i] + 0.002);
   EXPECT_LT(s.check->max_shift_px, 0.01);
 }
@@ -191,8 +193,8 @@ World make_world(unsigned seed, int views = 10, int stray = -1) {
                        -0.02};
   w.lens.intrinsics[1] = w.lens.intrinsics[0] * (1 + 1e-3 * uniform(random));
   for (int v = 0; v < views; ++v) {
-    const double azimuth = 2 * 3.14159265 * v / views + 0.3 * uniform(random), tilt = 0.55 + 0.25 * uniform(random),
-                 far = 650 + 120 * uniform(random);
+    const double azimuth = 2 * std::numbers::pi * v / views + 0.3 * uniform(random),
+                 tilt = 0.55 + 0.25 * uniform(random), far = 650 + 120 * uniform(random);
     const Eigen::Vector3d target(140 + 20 * uniform(random), 110 + 20 * uniform(random), 0);
     w.T_camera_board.push_back(
         looking_at(target + far * Eigen::Vector3d(std::sin(tilt) * std::cos(azimuth),
@@ -243,7 +245,7 @@ TEST(BoardSolver, SyntheticWorldsLieWithinTheirPredictedUncertainty) {
     focal2 += std::pow((s.lens.intrinsics[0] - w.lens.intrinsics[0]) / std::sqrt(s.lens_covariance(0, 0)), 2);
     focals += 1;
   }
-  std::printf("errors in sigmas: centres %.2f, bow %.2f, tags %.2f, turns %.2f, focal length %.2f\n",
+  std::printf("errors in sigmas: centers %.2f, bow %.2f, tags %.2f, turns %.2f, focal length %.2f\n",
               std::sqrt(center2 / centers), std::sqrt(bow2 / bows), std::sqrt(tag2 / tags), std::sqrt(turn2 / tags),
               std::sqrt(focal2 / focals));
   EXPECT_NEAR(std::sqrt(center2 / centers), 1, 0.4);

@@ -1,6 +1,7 @@
 // From session.json to bench.json: a photographed bench end to end, the files it leaves, and what it says when it
 // cannot. Not proved here: the geometry's uncertainty (board_solver_test), the lamp (lamp_test).
-#include "calib/calibrate.h"
+#include "burin/calib/calibrate.h"
+#include "tests/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +13,7 @@
 #include <functional>
 #include <sstream>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/calib/rig_truth.h"
 
 namespace burin {
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
-const fs::path kRigA = fs::path(BURIN_SHARED_DIR) / "rigs/a";
+const fs::path kRigA = fs::path(places::shared()) / "rigs/a";
 
 std::string error_of(const std::function<void()>& work) {
   try {
@@ -88,7 +89,7 @@ class Calibrate : public testing::Test {
     std::erase_if(session.photos,
                   [&](const Photo& p) { return std::find(names.begin(), names.end(), p.view) == names.end(); });
   }
-  // Grey pictures instead of photos.
+  // Gray pictures instead of photos.
   Session blank(int views, const std::function<Image(int)>& picture) const {
     Session s;
     s.file = folder / "session.json";
@@ -105,7 +106,7 @@ class Calibrate : public testing::Test {
   }
 };
 
-// Proves: the files of `burin calibrate` on bench a hold camera centres within 0.15 mm RMS of the truth (issue 4's
+// Proves: the files of `burin calibrate` on bench a hold camera centers within 0.15 mm RMS of the truth (issue 4's
 // figure), in the order of views, with a lens file that reads back and a line for every corner.
 TEST_F(Calibrate, BenchAComesOutOfItsPhotos) {
   const Calibration c = calibrate(session, board);
@@ -121,7 +122,7 @@ TEST_F(Calibrate, BenchAComesOutOfItsPhotos) {
             .squaredNorm();
   }
   const double rms = std::sqrt(sum2 / static_cast<double>(bench.views.size()));
-  std::printf("centres %.3f mm RMS, corners %.4f px RMS per axis\n", rms, c.geometry.rms_px);
+  std::printf("centers %.3f mm RMS, corners %.4f px RMS per axis\n", rms, c.geometry.rms_px);
   for (const Light& light : bench.lights)
     std::printf("lamp %s at %.1f %.1f %.1f (true 30.5 -412.2 762.7)\n", light.id.c_str(), light.position_mm.x(),
                 light.position_mm.y(), light.position_mm.z());
@@ -178,7 +179,7 @@ TEST_F(Calibrate, AGivenCameraIsHeld) {
 }
 
 // Proves: a splined lens serves, fixed and through its file. It is the true lens of the bench resampled onto a spline
-// (its control points are corrections to a stereographic camera), so that centres must come out as with the true one.
+// (its control points are corrections to a stereographic camera), so that centers must come out as with the true one.
 TEST_F(Calibrate, ASplinedCameraIsHeld) {
   keep_views({"v00", "v03", "v05", "v08"});
   const RigTruth truth = read_rig_truth(kRigA);

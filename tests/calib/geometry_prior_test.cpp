@@ -2,15 +2,16 @@
 // pose and its difference are each other's inverse; and three joint steps bring poses that are wrong by a twentieth of
 // a pixel back to where the picture was taken from, with all else, although nobody told which was wrong. Not proved:
 // that real corners are as good as their RMS says (tools/random-benches).
-#include "calib/geometry_prior.h"
+#include "burin/calib/geometry/geometry_prior.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
-#include "calib/photo_uncertainty.h"
-#include "render/lens.h"
+#include "burin/calib/verdict/photo_uncertainty.h"
+#include "burin/render/lens.h"
 
 namespace burin {
 namespace {
@@ -26,7 +27,7 @@ Bench two_views() {
     view.name = "v" + std::to_string(bench.views.size());
     const Eigen::Matrix3d R =
         (Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.5 * tilt, Eigen::Vector3d::UnitY()) *
-         Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))
+         Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()))
             .toRotationMatrix();
     view.T_camera_board.linear() = R;
     view.T_camera_board.translation() = Eigen::Vector3d(0, 0, 190) - R * Eigen::Vector3d(30, 20, 0);
@@ -122,7 +123,7 @@ TEST(Geometry, StepsBringThePosesBack) {
   const Bench truth = two_views();
   Scratches designed;
   std::mt19937_64 random(5);
-  std::uniform_real_distribution<double> x(8, 52), y(8, 32), turn(0, M_PI);
+  std::uniform_real_distribution<double> x(8, 52), y(8, 32), turn(0, std::numbers::pi);
   for (int i = 0; i < 120; ++i) {
     const double cx = x(random), cy = y(random), a = turn(random);
     designed.x0_mm.push_back(cx - 3 * std::cos(a));

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <random>
 
-#include "calib/field_choice.h"
-#include "calib/photo_problem.h"
+#include "burin/calib/photo/field_choice.h"
+#include "burin/calib/photo/photo_problem.h"
 #include "tests/calib/small_grooves.h"
 
 namespace burin {

@@ -3,7 +3,7 @@
 // the noise that sigma says, halves contradict as rarely as the limit promises, and with errors that photos have as a
 // whole, which sigma does not know of, they do. Not proved: that photos' models are linear enough (refine_test.cpp
 // compares with a second solve on real halves).
-#include "calib/half_samples.h"
+#include "burin/calib/verdict/half_samples.h"
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ Line make_line(std::mt19937_64& random, double photo_error) {
   }
   out.equations.prior = Eigen::MatrixXd::Zero(2, 2);
   out.equations.prior_gradient = Eigen::VectorXd::Zero(2);
-  out.equations.pairs = pair_neighbours(keys, std::vector<std::size_t>(12, 0));
+  out.equations.pairs = pair_neighbors(keys, std::vector<std::size_t>(12, 0));
   return out;
 }
 
@@ -118,7 +118,7 @@ TEST(HalfSamples, WhatOnePhotoAloneKnowsIsNotCompared) {
 }
 
 TEST(HalfSamples, PairsStayWithinTheirGroup) {
-  const auto pairs = pair_neighbours({5, 1, 2, 4, 3}, {0, 0, 1, 0, 1});
+  const auto pairs = pair_neighbors({5, 1, 2, 4, 3}, {0, 0, 1, 0, 1});
   ASSERT_EQ(pairs.size(), 2U);
   EXPECT_EQ(pairs[0], std::pair(std::size_t{1}, std::size_t{3}));
   EXPECT_EQ(pairs[1], std::pair(std::size_t{2}, std::size_t{4}));

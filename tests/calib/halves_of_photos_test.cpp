@@ -1,16 +1,16 @@
 // What is proved: on photographs that brute force rendered, halves of the photos solved to first order from the optimum
-// of all (calib/half_samples.h) are where solving again on those photos alone ends, within a fraction of the difference
-// between the halves: the check that the verdict rests on is the re-solve, at no cost.
+// of all (burin/calib/verdict/half_samples.h) are where solving again on those photos alone ends, within a fraction of
+// the difference between the halves: the check that the verdict rests on is the re-solve, at no cost.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
 
-#include "calib/half_samples.h"
-#include "calib/identifiability.h"
-#include "calib/light_samples.h"
-#include "calib/photo_problem.h"
-#include "calib/photo_uncertainty.h"
+#include "burin/calib/light/light_samples.h"
+#include "burin/calib/photo/photo_problem.h"
+#include "burin/calib/verdict/half_samples.h"
+#include "burin/calib/verdict/identifiability.h"
+#include "burin/calib/verdict/photo_uncertainty.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {

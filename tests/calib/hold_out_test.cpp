@@ -1,14 +1,14 @@
 // What is proved: folds are what a person asked for, and refused where too little is left; on synthetic corners the
 // photos held out are predicted as well as their noise allows, and a photo that the board's model does not fit (a board
 // bent further in that photo alone) shows itself, though its own fit hides part of it.
-#include "calib/hold_out.h"
+#include "burin/calib/hold_out.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "calib/candidate_photo.h"
-#include "render/error.h"
+#include "burin/calib/verdict/candidate_photo.h"
+#include "burin/render/error.h"
 
 namespace burin {
 namespace {

@@ -2,7 +2,7 @@
 // that only the lamp's fit is on trial): position, spot exponent and base_alpha; the closed-form seed on exact shading;
 // tag patterns against AprilTag's own rule for its borders. Not proved: that poses found from tags are good enough
 // (calibrate_test), glints (refine_test).
-#include "calib/lamp.h"
+#include "burin/calib/light/lamp.h"
 
 #include <gtest/gtest.h>
 
@@ -10,11 +10,12 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
-#include "calib/light_samples.h"
-#include "capture/photo.h"
-#include "capture/tag_family.h"
-#include "render/error.h"
+#include "burin/calib/light/light_samples.h"
+#include "burin/capture/photo.h"
+#include "burin/capture/tags/tag_family.h"
+#include "burin/render/error.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {
@@ -88,11 +89,11 @@ TEST(WithLamps, SpotInAnAmateursRoom) {
   const Eigen::Vector3d axis(rig.truth["lights"][0]["axis"][0].get<double>(),
                              rig.truth["lights"][0]["axis"][1].get<double>(),
                              rig.truth["lights"][0]["axis"][2].get<double>());
-  EXPECT_LT(std::acos(lamp.axis.normalized().dot(axis.normalized())) * 180 / M_PI, 2.0);
+  EXPECT_LT(std::acos(lamp.axis.normalized().dot(axis.normalized())) * 180 / std::numbers::pi, 2.0);
 }
 
 TEST(Binned, KeepsPlacesAndMeans) {
-  // A ramp: the mean of a binned pixel is the ramp at its centre, and the scaled lens sees the same direction there.
+  // A ramp: the mean of a binned pixel is the ramp at its center, and the scaled lens sees the same direction there.
   LightView view;
   view.lens.model = "LENSMODEL_PINHOLE";
   view.lens.intrinsics = {500, 510, 31.5, 20.25};
@@ -128,7 +129,7 @@ TEST(Binned, RaysOfAllViewsServeEveryWindow) {
     view.valid.assign(203 * 151, 1);
     const Surface surface{{60, 40}, {0.1, 0, 0.2}};
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = Eigen::AngleAxisd(M_PI - 0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    T.linear() = Eigen::AngleAxisd(std::numbers::pi - 0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
     T.translation() = Eigen::Vector3d(0, 0, 200) - T.linear() * Eigen::Vector3d(30, 20, 0);
     LightView shared = view;
     shared.rays = std::make_shared<const CornerRays>(corner_rays(view.lens, {10, 5, 300, 230}));

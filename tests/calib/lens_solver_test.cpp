@@ -1,6 +1,7 @@
 // Lenses from real corners with published answers, and from synthetic ones within their predicted uncertainty.
 // Not proved here: tags and their placement (board_solver_test).
-#include "calib/lens_solver.h"
+#include "burin/calib/geometry/lens_solver.h"
+#include "tests/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,14 +13,14 @@
 #include <opencv2/imgproc.hpp>
 #include <random>
 
-#include "render/error.h"
-#include "render/image.h"
+#include "burin/render/error.h"
+#include "burin/render/image.h"
 
 namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kShared = BURIN_SHARED_DIR;
+const fs::path kShared = places::shared();
 
 // Proves: OpenCV's own 13 photographs give its published calibration (left_intrinsics.yml: f 535.916 with fx = fy, RMS
 // 0.3926 a point).
@@ -70,7 +71,7 @@ TEST(LensSolver, ReproducesMrcalsWideLens) {
   const fs::path model = kShared / "photos/mrcal_docs/opencv8-0.cameramodel";
   if (!fs::exists(model)) GTEST_SKIP() << model << " is missing";
   const fs::path table = fs::path(testing::TempDir()) / "burin_mrcal_corners.txt";
-  const std::string command = std::string("/usr/bin/python3 ") + BURIN_SOURCE_DIR "/tests/calib/mrcal_corners.py " +
+  const std::string command = std::string("/usr/bin/python3 ") + places::source() + "/tests/calib/mrcal_corners.py " +
                               model.string() + " > " + table.string();
   if (std::system("/usr/bin/python3 -c 'import mrcal' 2>/dev/null") != 0)
     GTEST_SKIP() << "python3-mrcal is not installed";

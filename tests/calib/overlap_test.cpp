@@ -1,13 +1,14 @@
 // What is proved: the area that later scratches leave of each scratch, against counting random points (the last scratch
 // over a point owns it), and the exact cases. Not proved: that real grooves cut each other so.
-#include "calib/overlap.h"
+#include "burin/calib/photo/overlap.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
-#include "render/groove.h"
+#include "burin/render/groove.h"
 
 namespace burin {
 namespace {
@@ -57,7 +58,7 @@ TEST(VisiblePieces, NothingCrossesNothingIsCut) {
 
 TEST(VisiblePieces, AreaLeftAgreesWithCountingPoints) {
   std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> place(0, 40), turn(0, M_PI), length(5, 9), unit(0, 1);
+  std::uniform_real_distribution<double> place(0, 40), turn(0, std::numbers::pi), length(5, 9), unit(0, 1);
   Scratches s;
   for (int i = 0; i < 250; ++i) {
     const double x = place(random), y = place(random), a = turn(random), l = length(random);
@@ -88,7 +89,7 @@ TEST(VisiblePieces, AreaLeftAgreesWithCountingPoints) {
     cut += length_of(v, i);
   }
   EXPECT_LT(counted, 0.9 * whole);  // the case is worth the test: crossings take a good part
-  // Sideways overlaps are cut by the centre line only: right on average, not each. 250 x 2000 points count to 0.2 %.
+  // Sideways overlaps are cut by the center line only: right on average, not each. 250 x 2000 points count to 0.2 %.
   EXPECT_NEAR(cut / counted, 1, 0.01);
 }
 

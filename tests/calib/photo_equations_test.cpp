@@ -1,14 +1,15 @@
 // What is proved: the gradient that the fit descends along (Jtr) is the derivative of its cost by every unknown, by
-// central differences: the renderer's derivatives, their chain through the machine's parametrisation, a spot's
+// central differences: the renderer's derivatives, their chain through the machine's parametrization, a spot's
 // fall-off, the blur, vignetting and the robust loss together. Not proved: that the model is right (the rigs prove
 // that, refine_test.cpp).
-#include "calib/photo_equations.h"
-#include "calib/geometry_prior.h"
+#include "burin/calib/photo/photo_equations.h"
+#include "burin/calib/geometry/geometry_prior.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <random>
 
 namespace burin {
@@ -46,7 +47,7 @@ void fill(Scene& s, bool spot) {
   view.name = "v";
   // Looks down at the board's middle, tilted by 0.4 rad about the board's x.
   const Eigen::Matrix3d R =
-      (Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitX()))
+      (Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitX()))
           .toRotationMatrix();
   view.T_camera_board.linear() = R;
   view.T_camera_board.translation() = Eigen::Vector3d(0, 0, 200) - R * Eigen::Vector3d(30, 20, 0);
@@ -55,7 +56,7 @@ void fill(Scene& s, bool spot) {
   s.bench.lights.resize(1);
 
   std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> x(8, 52), y(8, 32), turn(0, M_PI);
+  std::uniform_real_distribution<double> x(8, 52), y(8, 32), turn(0, std::numbers::pi);
   for (int i = 0; i < 80; ++i) {
     const double cx = x(random), cy = y(random), a = turn(random);
     s.designed.x0_mm.push_back(cx - 3 * std::cos(a));

@@ -3,14 +3,14 @@
 // told so and its depth counts as unknown; places come out in words that a ruler can follow.
 // Not proved: that light's promised sigmas are those of real photos; docs/calibration.md compares them on photographed
 // benches.
-#include "calib/plan.h"
+#include "burin/calib/plan.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 
 namespace burin {
 namespace {

@@ -3,13 +3,13 @@
 // pixel to be quick; that a session whose half vectors never reach the grooves' cut-off reports depth as not
 // determined; that a session without photos to work on is refused. Not proved: poses from tags (calibrate_test), full
 // resolution (`burin refine` on the rigs).
-#include "calib/refine.h"
+#include "burin/calib/refine.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {
@@ -54,7 +54,7 @@ TEST(Refine, AmateursBench) {
   EXPECT_LT(affine_error_mm(r.bench.machine_affine, true_affine(rig.truth), rig.board), 0.03);
   EXPECT_NEAR(r.bench.depth_field.terms[0], 0.07, 0.03);
   EXPECT_NEAR(r.bench.depth_field.terms[1], -0.04, 0.03);
-  // The lamp's colour: ratios of its channels.
+  // The lamp's color: ratios of its channels.
   const Eigen::Vector3d color = r.bench.lights[0].intensity / r.bench.lights[0].intensity[0];
   EXPECT_NEAR(color[1], 600. / 620., 0.02);
   EXPECT_NEAR(color[2], 555. / 620., 0.02);

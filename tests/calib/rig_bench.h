@@ -7,14 +7,15 @@
 #include <set>
 #include <string>
 
-#include "capture/photo.h"
-#include "capture/session.h"
-#include "render/bench.h"
-#include "render/board.h"
-#include "render/scratches.h"
+#include "burin/capture/photo.h"
+#include "burin/capture/session.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/scratches.h"
+#include "tests/places.h"
 
-#define BURIN_NEEDS_RIG(name)                                                                \
-  if (!std::filesystem::exists(std::string(BURIN_SHARED_DIR) + "/rigs/" name "/truth.json")) \
+#define BURIN_NEEDS_RIG(name)                                                   \
+  if (!std::filesystem::exists(places::shared() + "/rigs/" name "/truth.json")) \
   GTEST_SKIP() << "the photographed bench " name " is not beside this checkout"
 
 namespace burin {
@@ -30,7 +31,7 @@ struct Rig {
 /// `views`: which views to take; all if empty.
 inline Rig read_rig(const std::string& name, const std::set<std::string>& views = {}) {
   Rig rig;
-  const std::filesystem::path folder = std::filesystem::path(BURIN_SHARED_DIR) / "rigs" / name;
+  const std::filesystem::path folder = std::filesystem::path(places::shared()) / "rigs" / name;
   std::ifstream stream(folder / "truth.json");
   rig.truth = nlohmann::json::parse(stream);
   rig.board = read_board(folder / "board.json");

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "render/bench.h"
-#include "render/board.h"
-#include "render/image.h"
-#include "render/surface.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/image.h"
+#include "burin/render/surface.h"
 
 namespace burin {
 

@@ -1,8 +1,8 @@
-// Proves: what goes wrong in real photos is found, named, left out or modelled, and the rest calibrates all the same.
-// One clean session is photographed by the simulated camera (capture/simulated_camera.h); each test spoils copies of
-// its photos, or of what is believed of the board, in one way. Bounds are on the distance to the truth, next to what
-// the clean session reaches (cameras 0.1 mm RMS, lamp about 4 mm).
-// Missing EXIF, false exposure times, clipped and blurred photos before any solve: folder_session_test.
+// Proves: what goes wrong in real photos is found, named, left out or modeled, and the rest calibrates all the same.
+// One clean session is photographed by the simulated camera (burin/capture/simulator/simulated_camera.h); each test
+// spoils copies of its photos, or of what is believed of the board, in one way. Bounds are on the distance to the
+// truth, next to what the clean session reaches (cameras 0.1 mm RMS, lamp about 4 mm). Missing EXIF, false exposure
+// times, clipped and blurred photos before any solve: folder_session_test.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -10,12 +10,13 @@
 #include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "calib/calibrate.h"
-#include "capture/photo.h"
-#include "capture/simulated_camera.h"
-#include "render/image.h"
+#include "burin/calib/calibrate.h"
+#include "burin/capture/photo.h"
+#include "burin/capture/simulator/simulated_camera.h"
+#include "burin/render/image.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {
@@ -31,7 +32,7 @@ constexpr double kFocal_px = 1150;
 constexpr int kTag = 6;  // the one that is spoiled
 
 Eigen::Isometry3d camera_at(int view) {
-  const double azimuth = 2 * M_PI * view / kViews, tilt = 0.45 + 0.15 * (view % 3), far = 385;
+  const double azimuth = 2 * std::numbers::pi * view / kViews, tilt = 0.45 + 0.15 * (view % 3), far = 385;
   const Eigen::Vector3d target(90 + 5 * std::cos(3 * azimuth), 70 - 6 * std::sin(2 * azimuth), 0);
   const Eigen::Vector3d center = target + far * Eigen::Vector3d(std::sin(tilt) * std::cos(azimuth),
                                                                 std::sin(tilt) * std::sin(azimuth), std::cos(tilt));
@@ -160,7 +161,7 @@ class Robust : public testing::Test {
       sum2 += (view.T_camera_board.inverse().translation() - camera_at(view.name[2] - '0').inverse().translation())
                   .squaredNorm();
     const double rms = std::sqrt(sum2 / static_cast<double>(c.bench.views.size()));
-    std::printf("centres %.3f mm RMS over %zu views\n%s", rms, c.bench.views.size(), told(c).c_str());
+    std::printf("centers %.3f mm RMS over %zu views\n%s", rms, c.bench.views.size(), told(c).c_str());
     return rms;
   }
   static double lamp_mm(const Calibration& c) {

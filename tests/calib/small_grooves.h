@@ -4,10 +4,11 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <random>
 #include <string>
 
-#include "calib/photo_problem.h"
+#include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
 
@@ -32,7 +33,7 @@ inline std::mt19937_64 fill_small_grooves(SmallGrooves& s, std::uint64_t seed) {
   s.bench.lens.width = s.bench.lens.height = 120;
   s.bench.lights.resize(1);
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> place(8, 52), turn(0, M_PI);
+  std::uniform_real_distribution<double> place(8, 52), turn(0, std::numbers::pi);
   for (int i = 0; i < 500; ++i) {
     const double x = place(random), y = place(random), a = turn(random);
     s.designed.x0_mm.push_back(x - 2 * std::cos(a));

@@ -3,7 +3,7 @@
 // without them (the loss alone forgives them nearly as well here); a board of uneven grooves with specks of dust, and
 // one of which every photo has a fault of its own, show no such region. Not proved: how pale a fingerprint may be and
 // still be found.
-#include "calib/strange_regions.h"
+#include "burin/calib/photo/strange_regions.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

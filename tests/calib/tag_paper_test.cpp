@@ -2,10 +2,10 @@
 // the paper, on keep-outs (a clamp, a hole) and beyond the board.
 #include <gtest/gtest.h>
 
-#include "calib/light_samples.h"
-#include "capture/tag_family.h"
-#include "render/board.h"
-#include "render/error.h"
+#include "burin/calib/light/light_samples.h"
+#include "burin/capture/tags/tag_family.h"
+#include "burin/render/board.h"
+#include "burin/render/error.h"
 
 namespace burin {
 namespace {

@@ -1,14 +1,15 @@
 // Proves: what EXIF says is read from the kinds of files that photos come in, exactly; what it does not say stays
 // unsaid; how values are encoded is taken from the file and, where it is silent, said to be assumed.
-#include "capture/exif.h"
+#include "burin/capture/exif.h"
+#include "tests/places.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-#include "capture/simulated_camera.h"
-#include "render/error.h"
+#include "burin/capture/simulator/simulated_camera.h"
+#include "burin/render/error.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {
@@ -106,7 +107,7 @@ TEST_F(ExifTest, NoPictureIsAnError) {
 }
 
 TEST_F(ExifTest, RigB) {
-  const fs::path file = fs::path(BURIN_SHARED_DIR) / "rigs/b/photos/IMG_4128.JPG";
+  const fs::path file = fs::path(places::shared()) / "rigs/b/photos/IMG_4128.JPG";
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not beside the checkout";
   const Exif exif = read_exif(file);
   EXPECT_DOUBLE_EQ(exif.exposure_s.value_or(0), 1.0 / 15);

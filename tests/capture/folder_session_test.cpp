@@ -1,8 +1,10 @@
 // Proves: a plain folder of photos becomes the session that a person would have written: brackets found by the
 // pictures, not by the clock alone; what stands in the way of that is an error that names file and remedy, and then
 // nothing is written. Photos come from the simulated camera; the rig's own truth says how its photos belong together.
-// Also proves pre-flight's findings one by one (capture/preflight.h), each next to a session that does not have it.
-#include "capture/folder_session.h"
+// Also proves pre-flight's findings one by one (burin/capture/preflight.h), each next to a session that does not have
+// it.
+#include "burin/capture/folder_session.h"
+#include "tests/places.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -15,9 +17,9 @@
 #include <numbers>
 #include <random>
 
-#include "capture/preflight.h"
-#include "capture/simulated_camera.h"
-#include "render/error.h"
+#include "burin/capture/preflight.h"
+#include "burin/capture/simulator/simulated_camera.h"
+#include "burin/render/error.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {
@@ -337,7 +339,7 @@ TEST_F(FolderSessionTest, AWrittenSessionIsJudgedTheSameWay) {
 
 // The rig's truth says which photos belong together; only this test reads it.
 TEST(FolderSessionOfRigs, RigBsBracketsAreFound) {
-  const fs::path rig = fs::path(BURIN_SHARED_DIR) / "rigs/b";
+  const fs::path rig = fs::path(places::shared()) / "rigs/b";
   if (!fs::exists(rig / "truth.json")) GTEST_SKIP() << rig << " is not beside the checkout";
   const BenchTruth truth = read_bench_truth(rig / "truth.json");
   TemporaryFolder out;

@@ -1,6 +1,6 @@
 // How two photos compare at a glance: a photo lies exactly on itself, whatever its size, and a moved one by as much as
 // it was moved. The pictures are smooth random blobs; the oracle is the shift that made them.
-#include "capture/photo_look.h"
+#include "burin/capture/photo_look.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,9 @@
-// Proves: stored values become linear ones as DESIGN says (exact values at known pixels, 12-bit white, sRGB, EXIF
-// orientation left alone); brackets merge without bias and with sigmas that hold (synthetic photos with known noise);
-// replay is bit-identical whatever the number of threads; broken files are refused by name.
-// Real photos: the benches beside the checkout, where the sensor's electrons are known.
-#include "capture/photo.h"
+// Proves: stored values become linear ones as docs/model.md 5 says (exact values at known pixels, 12-bit white, sRGB,
+// EXIF orientation left alone); brackets merge without bias and with sigmas that hold (synthetic photos with known
+// noise); replay is bit-identical whatever the number of threads; broken files are refused by name. Real photos: the
+// benches beside the checkout, where the sensor's electrons are known.
+#include "burin/capture/photo.h"
+#include "tests/places.h"
 
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
@@ -14,7 +15,7 @@
 #include <fstream>
 #include <random>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -132,7 +133,7 @@ TEST_F(PhotoTest, BrokenFilesAreNamed) {
   EXPECT_THAT(error_of(photo("p.png", Encoding::raw)), HasSubstr("not a raw file"));
 }
 
-// Files cut short, as by a pulled card, at several places. libjpeg alone would fill the rest with grey.
+// Files cut short, as by a pulled card, at several places. libjpeg alone would fill the rest with gray.
 TEST_F(PhotoTest, FilesCutShortAreRefused) {
   std::mt19937 random(3);
   std::vector<std::uint8_t> pixels(200 * 200 * 3);
@@ -230,7 +231,7 @@ TEST_F(PhotoTest, SizesThatDifferAreRefused) {
 
 // The rig's sensor: 18000 electrons at white, 9 electrons of read noise (its README and truth).
 TEST(PhotoOfRigs, NoiseOfRigAIsItsSensors) {
-  const fs::path file = fs::path(BURIN_SHARED_DIR) / "rigs/a/session.json";
+  const fs::path file = fs::path(places::shared()) / "rigs/a/session.json";
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not beside the checkout";
   const Session session = read_session(file);
   const NoiseModel noise = estimate_noise(session.photos);
@@ -239,7 +240,7 @@ TEST(PhotoOfRigs, NoiseOfRigAIsItsSensors) {
 }
 
 TEST(PhotoOfRigs, ReplayIsBitIdenticalForAnyThreads) {
-  const fs::path file = fs::path(BURIN_SHARED_DIR) / "rigs/a/session.json";
+  const fs::path file = fs::path(places::shared()) / "rigs/a/session.json";
   if (!fs::exists(file)) GTEST_SKIP() << file << " is not beside the checkout";
   Session session = read_session(file);
   session.photos.resize(6);

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "capture/exif.h"
-#include "capture/photo.h"
-#include "render/error.h"
+#include "burin/capture/exif.h"
+#include "burin/capture/photo.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -90,7 +90,7 @@ std::string dng(const std::vector<std::uint16_t>& pixels, int orientation) {
   tiff.longs(257, {kHeight});
   tiff.shorts(258, {16});
   tiff.shorts(259, {1});      // not compressed
-  tiff.shorts(262, {32803});  // colour mosaic
+  tiff.shorts(262, {32803});  // color mosaic
   tiff.text(271, "Burin");
   tiff.text(272, "Burin Test");
   tiff.shorts(274, {orientation});
@@ -106,7 +106,7 @@ std::string dng(const std::vector<std::uint16_t>& pixels, int orientation) {
   tiff.text(50708, "Burin Test");
   tiff.shorts(50714, {kBlack});
   tiff.longs(50717, {kWhite});
-  // A matrix and a neutral that would change colours a good deal if anyone applied them.
+  // A matrix and a neutral that would change colors a good deal if anyone applied them.
   tiff.fractions(50721,
                  {9, 10, static_cast<std::uint32_t>(-2), 10, 1, 10, static_cast<std::uint32_t>(-3), 10, 12, 10, 1, 10,
                   0, 10, 2, 10, 6, 10},

@@ -1,13 +1,13 @@
 // Proves: session.json survives a round trip; every kind of bad manifest is refused with a message that names the file,
 // the field and a remedy. Does not prove anything about pixels (photo_test.cpp).
-#include "capture/session.h"
+#include "burin/capture/session.h"
 
 #include <gmock/gmock.h>
 
 #include <filesystem>
 #include <fstream>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -85,7 +85,7 @@ TEST_F(SessionTest, ErrorsNameFileFieldAndRemedy) {
   EXPECT_EQ(error_of(entry()), "no error");
   EXPECT_THAT(error_of(""), HasSubstr("at least one photo"));
   EXPECT_THAT(error_of(entry() + "," + entry()), HasSubstr("listed twice"));
-  EXPECT_THAT(error_of(entry(R"(, "colour": 1)")), HasSubstr("colour"));
+  EXPECT_THAT(error_of(entry(R"(, "color": 1)")), HasSubstr("color"));
   EXPECT_THAT(error_of(entry(), R"(, "lens": 1)"), HasSubstr("lens"));
   EXPECT_THAT(
       error_of(R"({"file": "photos/a.png", "view": "v", "exposure_s": 0, "f_number": 8, "encoding": "linear"})"),

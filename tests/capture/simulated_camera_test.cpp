@@ -1,8 +1,9 @@
-// Proves: the simulated camera takes the photos that DESIGN 3.4 asks for: exact values of paper, plain face and cloth
-// worked by hand; a groove's light against direct quadrature of DESIGN 3.4 over the groove's area; the benches beside
-// the checkout down to their noise; noise of the sensor asked for; the same bits for any threads and any choice of
-// views. Does not prove that dust, cloth patterns and fingerprints look like real ones.
-#include "capture/simulated_camera.h"
+// Proves: the simulated camera takes the photos that docs/model.md 5 asks for: exact values of paper, plain face and
+// cloth worked by hand; a groove's light against direct quadrature of docs/model.md 5 over the groove's area; the
+// benches beside the checkout down to their noise; noise of the sensor asked for; the same bits for any threads and any
+// choice of views. Does not prove that dust, cloth patterns and fingerprints look like real ones.
+#include "burin/capture/simulator/simulated_camera.h"
+#include "tests/places.h"
 
 #include <gmock/gmock.h>
 #include <tbb/global_control.h>
@@ -12,12 +13,13 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <numbers>
 
-#include "capture/photo.h"
-#include "capture/point_sampler.h"
-#include "render/brdf.h"
-#include "render/error.h"
-#include "render/groove.h"
+#include "burin/capture/photo.h"
+#include "burin/capture/simulator/point_sampler.h"
+#include "burin/render/brdf.h"
+#include "burin/render/error.h"
+#include "burin/render/groove.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {
@@ -72,10 +74,10 @@ TEST_F(SimulatedCamera, PaperFaceAndClothHaveTheirExactRadiance) {
   };
   const auto lambert = [](double albedo) {
     return [albedo](const Vector3d&, const Vector3d& wi, const Vector3d&, double irradiance) {
-      return albedo / kPi * wi.z() * irradiance + 0.01 * albedo;
+      return albedo / std::numbers::pi * wi.z() * irradiance + 0.01 * albedo;
     };
   };
-  // Tag 3 is centred at (15, 15), 16 mm over 8 cells: 2 mm of white border, 1 mm of quiet paper, then metal.
+  // Tag 3 is centerd at (15, 15), 16 mm over 8 cells: 2 mm of white border, 1 mm of quiet paper, then metal.
   const auto pixel_x = [](double x_mm) { return static_cast<int>(std::lround(159.5 + 2 * (x_mm - 50))); };
   const auto pixel_y = [](double y_mm) { return static_cast<int>(std::lround(119.5 - 2 * (y_mm - 40))); };
   expect(pixel_x(5.5), pixel_y(15), 0, "quiet paper", lambert(0.8));
@@ -111,8 +113,8 @@ TEST_F(SimulatedCamera, RotationTurnsTagsCounterClockwise) {
       EXPECT_EQ(turned[(9 - column) * 10 + row], upright[row * 10 + column]) << row << " " << column;
 }
 
-// One groove across a few pixels: light summed over the picture against quadrature of DESIGN 3.1, 3.2 and 3.4 along its
-// width and length, which knows nothing of pixels, samples or interpolation.
+// One groove across a few pixels: light summed over the picture against quadrature of docs/model.md 2, 3 and 5 along
+// its width and length, which knows nothing of pixels, samples or interpolation.
 TEST_F(SimulatedCamera, AGroovesLightIsItsIntegral) {
   json["samples"] = 40000;
   json["machine"] = {{"affine", {{1, 0, 0}, {0, 1, 0}}}};
@@ -297,7 +299,7 @@ TEST_F(SimulatedCamera, NothingOldVouchesForNewPhotos) {
 // noise of two samplings: theirs, and ours, which a second run with another seed measures. Cloth is left out: its
 // pattern is not ours. So are values above 0.9: choosing by the other photo's clipping would choose by its noise.
 TEST(SimulatedCameraOfRigs, TakesRigAsPhotoAgain) {
-  const fs::path rig = fs::path(BURIN_SHARED_DIR) / "rigs/a";
+  const fs::path rig = fs::path(places::shared()) / "rigs/a";
   if (!fs::exists(rig / "truth.json")) GTEST_SKIP() << rig << " is not beside the checkout";
   BenchTruth truth = read_bench_truth(rig / "truth.json");
   const TruthView& view = truth.views[2];

@@ -1,7 +1,8 @@
 // Tags found and corners measured: against AprilTag's own reference corners, against photographed benches whose true
 // corners are known, and on pictures that should give nothing. Not proved here: that poses come out right
 // (board_solver_test, calibrate_test).
-#include "capture/tag_detector.h"
+#include "burin/capture/tags/tag_detector.h"
+#include "tests/places.h"
 
 #include <apriltag/common/pjpeg.h>
 #include <gmock/gmock.h>
@@ -13,15 +14,15 @@
 #include <fstream>
 #include <numeric>
 
-#include "render/error.h"
-#include "render/image.h"
+#include "burin/render/error.h"
+#include "burin/render/image.h"
 #include "tests/calib/rig_truth.h"
 
 namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kShared = BURIN_SHARED_DIR;
+const fs::path kShared = places::shared();
 
 // Proves: AprilTag is called right, and its corners land in our pixel convention: all 47 tags of its own three test
 // photographs, within the 0.15 px between versions of AprilTag (README.txt of the folder: 0.141 at worst).
@@ -75,7 +76,7 @@ TEST(TagDetector, FindsTheFortySevenTagsOfAprilTagsOwnTests) {
 }
 
 // Proves: refined corners are where the true camera sees the true corners, on two photographed benches: a clean one,
-// and an amateur's with JPEG, a soft lens and a bowed board. DESIGN 6 expects 0.015-0.018 px of a clean one.
+// and an amateur's with JPEG, a soft lens and a bowed board. docs/model.md 9 expects 0.015-0.018 px of a clean one.
 class TagCornersOfRig : public testing::TestWithParam<std::tuple<const char*, double, int>> {};
 TEST_P(TagCornersOfRig, AreWhereTheTrueCameraSeesThem) {
   const auto [rig, bound_px, tags_at_least] = GetParam();

@@ -1,12 +1,12 @@
 // Proves Adam's arithmetic on cases worked by hand and its convergence on a quadratic with very different scales.
-#include "optimize/adam.h"
+#include "burin/optimize/loss/adam.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <cmath>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 
 namespace burin {
 namespace {

@@ -1,6 +1,6 @@
 // Proves: the rules of a board and a machine are judged exactly, and what is mended obeys them. The oracle for
 // keep-outs and overlaps is brute force: points along a scratch, and points strewn over a groove.
-#include "optimize/carving_limits.h"
+#include "burin/optimize/carving/carving_limits.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,10 +9,10 @@
 #include <cmath>
 #include <random>
 
-#include "optimize/groove_pairs.h"
-#include "render/error.h"
-#include "render/groove.h"
-#include "render/keep_out.h"
+#include "burin/optimize/carving/groove_pairs.h"
+#include "burin/render/error.h"
+#include "burin/render/groove.h"
+#include "burin/render/keep_out.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

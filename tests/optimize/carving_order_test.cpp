@@ -1,6 +1,6 @@
 // Proves: every scratch is carved once; small boards get the shortest way there is (all orders tried); on large ones no
 // exchange of two ways is left and the travel is the same however often and in whatever order the scratches come.
-#include "optimize/carving_order.h"
+#include "burin/optimize/carving/carving_order.h"
 
 #include <gtest/gtest.h>
 
@@ -74,7 +74,7 @@ TEST(CarvingOrder, SmallBoardsComeCloseToTheBestOfAllOrders) {
 TEST(CarvingOrder, NoExchangeOfTwoWaysIsLeft) {
   const Scratches s = random_scratches(400, 5, 1);
   CarvingOrderOptions options;
-  options.neighbours = 60;
+  options.neighbors = 60;
   const auto order = carving_order(s, options);
   expect_each_once(order, s.size());
   const double travel = travel_mm(s, order, options);

@@ -1,12 +1,12 @@
 // Proves: the time of a job is the sum of its moves by the laws of motion, in whatever order it is carved, and the
 // budget's quick estimate stands near the time of the path that is written.
-#include "optimize/carving_time.h"
+#include "burin/optimize/carving/carving_time.h"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "optimize/toolpath.h"
+#include "burin/optimize/toolpath.h"
 
 namespace burin {
 namespace {

@@ -1,7 +1,7 @@
 // Proves that a small design converges on two views with the loss and picture quality it states, that a seed gives the
 // same bits for one thread and two, that ends stay inside the carve area and above the smallest length, that dropping
 // drops what it says, and that wrong input is refused in words. Quality on real pictures is measured by benchmarks.
-#include "optimize/design.h"
+#include "burin/optimize/design.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,10 +13,10 @@
 #include <filesystem>
 #include <string_view>
 
-#include "optimize/carving_time.h"
-#include "optimize/design_output.h"
-#include "render/error.h"
-#include "render/json_file.h"
+#include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/design/design_output.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 
 namespace burin {
 namespace {
@@ -62,14 +62,14 @@ class DesignTest : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  static View view(const std::string& name, const Eigen::Vector3d& centre_mm) {
+  static View view(const std::string& name, const Eigen::Vector3d& center_mm) {
     View v;
     v.name = name;
     // Looks straight down (x right, y down, z forward in the camera); where it looks does not matter to a design.
     Eigen::Matrix3d R;
     R << 1, 0, 0, 0, -1, 0, 0, 0, -1;
     v.T_camera_board.linear() = R;
-    v.T_camera_board.translation() = -R * centre_mm;
+    v.T_camera_board.translation() = -R * center_mm;
     return v;
   }
 
@@ -114,7 +114,7 @@ TEST_F(DesignTest, GuidedStartAndRelocationEachLowerTheLoss) {
 }
 
 TEST_F(DesignTest, BalanceTakesFromTheBetterViewForTheWorse) {
-  // Much harder than the disc: tiles of all greys.
+  // Much harder than the disc: tiles of all grays.
   Image tiles(64, 64, 1);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) tiles.at(x, y) = 0.2F + 0.1F * static_cast<float>((x / 5 * 7 + y / 5 * 5) % 8);
@@ -323,7 +323,7 @@ TEST_F(DesignTest, AWishToStopIsHeardWithinTheStartAndWithinASweep) {
 
 TEST_F(DesignTest, FreeDepthIsReportedAndWritten) {
   options_.iterations = 5;
-  options_.optimise_depth = true;
+  options_.optimize_depth = true;
   const DesignResult result = design(spec_, board_, bench_, options_, {});
   ASSERT_TRUE(result.depth_um.has_value());
   EXPECT_NE(*result.depth_um, 14);

@@ -1,15 +1,16 @@
 // Proves the closed forms of glints (lobe and reach) against direct numerical integration of the GGX lobe over a
 // groove's wall, and that the checks of a bench say what is wrong and by how much.
-#include "optimize/glint.h"
+#include "burin/optimize/design/glint.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
-#include "render/brdf.h"
-#include "render/error.h"
-#include "render/groove.h"
+#include "burin/render/brdf.h"
+#include "burin/render/error.h"
+#include "burin/render/groove.h"
 
 namespace burin {
 namespace {
@@ -36,7 +37,7 @@ TEST(Glint, LobeMatchesIntegration) {
     EXPECT_NEAR(lobe(0.35, turn, 0.04), expected, 0.02) << turn;
   }
   EXPECT_NEAR(lobe(0.35, turn_for(0.35, 0.3, 0.04), 0.04), 0.3, 1e-12);
-  EXPECT_EQ(turn_for(0.01, 0.001, 0.5), kPi / 2);  // everything glints near the mirror direction
+  EXPECT_EQ(turn_for(0.01, 0.001, 0.5), std::numbers::pi / 2);  // everything glints near the mirror direction
 }
 
 TEST(Glint, ReachMatchesIntegration) {
@@ -51,7 +52,7 @@ TEST(Glint, DirectionIsAcrossTheHalfVectorsShadow) {
   const GlintView view{"v", {0, 0, 500}, {300, 0, 400}};
   const Lean lean = lean_at(view, {0, 0, 0});
   EXPECT_NEAR(lean.azimuth, 0, 1e-12);
-  EXPECT_NEAR(lean.scratch_direction(), kPi / 2, 1e-12);
+  EXPECT_NEAR(lean.scratch_direction(), std::numbers::pi / 2, 1e-12);
   EXPECT_NEAR(lean.angle, std::atan2(300, 400) / 2, 1e-12);
 }
 
@@ -66,7 +67,8 @@ TEST(Glint, CollisionsModuloHalfATurnAreNamed) {
   const Eigen::Vector2d min{-20, -20}, max{20, 20};
   const auto apart = check_glints({at_azimuth("a", 0), at_azimuth("b", 1.2)}, min, max, 400, 40, 0.04);
   EXPECT_TRUE(apart.empty());
-  const auto opposite = check_glints({at_azimuth("a", 0), at_azimuth("b", kPi + 0.05)}, min, max, 400, 40, 0.04);
+  const auto opposite =
+      check_glints({at_azimuth("a", 0), at_azimuth("b", std::numbers::pi + 0.05)}, min, max, 400, 40, 0.04);
   ASSERT_EQ(opposite.size(), 1U);
   EXPECT_THAT(opposite[0], AllOf(HasSubstr("a and b"), HasSubstr("2.9 degrees apart"), HasSubstr("collide")));
 }

@@ -2,7 +2,7 @@
 // pixel with each mask; that the terms and the gamma curve have the gradient they claim, against finite differences;
 // that each term sees what it should (E_p blind to a checkerboard, Gram not; Gram blind to where a texture sits inside
 // its tile); that masked pixels count for nothing; that threads change no bit.
-#include "optimize/loss.h"
+#include "burin/optimize/loss/loss.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@
 #include <random>
 #include <vector>
 
-#include "optimize/adam.h"
-#include "render/error.h"
+#include "burin/optimize/loss/adam.h"
+#include "burin/render/error.h"
 #include "tests/allocations.h"
 
 namespace burin {

@@ -1,13 +1,13 @@
 // Proves: profiles are found, read with what differs, and refused with a clear sentence; the time of a move has the
 // limits that mechanics gives it.
-#include "optimize/machine_profile.h"
+#include "burin/optimize/machine_profile.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

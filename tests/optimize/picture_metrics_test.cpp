@@ -1,12 +1,12 @@
 // Proves the picture figures on cases worked by hand, SSIM on constant pictures, where it has a closed form.
-#include "optimize/picture_metrics.h"
+#include "burin/optimize/loss/picture_metrics.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "optimize/loss.h"
-#include "render/error.h"
+#include "burin/optimize/loss/loss.h"
+#include "burin/render/error.h"
 
 namespace burin {
 namespace {

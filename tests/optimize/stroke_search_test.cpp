@@ -1,6 +1,6 @@
 // Proves that the light model which starts and relocations rest on agrees with the renderer, that the gains it claims
 // are the changes of its own error, and that strokes lie where they may. That it helps a design is design_test's part.
-#include "optimize/stroke_search.h"
+#include "burin/optimize/design/stroke_search.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

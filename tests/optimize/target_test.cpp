@@ -1,17 +1,18 @@
 // Proves how pictures are laid on the board: which corner goes where, for turned, cropped, fitted, deep, transparent
 // and linear pictures; and that "viewer" makes a picture upright in the photo, checked by projecting it.
-#include "optimize/target.h"
+#include "burin/optimize/target.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <filesystem>
+#include <numbers>
 
-#include "optimize/design_file.h"
-#include "render/brdf.h"
-#include "render/error.h"
-#include "render/json_file.h"
+#include "burin/optimize/design_file.h"
+#include "burin/render/brdf.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 
 namespace burin {
 namespace {
@@ -96,7 +97,7 @@ TEST_F(TargetTest, LinearAndDeepPicturesKeepTheirLight) {
   EXPECT_NEAR(load_target(spec, 0, {10, 10}, 16, 16).picture.at(3, 4), regamma(0.5F), 1e-4);
 }
 
-TEST_F(TargetTest, ColourBecomesLuminance) {
+TEST_F(TargetTest, ColorBecomesLuminance) {
   Image image(16, 16, 3, 0.0F);
   for (int i = 0; i < 128; ++i) image.data[3 * i + 1] = 1;  // upper half green
   write_picture(image, folder_ / "green.png");
@@ -106,16 +107,16 @@ TEST_F(TargetTest, ColourBecomesLuminance) {
 }
 
 TEST_F(TargetTest, OneToneIsAnError) {
-  write_picture(Image(16, 16, 1, 0.5F), folder_ / "grey.png");
+  write_picture(Image(16, 16, 1, 0.5F), folder_ / "gray.png");
   TargetSpec spec;
-  spec.picture = folder_ / "grey.png";
+  spec.picture = folder_ / "gray.png";
   EXPECT_THROW(load_target(spec, 0, {10, 10}, 16, 16), Error);
 }
 
 TEST_F(TargetTest, ViewerRotationIsUprightInThePhoto) {
   // A camera to the right of the board (azimuth 70 degrees), looking at its middle, rolled by 10 degrees.
-  const Eigen::Vector3d centre(150 + 500 * std::cos(1.2), 100 + 500 * std::sin(1.2), 700), middle(150, 100, 0);
-  const Eigen::Vector3d forward = (middle - centre).normalized();
+  const Eigen::Vector3d center(150 + 500 * std::cos(1.2), 100 + 500 * std::sin(1.2), 700), middle(150, 100, 0);
+  const Eigen::Vector3d forward = (middle - center).normalized();
   const Eigen::Vector3d right = forward.cross(Eigen::Vector3d::UnitZ()).normalized();
   Eigen::Matrix3d R;
   R.row(0) = right;
@@ -124,8 +125,8 @@ TEST_F(TargetTest, ViewerRotationIsUprightInThePhoto) {
   View view;
   view.name = "v";
   view.T_camera_board.linear() = Eigen::AngleAxisd(0.17, Eigen::Vector3d::UnitZ()).toRotationMatrix() * R;
-  view.T_camera_board.translation() = -view.T_camera_board.linear() * centre;
-  const double angle = viewer_rotation_deg(view, {150, 100}) * kPi / 180;
+  view.T_camera_board.translation() = -view.T_camera_board.linear() * center;
+  const double angle = viewer_rotation_deg(view, {150, 100}) * std::numbers::pi / 180;
   // The picture's up, turned counter-clockwise by the angle, must point straight up in the photo.
   const Eigen::Vector3d up(-std::sin(angle), std::cos(angle), 0);
   const Eigen::Vector3d a = view.T_camera_board * middle, b = view.T_camera_board * (middle + 0.01 * up);

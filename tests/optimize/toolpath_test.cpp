@@ -1,7 +1,7 @@
 // Proves: what comes out of a file, read back by an independent path (replay of G-code, the numbers of SVG and DXF), is
 // what was designed, once each, not mirrored; a machine with a known fault carves the design after compensation; parts
 // can be started on their own; every input that cannot be carved is refused by name.
-#include "optimize/toolpath.h"
+#include "burin/optimize/toolpath.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@
 #include <regex>
 #include <sstream>
 
-#include "optimize/toolpath_check.h"
-#include "render/error.h"
+#include "burin/optimize/carving/toolpath_check.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

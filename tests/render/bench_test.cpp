@@ -1,12 +1,13 @@
 // Proves: bench.json and its .cameramodel go out and in again whole, to the last bit; each wrong value is named.
-#include "render/bench.h"
+#include "burin/render/bench.h"
+#include "tests/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/error.h"
-#include "render/groove.h"
-#include "render/json_file.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/groove.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -218,7 +219,7 @@ TEST_F(BenchErrors, ViewsAndLampsAreFoundByName) {
 }
 
 TEST(Bench, TheNominalBenchOfTheLoopRigIsRead) {
-  const std::filesystem::path file = std::filesystem::path(BURIN_SHARED_DIR) / "rigs/bench-loop/bench.json";
+  const std::filesystem::path file = std::filesystem::path(places::shared()) / "rigs/bench-loop/bench.json";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "no bench at " << file;
   const Bench bench = read_bench(file);
   EXPECT_EQ(bench.views.size(), 3u);

@@ -1,7 +1,7 @@
 // What boards given as a mesh promise: the same footprints as the closed surfaces they approximate, uv that carry
 // scratches along, what hides what, and broken files refused by name. Oracles: camera_grid of flat and bowed surfaces
 // (another code path, no rays), a cylinder worked out by hand, shadows found from similar triangles.
-#include "render/board_mesh.h"
+#include "burin/render/board_mesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,11 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <numbers>
 #include <string>
 
-#include "render/error.h"
-#include "render/view_renderer.h"
+#include "burin/render/error.h"
+#include "burin/render/view_renderer.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -163,7 +164,7 @@ TEST(BoardMesh, BowedMeshIsTheBowPolynomial) {
 // Proves uv on a face that no polynomial describes: a sheet rolled into a half cylinder, its uv the arc length. A ray
 // from the axis's side at a known angle meets it at radius * angle.
 TEST(BoardMesh, RolledSheetKeepsArcLength) {
-  const double radius = kWidth_mm / 3.14159265358979323846;  // half a turn
+  const double radius = kWidth_mm / std::numbers::pi;  // half a turn
   const auto roll = [&](double x, double y) {
     const double angle = x / radius - 1.57079632679489661923;  // -90 .. 90 degrees from the top
     const Eigen::Vector3d n(std::sin(angle), 0, std::cos(angle));
@@ -171,7 +172,7 @@ TEST(BoardMesh, RolledSheetKeepsArcLength) {
   };
   const BoardMesh mesh(sheet(400, roll, true), kSize, "rolled");
   for (const double degrees : {-80.0, -33.0, 0.0, 12.5, 77.0}) {
-    const double angle = degrees * 3.14159265358979323846 / 180;
+    const double angle = degrees * std::numbers::pi / 180;
     const Eigen::Vector3d n(std::sin(angle), 0, std::cos(angle));
     const auto hit = mesh.first_hit(Eigen::Vector3d(150, 60, 0) + 400 * n, -n);
     ASSERT_TRUE(hit);
@@ -193,7 +194,7 @@ TEST(BoardMesh, RolledSheetKeepsArcLength) {
   for (const double x : grid.corner_x_mm) {
     if (std::isfinite(x)) least_x = std::min(least_x, x);
   }
-  const double horizon = radius * (3.14159265358979323846 - std::acos(radius / distance));
+  const double horizon = radius * (std::numbers::pi - std::acos(radius / distance));
   EXPECT_GT(least_x, horizon - 0.5);
   EXPECT_LT(least_x, horizon + 20);
   EXPECT_TRUE(
@@ -413,7 +414,7 @@ TEST_F(BoardMeshFiles, BenchesRenderThroughTheMesh) {
   EXPECT_THROW(ViewRenderer(scene, {1, true}), Error);
 }
 
-// Proves that what modelling programs write is read: polygons, negative indices, normals or none.
+// Proves that what modeling programs write is read: polygons, negative indices, normals or none.
 TEST_F(BoardMeshFiles, ReadsObj) {
   for (const std::string face :
        {"f 1/1 2/2 3/3 4/4", "f -4/-4 -3/-3 -2/-2 -1/-1", "vn 0 0 1\nf 1/1/1 2/2/1 3/3/1 4/4/1",

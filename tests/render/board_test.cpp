@@ -1,10 +1,11 @@
 // Proves: board.json is read with its defaults and written back whole; each value out of range is named.
-#include "render/board.h"
+#include "burin/render/board.h"
+#include "tests/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -114,7 +115,7 @@ TEST(Board, TagCornersStandInAprilTagsOrderAndTurnCounterClockwise) {
 }
 
 TEST(Board, TheRigsBoardsAreRead) {
-  const std::filesystem::path rigs = std::filesystem::path(BURIN_SHARED_DIR) / "rigs";
+  const std::filesystem::path rigs = std::filesystem::path(places::shared()) / "rigs";
   if (!std::filesystem::exists(rigs)) GTEST_SKIP() << "no photographed benches at " << rigs;
   for (const char* name : {"a", "b", "bench-loop"}) {
     const Board board = read_board(rigs / name / "board.json");

@@ -1,14 +1,15 @@
 // Footprint corners project back onto the pixel corners they came from, through the lens library's own projection, for
 // flat and bowed faces; the homography agrees where there is one; misses are NaN. Not proved here: the lens model
 // itself (lens_test).
-#include "render/footprint_grid.h"
+#include "burin/render/footprint_grid.h"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <cmath>
+#include <numbers>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 
 namespace burin {
 namespace {
@@ -23,9 +24,9 @@ Lens rig_lens() {
 
 Eigen::Isometry3d tilted_pose() {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() =
-      (Eigen::AngleAxisd(M_PI - 0.6, Eigen::Vector3d::UnitX()) * Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()))
-          .toRotationMatrix();
+  T.linear() = (Eigen::AngleAxisd(std::numbers::pi - 0.6, Eigen::Vector3d::UnitX()) *
+                Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitZ()))
+                   .toRotationMatrix();
   T.translation() = Eigen::Vector3d(0, 0, 900) - T.linear() * Eigen::Vector3d(150, 150, 0);
   return T;
 }

@@ -1,7 +1,9 @@
 // What the footprint integral promises: the right value and gradient everywhere, and never NaN.
 // Oracles: a table of 50-digit values made without any closed form; slicing and quadrature in long double, written here
-// from DESIGN 3.1-3.3 alone (D through |n x h|^2, not through the two lobes); limits and symmetries that hold exactly.
-#include "render/footprint_integral.h"
+// from docs/model.md 2 to 4 alone (D through |n x h|^2, not through the two lobes); limits and symmetries that hold
+// exactly.
+#include "burin/render/footprint/footprint_integral.h"
+#include "tests/places.h"
 
 #include <gtest/gtest.h>
 
@@ -14,9 +16,9 @@
 #include <random>
 #include <vector>
 
-#include "render/footprint_core.h"
-#include "render/groove.h"
-#include "render/ndf_cases.h"
+#include "burin/render/footprint/footprint_core.h"
+#include "burin/render/footprint/ndf_cases.h"
+#include "burin/render/groove.h"
 
 namespace burin {
 namespace {
@@ -179,7 +181,7 @@ FootprintValue value(const Problem& p) { return footprint_integral(p.groove, p.c
 
 // Proves value and gradient against numbers that no closed form made, over all kinds of cases.
 TEST(FootprintIntegral, EveryRowOfTheTableOfKnownCases) {
-  const std::filesystem::path file = std::filesystem::path(BURIN_SHARED_DIR) / "ndf-cases.csv";
+  const std::filesystem::path file = std::filesystem::path(places::shared()) / "ndf-cases.csv";
   if (!std::filesystem::exists(file)) GTEST_SKIP() << file << " is not here";
   const auto cases = read_ndf_cases(file);
   EXPECT_GE(cases.size(), 100u);
@@ -363,7 +365,7 @@ TEST(FootprintIntegral, RoughnessOneIsTheVisibleAreaOverPi) {
   EXPECT_NEAR(value(p).Dhat_mm2, value(p).area_mm2 / 2 / std::numbers::pi, 1e-14);
 }
 
-// Proves the absolute scale, which no comparison of two codes for D can: GGX is normalised, so the integral of D (n.h)
+// Proves the absolute scale, which no comparison of two codes for D can: GGX is normalized, so the integral of D (n.h)
 // over all h is 1 for each n. Dhat has no (n.h), but for a shallow groove n is nearly z, and the integral of Dhat h_z
 // over all h is the area but for the square of the slope, here 4e-4.
 TEST(FootprintIntegral, AllHalfVectorsTogetherGiveTheArea) {

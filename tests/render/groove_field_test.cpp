@@ -1,7 +1,7 @@
 // What is proved: a field's mean over the board is one, so that what it multiplies stays the mean; scratches get the
 // factor of their middle and of their place in the carving order; constant fields change nothing; no field makes a
 // depth that is not positive or a roughness above one.
-#include "render/groove_field.h"
+#include "burin/render/groove_field.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Proves: pictures go to disk and back within their format's rounding, alpha lies over white, resizing keeps the mean,
 // and files that are no pictures are named.
-#include "render/image.h"
+#include "burin/render/image.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -73,7 +73,7 @@ TEST(Picture, TransparencyLiesOverWhite) {
   const TemporaryFolder folder;
   Image rgba(3, 1, 4);
   rgba.data = {1, 0, 0, 0, 1, 0, 0, 128.0f / 255, 1, 0, 0, 1};
-  // The writer takes colours as associated (already multiplied), as OpenImageIO does.
+  // The writer takes colors as associated (already multiplied), as OpenImageIO does.
   for (int x = 0; x < 3; ++x)
     for (int c = 0; c < 3; ++c) rgba.at(x, 0, c) *= rgba.at(x, 0, 3);
   write_picture(rgba, folder / "a.png");
@@ -113,7 +113,7 @@ TEST(Picture, ResizingKeepsMeanAndConstants) {
   for (const auto& [width, height] : {std::pair{200, 100}, {64, 20}, {5, 480}})
     EXPECT_LT(largest_difference(resized(Image(64, 48, 1, 0.25f), width, height), Image(width, height, 1, 0.25f)),
               1e-6f);
-  // Twice as large, linear between centres: a ramp stays a ramp.
+  // Twice as large, linear between centers: a ramp stays a ramp.
   Image ramp(8, 1, 1);
   for (int x = 0; x < 8; ++x) ramp.at(x, 0) = static_cast<float>(x);
   const Image wide = resized(ramp, 16, 1);

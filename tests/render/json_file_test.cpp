@@ -1,6 +1,6 @@
 // Proves: strict reading names file, field and remedy for every kind of wrong value; writing is atomic and exact.
 // Does not prove what each file format holds: board_test.cpp and bench_test.cpp do.
-#include "render/json_file.h"
+#include "burin/render/files/json_file.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -1,7 +1,8 @@
 // Proves: projection and its inverse agree, gradients are those of finite differences (mrcal's own two entry points
 // disagree when asked carelessly), files go both ways between us and mrcal's Python tools.
 // Does not prove mrcal's lens formulas themselves, but for the pinhole, whose formula is one line.
-#include "render/lens.h"
+#include "burin/render/lens.h"
+#include "tests/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -14,7 +15,7 @@
 #include <cstdlib>
 #include <random>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -182,7 +183,7 @@ TEST(CameraModel, BrokenFilesAreNamed) {
 }
 
 TEST(CameraModel, PublishedCalibrationsAreRead) {
-  const std::filesystem::path folder = std::filesystem::path(BURIN_SHARED_DIR) / "photos/mrcal_docs";
+  const std::filesystem::path folder = std::filesystem::path(places::shared()) / "photos/mrcal_docs";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no published calibrations at " << folder;
   const Lens opencv = read_cameramodel(folder / "opencv8-0.cameramodel");
   EXPECT_EQ(opencv.model, "LENSMODEL_OPENCV8");

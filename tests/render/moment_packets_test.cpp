@@ -1,7 +1,7 @@
 // What packets promise: every width gives what double gives, within float's own limits; lanes do not disturb each
 // other; any length of array; wrong arrays and missing machines refused. The oracle is the same formula in double,
 // which footprint_integral_test proves against numbers made without it.
-#include "render/moment_packets.h"
+#include "burin/render/fast/moment_packets.h"
 
 #include <gtest/gtest.h>
 
@@ -11,8 +11,8 @@
 #include <random>
 #include <vector>
 
-#include "render/error.h"
-#include "render/footprint_core.h"
+#include "burin/render/error.h"
+#include "burin/render/footprint/footprint_core.h"
 
 namespace burin::footprint {
 namespace {
@@ -117,7 +117,7 @@ TEST(MomentPackets, PlainFloatAgreesWithDouble) {
   for (int k = 0; k < 6; ++k) EXPECT_LT(worst[k], k < 2 ? 2e-6 : 1e-5) << "result " << k;
 }
 
-// Proves that a lane's result does not depend on its neighbours or its place: any order, any length of array gives the
+// Proves that a lane's result does not depend on its neighbors or its place: any order, any length of array gives the
 // same bits. Images that do not depend on how work is cut rest on this.
 TEST(MomentPackets, LanesAreIndependent) {
   const Table t = random_table(1000, true);

@@ -1,13 +1,13 @@
 // What tables of known footprint integrals promise: read in any order of columns, broken ones refused with file, line
 // and column, and rows that are wrong said to be wrong.
-#include "render/ndf_cases.h"
+#include "burin/render/footprint/ndf_cases.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

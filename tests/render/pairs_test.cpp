@@ -2,15 +2,16 @@
 // polygons by separating axes, for perspective, a distorting lens, a bowed face, a view near the horizon, boards cut by
 // the window and pixels larger and smaller than the groove. Not proved here: what the pairs contribute
 // (view_renderer_test).
-#include "render/pairs.h"
+#include "burin/render/fast/pairs.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <set>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/render/quadrilaterals.h"
 #include "tests/render/small_world.h"
 
@@ -35,11 +36,12 @@ Lens pinhole(int width, int height) {
 
 std::vector<Strip> random_strips(int count, double size_mm, double half_width_mm, unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> where(-0.1 * size_mm, 1.1 * size_mm), length(0.001, 0.3), turn(0, 2 * M_PI);
+  std::uniform_real_distribution<double> where(-0.1 * size_mm, 1.1 * size_mm), length(0.001, 0.3),
+      turn(0, 2 * std::numbers::pi);
   std::vector<Strip> strips;
   for (int i = 0; i < count; ++i) {
     // A quarter of them lies along an axis, where edges coincide with those of a grid on the board.
-    const double angle = i % 4 == 0 ? M_PI / 2 * (i / 4 % 4) : turn(random);
+    const double angle = i % 4 == 0 ? std::numbers::pi / 2 * (i / 4 % 4) : turn(random);
     const Eigen::Vector2d p(where(random), where(random)), d(std::cos(angle), std::sin(angle));
     strips.push_back({p, p + size_mm * length(random) * d, half_width_mm});
   }
@@ -135,8 +137,8 @@ TEST(PixelIndex, RandomCamerasMissNothing) {
   for (unsigned seed = 0; seed < 120; ++seed) {
     std::mt19937 random(seed);
     const auto uniform = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
-    const double elevation = M_PI / 180 * (seed % 3 == 0 ? uniform(2, 12) : uniform(12, 90)),
-                 turn = uniform(0, 2 * M_PI);
+    const double elevation = std::numbers::pi / 180 * (seed % 3 == 0 ? uniform(2, 12) : uniform(12, 90)),
+                 turn = uniform(0, 2 * std::numbers::pi);
     const Eigen::Vector3d target(uniform(0, 100), uniform(0, 100), 0);
     const Eigen::Vector3d from(std::cos(elevation) * std::cos(turn), std::cos(elevation) * std::sin(turn),
                                std::sin(elevation));

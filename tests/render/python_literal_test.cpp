@@ -1,11 +1,11 @@
 // Proves: what Python writes as a literal is read with its values, and what is no literal is refused with its line, cut
 // short at every byte included.
-#include "render/python_literal.h"
+#include "burin/render/files/python_literal.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 
 namespace burin {
 namespace {

@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-#include "render/pairs.h"
+#include "burin/render/fast/pairs.h"
 
 namespace burin {
 

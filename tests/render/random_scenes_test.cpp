@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/render/expect_fast_is_exact.h"
 #include "tests/render/small_world.h"
 #include "tests/render/workshop.h"
@@ -153,8 +153,8 @@ TEST(RandomScenes, AbsurdBenchesGiveNoNaN) {
 }
 
 TEST(RandomScenes, BrokenFootprintsAreDark) {
-  // Corners that are NaN, infinite, or fall together (zero area), centres and normals that are NaN: the pixels that
-  // hold them are 0, their neighbours as before.
+  // Corners that are NaN, infinite, or fall together (zero area), centers and normals that are NaN: the pixels that
+  // hold them are 0, their neighbors as before.
   for (unsigned round = 0; round < 40; ++round) {
     Draw draw{std::mt19937(round)};
     World w = small_world(60);

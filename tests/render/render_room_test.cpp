@@ -1,5 +1,5 @@
 // What views share, and what of the Jacobian is kept, never changes a bit of the results.
-#include "render/render_room.h"
+#include "burin/render/fast/render_room.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "render/byte_store.h"
+#include "burin/render/fast/byte_store.h"
 #include "tests/render/small_world.h"
 
 namespace burin {

@@ -13,9 +13,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "render/image.h"
-#include "render/pairs.h"
-#include "render/view_renderer.h"
+#include "burin/render/fast/pairs.h"
+#include "burin/render/image.h"
+#include "burin/render/view_renderer.h"
+#include "tests/places.h"
 
 namespace burin {
 namespace {
@@ -163,7 +164,7 @@ void each_view(const Rig& rig, const Light& lamp, const Eigen::Vector2d& low_mm,
 }
 
 TEST(RigPrediction, CleanBenchDownToTheNoise) {
-  const fs::path folder = fs::path(BURIN_SHARED_DIR) / "rigs/a";
+  const fs::path folder = fs::path(places::shared()) / "rigs/a";
   if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << "no rigs beside the checkout: " << folder;
   const Rig rig = load_rig(folder);
   const double psf_px = rig.truth["psf_sigma_px"];
@@ -195,7 +196,7 @@ TEST(RigPrediction, CleanBenchDownToTheNoise) {
   EXPECT_GE(photos, 20);
 }
 
-/// Pixels that see one scratch and no other, their neighbours within `reach` included.
+/// Pixels that see one scratch and no other, their neighbors within `reach` included.
 std::vector<bool> lonely_pixels(const ViewScene& scene, const Scratches& scratches, int reach) {
   const int w = scene.grid->width(), h = scene.grid->height();
   const PixelPairs pairs =
@@ -216,11 +217,11 @@ std::vector<bool> lonely_pixels(const ViewScene& scene, const Scratches& scratch
   return lonely;
 }
 
-// The other rig: a bowed face, a spot lamp with colour, room light, vignetting, grooves of uneven depth and roughness.
+// The other rig: a bowed face, a spot lamp with color, room light, vignetting, grooves of uneven depth and roughness.
 // Its scratches hide each other where they cross, which is not the model here, so only pixels are compared that see a
 // single scratch. 8-bit JPEG and dust: the middle half of thousands of pixels.
 TEST(RigPrediction, AmateurBenchInTheMiddle) {
-  const fs::path folder = fs::path(BURIN_SHARED_DIR) / "rigs/b";
+  const fs::path folder = fs::path(places::shared()) / "rigs/b";
   if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << "no rigs beside the checkout: " << folder;
   Rig rig = load_rig(folder);
   const Light lamp = lamp_of(rig.truth["lights"][0]);
@@ -273,7 +274,7 @@ TEST(RigPrediction, AmateurBenchInTheMiddle) {
           }
           printf("%-20s %6zu px  photo / prediction, mean of the middle half: R %.4f G %.4f B %.4f\n",
                  photo["file"].get<std::string>().c_str(), ratios[1].size(), middle[0], middle[1], middle[2]);
-          // One step of 8 bits is 2.4 % of a value of 0.1; JPEG rounds colour once more.
+          // One step of 8 bits is 2.4 % of a value of 0.1; JPEG rounds color once more.
           EXPECT_NEAR(middle[1], 1, 0.012);
           EXPECT_NEAR(middle[0], 1, 0.024);
           EXPECT_NEAR(middle[2], 1, 0.024);

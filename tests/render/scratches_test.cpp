@@ -1,5 +1,6 @@
 // Proves: scratches.csv goes out and in again to its 1e-5 mm, every faulty line is named, real files are read whole.
-#include "render/scratches.h"
+#include "burin/render/scratches.h"
+#include "tests/places.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +10,7 @@
 #include <cmath>
 #include <limits>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -104,7 +105,7 @@ TEST(Scratches, NothingUnusableIsWritten) {
 }
 
 TEST(Scratches, TheRigsCarvedScratchesAreTheDesignedOnesThroughTheirAffine) {
-  const std::filesystem::path rig = std::filesystem::path(BURIN_SHARED_DIR) / "rigs/a";
+  const std::filesystem::path rig = std::filesystem::path(places::shared()) / "rigs/a";
   if (!std::filesystem::exists(rig)) GTEST_SKIP() << "no photographed benches at " << rig;
   const Scratches designed = read_scratches(rig / "scratches.csv"), carved = read_scratches(rig / "carved.csv");
   ASSERT_EQ(designed.size(), 15000u);

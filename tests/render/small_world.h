@@ -3,14 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "render/exact_view.h"
-#include "render/pairs.h"
-#include "render/view_renderer.h"
+#include "burin/render/exact/exact_view.h"
+#include "burin/render/fast/pairs.h"
+#include "burin/render/view_renderer.h"
 
 namespace burin {
 
@@ -55,9 +56,9 @@ inline World small_world(int count = 60) {
   w.camera = make_camera_view(w.bench, w.board, view, {0, 0, 24, 18});
   w.scene = make_scene(w.bench, w.board, w.camera, lamp);
   std::mt19937 random(11);
-  std::uniform_real_distribution<double> where(3, 17), turn(0, 2 * M_PI), length(0.1, 5), factor(0.7, 1.4);
+  std::uniform_real_distribution<double> where(3, 17), turn(0, 2 * std::numbers::pi), length(0.1, 5), factor(0.7, 1.4);
   for (int i = 0; i < count; ++i) {
-    const double a = i % 6 == 0 ? M_PI / 2 * (i / 6 % 4) : turn(random), l = length(random);
+    const double a = i % 6 == 0 ? std::numbers::pi / 2 * (i / 6 % 4) : turn(random), l = length(random);
     w.scratches.x0_mm.push_back(where(random));
     w.scratches.y0_mm.push_back(where(random));
     w.scratches.x1_mm.push_back(w.scratches.x0_mm.back() + l * std::cos(a));

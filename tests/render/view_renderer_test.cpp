@@ -1,7 +1,7 @@
 // What the renderer shows: pairs found against all pairs, each gradient of a view against central differences in
 // double, lights and cameras out of place, bad input by name. The oracle of single values is footprint_integral_test;
 // that the whole agrees with photographs that we did not make is rig_prediction_test.
-#include "render/view_renderer.h"
+#include "burin/render/view_renderer.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 #include <random>
 #include <string>
 
-#include "render/error.h"
-#include "render/exact_view.h"
-#include "render/groove.h"
-#include "render/scratch_pair.h"
+#include "burin/render/error.h"
+#include "burin/render/exact/exact_view.h"
+#include "burin/render/exact/scratch_pair.h"
+#include "burin/render/groove.h"
 #include "tests/render/expect_fast_is_exact.h"
 #include "tests/render/small_world.h"
 

@@ -2,9 +2,10 @@
 #pragma once
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
-#include "render/groove.h"
+#include "burin/render/groove.h"
 #include "tests/render/small_world.h"
 
 namespace burin {
@@ -16,7 +17,8 @@ struct Draw {
   bool chance(double p) { return uniform(0, 1) < p; }
   /// A place above the board's middle, `elevation` from the face, some board sizes away.
   Eigen::Vector3d above(double size_mm, double low_deg) {
-    const double e = uniform(low_deg, 88) * M_PI / 180, a = uniform(0, 2 * M_PI), r = size_mm * uniform(1.5, 6);
+    const double e = uniform(low_deg, 88) * std::numbers::pi / 180, a = uniform(0, 2 * std::numbers::pi),
+                 r = size_mm * uniform(1.5, 6);
     return {0.5 * size_mm + r * std::cos(e) * std::cos(a), 0.5 * size_mm + r * std::cos(e) * std::sin(a),
             r * std::sin(e)};
   }
@@ -65,7 +67,7 @@ inline World workshop(unsigned seed, int count) {
   }
   const bool own = draw.chance(0.5);
   for (int i = 0; i < count; ++i) {
-    const double a = i % 8 == 0 ? M_PI / 2 * (i / 8 % 4) : draw.uniform(0, 2 * M_PI);
+    const double a = i % 8 == 0 ? std::numbers::pi / 2 * (i / 8 % 4) : draw.uniform(0, 2 * std::numbers::pi);
     const double l = seen * draw.decades(-2.5, 0);
     const Eigen::Vector2d p =
         middle.head<2>() + seen * Eigen::Vector2d(draw.uniform(-0.6, 0.6), draw.uniform(-0.5, 0.5));

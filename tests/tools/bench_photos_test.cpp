@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/places.h"
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -17,8 +18,8 @@ using ::testing::Not;
 
 Outcome bench_photos(const TemporaryFolder& folder, const std::string& arguments) {
   return run_shell(folder, "cd " + quoted(folder.path().string()) + " && " +
-                               quoted(std::string(BURIN_SOURCE_DIR) + "/tools/bench-photos") + " --burin " +
-                               quoted(BURIN_PROGRAM) + " " + arguments);
+                               quoted(places::source() + "/tools/bench-photos") + " --burin " +
+                               quoted(places::program()) + " " + arguments);
 }
 
 TEST(BenchPhotos, PreparesTheSample) {

@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "tests/places.h"
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -35,7 +36,7 @@ std::string measured() {
 
 Outcome run_table(const TemporaryFolder& folder, const std::string& arguments) {
   return run_shell(folder, "cd " + quoted(folder.path().string()) + " && " +
-                               quoted(std::string(BURIN_SOURCE_DIR) + "/tools/bench-table") + " " + arguments);
+                               quoted(places::source() + "/tools/bench-table") + " " + arguments);
 }
 
 TEST(BenchTable, MediansScatterAndRatios) {
@@ -88,7 +89,7 @@ TEST(BenchTable, SaysWhatIsWrong) {
 
 TEST(Bench, HelpAndWrongOptionsBeforeAnythingIsBuilt) {
   const TemporaryFolder folder;
-  const std::string bench = quoted(std::string(BURIN_SOURCE_DIR) + "/tools/bench");
+  const std::string bench = quoted(places::source() + "/tools/bench");
   Outcome run = run_shell(folder, bench + " --help");
   EXPECT_EQ(run.exit_code, 0);
   EXPECT_THAT(run.out, AllOf(HasSubstr("tools/bench --docs"), HasSubstr("--json speed.json")));

@@ -1,4 +1,4 @@
-// The program's door: every command of DESIGN 4 is there, helps with an example, and says by its exit code whether it
+// The program's door: every command is there, helps with an example, and says by its exit code whether it
 // was done (0), could not be done (1) or was asked wrongly (2). What the commands do is proved by other tests.
 #include <gmock/gmock.h>
 

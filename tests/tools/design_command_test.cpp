@@ -9,10 +9,11 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "optimize/carving_limits.h"
-#include "optimize/machine_profile.h"
-#include "render/board.h"
-#include "render/scratches.h"
+#include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/render/board.h"
+#include "burin/render/scratches.h"
+#include "tests/places.h"
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -30,7 +31,7 @@ Json read(const fs::path& file) { return Json::parse(file_text(file)); }
 class DesignCommand : public ::testing::Test {
  protected:
   void SetUp() override {
-    fs::copy(fs::path(BURIN_SOURCE_DIR) / "samples" / "small-bench", folder_ / "bench", fs::copy_options::recursive);
+    fs::copy(fs::path(places::source()) / "samples" / "small-bench", folder_ / "bench", fs::copy_options::recursive);
   }
 
   Outcome design(const std::vector<std::string>& more, const std::string& out = "out",
@@ -82,7 +83,7 @@ TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {
   // So many iterations that it would never end; the interrupt comes once the live preview shows that it runs.
   const Outcome run = run_shell(
       folder_,
-      "cd " + quoted(folder_.path().string()) + " && { " + quoted(BURIN_PROGRAM) +
+      "cd " + quoted(folder_.path().string()) + " && { " + quoted(places::program()) +
           " design bench/design.json --out out --scratches 400 --pixels 64 --iterations 1000000 --live & pid=$!; "
           "for i in $(seq 600); do [ -e out/live.png ] && break; sleep 0.1; done; sleep 0.3; "
           "kill -INT $pid; wait $pid; }");
@@ -138,7 +139,7 @@ TEST_F(DesignCommand, LimitsHoldInTheFile) {
   EXPECT_EQ(with({"--out", "board.gcode"}).exit_code, 0);
   // A design that knew of no limits is refused by the tool path, or mended.
   ASSERT_EQ(design({"--board", "bench/plain.json"}).exit_code, 1);
-  fs::copy_file(fs::path(BURIN_SOURCE_DIR) / "samples" / "small-bench" / "board.json",
+  fs::copy_file(fs::path(places::source()) / "samples" / "small-bench" / "board.json",
                 folder_ / "bench" / "plain.json");
   ASSERT_EQ(design({"--board", "bench/plain.json"}).exit_code, 0);
   const Outcome refused = with({"--out", "free.gcode"});

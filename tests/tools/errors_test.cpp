@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/places.h"
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-const fs::path kSample = fs::path(BURIN_SOURCE_DIR) / "samples" / "small-bench";
+const fs::path kSample = fs::path(places::source()) / "samples" / "small-bench";
 
 Json read(const fs::path& file) { return Json::parse(file_text(file)); }
 
@@ -57,9 +58,9 @@ class PhotographedBoard : public ::testing::Test {
     truth["samples_plain"] = 4;
     truth["scratches"]["random"]["count"] = 200;
     write(*photographed_ / "truth.json", truth);
-    const std::string line = quoted(BURIN_PROGRAM) + " simulate " + quoted((*photographed_ / "truth.json").string()) +
-                             " --views d0 d1 c3 --samples 4 --out " + quoted((*photographed_ / "bench").string()) +
-                             " >/dev/null";
+    const std::string line = quoted(places::program()) + " simulate " +
+                             quoted((*photographed_ / "truth.json").string()) + " --views d0 d1 c3 --samples 4 --out " +
+                             quoted((*photographed_ / "bench").string()) + " >/dev/null";
     ASSERT_EQ(std::system(line.c_str()), 0);
   }
   static void TearDownTestSuite() {
@@ -104,7 +105,7 @@ TEST_F(PhotographedBoard, PhotoThatIsNoPicture) {
 }
 
 TEST_F(PhotographedBoard, NoTagsFound) {
-  // The board's own picture of one grey: a photo, and not a tag in it.
+  // The board's own picture of one gray: a photo, and not a tag in it.
   Json truth = read(kSample / "truth.json");
   truth["session"] = true;
   truth["samples_plain"] = 1;
@@ -230,9 +231,9 @@ TEST_F(BoardFiles, ScratchOfNoLength) {
 
 TEST_F(BoardFiles, UnknownKeyInTheBoard) {
   Json board = read(folder_ / "bench" / "board.json");
-  board["colour"] = "silver";
+  board["color"] = "silver";
   write(folder_ / "bench" / "board.json", board);
-  expect_refusal(render(), "board.json", "colour");
+  expect_refusal(render(), "board.json", "color");
   expect_nothing_written();
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tests/places.h"
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -22,7 +23,7 @@ Json read(const fs::path& file) { return Json::parse(file_text(file)); }
 // Two pictures, 600 scratches, photos of 600 x 467 pixels.
 void make_tiny_project(const TemporaryFolder& folder) {
   const fs::path project = folder / "project";
-  fs::copy(fs::path(BURIN_SOURCE_DIR) / "samples" / "small-bench", project, fs::copy_options::recursive);
+  fs::copy(fs::path(places::source()) / "samples" / "small-bench", project, fs::copy_options::recursive);
   Json design = read(project / "design.json");
   design["scratches"] = 600;
   design["views"].erase(2);
@@ -102,7 +103,7 @@ TEST(Loop, StopsForAPersonGoesOnAndMeasuresFromThePhotosAlone) {
     EXPECT_LT(std::abs(error), 2 * lamp["position_sigma_mm"][i].get<double>() + 0.5) << "mm, axis " << i;
     squares += error * error;
   }
-  EXPECT_LT(std::sqrt(squares), 5) << "mm, for a lamp half a metre away";
+  EXPECT_LT(std::sqrt(squares), 5) << "mm, for a lamp half a meter away";
 }
 
 TEST(Loop, ProjectWithoutAFileIsRefusedBeforeAnyWork) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "tests/places.h"
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -13,7 +14,7 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const std::string kSample = std::string(BURIN_SOURCE_DIR) + "/samples/small-bench/";
+const std::string kSample = places::source() + "/samples/small-bench/";
 
 TEST(PlanCommand, SaysWhereToStandAndDrawsIt) {
   const TemporaryFolder folder;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/places.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -39,7 +40,7 @@ inline Outcome run_shell(const TemporaryFolder& folder, const std::string& comma
 
 /// `burin ARGUMENTS...` with the given working directory.
 inline Outcome run_burin(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
-  std::string line = "cd " + quoted(folder.path().string()) + " && " + quoted(BURIN_PROGRAM);
+  std::string line = "cd " + quoted(folder.path().string()) + " && " + quoted(places::program());
   for (const std::string& argument : arguments) line += " " + quoted(argument);
   return run_shell(folder, line);
 }

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/places.h"
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -13,9 +14,8 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string tool(const TemporaryFolder& folder, const std::string& arguments) {
-  return "cd " + quoted(folder.path().string()) + " && " +
-         quoted(std::string(BURIN_SOURCE_DIR) + "/tools/random-benches") + " --burin " + quoted(BURIN_PROGRAM) + " " +
-         arguments;
+  return "cd " + quoted(folder.path().string()) + " && " + quoted(places::source() + "/tools/random-benches") +
+         " --burin " + quoted(places::program()) + " " + arguments;
 }
 
 TEST(RandomBenches, SameSeedSameTruthAndItCanBePhotographed) {

@@ -7,8 +7,10 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
-#include "render/image.h"
+#include "burin/render/image.h"
+#include "tests/places.h"
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -21,11 +23,11 @@ using ::testing::HasSubstr;
 class RenderCommand : public ::testing::Test {
  protected:
   void SetUp() override {
-    fs::copy(fs::path(BURIN_SOURCE_DIR) / "samples" / "small-bench", folder_ / "bench", fs::copy_options::recursive);
+    fs::copy(fs::path(places::source()) / "samples" / "small-bench", folder_ / "bench", fs::copy_options::recursive);
     // Scratches in all directions, so that some glint from anywhere.
     std::string rows = "x0_mm,y0_mm,x1_mm,y1_mm\n";
     for (int i = 0; i < 180; ++i) {
-      const double a = i * 3.14159265 / 180, x = 25 + 70.0 * (i % 12) / 11, y = 25 + 70.0 * (i / 12) / 14;
+      const double a = i * std::numbers::pi / 180, x = 25 + 70.0 * (i % 12) / 11, y = 25 + 70.0 * (i / 12) / 14;
       rows += std::to_string(x) + "," + std::to_string(y) + "," + std::to_string(x + 4 * std::cos(a)) + "," +
               std::to_string(y + 4 * std::sin(a)) + "\n";
     }

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "render/error.h"
-#include "render/image.h"
-#include "render/json_file.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/image.h"
 #include "tools/report/html.h"
 #include "tools/report/section.h"
 
@@ -93,7 +93,7 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
                   sum_psnr / static_cast<double>(names.size()), worst_psnr);
   out.body =
       "<h2>The design</h2>\n<p>Pictures as they lie on the carve area, x right and y up. PSNR compares the preview "
-      "with its target at the best single exposure: 20 dB is recognisable, 25 dB good, 30 dB hard to tell apart."
+      "with its target at the best single exposure: 20 dB is recognizable, 25 dB good, 30 dB hard to tell apart."
       "</p>\n" +
       pictures;
   out.body += fmt::format(

@@ -11,7 +11,7 @@
 #include <ctime>
 #include <memory>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 
 namespace burin {
 namespace {
@@ -50,7 +50,7 @@ ul { margin: 4px 0 14px; padding-left: 22px; max-width: 78ch; }
 footer { margin-top: 56px; border-top: 1px solid var(--line); padding-top: 10px; font-size: 13px; }
 )css";
 
-constexpr const char* kCurveColours[] = {"#8a4b12", "#1f5f8b", "#22683a", "#7a2a7d", "#a3271b", "#4d5a66"};
+constexpr const char* kCurveColors[] = {"#8a4b12", "#1f5f8b", "#22683a", "#7a2a7d", "#a3271b", "#4d5a66"};
 
 }  // namespace
 
@@ -168,14 +168,14 @@ std::string chart(std::span<const Curve> curves, const std::string& x_label, con
                      kHeight - 6, html(x_label));
   double label_y = kTop + 8;
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    const char* colour = kCurveColours[c % std::size(kCurveColours)];
+    const char* color = kCurveColors[c % std::size(kCurveColors)];
     std::string points;
     for (std::size_t i = 0; i < curves[c].values.size(); ++i) {
       const double v = curves[c].values[i];
       if (std::isfinite(v)) points += fmt::format("{:.1f},{:.1f} ", x_of(static_cast<double>(i)), y_of(v));
     }
-    out += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>", points, colour);
-    out += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>\n", kWidth - kRight + 10, label_y, colour,
+    out += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>", points, color);
+    out += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>\n", kWidth - kRight + 10, label_y, color,
                        html(curves[c].name));
     label_y += 18;
   }

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "render/image.h"
+#include "burin/render/image.h"
 
 namespace burin {
 
@@ -15,7 +15,7 @@ namespace burin {
 std::string html(std::string_view text);
 
 /// A picture, values 0..1 as they are shown (already encoded), 1 or 3 channels, as a data: address. JPEG for
-/// photographs, PNG for what must keep its colours and edges.
+/// photographs, PNG for what must keep its colors and edges.
 enum class PictureKind { jpeg, png };
 std::string data_address(const Image& shown, PictureKind kind);
 

@@ -1,8 +1,8 @@
 #include "tools/report/predicted.h"
 
-#include "capture/simulated_camera.h"
-#include "render/surface.h"
-#include "render/view_renderer.h"
+#include "burin/capture/simulator/simulated_camera.h"
+#include "burin/render/surface.h"
+#include "burin/render/view_renderer.h"
 
 namespace burin {
 namespace {

@@ -1,12 +1,12 @@
 // tools/report/predicted.h - the photo that a bench should give of a view, in the unit that photos have.
-// Pixels: the centre of the top-left pixel is (0, 0).
+// Pixels: the center of the top-left pixel is (0, 0).
 #pragma once
 
-#include "render/bench.h"
-#include "render/board.h"
-#include "render/footprint_grid.h"
-#include "render/image.h"
-#include "render/scratches.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/footprint_grid.h"
+#include "burin/render/image.h"
+#include "burin/render/scratches.h"
 
 namespace burin {
 

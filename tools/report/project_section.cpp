@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "capture/photo.h"
-#include "capture/session.h"
-#include "optimize/design_file.h"
-#include "optimize/picture_metrics.h"
-#include "optimize/target.h"
-#include "render/bench.h"
-#include "render/board.h"
-#include "render/scratches.h"
+#include "burin/capture/photo.h"
+#include "burin/capture/session.h"
+#include "burin/optimize/design_file.h"
+#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/optimize/target.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/scratches.h"
 #include "tools/project.h"
 #include "tools/report/html.h"
 #include "tools/report/predicted.h"

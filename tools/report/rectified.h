@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 
-#include "render/image.h"
-#include "render/lens.h"
-#include "render/surface.h"
+#include "burin/render/image.h"
+#include "burin/render/lens.h"
+#include "burin/render/surface.h"
 
 namespace burin {
 
@@ -31,7 +31,7 @@ float percentile(const Image& image, double fraction);
 Image shown(const Image& linear, float white);
 
 /// photo - predicted over `white`, red where the photo is brighter and blue where it is darker, white where they agree;
-/// full colour at +-`full_scale`. Grey where either is missing.
+/// full color at +-`full_scale`. Gray where either is missing.
 Image difference_shown(const Image& photo, const Image& predicted, float white, float full_scale);
 
 }  // namespace burin

@@ -3,8 +3,8 @@
 #include <string>
 #include <utility>
 
-#include "render/error.h"
-#include "render/json_file.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 #include "tools/report/html.h"
 #include "tools/report/section.h"
 

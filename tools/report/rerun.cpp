@@ -8,14 +8,14 @@
 #include <utility>
 #include <vector>
 
-#include "optimize/picture_metrics.h"
-#include "render/bench.h"
-#include "render/board.h"
-#include "render/error.h"
-#include "render/image.h"
-#include "render/json_file.h"
-#include "render/scratches.h"
-#include "render/view_renderer.h"
+#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/image.h"
+#include "burin/render/scratches.h"
+#include "burin/render/view_renderer.h"
 #include "tools/report/html.h"
 #include "tools/report/rectified.h"
 

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "render/progress.h"
+#include "burin/render/progress.h"
 #include "tools/report/section.h"
 
 namespace burin {

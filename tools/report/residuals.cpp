@@ -7,7 +7,7 @@
 #include <map>
 #include <sstream>
 
-#include "render/error.h"
+#include "burin/render/error.h"
 
 namespace burin {
 

@@ -3,7 +3,7 @@
 // '#' are comments but for the first, which names the columns
 //   # view tag corner x_px y_px dx_px dy_px used
 // (x_px, y_px): the corner as found; (dx_px, dy_px): found minus predicted; used: 0 where it was left out as an
-// outlier. Pixels: the centre of the top-left pixel is (0, 0).
+// outlier. Pixels: the center of the top-left pixel is (0, 0).
 #pragma once
 
 #include <Eigen/Core>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "render/progress.h"
+#include "burin/render/progress.h"
 
 namespace burin {
 

@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
-#include "capture/photo.h"
-#include "capture/session.h"
-#include "render/bench.h"
-#include "render/board.h"
-#include "render/brdf.h"
-#include "render/error.h"
-#include "render/footprint_grid.h"
-#include "render/groove.h"
-#include "render/scratches.h"
+#include "burin/capture/photo.h"
+#include "burin/capture/session.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/brdf.h"
+#include "burin/render/error.h"
+#include "burin/render/footprint_grid.h"
+#include "burin/render/groove.h"
+#include "burin/render/scratches.h"
 #include "tools/hold_out_file.h"
 #include "tools/report/html.h"
 #include "tools/report/predicted.h"
@@ -31,7 +32,7 @@ constexpr int kRectifiedSidePx = 420;
 constexpr int kPhotoWidthPx = 900;
 constexpr double kWhitePercentile = 0.995;  // of the photo: the few brightest glints may saturate
 constexpr float kDifferenceScale = 0.25F;   // of the displayed white
-constexpr double kDegrees = 180 / kPi;
+constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Loaded {
   Session session;
@@ -107,9 +108,9 @@ std::string comparison(const Loaded& in, const MergedView& merged, const View& v
   figures.push_back(figure(shown(predicted, white), "<b>Predicted</b> from the measured bench."));
   figures.push_back(
       figure(shown(photo, white), std::string("<b>Photographed</b>, seen from straight above, same exposure.") +
-                                      (clipped ? " White: clipped in every exposure (grey in the difference)." : "")));
+                                      (clipped ? " White: clipped in every exposure (gray in the difference)." : "")));
   figures.push_back(figure(difference_shown(photo, predicted, white, kDifferenceScale),
-                           fmt::format("<b>Difference.</b> Red: the photo is brighter; blue: darker; full colour at "
+                           fmt::format("<b>Difference.</b> Red: the photo is brighter; blue: darker; full color at "
                                        "±{:.0f} % of white. RMS {:.1f} % of "
                                        "the photo's own; mean brightness {:.3f} of the predicted.",
                                        100 * kDifferenceScale, 100 * fit.relative_rms, fit.ratio),
@@ -269,7 +270,7 @@ std::string numbers(const Loaded& in) {
                         is_determined(bench, key) ? position_cell(light.position_mm, light.position_sigma_mm)
                                                   : "<span class=\"unknown\">unknown</span>",
                         "", verdict_cell(bench, key, light.position_sigma_mm.has_value()),
-                        "±1 to 10 mm for a lamp a metre away, most of it along the ray to the lamp"});
+                        "±1 to 10 mm for a lamp a meter away, most of it along the ray to the lamp"});
     if (light.falloff_exponent != 0 || light.falloff_exponent_sigma)
       out.rows.push_back(
           {fmt::format("Lamp “{}”: fall-off exponent", html(light.id)),
@@ -347,7 +348,8 @@ std::string machine_numbers(const Loaded& in) {
     largest = std::max(largest, (A * p + m.col(2) - p).norm());
   const double scale_x = A.col(0).norm(), scale_y = A.col(1).norm();
   const double turn = std::atan2(A(1, 0), A(0, 0));
-  const double skew = std::acos(std::clamp(A.col(0).dot(A.col(1)) / (scale_x * scale_y), -1.0, 1.0)) - kPi / 2;
+  const double skew =
+      std::acos(std::clamp(A.col(0).dot(A.col(1)) / (scale_x * scale_y), -1.0, 1.0)) - std::numbers::pi / 2;
   const Eigen::Vector2d offset = A * middle + m.col(2) - middle;
   const auto sigma = [&](int r, int c) { return s ? std::optional<double>((*s)(r, c)) : std::nullopt; };
   const auto show = [](double v, const std::optional<double>& sig, double unit) {
@@ -369,7 +371,7 @@ std::string machine_numbers(const Loaded& in) {
 std::string view_numbers(const Loaded& in) {
   Table out;
   out.header = {
-      "View", "Tags", "Residual an axis", "on the board", "Camera's centre", "Distance", "Half vector's lean"};
+      "View", "Tags", "Residual an axis", "on the board", "Camera's center", "Distance", "Half vector's lean"};
   const Eigen::Vector3d center = board_center_mm(in.board);
   for (const View& view : in.bench.views) {
     const Eigen::Vector3d eye = view.T_camera_board.inverse().translation();

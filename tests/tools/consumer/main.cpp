@@ -1,8 +1,8 @@
 // Uses one thing of each room that another project links, and prints what it got.
-#include <capture/session.h>
-#include <optimize/adam.h>
-#include <render/board.h>
-#include <render/groove.h>
+#include <burin/capture/session.h>
+#include <burin/optimize/loss/adam.h>
+#include <burin/render/board.h>
+#include <burin/render/groove.h>
 
 #include <cstdio>
 

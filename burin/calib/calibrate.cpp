@@ -1,0 +1,278 @@
+#include "burin/calib/calibrate.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <set>
+#include <thread>
+
+#include "burin/calib/light/lamp.h"
+#include "burin/calib/light/light_samples.h"
+#include "burin/calib/light/photo_faults.h"
+#include "burin/calib/verdict/identifiability.h"
+#include "burin/calib/verdict/next_photo.h"
+#include "burin/capture/photo.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/scratches.h"
+
+namespace burin {
+namespace {
+
+std::string list_of(const std::set<int>& ids) {
+  std::string out;
+  int shown = 0;
+  for (const int id : ids) {
+    if (shown++ == 8) return out + ", ...";
+    out += (out.empty() ? "" : ", ") + std::to_string(id);
+  }
+  return out;
+}
+
+// Why no view has a tag of the board's: another family, other ids, or nothing at all.
+[[noreturn]] void fail_without_tags(const Session& session, const std::vector<Bracket>& brackets,
+                                    const std::vector<NoiseModel>& noise, const Board& board,
+                                    const std::set<int>& foreign_ids) {
+  const std::string& family = board.tags.family;
+  const auto file = [&](std::size_t b) { return session.photos[brackets[b].photos.front()].file.string(); };
+  if (!foreign_ids.empty()) {
+    std::set<int> listed;
+    for (const Tag& tag : board.tags.list) listed.insert(tag.id);
+    fail(file(0),
+         "the photos show tags " + list_of(foreign_ids) + " of family " + family + ", board.json lists " +
+             list_of(listed),
+         "give the board.json of this board, or correct the ids in its tags.list");
+  }
+  const std::size_t step = std::max<std::size_t>(1, brackets.size() / 3);
+  for (std::size_t b = 0; b < brackets.size(); b += step) {
+    std::vector<Photo> photos;
+    for (const int i : brackets[b].photos) photos.push_back(session.photos[i]);
+    GrayView gray;
+    merge_bracket(photos, noise[b], {1, &gray});
+    const std::string instead = explain_missing_tags(gray.value, gray.valid, family);
+    if (!instead.empty())
+      fail(file(b), std::string("no tag of family ").append(family).append(" was found in any photo; ").append(instead),
+           "set tags.family in board.json to the family on the board, and give the photos as the camera wrote them");
+  }
+  fail(file(0), "no tags were found in any of the " + std::to_string(brackets.size()) + " views",
+       "photograph the whole board, sharp, its tags at least 20 pixels wide and their paper not clipped");
+}
+
+// The mean of the channels: all that lamps are sought in.
+MergedView without_color(MergedView&& view) {
+  const int n = view.value.channels;
+  if (n == 1) return std::move(view);
+  Image value(view.value.width, view.value.height, 1), sigma(view.value.width, view.value.height, 1);
+  for (std::size_t i = 0; i < value.data.size(); ++i) {
+    double sum = 0, variance = 0;
+    for (int c = 0; c < n; ++c) {
+      sum += view.value.data[i * n + c];
+      variance += static_cast<double>(view.sigma.data[i * n + c]) * view.sigma.data[i * n + c];
+    }
+    value.data[i] = static_cast<float>(sum / n);
+    sigma.data[i] = static_cast<float>(std::sqrt(variance) / n);
+  }
+  view.value = std::move(value);
+  view.sigma = std::move(sigma);
+  return std::move(view);
+}
+
+// What is kept of the photos once they have been read.
+struct Pictures {
+  std::vector<TagsInPhoto> tags;   // one a bracket
+  std::vector<MergedView> merged;  // binned, without color
+};
+
+Pictures read_pictures(const Session& session, const std::vector<Bracket>& brackets,
+                       const std::vector<NoiseModel>& noise, const Board& board, int bin, const Progress& progress) {
+  Pictures out;
+  out.tags.resize(brackets.size());
+  out.merged.resize(brackets.size());
+  std::vector<int> ids;
+  for (const Tag& tag : board.tags.list) ids.push_back(tag.id);
+  tbb::enumerable_thread_specific<TagDetector> detector([&] { return TagDetector(board.tags.family); });
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<std::size_t> done = 0;
+  for_each_merged(session, brackets, noise, bin, [&](std::size_t b, MergedView&& view, GrayView&& gray) {
+    out.tags[b] = detector.local().detect(gray.value, gray.valid, ids);
+    out.merged[b] = without_color(std::move(view));
+    ++done;
+    if (progress && std::this_thread::get_id() == caller)
+      progress("reading photos, finding tags", static_cast<double>(done) / static_cast<double>(brackets.size()));
+  });
+  return out;
+}
+
+double median_tag_side_px(const std::vector<TagsInPhoto>& pictures) {
+  std::vector<double> sides;
+  for (const TagsInPhoto& picture : pictures)
+    for (const TagDetection& tag : picture.tags) sides.push_back((tag.corner_px[1] - tag.corner_px[0]).norm());
+  if (sides.empty()) return 1e9;
+  const auto middle = sides.begin() + static_cast<std::ptrdiff_t>(sides.size() / 2);
+  std::nth_element(sides.begin(), middle, sides.end());
+  return *middle;
+}
+
+// The lamps from the pictures that are left, and which of those were lit otherwise than the rest.
+void find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibration& out) {
+  const Scratches designed = board.scratches.empty() ? Scratches{} : read_scratches(board.scratches);
+  std::vector<std::string> notes;
+  Bench named = out.bench;  // with its lights
+  // Views without a pose have been told.
+  std::erase_if(merged, [&](const MergedView& m) {
+    return std::none_of(named.views.begin(), named.views.end(), [&](const View& v) { return v.name == m.view; });
+  });
+  const std::vector<LightView> views = make_light_views(merged, board, named, notes);
+  std::vector<LightSample> samples = gather_light_samples(views, board, named, designed);
+  for (const LampGroup& group : photos_of_another_lamp(samples, named)) {
+    std::set<std::size_t> left_out(group.light_views.begin(), group.light_views.end());
+    std::set<std::string> names;
+    for (const std::size_t k : left_out) names.insert(merged[views[k].merged].view);
+    std::string list;
+    for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+    out.findings.push_back(
+        {Finding::Severity::warning,
+         {},
+         "the lamp \"" + group.light + "\" lights the paper in view" + (names.size() > 1 ? "s " : " ") + list +
+             " differently from the other photos (by " + std::to_string(std::lround(100 * group.spread)) +
+             " % over the board): " + (names.size() > 1 ? "they are" : "it is") + " left out",
+         "if the lamp was moved, give these photos a light of their own in session.json (\"light\": \"" + group.light +
+             "-2\")"});
+    std::erase_if(samples, [&](const LightSample& s) { return left_out.count(s.light_view) > 0; });
+    std::erase_if(named.views, [&](const View& v) { return names.count(v.name) > 0; });
+    for (const std::string& name : names) named.verdict.erase("pose." + name);
+  }
+  out.bench = with_lamps(samples, board, named, notes);
+  for (const std::string& n : notes)
+    out.findings.push_back({Finding::Severity::warning, {}, n, "burin refine needs a lamp to start from"});
+}
+
+}  // namespace
+
+Calibration calibrate(const Session& session, const Board& board, const CalibrateOptions& options,
+                      const Progress& progress) {
+  const std::string where = session.file.empty() ? "the session" : session.file.string();
+  auto report = [&progress](const char* stage, double fraction) {
+    if (progress) progress(stage, fraction);
+  };
+  if (session.photos.empty()) fail(where, "has no photos", "list them under \"photos\"");
+  if (options.fix_lens && !options.lens)
+    fail("the calibration's options", "ask for a fixed lens without giving one", "give a .cameramodel");
+  if (board.tags.list.size() < 3)
+    fail("board.json: tags.list", "has " + std::to_string(board.tags.list.size()) + " tags",
+         "list at least three, better ten around the carved area");
+  std::set<std::string> views;
+  for (const Photo& photo : session.photos) views.insert(photo.view);
+  if (views.size() < (options.fix_lens ? 1U : 3U))
+    fail(where,
+         views.size() == 1
+             ? "all its photos are of one view, \"" + *views.begin() + "\", which cannot tell lens and poses"
+             : "two views cannot tell lens and poses",
+         "photograph the board from at least three places, better ten, tilted in different directions");
+
+  report("reading photos", 0);
+  // Sizes first: headers are quick to read, and a person should not wait for this news.
+  const auto [width, height] = photo_size(session);
+  if (options.lens && (options.lens->width != width || options.lens->height != height))
+    fail("the given camera",
+         "is for pictures of " + std::to_string(options.lens->width) + " x " + std::to_string(options.lens->height) +
+             " pixels, the photos have " + std::to_string(width) + " x " + std::to_string(height),
+         "give the camera model of these photos");
+  const std::vector<Bracket> brackets = brackets_of(session);
+  const std::vector<NoiseModel> noise = session_noise(session, brackets);
+  int bin = light_bin(width, height, 1e9);
+  Pictures pictures = read_pictures(session, brackets, noise, board, bin, progress);
+  if (const int smaller = light_bin(width, height, median_tag_side_px(pictures.tags)); smaller < bin)
+    pictures = read_pictures(session, brackets, noise, board, smaller, progress);
+
+  Calibration out;
+  std::vector<ViewTags> tags;
+  std::set<int> foreign;
+  std::size_t found = 0;
+  for (std::size_t b = 0; b < brackets.size(); ++b) {
+    const std::filesystem::path& file = session.photos[brackets[b].photos.front()].file;
+    tags.push_back({brackets[b].view, file, std::move(pictures.tags[b].tags), std::move(pictures.tags[b].rejected)});
+    found += tags.back().tags.size();
+    out.photos.push_back(file.filename().string());
+  }
+  leave_out_blurred(tags, options.fix_lens ? 1 : 4);
+  for (const ViewTags& picture : tags)
+    for (const RejectedTag& r : picture.rejected) {
+      if (std::none_of(board.tags.list.begin(), board.tags.list.end(), [&](const Tag& t) { return t.id == r.id; }))
+        foreign.insert(r.id);
+      out.rejected.push_back(r);
+      out.rejected_view.push_back(picture.view);
+    }
+  if (found == 0) {
+    // Seen, but none usable: say what is wrong with them.
+    for (std::size_t i = 0; i < out.rejected.size(); ++i)
+      if (!foreign.count(out.rejected[i].id))
+        fail(session.photos.front().file.string(),
+             "no tag can be used in any photo; in view " + out.rejected_view[i] + ", of tag " +
+                 std::to_string(out.rejected[i].id) + ", " + out.rejected[i].reason,
+             "take the photos again");
+    fail_without_tags(session, brackets, noise, board, foreign);
+  }
+
+  BoardSolverOptions solver;
+  solver.lens_model = options.lens_model;
+  solver.lens = options.lens;
+  solver.fix_lens = options.fix_lens;
+  solver.check_with_mrcal = options.check_with_mrcal;
+  out.geometry = solve_board(board, tags, width, height, solver, progress);
+  const auto tell = [&out](const std::vector<Finding>& more) {
+    out.findings.insert(out.findings.end(), more.begin(), more.end());
+  };
+  tell(out.geometry.findings);
+  tell(rejected_tags(tags, board, out.geometry));
+  tell(unseen_tags(tags, board, out.geometry));
+
+  out.pictures = std::move(tags);
+  out.solver = solver;
+  out.tool_width_um = board.tool_width_um;
+  out.bench.lens = out.geometry.lens;
+  out.bench.views = out.geometry.views;
+  out.bench.bow_mm = out.geometry.bow_mm;
+  out.bench.tags = out.geometry.tags;
+  for (Tag& tag : out.bench.tags) tag.size_mm += 2 * out.geometry.edge_mm;
+  out.bench.material = board.material;
+  const Combinations judged = judge_geometry(out.geometry, board, options.fix_lens, out.bench);
+  advise_geometry(out.geometry, board, judged, out.bench);
+
+  if (options.find_lamps) {
+    report("looking for the lamp", 0);
+    find_lamps(std::move(pictures.merged), board, out);
+    report("looking for the lamp", 1);
+  }
+  return out;
+}
+
+std::string residual_table(const Calibration& c) {
+  auto word = [](const std::string& text) {
+    std::string out;
+    for (const char ch : text) out += ch == ' ' ? "%20" : ch == '\t' ? "%09" : std::string(1, ch);
+    return out.empty() ? "-" : out;
+  };
+  std::string out = "# view tag corner x_px y_px dx_px dy_px sigma_px used photo\n";
+  char line[200];
+  for (const SolvedCorner& r : c.geometry.corners) {
+    const bool known = r.residual_px.allFinite();
+    std::snprintf(line, sizeof line, " %d %d %.4f %.4f %.5f %.5f %.5f %d ", r.tag, r.corner, r.q_px.x(), r.q_px.y(),
+                  known ? r.residual_px.x() : 0, known ? r.residual_px.y() : 0, r.sigma_px, r.used && known ? 1 : 0);
+    out += word(r.view) + line + word(c.photos[r.picture]) + "\n";
+  }
+  return out;
+}
+
+void write_calibration(const Calibration& c, const std::filesystem::path& folder) {
+  make_output_folder(folder);
+  write_text(residual_table(c), folder / "residuals.vnl");
+  Bench bench = c.bench;
+  bench.camera = folder / "camera.cameramodel";
+  write_bench(bench, c.tool_width_um, folder / "bench.json");
+}
+
+}  // namespace burin

@@ -1,0 +1,614 @@
+#include "burin/calib/geometry/board_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include "burin/calib/geometry/lens_solver.h"
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+constexpr double kFloor_px = 0.004;      // what the line fit's own noise does not cover: sampling, neighboring marks
+constexpr double kSeedSigma_px = 0.3;    // while lens and poses are still rough
+constexpr double kTagOutlier_sigma = 4;  // a tag this far from where board.json has it lies somewhere else
+constexpr double kFarView_px = 1.5;      // while the lens is rough: a photo that fits worse than this, and
+constexpr double kFarFactor = 8;         // so many times worse than the others, is another camera's
+constexpr double kOddView_px = 0.2;  // the same once the lens is known: such a photo would pass for a noisy one, but
+constexpr double kOddFactor = 6;     // a focus that breathes by 2 % moves its camera by 2 % of its distance
+constexpr double kTornView = 0.3;    // share of a photo's tags that contradict it, while they suit the others
+
+constexpr const char* kOddPhoto =
+    "it was taken with another focal length or focus, was moved between its exposures or exposed twice; take it again";
+
+double median(std::vector<double> v) {
+  if (v.empty()) return 0;
+  auto mid = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+  std::nth_element(v.begin(), mid, v.end());
+  return *mid;
+}
+
+std::string number(double v, int digits) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*f", digits, v);
+  return text;
+}
+
+// Everything on the way: the bundle, and what its corners are in the caller's terms.
+struct Solver {
+  const Board& board;
+  const std::vector<ViewTags>& pictures;
+  const BoardSolverOptions& options;
+
+  Solver(const Board& b, const std::vector<ViewTags>& p, const BoardSolverOptions& o)
+      : board(b), pictures(p), options(o) {}
+
+  Bundle bundle;
+  std::vector<std::string> view_names;
+  std::vector<bool> view_dropped, tag_dropped;
+  struct Origin {
+    int picture, detection, corner;
+  };
+  std::vector<Origin> origin;        // one a bundle corner
+  std::vector<double> raw_sigma_px;  // from the detector, with the floor
+  BoardSolution out;
+
+  void finding(Finding::Severity severity, const std::filesystem::path& file, const std::string& what,
+               const std::string& remedy) {
+    out.findings.push_back({severity, file, what, remedy});
+  }
+  std::filesystem::path file_of(int view) const {
+    for (const ViewTags& p : pictures)
+      if (p.view == view_names[view]) return p.file;
+    return {};
+  }
+  int tags_in(int view) const {
+    std::set<int> ids;
+    for (const BundleCorner& c : bundle.corners)
+      if (c.view == view && c.used) ids.insert(c.tag);
+    return static_cast<int>(ids.size());
+  }
+  void drop_view(int view, const std::string& what, const std::string& remedy) {
+    if (view_dropped[view]) return;
+    view_dropped[view] = true;
+    for (BundleCorner& c : bundle.corners)
+      if (c.view == view) c.used = false;
+    finding(Finding::Severity::warning, file_of(view), "view " + view_names[view] + " is left out: " + what, remedy);
+  }
+  void drop_tag(int tag, const std::string& what, const std::string& remedy) {
+    if (tag_dropped[tag]) return;
+    tag_dropped[tag] = true;
+    for (BundleCorner& c : bundle.corners)
+      if (c.tag == tag) c.used = false;
+    finding(Finding::Severity::warning, board.tags.list.empty() ? "" : "board.json",
+            "tag " + std::to_string(board.tags.list[tag].id) + " is left out: " + what, remedy);
+  }
+  void require_views() {
+    int left = 0;
+    for (std::size_t v = 0; v < view_names.size(); ++v) left += view_dropped[v] ? 0 : 1;
+    const int needed = options.fix_lens ? 1 : 3;
+    if (left >= needed) return;
+    std::string names;
+    std::size_t said = 0;
+    for (const Finding& f : out.findings) {
+      if (said++ == 2) {
+        names += "; and " + std::to_string(out.findings.size() - 2) + " more";
+        break;
+      }
+      names += "; " + sentence(f);
+    }
+    fail("the session",
+         std::to_string(left) + " usable view" + (left == 1 ? "" : "s") + " cannot tell lens and poses" + names,
+         "photograph the board from at least " + std::to_string(needed) +
+             " places, better ten, tilted in different directions, with at least " + std::to_string(options.min_tags) +
+             " sharp tags each");
+  }
+
+  void collect(int width, int height) {
+    std::map<int, int> tag_index;
+    for (std::size_t i = 0; i < board.tags.list.size(); ++i) {
+      tag_index[board.tags.list[i].id] = static_cast<int>(i);
+      TagPlacement t;
+      t.sigma_mm = std::max(board.tags.sigma_mm, 1e-4);
+      // Whoever places a tag's two ends to sigma turns it by about sigma / half its side.
+      t.sigma_rad = t.sigma_mm / (board.tags.list[i].size_mm / 2);
+      bundle.tags.push_back(t);
+    }
+    bundle.surface.size_mm = board.size_mm;
+    bundle.lens.width = width;
+    bundle.lens.height = height;
+    for (std::size_t p = 0; p < pictures.size(); ++p) {
+      auto at = std::find(view_names.begin(), view_names.end(), pictures[p].view);
+      const int view = static_cast<int>(at - view_names.begin());
+      if (at == view_names.end()) view_names.push_back(pictures[p].view);
+      for (std::size_t d = 0; d < pictures[p].tags.size(); ++d) {
+        const TagDetection& tag = pictures[p].tags[d];
+        const auto index = tag_index.find(tag.id);
+        if (index == tag_index.end()) continue;
+        const Tag& believed = board.tags.list[index->second];
+        const auto corners = tag_corners_mm(believed);
+        for (int k = 0; k < 4; ++k) {
+          BundleCorner c;
+          c.view = view;
+          c.tag = index->second;
+          c.center_mm = believed.center_mm;
+          c.offset_mm = corners[k] - believed.center_mm;
+          c.z_mm = board.tags.z_mm;
+          c.q_px = tag.corner_px[k];
+          c.sigma_px = kSeedSigma_px;
+          bundle.corners.push_back(c);
+          origin.push_back({static_cast<int>(p), static_cast<int>(d), k});
+          raw_sigma_px.push_back(std::hypot(tag.corner_sigma_px[k], kFloor_px));
+        }
+      }
+    }
+    bundle.views.assign(view_names.size(), Eigen::Isometry3d::Identity());
+    view_dropped.assign(view_names.size(), false);
+    tag_dropped.assign(bundle.tags.size(), false);
+    for (std::size_t v = 0; v < view_names.size(); ++v) {
+      const int n = tags_in(static_cast<int>(v));
+      if (n >= options.min_tags) continue;
+      std::map<std::string, int> reasons;
+      for (const ViewTags& p : pictures)
+        if (p.view == view_names[v])
+          for (const RejectedTag& r : p.rejected) ++reasons[r.reason];
+      const auto most = std::max_element(reasons.begin(), reasons.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+      if (n == 0 && reasons.empty())
+        drop_view(static_cast<int>(v), "no tag can be read in it",
+                  "it is out of focus, was moved or exposed twice, is too dark or too bright, or does not show the "
+                  "board: take it again");
+      else
+        drop_view(
+            static_cast<int>(v),
+            "only " + std::to_string(n) + " of its tags can be used" +
+                (most == reasons.end() ? "" : " (" + std::to_string(most->second) + " others: " + most->first + ")"),
+            "go closer, light the tags, keep the whole board in the photo");
+    }
+    require_views();
+  }
+
+  void seed() {
+    const int width = bundle.lens.width, height = bundle.lens.height;
+    double focal = 0;
+    if (options.lens) {
+      bundle.lens = *options.lens;
+      focal = bundle.lens.intrinsics[0];
+    } else {
+      focal = seed_focal_px(bundle);
+      bundle.lens = plain_lens("LENSMODEL_OPENCV4", focal, width, height);
+    }
+    const PoseSeed poses = seed_poses(bundle, focal);
+    for (std::size_t v = 0; v < view_names.size(); ++v) {
+      if (view_dropped[v]) continue;
+      if (!poses.found[v])
+        drop_view(static_cast<int>(v), "its tags do not lie as board.json says",
+                  "check the tags' ids and places in board.json");
+      else
+        bundle.views[v] = poses.T_camera_board[v];
+    }
+    require_views();
+    // A seed with any corner behind the camera cannot start the solve.
+    const auto residuals = bundle_residuals_px(bundle);
+    for (std::size_t i = 0; i < residuals.size(); ++i)
+      if (!residuals[i].allFinite()) bundle.corners[i].used = false;
+  }
+
+  std::vector<double> view_rms(const std::vector<Eigen::Vector2d>& residuals) const {
+    std::vector<std::vector<double>> sizes(view_names.size());
+    for (std::size_t i = 0; i < residuals.size(); ++i)
+      if (bundle.corners[i].used) sizes[bundle.corners[i].view].push_back(residuals[i].norm());
+    std::vector<double> rms;
+    rms.reserve(sizes.size());
+    for (auto& s : sizes) rms.push_back(median(s) / 1.177);  // median of a Rayleigh distribution, per axis
+    return rms;
+  }
+
+  // Photos that this lens did not take.
+  bool drop_far_views(double far_px, double far_factor) {
+    const auto rms = view_rms(bundle_residuals_px(bundle));
+    std::vector<double> present;
+    for (std::size_t v = 0; v < rms.size(); ++v)
+      if (!view_dropped[v] && rms[v] > 0) present.push_back(rms[v]);
+    const double usual = median(present);
+    int worst = -1;
+    for (std::size_t v = 0; v < rms.size(); ++v)
+      if (!view_dropped[v] && rms[v] > far_px && rms[v] > far_factor * usual && (worst < 0 || rms[v] > rms[worst]))
+        worst = static_cast<int>(v);
+    if (worst < 0) return false;
+    drop_view(
+        worst,
+        "its tags miss their places by " + number(rms[worst], 2) + " px, the others' by " + number(usual, 2) + " px",
+        kOddPhoto);
+    require_views();
+    return true;
+  }
+
+  // Each photo's noise: the detector's sigma times a factor from its own residuals (median, so that outliers do not
+  // count).
+  void reweigh() {
+    const auto residuals = bundle_residuals_px(bundle);
+    std::vector<std::vector<double>> relative(view_names.size());
+    std::vector<double> all;
+    for (std::size_t i = 0; i < residuals.size(); ++i)
+      if (bundle.corners[i].used) {
+        relative[bundle.corners[i].view].push_back(residuals[i].norm() / raw_sigma_px[i]);
+        all.push_back(relative[bundle.corners[i].view].back());
+      }
+    const double overall = std::max(median(all) / 1.177, 0.05);
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      const auto& own = relative[bundle.corners[i].view];
+      // A photo with few corners follows the others.
+      const double n = static_cast<double>(own.size()), share = n / (n + 24);
+      const double factor =
+          own.empty()
+              ? overall
+              : std::exp(share * std::log(std::max(median(own) / 1.177, 0.05)) + (1 - share) * std::log(overall));
+      bundle.corners[i].sigma_px = factor * raw_sigma_px[i];
+    }
+  }
+
+  // Where the photos' rays through a tag's corners meet the board, mm, and how much that differs between photos.
+  std::pair<Eigen::Vector2d, double> place_of(int tag) const {
+    std::vector<Eigen::Vector2d> places;
+    for (std::size_t i = 0; i + 3 < bundle.corners.size(); i += 4) {
+      const BundleCorner& c = bundle.corners[i];
+      if (c.tag != tag || view_dropped[c.view]) continue;
+      Eigen::Vector2d sum(0, 0);
+      const Eigen::Isometry3d T_board_camera = bundle.views[c.view].inverse();
+      for (int k = 0; k < 4; ++k) {
+        Eigen::Vector3d v;
+        unproject(bundle.lens, {&bundle.corners[i + k].q_px, 1}, {&v, 1});
+        const Eigen::Vector3d d = T_board_camera.linear() * v, from = T_board_camera.translation();
+        sum += (from + (board.tags.z_mm - from.z()) / d.z() * d).head<2>() / 4;
+      }
+      if (sum.allFinite()) places.push_back(sum);
+    }
+    std::vector<double> x, y, off;
+    for (const Eigen::Vector2d& p : places) {
+      x.push_back(p.x());
+      y.push_back(p.y());
+    }
+    const Eigen::Vector2d middle(median(x), median(y));
+    for (const Eigen::Vector2d& p : places) off.push_back((p - middle).norm());
+    return {middle, median(off)};
+  }
+
+  // Corners, tags in photos and tags altogether that contradict the rest. True if anything changed.
+  bool leave_out(const BundleOptions& o) {
+    const auto residuals = bundle_residuals_px(bundle);
+    bool changed = false;
+    std::map<std::pair<int, int>, std::vector<std::size_t>> by_detection;
+    for (std::size_t i = 0; i < residuals.size(); ++i)
+      if (!view_dropped[bundle.corners[i].view] && !tag_dropped[bundle.corners[i].tag])
+        by_detection[{origin[i].picture, origin[i].detection}].push_back(i);
+    std::map<int, std::pair<int, int>> bad_and_seen;           // by tag
+    std::map<int, std::vector<std::pair<int, bool>>> by_view;  // tags, and whether they are bad there
+    for (const auto& [key, corners] : by_detection) {
+      int bad = 0;
+      for (const std::size_t i : corners) {
+        const bool good = residuals[i].allFinite() &&
+                          residuals[i].norm() < options.outlier_sigma * std::sqrt(2.0) * bundle.corners[i].sigma_px;
+        bad += good ? 0 : 1;
+      }
+      const int tag = bundle.corners[corners[0]].tag;
+      bad_and_seen[tag].first += bad >= 2 ? 1 : 0;
+      ++bad_and_seen[tag].second;
+      by_view[bundle.corners[corners[0]].view].emplace_back(tag, bad >= 2);
+      for (const std::size_t i : corners) {
+        const bool good = residuals[i].allFinite() &&
+                          residuals[i].norm() < options.outlier_sigma * std::sqrt(2.0) * bundle.corners[i].sigma_px;
+        const bool use = good && bad < 2;
+        changed = changed || use != bundle.corners[i].used;
+        bundle.corners[i].used = use;
+      }
+    }
+    // A photo of another focal length keeps the few tags that a false pose suits, and that pose is far off. One at a
+    // time: it pulls the others with it.
+    int torn = -1;
+    std::pair<int, int> torn_counts;
+    for (const auto& [view, tags] : by_view) {
+      int bad = 0, seen = 0;
+      for (const auto& [tag, is_bad] : tags) {
+        const auto& [bad_views, seen_views] = bad_and_seen[tag];
+        if (2 * (bad_views - (is_bad ? 1 : 0)) > seen_views - 1) continue;  // the tag's fault
+        bad += is_bad ? 1 : 0;
+        ++seen;
+      }
+      if (bad >= 3 && bad > kTornView * seen && (torn < 0 || bad * torn_counts.second > torn_counts.first * seen)) {
+        torn = view;
+        torn_counts = {bad, seen};
+      }
+    }
+    if (torn >= 0) {
+      drop_view(torn,
+                std::to_string(torn_counts.first) + " of its " + std::to_string(torn_counts.second) +
+                    " tags contradict the other photos",
+                kOddPhoto);
+      require_views();
+      return true;
+    }
+    for (const auto& [tag, counts] : bad_and_seen)
+      if (counts.second >= 3 && 2 * counts.first > counts.second) {
+        const auto [at, spread] = place_of(tag);
+        const Tag& believed = board.tags.list[tag];
+        if (spread < 0.03 * believed.size_mm) {
+          seen_at_[tag] = at;
+          const Eigen::Vector2d shift = at - believed.center_mm;
+          drop_tag(tag,
+                   "the photos show it at " + number(at.x(), 1) + ", " + number(at.y(), 1) + " mm, " +
+                       number(shift.norm(), 1) + " mm from where board.json has it",
+                   "correct its center_mm, rotation_deg or id");
+        } else {
+          drop_tag(tag,
+                   "its corners contradict each other in " + std::to_string(counts.first) + " of " +
+                       std::to_string(counts.second) + " photos",
+                   "it is peeling, bent or was moved between photos; stick it flat");
+        }
+        changed = true;
+      }
+
+    // Shifts, against what the other tags show to be usual on this board.
+    const BundleUncertainty u = bundle_uncertainty(bundle, o);
+    std::vector<double> size;
+    for (std::size_t t = 0; t < bundle.tags.size(); ++t)
+      if (!tag_dropped[t] && u.tag_sigma[t].x() > 0)
+        size.push_back(bundle.tags[t].shift_mm.norm() / bundle.tags[t].sigma_mm);
+    const double spread = std::max(1.0, median(size) / 1.177);
+    int worst = -1;
+    double worst_size = kTagOutlier_sigma * spread;
+    for (std::size_t t = 0; t < bundle.tags.size(); ++t) {
+      if (tag_dropped[t] || !(u.tag_sigma[t].x() > 0)) continue;
+      const double s = bundle.tags[t].shift_mm.norm() / std::sqrt(2.0) / bundle.tags[t].sigma_mm;
+      const double turn = std::abs(bundle.tags[t].turn_rad) / bundle.tags[t].sigma_rad;
+      if (std::max(s, turn) > worst_size) {
+        worst_size = std::max(s, turn);
+        worst = static_cast<int>(t);
+      }
+    }
+    if (worst >= 0) {  // one at a time: a misplaced tag pulls its neighbors with it
+      const TagPlacement& t = bundle.tags[worst];
+      seen_at_[worst] = board.tags.list[worst].center_mm + t.shift_mm;
+      drop_tag(worst,
+               "the photos show it " + number(t.shift_mm.norm(), 2) +
+                   " mm from where board.json has it, and turned by " + number(t.turn_rad * 180 / std::numbers::pi, 1) +
+                   " degrees; tags.sigma_mm is " + number(board.tags.sigma_mm, 2),
+               "correct its center_mm by " + number(t.shift_mm.x(), 2) + ", " + number(t.shift_mm.y(), 2) +
+                   " mm, or raise sigma_mm");
+      changed = true;
+    } else if (spread > 2 && !said_spread_) {
+      said_spread_ = true;
+      finding(Finding::Severity::note, "board.json",
+              "the tags lie " + number(spread, 1) + " times further from their places than tags.sigma_mm (" +
+                  number(board.tags.sigma_mm, 2) + " mm) says",
+              "raise sigma_mm, or measure center_mm again");
+    }
+    for (std::size_t v = 0; v < view_names.size(); ++v)
+      if (!view_dropped[v] && tags_in(static_cast<int>(v)) < options.min_tags) {
+        drop_view(static_cast<int>(v),
+                  "only " + std::to_string(tags_in(static_cast<int>(v))) + " of its tags agree with the other photos",
+                  "take it again, sharp and with the whole board in it");
+        changed = true;
+      }
+    require_views();
+    return changed;
+  }
+
+  // Tags left out in single photos, and pairs that hold each other's places.
+  void name_contradictions(const std::vector<Eigen::Vector2d>& residuals) {
+    std::map<std::pair<int, bool>, std::vector<std::string>> views;  // by tag, and whether it lies far from its place
+    for (std::size_t i = 0; i + 3 < bundle.corners.size(); i += 4) {
+      const BundleCorner& c = bundle.corners[i];
+      if (view_dropped[c.view] || tag_dropped[c.tag]) continue;
+      int used = 0;
+      double nearest = 1e300;
+      for (int k = 0; k < 4; ++k) {
+        used += bundle.corners[i + k].used ? 1 : 0;
+        if (residuals[i + k].allFinite()) nearest = std::min(nearest, residuals[i + k].norm());
+      }
+      if (used > 1) continue;
+      const double side = (bundle.corners[i + 1].q_px - c.q_px).norm();
+      views[{c.tag, nearest > 0.3 * side}].push_back(view_names[c.view]);
+    }
+    for (const auto& [key, in] : views) {
+      std::string list;
+      for (std::size_t k = 0; k < in.size() && k < 5; ++k) list += (k ? ", " : "") + in[k];
+      if (in.size() > 5) list += " and " + std::to_string(in.size() - 5) + " more";
+      finding(Finding::Severity::warning, {},
+              "tag " + std::to_string(board.tags.list[key.first].id) + " is left out in view" +
+                  (in.size() > 1 ? "s " : " ") + list + ": its corners " +
+                  (key.second ? "are far from where the others have them" : "contradict the others"),
+              key.second ? "something else was read as this tag, or it was moved: cover or restick it"
+                         : "it was partly covered, bent or glaring");
+    }
+    for (const auto& [a, at_a] : seen_at_)
+      for (const auto& [b, at_b] : seen_at_) {
+        const double near = 0.25 * board.tags.list[a].size_mm;
+        if (a < b && (at_a - board.tags.list[b].center_mm).norm() < near &&
+            (at_b - board.tags.list[a].center_mm).norm() < near)
+          finding(Finding::Severity::warning, "board.json",
+                  "tags " + std::to_string(board.tags.list[a].id) + " and " + std::to_string(board.tags.list[b].id) +
+                      " lie in each other's places",
+                  "exchange their ids in tags.list");
+      }
+  }
+
+  // The lens bends a tag's sides; the corners were measured with straight lines (burin/capture/tags/tag_detector.h).
+  void straighten() {
+    const double skip = side_skip_fraction(board.tags.family);
+    for (std::size_t i = 0; i + 3 < bundle.corners.size(); i += 4) {
+      const BundleCorner& c = bundle.corners[i];
+      if (view_dropped[c.view]) continue;
+      std::array<Eigen::Vector3d, 4> p;
+      for (int k = 0; k < 4; ++k) p[k] = bundle.views[c.view] * bundle_point_mm(bundle, bundle.corners[i + k]);
+      auto side = [&](int k, double t) {
+        const Eigen::Vector3d v = p[k] + t * (p[(k + 1) % 4] - p[k]);
+        Eigen::Vector2d q;
+        project(bundle.lens, {&v, 1}, {&q, 1});
+        return q;
+      };
+      const auto bias = curved_side_bias_px(side, skip);
+      const TagDetection& tag = pictures[origin[i].picture].tags[origin[i].detection];
+      for (int k = 0; k < 4; ++k)
+        if (bias[k].allFinite() && bias[k].norm() < 1) bundle.corners[i + k].q_px = tag.corner_px[k] - bias[k];
+    }
+  }
+
+ private:
+  bool said_spread_ = false;
+  std::map<int, Eigen::Vector2d> seen_at_;  // tags left out for their place: where they were, mm
+};
+
+}  // namespace
+
+BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictures, int width, int height,
+                          const BoardSolverOptions& options, const Progress& progress) {
+  auto report = [&progress](double fraction) {
+    if (progress) progress("solving for lens and poses", fraction);
+  };
+  Solver s(board, pictures, options);
+  s.collect(width, height);
+  s.seed();
+  report(0.1);
+
+  // Rough: robust, the plainest lens, a flat board, tags where they are believed to be.
+  BundleOptions o;
+  o.fix_lens = options.fix_lens;
+  o.cauchy_sigma = 2;
+  o.robust_priors = true;
+  o.hold_tag_set = false;
+  o.fix_bow = true;
+  o.fix_tags = true;
+  const std::string first = options.lens ? options.lens->model : "LENSMODEL_OPENCV4";
+  auto solve = [&](const std::string& model) { solve_with_lens_model(s.bundle, o, model); };
+  do solve(first);
+  while (s.drop_far_views(kFarView_px, kFarFactor));
+  report(0.2);
+
+  o.fix_bow = false;
+  o.fix_tags = false;
+  solve(first);
+  s.reweigh();
+  // Residuals of the plainest lens may still hold distortion: choose the model before judging corners.
+  const std::string model = options.lens ? options.lens->model : options.lens_model;
+  if (!options.fix_lens && !options.lens)
+    s.bundle.lens = plain_lens("LENSMODEL_OPENCV4", s.bundle.lens.intrinsics[0], width, height);
+  solve(model);
+  s.straighten();
+  s.reweigh();
+  solve(s.bundle.lens.model);
+  report(0.5);
+  for (int round = 0; round < 30; ++round) {
+    const bool changed = s.drop_far_views(kOddView_px, kOddFactor) || s.leave_out(o);
+    s.reweigh();
+    solve(s.bundle.lens.model);
+    if (!changed && round > 0) break;
+  }
+  report(0.7);
+
+  // Final: least squares on what is left, in the frame of the tags' set.
+  o.cauchy_sigma = 0;
+  o.robust_priors = false;
+  o.hold_tag_set = true;
+  if (!options.fix_lens && !options.lens)
+    s.bundle.lens = plain_lens("LENSMODEL_OPENCV4", s.bundle.lens.intrinsics[0], width, height);
+  for (int round = 0; round < 3; ++round) {
+    solve(round == 0 ? model : s.bundle.lens.model);
+    const bool changed = s.leave_out(o);
+    s.straighten();
+    s.reweigh();
+    if (!changed && round > 0) break;
+  }
+  solve(s.bundle.lens.model);
+  report(0.9);
+
+  // The weights' overall scale, with the degrees of freedom that the parameters took.
+  const auto residuals = bundle_residuals_px(s.bundle);
+  double chi2 = 0, sum2 = 0, n = 0, scale_sum = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const BundleCorner& c = s.bundle.corners[i];
+    if (!c.used) continue;
+    chi2 += residuals[i].squaredNorm() / (c.sigma_px * c.sigma_px);
+    sum2 += residuals[i].squaredNorm();
+    const double z = (s.bundle.views[c.view] * bundle_point_mm(s.bundle, c)).z();
+    scale_sum += s.bundle.lens.intrinsics[0] / z;
+    n += 2;
+  }
+  double parameters = 4 + (options.fix_lens ? 0 : static_cast<double>(s.bundle.lens.intrinsics.size()));
+  for (const bool dropped : s.view_dropped) parameters += dropped ? 0 : 6;
+  for (const bool dropped : s.tag_dropped) parameters += dropped ? 0 : 3;
+  const double factor = std::sqrt(chi2 / std::max(1.0, n - parameters));
+  for (BundleCorner& c : s.bundle.corners) c.sigma_px *= factor;
+  const BundleUncertainty u = bundle_uncertainty(s.bundle, o);
+  s.name_contradictions(residuals);
+
+  BoardSolution out = std::move(s.out);
+  out.lens = s.bundle.lens;
+  out.lens_covariance = u.lens;
+  out.bow_mm = s.bundle.surface.bow_mm;
+  out.bow_sigma_mm = u.bow_mm2.diagonal().cwiseMax(0).cwiseSqrt();
+  out.edge_mm = s.bundle.edge_mm;
+  out.edge_sigma_mm = u.edge_sigma_mm;
+  out.rms_px = std::sqrt(sum2 / std::max(1.0, n));
+  out.rms_board_mm = out.rms_px / (2 * scale_sum / std::max(1.0, n));
+  out.not_determined = u.not_determined;
+  std::vector<double> view2(s.view_names.size(), 0), view_n(s.view_names.size(), 0);
+  int single = 0;
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const BundleCorner& c = s.bundle.corners[i];
+    if (c.used) {
+      view2[c.view] += residuals[i].squaredNorm();
+      view_n[c.view] += 2;
+    } else if (!s.view_dropped[c.view] && !s.tag_dropped[c.tag]) {
+      ++single;
+    }
+    out.corners.push_back({s.view_names[c.view], s.origin[i].picture, board.tags.list[c.tag].id, s.origin[i].corner,
+                           c.q_px, -residuals[i], c.sigma_px, c.used});
+  }
+  if (single > 0)
+    out.findings.push_back({Finding::Severity::note,
+                            {},
+                            std::to_string(single) + " of " + std::to_string(s.bundle.corners.size()) +
+                                " corners contradict the others and are left out",
+                            "residuals.vnl names them"});
+  for (std::size_t v = 0; v < s.view_names.size(); ++v) {
+    if (s.view_dropped[v]) continue;
+    View view;
+    view.name = s.view_names[v];
+    view.T_camera_board = s.bundle.views[v];
+    view.center_sigma_mm = u.center_mm2[v].diagonal().cwiseMax(0).cwiseSqrt();
+    view.reprojection_rms_px = std::sqrt(view2[v] / std::max(1.0, view_n[v]));
+    view.tags = s.tags_in(static_cast<int>(v));
+    out.views.push_back(view);
+    out.center_covariance_mm2.push_back(u.center_mm2[v]);
+    out.pose_covariance.push_back(u.pose[v]);
+  }
+  for (std::size_t t = 0; t < s.bundle.tags.size(); ++t) {
+    if (s.tag_dropped[t] || !(u.tag_sigma[t].x() > 0)) continue;
+    Tag tag = board.tags.list[t];
+    tag.center_mm += s.bundle.tags[t].shift_mm;
+    tag.rotation_deg += s.bundle.tags[t].turn_rad * 180 / std::numbers::pi;
+    out.tags.push_back(tag);
+    out.tag_sigma.push_back(u.tag_sigma[t]);
+  }
+  if (options.check_with_mrcal && !options.fix_lens) {
+    out.check = check_with_mrcal(s.bundle);
+    if (out.check->max_shift_px > 0.05)
+      out.findings.push_back(
+          {Finding::Severity::warning,
+           {},
+           "mrcal's own solver, started at this solution, moves corners by " + number(out.check->max_shift_px, 2) +
+               " px",
+           "the lens is poorly determined: add photos with the board tilted and near the corners of the frame"});
+  }
+  out.bundle = std::move(s.bundle);
+  out.options = o;
+  report(1);
+  return out;
+}
+
+}  // namespace burin

@@ -1,0 +1,199 @@
+#include "burin/calib/geometry/chessboard.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <sstream>
+
+#include "burin/capture/photo.h"
+#include "burin/capture/photo_source.h"
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+cv::Mat eight_bits(const Image& linear) {
+  cv::Mat gray(linear.height, linear.width, CV_8U);
+  for (std::size_t i = 0; i < gray.total(); ++i) {
+    float sum = 0;
+    for (int c = 0; c < linear.channels; ++c) sum += linear.data[i * linear.channels + c];
+    const float value = linear_to_srgb(sum / static_cast<float>(linear.channels));
+    gray.data[i] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(value, 0.0F, 1.0F)));
+  }
+  return gray;
+}
+
+// Found on a picture of at most kSearchWidth pixels, refined on the whole one.
+struct Corners {
+  std::vector<cv::Point2f> q;
+  bool crowded = false;  // the windows reach half way to the next corner, or further
+};
+std::optional<Corners> corners_in(const cv::Mat& gray, const Chessboard& board, int window_px) {
+  constexpr double kSearchWidth = 1600;
+  const double scale = std::max(1.0, gray.cols / kSearchWidth);
+  cv::Mat small = gray;
+  if (scale > 1) cv::resize(gray, small, {}, 1 / scale, 1 / scale, cv::INTER_AREA);
+  std::vector<cv::Point2f> corners;
+  if (!cv::findChessboardCorners(small, {board.columns, board.rows}, corners,
+                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK | cv::CALIB_CB_NORMALIZE_IMAGE))
+    return std::nullopt;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (cv::Point2f& p : corners) p = (p + cv::Point2f(0.5F, 0.5F)) * scale - cv::Point2f(0.5F, 0.5F);
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i)
+    if ((i + 1) % static_cast<std::size_t>(board.columns) != 0)
+      nearest = std::min(nearest, static_cast<double>(cv::norm(corners[i + 1] - corners[i])));
+  // A saddle point is judged by what lies around it, short of its neighbors.
+  const int room = std::max(3, static_cast<int>(0.45 * nearest));
+  const int usual = static_cast<int>(std::lround((window_px > 0 ? window_px : kCornerWindow_px) * scale));
+  const int reach = window_px > 0 ? usual : std::min(room, usual);
+  cv::cornerSubPix(gray, corners, {reach, reach}, {-1, -1},
+                   cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 30, scale > 1 ? 0.01 : 0.1));
+  return Corners{std::move(corners), reach > room};
+}
+
+double number_at(const std::string& word, const std::string& where) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
+    fail(where, "\"" + word + "\" is no number", "write the table again with mrgingham or another tool for mrcal");
+  return value;
+}
+
+}  // namespace
+
+ChessboardViews find_chessboards(const std::filesystem::path& folder, const Chessboard& board, int corner_window_px,
+                                 const Progress& progress) {
+  ChessboardViews out;
+  std::vector<IncomingPhoto> photos;
+  const PhotoSource source = folder_source(folder, out.findings);
+  while (auto photo = source()) photos.push_back(std::move(*photo));
+  std::filesystem::path first;
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (progress) progress("finding chessboards", static_cast<double>(i) / static_cast<double>(photos.size()));
+    if (!photos[i].unreadable.empty()) {
+      out.findings.push_back({Finding::Severity::warning, {}, photos[i].unreadable, ""});
+      continue;
+    }
+    Photo photo;
+    photo.file = photos[i].file;
+    photo.encoding = encoding_of(photos[i].exif).encoding;
+    const LinearPhoto linear = read_photo(photo);
+    if (out.width == 0) {
+      out.width = linear.value.width;
+      out.height = linear.value.height;
+      first = photo.file;
+    } else if (linear.value.width != out.width || linear.value.height != out.height) {
+      fail(photo.file.string(),
+           "is " + std::to_string(linear.value.width) + " x " + std::to_string(linear.value.height) + " pixels, but " +
+               first.string() + " is " + std::to_string(out.width) + " x " + std::to_string(out.height),
+           "give photos of one camera, unrotated, uncropped and at one size");
+    }
+    const auto corners = corners_in(eight_bits(linear.value), board, corner_window_px);
+    if (!corners) {
+      out.findings.push_back({Finding::Severity::warning, photo.file,
+                              "is left out: no chessboard with " + std::to_string(board.columns) + " x " +
+                                  std::to_string(board.rows) + " inner corners was found in it",
+                              "keep the whole board in the photo, sharp, with a white margin around it"});
+      continue;
+    }
+    if (corners->crowded)
+      out.findings.push_back({Finding::Severity::warning, photo.file,
+                              "its squares are small for the window in which corners are refined",
+                              "try --corner-window 0, which fits it to the squares"});
+    TargetView view{photo.file.filename().string(), {}, {}, {}};
+    for (std::size_t k = 0; k < corners->q.size(); ++k) {
+      const auto columns = static_cast<std::size_t>(board.columns);
+      view.p_target_mm.emplace_back(board.square_mm * static_cast<double>(k % columns),
+                                    board.square_mm * static_cast<double>(k / columns));
+      view.q_px.emplace_back(corners->q[k].x, corners->q[k].y);
+    }
+    out.views.push_back(std::move(view));
+  }
+  return out;
+}
+
+ChessboardViews read_corners(const std::filesystem::path& vnl, const Chessboard& board, int width, int height) {
+  std::ifstream stream(vnl);
+  if (!stream) fail(vnl.string(), "cannot be read", "check the path");
+  ChessboardViews out;
+  out.width = width;
+  out.height = height;
+  int file_column = -1, x_column = -1, y_column = -1, level_column = -1, weight_column = -1;
+  std::string line, current;
+  std::size_t number = 0;
+  int seen = 0;
+  TargetView view;
+  const auto finish = [&](const std::string& where) {
+    if (current.empty()) return;
+    if (seen != board.columns * board.rows && seen != 1)
+      fail(where,
+           current + " has " + std::to_string(seen) + " corners, a board of " + std::to_string(board.columns) + " x " +
+               std::to_string(board.rows) + " has " + std::to_string(board.columns * board.rows),
+           "give the number of inner corners with --chessboard COLUMNSxROWS");
+    constexpr std::size_t kFewest = 8;
+    if (view.q_px.size() >= kFewest)
+      out.views.push_back(view);
+    else
+      out.findings.push_back({Finding::Severity::warning, current,
+                              "is left out: it has " + std::to_string(view.q_px.size()) + " corners", ""});
+  };
+  while (std::getline(stream, line)) {
+    const std::string where = vnl.string() + ": line " + std::to_string(++number);
+    if (line.rfind("##", 0) == 0 || line.find_first_not_of(" \t") == std::string::npos) continue;
+    const bool legend = line[0] == '#';
+    std::istringstream words_in(legend ? line.substr(1) : line);
+    std::vector<std::string> words;
+    for (std::string word; words_in >> word;) words.push_back(word);
+    if (legend) {
+      if (x_column >= 0 || words.empty()) continue;  // a comment
+      for (std::size_t i = 0; i < words.size(); ++i) {
+        const int at = static_cast<int>(i);
+        if (words[i] == "filename") file_column = at;
+        if (words[i] == "x") x_column = at;
+        if (words[i] == "y") y_column = at;
+        if (words[i] == "level") level_column = at;
+        if (words[i] == "weight") weight_column = at;
+      }
+      if (file_column < 0 || x_column < 0 || y_column < 0) x_column = -1;
+      continue;
+    }
+    if (x_column < 0)
+      fail(where, "no legend with the columns filename, x and y stands above it",
+           "give a corners.vnl as mrcal's tools read it: # filename x y level");
+    const auto has = [&](int column) { return column >= 0 && column < static_cast<int>(words.size()); };
+    if (!has(file_column) || !has(x_column) || !has(y_column)) fail(where, "is cut short", "write the table again");
+    if (words[file_column] != current) {
+      finish(where);
+      current = words[file_column];
+      view = {std::filesystem::path(current).filename().string(), {}, {}, {}};
+      seen = 0;
+    }
+    const int k = seen++;
+    if (words[x_column] == "-" || words[y_column] == "-") continue;
+    double weight = 1;
+    if (has(level_column) && words[level_column] != "-")
+      weight = std::pow(0.5, number_at(words[level_column], where));
+    else if (has(weight_column) && words[weight_column] != "-")
+      weight = number_at(words[weight_column], where);
+    if (!(weight > 0)) continue;  // marked as an outlier
+    if (k >= board.columns * board.rows)
+      fail(where,
+           current + " has more corners than a board of " + std::to_string(board.columns) + " x " +
+               std::to_string(board.rows),
+           "give the number of inner corners with --chessboard COLUMNSxROWS");
+    view.p_target_mm.emplace_back(board.square_mm * (k % board.columns), board.square_mm * (k / board.columns));
+    view.q_px.emplace_back(number_at(words[x_column], where), number_at(words[y_column], where));
+    view.sigma_px.push_back(1 / weight);
+  }
+  finish(vnl.string());
+  if (out.views.empty())
+    fail(vnl.string(), "holds no view of a chessboard", "give a corners.vnl as mrcal's tools read it");
+  return out;
+}
+
+}  // namespace burin

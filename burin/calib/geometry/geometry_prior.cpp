@@ -1,0 +1,155 @@
+#include "burin/calib/geometry/geometry_prior.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "burin/calib/geometry/bundle.h"
+#include "burin/calib/verdict/identifiability.h"
+#include "burin/render/lens.h"
+#include "burin/render/surface.h"
+
+namespace burin {
+
+namespace {
+
+constexpr std::size_t kLensCore = 4;  // fx fy cx cy
+
+// BundleUncertainty's pose parameters (added to the rotation vector; translation) by this room's (r, t).
+Eigen::Matrix<double, 6, 6> bundle_pose_by_move(const Eigen::Isometry3d& T) {
+  const auto cross = [](const Eigen::Vector3d& v) {
+    return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
+  };
+  const Eigen::AngleAxisd turn(T.linear());
+  const double angle = turn.angle();
+  const Eigen::Matrix3d K = cross(turn.axis());
+  // Inverse of the left Jacobian of SO(3): 1 - angle/2 K + (1 - (angle/2) cot(angle/2)) K^2.
+  const double half = 0.5 * angle;
+  const double third = half > 1e-6 ? 1 - half / std::tan(half) : half * half / 3;
+  Eigen::Matrix<double, 6, 6> out = Eigen::Matrix<double, 6, 6>::Identity();
+  out.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() - half * K + third * K * K;
+  out.bottomLeftCorner<3, 3>() = -cross(T.translation());
+  return out;
+}
+
+}  // namespace
+
+GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
+  GeometryPrior prior;
+  Bundle bundle;  // its corners lie where they are predicted: only their information is asked for
+  bundle.lens = bench.lens;
+  bundle.surface = {board.size_mm, bench.bow_mm};
+  const std::vector<Tag>& tags = bench.tags.empty() ? board.tags.list : bench.tags;
+  for (const Tag& tag : tags) {
+    TagPlacement placement;
+    placement.sigma_mm = std::max(board.tags.sigma_mm, 1e-4);
+    placement.sigma_rad = placement.sigma_mm / (tag.size_mm / 2);
+    bundle.tags.push_back(placement);
+  }
+  for (std::size_t v = 0; v < bench.views.size(); ++v) {
+    const View& view = bench.views[v];
+    prior.T_camera_board.push_back(view.T_camera_board);
+    bundle.views.push_back(view.T_camera_board);
+    if (!view.reprojection_rms_px || !(*view.reprojection_rms_px > 0)) continue;
+    const double seen = view.tags ? static_cast<double>(*view.tags) / static_cast<double>(tags.size()) : 1;
+    if (!(seen > 0)) continue;
+    for (std::size_t t = 0; t < tags.size(); ++t)
+      for (const Eigen::Vector2d& corner : tag_corners_mm(tags[t])) {
+        BundleCorner c;
+        c.view = static_cast<int>(v);
+        c.tag = static_cast<int>(t);
+        c.center_mm = tags[t].center_mm;
+        c.offset_mm = corner - tags[t].center_mm;
+        c.z_mm = board.tags.z_mm;
+        const std::vector<Eigen::Vector3d> p{view.T_camera_board * bundle_point_mm(bundle, c)};
+        std::vector<Eigen::Vector2d> q(1);
+        project(bundle.lens, p, q);
+        c.q_px = q[0];
+        c.sigma_px = *view.reprojection_rms_px / std::sqrt(std::min(1.0, seen));
+        bundle.corners.push_back(c);
+      }
+  }
+  const auto views = static_cast<Eigen::Index>(bench.views.size());
+  BundleOptions options;
+  options.fix_lens = lens_was_given(bench);
+  const auto lens = static_cast<Eigen::Index>(options.fix_lens ? 0 : free_lens_parameters(bench.lens));
+  const Eigen::Index kept = 6 * views + 3 + lens;
+  prior.lens_parameters = lens;
+  prior.moved = Eigen::VectorXd::Zero(kept);
+  constexpr double kExact = 1e18;
+  prior.information = Eigen::MatrixXd::Zero(kept, kept);
+  if (bundle.corners.empty()) {
+    prior.information.diagonal().setConstant(kExact);
+    return prior;
+  }
+
+  // Poses, then what all views share, with bow and lens in front.
+  const BundleEquations equations = bundle_equations(bundle, options);
+  const Eigen::Index columns = equations.columns, bow = equations.shared_at + 1;
+  std::vector<Eigen::Index> order{bow, bow + 1, bow + 2};
+  for (Eigen::Index i = 0; i < lens; ++i) order.push_back(equations.lens_at + i);
+  for (Eigen::Index i = 0; i < columns; ++i)
+    if (std::find(order.begin(), order.end(), i) == order.end()) order.push_back(i);
+  Eigen::MatrixXd shared = equations.prior;
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(6 * views + columns, 6 * views + columns);
+  for (Eigen::Index v = 0; v < views; ++v) {
+    const BundleEquations::OfView& view = equations.views[v];
+    if (!view.used) {
+      H.diagonal().segment<6>(6 * v).setConstant(kExact);
+      continue;
+    }
+    shared += view.information + view.B.transpose() * view.H.ldlt().solve(view.B);
+    const Eigen::Matrix<double, 6, 6> by_move = bundle_pose_by_move(bench.views[v].T_camera_board);
+    H.block<6, 6>(6 * v, 6 * v) = by_move.transpose() * view.H * by_move;
+    const Eigen::MatrixXd across = by_move.transpose() * view.B;
+    for (Eigen::Index i = 0; i < columns; ++i) H.block<6, 1>(6 * v, 6 * views + i) = across.col(order[i]);
+  }
+  for (Eigen::Index i = 0; i < columns; ++i)
+    for (Eigen::Index k = 0; k < columns; ++k) H(6 * views + i, 6 * views + k) = shared(order[i], order[k]);
+  H.bottomLeftCorner(columns, 6 * views) = H.topRightCorner(6 * views, columns).transpose();
+
+  const Eigen::Index rest = H.rows() - kept;
+  const Eigen::VectorXd scale = H.diagonal().tail(rest).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd inner = scale.asDiagonal() * H.bottomRightCorner(rest, rest) * scale.asDiagonal();
+  const Eigen::MatrixXd across = H.topRightCorner(kept, rest);
+  const Eigen::MatrixXd scaled = across * scale.asDiagonal();
+  prior.information = H.topLeftCorner(kept, kept) - scaled * inner.ldlt().solve(scaled.transpose());
+  prior.information = 0.5 * (prior.information + prior.information.transpose()).eval();
+  // The lens in the units of moved_lens().
+  for (Eigen::Index i = 0; i < lens; ++i) {
+    const double unit = lens_unit(bench.lens, i);
+    prior.information.row(kept - lens + i) *= unit;
+    prior.information.col(kept - lens + i) *= unit;
+  }
+  return prior;
+}
+
+std::size_t free_lens_parameters(const Lens& lens) {
+  const std::size_t parameters = lens.intrinsics.size();
+  return parameters >= kLensCore && parameters <= kMostLensParameters ? parameters : 0;
+}
+
+double lens_unit(const Lens& lens, std::size_t i) { return i < kLensCore ? lens.intrinsics[i % 2] : 1; }
+
+Lens moved_lens(const Lens& lens, const Eigen::VectorXd& by) {
+  Lens moved = lens;
+  for (Eigen::Index i = 0; i < by.size(); ++i) moved.intrinsics[i] += by[i] * lens_unit(lens, i);
+  return moved;
+}
+
+Vector6 pose_difference(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+  const Eigen::AngleAxisd turn(Eigen::Matrix3d(to.linear() * from.linear().transpose()));
+  Vector6 by;
+  by << turn.angle() * turn.axis(), to.translation() - turn * from.translation();
+  return by;
+}
+
+Eigen::Isometry3d moved_pose(const Eigen::Isometry3d& T_camera_board, const Vector6& by) {
+  const Eigen::Vector3d r = by.head<3>();
+  Eigen::Isometry3d moved = T_camera_board;
+  if (r.norm() > 0) moved = Eigen::AngleAxisd(r.norm(), r.normalized()) * moved;
+  moved.translation() += by.tail<3>();
+  return moved;
+}
+
+}  // namespace burin

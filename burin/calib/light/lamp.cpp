@@ -1,0 +1,417 @@
+#include "burin/calib/light/lamp.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+namespace burin {
+namespace {
+
+constexpr int kPosition = 3, kSpot = 3, kShared = 5;  // shared: log base_alpha, ambient, v1, v2, v3
+
+// The fit's parameters, in the arrays that Ceres moves.
+struct LampBlocks {
+  double position[kPosition] = {0, 0, 1};
+  double log_intensity[1] = {0};
+  double spot[kSpot] = {0, 0, 0};  // aim x, aim y, exponent
+};
+
+struct Blocks {
+  std::vector<LampBlocks> lamps;
+  double shared[kShared] = {0, 0, 0, 0, 0};
+};
+
+template <typename T>
+LampModel<T> lamp_of(const T* position, const T* log_intensity, const T* spot) {
+  LampModel<T> lamp;
+  lamp.position_mm = Eigen::Matrix<T, 3, 1>(position[0], position[1], position[2]);
+  lamp.log_intensity = log_intensity[0];
+  lamp.aim_mm = Eigen::Matrix<T, 2, 1>(spot[0], spot[1]);
+  lamp.exponent = spot[2];
+  return lamp;
+}
+
+bool is_finite(double v) { return std::isfinite(v); }
+template <int N>
+bool is_finite(const ceres::Jet<double, N>& v) {
+  return std::isfinite(v.a) && v.v.allFinite();
+}
+
+// log(model / photo) over its expected error: brightness runs over three decades between highlight and shade.
+struct LogResidual {
+  const LightSample* sample;
+  double albedo, f0, weight;
+
+  template <typename T>
+  bool operator()(const T* position, const T* log_intensity, const T* spot, const T* shared, T* residual) const {
+    using std::exp;
+    using std::log;
+    const LampModel<T> lamp = lamp_of(position, log_intensity, spot);
+    const T radiance = sample->kind == SampleKind::face ? face_radiance(lamp, shared[1], T(exp(shared[0])), f0, *sample)
+                                                        : paper_radiance(lamp, shared[1], albedo, *sample);
+    const T value = vignette_at(shared + 2, sample->radius2) * radiance;
+    if (!(value > T(0))) return false;  // a step too far: Ceres takes a shorter one
+    residual[0] = weight * log(value / sample->value);
+    return is_finite(residual[0]);
+  }
+};
+
+struct SharedPrior {
+  double log_base_alpha;
+
+  template <typename T>
+  bool operator()(const T* shared, T* residual) const {
+    constexpr double kSigmaBaseAlpha = 1.0;  // wide: it matters only where photos say nothing
+    residual[0] = (shared[0] - log_base_alpha) / kSigmaBaseAlpha;
+    for (int i = 0; i < 3; ++i) residual[1 + i] = shared[2 + i] / kVignettePriorSigma[i];
+    return true;
+  }
+};
+
+struct SpotPrior {
+  Eigen::Vector2d center_mm;
+  double reach_mm;
+
+  template <typename T>
+  bool operator()(const T* spot, T* residual) const {
+    residual[0] = (spot[0] - center_mm.x()) / reach_mm;
+    residual[1] = (spot[1] - center_mm.y()) / reach_mm;
+    return true;
+  }
+};
+
+struct Fit {
+  Blocks blocks;
+  double cost = 0;
+  bool usable = false;
+  std::vector<Eigen::Matrix3d> position_covariance;
+  double log_base_alpha_sigma = 0;
+};
+
+struct Data {
+  std::span<const LightSample> samples;
+  const Board* board;
+  double f0 = 1, reach_mm = 1;
+  Eigen::Vector2d center_mm{0, 0};
+  double model_error = 0.02;
+};
+
+double albedo_of(const Data& data, SampleKind kind) {
+  return kind == SampleKind::white_paper ? data.board->tags.white_albedo : data.board->tags.black_albedo;
+}
+
+// Fits from `start`. With `only_light` >= 0 only that lamp's samples count; `stride` thins them. `spot[i]`: lamp i is
+// one.
+Fit run_fit(const Data& data, const Blocks& start, const std::vector<bool>& spot, int only_light, std::size_t stride,
+            bool fit_vignette, int iterations, bool with_covariance) {
+  Fit fit;
+  fit.blocks = start;
+  ceres::Problem::Options problem_options;
+  ceres::Problem problem(problem_options);
+  std::vector<bool> used(start.lamps.size(), false);
+  std::size_t face_seen = 0;
+  for (const LightSample& sample : data.samples) {
+    if (only_light >= 0 && sample.light != static_cast<std::size_t>(only_light)) continue;
+    if (!(sample.value > 0)) continue;
+    if (sample.kind == SampleKind::face && face_seen++ % stride != 0) continue;
+    const double relative = sample.sigma / sample.value;
+    const double weight = 1 / std::sqrt(relative * relative + data.model_error * data.model_error);
+    LampBlocks& lamp = fit.blocks.lamps[sample.light];
+    used[sample.light] = true;
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LogResidual, 1, kPosition, 1, kSpot, kShared>(
+                                 new LogResidual{&sample, albedo_of(data, sample.kind), data.f0, weight}),
+                             new ceres::HuberLoss(2.0), lamp.position, lamp.log_intensity, lamp.spot,
+                             fit.blocks.shared);
+  }
+  if (std::none_of(used.begin(), used.end(), [](bool u) { return u; })) return fit;
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SharedPrior, 4, kShared>(new SharedPrior{start.shared[0]}),
+                           nullptr, fit.blocks.shared);
+  problem.SetParameterLowerBound(fit.blocks.shared, 0, std::log(0.01));
+  problem.SetParameterUpperBound(fit.blocks.shared, 0, 0);
+  problem.SetParameterLowerBound(fit.blocks.shared, 1, 0);
+  if (!fit_vignette) problem.SetManifold(fit.blocks.shared, new ceres::SubsetManifold(kShared, {2, 3, 4}));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    LampBlocks& lamp = fit.blocks.lamps[i];
+    problem.SetParameterLowerBound(lamp.position, 2, 0.05 * data.reach_mm);
+    if (spot[i]) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<SpotPrior, 2, kSpot>(new SpotPrior{data.center_mm, data.reach_mm}), nullptr,
+          lamp.spot);
+      problem.SetParameterLowerBound(lamp.spot, 2, 1e-3);
+      problem.SetParameterUpperBound(lamp.spot, 2, 200);
+    } else {
+      problem.SetParameterBlockConstant(lamp.spot);
+    }
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = iterations;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 2;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  fit.usable = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
+  fit.cost = summary.final_cost;
+  if (with_covariance && fit.usable) {
+    fit.position_covariance.assign(used.size(), Eigen::Matrix3d::Constant(-1));
+    ceres::Covariance::Options covariance_options;
+    covariance_options.algorithm_type = ceres::DENSE_SVD;
+    covariance_options.null_space_rank = -1;
+    ceres::Covariance covariance(covariance_options);
+    std::vector<std::pair<const double*, const double*>> wanted{{fit.blocks.shared, fit.blocks.shared}};
+    for (std::size_t i = 0; i < used.size(); ++i)
+      if (used[i]) wanted.emplace_back(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position);
+    if (covariance.Compute(wanted, &problem)) {
+      Eigen::Matrix<double, kShared, kShared, Eigen::RowMajor> shared;
+      covariance.GetCovarianceBlock(fit.blocks.shared, fit.blocks.shared, shared.data());
+      fit.log_base_alpha_sigma = std::sqrt(shared(0, 0));
+      for (std::size_t i = 0; i < used.size(); ++i) {
+        if (!used[i]) continue;
+        Eigen::Matrix<double, 3, 3, Eigen::RowMajor> block;
+        covariance.GetCovarianceBlock(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position, block.data());
+        fit.position_covariance[i] = block;
+      }
+    }
+  }
+  return fit;
+}
+
+// The intensity that a lamp at `position` must have for the white paper to be as bright as it is: the samples' median.
+double log_intensity_for(const Data& data, std::size_t light, const Eigen::Vector3d& position, double& log_spread) {
+  std::vector<double> ratios;
+  LampModel<double> lamp{position, 0, {0, 0}, 0};
+  for (const LightSample& sample : data.samples) {
+    if (sample.light != light || sample.kind != SampleKind::white_paper || !(sample.value > 0)) continue;
+    const double unit = paper_radiance(lamp, 0.0, data.board->tags.white_albedo, sample);
+    if (unit > 0) ratios.push_back(std::log(sample.value / unit));
+  }
+  if (ratios.empty()) {
+    log_spread = 0;
+    return 0;
+  }
+  std::sort(ratios.begin(), ratios.end());
+  log_spread = ratios.back() - ratios.front();
+  return ratios[ratios.size() / 2];
+}
+
+// Where lamps may be: shading's closed form, and a ring around the board at two heights and distances.
+std::vector<Eigen::Vector3d> starts_for(const Data& data, std::size_t light) {
+  std::map<int, std::vector<double>> white, black;
+  std::map<int, Eigen::Vector3d> where;
+  for (const LightSample& sample : data.samples) {
+    if (sample.light != light || sample.kind == SampleKind::face) continue;
+    (sample.kind == SampleKind::white_paper ? white : black)[sample.tag].push_back(sample.value);
+    where[sample.tag] = sample.p_board;
+  }
+  std::vector<Eigen::Vector3d> p;
+  std::vector<double> shading;
+  for (auto& [tag, values] : white) {
+    if (!black.count(tag)) continue;
+    auto& dark = black[tag];
+    std::sort(values.begin(), values.end());
+    std::sort(dark.begin(), dark.end());
+    const double s = values[values.size() / 2] - dark[dark.size() / 2];
+    if (!(s > 0)) continue;
+    p.push_back(where[tag]);
+    shading.push_back(s);
+  }
+  std::vector<Eigen::Vector3d> starts;
+  if (const auto seed = lamp_from_shading(p, shading)) starts.push_back(*seed);
+  for (const double elevation_deg : {30., 60.})
+    for (int i = 0; i < 8; ++i) {
+      const double azimuth = 2 * std::numbers::pi * i / 8, elevation = elevation_deg * std::numbers::pi / 180;
+      const Eigen::Vector3d direction(std::cos(azimuth) * std::cos(elevation), std::sin(azimuth) * std::cos(elevation),
+                                      std::sin(elevation));
+      starts.push_back(Eigen::Vector3d(data.center_mm.x(), data.center_mm.y(), 0) + 2 * data.reach_mm * direction);
+    }
+  return starts;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector3d> lamp_from_shading(std::span<const Eigen::Vector3d> p_board,
+                                                 std::span<const double> shading) {
+  const auto count = static_cast<Eigen::Index>(p_board.size());
+  if (count < 5) return std::nullopt;
+  // s^(-2/3) = K (|p|^2 - 2 p.L + |L|^2) on a plane z = const, unknowns K, K Lx, K Ly, K |L|^2 (Lz above that plane).
+  Eigen::MatrixXd A(count, 4);
+  Eigen::VectorXd b(count);
+  const double unit = p_board[0].norm() + 1;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Vector2d p = p_board[i].head<2>() / unit;
+    b[i] = std::pow(shading[i], -2. / 3);
+    A.row(i) = Eigen::Vector4d(p.squaredNorm(), -2 * p.x(), -2 * p.y(), 1).transpose() / b[i];
+    b[i] = 1;  // rows are relative errors
+  }
+  const Eigen::Vector4d x = A.colPivHouseholderQr().solve(b);
+  if (!(x[0] > 0)) return std::nullopt;
+  const Eigen::Vector2d lateral(x[1] / x[0], x[2] / x[0]);
+  const double height2 = x[3] / x[0] - lateral.squaredNorm();
+  if (!(height2 > 0)) return std::nullopt;
+  return Eigen::Vector3d(unit * lateral.x(), unit * lateral.y(), unit * std::sqrt(height2) + p_board[0].z());
+}
+
+LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, const Bench& bench,
+                   const LampOptions& options) {
+  Data data;
+  data.samples = samples;
+  data.board = &board;
+  data.f0 = board.material.f0.mean();
+  data.reach_mm = board.size_mm.norm();
+  data.center_mm = 0.5 * board.size_mm;
+  data.model_error = options.model_error;
+
+  LampSeed seed;
+  seed.lights = bench.lights;
+  Blocks blocks;
+  blocks.lamps.resize(bench.lights.size());
+  blocks.shared[0] = std::log(board.material.base_alpha);
+  std::vector<bool> spot(bench.lights.size(), false), usable(bench.lights.size(), false);
+  constexpr std::size_t kFewestSamples = 8;
+
+  for (std::size_t light = 0; light < bench.lights.size(); ++light) {
+    std::size_t count = 0, white = 0;
+    for (const LightSample& s : samples) {
+      count += s.light == light;
+      white += s.light == light && s.kind == SampleKind::white_paper;
+    }
+    if (white < kFewestSamples) {
+      seed.findings.push_back("light " + bench.lights[light].id + ": only " + std::to_string(white) +
+                              " unclipped pieces of white tag paper; add a shorter exposure");
+      if (count < kFewestSamples) continue;
+    }
+    usable[light] = true;
+    const std::size_t stride = 1 + count / 1500;
+    Fit best;
+    for (const Eigen::Vector3d& start : starts_for(data, light)) {
+      Blocks from = blocks;
+      LampBlocks& lamp = from.lamps[light];
+      Eigen::Vector3d::Map(lamp.position) = start;
+      double spread = 0;
+      lamp.log_intensity[0] = log_intensity_for(data, light, start, spread);
+      lamp.spot[0] = data.center_mm.x();
+      lamp.spot[1] = data.center_mm.y();
+      from.shared[1] = 0;
+      Fit fit = run_fit(data, from, spot, static_cast<int>(light), stride, false, 40, false);
+      if (fit.usable && (!best.usable || fit.cost < best.cost)) best = std::move(fit);
+    }
+    if (!best.usable) {
+      usable[light] = false;
+      seed.findings.push_back("light " + bench.lights[light].id +
+                              ": no lamp explains the brightness of paper and face");
+      continue;
+    }
+    blocks = best.blocks;
+  }
+  if (std::none_of(usable.begin(), usable.end(), [](bool u) { return u; })) return seed;
+
+  Fit fit = run_fit(data, blocks, spot, -1, 1, true, 60, false);
+  if (!fit.usable) return seed;
+  if (options.fit_spot) {
+    for (std::size_t light = 0; light < usable.size(); ++light) {
+      if (!usable[light]) continue;
+      std::vector<bool> with_spot = spot;
+      with_spot[light] = true;
+      // A tenth of the samples says from which exponent to start.
+      constexpr std::size_t kThin = 10;
+      Fit thin, best;
+      for (const double exponent : {2., 8., 25.}) {
+        Blocks from = fit.blocks;
+        from.lamps[light].spot[0] = data.center_mm.x();
+        from.lamps[light].spot[1] = data.center_mm.y();
+        from.lamps[light].spot[2] = exponent;
+        Fit candidate = run_fit(data, from, with_spot, -1, kThin, true, 60, false);
+        if (candidate.usable && (!thin.usable || candidate.cost < thin.cost)) thin = std::move(candidate);
+      }
+      if (thin.usable) best = run_fit(data, thin.blocks, with_spot, -1, 1, true, 60, false);
+      if (!best.usable) continue;
+      // A spot has three parameters more. Errors of paper and face are not independent, so ask for far more than a test
+      // of white noise would.
+      constexpr double kWorthIt = 0.9;
+      if (best.cost < kWorthIt * fit.cost) {
+        fit = std::move(best);
+        spot = with_spot;
+      }
+    }
+  }
+  fit = run_fit(data, fit.blocks, spot, -1, 1, true, 60, true);
+  if (!fit.usable) return seed;
+
+  // Residuals in the robust loss's core, and the factor by which they exceed what was expected of them.
+  double sum = 0, sum_weighted = 0;
+  std::size_t core = 0;
+  for (const LightSample& sample : samples) {
+    if (!usable[sample.light] || !(sample.value > 0)) continue;
+    const LampBlocks& b = fit.blocks.lamps[sample.light];
+    const double relative = sample.sigma / sample.value;
+    LogResidual residual{&sample, albedo_of(data, sample.kind), data.f0, 1};
+    double r = 0;
+    if (!residual(b.position, b.log_intensity, b.spot, fit.blocks.shared, &r)) continue;
+    const double expected2 = relative * relative + options.model_error * options.model_error;
+    if (r * r > 9 * expected2) continue;
+    sum += r * r;
+    sum_weighted += r * r / expected2;
+    ++core;
+  }
+  const double inflation = core ? std::max(1.0, std::sqrt(sum_weighted / static_cast<double>(core))) : 1;
+  seed.found = true;
+  seed.residual_rms = core ? std::sqrt(sum / static_cast<double>(core)) : 0;
+  seed.base_alpha = std::exp(fit.blocks.shared[0]);
+  seed.base_alpha_sigma = inflation * fit.log_base_alpha_sigma * seed.base_alpha;
+  seed.ambient = fit.blocks.shared[1];
+  seed.vignette = Eigen::Vector3d::Map(fit.blocks.shared + 2);
+  seed.aim_mm.assign(usable.size(), data.center_mm);
+  for (std::size_t light = 0; light < usable.size(); ++light) {
+    if (!usable[light]) continue;
+    const LampBlocks& b = fit.blocks.lamps[light];
+    Light& l = seed.lights[light];
+    l.position_mm = Eigen::Vector3d::Map(b.position);
+    l.intensity.setConstant(std::exp(b.log_intensity[0]));
+    l.falloff_exponent = spot[light] ? b.spot[2] : 0;
+    if (spot[light]) seed.aim_mm[light] = Eigen::Vector2d(b.spot[0], b.spot[1]);
+    l.axis = (Eigen::Vector3d(seed.aim_mm[light].x(), seed.aim_mm[light].y(), 0) - l.position_mm).normalized();
+    if (!fit.position_covariance.empty() && fit.position_covariance[light](0, 0) >= 0)
+      l.position_sigma_mm = inflation * fit.position_covariance[light].diagonal().cwiseSqrt();
+  }
+  return seed;
+}
+
+Bench with_lamps(std::span<const MergedView> photos, const Board& board, const Scratches& designed,
+                 const Bench& measured, std::vector<std::string>& findings) {
+  Bench bench = measured;
+  const std::vector<LightView> views = make_light_views(photos, board, bench, findings);
+  return with_lamps(gather_light_samples(views, board, bench, designed), board, bench, findings);
+}
+
+Bench with_lamps(std::span<const LightSample> samples, const Board& board, const Bench& measured,
+                 std::vector<std::string>& findings) {
+  Bench bench = measured;
+  const LampSeed seed = fit_lamps(samples, board, bench);
+  findings.insert(findings.end(), seed.findings.begin(), seed.findings.end());
+  for (const Light& light : bench.lights) {
+    bench.verdict["light." + light.id + ".position_mm"] = {false, "no paper or plain face tells where the lamp is"};
+  }
+  if (!seed.found) return bench;
+  bench.lights = seed.lights;
+  bench.material.base_alpha = seed.base_alpha;
+  bench.material_sigma.base_alpha = seed.base_alpha_sigma;
+  bench.ambient.setConstant(seed.ambient);
+  bench.sensor.vignette = seed.vignette;
+  for (const Light& light : bench.lights) {
+    if (!light.position_sigma_mm) continue;
+    const double sigma = light.position_sigma_mm->norm();
+    std::ostringstream reason;
+    reason.precision(2);
+    reason << "from paper and plain face, within " << sigma << " mm (one sigma); refine adds the scratches' glints";
+    bench.verdict["light." + light.id + ".position_mm"] = {sigma < 0.2 * light.position_mm.norm(), reason.str()};
+  }
+  return bench;
+}
+
+}  // namespace burin

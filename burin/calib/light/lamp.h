@@ -1,0 +1,127 @@
+// burin/calib/light/lamp.h - where the lamp is, from the brightness of paper and of the plain face. docs/model.md 5 and
+// 9 'Lamp'. Frame: board, mm. Intensities are with Sensor::gain = 1, the mean of the photo's channels.
+//
+// Two of the lamp's three cues, which need no scratch: the shading of the tags' white and black paper (cosine and
+// distance: where the lamp is within some 30-100 mm, its intensity, the ambient light) and the mirror highlight of the
+// plain face (its lobe around the lamp's mirror image: the lamp's direction, base_alpha). What they give is a seed; the
+// third cue, the glints of scratches, joins in burin/calib/refine.h, where everything is fitted to every pixel.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "burin/calib/light/light_samples.h"
+#include "burin/capture/photo.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/brdf.h"
+#include "burin/render/scratches.h"
+
+namespace burin {
+
+/// A lamp as the fits move it. A spot's axis points from the lamp at `aim` on the plane z = 0 of the board, so that it
+/// always points at the board's side; exponent 0 is a bare lamp, for which `aim` means nothing.
+template <typename T>
+struct LampModel {
+  Eigen::Matrix<T, 3, 1> position_mm;
+  T log_intensity;
+  Eigen::Matrix<T, 2, 1> aim_mm;
+  T exponent;
+};
+
+/// Light that reaches a point, per solid angle and distance: (axis . -wi)^k / d^2, times exp(log_intensity). Gives wi,
+/// the unit vector from the point towards the lamp.
+template <typename T>
+T lamp_irradiance(const LampModel<T>& lamp, const Eigen::Vector3d& p_board, Eigen::Matrix<T, 3, 1>& wi) {
+  using std::exp;
+  using std::pow;
+  const Eigen::Matrix<T, 3, 1> to_lamp = lamp.position_mm - p_board.cast<T>();
+  const T distance2 = to_lamp.squaredNorm();
+  wi = to_lamp / sqrt(distance2);
+  T value = exp(lamp.log_intensity) / distance2;
+  if (lamp.exponent > T(0)) {
+    const Eigen::Matrix<T, 3, 1> axis =
+        (Eigen::Matrix<T, 3, 1>(lamp.aim_mm.x(), lamp.aim_mm.y(), T(0)) - lamp.position_mm).normalized();
+    const T cosine = -axis.dot(wi);
+    value *= cosine > T(1e-6) ? T(pow(cosine, lamp.exponent)) : T(pow(T(1e-6), lamp.exponent));
+  }
+  return value;
+}
+
+/// Radiance of paper (Lambertian): albedo / pi cos I / d^2 + albedo * ambient.
+template <typename T>
+T paper_radiance(const LampModel<T>& lamp, const T& ambient, double albedo, const LightSample& sample) {
+  Eigen::Matrix<T, 3, 1> wi;
+  const T irradiance = lamp_irradiance(lamp, sample.p_board, wi);
+  const T cosine = wi.dot(sample.normal.cast<T>());
+  return albedo * (ambient + (cosine > T(0) ? cosine : T(0)) * irradiance / std::numbers::pi);
+}
+
+/// Radiance of the face between scratches: D G F / (4 wo.z) I / d^2 + F0 * ambient, all with base_alpha. `f0` is the
+/// mean of the channels.
+template <typename T>
+T face_radiance(const LampModel<T>& lamp, const T& ambient, const T& base_alpha, double f0, const LightSample& sample) {
+  Eigen::Matrix<T, 3, 1> wi;
+  const T irradiance = lamp_irradiance(lamp, sample.p_board, wi);
+  const Eigen::Matrix<T, 3, 1> wo = sample.to_camera.cast<T>(), n = sample.normal.cast<T>();
+  const Eigen::Matrix<T, 3, 1> h = (wi + wo).normalized();
+  const T cos_o = wo.dot(n);
+  const T lobe = ggx_D(T(h.dot(n)), base_alpha) * smith_G(T(wi.dot(n)), cos_o, base_alpha) *
+                 schlick_F(T(h.dot(wo)), T(f0)) / (4. * cos_o);
+  return lobe * irradiance + f0 * ambient;
+}
+
+/// 1 + v1 r^2 + v2 r^4 + v3 r^6.
+template <typename T>
+T vignette_at(const T* vignette, double radius2) {
+  return 1. + radius2 * (vignette[0] + radius2 * (vignette[1] + radius2 * vignette[2]));
+}
+
+/// Prior of v1, v2, v3: lenses darken mostly as r^2, and photos hardly tell the higher orders from one another.
+inline constexpr std::array<double, 3> kVignettePriorSigma{0.5, 0.25, 0.1};
+
+struct LampOptions {
+  double model_error = 0.02;  ///< relative error that a sample may have beyond its noise (uneven paper, haze, blur)
+  bool fit_spot = true;       ///< try a spot where a bare lamp leaves more than it must
+};
+
+/// What paper and face say.
+struct LampSeed {
+  bool found = false;         ///< false: too little paper and face to say anything; see `findings`
+  std::vector<Light> lights;  ///< as bench.lights, position, intensity, axis, exponent and position sigma filled in
+  std::vector<Eigen::Vector2d> aim_mm;
+  double base_alpha = 0;
+  double base_alpha_sigma = 0;
+  double ambient = 0;  ///< mean of the channels
+  Eigen::Vector3d vignette{0, 0, 0};
+  double residual_rms = 0;  ///< of log(photo / model), over the samples within the robust loss's core
+  std::vector<std::string> findings;
+};
+
+/// Fits lamps, ambient light, vignetting and base_alpha to `samples`. Seeds: shading is linear after raising to the
+/// power -2/3, and a ring of starts for where shading alone misleads (spots, vignetting).
+LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, const Bench& bench,
+                   const LampOptions& options = {});
+
+/// The closed-form seed from paper alone: brightness s of white minus black at points p of a plane is
+/// I Lz / (pi |L - p|^3), so s^(-2/3) is linear in (1, |L|^2, Lx, Ly). Empty where that has no lamp in front of the
+/// board.
+std::optional<Eigen::Vector3d> lamp_from_shading(std::span<const Eigen::Vector3d> p_board,
+                                                 std::span<const double> shading);
+
+/// The same from samples that were gathered before (light_samples.h); `measured` names their lights.
+Bench with_lamps(std::span<const LightSample> samples, const Board& board, const Bench& measured,
+                 std::vector<std::string>& findings);
+
+/// Finds the lamps of a calibrated bench from paper and face alone: what `burin calibrate` writes.
+/// Also fills in material.base_alpha, ambient light and vignetting, and a verdict on each lamp.
+/// Appends to `findings` what could not be found.
+Bench with_lamps(std::span<const MergedView> photos, const Board& board, const Scratches& designed,
+                 const Bench& measured, std::vector<std::string>& findings);
+
+}  // namespace burin

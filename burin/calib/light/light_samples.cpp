@@ -1,0 +1,394 @@
+#include "burin/calib/light/light_samples.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "burin/capture/tags/tag_family.h"
+#include "burin/render/groove.h"
+#include "burin/render/keep_out.h"
+#include "burin/render/surface.h"
+
+namespace burin {
+namespace {
+
+const std::vector<Tag>& tags_of(const Board& board, const Bench& bench) {
+  return bench.tags.empty() ? board.tags.list : bench.tags;
+}
+
+Surface surface_of(const Board& board, const Bench& bench) { return {board.size_mm, bench.bow_mm}; }
+
+// Size of a pixel on the board where it is largest, mm: distances in pixels become board distances with it.
+double pixel_size_mm(const FootprintGrid& grid, int x, int y) {
+  const std::size_t row = static_cast<std::size_t>(grid.width()) + 1;
+  const std::size_t c = y * row + x;
+  const double ux = grid.corner_x_mm[c + 1] - grid.corner_x_mm[c], uy = grid.corner_y_mm[c + 1] - grid.corner_y_mm[c];
+  const double vx = grid.corner_x_mm[c + row] - grid.corner_x_mm[c],
+               vy = grid.corner_y_mm[c + row] - grid.corner_y_mm[c];
+  return std::max(std::hypot(ux, uy), std::hypot(vx, vy));
+}
+
+struct PlacedTag {
+  Tag tag;
+  TagPattern pattern;
+  double cell_mm = 0;
+  double cos_rotation = 1, sin_rotation = 0;
+
+  Eigen::Vector2d in_cells(double x_mm, double y_mm) const {
+    const double dx = x_mm - tag.center_mm.x(), dy = y_mm - tag.center_mm.y();
+    return Eigen::Vector2d(cos_rotation * dx + sin_rotation * dy, -sin_rotation * dx + cos_rotation * dy) / cell_mm;
+  }
+};
+
+std::vector<PlacedTag> place_tags(const Board& board, const Bench& bench) {
+  std::vector<PlacedTag> placed;
+  for (const Tag& tag : tags_of(board, bench)) {
+    PlacedTag p;
+    p.tag = tag;
+    p.pattern = tag_pattern(board.tags.family, tag.id);
+    p.cell_mm = tag.size_mm / p.pattern.border_cells;
+    p.cos_rotation = std::cos(tag.rotation_deg * std::numbers::pi / 180);
+    p.sin_rotation = std::sin(tag.rotation_deg * std::numbers::pi / 180);
+    placed.push_back(std::move(p));
+  }
+  return placed;
+}
+
+// Color of the paper if it is the same within `margin_cells` around a point of the tag, else -1.
+int uniform_color(const TagPattern& pattern, const Eigen::Vector2d& at_cells, double margin_cells) {
+  const int color = pattern.color_at(at_cells.x(), at_cells.y());
+  if (color < 0) return -1;
+  for (int j = -2; j <= 2; ++j)
+    for (int i = -2; i <= 2; ++i)
+      if (pattern.color_at(at_cells.x() + 0.5 * i * margin_cells, at_cells.y() + 0.5 * j * margin_cells) != color)
+        return -1;
+  return color;
+}
+
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct PaperPixels {
+  std::vector<double> values;
+  double variance_sum = 0, radius2 = 0;
+  Eigen::Vector3d p{0, 0, 0};
+  int lost = 0;  // clipped
+};
+
+// A sample from the pixels of one color of one tag: their median, so that dust and a lifted corner do not matter.
+bool finish_paper(PaperPixels& pixels, LightSample& sample) {
+  constexpr int kFewest = 6;
+  const int count = static_cast<int>(pixels.values.size());
+  if (count < kFewest || pixels.lost > count / 4) return false;
+  sample.p_board = pixels.p / count;
+  sample.radius2 = pixels.radius2 / count;
+  sample.value = median_of(pixels.values);
+  std::vector<double> deviations;
+  for (const double v : pixels.values) deviations.push_back(std::abs(v - sample.value));
+  // Whichever is larger, the noise that the photo predicts or what is seen; a median costs a factor sqrt(pi / 2).
+  const double scatter = std::max(1.4826 * median_of(deviations), std::sqrt(pixels.variance_sum / count));
+  sample.sigma = 1.2533 * scatter / std::sqrt(static_cast<double>(count));
+  return true;
+}
+
+}  // namespace
+
+double vignette_radius2(int width, int height, double x_px, double y_px) {
+  const double dx = x_px - 0.5 * (width - 1), dy = y_px - 0.5 * (height - 1);
+  return 4 * (dx * dx + dy * dy) / (static_cast<double>(width) * width + static_cast<double>(height) * height);
+}
+
+std::vector<LightView> make_light_views(std::span<const MergedView> merged, const Board& board, Bench& bench,
+                                        std::vector<std::string>& findings) {
+  std::vector<LightView> views;
+  for (std::size_t m = 0; m < merged.size(); ++m) {
+    const MergedView& photo = merged[m];
+    const auto view =
+        std::find_if(bench.views.begin(), bench.views.end(), [&](const View& v) { return v.name == photo.view; });
+    if (view == bench.views.end()) {
+      findings.push_back("view " + photo.view + " has no camera pose and is left out");
+      continue;
+    }
+    auto light =
+        std::find_if(bench.lights.begin(), bench.lights.end(), [&](const Light& l) { return l.id == photo.light; });
+    if (light == bench.lights.end()) {
+      Light added;
+      added.id = photo.light;
+      light = bench.lights.insert(bench.lights.end(), added);
+    }
+    LightView v;
+    v.merged = m;
+    v.view = static_cast<std::size_t>(view - bench.views.begin());
+    v.light = static_cast<std::size_t>(light - bench.lights.begin());
+    v.lens = binned_lens(bench.lens, photo.bin);
+    constexpr int kMarginPx = 4;
+    v.window = window_of(v.lens, view->T_camera_board, surface_of(board, bench), Eigen::Vector2d::Zero(), board.size_mm,
+                         kMarginPx);
+    if (v.window.width < 16 || v.window.height < 16) {
+      findings.push_back("view " + photo.view + " does not show the board and is left out");
+      continue;
+    }
+    v.value = Image(v.window.width, v.window.height, 1);
+    v.sigma = Image(v.window.width, v.window.height, 1);
+    v.valid.assign(v.value.data.size(), 0);
+    const int channels = photo.value.channels;
+    for (int y = 0; y < v.window.height; ++y)
+      for (int x = 0; x < v.window.width; ++x) {
+        const int px = x + v.window.x0, py = y + v.window.y0;
+        double value = 0, variance = 0;
+        for (int c = 0; c < channels; ++c) {
+          value += photo.value.at(px, py, c);
+          variance += static_cast<double>(photo.sigma.at(px, py, c)) * photo.sigma.at(px, py, c);
+        }
+        v.value.at(x, y) = static_cast<float>(value / channels);
+        v.sigma.at(x, y) = static_cast<float>(std::sqrt(variance) / channels);
+        v.valid[static_cast<std::size_t>(y) * v.window.width + x] =
+            photo.valid[static_cast<std::size_t>(py) * photo.value.width + px] && variance > 0 && std::isfinite(value);
+      }
+    views.push_back(std::move(v));
+  }
+  share_rays(views);
+  return views;
+}
+
+void share_rays(std::span<LightView> views) {
+  for (LightView& v : views) v.rays = nullptr;
+  // Views of one size share their lens.
+  for (std::size_t first = 0; first < views.size(); ++first) {
+    if (views[first].rays != nullptr) continue;
+    const Lens lens = views[first].lens;
+    const auto same = [&](const LightView& v) { return v.lens.width == lens.width && v.lens.height == lens.height; };
+    int x0 = lens.width, y0 = lens.height, x1 = 0, y1 = 0;
+    for (const LightView& v : views) {
+      if (!same(v)) continue;
+      x0 = std::min(x0, v.window.x0);
+      y0 = std::min(y0, v.window.y0);
+      x1 = std::max(x1, v.window.x0 + v.window.width);
+      y1 = std::max(y1, v.window.y0 + v.window.height);
+    }
+    const auto rays = std::make_shared<const CornerRays>(corner_rays(lens, {x0, y0, x1 - x0, y1 - y0}));
+    for (LightView& v : views)
+      if (same(v)) v.rays = rays;
+  }
+}
+
+FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_board, const Surface& surface) {
+  // A lens without distortion costs nothing, and its grid is a homography, which serves the renderer.
+  if (view.rays == nullptr || view.rays->undistorted)
+    return camera_grid(view.lens, T_camera_board, surface, view.window);
+  const CornerRays& all = *view.rays;
+  CornerRays rays;
+  rays.window = view.window;
+  const std::size_t row = static_cast<std::size_t>(all.window.width) + 1;
+  rays.slope.reserve((static_cast<std::size_t>(view.window.width) + 1) * (view.window.height + 1));
+  for (int r = 0; r <= view.window.height; ++r)
+    for (int c = 0; c <= view.window.width; ++c) {
+      const int x = (c + view.window.x0) * view.bin - all.window.x0,
+                y = (r + view.window.y0) * view.bin - all.window.y0;
+      rays.slope.push_back(all.slope.at(static_cast<std::size_t>(y) * row + x));
+    }
+  return camera_grid(rays, T_camera_board, surface);
+}
+
+Lens binned_lens(const Lens& lens, int bin) {
+  Lens out = lens;
+  // Focal lengths and center, with pixel (0, 0) at the center of the top-left pixel; distortion has no pixels in it.
+  for (int i = 0; i < 4; ++i) out.intrinsics[i] = lens.intrinsics[i] / bin;
+  for (int i = 2; i < 4; ++i) out.intrinsics[i] += 0.5 / bin - 0.5;
+  out.width = lens.width / bin;
+  out.height = lens.height / bin;
+  return out;
+}
+
+int light_bin(int width, int height, double tag_side_px) {
+  constexpr double kEnough_px = 4e6, kSmallTag_px = 30;
+  const double by_size = std::sqrt(1.0 * width * height / kEnough_px), by_tags = tag_side_px / kSmallTag_px;
+  return std::max(1, static_cast<int>(std::floor(std::min(by_size, by_tags))));
+}
+
+LightView binned(const LightView& view, int bin) {
+  if (bin <= 1) return view;
+  LightView out;
+  out.merged = view.merged;
+  out.view = view.view;
+  out.light = view.light;
+  out.bin = view.bin * bin;
+  out.rays = view.rays;
+  out.lens = binned_lens(view.lens, bin);
+  // Binned pixels start at multiples of `bin` of the whole photo, so that all of a photo's windows share one grid.
+  const int x0 = (view.window.x0 + bin - 1) / bin, y0 = (view.window.y0 + bin - 1) / bin;
+  const int x1 = (view.window.x0 + view.window.width) / bin, y1 = (view.window.y0 + view.window.height) / bin;
+  out.window = {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
+  out.value = Image(out.window.width, out.window.height, 1);
+  out.sigma = Image(out.window.width, out.window.height, 1);
+  out.valid.assign(out.value.data.size(), 0);
+  for (int y = 0; y < out.window.height; ++y)
+    for (int x = 0; x < out.window.width; ++x) {
+      double value = 0, variance = 0;
+      bool valid = true;
+      for (int j = 0; j < bin; ++j)
+        for (int i = 0; i < bin; ++i) {
+          const int px = (x + x0) * bin + i - view.window.x0, py = (y + y0) * bin + j - view.window.y0;
+          value += view.value.at(px, py);
+          variance += static_cast<double>(view.sigma.at(px, py)) * view.sigma.at(px, py);
+          valid = valid && view.valid[static_cast<std::size_t>(py) * view.window.width + px];
+        }
+      out.value.at(x, y) = static_cast<float>(value / (bin * bin));
+      out.sigma.at(x, y) = static_cast<float>(std::sqrt(variance) / (bin * bin));
+      out.valid[static_cast<std::size_t>(y) * out.window.width + x] = valid;
+    }
+  return out;
+}
+
+bool BoardMask::is_free(double x_mm, double y_mm) const {
+  const int column = static_cast<int>(std::floor(x_mm / cell_mm)), row = static_cast<int>(std::floor(y_mm / cell_mm));
+  if (column < 0 || row < 0 || column >= width || row >= height) return false;
+  return free[static_cast<std::size_t>(row) * width + column] != 0;
+}
+
+BoardMask metal_mask(const Board& board, const Bench& bench, double margin_mm) {
+  BoardMask mask;
+  mask.width = static_cast<int>(std::ceil(board.size_mm.x() / mask.cell_mm));
+  mask.height = static_cast<int>(std::ceil(board.size_mm.y() / mask.cell_mm));
+  mask.free.assign(static_cast<std::size_t>(mask.width) * mask.height, 0);
+  const std::vector<PlacedTag> tags = place_tags(board, bench);
+  for (int row = 0; row < mask.height; ++row)
+    for (int column = 0; column < mask.width; ++column) {
+      const double x = (column + 0.5) * mask.cell_mm, y = (row + 0.5) * mask.cell_mm;
+      bool free =
+          x > margin_mm && y > margin_mm && x < board.size_mm.x() - margin_mm && y < board.size_mm.y() - margin_mm;
+      for (const PlacedTag& tag : tags) {
+        if (!free) break;
+        const Eigen::Vector2d at = tag.in_cells(x, y);
+        const double half_cells = 0.5 * tag.pattern.total_cells + margin_mm / tag.cell_mm;
+        free = std::abs(at.x()) > half_cells || std::abs(at.y()) > half_cells;
+      }
+      for (const KeepOut& place : board.keep_out) free = free && distance_mm({x, y}, place) > margin_mm;
+      mask.free[static_cast<std::size_t>(row) * mask.width + column] = free;
+    }
+  return mask;
+}
+
+std::vector<LightSample> gather_light_samples(std::span<const LightView> views, const Board& board, const Bench& bench,
+                                              const Scratches& scratches, const LightSampleOptions& options) {
+  const Surface surface = surface_of(board, bench);
+  const std::vector<PlacedTag> tags = place_tags(board, bench);
+  const Scratches carved = transformed(scratches, bench.machine_affine);
+  std::vector<LightSample> samples;
+
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    const LightView& view = views[k];
+    const Eigen::Isometry3d& T_camera_board = bench.views[view.view].T_camera_board;
+    const FootprintGrid grid = grid_of(view, T_camera_board, surface);
+    const Eigen::Vector3d camera = T_camera_board.inverse().translation();
+    const int width = view.window.width, height = view.window.height;
+    const double pixel_mm = pixel_size_mm(grid, width / 2, height / 2);
+
+    // Plain face: what is left when paper, edges and a wide strip around every designed scratch are taken away.
+    BoardMask plain = metal_mask(board, bench, 1 + options.edge_margin_px * pixel_mm);
+    cv::Mat plain_image(plain.height, plain.width, CV_8U, plain.free.data());
+    const double half_strip_mm = options.scratch_margin_mm + options.edge_margin_px * pixel_mm +
+                                 1e-3 * half_width_um(board.tool_width_um, board.material.depth_um);
+    constexpr int kFraction = 4;  // bits of sub-cell positions
+    const auto cell = [&](double mm) {
+      return static_cast<int>(std::lround((mm / plain.cell_mm - 0.5) * (1 << kFraction)));
+    };
+    for (std::size_t i = 0; i < carved.size(); ++i)
+      cv::line(plain_image, {cell(carved.x0_mm[i]), cell(carved.y0_mm[i])},
+               {cell(carved.x1_mm[i]), cell(carved.y1_mm[i])}, cv::Scalar(0),
+               static_cast<int>(std::ceil(2 * half_strip_mm / plain.cell_mm)), cv::LINE_8, kFraction);
+
+    const auto radius2_at = [&](double x, double y) {
+      return vignette_radius2(view.lens.width, view.lens.height, x + view.window.x0, y + view.window.y0);
+    };
+    const auto start_sample = [&](SampleKind kind) {
+      LightSample sample;
+      sample.kind = kind;
+      sample.light_view = k;
+      sample.light = view.light;
+      return sample;
+    };
+
+    std::vector<LightSample> face;
+    std::vector<double> values;
+    for (int y0 = 0; y0 + options.block_px <= height; y0 += options.block_px)
+      for (int x0 = 0; x0 + options.block_px <= width; x0 += options.block_px) {
+        values.clear();
+        double variance = 0, radius2 = 0;
+        Eigen::Vector3d p = Eigen::Vector3d::Zero();
+        for (int y = y0; y < y0 + options.block_px; ++y)
+          for (int x = x0; x < x0 + options.block_px; ++x) {
+            const std::size_t i = static_cast<std::size_t>(y) * width + x;
+            const Eigen::Vector3d& q = grid.center_mm[i];
+            if (!view.valid[i] || !std::isfinite(q.x()) || !plain.is_free(q.x(), q.y())) continue;
+            values.push_back(view.value.data[i]);
+            variance += static_cast<double>(view.sigma.data[i]) * view.sigma.data[i];
+            radius2 += radius2_at(x, y);
+            p += q;
+          }
+        const int count = static_cast<int>(values.size());
+        // A block that is cut would pull the median towards one side of it.
+        if (count < options.block_px * options.block_px) continue;
+        LightSample sample = start_sample(SampleKind::face);
+        sample.p_board = p / count;
+        sample.normal = face_normal(surface, sample.p_board.x(), sample.p_board.y());
+        sample.radius2 = radius2 / count;
+        sample.value = median_of(values);
+        sample.sigma = 1.2533 * std::sqrt(variance) / count;
+        sample.to_camera = (camera - sample.p_board).normalized();
+        face.push_back(sample);
+      }
+    const std::size_t step = 1 + face.size() / std::max(1, options.max_face_per_view);
+    for (std::size_t i = 0; i < face.size(); i += step) samples.push_back(face[i]);
+
+    // Paper: pixels well inside cells of one color, seen at the paper's own height.
+    std::vector<std::array<PaperPixels, 2>> paper(tags.size());
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * width + x;
+        const Eigen::Vector3d& q = grid.center_mm[i];
+        if (!std::isfinite(q.x())) continue;
+        const Eigen::Vector3d p = q + (camera - q) * (board.tags.z_mm / (camera.z() - q.z()));
+        for (std::size_t t = 0; t < tags.size(); ++t) {
+          const double reach = tags[t].pattern.total_cells * tags[t].cell_mm;
+          if (std::abs(p.x() - tags[t].tag.center_mm.x()) > reach ||
+              std::abs(p.y() - tags[t].tag.center_mm.y()) > reach)
+            continue;
+          const Eigen::Vector2d at = tags[t].in_cells(p.x(), p.y());
+          const double margin = options.edge_margin_px * pixel_size_mm(grid, x, y) / tags[t].cell_mm;
+          const int color = uniform_color(tags[t].pattern, at, margin);
+          if (color < 0) continue;
+          PaperPixels& pixels = paper[t][color];
+          if (!view.valid[i]) {
+            ++pixels.lost;
+            break;
+          }
+          pixels.values.push_back(view.value.data[i]);
+          pixels.variance_sum += static_cast<double>(view.sigma.data[i]) * view.sigma.data[i];
+          pixels.radius2 += radius2_at(x, y);
+          pixels.p += p;
+          break;
+        }
+      }
+    for (std::size_t t = 0; t < tags.size(); ++t)
+      for (const int color : {0, 1}) {
+        LightSample sample = start_sample(color ? SampleKind::white_paper : SampleKind::black_paper);
+        sample.tag = tags[t].tag.id;
+        if (!finish_paper(paper[t][color], sample)) continue;
+        sample.normal = face_normal(surface, sample.p_board.x(), sample.p_board.y());
+        sample.to_camera = (camera - sample.p_board).normalized();
+        samples.push_back(sample);
+      }
+  }
+  return samples;
+}
+
+}  // namespace burin

@@ -1,0 +1,100 @@
+// burin/calib/light/light_samples.h - what photos say about the lamp before any scratch is looked at: the brightness of
+// the tags' white and black paper and of the plain face between tags and scratches. docs/model.md 9, 'Lamp'. Frame:
+// board, mm. Values are linear photo values over the exposure factor: gain * vignette * radiance.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "burin/capture/photo.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/footprint_grid.h"
+#include "burin/render/image.h"
+#include "burin/render/lens.h"
+#include "burin/render/scratches.h"
+
+namespace burin {
+
+/// One view under one lamp as the light fits use it: the colors' mean, cropped to the window that holds the board.
+struct LightView {
+  std::size_t merged = 0;           ///< index into the session's merged views, whose pixels these are
+  std::size_t view = 0, light = 0;  ///< indices into bench.views and bench.lights
+  Lens lens;                        ///< of the pixels below (that of the bench, or of binned pixels)
+  PixelWindow window;               ///< of the whole (binned) photo; the images below are this large
+  Image value, sigma;               ///< one channel
+  std::vector<std::uint8_t> valid;  ///< 1 where the value is held by some exposure
+  int bin = 1;                      ///< of binned(): how many of the session's pixels, either way
+  /// Of all that the session's views show, in its pixels: found once, since inverting a lens for millions of pixels
+  /// takes longer than to render them. None: from the lens.
+  std::shared_ptr<const CornerRays> rays;
+};
+
+/// Finds the rays of views as make_light_views() makes them (not binned), whose lenses may have been moved since.
+void share_rays(std::span<LightView> views);
+
+/// The footprints of a light view's pixels.
+FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_board, const Surface& surface);
+
+/// The lens of pixels that are averages of bin x bin pixels.
+Lens binned_lens(const Lens& lens, int bin);
+
+/// How far photos may be binned for the fits of light: photos of 16 megapixels and more, while a tag's side keeps 30
+/// pixels. Poses and lens come from the photos as taken.
+int light_bin(int width, int height, double tag_side_px);
+
+/// The same view with bin x bin pixels averaged into one, the lens scaled with it. A pixel is valid if all its parts
+/// are.
+LightView binned(const LightView& view, int bin);
+
+/// Pairs merged photos with the bench's views and lamps; lamps that the bench does not name are appended to
+/// `bench.lights`. Photos of views without a pose are left out and named in `findings`.
+std::vector<LightView> make_light_views(std::span<const MergedView> merged, const Board& board, Bench& bench,
+                                        std::vector<std::string>& findings);
+
+enum class SampleKind { white_paper, black_paper, face };
+
+/// The mean of some pixels that show one material.
+struct LightSample {
+  SampleKind kind = SampleKind::face;
+  std::size_t light_view = 0;  ///< index into the light views
+  std::size_t light = 0;
+  Eigen::Vector3d p_board{0, 0, 0};
+  Eigen::Vector3d normal{0, 0, 1};
+  Eigen::Vector3d to_camera{0, 0, 1};  ///< unit
+  double radius2 = 0;                  ///< vignetting's r^2 (see Sensor)
+  double value = 0, sigma = 0;
+  int tag = -1;  ///< id of the tag for paper
+};
+
+struct LightSampleOptions {
+  double edge_margin_px = 2;  ///< distance that a pixel keeps from the edge of its material
+  double scratch_margin_mm =
+      1;             ///< distance that plain face keeps from designed scratches: what the machine may be off
+  int block_px = 6;  ///< plain face: side of the blocks of pixels that are averaged (their median is taken)
+  int max_face_per_view = 1500;
+};
+
+/// One white and one black sample a tag and view (where the tag is seen unclipped), and samples of the plain face.
+std::vector<LightSample> gather_light_samples(std::span<const LightView> views, const Board& board, const Bench& bench,
+                                              const Scratches& scratches, const LightSampleOptions& options = {});
+
+/// A picture of the board, row 0 at y = 0, `cell_mm` a pixel: 1 where only plain metal or scratches may be seen, 0 on
+/// the tags' paper, on keep-outs (and `margin_mm` around both), and beyond the board's edge.
+struct BoardMask {
+  double cell_mm = 0.25;
+  int width = 0, height = 0;
+  std::vector<std::uint8_t> free;
+
+  bool is_free(double x_mm, double y_mm) const;
+};
+BoardMask metal_mask(const Board& board, const Bench& bench, double margin_mm);
+
+/// r^2 of docs/model.md 5's vignetting for a pixel: squared distance from the image's center over half its diagonal.
+double vignette_radius2(int width, int height, double x_px, double y_px);
+
+}  // namespace burin

@@ -1,0 +1,154 @@
+#include "burin/calib/photo/field_choice.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "burin/calib/verdict/photo_uncertainty.h"
+
+namespace burin {
+namespace {
+
+void set_free(const FreeField& field, std::vector<bool>& free) {
+  constexpr int kFirst = unknown::depth_field;
+  for (int i = 0; i < 2; ++i) free[kFirst + i] = field.linear;
+  for (int i = 2; i < 5; ++i) free[kFirst + i] = field.quadratic;
+  free[kFirst + 5] = field.wear;
+}
+
+// By how much each view's cost falls when the terms `added` are fitted to the other views. All other unknowns (`free`)
+// follow the terms as the whole of the views has them: without the one photo that pins down the depth, say, the others
+// would tell little of anything, and nothing of the field.
+std::vector<double> held_out_gains(const ViewEquations& e, const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
+                                   const std::vector<bool>& free, const std::vector<Eigen::Index>& added) {
+  const auto n = static_cast<Eigen::Index>(added.size());
+  Eigen::MatrixXd pick = Eigen::MatrixXd::Zero(n, H.cols());
+  for (Eigen::Index a = 0; a < n; ++a) pick(a, added[a]) = 1;
+  const Eigen::MatrixXd follow = pick - pick * H * safe_inverse(H, free);  // the others eliminated
+  const Eigen::MatrixXd information = follow * H * follow.transpose();
+  const Eigen::VectorXd score = follow * g;
+  std::vector<double> out;
+  for (std::size_t k = 0; k < e.H.size(); ++k) {
+    const Eigen::MatrixXd own = follow * e.H[k] * follow.transpose();
+    const Eigen::VectorXd own_score = follow * e.g[k];
+    const Eigen::VectorXd terms = -(information - own).ldlt().solve(score - own_score);
+    out.push_back(-own_score.dot(terms) - 0.5 * terms.dot(own * terms));
+  }
+  return out;
+}
+
+// terms^T C^-1 terms, of the terms `added`.
+double chi_squared(const Eigen::VectorXd& step, const Eigen::MatrixXd& covariance,
+                   const std::vector<Eigen::Index>& added) {
+  const auto n = static_cast<Eigen::Index>(added.size());
+  Eigen::MatrixXd C(n, n);
+  Eigen::VectorXd terms(n);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    terms[a] = step[added[a]];
+    for (Eigen::Index b = 0; b < n; ++b) C(a, b) = covariance(added[a], added[b]);
+  }
+  return terms.dot(C.ldlt().solve(terms));
+}
+
+// Whether chance makes chi^2 of `terms` terms, under a covariance from `samples` scores, as large as this seldom
+// enough: once in ten thousand times for a slope or wear, once in a million for more terms, which are rarer on real
+// boards and were made up on one random bench in ten (a field made up does more harm than one missed). Hotelling's T^2
+// is distributed as F, and F's cube root nearly as a normal ratio (Paulson, Annals of Mathematical Statistics 13,
+// 1942).
+bool beyond_chance(double chi2, std::size_t terms, std::size_t samples) {
+  constexpr double kOnceInTenThousand = 3.719, kOnceInAMillion = 4.753;  // sigmas of a normal distribution
+  const double sigmas = terms > 2 ? kOnceInAMillion : kOnceInTenThousand;
+  if (samples < terms + 3) return false;
+  const auto k = static_cast<double>(terms), n = static_cast<double>(samples);
+  const double root = std::cbrt(chi2 * (n - k) / (k * (n - 1)));
+  const double a = 2 / (9 * (n - k)), b = 2 / (9 * k);
+  return (1 - a) * root - (1 - b) > sigmas * std::sqrt(a * root * root + b);
+}
+
+// Whether the terms `added` are more than the model's own errors make up, which are alike in all photos of a place and
+// in all places of a photo. The scores are taken at the richer field's own optimum: what it explains is no scatter.
+bool significant(const Problem& data, const Stage& all, const State& state, const ViewEquations& e,
+                 const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const std::vector<bool>& free,
+                 const std::vector<Eigen::Index>& added) {
+  const Eigen::MatrixXd inverse = safe_inverse(H, free);
+  const Eigen::VectorXd step = -inverse * g;
+  State there = moved_state(state, step);
+  const ViewEquations at_optimum = view_equations(data, all, there);
+  const Eigen::MatrixXd by_place = at_optimum.tiles * at_optimum.tiles.transpose();
+  std::size_t places = 0;
+  for (Eigen::Index t = 0; t < at_optimum.tiles.cols(); ++t)
+    if (at_optimum.tiles(unknown::log_alpha, t) != 0) ++places;
+  if (!beyond_chance(chi_squared(step, inverse * (by_place + e.prior_scatter) * inverse, added), added.size(), places))
+    return false;
+  // Photos are few: their scatter could not say so much of several terms, but it may contradict.
+  Eigen::MatrixXd by_view = Eigen::MatrixXd::Zero(H.rows(), H.cols());
+  const auto views = static_cast<double>(e.H.size());
+  for (const Eigen::VectorXd& score : at_optimum.g) by_view += views / (views - 1) * score * score.transpose();
+  constexpr std::size_t kKnown = 1000;
+  return beyond_chance(chi_squared(step, inverse * (by_view + e.prior_scatter) * inverse, added), added.size(), kKnown);
+}
+
+}  // namespace
+
+int terms_of(const FreeField& f) { return (f.linear ? 2 : 0) + (f.quadratic ? 3 : 0) + (f.wear ? 1 : 0); }
+
+FreeField choose_depth_field(const Problem& data, const Stage& stage, State& state) {
+  Stage all = stage;
+  all.depth_field = {true, true, true};
+  const ViewEquations equations = view_equations(data, all, state);
+  FreeField choice;
+  const std::size_t views = equations.H.size();
+  constexpr std::size_t kFewest = 4;
+  if (views < kFewest) return choice;
+  Eigen::MatrixXd H = equations.prior_scatter;
+  Eigen::VectorXd g = equations.prior_g;
+  for (std::size_t k = 0; k < views; ++k) {
+    H += equations.H[k];
+    g += equations.g[k];
+  }
+  const auto free_with = [&](const FreeField& field) {
+    std::vector<bool> free = equations.free;
+    set_free(field, free);
+    return free;
+  };
+  std::vector<bool> free = free_with(choice);
+  for (bool stepped = true; stepped;) {
+    stepped = false;
+    FreeField best = choice;
+    double best_gain = 0;
+    for (const FreeField& more :
+         {FreeField{true, false, false}, FreeField{true, true, false}, FreeField{false, false, true}}) {
+      const FreeField trial{choice.linear || more.linear, choice.quadratic || more.quadratic, choice.wear || more.wear};
+      if (terms_of(trial) == terms_of(choice)) continue;
+      const std::vector<bool> trial_free = free_with(trial);
+      std::vector<Eigen::Index> added;
+      for (std::size_t i = 0; i < trial_free.size(); ++i)
+        if (trial_free[i] && !free[i]) added.push_back(static_cast<Eigen::Index>(i));
+      const std::vector<double> gains = held_out_gains(equations, H, g, free, added);
+      const auto n = static_cast<double>(views);
+      const double gain = std::accumulate(gains.begin(), gains.end(), 0.0), mean = gain / n;
+      double scatter = 0;
+      for (const double one : gains) scatter += std::pow(one - mean, 2);
+      if (!(mean > std::sqrt(scatter / (n * (n - 1)))) || !(gain > best_gain)) continue;
+      if (!significant(data, all, state, equations, H, g, trial_free, added)) continue;
+      best = trial;
+      best_gain = gain;
+      stepped = true;
+    }
+    choice = best;
+    free = free_with(choice);
+  }
+  return choice;
+}
+
+std::string field_name(const FreeField& field) {
+  std::string name = field.quadratic ? "quadratic over the board" : field.linear ? "linear over the board" : "constant";
+  if (field.wear)
+    name += (field.linear || field.quadratic) ? ", with wear along the carving order"
+                                              : " but for wear along the carving order";
+  return name;
+}
+
+}  // namespace burin

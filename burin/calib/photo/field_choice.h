@@ -1,0 +1,32 @@
+// burin/calib/photo/field_choice.h - whether depth varies over the board or along the carving order.
+//
+// It starts constant and takes a step only for good reasons: linear over the board, quadratic, wear. Roughness stays
+// constant: of 40 random benches without a field of it, two were given one, which is worse than to miss one. A richer
+// field must (a) predict held-out views better than the poorer one, view by view, by more than their scatter's standard
+// error:
+//     each view in turn is left out, the field's terms are fitted to the rest, and that one is judged;
+// (b) be significant with the model's own errors counted: every groove has a depth and a roughness of its own, and a
+//     field over a thousand of them that vary by a tenth is not zero, so its terms are held against a covariance whose
+//     scores are summed over squares of the board, and against one by views. Chance passes once in ten thousand times,
+//     once in a million where terms are quadratic.
+// Held-out photos alone would not do: they show the same grooves as the others, with the same accidents.
+//
+// With every view's normal equations at hand (at the optimum without fields, all terms free, cameras and bow
+// eliminated), fits and judgements are small dense solves, no rendering.
+#pragma once
+
+#include <string>
+
+#include "burin/calib/photo/photo_problem.h"
+
+namespace burin {
+
+/// `state` must be at the optimum of `stage`, which frees no field.
+FreeField choose_depth_field(const Problem& data, const Stage& stage, State& state);
+
+int terms_of(const FreeField& field);  ///< how many numbers it has
+
+/// "linear over the board, with wear along the carving order"; "constant".
+std::string field_name(const FreeField& field);
+
+}  // namespace burin

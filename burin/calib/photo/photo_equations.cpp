@@ -1,0 +1,714 @@
+#include "burin/calib/photo/photo_equations.h"
+
+#include <ceres/jet.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <utility>
+
+#include "burin/calib/light/lamp.h"
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+cv::Mat as_mat(Image& image) { return {image.height, image.width, CV_32F, image.data.data()}; }
+
+// A Gaussian on the pixel grid. On the photo's own pixels it is sampled, as docs/model.md 5 has it; on binned pixels it
+// is narrower than they are, and three taps of the same variance say more than a sampled Gaussian.
+cv::Mat blur_kernel(double sigma_px, int bin) {
+  const double sigma = sigma_px / bin;
+  if (bin > 1 && sigma < 0.5) {
+    const float side = static_cast<float>(0.5 * sigma * sigma);
+    return (cv::Mat_<float>(3, 1) << side, 1 - 2 * side, side);
+  }
+  const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma)));
+  cv::Mat kernel(2 * radius + 1, 1, CV_32F);
+  double sum = 0;
+  for (int i = -radius; i <= radius; ++i) sum += std::exp(-0.5 * i * i / (sigma * sigma));
+  for (int i = -radius; i <= radius; ++i)
+    kernel.at<float>(i + radius) = static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum);
+  return kernel;
+}
+
+Image blurred(Image image, const cv::Mat& kernel) {
+  cv::Mat in = as_mat(image);
+  Image out(image.width, image.height, 1);
+  cv::sepFilter2D(in, as_mat(out), CV_32F, kernel, kernel, cv::Point(-1, -1), 0, cv::BORDER_REPLICATE);
+  return out;
+}
+
+Eigen::Matrix2d machine_linear(const Unknowns& x) {
+  return (Eigen::Matrix2d() << x[unknown::machine], x[unknown::machine + 1], x[unknown::machine + 2],
+          x[unknown::machine + 3])
+      .finished();
+}
+
+Eigen::Vector2d machine_shift(const Unknowns& x) { return {x[unknown::machine + 4], x[unknown::machine + 5]}; }
+
+// Puts the unknowns into a photo's scene: a bare lamp; the spot's fall-off is multiplied later, being smooth.
+const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
+  ViewScene& scene = photo.scene;
+  scene.material.alpha = std::exp(x[unknown::log_alpha]);
+  scene.material.depth_um = std::exp(x[unknown::log_depth]);
+  scene.material.base_alpha = std::exp(x[unknown::log_base_alpha]);
+  scene.light.position_mm = x.segment<3>(unknown::lamp_position);
+  scene.light.intensity.setConstant(std::exp(x[unknown::log_intensity]));
+  scene.light.falloff_exponent = 0;
+  scene.ambient.setZero();
+  return scene;
+}
+
+// log of the spot's fall-off at a point, by lamp position (3) and spot (3).
+using SpotJet = ceres::Jet<double, 6>;
+SpotJet log_falloff(const Unknowns& x, const Eigen::Vector3d& p) {
+  LampModel<SpotJet> lamp;
+  for (int i = 0; i < 3; ++i) lamp.position_mm[i] = SpotJet(x[unknown::lamp_position + i], i);
+  for (int i = 0; i < 2; ++i) lamp.aim_mm[i] = SpotJet(x[unknown::spot + i], 3 + i);
+  lamp.exponent = SpotJet(x[unknown::spot + 2], 5);
+  const Eigen::Matrix<SpotJet, 3, 1> axis = Eigen::Matrix<SpotJet, 3, 1>(
+      lamp.aim_mm.x() - lamp.position_mm.x(), lamp.aim_mm.y() - lamp.position_mm.y(), -lamp.position_mm.z());
+  const Eigen::Matrix<SpotJet, 3, 1> from(SpotJet(p.x()) - lamp.position_mm.x(), SpotJet(p.y()) - lamp.position_mm.y(),
+                                          SpotJet(p.z()) - lamp.position_mm.z());
+  const auto dot = [](const Eigen::Matrix<SpotJet, 3, 1>& a, const Eigen::Matrix<SpotJet, 3, 1>& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  };
+  SpotJet cosine = dot(axis, from) / sqrt(dot(axis, axis) * dot(from, from));
+  if (cosine.a < 1e-6) cosine = SpotJet(1e-6);
+  return lamp.exponent * log(cosine);
+}
+
+struct Loss {
+  double rho, weight, curvature;  // of s = r^2: rho(s), rho'(s), and half the second derivative by r, at least 0
+};
+Loss cauchy_loss(double s, double scale) {
+  const double c2 = scale * scale, weight = 1 / (1 + s / c2);
+  return {c2 * std::log1p(s / c2), weight, std::max(0.0, 1 - s / c2) * weight * weight};
+}
+
+void multiply(Image& image, const std::vector<float>& by) {
+  for (std::size_t i = 0; i < by.size(); ++i) image.data[i] *= by[i];
+}
+
+// Fall-off of each pixel's place; empty for a bare lamp.
+std::vector<float> falloff_image(const PhotoData& photo, const Unknowns& x) {
+  if (!(x[unknown::spot + 2] > 0)) return {};
+  std::vector<float> out(photo.weight.size(), 0);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
+    if (std::isfinite(p.x())) out[i] = static_cast<float>(std::exp(log_falloff(x, p).a));
+  }
+  return out;
+}
+
+double vignette_of(const PhotoData& photo, const Unknowns& x, std::size_t i) {
+  return vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i]));
+}
+
+// Lamp light before blur: rendered radiance times the spot's fall-off. Without derivatives it is the fast path's, good
+// to 1e-6 of the peak.
+Image rendered_light(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                     const std::vector<float>& falloff) {
+  Image light;
+  ViewRenderer(scene_at(photo, x), {}, photo.room).forward(carved, light);
+  if (!falloff.empty()) multiply(light, falloff);
+  return light;
+}
+
+// The same with all grooves exp(step) times as rough (index log_alpha) or as deep (log_depth); which of them is seen
+// where they cross stays as it is.
+Image light_of_changed(const PhotoData& photo, const Unknowns& x, const Scratches& carved, int index, double step,
+                       const std::vector<float>& falloff) {
+  Unknowns other = x;
+  other[index] += step;
+  Scratches changed = carved;
+  for (double& own : index == unknown::log_alpha ? changed.alpha : changed.depth_um) own *= std::exp(step);
+  return rendered_light(photo, other, changed, falloff);
+}
+
+// A photo's grid and camera, without a pixel in use.
+PhotoData photo_without_weights(const LightView& binned_view, int bin, const Board& board, const Bench& bench) {
+  PhotoData data;
+  data.photo = binned_view;
+  data.bin = bin;
+  data.camera.lens = binned_view.lens;
+  data.camera.T_camera_board = bench.views[binned_view.view].T_camera_board;
+  data.camera.surface = {board.size_mm, bench.bow_mm};
+  data.camera.window = binned_view.window;
+  data.room = make_render_room();
+  // Lamp, material and ambient light are unknowns.
+  if (board.mesh.empty()) {
+    data.scene.grid = share(grid_of(binned_view, data.camera.T_camera_board, data.camera.surface));
+    data.scene.camera_center_mm = data.camera.T_camera_board.inverse().translation();
+  } else {
+    data.scene = make_scene(bench, board, data.camera, {});
+    data.scene.ambient.setZero();
+  }
+  data.scene.material.f0 = board.material.f0;
+  data.scene.tool_width_um = board.tool_width_um;
+  const PixelWindow& window = data.scene.grid->window;
+  data.radius2.resize(static_cast<std::size_t>(window.width) * window.height);
+  data.weight.assign(data.radius2.size(), 0);
+  for (int y = 0; y < window.height; ++y)
+    for (int x = 0; x < window.width; ++x)
+      data.radius2[static_cast<std::size_t>(y) * window.width + x] = static_cast<float>(
+          vignette_radius2(binned_view.lens.width, binned_view.lens.height, x + window.x0, y + window.y0));
+  return data;
+}
+
+// Of the Gaussian that the prediction on these pixels applies.
+double blur_sigma_px(const PhotoData& photo, const Unknowns& x) {
+  return std::exp(photo.correction.empty() ? x[unknown::log_blur] : photo.log_blur_at);
+}
+
+// What correct_binning() adds to the value of pixel i.
+double corrected_by(const PhotoData& photo, const Unknowns& x, std::size_t i) {
+  const double shift = photo.groove_shift.empty() ? 0 : static_cast<double>(photo.groove_shift[i]);
+  if (photo.correction.empty()) return shift;
+  return shift + photo.correction[i] + (x[unknown::log_blur] - photo.log_blur_at) * photo.blur_slope[i];
+}
+
+// The lamp's light with ambient light where the face is.
+Image with_ambient(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
+  const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
+  for (std::size_t i = 0; i < light.data.size(); ++i)
+    if (std::isfinite(photo.scene.grid->center_mm[i].x())) light.data[i] += ambient;
+  return light;
+}
+
+// From the lamp's light to what the sensor sees: ambient light and blur.
+Image at_sensor(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
+  return blurred(with_ambient(model, photo, x, std::move(light)), blur_kernel(blur_sigma_px(photo, x), photo.bin));
+}
+
+// And to the photo's value: vignetting.
+Image value_of_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
+  Image value = at_sensor(model, photo, x, std::move(light));
+  for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] *= static_cast<float>(vignette_of(photo, x, i));
+  return value;
+}
+
+// Of the photo where `light` is seen, in expected errors.
+double residual_at(const PhotoData& photo, const Unknowns& x, std::size_t i, double vignette, const Image& light) {
+  return photo.weight[i] * (vignette * light.data[i] + corrected_by(photo, x, i) - photo.photo.value.data[i]);
+}
+
+}  // namespace
+
+PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& board, const Bench& bench,
+                          double margin_px) {
+  PhotoData data = photo_without_weights(binned_view, bin, board, bench);
+  const FootprintGrid& grid = *data.scene.grid;
+  const int width = grid.width(), height = grid.height();
+  // One margin for the whole photo, from the pixel's size at the board's center.
+  const std::size_t middle = static_cast<std::size_t>(height / 2) * (width + 1) + width / 2;
+  const double pixel_mm = std::max(std::hypot(grid.corner_x_mm[middle + 1] - grid.corner_x_mm[middle],
+                                              grid.corner_y_mm[middle + 1] - grid.corner_y_mm[middle]),
+                                   std::hypot(grid.corner_x_mm[middle + width + 1] - grid.corner_x_mm[middle],
+                                              grid.corner_y_mm[middle + width + 1] - grid.corner_y_mm[middle]));
+  constexpr double kPaperRimMm = 0.8;  // paper is cut wider than what is printed on it, and lies a little off
+  const BoardMask metal = metal_mask(board, bench, kPaperRimMm + margin_px * (std::isfinite(pixel_mm) ? pixel_mm : 1));
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + x;
+      const Eigen::Vector3d& p = grid.center_mm[i];
+      if (!binned_view.valid[i] || !std::isfinite(p.x()) || !metal.is_free(p.x(), p.y())) continue;
+      data.weight[i] = 1 / binned_view.sigma.data[i];
+    }
+  return data;
+}
+
+std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x) {
+  std::array<double, GrooveField::kTerms> terms{};
+  for (int i = 0; i < GrooveField::kTerms; ++i) terms[i] = x[unknown::depth_field + i];
+  return terms;
+}
+
+namespace {
+
+Scratches whole_scratches(const ModelData& model, const Unknowns& x) {
+  const Eigen::Matrix2d A = machine_linear(x);
+  Eigen::Matrix<double, 2, 3> affine;
+  affine << A, model.center_mm - A * model.center_mm + machine_shift(x);
+  Scratches carved = transformed(*model.designed, affine);
+  const double depth = std::exp(x[unknown::log_depth]), alpha = std::exp(x[unknown::log_alpha]);
+  // What scratches carry of their own is taken as designed on a board of the believed material: ratios are kept.
+  for (double& d : carved.depth_um) d *= depth / model.board->material.depth_um;
+  for (double& a : carved.alpha) a = std::min(1.0, a * alpha / model.board->material.alpha);
+  apply_fields({depth_field_of(x), {}}, {model.alpha_field, {}}, depth, alpha, model.board->size_mm, carved);
+  return carved;
+}
+
+}  // namespace
+
+Scratches carved_scratches(const ModelData& model, const Unknowns& x) {
+  Scratches carved = whole_scratches(model, x);
+  if (!model.last_carved_rules) return carved;
+  return visible_pieces(carved, model.board->tool_width_um, std::exp(x[unknown::log_depth])).pieces;
+}
+
+VisiblePieces carved_pieces(const ModelData& model, const Unknowns& x) {
+  Scratches carved = whole_scratches(model, x);
+  const double depth = std::exp(x[unknown::log_depth]), alpha = std::exp(x[unknown::log_alpha]);
+  if (carved.depth_um.empty()) carved.depth_um.assign(carved.size(), depth);
+  if (carved.alpha.empty()) carved.alpha.assign(carved.size(), alpha);
+  if (model.last_carved_rules) return visible_pieces(carved, model.board->tool_width_um, depth);
+  VisiblePieces whole{std::move(carved), {}};
+  whole.source.resize(whole.pieces.size());
+  std::iota(whole.source.begin(), whole.source.end(), std::size_t{0});
+  return whole;
+}
+
+Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
+  Image value = value_of_light(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
+  for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] += static_cast<float>(corrected_by(photo, x, i));
+  return value;
+}
+
+GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                                 const Scratches& carved) {
+  const std::vector<float> falloff = falloff_image(photo, x);
+  const cv::Mat kernel = blur_kernel(blur_sigma_px(photo, x), photo.bin);
+  constexpr double kStep = 0.02;
+  const auto slope = [&](int index) {
+    Image above = light_of_changed(photo, x, carved, index, kStep, falloff);
+    const Image below = light_of_changed(photo, x, carved, index, -kStep, falloff);
+    for (std::size_t i = 0; i < above.data.size(); ++i)
+      above.data[i] = (above.data[i] - below.data[i]) / static_cast<float>(2 * kStep);
+    Image out = blurred(std::move(above), kernel);
+    for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] *= static_cast<float>(vignette_of(photo, x, i));
+    return out;
+  };
+  return {predict(model, photo, x, carved), slope(unknown::log_alpha), slope(unknown::log_depth)};
+}
+
+std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                                              std::span<const Image> dE_dvalue) {
+  if (carved.depth_um.empty() || carved.alpha.empty())
+    fail("groove_gradients", "scratches without depth and roughness of their own", "use carved_pieces()");
+  ViewRenderer renderer(scene_at(photo, x), {}, photo.room);
+  Image radiance;
+  renderer.forward_with_jacobian(carved, radiance);
+  const std::vector<float> falloff = falloff_image(photo, x);
+  const cv::Mat kernel = blur_kernel(blur_sigma_px(photo, x), photo.bin);
+  std::vector<GrooveGradients> out;
+  for (const Image& given : dE_dvalue) {
+    Image back = given;
+    for (std::size_t i = 0; i < back.data.size(); ++i) back.data[i] *= static_cast<float>(vignette_of(photo, x, i));
+    back = blurred(std::move(back), kernel);  // a symmetric kernel is its own adjoint, but for the rim, which is unused
+    if (!falloff.empty()) multiply(back, falloff);
+    ScratchGradients gradients;
+    gradients.resize(carved.size());
+    renderer.backward(back, gradients);
+    for (std::size_t i = 0; i < carved.size(); ++i) {
+      gradients.alpha[i] *= carved.alpha[i];
+      gradients.depth_um[i] *= carved.depth_um[i];
+    }
+    out.push_back({std::move(gradients.alpha), std::move(gradients.depth_um)});
+  }
+  return out;
+}
+
+void shift_by_grooves(const ModelData& model, const Unknowns& x, const Scratches& carved, PhotoData& photo) {
+  photo.groove_shift.clear();
+  if (!(model.alpha_jitter > 0) && !(model.depth_jitter > 0)) return;
+  const std::vector<float> falloff = falloff_image(photo, x);
+  const auto seen = [&](Image light) { return value_of_light(model, photo, x, std::move(light)); };
+  const Image middle = seen(rendered_light(photo, x, carved, falloff));
+  std::vector<float> shift(middle.data.size(), 0);
+  for (const auto& [index, jitter] :
+       {std::pair(unknown::log_alpha, model.alpha_jitter), std::pair(unknown::log_depth, model.depth_jitter)}) {
+    if (!(jitter > 0)) continue;
+    const double node = std::sqrt(3.0) * jitter;  // of weight 1/6 on either side
+    const Image above = seen(light_of_changed(photo, x, carved, index, node, falloff)),
+                below = seen(light_of_changed(photo, x, carved, index, -node, falloff));
+    for (std::size_t i = 0; i < shift.size(); ++i) shift[i] += (above.data[i] + below.data[i] - 2 * middle.data[i]) / 6;
+  }
+  photo.groove_shift = std::move(shift);
+}
+
+void correct_binning(const ModelData& model, const LightView& whole, const Board& board, const Bench& bench,
+                     const Unknowns& x, const Scratches& carved, std::size_t max_pixels, PhotoData& photo) {
+  photo.correction.clear();
+  photo.groove_shift.clear();  // taken anew afterwards: fine and binned pixels are compared without it
+  int divisor = 1;
+  const auto fits = [&](int d) {
+    return photo.bin % d == 0 && whole.value.data.size() / (static_cast<std::size_t>(d) * d) <= max_pixels;
+  };
+  while (divisor < photo.bin && !fits(divisor)) ++divisor;
+  if (divisor >= photo.bin) return;
+  const int parts = photo.bin / divisor;
+  const PhotoData fine = photo_without_weights(binned(whole, divisor), divisor, board, bench);
+  Image light;  // many pixels and no derivatives: the fast path, good to 1e-6 of the peak
+  ViewRenderer(scene_at(fine, x)).forward(carved, light);
+  const std::vector<float> falloff = falloff_image(fine, x);
+  if (!falloff.empty()) multiply(light, falloff);
+  const Image on_binned = predict(model, photo, x, carved);
+  constexpr double kStep = 0.02;
+  Unknowns wider = x, narrower = x;
+  wider[unknown::log_blur] += kStep;
+  narrower[unknown::log_blur] -= kStep;
+  const Image on_fine = value_of_light(model, fine, x, light), on_wider = value_of_light(model, fine, wider, light),
+              on_narrower = value_of_light(model, fine, narrower, light);
+  const PixelWindow &f = fine.photo.window, &c = photo.photo.window;
+  std::vector<float> correction(on_binned.data.size(), 0), slope(on_binned.data.size(), 0);
+  for (int y = 0; y < c.height; ++y)
+    for (int px = 0; px < c.width; ++px) {
+      double sum = 0, change = 0;
+      bool inside = true;
+      for (int v = 0; v < parts; ++v)
+        for (int u = 0; u < parts; ++u) {
+          const int fx = (px + c.x0) * parts + u - f.x0, fy = (y + c.y0) * parts + v - f.y0;
+          inside = inside && fx >= 0 && fy >= 0 && fx < f.width && fy < f.height;
+          if (!inside) continue;
+          sum += on_fine.at(fx, fy);
+          change += static_cast<double>(on_wider.at(fx, fy)) - on_narrower.at(fx, fy);
+        }
+      if (!inside) continue;
+      const std::size_t i = static_cast<std::size_t>(y) * c.width + px;
+      correction[i] = static_cast<float>(sum / (parts * parts) - on_binned.at(px, y));
+      slope[i] = static_cast<float>(change / (2 * kStep * parts * parts));
+    }
+  photo.correction = std::move(correction);
+  photo.blur_slope = std::move(slope);
+  photo.log_blur_at = x[unknown::log_blur];
+}
+
+namespace {
+
+// The picture's derivatives by the lens, in the units of moved_lens(). A turn of the camera about x or y moves what is
+// seen over the picture and changes nothing else, and so does the lens: from G dq/d(rx, ry) = dI/d(rx, ry) follows how
+// the picture changes where its content moves, and dI/dlens = G dq/dlens. That content also grows a little is left out.
+std::vector<Image> lens_slopes(const PhotoData& photo, const Image& by_rx, const Image& by_ry) {
+  const Lens& lens = photo.camera.lens;
+  const std::size_t parameters = free_lens_parameters(lens);
+  const int width = by_rx.width, height = by_rx.height;
+  std::vector<Image> out(parameters, Image(width, height, 1));
+  if (parameters == 0) return out;
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::size_t> pixels;
+  std::vector<Eigen::Vector2d> q;
+  std::vector<PixelByPoint> dq_dp;
+  std::vector<double> dq_dlens;
+  for (int y = 0; y < height; ++y) {
+    points.clear();
+    pixels.clear();
+    for (int px = 0; px < width; ++px) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + px;
+      const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
+      if (!std::isfinite(p.x())) continue;
+      points.emplace_back(photo.camera.T_camera_board * p);
+      pixels.push_back(i);
+    }
+    q.resize(points.size());
+    project(lens, points, q, &dq_dp, &dq_dlens);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      Eigen::Matrix2d by_turn;  // of q, by rx and ry
+      by_turn << dq_dp[k] * Eigen::Vector3d::UnitX().cross(points[k]),
+          dq_dp[k] * Eigen::Vector3d::UnitY().cross(points[k]);
+      const std::size_t i = pixels[k];
+      const Eigen::Vector2d G = by_turn.transpose().inverse() * Eigen::Vector2d(by_rx.data[i], by_ry.data[i]);
+      const double* by_lens = &dq_dlens[k * 2 * parameters];
+      for (std::size_t j = 0; j < parameters; ++j) {
+        out[j].data[i] =
+            static_cast<float>(lens_unit(lens, j) * (G.x() * by_lens[j] + G.y() * by_lens[parameters + j]));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
+  return at_sensor(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
+}
+
+double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
+  return photo_cost(model, photo, x, seen_light(model, photo, x, carved));
+}
+
+double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light) {
+  double cost = 0;
+  for (std::size_t i = 0; i < light.data.size(); ++i) {
+    if (!(photo.weight[i] > 0)) continue;
+    const double r = residual_at(photo, x, i, vignette_of(photo, x, i), light);
+    cost += 0.5 * cauchy_loss(r * r, model.cauchy).rho;
+  }
+  return cost;
+}
+
+PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                         const FreeUnknowns& free) {
+  using P = SceneParameter;
+  const std::size_t pixels = photo.weight.size();
+  const int width = photo.scene.grid->width(), height = photo.scene.grid->height();
+  const auto any = [&](int first, int count) {
+    return std::any_of(free.begin() + first, free.begin() + first + count, [](bool f) { return f; });
+  };
+
+  // What the renderer must differentiate by, and where each derivative lies in its answer.
+  std::vector<P> wanted;
+  const auto ask = [&](bool want, std::initializer_list<P> parameters) {
+    const int at = static_cast<int>(wanted.size());
+    if (want) wanted.insert(wanted.end(), parameters);
+    return at;
+  };
+  constexpr int kOverBoard = GrooveField::kTerms - 1, kWear = kOverBoard;
+  const bool want_alpha = free[unknown::log_alpha];
+  const int at_alpha = ask(want_alpha, {P::alpha});
+  const bool want_depth = free[unknown::log_depth] || any(unknown::depth_field, kOverBoard);
+  const int at_depth = ask(want_depth, {P::depth_um});
+  const int at_base = ask(free[unknown::log_base_alpha], {P::base_alpha});
+  const bool want_lamp = any(unknown::lamp_position, 3), want_machine = any(unknown::machine, 6);
+  const bool want_pose = any(unknown::pose, 6) || any(unknown::lens, kMostLensParameters);
+  const int at_lamp = ask(want_lamp, {P::light_x_mm, P::light_y_mm, P::light_z_mm});
+  const int at_machine =
+      ask(want_machine, {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
+  const int at_bow = ask(any(unknown::bow, 3), {P::bow_0_mm, P::bow_1_mm, P::bow_2_mm});
+  const int at_pose = ask(want_pose, {P::pose_rx, P::pose_ry, P::pose_rz, P::pose_tx_mm, P::pose_ty_mm, P::pose_tz_mm});
+
+  const ViewScene& scene = scene_at(photo, x);
+  RadianceDerivatives rendered = render_with_derivatives(scene, photo.camera, carved, wanted);
+
+  // The spot's fall-off multiplies everything that the lamp sends.
+  const bool is_spot = x[unknown::spot + 2] > 0;
+  std::vector<float> falloff;
+  std::array<Image, 6> spot_images;  // light * d log falloff / d (position, spot)
+  if (is_spot) {
+    falloff.assign(pixels, 0);
+    for (Image& image : spot_images) image = Image(width, height, 1);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
+      if (!std::isfinite(p.x())) continue;
+      const SpotJet log_f = log_falloff(x, p);
+      falloff[i] = static_cast<float>(std::exp(log_f.a));
+      for (int k = 0; k < 6; ++k)
+        spot_images[k].data[i] = rendered.radiance.data[i] * falloff[i] * static_cast<float>(log_f.v[k]);
+    }
+    multiply(rendered.radiance, falloff);
+    for (Image& image : rendered.d_radiance) multiply(image, falloff);
+  }
+
+  const double blur_sigma = blur_sigma_px(photo, x);
+  const cv::Mat kernel = blur_kernel(blur_sigma, photo.bin);
+  const Image light = std::move(rendered.radiance), total = with_ambient(model, photo, x, light);
+
+  PhotoSlopes out;
+  out.at = x;
+  out.free = free;
+  std::vector<int>& index = out.index;
+  std::vector<Image>& columns = out.columns;
+  const auto add_column = [&](int at, Image image) {
+    index.push_back(at);
+    columns.push_back(blurred(std::move(image), kernel));
+  };
+  const auto scaled = [](Image image, double by) {
+    for (float& v : image.data) v *= static_cast<float>(by);
+    return image;
+  };
+  if (want_alpha) add_column(unknown::log_alpha, scaled(rendered.d_radiance[at_alpha], scene.material.alpha));
+  if (want_depth) {
+    // By a common factor of all depths; a field multiplies it by the place on the board, being smooth.
+    const Image by_factor = scaled(rendered.d_radiance[at_depth], scene.material.depth_um);
+    const auto terms = depth_field_of(x);
+    for (int term = 0; term < kOverBoard; ++term) {
+      if (!free[unknown::depth_field + term]) continue;
+      Image by_term = by_factor;
+      for (std::size_t i = 0; i < pixels; ++i) {
+        const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
+        if (!std::isfinite(p.x())) continue;
+        const double u = p.x() / model.board->size_mm.x(), v = p.y() / model.board->size_mm.y();
+        by_term.data[i] *= static_cast<float>(field_terms_at(u, v)[term] / field_over_board(terms, u, v));
+      }
+      add_column(unknown::depth_field + term, std::move(by_term));
+    }
+    if (free[unknown::log_depth]) add_column(unknown::log_depth, by_factor);
+  }
+  // Wear goes with the carving order, which no place on the board tells: one more rendering.
+  if (free[unknown::depth_field + kWear]) {
+    constexpr double kStep = 0.02;
+    Unknowns worn = x;
+    worn[unknown::depth_field + kWear] += kStep;
+    Image change = rendered_light(photo, worn, carved_scratches(model, worn), falloff);
+    scene_at(photo, x);
+    for (std::size_t i = 0; i < pixels; ++i)
+      change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(kStep);
+    add_column(unknown::depth_field + kWear, std::move(change));
+  }
+  if (free[unknown::log_base_alpha])
+    add_column(unknown::log_base_alpha, scaled(rendered.d_radiance[at_base], scene.material.base_alpha));
+  for (int k = 0; k < 3; ++k) {
+    if (!free[unknown::lamp_position + k]) continue;
+    Image image = std::move(rendered.d_radiance[at_lamp + k]);
+    if (is_spot)
+      for (std::size_t i = 0; i < pixels; ++i) image.data[i] += spot_images[k].data[i];
+    add_column(unknown::lamp_position + k, std::move(image));
+  }
+  for (int k = 0; k < 3; ++k)
+    if (free[unknown::spot + k] && is_spot) add_column(unknown::spot + k, std::move(spot_images[3 + k]));
+  if (free[unknown::log_intensity]) add_column(unknown::log_intensity, light);
+  if (want_machine) {
+    // The renderer moves the ends q as given: dq = M q + m. Ours: q = c + A (p - c) + t, so dq = dA A^-1 (q - c - t) +
+    // dt.
+    const Eigen::Matrix2d A_inverse = machine_linear(x).inverse();
+    const Eigen::Vector2d fixed = model.center_mm + machine_shift(x);
+    for (int row = 0; row < 2; ++row) {
+      const Image* by_row = &rendered.d_radiance[at_machine + 3 * row];  // m00 m01 m02, or m10 m11 m12
+      for (int column = 0; column < 2; ++column) {
+        const int at = unknown::machine + 2 * row + column;
+        if (!free[at]) continue;
+        const Eigen::RowVector2d M = A_inverse.row(column);  // dA = e_row e_column^T
+        const double m = -(M * fixed)(0);
+        Image image(width, height, 1);
+        for (std::size_t i = 0; i < pixels; ++i)
+          image.data[i] =
+              static_cast<float>(M[0] * by_row[0].data[i] + M[1] * by_row[1].data[i] + m * by_row[2].data[i]);
+        add_column(at, std::move(image));
+      }
+      if (free[unknown::machine + 4 + row]) add_column(unknown::machine + 4 + row, by_row[2]);
+    }
+  }
+  if (any(unknown::lens, kMostLensParameters)) {
+    std::vector<Image> by_lens = lens_slopes(photo, rendered.d_radiance[at_pose], rendered.d_radiance[at_pose + 1]);
+    for (std::size_t k = 0; k < by_lens.size(); ++k)
+      if (free[unknown::lens + k]) add_column(unknown::lens + static_cast<int>(k), std::move(by_lens[k]));
+  }
+  for (int k = 0; k < 6; ++k)
+    if (free[unknown::pose + k]) add_column(unknown::pose + k, std::move(rendered.d_radiance[at_pose + k]));
+  for (int k = 0; k < 3; ++k)
+    if (free[unknown::bow + k]) add_column(unknown::bow + k, std::move(rendered.d_radiance[at_bow + k]));
+  if (free[unknown::log_blur]) {
+    constexpr double kStep = 0.02;
+    Image wider(width, height, 1);
+    if (photo.correction.empty()) {
+      wider = blurred(total, blur_kernel(blur_sigma * (1 + kStep), photo.bin));
+      const Image narrower = blurred(total, blur_kernel(blur_sigma * (1 - kStep), photo.bin));
+      for (std::size_t i = 0; i < pixels; ++i)
+        wider.data[i] = (wider.data[i] - narrower.data[i]) / static_cast<float>(2 * kStep);
+    } else {
+      for (std::size_t i = 0; i < pixels; ++i)
+        wider.data[i] = photo.blur_slope[i] / static_cast<float>(vignette_of(photo, x, i));
+    }
+    index.push_back(unknown::log_blur);
+    columns.push_back(std::move(wider));
+  }
+  out.light = blurred(total, kernel);
+  return out;
+}
+
+bool slopes_hold(const ModelData& model, const PhotoData& photo, const PhotoSlopes& slopes, const Unknowns& x,
+                 const Image& light) {
+  const Unknowns step = x - slopes.at;
+  double missed = 0, changed = 0;
+  for (std::size_t i = 0; i < light.data.size(); ++i) {
+    if (!(photo.weight[i] > 0)) continue;
+    double foretold = model.f0 * step[unknown::ambient];
+    for (std::size_t k = 0; k < slopes.columns.size(); ++k) {
+      const bool of_the_light = slopes.index[k] != unknown::log_blur || photo.correction.empty();
+      if (of_the_light) foretold += step[slopes.index[k]] * slopes.columns[k].data[i];
+    }
+    const double change = static_cast<double>(light.data[i]) - slopes.light.data[i];
+    const double scale = photo.weight[i] * vignette_of(photo, x, i);
+    missed += std::pow(scale * (change - foretold), 2);
+    changed += std::pow(scale * change, 2);
+  }
+  constexpr double kTenth = 0.1;
+  return changed < 1 || missed < kTenth * kTenth * changed;
+}
+
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                               const Scratches& carved, const FreeUnknowns& free, double tile_mm) {
+  const PhotoSlopes slopes = photo_slopes(model, photo, x, carved, free);
+  return photo_equations(model, photo, x, slopes.light, slopes, tile_mm);
+}
+
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
+                               const PhotoSlopes& slopes, double tile_mm) {
+  const FreeUnknowns& free = slopes.free;
+  const std::vector<Image>& columns = slopes.columns;
+  const std::size_t rendered_columns = columns.size();
+  const int width = photo.scene.grid->width(), height = photo.scene.grid->height();
+  std::vector<int> index = slopes.index;
+  if (free[unknown::ambient]) index.push_back(unknown::ambient);
+  for (int k = 0; k < 3; ++k)
+    if (free[unknown::vignette + k]) index.push_back(unknown::vignette + k);
+
+  PhotoEquations out;
+  const auto n = static_cast<Eigen::Index>(index.size());
+  Eigen::MatrixXd JtJ = Eigen::MatrixXd::Zero(n, n);
+  Eigen::VectorXd Jtr = Eigen::VectorXd::Zero(n);
+  const int tile_columns = tile_mm > 0 ? static_cast<int>(std::ceil(model.board->size_mm.x() / tile_mm)) : 0;
+  const int tile_rows = tile_mm > 0 ? static_cast<int>(std::ceil(model.board->size_mm.y() / tile_mm)) : 0;
+  Eigen::MatrixXd tiles = Eigen::MatrixXd::Zero(n, tile_columns * tile_rows);
+  Eigen::MatrixXd rows(n, width);  // one row of the photo at a time: a column a pixel
+  Eigen::VectorXd r(width), to_noise(width), to_curvature(width);
+  Eigen::MatrixXd noise_JtJ = Eigen::MatrixXd::Zero(n, n), curvature_JtJ = noise_JtJ, other_rows;
+  for (int y = 0; y < height; ++y) {
+    Eigen::Index used = 0;
+    for (int px = 0; px < width; ++px) {
+      const std::size_t i = static_cast<std::size_t>(y) * width + px;
+      if (!(photo.weight[i] > 0)) continue;
+      const double vignette = vignette_of(photo, x, i);
+      const double residual = residual_at(photo, x, i, vignette, light);
+      const Loss loss = cauchy_loss(residual * residual, model.cauchy);
+      out.cost += 0.5 * loss.rho;
+      const double root = std::sqrt(loss.weight), scale = root * photo.weight[i] * vignette;
+      r[used] = root * residual;
+      std::size_t k = 0;
+      for (; k < rendered_columns; ++k) rows(static_cast<Eigen::Index>(k), used) = scale * columns[k].data[i];
+      auto row = static_cast<Eigen::Index>(k);
+      if (free[unknown::ambient]) rows(row++, used) = scale * model.f0;
+      double radius_power = photo.radius2[i];
+      for (int v = 0; v < 3; ++v, radius_power *= photo.radius2[i])
+        if (free[unknown::vignette + v]) rows(row++, used) = root * photo.weight[i] * radius_power * light.data[i];
+      if (tile_mm > 0) {
+        to_noise[used] = 1 / (root * photo.weight[i] * photo.photo.sigma.data[i]);
+        to_curvature[used] = std::sqrt(loss.curvature / loss.weight);
+        const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
+        const int tx = std::clamp(static_cast<int>(p.x() / tile_mm), 0, tile_columns - 1);
+        const int ty = std::clamp(static_cast<int>(p.y() / tile_mm), 0, tile_rows - 1);
+        tiles.col(ty * tile_columns + tx) += r[used] * rows.col(used);
+      }
+      ++used;
+    }
+    if (used == 0) continue;
+    JtJ.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(used));
+    Jtr.noalias() += rows.leftCols(used) * r.head(used);
+    if (tile_mm > 0) {
+      other_rows = rows.leftCols(used) * to_noise.head(used).asDiagonal();
+      noise_JtJ.selfadjointView<Eigen::Lower>().rankUpdate(other_rows);
+      other_rows = rows.leftCols(used) * to_curvature.head(used).asDiagonal();
+      curvature_JtJ.selfadjointView<Eigen::Lower>().rankUpdate(other_rows);
+    }
+  }
+  noise_JtJ.triangularView<Eigen::StrictlyUpper>() = noise_JtJ.transpose();
+  curvature_JtJ.triangularView<Eigen::StrictlyUpper>() = curvature_JtJ.transpose();
+  JtJ.triangularView<Eigen::StrictlyUpper>() = JtJ.transpose();
+
+  out.JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
+  out.Jtr = Eigen::VectorXd::Zero(unknown::count);
+  if (tile_mm > 0) {
+    out.tile_scores = Eigen::MatrixXd::Zero(unknown::count, tiles.cols());
+    out.noise_JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
+    out.curvature_JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
+  }
+  for (Eigen::Index a = 0; a < n; ++a) {
+    out.Jtr[index[a]] = Jtr[a];
+    if (tile_mm > 0) out.tile_scores.row(index[a]) = tiles.row(a);
+    for (Eigen::Index b = 0; b < n; ++b) {
+      out.JtJ(index[a], index[b]) = JtJ(a, b);
+      if (tile_mm > 0) {
+        out.noise_JtJ(index[a], index[b]) = noise_JtJ(a, b);
+        out.curvature_JtJ(index[a], index[b]) = curvature_JtJ(a, b);
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace burin

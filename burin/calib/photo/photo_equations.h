@@ -1,0 +1,169 @@
+// burin/calib/photo/photo_equations.h - one photo against the model: its cost, and its normal equations by every
+// parameter. Frame: board, mm. What refine.h's problem is made of; see there for the residual.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "burin/calib/geometry/geometry_prior.h"
+#include "burin/calib/light/light_samples.h"
+#include "burin/calib/photo/overlap.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/groove_field.h"
+#include "burin/render/scratches.h"
+#include "burin/render/view_renderer.h"
+
+namespace burin {
+
+/// The unknowns of a photo under one lamp, as one vector. Groups are what a fit frees or holds together.
+namespace unknown {
+enum Index : int {
+  log_alpha = 0,
+  log_depth = 1,
+  log_base_alpha = 2,
+  depth_field = 3,  // GrooveField's terms: gx gy, qxx qxy qyy, wear
+  machine = 9,  // a00 a01 a10 a11 tx ty: carved = center + A (designed - center) + t, mm, about the carve area's center
+  ambient = 15,        // radiance, mean of the channels
+  vignette = 16,       // v1 v2 v3
+  log_blur = 19,       // of the Gaussian's sigma in pixels of the photo as taken
+  lamp_position = 20,  // mm
+  log_intensity = 23,
+  spot = 24,  // aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp
+  pose = 27,  // rotation vector on the left of T_camera_board; then translation, mm
+  bow = 33,   // mm
+  lens = 36,  // as moved_lens() (geometry_prior.h) takes them; lenses of more parameters are held
+  count = lens + kMostLensParameters
+};
+}  // namespace unknown
+
+using Unknowns = Eigen::Matrix<double, unknown::count, 1>;
+using FreeUnknowns = std::array<bool, unknown::count>;
+
+/// A photo at one resolution, and all of it that does not change while the fit runs.
+struct PhotoData {
+  LightView photo;
+  int bin = 1;
+  /// Grid and camera. Its lamp and material are overwritten with the unknowns by each function below, so that the grid
+  /// is never copied: one thread at a time may work on one photo.
+  mutable ViewScene scene;
+  /// What the renderer keeps of the grid, and the places of the last scratches; as for the scene, one thread at a time.
+  std::shared_ptr<RenderRoom> room;
+  CameraView camera;
+  std::vector<float> weight;   ///< 1 / expected error of each pixel; 0 where it is not used
+  std::vector<float> radius2;  ///< vignetting's r^2
+  /// What the photo's own pixels would add to the value predicted on binned ones (see correct_binning); empty: nothing.
+  std::vector<float> correction;
+  std::vector<float> blur_slope;    ///< with a correction: the value's derivative by log_blur, from the same pixels
+  double log_blur_at = 0;           ///< where both were taken; binned pixels are blurred by this much then
+  std::vector<float> groove_shift;  ///< what grooves that differ add to the mean of the value (shift_by_grooves)
+};
+
+/// What all photos share.
+struct ModelData {
+  const Board* board = nullptr;
+  const Scratches* designed = nullptr;
+  /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
+  std::array<double, GrooveField::kTerms> alpha_field{};
+  bool last_carved_rules = false;   ///< overlap: see burin/calib/photo/overlap.h
+  Eigen::Vector2d center_mm{0, 0};  ///< of the carve area
+  double f0 = 0.92;                 ///< mean of the channels
+  double cauchy = 3;                ///< scale of the robust loss, in expected errors
+  /// How much roughness and depth differ from groove to groove: standard deviations of their logarithms
+  /// (groove_scatter.h), and the standard errors of these numbers' squares.
+  double alpha_jitter = 0, depth_jitter = 0;
+  double alpha_jitter2_sigma = 0, depth_jitter2_sigma = 0;
+};
+
+/// Prepares a photo. `margin_px`: distance (in binned pixels) that used pixels keep from tags and the board's edge.
+PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& board, const Bench& bench,
+                          double margin_px);
+
+/// The terms of the field of depth.
+std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x);
+
+/// The scratches as carved under these unknowns, cut where later ones rule if the model says so.
+Scratches carved_scratches(const ModelData& model, const Unknowns& x);
+
+/// The same with the scratch that each is a piece of, and with a depth and a roughness for each.
+VisiblePieces carved_pieces(const ModelData& model, const Unknowns& x);
+
+/// The photo as predicted (linear value / exposure factor).
+Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
+
+/// The same with its derivatives by the logarithms of alpha and depth, from differences: for weights.
+struct GrooveSlopes {
+  Image value, by_log_alpha, by_log_depth;
+};
+GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                                 const Scratches& carved);
+
+/// dE/d(log alpha) and dE/d(log depth) of each scratch.
+struct GrooveGradients {
+  std::vector<double> by_log_alpha, by_log_depth;
+};
+/// Those of several E, given dE/d(value) of each, one number a pixel: predict() backwards. `carved` must have depths
+/// and roughnesses of its own (carved_pieces).
+std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                                              std::span<const Image> dE_dvalue);
+
+/// Sets `photo.groove_shift` at x: a pixel's value is not linear in a groove's roughness or depth, so grooves that
+/// differ by model.alpha_jitter and depth_jitter send other light on average than equal ones. Their logarithms are
+/// taken as normal, by Gauss and Hermite's rule of three points.
+void shift_by_grooves(const ModelData& model, const Unknowns& x, const Scratches& carved, PhotoData& photo);
+
+/// Sets `photo.correction` at x: the prediction on the photo's own pixels (`whole`, the view that was binned),
+/// averaged, less the one on binned pixels. What is not linear within a binned pixel (grooves that cover a pixel more
+/// than once, the blur's shape, directions) is so predicted as on fine pixels, at the price of one rendering. The
+/// blur, being finer than a binned pixel, is taken from the fine ones altogether: its effect (blur_slope) is linear
+/// about this state. Pixels are at most `max_pixels` large images; larger ones are binned by the smallest divisor of
+/// photo.bin that fits, and where none does, nothing is corrected.
+void correct_binning(const ModelData& model, const LightView& whole, const Board& board, const Bench& bench,
+                     const Unknowns& x, const Scratches& carved, std::size_t max_pixels, PhotoData& photo);
+
+/// What the photo shows at x before vignetting and corrections, lamp and ambient light blurred: what takes rendering.
+Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
+
+/// The same with its derivatives by all unknowns that it depends on otherwise than by a factor.
+struct PhotoSlopes {
+  Unknowns at = Unknowns::Zero();
+  FreeUnknowns free{};
+  Image light;                 ///< seen_light() at `at`
+  std::vector<int> index;      ///< of the unknown that each column is by
+  std::vector<Image> columns;  ///< before vignetting
+};
+PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+                         const FreeUnknowns& free);
+
+/// Whether slopes that were taken elsewhere serve at x, where the photo shows `light`: they foretold what has changed
+/// since, in expected errors, to a tenth, or it is less than one expected error in all pixels together.
+bool slopes_hold(const ModelData& model, const PhotoData& photo, const PhotoSlopes& slopes, const Unknowns& x,
+                 const Image& light);
+
+/// Cost (half the sum of the robust loss), and its Gauss-Newton model by all unknowns (rows of held ones are 0).
+struct PhotoEquations {
+  double cost = 0;
+  Eigen::MatrixXd JtJ;  ///< count x count, weighted
+  Eigen::VectorXd Jtr;
+  /// Scores summed over squares of the board, tile_columns x tile_rows, one column a square: count x tiles.
+  Eigen::MatrixXd tile_scores;
+  Eigen::MatrixXd noise_JtJ;      ///< with tile_scores: weighted by the photo's noise alone, without loss
+  Eigen::MatrixXd curvature_JtJ;  ///< with tile_scores: weighted by the loss' curvature, where it is not negative
+};
+
+double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
+/// The same where `light` is seen.
+double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light);
+
+/// `tile_mm` > 0 asks for tile_scores, noise_JtJ and curvature_JtJ.
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                               const Scratches& carved, const FreeUnknowns& free, double tile_mm = 0);
+/// The same where `light` is seen, with slopes that hold there.
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
+                               const PhotoSlopes& slopes, double tile_mm = 0);
+
+}  // namespace burin

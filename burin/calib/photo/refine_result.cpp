@@ -1,0 +1,189 @@
+#include "burin/calib/photo/refine_result.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+#include <utility>
+
+namespace burin {
+PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Scratches& carved,
+                   const Bench& bench) {
+  const PhotoData& photo = data.photos[k];
+  const Unknowns x = state.of(photo.photo.light);
+  const Image predicted = predict(data.model, photo, x, carved);
+  PhotoFit fit;
+  fit.view = bench.views[photo.photo.view].name;
+  fit.light = bench.lights[photo.photo.light].id;
+  std::vector<double> to_noise;
+  double residual2 = 0, value2 = 0;
+  std::size_t inliers = 0;
+  constexpr double kOutlier = 4;
+  for (std::size_t i = 0; i < predicted.data.size(); ++i) {
+    if (!(photo.weight[i] > 0)) continue;
+    ++fit.pixels;
+    const double r = static_cast<double>(predicted.data[i]) - photo.photo.value.data[i];
+    to_noise.push_back(std::abs(r) / photo.photo.sigma.data[i]);
+    if (std::abs(r) * photo.weight[i] > kOutlier) continue;
+    ++inliers;
+    residual2 += r * r;
+    value2 += static_cast<double>(photo.photo.value.data[i]) * photo.photo.value.data[i];
+  }
+  if (fit.pixels == 0) return fit;
+  fit.residual_rms = value2 > 0 ? std::sqrt(residual2 / value2) : 0;
+  fit.residual_to_noise = median_of(to_noise) / 0.6745;
+  fit.outliers = 1 - static_cast<double>(inliers) / static_cast<double>(fit.pixels);
+  return fit;
+}
+
+void fit_colors(const Problem& data, std::span<const MergedView> merged, const State& state, Bench& bench) {
+  const std::size_t lights = bench.lights.size();
+  const Eigen::Vector3d f0 = bench.material.f0;
+  const auto n = static_cast<Eigen::Index>(lights + 1);
+  std::array<Eigen::MatrixXd, 3> H;
+  std::array<Eigen::VectorXd, 3> g;
+  for (int c = 0; c < 3; ++c) {
+    H[c] = Eigen::MatrixXd::Zero(n, n);
+    g[c] = Eigen::VectorXd::Zero(n);
+  }
+  bool colored = false;
+  const Scratches carved = carved_scratches(data.model, state.of(0));
+  for (const PhotoData& photo : data.photos) {
+    const MergedView& source = merged[photo.photo.merged];
+    if (source.value.channels != 3) continue;
+    colored = true;
+    const Unknowns x = state.of(photo.photo.light);
+    const Image both = predict(data.model, photo, x, carved);
+    for (int y = 0; y < both.height; ++y)
+      for (int px = 0; px < both.width; ++px) {
+        const std::size_t i = static_cast<std::size_t>(y) * both.width + px;
+        if (!(photo.weight[i] > 0)) continue;
+        const double r = photo.weight[i] * (static_cast<double>(both.data[i]) - photo.photo.value.data[i]);
+        const double ambient =
+            vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i])) * data.model.f0;
+        const double lamp = both.data[i] - x[unknown::ambient] * ambient;
+        const double weight = photo.weight[i] * photo.weight[i] / (1 + r * r / (data.model.cauchy * data.model.cauchy));
+        for (int c = 0; c < 3; ++c) {
+          double value = 0;
+          for (int v = 0; v < photo.bin; ++v)
+            for (int u = 0; u < photo.bin; ++u)
+              value += source.value.at((px + photo.photo.window.x0) * photo.bin + u,
+                                       (y + photo.photo.window.y0) * photo.bin + v, c);
+          value /= photo.bin * photo.bin;
+          Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
+          row[static_cast<Eigen::Index>(photo.photo.light)] = lamp * f0[c] / data.model.f0;
+          row[n - 1] = ambient * f0[c] / data.model.f0;
+          H[c].noalias() += weight * row * row.transpose();
+          g[c] += weight * value * row;
+        }
+      }
+  }
+  if (!colored) return;
+  for (int c = 0; c < 3; ++c) {
+    const Eigen::VectorXd factor = H[c].ldlt().solve(g[c]);
+    if (!factor.allFinite()) continue;
+    for (std::size_t light = 0; light < lights; ++light)
+      if (H[c](static_cast<Eigen::Index>(light), static_cast<Eigen::Index>(light)) > 0)
+        bench.lights[light].intensity[c] *= factor[static_cast<Eigen::Index>(light)];
+    bench.ambient[c] = std::max(0.0, factor[n - 1]);
+  }
+}
+
+Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
+                        Refinement& out) {
+  Bench& bench = out.bench;
+  const Board& board = *data.model.board;
+  const auto& s = state.shared;
+  bench.material.alpha = std::exp(s[unknown::log_alpha]);
+  bench.material.depth_um = std::exp(s[unknown::log_depth]);
+  bench.material.base_alpha = std::exp(s[unknown::log_base_alpha]);
+  bench.material.f0 = board.material.f0;
+  bench.sensor.gain = 1;
+  bench.sensor.vignette = Eigen::Vector3d(s[unknown::vignette], s[unknown::vignette + 1], s[unknown::vignette + 2]);
+  bench.sensor.psf_sigma_px = std::exp(s[unknown::log_blur]);
+  bench.ambient.setConstant(s[unknown::ambient]);
+  bench.alpha_field = {};
+  bench.depth_field = {};
+  std::array<double, GrooveField::kTerms> field_sigma{};
+  for (int i = 0; i < GrooveField::kTerms; ++i) {
+    bench.depth_field.terms[i] = s[unknown::depth_field + i];
+    field_sigma[i] = uncertainty.sigma(unknown::depth_field + i);
+  }
+  if (!bench.depth_field.is_constant()) bench.depth_field.sigma = field_sigma;
+
+  bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
+  bench.material_sigma.depth_um = bench.material.depth_um * uncertainty.sigma(unknown::log_depth);
+  bench.material_sigma.base_alpha = bench.material.base_alpha * uncertainty.sigma(unknown::log_base_alpha);
+
+  Eigen::Matrix2d A;
+  A << s[unknown::machine], s[unknown::machine + 1], s[unknown::machine + 2], s[unknown::machine + 3];
+  const Eigen::Vector2d c = data.model.center_mm, t(s[unknown::machine + 4], s[unknown::machine + 5]);
+  bench.machine_affine << A, c - A * c + t;
+  // Photos see the scratches against the tags, so the frame itself is only as good as the tags' believed places taken
+  // together; that is no fault of the photos and must not be read as one of the machine.
+  const Eigen::Matrix3d frame = tag_frame_covariance(board);
+  const auto sigma_of = [&](int row, const Eigen::Vector3d& a_center) {  // of a00 a1 + a01 a2 + t a3, about the center
+    Eigen::VectorXd a = Eigen::VectorXd::Zero(uncertainty.covariances.front().rows());
+    for (int column = 0; column < 2; ++column) a[unknown::machine + 2 * row + column] = a_center[column];
+    a[unknown::machine + 4 + row] = a_center[2];
+    // The frame's covariance is about the board's origin: x = c + (x - c).
+    const Eigen::Vector3d a_origin(a_center[0] + a_center[2] * c.x(), a_center[1] + a_center[2] * c.y(), a_center[2]);
+    return std::hypot(uncertainty.sigma(a), std::sqrt(a_origin.dot(frame * a_origin)));
+  };
+  Affine2 sigma;
+  for (int row = 0; row < 2; ++row) {
+    sigma(row, 0) = sigma_of(row, {1, 0, 0});
+    sigma(row, 1) = sigma_of(row, {0, 1, 0});
+    sigma(row, 2) = sigma_of(row, {-c.x(), -c.y(), 1});
+  }
+  bench.machine_affine_sigma = sigma;
+  for (std::size_t light = 0; light < bench.lights.size(); ++light) {
+    Light& l = bench.lights[light];
+    const auto& v = state.lamps[light];
+    const auto at = [&](int index) { return global_index(index, light); };
+    l.position_mm = Eigen::Vector3d(v[0], v[1], v[2]);
+    l.intensity.setConstant(std::exp(v[unknown::log_intensity - kFirstLampUnknown]));
+    const double* spot = v.data() + (unknown::spot - kFirstLampUnknown);
+    l.falloff_exponent = data.is_spot[light] ? spot[2] : 0;
+    l.axis = (Eigen::Vector3d(spot[0], spot[1], 0) - l.position_mm).normalized();
+    const bool seen =
+        std::any_of(data.photos.begin(), data.photos.end(), [&](const PhotoData& p) { return p.photo.light == light; });
+    if (!seen) continue;
+    if (stage.lamp) {
+      Eigen::Vector3d position_sigma;
+      for (int i = 0; i < 3; ++i) position_sigma[i] = uncertainty.sigma(at(unknown::lamp_position + i));
+      l.position_sigma_mm = position_sigma;
+      if (data.is_spot[light]) l.falloff_exponent_sigma = uncertainty.sigma(at(unknown::spot + 2));
+    }
+    l.intensity_sigma = l.intensity * uncertainty.sigma(at(unknown::log_intensity));
+  }
+  for (std::size_t view = 0; view < uncertainty.center_sigma_mm.size(); ++view)
+    if (uncertainty.center_sigma_mm[view] != Eigen::Vector3d::Zero())
+      bench.views[view].center_sigma_mm = uncertainty.center_sigma_mm[view];
+  Combinations judged = judge_light(data, state, uncertainty, stage, bench);
+
+  // How far the sigmas stand above what the camera's noise alone would allow: the rest is what the model misses.
+  const auto beside_noise = [&](const std::string& name, double sigma, double bound, const std::string& unit) {
+    const auto verdict = bench.verdict.find(name);
+    if (verdict == bench.verdict.end() || !verdict->second.determined || !(bound > 0)) return;
+    out.noise_bounds.push_back({name, sigma, bound, unit});
+    std::ostringstream times;
+    times << std::setprecision(2) << sigma / bound;
+    verdict->second.reason += "; " + times.str() + " times what the camera's noise alone would allow";
+  };
+  for (const auto& [name, index] : {std::pair("alpha", unknown::log_alpha), std::pair("depth_um", unknown::log_depth),
+                                    std::pair("base_alpha", unknown::log_base_alpha)})
+    beside_noise(name, 100 * uncertainty.sigma(index), 100 * uncertainty.bound(index), " %");
+  for (std::size_t light = 0; light < bench.lights.size() && stage.lamp; ++light) {
+    Eigen::Vector3d sigma_mm, bound_mm;
+    for (int i = 0; i < 3; ++i) {
+      sigma_mm[i] = uncertainty.sigma(global_index(unknown::lamp_position + i, light));
+      bound_mm[i] = uncertainty.bound(global_index(unknown::lamp_position + i, light));
+    }
+    beside_noise("light." + bench.lights[light].id + ".position_mm", sigma_mm.norm(), bound_mm.norm(), " mm");
+  }
+  return judged;
+}
+
+}  // namespace burin

@@ -1,0 +1,26 @@
+// burin/calib/photo/refine_result.h - from a solved problem to what a person is told: bench.json's numbers, their
+// sigmas and verdicts, how each photo is explained. Used by refine.h.
+#pragma once
+
+#include <span>
+
+#include "burin/calib/photo/photo_problem.h"
+#include "burin/calib/refine.h"
+#include "burin/calib/verdict/identifiability.h"
+#include "burin/calib/verdict/photo_uncertainty.h"
+
+namespace burin {
+
+/// How photo k is explained.
+PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Scratches& carved, const Bench& bench);
+
+/// Colors: with everything else known, each channel of a photo is linear in its lamp's intensity and the ambient
+/// light. Splits the intensities and ambient light of `bench` (means of the channels) into channels; nothing for mono
+/// photos.
+void fit_colors(const Problem& data, std::span<const MergedView> merged, const State& state, Bench& bench);
+
+/// Writes state and uncertainty into out.bench, and judges each parameter (burin/calib/verdict/identifiability.h).
+Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
+                        Refinement& out);
+
+}  // namespace burin

@@ -1,0 +1,135 @@
+#include "burin/calib/photo/strange_regions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace burin {
+namespace {
+
+// Counts by square of the board.
+struct Squares {
+  int columns, rows;
+  std::vector<int> seen, strange;  // photos
+
+  explicit Squares(const Board& board)
+      : columns(static_cast<int>(std::ceil(board.size_mm.x() / kStrangeSquareMm))),
+        rows(static_cast<int>(std::ceil(board.size_mm.y() / kStrangeSquareMm))),
+        seen(static_cast<std::size_t>(columns) * rows, 0),
+        strange(seen) {}
+  std::size_t at(const Eigen::Vector3d& p_mm) const {
+    const int column = std::clamp(static_cast<int>(p_mm.x() / kStrangeSquareMm), 0, columns - 1);
+    const int row = std::clamp(static_cast<int>(p_mm.y() / kStrangeSquareMm), 0, rows - 1);
+    return static_cast<std::size_t>(row) * columns + column;
+  }
+  // visit(index) for a square and those that touch it.
+  template <typename Visit>
+  void each_around(int column, int row, const Visit& visit) const {
+    for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r)
+      for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c)
+        visit(static_cast<std::size_t>(r) * columns + c);
+  }
+};
+
+}  // namespace
+
+std::vector<StrangeRegion> strange_regions(const Problem& data, const State& state) {
+  constexpr double kBeyond = 4;  // expected errors
+  Squares squares(*data.model.board);
+  const Scratches carved = carved_scratches(data.model, state.of(0));
+  for (const PhotoData& photo : data.photos) {
+    const Image value = predict(data.model, photo, state.of(photo.photo.light), carved);
+    std::vector<int> pixels(squares.seen.size(), 0), off(pixels);
+    for (std::size_t i = 0; i < photo.weight.size(); ++i) {
+      if (!(photo.weight[i] > 0)) continue;
+      const std::size_t square = squares.at(photo.scene.grid->center_mm[i]);
+      ++pixels[square];
+      off[square] += std::abs(value.data[i] - photo.photo.value.data[i]) * photo.weight[i] > kBeyond;
+    }
+    for (std::size_t s = 0; s < pixels.size(); ++s) {
+      squares.seen[s] += pixels[s] > 0;
+      squares.strange[s] += pixels[s] > 0 && 2 * off[s] >= pixels[s];
+    }
+  }
+
+  const auto is_strange = [&](std::size_t s) {
+    return squares.strange[s] >= 2 && 2 * squares.strange[s] >= squares.seen[s];
+  };
+  std::vector<StrangeRegion> regions;
+  std::vector<bool> taken(squares.seen.size(), false);
+  std::size_t strange = 0, seen = 0;
+  for (std::size_t start = 0; start < taken.size(); ++start) {
+    seen += squares.seen[start] > 0;
+    strange += is_strange(start);
+    if (taken[start] || !is_strange(start)) continue;
+    StrangeRegion region;
+    std::vector<std::size_t> next{start};
+    taken[start] = true;
+    while (!next.empty()) {
+      const std::size_t s = next.back();
+      next.pop_back();
+      const int column = static_cast<int>(s) % squares.columns, row = static_cast<int>(s) / squares.columns;
+      region.squares.emplace_back(column, row);
+      region.strange_in = std::max(region.strange_in, static_cast<std::size_t>(squares.strange[s]));
+      region.seen_in = std::max(region.seen_in, static_cast<std::size_t>(squares.seen[s]));
+      squares.each_around(column, row, [&](std::size_t other) {
+        if (taken[other] || !is_strange(other)) return;
+        taken[other] = true;
+        next.push_back(other);
+      });
+    }
+    constexpr std::size_t kFewest = 4;
+    if (region.squares.size() < kFewest) continue;
+    Eigen::Vector2i low = region.squares.front(), high = low;
+    for (const Eigen::Vector2i& square : region.squares) {
+      low = low.cwiseMin(square);
+      high = high.cwiseMax(square);
+    }
+    region.min_mm = kStrangeSquareMm * low.cast<double>();
+    region.max_mm =
+        (kStrangeSquareMm * (high.cast<double>() + Eigen::Vector2d::Ones())).cwiseMin(data.model.board->size_mm);
+    regions.push_back(std::move(region));
+  }
+  if (3 * strange >= seen) return {};
+  std::stable_sort(regions.begin(), regions.end(),
+                   [](const StrangeRegion& a, const StrangeRegion& b) { return a.squares.size() > b.squares.size(); });
+  return regions;
+}
+
+void leave_out(const std::vector<StrangeRegion>& regions, const Problem& data, std::vector<LightView>& views) {
+  const Squares squares(*data.model.board);
+  std::vector<bool> out(squares.seen.size(), false);
+  for (const StrangeRegion& region : regions)
+    for (const Eigen::Vector2i& square : region.squares)
+      squares.each_around(square.x(), square.y(), [&](std::size_t near) { out[near] = true; });
+  for (std::size_t k = 0; k < data.photos.size(); ++k) {
+    const PhotoData& photo = data.photos[k];
+    LightView& view = views[k];
+    const PixelWindow &binned = photo.photo.window, &whole = view.window;
+    for (int y = 0; y < binned.height; ++y)
+      for (int x = 0; x < binned.width; ++x) {
+        const Eigen::Vector3d& p = photo.scene.grid->center_mm[static_cast<std::size_t>(y) * binned.width + x];
+        if (!std::isfinite(p.x()) || !out[squares.at(p)]) continue;
+        for (int v = 0; v < photo.bin; ++v)
+          for (int u = 0; u < photo.bin; ++u) {
+            const int px = (x + binned.x0) * photo.bin + u - whole.x0, py = (y + binned.y0) * photo.bin + v - whole.y0;
+            if (px >= 0 && py >= 0 && px < whole.width && py < whole.height)
+              view.valid[static_cast<std::size_t>(py) * whole.width + px] = 0;
+          }
+      }
+  }
+}
+
+std::string told(const StrangeRegion& region) {
+  const Eigen::Vector2d size = region.max_mm - region.min_mm, middle = 0.5 * (region.min_mm + region.max_mm);
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(0) << "a region of " << size.x() << " x " << size.y() << " mm at ("
+       << middle.x() << ", " << middle.y() << ") mm does not look like the board in " << region.strange_in << " of "
+       << region.seen_in
+       << " photos: a sticker, or fingerprints? It is left out of the fit; clean the board there and photograph it "
+          "again if the grooves under it matter";
+  return text.str();
+}
+
+}  // namespace burin

@@ -1,0 +1,345 @@
+#include "burin/calib/plan.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <set>
+
+#include "burin/calib/verdict/half_samples.h"
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+// What is believed before the first photo, as sigmas: of logarithms, mm, or shares.
+constexpr double kBelievedLog = 1;           // roughness, depth, blur: a factor of e
+constexpr double kBelievedIntensityLog = 3;  // nobody knows a sensor's gain
+constexpr double kBelievedScale = 0.005;     // the machine's scales, skew and turn
+constexpr double kBelievedShift_mm = 1;
+constexpr double kBelievedLampShare = 0.3;  // of its distance
+constexpr double kBelievedExponent = 10;
+constexpr double kBelievedAmbientShare = 0.5;  // of the lamp's light on paper
+
+// Inverse of positive definite information whose entries differ by many decades.
+Eigen::MatrixXd scaled_inverse(const Eigen::MatrixXd& H) {
+  const Eigen::VectorXd scale = H.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(H.rows(), H.cols());
+  return scale.asDiagonal() * (scale.asDiagonal() * H * scale.asDiagonal()).ldlt().solve(identity) * scale.asDiagonal();
+}
+
+// A parameter as the root mean square, or the largest, of some linear combinations' sigmas.
+struct Measure {
+  PlanParameter parameter;
+  bool of_light = false;
+  bool worst = false;
+  std::vector<Eigen::VectorXd> rows;  // scaled to the parameter's unit
+  int lamp = -1;                      // of a proposed lamp: where it stands is no aim in itself
+
+  double sigma(const Eigen::MatrixXd& covariance) const {
+    double out = 0;
+    for (const Eigen::VectorXd& a : rows) {
+      const double variance = std::max(0.0, a.dot(covariance * a));
+      out = worst ? std::max(out, variance) : out + variance / static_cast<double>(rows.size());
+    }
+    return std::min(parameter.before, std::sqrt(out));
+  }
+};
+
+double worth(double sigma, double goal) { return std::log(sigma * sigma + goal * goal); }
+
+std::vector<Measure> geometry_measures(const BundleEquations& e, const Lens& lens, const Board& board,
+                                       const BundleOptions& options) {
+  const auto unit = [&](int at, double by) { return Eigen::VectorXd(by * Eigen::VectorXd::Unit(e.columns, at)); };
+  std::vector<Measure> out;
+  if (e.lens_at >= 0) {
+    const double longer = std::max(lens.width, lens.height);
+    out.push_back({{"lens focal length", "%", 0.05, 100},
+                   false,
+                   true,
+                   {unit(e.lens_at, 100 / lens.intrinsics[0]), unit(e.lens_at + 1, 100 / lens.intrinsics[1])}});
+    out.push_back({{"lens center", "px", 5e-4 * longer, 0.1 * longer},
+                   false,
+                   true,
+                   {unit(e.lens_at + 2, 1), unit(e.lens_at + 3, 1)}});
+  }
+  Measure tags{{"board.tags", "mm", 0.01, std::max(1e-4, board.tags.sigma_mm)}, false, false, {}};
+  for (const int at : e.tag_at)
+    for (int i = 0; at >= 0 && i < 2; ++i) tags.rows.push_back(unit(at + i, 1));
+  if (!tags.rows.empty()) out.push_back(tags);
+  if (e.shared_at >= 0)
+    out.push_back({{"board.bow_mm", "mm", 0.005, options.bow_prior_mm},
+                   false,
+                   true,
+                   {unit(e.shared_at + 1, 1), unit(e.shared_at + 2, 1), unit(e.shared_at + 3, 1)}});
+  return out;
+}
+
+std::vector<Measure> light_measures(const Problem& data, const Bench& bench, std::size_t own_lamps, Eigen::Index n,
+                                    double paper) {
+  const Board& board = *data.model.board;
+  const auto unit = [&](int at, double by) { return Eigen::VectorXd(by * Eigen::VectorXd::Unit(n, at)); };
+  std::vector<Measure> out;
+  const auto share = [&](const char* name, int at, double goal) {
+    out.push_back({{name, "%", goal, 100 * kBelievedLog}, true, false, {unit(at, 100)}});
+  };
+  share("alpha", unknown::log_alpha, 1);
+  share("depth_um", unknown::log_depth, 1.5);
+  share("base_alpha", unknown::log_base_alpha, 2);
+  Measure machine{{"machine.affine", "mm", 0.01, 0}, true, true, {}};
+  const Eigen::Vector2d c = data.model.center_mm;
+  for (const double x : {board.carve_min_mm.x(), board.carve_max_mm.x()})
+    for (const double y : {board.carve_min_mm.y(), board.carve_max_mm.y()})
+      for (int row = 0; row < 2; ++row) {
+        const int at = unknown::machine + 2 * row;
+        machine.rows.emplace_back(unit(at, x - c.x()) + unit(at + 1, y - c.y()) + unit(unknown::machine + 4 + row, 1));
+        machine.parameter.before =
+            std::max(machine.parameter.before,
+                     std::hypot(kBelievedShift_mm, kBelievedScale * (Eigen::Vector2d(x, y) - c).norm()));
+      }
+  out.push_back(machine);
+  out.push_back(
+      {{"ambient", "%", 0.5, 100 * kBelievedAmbientShare}, true, false, {unit(unknown::ambient, 100 / paper)}});
+  Measure vignette{{"sensor.vignette", "%", 1, 25}, true, false, {Eigen::VectorXd::Zero(n)}};
+  for (int i = 0; i < 3; ++i) vignette.rows[0] += unit(unknown::vignette + i, 100 * std::pow(0.5, i + 1));
+  out.push_back(vignette);
+  share("sensor.psf_sigma_px", unknown::log_blur, 10);
+  const Eigen::Vector3d center(c.x(), c.y(), 0);
+  for (std::size_t i = 0; i < bench.lights.size(); ++i) {
+    const Light& light = bench.lights[i];
+    const double distance = (light.position_mm - center).norm();
+    Measure position{
+        {"light." + light.id + ".position_mm", "mm", 2e-3 * distance, kBelievedLampShare * distance}, true, true, {}};
+    for (int k = 0; k < 3; ++k) position.rows.push_back(unit(global_index(unknown::lamp_position + k, i), 1));
+    Measure intensity{{"light." + light.id + ".intensity", "%", 1, 100 * kBelievedIntensityLog},
+                      true,
+                      false,
+                      {unit(global_index(unknown::log_intensity, i), 100)}};
+    if (i >= own_lamps) position.lamp = intensity.lamp = static_cast<int>(i);
+    out.push_back(position);
+    out.push_back(intensity);
+    if (data.is_spot[i])
+      out.push_back({{"light." + light.id + ".falloff_exponent", "", 0.5, kBelievedExponent},
+                     true,
+                     false,
+                     {unit(global_index(unknown::spot + 2, i), 1)},
+                     position.lamp});
+  }
+  return out;
+}
+
+// Information of what is believed before.
+Eigen::MatrixXd light_prior(const Problem& data, const Bench& bench, Eigen::Index n, double paper) {
+  Eigen::VectorXd sigma = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+  for (const int at : {unknown::log_alpha, unknown::log_depth, unknown::log_base_alpha, unknown::log_blur})
+    sigma[at] = kBelievedLog;
+  for (int i = 0; i < 4; ++i) sigma[unknown::machine + i] = kBelievedScale;
+  for (int i = 4; i < 6; ++i) sigma[unknown::machine + i] = kBelievedShift_mm;
+  sigma[unknown::ambient] = kBelievedAmbientShare * paper;
+  for (int i = 0; i < 3; ++i) sigma[unknown::vignette + i] = kVignettePriorSigma[i];
+  sigma[kSharedUnknowns] = kPaperFactorSigma;
+  const Eigen::Vector3d center(data.model.center_mm.x(), data.model.center_mm.y(), 0);
+  for (std::size_t i = 0; i < bench.lights.size(); ++i) {
+    const double distance = (bench.lights[i].position_mm - center).norm();
+    for (int k = 0; k < 3; ++k) sigma[global_index(unknown::lamp_position + k, i)] = kBelievedLampShare * distance;
+    sigma[global_index(unknown::log_intensity, i)] = kBelievedIntensityLog;
+    for (int k = 0; k < 2; ++k) sigma[global_index(unknown::spot + k, i)] = data.model.board->size_mm.norm();
+    sigma[global_index(unknown::spot + 2, i)] = kBelievedExponent;
+  }
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) H(i, i) = std::isfinite(sigma[i]) ? 1 / (sigma[i] * sigma[i]) : 1e30;
+  return H;
+}
+
+std::vector<double> bracket_stops(const PredictedLight& light) {
+  constexpr double kPaperAt = 0.6, kGlintsAt = 0.9, kStep = 3;
+  std::vector<double> stops{0};
+  if (!(light.paper > 0)) return stops;
+  const double needed = std::log2(std::max(1e-9, kPaperAt * light.metal / light.paper / kGlintsAt));
+  constexpr int kMost = 4;  // photos of a bracket
+  while (stops.back() > -needed && static_cast<int>(stops.size()) < kMost)
+    stops.push_back(std::max(stops.back() - kStep, -std::ceil(needed)));
+  return stops;
+}
+
+}  // namespace
+
+Scratches test_strokes(const Board& board) {
+  std::mt19937_64 random(1);
+  const auto uniform = [&] { return std::generate_canonical<double, 53>(random); };
+  const Eigen::Vector2d size = board.carve_max_mm - board.carve_min_mm;
+  const double length = std::min(5.0, 0.2 * size.minCoeff());
+  Scratches out;
+  constexpr double kPerMm2 = 0.4;
+  const auto count = static_cast<std::size_t>(std::clamp(kPerMm2 * size.x() * size.y(), 200.0, 20'000.0));
+  while (out.size() < count) {
+    const Eigen::Vector2d p = board.carve_min_mm + Eigen::Vector2d(uniform() * size.x(), uniform() * size.y());
+    const double turn = std::numbers::pi * uniform();
+    const Eigen::Vector2d half = 0.5 * length * Eigen::Vector2d(std::cos(turn), std::sin(turn));
+    const Eigen::Vector2d a = p - half, b = p + half;
+    if ((a.cwiseMin(b) - board.carve_min_mm).minCoeff() < 0 || (board.carve_max_mm - a.cwiseMax(b)).minCoeff() < 0)
+      continue;
+    out.x0_mm.push_back(a.x());
+    out.y0_mm.push_back(a.y());
+    out.x1_mm.push_back(b.x());
+    out.y1_mm.push_back(b.y());
+  }
+  return out;
+}
+
+Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& designed, const PlanOptions& options,
+                const Progress& progress) {
+  if (options.shots < 1) fail("the plan", "asks for no shots", "ask for at least one");
+  if (board.tags.list.size() < 3)
+    fail("board.json: tags.list", "has " + std::to_string(board.tags.list.size()) + " tags",
+         "list at least three, better ten around the carved area");
+  if (nominal.lights.empty()) fail("the bench", "has no lamp", "say where it is to stand, about");
+  if (designed.size() == 0)
+    fail("scratches", "there is none", "name the designed scratches, or plan with test strokes");
+
+  Plan out;
+  out.bench = nominal;
+  const std::size_t own_lamps = nominal.lights.size();
+  if (options.lamp_places > static_cast<int>(own_lamps))
+    for (const Light& light : turned_lamps(nominal.lights.front(), board, {60, 120, 180, 240, 300}))
+      out.bench.lights.push_back(light);
+  const Bench& bench = out.bench;
+  const std::vector<CameraPlace> places = camera_places(board, bench.lens, true);
+  std::size_t directions = 0;
+  for (const CameraPlace& place : places) directions = std::max(directions, place.direction + 1);
+
+  Bundle bundle;
+  bundle.lens = bench.lens;
+  bundle.surface = {board.size_mm, bench.bow_mm};
+  for (const Tag& tag : board.tags.list) {
+    TagPlacement placement;
+    placement.sigma_mm = std::max(board.tags.sigma_mm, 1e-4);
+    placement.sigma_rad = placement.sigma_mm / (tag.size_mm / 2);
+    bundle.tags.push_back(placement);
+  }
+  append_candidates(bundle, board, places, options.corner_sigma_px);
+  BundleOptions bundle_options;
+  bundle_options.fix_lens = options.fix_lens;
+  if (progress) progress("looking at the tags from everywhere", 0);
+  const BundleEquations geometry = bundle_equations(bundle, bundle_options);
+
+  Problem data;
+  data.model.board = &board;
+  data.model.designed = &designed;
+  data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
+  data.model.f0 = board.material.f0.mean();
+  data.model.alpha_field = bench.alpha_field.terms;
+  for (const Light& light : bench.lights) data.is_spot.push_back(light.falloff_exponent > 0);
+  State state = state_of(bench, data.model);
+  const Eigen::Index n = kSharedUnknowns + 1 + static_cast<Eigen::Index>(bench.lights.size()) * kLampUnknowns;
+  std::vector<bool> free(n, true);
+  for (int i = 0; i < GrooveField::kTerms; ++i) free[unknown::depth_field + i] = false;
+  for (std::size_t i = 0; i < bench.lights.size(); ++i)
+    for (int k = 0; k < 3; ++k) free[global_index(unknown::spot + k, i)] = data.is_spot[i];
+  std::vector<std::vector<LightCandidate>> light(directions);
+  double paper = 0;
+  for (const CameraPlace& place : places) {
+    if (!light[place.direction].empty()) continue;  // the first of a direction is the nearest, upright
+    if (progress)
+      progress("looking at the grooves from everywhere",
+               static_cast<double>(place.direction) / static_cast<double>(directions));
+    for (std::size_t lamp = 0; lamp < bench.lights.size(); ++lamp) {
+      light[place.direction].push_back(light_candidate(data, state, bench, place, lamp, free, options.light));
+      light[place.direction].back().information /= options.inflation * options.inflation;
+      paper = std::max(paper, light[place.direction].back().light.paper);
+    }
+  }
+  if (!(paper > 0))
+    fail("the bench", "its lamps light no tag of the board",
+         "put the lamp in front of the board: position_mm, z above 0");
+
+  std::vector<Measure> measures = geometry_measures(geometry, bench.lens, board, bundle_options);
+  for (Measure& m : light_measures(data, bench, own_lamps, n, paper)) measures.push_back(std::move(m));
+  for (const Measure& m : measures) out.parameters.push_back(m.parameter);
+
+  Eigen::MatrixXd H_geometry = geometry.prior, H_light = light_prior(data, bench, n, paper);
+  Straddle straddle;
+  std::set<std::size_t> lamps_used;
+  std::set<std::pair<std::size_t, std::size_t>> taken;
+  // The sum over measures of one kind; `sigmas`, if given, gets them.
+  const auto score = [&](bool of_light, const Eigen::MatrixXd& covariance, bool straddles,
+                         std::vector<double>* sigmas) {
+    double sum = 0;
+    for (std::size_t i = 0; i < measures.size(); ++i) {
+      const Measure& m = measures[i];
+      if (m.of_light != of_light) continue;
+      double sigma = m.sigma(covariance);
+      if (m.parameter.name == "depth_um" && !straddles) sigma = m.parameter.before;
+      if (sigmas) (*sigmas)[i] = sigma;
+      if (m.lamp < 0) sum += worth(sigma, m.parameter.goal);
+    }
+    return sum;
+  };
+  const auto straddles_with = [&](const Straddle& more) {
+    return Straddle{straddle.inside + more.inside, straddle.outside + more.outside}.both();
+  };
+  for (int shot = 0; shot < options.shots; ++shot) {
+    if (progress) progress("choosing places", static_cast<double>(shot) / options.shots);
+    // Light and geometry share no unknown, so a shot's worth is the sum of both.
+    std::vector<double> geometry_score(places.size());
+    for (std::size_t p = 0; p < places.size(); ++p)
+      geometry_score[p] = geometry.views[p].used
+                              ? score(false, scaled_inverse(H_geometry + geometry.views[p].information), false, nullptr)
+                              : std::numeric_limits<double>::infinity();
+    double best = std::numeric_limits<double>::infinity();
+    std::size_t best_place = 0, best_lamp = 0;
+    for (std::size_t direction = 0; direction < directions; ++direction)
+      for (std::size_t lamp = 0; lamp < bench.lights.size(); ++lamp) {
+        const LightCandidate& candidate = light[direction][lamp];
+        if (taken.count({direction, lamp}) || !(candidate.light.paper > 0)) continue;
+        std::set<std::size_t> lamps = lamps_used;
+        lamps.insert(lamp);
+        if (lamp >= own_lamps && static_cast<int>(std::max(lamps.size(), own_lamps + 1)) > options.lamp_places)
+          continue;
+        const double light_score =
+            score(true, scaled_inverse(H_light + candidate.information), straddles_with(candidate.straddle), nullptr);
+        for (std::size_t p = 0; p < places.size(); ++p)
+          if (places[p].direction == direction && geometry_score[p] + light_score < best &&
+              !in_the_way(places[p].center_mm(), bench.lights[lamp].position_mm, board)) {
+            best = geometry_score[p] + light_score;
+            best_place = p;
+            best_lamp = lamp;
+          }
+      }
+    if (!std::isfinite(best)) break;  // no place is left
+    const std::size_t direction = places[best_place].direction;
+    const LightCandidate& chosen = light[direction][best_lamp];
+    taken.insert({direction, best_lamp});
+    lamps_used.insert(best_lamp);
+    H_geometry += geometry.views[best_place].information;
+    H_light += chosen.information;
+    straddle.inside += chosen.straddle.inside;
+    straddle.outside += chosen.straddle.outside;
+    PlannedShot planned;
+    planned.camera = places[best_place];
+    planned.light = best_lamp;
+    planned.stops = bracket_stops(chosen.light);
+    planned.paper_radiance = chosen.light.paper;
+    planned.sigma.assign(measures.size(), 0);
+    score(false, scaled_inverse(H_geometry), straddle.both(), &planned.sigma);
+    score(true, scaled_inverse(H_light), straddle.both(), &planned.sigma);
+    out.shots.push_back(std::move(planned));
+  }
+  if (out.shots.empty())
+    fail("the plan", "there is no place from which lamp, tags and board are seen",
+         "check the lens and the lamp's place");
+  out.straddles = straddle.both();
+  // Of the lamps that were proposed, only those that serve a shot are told.
+  for (std::size_t i = measures.size(); i-- > 0;)
+    if (measures[i].lamp >= 0 && !lamps_used.count(static_cast<std::size_t>(measures[i].lamp))) {
+      out.parameters.erase(out.parameters.begin() + static_cast<std::ptrdiff_t>(i));
+      for (PlannedShot& shot : out.shots) shot.sigma.erase(shot.sigma.begin() + static_cast<std::ptrdiff_t>(i));
+    }
+  return out;
+}
+
+}  // namespace burin

@@ -1,0 +1,68 @@
+// burin/calib/plan.h - which photos to take of a board, before the first one: places of the camera and of the lamp,
+// chosen one after the other by what they would tell.
+//
+// Each shot is the one, of all candidates (burin/calib/verdict/candidate_photo.h), after which
+//   sum over parameters of log(sigma^2 + goal^2)
+// is smallest: halving an uncertainty is worth the same for every parameter, until it reaches its goal. Sigmas are
+// those of the normal equations of all shots so far and what is believed before; the depth of the grooves counts as
+// unknown until half vectors lie on both sides of the cut-off (docs/model.md 2). The nominal bench has only to be about
+// right. Frame: board, mm.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "burin/calib/verdict/candidate_photo.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/progress.h"
+#include "burin/render/scratches.h"
+
+namespace burin {
+
+struct PlanOptions {
+  int shots = 12;
+  int lamp_places = 1;            ///< at how many places lamps may stand in all; above the bench's, they are proposed
+  bool fix_lens = false;          ///< the lens is known
+  double corner_sigma_px = 0.02;  ///< of a tag's corner, per axis
+  LightCandidateOptions light;
+  /// How many times larger the light's sigmas are than those of independent errors: what the model misses is alike in
+  /// neighboring pixels and photos. A cautious guess: docs/calibration.md.
+  double inflation = 4;
+};
+
+/// Something that the photos are to determine.
+struct PlanParameter {
+  std::string name;  ///< as in bench.json's verdict
+  std::string unit;
+  double goal = 0;    ///< a sigma that is good enough
+  double before = 0;  ///< what is believed to be known without a photo
+};
+
+struct PlannedShot {
+  CameraPlace camera;
+  std::size_t light = 0;  ///< index into Plan::bench.lights
+  /// Exposures of the bracket in stops, relative to the one that shows the tags' white paper at 60 % of white: 0 for
+  /// paper, then shorter ones until the glints are held.
+  std::vector<double> stops;
+  double paper_radiance = 0;  ///< predicted, in units of gain = 1: a measured bench's exposure follows from it
+  std::vector<double> sigma;  ///< of each Plan::parameters after this shot and those before
+};
+
+struct Plan {
+  Bench bench;  ///< the nominal bench that was planned for; lamps that were proposed are added
+  std::vector<PlanParameter> parameters;
+  std::vector<PlannedShot> shots;
+  bool straddles = false;  ///< whether its half vectors straddle the cut-off
+};
+
+/// Plans for `nominal`: its lens, its lamps (each shot is taken under one of them; several are places that the lamp can
+/// be put at), its material. Throws Error for a board without tags, a bench without lamps, no scratches, or fewer than
+/// one shot.
+Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& designed, const PlanOptions& options = {},
+                const Progress& progress = {});
+
+/// Strokes in all directions over the carve area, for planning before there is a design.
+Scratches test_strokes(const Board& board);
+
+}  // namespace burin

@@ -1,0 +1,95 @@
+// burin/calib/refine.h - what the grooves, the lamp and the machine really are, from every pixel of the photos.
+// Frame: board, mm. docs/model.md 2, 5 and 7.
+//
+// One least-squares problem over all photos: residual = photo value / exposure factor
+//   - vignette(r) * blur( I(w) * radiance of a bare unit lamp + ambient * F0 ),
+// weighted by the photo's noise and a model error that is estimated from the residuals (grooves that differ from one
+// another included: weigh_photos_and_grooves), under a Cauchy loss. Unknown: alpha, d, base_alpha, lamp position and
+// intensity (aim and exponent of a spot), ambient light, vignetting, blur, the machine's affine map, and how depth
+// varies over the board and with wear, as far as the photos ask for it (field_choice.h). The renderer's own
+// derivatives (render_with_derivatives) fill the Jacobian, and it is kept while it foretells what a step changes; each
+// photo's is compressed to its normal equations. Coarse (binned) photos first: there the machine may be off by more
+// than a groove's width.
+//
+// Cameras' poses, the bow and the lens move too (geometry_prior.h), with the tags as their prior.
+//
+// Sigmas are not those of white noise. Several estimates are made, and the largest is reported, all of them with the
+// robust loss' own curvature at the optimum: the inverse of the normal equations times the residuals' scatter;
+// sandwiches whose scores are summed over 20 mm squares of the board (errors that a place has in all photos: dust, a
+// groove's own depth), over its quadrants, and over groups of photos with like half vectors (errors of the model
+// itself); the delete-one-photo jackknife (errors that a photo has as a whole: its pose).
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "burin/capture/photo.h"
+#include "burin/capture/session.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/progress.h"
+#include "burin/render/scratches.h"
+
+namespace burin {
+
+/// Where scratches cross: their light and areas add, or the later groove replaces the earlier one.
+enum class Overlap { automatic, add, last };
+
+struct RefineOptions {
+  Overlap overlap = Overlap::automatic;  ///< automatic: whichever explains the photos better
+  bool fit_lamp = true;                  ///< false keeps bench.lights' positions
+  bool fit_geometry = true;              ///< false: the bench's poses, bow and lens are exact
+  bool fit_fields = true;                ///< let depth vary over the board and with wear (field_choice.h)
+  /// Photos are binned until a pixel is at least this large on the board, 0 for the photos as taken. Grooves are found
+  /// far below a pixel, so binning loses little and is several times faster; what it distorts is corrected by
+  /// predictions on the photos' own pixels (correct_binning).
+  double finest_pixel_mm = 0.8;
+  int max_iterations = 12;              ///< of the trust region, at each resolution
+  std::size_t max_pixels = 12'000'000;  ///< of all photos together at the finest resolution; they are binned to fit
+};
+
+/// How one photo (a view under one lamp, exposures merged) is explained.
+struct PhotoFit {
+  std::string view, light;
+  std::size_t pixels = 0;   ///< used
+  double residual_rms = 0;  ///< of photo - prediction, linear, relative to the photo's RMS value; outliers excluded
+  double residual_to_noise = 0;  ///< robust RMS of residual / the photo's own noise: 1 where the model is perfect
+  double outliers = 0;           ///< fraction of pixels beyond 4 sigma of noise and model error
+};
+
+/// A reported sigma beside the Cramer-Rao bound of white noise: the rest is what the model misses.
+struct NoiseBound {
+  std::string name;  ///< as in the verdict
+  double sigma = 0, bound = 0;
+  std::string unit;
+};
+
+struct Refinement {
+  Bench bench;  ///< completed: material, lights, sensor, ambient, machine_affine, sigmas, verdict
+  std::vector<PhotoFit> photos;
+  double model_error = 0;  ///< relative, what the residuals say that the model misses beyond noise
+  /// How much roughness and depth differ from groove to groove, as the residuals say: sigmas of their logarithms.
+  double alpha_jitter = 0, depth_jitter = 0;
+  /// What pixels scatter along their slopes by log alpha and log depth, grooves' differences included
+  /// (photo_problem.h).
+  Eigen::Vector2d slope_error{0, 0};
+  Overlap overlap = Overlap::add;
+  std::vector<NoiseBound> noise_bounds;  ///< of alpha, base_alpha, depth_um and the lamps, as far as they were fitted
+  std::vector<std::string> findings;     ///< sentences for a person: what was left out, what looks wrong
+};
+
+/// Reads the session's photos and completes `measured` (lens, poses, tags, bow from calibration; its lamps, where they
+/// have no position sigma, are found from scratch). `designed` are the scratches as designed. Throws Error if too
+/// little is left to work on: no photo with a pose, no scratch in view.
+Refinement refine(const Session& session, const Board& board, const Scratches& designed, const Bench& measured,
+                  const RefineOptions& options = {}, const Progress& progress = {});
+
+/// The session's photos as refine wants them: merged, and binned where they are large (light_bin).
+std::vector<MergedView> photos_for_refine(const Session& session, const Board& board, const Bench& measured);
+
+/// The same for photos in memory.
+Refinement refine(std::span<const MergedView> photos, const Board& board, const Scratches& designed,
+                  const Bench& measured, const RefineOptions& options = {}, const Progress& progress = {});
+
+}  // namespace burin

@@ -1,0 +1,144 @@
+#include "burin/capture/exif.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <fstream>
+#include <string_view>
+
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// EXIF's fractions come as floats, and some were written with few digits: 1/60 s is to be 1/60, and 5.6
+// not 5.599999905.
+double tidied(float value) {
+  const double inverse = std::round(1.0 / value);
+  if (inverse >= 2 && inverse <= 8000 && std::abs(value * inverse - 1) < 5e-5) return 1 / inverse;
+  const double unit = std::pow(10, std::floor(std::log10(value)) - 6);
+  return std::stod(OIIO::Strutil::sprintf("%.7g", std::round(value / unit) * unit));
+}
+
+std::optional<double> positive(const OIIO::ImageSpec& spec, std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    const float value = spec.get_float_attribute(name, -1);
+    if (value > 0 && std::isfinite(value)) return tidied(value);
+  }
+  return std::nullopt;
+}
+
+// "2024:05:18 20:42:22", or with dashes as LibRaw's plugin writes it; and hundredths of a second if there are any.
+std::optional<double> time_of(const OIIO::ImageSpec& spec) {
+  for (const char* name : {"Exif:DateTimeOriginal", "Exif:DateTimeDigitized", "DateTime"}) {
+    const std::string text = spec.get_string_attribute(name);
+    std::tm t{};
+    if (std::sscanf(text.c_str(), "%d%*c%d%*c%d %d:%d:%d", &t.tm_year, &t.tm_mon, &t.tm_mday, &t.tm_hour, &t.tm_min,
+                    &t.tm_sec) != 6 ||
+        t.tm_year < 1971)
+      continue;
+    t.tm_year -= 1900;
+    t.tm_mon -= 1;
+    const std::string part = spec.get_string_attribute("Exif:SubsecTimeOriginal");
+    double fraction = 0;
+    if (!part.empty() && part.find_first_not_of("0123456789") == std::string::npos && part.size() < 10)
+      fraction = std::stod("0." + part);
+    return static_cast<double>(timegm(&t)) + fraction;
+  }
+  return std::nullopt;
+}
+
+// OpenImageIO calls every PNG sRGB, so the file's own words count: an sRGB chunk, or a gamma of 1/2.2.
+bool png_says_srgb(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  in.seekg(8);
+  std::array<unsigned char, 12> head{};
+  while (in.read(reinterpret_cast<char*>(head.data()), 8)) {
+    const auto big_endian = [&](int at) {
+      return head[at] * 16777216.0 + head[at + 1] * 65536.0 + head[at + 2] * 256.0 + head[at + 3];
+    };
+    const double length = big_endian(0);
+    const std::string_view type(reinterpret_cast<const char*>(&head[4]), 4);
+    if (type == "IDAT") return false;
+    if (type == "sRGB") return true;
+    if (type == "gAMA") {
+      in.read(reinterpret_cast<char*>(&head[8]), 4);
+      return std::abs(big_endian(8) - 45455) < 1000;
+    }
+    in.seekg(static_cast<std::streamoff>(length) + 4, std::ios::cur);
+  }
+  return false;
+}
+
+std::string lower_extension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+constexpr std::array<std::string_view, 7> kPictures{".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr", ".jpe"};
+constexpr std::array<std::string_view, 18> kRaws{".dng", ".cr2", ".cr3", ".crw", ".nef", ".nrw",
+                                                 ".arw", ".sr2", ".raf", ".orf", ".rw2", ".pef",
+                                                 ".srw", ".erf", ".3fr", ".iiq", ".rwl", ".x3f"};
+
+}  // namespace
+
+Exif read_exif(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored))
+    fail(file.string(), "there is no such file", "check the path, and that the photo was copied");
+  auto input = OIIO::ImageInput::open(file.string());
+  if (!input)
+    fail(file.string(), "is no photo that can be read (" + OIIO::geterror() + ")",
+         "copy it from the camera again, or take it out of the folder");
+  const OIIO::ImageSpec& spec = input->spec();
+  Exif exif;
+  exif.width = spec.width;
+  exif.height = spec.height;
+  exif.channels = spec.nchannels;
+  exif.bits = static_cast<int>(spec.format.size() * 8);
+  exif.kind = input->format_name();
+  exif.exposure_s = positive(spec, {"ExposureTime"});
+  if (!exif.exposure_s && spec.find_attribute("Exif:ShutterSpeedValue"))
+    exif.exposure_s = std::exp2(-spec.get_float_attribute("Exif:ShutterSpeedValue"));
+  exif.f_number = positive(spec, {"FNumber"});
+  if (!exif.f_number && spec.get_float_attribute("Exif:ApertureValue") > 0)
+    exif.f_number = std::exp2(spec.get_float_attribute("Exif:ApertureValue") / 2);
+  exif.iso = positive(spec, {"Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings", "Exif:ISOSpeed"});
+  exif.focal_mm = positive(spec, {"Exif:FocalLength"});
+  exif.focal_35mm = positive(spec, {"Exif:FocalLengthIn35mmFilm"});
+  exif.time_s = time_of(spec);
+  // The raw plugin turns pixels unless told not to, and then says 1; what the camera noted is kept beside it.
+  exif.orientation = spec.get_int_attribute("raw:Orientation", spec.get_int_attribute("Orientation", 1));
+  exif.make = spec.get_string_attribute("Make");
+  exif.model = spec.get_string_attribute("Model");
+  exif.says_srgb = spec.get_int_attribute("Exif:ColorSpace") == 1 ||
+                   spec.get_string_attribute("ICCProfile:profile_description").find("sRGB") != std::string::npos ||
+                   (exif.kind == "png" && png_says_srgb(file));
+  return exif;
+}
+
+AssumedEncoding encoding_of(const Exif& exif) {
+  if (exif.kind == "raw") return {Encoding::raw, false};
+  if (exif.kind == "jpeg") return {Encoding::srgb, false};
+  if (exif.says_srgb) return {Encoding::srgb, false};
+  if (exif.kind == "openexr" || exif.bits > 16) return {Encoding::linear, false};
+  return {exif.bits == 16 ? Encoding::linear : Encoding::srgb, true};
+}
+
+bool is_raw_name(const fs::path& file) {
+  return std::find(kRaws.begin(), kRaws.end(), lower_extension(file)) != kRaws.end();
+}
+
+bool is_photo_name(const fs::path& file) {
+  return is_raw_name(file) || std::find(kPictures.begin(), kPictures.end(), lower_extension(file)) != kPictures.end();
+}
+
+}  // namespace burin

@@ -1,0 +1,39 @@
+// burin/capture/exif.h - what a photo's file says about how it was taken, without reading its pixels.
+// Everything is optional: files lose their EXIF on the way through chats and editors.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "burin/capture/session.h"
+
+namespace burin {
+
+struct Exif {
+  int width = 0, height = 0, channels = 0, bits = 0;  ///< of the pixels as stored; bits a channel
+  std::string kind;                                   ///< the file's format: "jpeg", "png", "tiff", "openexr", "raw"
+  std::optional<double> exposure_s, f_number, iso, focal_mm, focal_35mm;
+  std::optional<double> time_s;  ///< when it was taken, seconds since 1970 on the camera's clock
+  int orientation = 1;           ///< EXIF's code; 1: as stored. Never applied to pixels
+  std::string make, model;
+  bool says_srgb = false;  ///< the file itself says that its values lie along the sRGB curve
+};
+
+/// Reads the header. Throws Error for a file that is missing or no picture.
+Exif read_exif(const std::filesystem::path& file);
+
+/// How the file's values become linear: raw files "raw", JPEG "srgb", EXR and other floating-point files "linear", and
+/// PNG and TIFF as they say; where these say nothing, 16 bits are taken as linear (machine-vision and raw converters'
+/// linear output) and 8 bits as sRGB.
+struct AssumedEncoding {
+  Encoding encoding = Encoding::linear;
+  bool assumed = false;  ///< nothing in the file says so
+};
+AssumedEncoding encoding_of(const Exif& exif);
+
+/// The file endings of photos that can be read, lower case with the dot; raw ones among them.
+bool is_photo_name(const std::filesystem::path& file);
+bool is_raw_name(const std::filesystem::path& file);
+
+}  // namespace burin

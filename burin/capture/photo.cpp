@@ -1,0 +1,450 @@
+#include "burin/capture/photo.h"
+
+#include <OpenImageIO/imageio.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Values from here on may be cut by the white level: 4 % leave room for a sensor's noise at the top and for JPEG's.
+constexpr float kClippedFrom = 0.96F;
+// A pixel whose neighbors shine like this is decided by them, not by its own value: choosing by the value itself
+// would keep the noise that lies below and drop the noise that lies above.
+constexpr float kCrowdedFrom = 0.92F;
+constexpr int kBloom_px = 2;
+
+// LibRaw as a measuring instrument: sensor values in proportion to light, black at 0, the maker's white level at 1.
+OIIO::ImageSpec raw_settings() {
+  OIIO::ImageSpec config;
+  config.attribute("raw:ColorSpace", "raw");  // no primaries, no curve
+  config.attribute("raw:auto_bright", 0);     // no exposure of its own
+  config.attribute("raw:use_camera_wb", 0);   // no white balance: neither the camera's ...
+  const std::array<float, 4> ones{1, 1, 1, 1};
+  config.attribute("raw:user_mul", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 4), ones.data());  // ... nor daylight's
+  config.attribute("raw:use_camera_matrix", 0);
+  config.attribute("raw:adjust_maximum_thr", 0.0F);  // white stays where the maker put it, whatever the picture holds
+  config.attribute("raw:HighlightMode", 0);          // clip, invent nothing
+  config.attribute("raw:Demosaic", "linear");        // no edges guessed: glints are smaller than the mosaic
+  config.attribute("raw:user_flip", 0);              // pixels as the sensor has them
+  config.attribute("oiio:UnassociatedAlpha", 1);     // (other kinds of files) color not multiplied by alpha
+  return config;
+}
+
+// libjpeg fills a file that was cut short with gray and only warns; so look for its end marker. Segments are walked so
+// that an embedded thumbnail's end is not taken for the photo's.
+bool jpeg_is_complete(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  std::size_t i = 2;
+  while (i + 4 <= bytes.size() && bytes[i] == 0xFF && bytes[i + 1] != 0xDA)
+    i += bytes[i + 1] == 0xFF ? 1 : 2 + bytes[i + 2] * std::size_t{256} + bytes[i + 3];
+  for (; i + 1 < bytes.size(); ++i)
+    if (bytes[i] == 0xFF && bytes[i + 1] == 0xD9) return true;
+  return false;
+}
+
+std::unique_ptr<OIIO::ImageInput> open_photo(const Photo& photo) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(photo.file, ignored))
+    fail(photo.file.string(), "there is no such file", "check the path, and that the photo was copied");
+  const OIIO::ImageSpec config = raw_settings();
+  auto input = OIIO::ImageInput::open(photo.file.string(), &config);
+  if (!input)
+    fail(photo.file.string(), "is no photo that can be read (" + OIIO::geterror() + ")",
+         "give a PNG, TIFF, JPEG, EXR or camera raw file, and copy it again if it is damaged");
+  const bool is_raw = std::string(input->format_name()) == "raw";
+  if (is_raw != (photo.encoding == Encoding::raw))
+    fail(photo.file.string(), is_raw ? "is a raw file, but its encoding is not \"raw\"" : "is not a raw file",
+         "correct \"encoding\" in the session");
+  const OIIO::ImageSpec& spec = input->spec();
+  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1)
+    fail(photo.file.string(), "holds no picture", "give a plain photo");
+  return input;
+}
+
+// The lowest bits that no stored value uses show how many bits the camera has: 12-bit data in the high end of 16 are
+// multiples of 16, and their white is 65520. A picture that is dark or flat says less; then fewer levels are assumed
+// unused only if they are in fact unused, which moves the white level by less than 2^-8 at worst.
+int unused_low_bits(const std::vector<std::uint16_t>& stored) {
+  unsigned used = 0;
+  for (const std::uint16_t v : stored) used |= v;
+  if (used == 0) return 0;
+  int bits = 0;
+  while (bits < 8 && !((used >> bits) & 1U)) ++bits;
+  return bits;
+}
+
+// Where this camera really clips, if that is below the file's white level: a spike at the highest value of the photo.
+float own_top(const std::vector<float>& values, float white_from) {
+  const float top = *std::max_element(values.begin(), values.end());
+  if (!(top > 0.5F) || top >= white_from) return white_from;
+  std::size_t at_top = 0, below = 0;
+  for (const float v : values) {
+    at_top += v >= top * 0.9999F;
+    below += v >= top * 0.98F && v < top * 0.9999F;
+  }
+  return at_top >= 64 && at_top > 4 * below ? top * 0.96F : white_from;
+}
+
+void read_pixels(OIIO::ImageInput& input, const Photo& photo, const OIIO::TypeDesc& type, int channels, void* data) {
+  if (!input.read_image(0, 0, 0, channels, type, data))
+    fail(photo.file.string(), "is damaged or cut short (" + input.geterror() + ")", "copy it from the camera again");
+}
+
+}  // namespace
+
+LinearPhoto read_photo(const Photo& photo) {
+  const auto input = open_photo(photo);
+  const OIIO::ImageSpec spec = input->spec();
+  const std::string kind = input->format_name();
+  if (kind == "jpeg" && !jpeg_is_complete(photo.file))
+    fail(photo.file.string(), "is cut short", "copy it from the camera again");
+  const int channels = spec.nchannels >= 3 ? 3 : 1;  // 2 and 4 hold an alpha channel as well
+
+  LinearPhoto result;
+  result.value = Image(spec.width, spec.height, channels);
+  result.stored.lossy = kind == "jpeg";
+  std::vector<float>& v = result.value.data;
+  if (spec.format == OIIO::TypeDesc::UINT16) {
+    std::vector<std::uint16_t> stored(v.size());
+    read_pixels(*input, photo, OIIO::TypeDesc::UINT16, channels, stored.data());
+    const int unused = photo.encoding == Encoding::linear ? unused_low_bits(stored) : 0;
+    const float white = static_cast<float>((65535 >> unused) << unused);
+    std::transform(stored.begin(), stored.end(), v.begin(), [&](std::uint16_t s) { return s / white; });
+    result.stored.step = (1 << unused) / static_cast<double>(white);
+  } else {
+    read_pixels(*input, photo, OIIO::TypeDesc::FLOAT, channels, v.data());
+    if (spec.format == OIIO::TypeDesc::UINT8) result.stored.step = 1.0 / 255;
+  }
+
+  if (photo.encoding == Encoding::srgb) {
+    result.stored.srgb = true;
+    if (spec.format == OIIO::TypeDesc::UINT8) {
+      std::array<float, 256> linear{};
+      for (int s = 0; s < 256; ++s) linear[s] = srgb_to_linear(static_cast<float>(s) / 255);
+      for (float& value : v) value = linear[static_cast<int>(std::lround(value * 255))];
+    } else {
+      for (float& value : v) value = srgb_to_linear(value);
+    }
+  }
+  const float from = own_top(v, kClippedFrom);
+  result.clipped.assign(v.size() / channels, 0);
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (!(v[i] < from)) {  // NaN included
+      result.clipped[i / channels] = 1;
+      if (!std::isfinite(v[i])) v[i] = 1;
+    }
+  return result;
+}
+
+namespace {
+
+// 1 where an exposure holds a pixel: neither it nor what it could have bloomed from is clipped.
+std::vector<std::uint8_t> usable_pixels(const LinearPhoto& photo) {
+  const Image& image = photo.value;
+  const int w = image.width, h = image.height;
+  std::vector<std::uint8_t> usable(photo.clipped.size(), 1);
+  const auto spread = [&](int x, int y, int reach, bool itself) {
+    for (int yy = std::max(0, y - reach); yy <= std::min(h - 1, y + reach); ++yy)
+      for (int xx = std::max(0, x - reach); xx <= std::min(w - 1, x + reach); ++xx)
+        if (itself || xx != x || yy != y) usable[static_cast<std::size_t>(yy) * w + xx] = 0;
+  };
+  for (int y = 0; y < h; ++y)
+    for (int x = 0; x < w; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * w + x;
+      if (photo.clipped[i]) {
+        spread(x, y, kBloom_px, true);
+        continue;
+      }
+      for (int c = 0; c < image.channels; ++c)
+        if (image.data[i * image.channels + c] >= kCrowdedFrom) {
+          spread(x, y, 1, false);
+          break;
+        }
+    }
+  return usable;
+}
+
+std::string size_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
+
+[[noreturn]] void fail_size(const Photo& photo, int w, int h, const Photo& first, int w0, int h0) {
+  fail(photo.file.string(),
+       "is " + size_text(w, h) + " pixels, but " + first.file.string() + " is " + size_text(w0, h0),
+       "take all photos of a session with one camera, unrotated, uncropped and at one size");
+}
+
+}  // namespace
+
+MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise, const MergeOptions& options) {
+  if (photos.empty()) fail("merge_bracket", "no photo was given", "give at least one exposure");
+  const std::size_t count = photos.size();
+  std::vector<LinearPhoto> exposures(count);
+  std::vector<std::vector<std::uint8_t>> usable(count);
+  std::vector<double> factor(count);
+  std::vector<int> order(count);  // from the longest exposure to the shortest
+  for (std::size_t k = 0; k < count; ++k) {
+    order[k] = static_cast<int>(k);
+    factor[k] = exposure_factor(photos[k]);
+  }
+  // Isolated: a thread that waits here must not begin another bracket, whose photos would join these in memory.
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+      exposures[k] = read_photo(photos[k]);
+      usable[k] = usable_pixels(exposures[k]);
+      exposures[k].clipped = {};
+    });
+  });
+  for (std::size_t k = 1; k < count; ++k) {
+    const Image &a = exposures[k].value, &first = exposures.front().value;
+    if (a.width != first.width || a.height != first.height)
+      fail_size(photos[k], a.width, a.height, photos[0], first.width, first.height);
+    if (a.channels != first.channels)
+      fail(photos[k].file.string(), "has other channels than " + photos[0].file.string(),
+           "take all exposures in color, or all in black and white");
+  }
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return factor[a] > factor[b]; });
+
+  const Image& like = exposures.front().value;
+  const int channels = like.channels, bin = std::max(1, options.bin);
+  const int width = like.width / bin, height = like.height / bin;
+  MergedView merged{photos[0].view,
+                    photos[0].light,
+                    Image(width, height, channels),
+                    Image(width, height, channels),
+                    std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height, 0),
+                    bin};
+  if (options.gray) {
+    options.gray->value = Image(like.width, like.height, 1);
+    options.gray->valid.assign(usable.front().size(), 0);
+  }
+  // Value and sigma of pixel i's channels; false where no exposure holds it.
+  const auto merge_pixel = [&](std::size_t i, float* out_value, float* out_sigma) {
+    const auto longest = std::find_if(order.begin(), order.end(), [&](int k) { return usable[k][i] != 0; });
+    const bool valid = longest != order.end();
+    for (int c = 0; c < channels; ++c) {
+      const std::size_t j = i * channels + c;
+      if (!valid) {
+        out_value[c] = static_cast<float>(exposures[order.back()].value.data[j] / factor[order.back()]);
+        out_sigma[c] = std::numeric_limits<float>::infinity();
+        continue;
+      }
+      double value = exposures[*longest].value.data[j] / factor[*longest], weight_sum = 0;
+      for (int round = 0; round < 2; ++round) {
+        double sum = 0;
+        weight_sum = 0;
+        for (auto k = longest; k != order.end(); ++k) {
+          if (!usable[*k][i]) continue;
+          const double f = factor[*k];
+          const double weight = f * f / noise.variance(value * f, exposures[*k].stored);
+          sum += weight * (exposures[*k].value.data[j] / f);
+          weight_sum += weight;
+        }
+        value = sum / weight_sum;
+        if (count == 1) break;  // nothing to weigh against
+      }
+      out_value[c] = static_cast<float>(value);
+      out_sigma[c] = static_cast<float>(1 / std::sqrt(weight_sum));
+    }
+    return valid;
+  };
+  const auto merge_row = [&](int row) {  // a row of bins, and what is left below the last
+    std::vector<double> value(static_cast<std::size_t>(width) * channels, 0), variance(value.size(), 0);
+    std::vector<std::uint8_t> valid(width, 1);
+    std::array<float, 3> v{}, sigma{};
+    const int end = row + 1 < height ? (row + 1) * bin : like.height;
+    for (int y = row * bin; y < end; ++y)
+      for (int x = 0; x < like.width; ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * like.width + x;
+        const bool is_valid = merge_pixel(i, v.data(), sigma.data());
+        if (options.gray) {
+          float sum = 0;
+          for (int c = 0; c < channels; ++c) sum += v[c];
+          options.gray->value.data[i] = sum / static_cast<float>(channels);
+          options.gray->valid[i] = is_valid;
+        }
+        const int column = x / bin;
+        if (column >= width || y >= (row + 1) * bin) continue;
+        valid[column] = valid[column] && is_valid;
+        for (int c = 0; c < channels; ++c) {
+          value[static_cast<std::size_t>(column) * channels + c] += v[c];
+          variance[static_cast<std::size_t>(column) * channels + c] += static_cast<double>(sigma[c]) * sigma[c];
+        }
+      }
+    const std::size_t at = static_cast<std::size_t>(row) * width;
+    const double parts = static_cast<double>(bin) * bin;
+    std::copy(valid.begin(), valid.end(), merged.valid.begin() + static_cast<std::ptrdiff_t>(at));
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      merged.value.data[at * channels + i] = static_cast<float>(value[i] / parts);
+      merged.sigma.data[at * channels + i] = static_cast<float>(std::sqrt(variance[i]) / parts);
+    }
+  };
+  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, height, merge_row); });
+  return merged;
+}
+
+MergedView merge_bracket(std::span<const Photo> photos) { return merge_bracket(photos, estimate_noise(photos)); }
+
+namespace {
+
+std::vector<std::vector<Photo>> grouped(std::span<const Photo> photos) {
+  std::vector<std::vector<Photo>> groups;
+  for (const Photo& photo : photos) {
+    auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<Photo>& g) {
+      return g.front().view == photo.view && g.front().light == photo.light;
+    });
+    if (group == groups.end())
+      groups.push_back({photo});
+    else
+      group->push_back(photo);
+  }
+  return groups;
+}
+
+std::vector<NoiseSample> measure(const std::vector<Photo>& bracket) {
+  std::vector<LinearPhoto> photos;
+  photos.reserve(bracket.size());
+  for (const Photo& photo : bracket) photos.push_back(read_photo(photo));
+  std::vector<NoiseSample> samples;
+  for (std::size_t a = 0; a < photos.size(); ++a)
+    for (std::size_t b = 0; b < photos.size(); ++b) {
+      const double ratio = exposure_factor(bracket[b]) / exposure_factor(bracket[a]);
+      const bool same_size = photos[a].value.width == photos[b].value.width &&
+                             photos[a].value.height == photos[b].value.height &&
+                             photos[a].value.channels == photos[b].value.channels;
+      if (a == b || !same_size || ratio > 1 || (ratio == 1 && b < a)) continue;
+      const auto more = noise_between(photos[a], photos[b], ratio);
+      samples.insert(samples.end(), more.begin(), more.end());
+    }
+  if (samples.empty())
+    for (const LinearPhoto& photo : photos) {
+      const auto more = noise_within(photo);
+      samples.insert(samples.end(), more.begin(), more.end());
+    }
+  return samples;
+}
+
+}  // namespace
+
+NoiseModel estimate_noise(std::span<const Photo> photos) {
+  constexpr std::size_t kMostBrackets = 4;
+  const auto groups = grouped(photos);
+  const std::size_t used = std::min(groups.size(), kMostBrackets);
+  std::vector<std::vector<NoiseSample>> samples(used);
+  tbb::parallel_for(std::size_t{0}, used,
+                    [&](std::size_t i) { samples[i] = measure(groups[i * groups.size() / used]); });
+  std::vector<NoiseSample> all;
+  for (const auto& more : samples) all.insert(all.end(), more.begin(), more.end());
+  return fit_noise(all);
+}
+
+std::vector<Bracket> brackets_of(const Session& session) {
+  std::vector<Bracket> brackets;
+  for (std::size_t i = 0; i < session.photos.size(); ++i) {
+    const Photo& photo = session.photos[i];
+    auto found = std::find_if(brackets.begin(), brackets.end(),
+                              [&](const Bracket& b) { return b.view == photo.view && b.light == photo.light; });
+    if (found == brackets.end()) found = brackets.insert(brackets.end(), {photo.view, photo.light, {}});
+    found->photos.push_back(static_cast<int>(i));
+  }
+  return brackets;
+}
+
+PhotoSize photo_size(const Session& session) {
+  if (session.photos.empty()) fail(session.file.string(), "the session holds no photo", "list at least one photo");
+  PhotoSize size;
+  for (const Photo& photo : session.photos) {
+    const auto input = open_photo(photo);
+    const OIIO::ImageSpec& spec = input->spec();
+    if (size.width == 0)
+      size = {spec.width, spec.height};
+    else if (spec.width != size.width || spec.height != size.height)
+      fail_size(photo, spec.width, spec.height, session.photos.front(), size.width, size.height);
+  }
+  return size;
+}
+
+namespace {
+
+std::vector<Photo> photos_of(const Session& session, const Bracket& bracket) {
+  std::vector<Photo> photos;
+  photos.reserve(bracket.photos.size());
+  for (const int i : bracket.photos) photos.push_back(session.photos[i]);
+  return photos;
+}
+
+}  // namespace
+
+std::vector<NoiseModel> session_noise(const Session& session, std::span<const Bracket> brackets) {
+  struct Kind {
+    Encoding encoding;
+    double iso;
+    std::vector<Photo> photos;
+    NoiseModel noise;
+  };
+  std::vector<Kind> kinds;
+  std::vector<std::size_t> kind_of(brackets.size());
+  for (std::size_t b = 0; b < brackets.size(); ++b) {
+    const std::vector<Photo> photos = photos_of(session, brackets[b]);
+    const Photo& first = photos.front();
+    const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const Kind& kind) {
+      return kind.encoding == first.encoding && kind.iso == first.iso;
+    });
+    kind_of[b] = static_cast<std::size_t>(found - kinds.begin());
+    if (found == kinds.end()) kinds.push_back({first.encoding, first.iso, {}, {}});
+    Kind& kind = kinds[kind_of[b]];
+    kind.photos.insert(kind.photos.end(), photos.begin(), photos.end());
+  }
+  for (Kind& kind : kinds) kind.noise = estimate_noise(kind.photos);
+  std::vector<NoiseModel> noise;
+  for (const std::size_t kind : kind_of) noise.push_back(kinds[kind].noise);
+  return noise;
+}
+
+void for_each_merged(const Session& session, std::span<const Bracket> brackets, std::span<const NoiseModel> noise,
+                     int bin, const MergedWork& work) {
+  // Two brackets of 24 megapixels in color hold a gigabyte each while they are merged: those come one at a time.
+  constexpr double kManyValues = 60e6;
+  const PhotoSize size = photo_size(session);
+  std::size_t longest = 1;
+  for (const Bracket& b : brackets) longest = std::max(longest, b.photos.size());
+  const auto input = open_photo(session.photos.front());
+  const double values = 1.0 * size.width * size.height * input->spec().nchannels * static_cast<double>(longest);
+  const int at_once = std::max(1, static_cast<int>(kManyValues / values));
+  const auto one = [&](std::size_t b) {
+    GrayView gray;
+    MergedView view = merge_bracket(photos_of(session, brackets[b]), noise[b], {bin, &gray});
+    work(b, std::move(view), std::move(gray));
+  };
+  tbb::task_arena arena(std::min(at_once, tbb::this_task_arena::max_concurrency()));
+  if (at_once > 1)
+    arena.execute([&] { tbb::parallel_for(std::size_t{0}, brackets.size(), one, tbb::simple_partitioner()); });
+  else
+    for (std::size_t b = 0; b < brackets.size(); ++b) one(b);
+}
+
+std::vector<MergedView> merge_session(const Session& session, int bin) {
+  // Sizes first: headers are quick to read, and a person should not wait for this news.
+  photo_size(session);
+  const std::vector<Bracket> brackets = brackets_of(session);
+  std::vector<MergedView> merged(brackets.size());
+  for_each_merged(session, brackets, session_noise(session, brackets), bin,
+                  [&](std::size_t b, MergedView&& view, GrayView&&) { merged[b] = std::move(view); });
+  return merged;
+}
+
+}  // namespace burin

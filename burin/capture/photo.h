@@ -1,0 +1,96 @@
+// burin/capture/photo.h - one photo as linear values, and a bracket of them merged.
+// Pixels are those of the sensor: EXIF orientation is never applied. Pixel centers are at whole numbers (docs/model.md
+// 1). Values: 1 is the white level (docs/model.md 5); a merged view is divided by the exposure, so that all views of a
+// session share one scale.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "burin/capture/noise.h"
+#include "burin/capture/session.h"
+#include "burin/render/image.h"
+
+namespace burin {
+
+/// A photo, linear, 1 being the white level; 1 or 3 channels.
+struct LinearPhoto {
+  Image value;
+  std::vector<std::uint8_t>
+      clipped;      ///< width * height: 1 where any channel is at (or near) the white level or unusable
+  StoredAs stored;  ///< how finely the file kept the values
+};
+
+/// Reads PNG, TIFF, JPEG, EXR and raw files. `photo.encoding` says how stored values become linear.
+/// Raw: linear, no tone curve, no white balance, no color matrix, black level removed, color mosaic filled in
+/// linearly. 12-bit data in the high end of 16 clips at its own top. An alpha channel is ignored. Throws Error for a
+/// file that is missing, broken, cut short, or of an unknown kind.
+LinearPhoto read_photo(const Photo& photo);
+
+/// One view under one lamp: all its exposures in one picture.
+struct MergedView {
+  std::string view, light;
+  Image
+      value;  ///< linear value / exposure_factor: gain * vignette * radiance. Same scale for all views: never rescaled.
+  Image sigma;                      ///< standard deviation of the noise of each value; infinite where not valid
+  std::vector<std::uint8_t> valid;  ///< 0 where no exposure holds the pixel (clipped in all of them)
+  int bin = 1;  ///< bin x bin pixels of the photo were averaged into one (rests at its edges dropped)
+};
+
+/// What tags are found in: the mean of a view's channels at the photo's full size.
+struct GrayView {
+  Image value;  ///< one channel, linear value / exposure_factor
+  std::vector<std::uint8_t> valid;
+};
+
+struct MergeOptions {
+  int bin = 1;               ///< a binned pixel is valid if all its parts are
+  GrayView* gray = nullptr;  ///< filled if given: what finds tags needs every pixel, but no color and no sigma
+};
+
+/// Merges the exposures of one view and lamp. Each exposure is weighted by the inverse variance that `noise` predicts
+/// for it (from the value of the longest exposure that holds the pixel, then from the merged value, so that a pixel's
+/// own noise hardly moves its weights). Pixels within two of a clipped one are taken from shorter exposures too:
+/// sensors bloom and JPEG rings there. Where none is left, `value` is the shortest exposure's, a lower bound.
+/// Throws Error when sizes or channels differ, or when no photo is given.
+MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise, const MergeOptions& options = {});
+
+/// The same, with the noise of these photos alone (estimate_noise).
+MergedView merge_bracket(std::span<const Photo> photos);
+
+/// The noise of photos like these, from the photos themselves: differences between the exposures of a bracket, or, with
+/// one exposure a view, differences between neighboring pixels (see noise.h). At most four brackets are read.
+NoiseModel estimate_noise(std::span<const Photo> photos);
+
+/// Photos of one view under one light, in order of first appearance; indices into session.photos.
+struct Bracket {
+  std::string view, light;
+  std::vector<int> photos;
+};
+std::vector<Bracket> brackets_of(const Session& session);
+
+/// The size of a session's photos, from their headers. Throws Error, naming two photos, when sizes differ.
+struct PhotoSize {
+  int width = 0, height = 0;
+};
+PhotoSize photo_size(const Session& session);
+
+/// The noise model of each bracket: one for all photos of one encoding and ISO. A bracket of several uses that of its
+/// first photo.
+std::vector<NoiseModel> session_noise(const Session& session, std::span<const Bracket> brackets);
+
+/// Merges brackets one by one and hands each to `work`, from several threads at once if their photos are small: then
+/// what is held in memory is what `work` keeps, and a few photos. `work` must not depend on the order.
+using MergedWork = std::function<void(std::size_t bracket, MergedView&& view, GrayView&& gray)>;
+void for_each_merged(const Session& session, std::span<const Bracket> brackets, std::span<const NoiseModel> noise,
+                     int bin, const MergedWork& work);
+
+/// All (view, light) pairs of a session in order of first appearance, each merged with the noise estimated for its
+/// encoding and ISO. Works in parallel; the same files give the same bits for any number of threads.
+/// Throws Error when photo sizes differ.
+std::vector<MergedView> merge_session(const Session& session, int bin = 1);
+
+}  // namespace burin

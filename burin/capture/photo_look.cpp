@@ -1,0 +1,195 @@
+#include "burin/capture/photo_look.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "burin/capture/noise.h"
+#include "burin/capture/photo.h"
+#include "burin/capture/tags/tag_detector.h"
+#include "burin/capture/tags/tag_family.h"
+
+namespace burin {
+namespace {
+
+cv::Mat view_of(Image& image) { return {image.height, image.width, CV_32FC(image.channels), image.data.data()}; }
+
+double quantile(std::vector<float> values, double q) {
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+// A step blurred by a Gaussian of sigma rises by 1 / (sigma sqrt(2 pi)) of its height a pixel at its steepest. The
+// sharpest percent of the strong edges speak for the photo: weaker ones may be soft in the scene.
+std::optional<double> edge_sigma_px(const cv::Mat& gray, double low, double high) {
+  const cv::Mat window = cv::Mat::ones(15, 15, CV_8U);
+  cv::Mat top, bottom, dx, dy;
+  cv::dilate(gray, top, window);
+  cv::erode(gray, bottom, window);
+  const cv::Mat half = (cv::Mat_<float>(1, 3) << -0.5F, 0, 0.5F);
+  cv::filter2D(gray, dx, CV_32F, half);
+  cv::filter2D(gray, dy, CV_32F, half.t());
+  std::vector<float> steepness;
+  for (int y = 8; y < gray.rows - 8; ++y)
+    for (int x = 8; x < gray.cols - 8; ++x) {
+      const float range = top.at<float>(y, x) - bottom.at<float>(y, x);
+      if (range > 0.3 * (high - low)) steepness.push_back(std::hypot(dx.at<float>(y, x), dy.at<float>(y, x)) / range);
+    }
+  if (steepness.size() < 2000) return std::nullopt;
+  return 1 / (quantile(std::move(steepness), 0.99) * std::sqrt(2 * std::numbers::pi));
+}
+
+// A family's tables take tens of megabytes and a while to make: each thread keeps what it used last.
+TagDetector& detector_for(const std::string& family) {
+  thread_local std::string made_for;
+  thread_local std::optional<TagDetector> detector;
+  if (!detector || made_for != family) {
+    detector.emplace(family);
+    made_for = family;
+  }
+  return *detector;
+}
+
+std::vector<TagLook> look_for_tags(const Image& gray, std::span<const std::uint8_t> clipped, const TagSet& tags) {
+  std::vector<TagLook> looks;
+  const TagFamily family = make_tag_family(tags.family, "board.json: tags.family");
+  // A highlight may be far brighter than paper: with more light until every tag is found.
+  std::vector<TagDetection> found;
+  for (const double brighter : {1., 8., 64.}) {
+    std::vector<TagDetection> seen = detector_for(tags.family).detect_coarse(gray, brighter);
+    std::erase_if(seen, [&](const TagDetection& t) {
+      const bool listed = std::any_of(tags.list.begin(), tags.list.end(), [&](const Tag& b) { return b.id == t.id; });
+      const bool known = std::any_of(found.begin(), found.end(), [&](const TagDetection& f) {
+        return f.id == t.id && (f.coarse_px[0] - t.coarse_px[0]).norm() < (t.coarse_px[1] - t.coarse_px[0]).norm();
+      });
+      return t.hamming > 1 || !listed || known;
+    });
+    found.insert(found.end(), seen.begin(), seen.end());
+    if (found.size() >= tags.list.size()) break;
+  }
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+  for (const TagDetection& tag : found) {
+    if (std::count_if(found.begin(), found.end(), [&](const TagDetection& t) { return t.id == tag.id; }) > 1) continue;
+    TagLook look{tag.id, tag.coarse_px, 0, 0};
+    const TagPattern pattern = tag_pattern(*family, tag.id, "board.json: tags.list");
+    // Cells to pixels: AprilTag's corners enclose border_cells, y up.
+    const float half = 0.5F * static_cast<float>(pattern.border_cells);
+    const std::array<cv::Point2f, 4> cells{{{-half, -half}, {half, -half}, {half, half}, {-half, half}}};
+    std::array<cv::Point2f, 4> pixels;
+    for (int k = 0; k < 4; ++k)
+      pixels[k] = {static_cast<float>(tag.coarse_px[k].x()), static_cast<float>(tag.coarse_px[k].y())};
+    const cv::Matx33d H = cv::getPerspectiveTransform(cells.data(), pixels.data());
+    std::vector<float> white;
+    int lost = 0;
+    const double middle = 0.5 * pattern.total_cells;
+    for (int row = 0; row < pattern.total_cells; ++row)
+      for (int column = 0; column < pattern.total_cells; ++column) {
+        const double x = column + 0.5 - middle, y = middle - row - 0.5;
+        if (pattern.color_at(x, y) != 1) continue;
+        const cv::Vec3d q = H * cv::Vec3d(x, y, 1);
+        const int u = static_cast<int>(std::lround(q[0] / q[2])), v = static_cast<int>(std::lround(q[1] / q[2]));
+        if (u < 0 || v < 0 || u >= gray.width || v >= gray.height) continue;
+        const std::size_t i = static_cast<std::size_t>(v) * gray.width + u;
+        white.push_back(gray.data[i]);
+        lost += clipped[i];
+      }
+    if (white.empty()) continue;
+    look.clipped_fraction = lost / static_cast<double>(white.size());
+    look.white = quantile(std::move(white), 0.5);
+    looks.push_back(look);
+  }
+  return looks;
+}
+
+}  // namespace
+
+PhotoLook look_at(const Photo& photo, const TagSet* tags) {
+  const LinearPhoto linear = read_photo(photo);
+  const Image& value = linear.value;
+  Image gray(value.width, value.height, 1);
+  std::size_t clipped = 0;
+  for (std::size_t i = 0; i < gray.data.size(); ++i) {
+    float sum = 0;
+    for (int c = 0; c < value.channels; ++c) sum += value.data[i * value.channels + c];
+    gray.data[i] = sum / static_cast<float>(value.channels);
+    clipped += linear.clipped[i];
+  }
+  PhotoLook look;
+  look.clipped_fraction = static_cast<double>(clipped) / static_cast<double>(gray.data.size());
+  look.bright = quantile(gray.data, 0.995);
+  look.noise_floor = std::max(4 * linear_step(linear.stored, 0), 0.0015);
+  const cv::Mat full = view_of(gray);
+  // Clipped values would make every edge beside them look steep or flat: sharpness is judged on what is left of them.
+  look.edge_sigma_px = edge_sigma_px(cv::min(full, 0.9F), quantile(gray.data, 0.005), std::min(look.bright, 0.9));
+
+  look.width = value.width;
+  look.height = value.height;
+  if (tags) look.tags = look_for_tags(gray, linear.clipped, *tags);
+  look.scale = std::max(1.0, value.width / 800.0);
+  const cv::Size size(static_cast<int>(value.width / look.scale), static_cast<int>(value.height / look.scale));
+  cv::Mat small, mask(value.height, value.width, CV_8U);
+  std::transform(linear.clipped.begin(), linear.clipped.end(), mask.begin<std::uint8_t>(),
+                 [](std::uint8_t c) { return static_cast<std::uint8_t>(c ? 255 : 0); });
+  cv::resize(full, small, size, 0, 0, cv::INTER_AREA);
+  cv::Mat small_mask;
+  cv::resize(mask, small_mask, size, 0, 0, cv::INTER_AREA);
+  look.small = Image(size.width, size.height, 1);
+  small.copyTo(view_of(look.small));
+  look.clipped.resize(look.small.data.size());
+  std::transform(small_mask.begin<std::uint8_t>(), small_mask.end<std::uint8_t>(), look.clipped.begin(),
+                 [](std::uint8_t c) { return static_cast<std::uint8_t>(c > 0 ? 1 : 0); });
+  return look;
+}
+
+std::optional<Comparison> compare(const PhotoLook& a, double factor_a, const PhotoLook& b, double factor_b) {
+  if (a.small.width != b.small.width || a.small.height != b.small.height) return std::nullopt;
+  constexpr double kLostInTheDark = 0.02;  // of the white level, for a photo's brightest parts: details are noise
+  if (std::min(a.bright, b.bright) < kLostInTheDark) return std::nullopt;
+  // Both are cut at one range of radiance, which both hold: what clips in one is then equally flat in the other.
+  const double low = std::max(a.noise_floor / factor_a, b.noise_floor / factor_b);
+  const double high = 0.9 * std::min(1 / factor_a, 1 / factor_b);
+  if (low >= high) return std::nullopt;
+  const auto logarithm = [&](const PhotoLook& look, double factor) {
+    cv::Mat log(look.small.height, look.small.width, CV_32F);
+    for (std::size_t i = 0; i < look.small.data.size(); ++i)
+      log.ptr<float>()[i] = static_cast<float>(
+          std::log(look.clipped[i] ? high : std::clamp(static_cast<double>(look.small.data[i]) / factor, low, high)));
+    return log;
+  };
+  const cv::Mat log_a = logarithm(a, factor_a), log_b = logarithm(b, factor_b);
+  std::vector<float> ratios;
+  for (std::size_t i = 0; i < a.small.data.size(); ++i) {
+    const double va = a.small.data[i] / factor_a, vb = b.small.data[i] / factor_b;
+    if (!a.clipped[i] && !b.clipped[i] && va > low && vb > low && va < high && vb < high)
+      ratios.push_back(static_cast<float>(vb / va));
+  }
+  if (ratios.size() * 20 < a.small.data.size()) return std::nullopt;
+
+  // Details only: every photo of a board is bright in the middle and dark around.
+  const auto details = [](const cv::Mat& log) {
+    cv::Mat smooth, detail;
+    cv::GaussianBlur(log, smooth, {}, 6);
+    detail = log - smooth;
+    return detail;
+  };
+  cv::Mat detail_a = details(log_a), detail_b = details(log_b);
+  Comparison result;
+  result.correlation =
+      detail_a.dot(detail_b) / std::max(std::sqrt(detail_a.dot(detail_a) * detail_b.dot(detail_b)), 1e-12);
+  result.ratio = quantile(std::move(ratios), 0.5);
+  cv::Mat window;
+  cv::createHanningWindow(window, detail_a.size(), CV_32F);
+  cv::Point2d shift = cv::phaseCorrelate(detail_a, detail_b, window);
+  // OpenCV pads to a size that its Fourier transform likes, and is half a pixel off where that size is odd.
+  if (cv::getOptimalDFTSize(detail_a.cols) % 2 == 1) shift.x -= 0.5;
+  if (cv::getOptimalDFTSize(detail_a.rows) % 2 == 1) shift.y -= 0.5;
+  result.shift_px = std::hypot(shift.x, shift.y) * a.scale;
+  return result;
+}
+
+}  // namespace burin

@@ -1,0 +1,51 @@
+// burin/capture/photo_look.h - a photo at a glance: small, and what pre-flight and the grouping of brackets need to
+// know.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "burin/capture/session.h"
+#include "burin/render/board.h"
+#include "burin/render/image.h"
+
+namespace burin {
+
+/// A tag as pre-flight sees it.
+struct TagLook {
+  int id = 0;
+  std::array<Eigen::Vector2d, 4> corner_px;  ///< AprilTag's (0.04 px), in TagDetection's order
+  double white = 0;                          ///< median linear value of its white cells
+  double clipped_fraction = 0;               ///< of its white cells' centers
+};
+
+struct PhotoLook {
+  Image small;                          ///< mean of the channels, linear, 1 the white level; at most 800 pixels wide
+  std::vector<std::uint8_t> clipped;    ///< of `small`: 1 where a pixel behind it is clipped
+  double scale = 1;                     ///< photo pixels per pixel of `small`
+  double clipped_fraction = 0;          ///< of the photo's pixels
+  double bright = 0;                    ///< value that 0.5 % of the pixels exceed
+  double noise_floor = 0;               ///< the smallest value worth comparing
+  std::optional<double> edge_sigma_px;  ///< width of the sharpest edges as a Gaussian; none if there are too few edges
+  int width = 0, height = 0;            ///< of the photo
+  std::vector<TagLook> tags;            ///< the board's, sorted by id; of an id that is seen twice, none
+};
+
+/// Reads the photo, and looks for the board's tags if one is given. Throws Error as read_photo does, and for a family
+/// of tags that AprilTag does not know. May be called from several threads at once.
+PhotoLook look_at(const Photo& photo, const TagSet* tags = nullptr);
+
+/// How two photos compare, each divided by its exposure factor, where neither is clipped or lost in the dark.
+struct Comparison {
+  double correlation = 0;  ///< of their details' logarithm: near 1 for one pose, whatever the exposures
+  double ratio = 1;        ///< median of b's values over a's at the common scale: 1 if the exposures are as told
+  double shift_px = 0;     ///< how far b's picture lies from a's, photo pixels; of use where correlation is high
+};
+
+/// Nothing if the two share too little that both hold (5 % of the pixels), if one is all dark, or if sizes differ.
+std::optional<Comparison> compare(const PhotoLook& a, double factor_a, const PhotoLook& b, double factor_b);
+
+}  // namespace burin

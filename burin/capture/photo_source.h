@@ -1,0 +1,32 @@
+// burin/capture/photo_source.h - where photos come from: the one door through which they enter.
+//
+// A source is a function that hands out one photo after another and nothing when there are no more. A folder is the
+// first; a connected camera (libgphoto2: each shot downloaded into the session's folder, then handed out) is to be the
+// next, and needs nothing here changed.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burin/capture/exif.h"
+#include "burin/capture/finding.h"
+
+namespace burin {
+
+struct IncomingPhoto {
+  std::filesystem::path file;
+  Exif exif;
+  std::string unreadable;  ///< why its header could not be read; empty if it could
+};
+
+using PhotoSource = std::function<std::optional<IncomingPhoto>()>;
+
+/// The photos of a folder (not of folders within), by name, IMG_9 before IMG_10. Hidden files are passed over in
+/// silence, other files that are no photos with a finding; of a raw file and a JPEG of one name the raw file is taken.
+/// Throws Error when the folder is missing, unreadable, or holds no photo.
+PhotoSource folder_source(const std::filesystem::path& folder, std::vector<Finding>& findings);
+
+}  // namespace burin

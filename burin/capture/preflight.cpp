@@ -1,0 +1,309 @@
+#include "burin/capture/preflight.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <tuple>
+
+#include "burin/capture/photo.h"
+#include "burin/capture/tags/tag_coverage.h"
+#include "burin/render/board.h"
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+using enum Finding::Severity;
+
+constexpr double kMuchClipped = 0.05;    // of the pixels, in the shortest exposure of a view
+constexpr double kTooDark = 0.05;        // of the white level: the brightest pixels of a view's longest exposure
+constexpr double kBlurred_px = 1.8;      // Gaussian sigma of the sharpest edges
+constexpr double kBlurredFactor = 1.6;   // times the session's median
+constexpr double kExposureError = 0.08;  // nominal exposure times are rounded by up to 7 % (1/60 for 1/64)
+constexpr double kMoved_px = 0.3;
+constexpr int kFewViews = 4;
+constexpr int kFewTags = 4;            // in a view
+constexpr double kSmallTag_px = 20;    // the largest families decode from there on
+constexpr double kPaperClipped = 0.2;  // of the white cells of a view's tags, in its shortest exposure
+constexpr double kLittleOfFrame = 0.35;
+constexpr double kOneDirection_deg = 20;  // between the views that differ most
+constexpr double kPaperBrightness = 1.4;  // between views, at one tag: lens and paper may account for as much
+
+template <typename... Args>
+std::string text(const char* format, Args... args) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, format, args...);
+  return buffer;
+}
+
+void judge_files(const Session& session, std::span<const Exif> exif, std::vector<Finding>& findings) {
+  int turned = 0;
+  // What most photos have is right; the others are named.
+  std::map<std::pair<int, int>, int> sizes;
+  for (const Exif& e : exif) ++sizes[{e.width, e.height}];
+  const auto usual = std::max_element(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) {
+                       return a.second < b.second;
+                     })->first;
+  std::vector<double> focals;
+  for (const Exif& e : exif)
+    if (e.focal_mm) focals.push_back(*e.focal_mm);
+  std::sort(focals.begin(), focals.end());
+  const double focal = focals.empty() ? 0 : focals[focals.size() / 2];
+  std::map<std::pair<std::string, std::string>, int> cameras;
+  for (const Exif& e : exif) ++cameras[{e.make, e.model}];
+  const auto camera = std::max_element(cameras.begin(), cameras.end(), [](const auto& a, const auto& b) {
+                        return a.second < b.second;
+                      })->first;
+  std::map<double, int> apertures;
+  for (const Photo& photo : session.photos) ++apertures[photo.f_number];
+  const double aperture = std::max_element(apertures.begin(), apertures.end(), [](const auto& a, const auto& b) {
+                            return a.second < b.second;
+                          })->first;
+
+  for (std::size_t i = 0; i < exif.size(); ++i) {
+    const Exif& e = exif[i];
+    const auto& file = session.photos[i].file;
+    if (e.width == usual.second && e.height == usual.first && e.width != e.height)
+      findings.push_back({error, file,
+                          text("is %d x %d pixels where others are %d x %d: it was rotated", e.width, e.height,
+                               usual.first, usual.second),
+                          "copy it from the camera again without \"auto-rotate\""});
+    else if (e.width != usual.first || e.height != usual.second)
+      findings.push_back(
+          {error, file,
+           text("is %d x %d pixels where others are %d x %d", e.width, e.height, usual.first, usual.second),
+           "use photos of one camera, uncropped and at one size"});
+    if (e.focal_mm && std::abs(*e.focal_mm / focal - 1) > 0.01)
+      findings.push_back({error, file, text("was taken at %.4g mm focal length, others at %.4g mm", *e.focal_mm, focal),
+                          "leave the zoom alone during a session: take this photo again, or leave it out"});
+    if (!e.model.empty() && std::pair(e.make, e.model) != camera)
+      findings.push_back(
+          {error, file,
+           "was taken with a " + e.make + " " + e.model + ", others with a " + camera.first + " " + camera.second,
+           "use one camera for a session"});
+    if (session.photos[i].f_number != aperture)
+      findings.push_back({warning, file,
+                          text("was taken at f/%.3g, others at f/%.3g: vignetting and sharpness differ",
+                               session.photos[i].f_number, aperture),
+                          "set the aperture by hand"});
+    turned += e.orientation != 1;
+  }
+  if (turned > 0)
+    findings.push_back(
+        {note,
+         {},
+         text("%d photos carry an EXIF orientation; their pixels are used as the sensor had them", turned),
+         ""});
+}
+
+void judge_views(const Session& session, std::span<const PhotoLook> looks, std::vector<Finding>& findings) {
+  std::vector<double> edges;
+  for (const PhotoLook& look : looks)
+    if (look.edge_sigma_px) edges.push_back(*look.edge_sigma_px);
+  std::sort(edges.begin(), edges.end());
+  const double usual_edge = edges.empty() ? 0 : edges[edges.size() / 2];
+
+  for (const Bracket& bracket : brackets_of(session)) {
+    const auto factor = [&](int i) { return exposure_factor(session.photos[i]); };
+    const auto [shortest, longest] = std::minmax_element(bracket.photos.begin(), bracket.photos.end(),
+                                                         [&](int a, int b) { return factor(a) < factor(b); });
+    const PhotoLook &dark = looks[*shortest], &bright = looks[*longest];
+    if (dark.clipped_fraction > kMuchClipped)
+      findings.push_back(
+          {warning, session.photos[*shortest].file,
+           text("%.0f %% of view %s (glints, paper or background) is clipped even in its shortest exposure",
+                100 * dark.clipped_fraction, bracket.view.c_str()),
+           "add an exposure 4 to 8 times shorter"});
+    if (bright.bright < kTooDark)
+      findings.push_back({warning, session.photos[*longest].file,
+                          text("view %s is dark: its brightest parts reach %.1f %% of white", bracket.view.c_str(),
+                               100 * bright.bright),
+                          "add an exposure 8 times longer"});
+    for (const int i : bracket.photos) {
+      const PhotoLook& look = looks[i];
+      if (look.edge_sigma_px && look.bright > kTooDark && *look.edge_sigma_px > kBlurred_px &&
+          *look.edge_sigma_px > kBlurredFactor * usual_edge)
+        findings.push_back(
+            {warning, session.photos[i].file,
+             text("is blurred: its sharpest edges are %.1f px wide, others' %.1f px", *look.edge_sigma_px, usual_edge),
+             "focus once by hand, use a tripod, and take it again"});
+      if (i == *longest) continue;
+      const auto same = compare(bright, factor(*longest), look, factor(i));
+      if (!same) continue;
+      if (std::abs(same->ratio - 1) > kExposureError)
+        findings.push_back(
+            {warning, session.photos[i].file,
+             text("is %.0f %% %s than its EXIF and %s say", 100 * std::abs(same->ratio - 1),
+                  same->ratio > 1 ? "brighter" : "darker", session.photos[*longest].file.filename().string().c_str()),
+             "switch off flicker, automatic ISO and exposure correction, and use a steady lamp"});
+      if (same->shift_px > kMoved_px)
+        findings.push_back({warning, session.photos[i].file,
+                            text("lies %.1f px aside of %s of the same view", same->shift_px,
+                                 session.photos[*longest].file.filename().string().c_str()),
+                            "use a tripod and a remote release for brackets"});
+    }
+  }
+  if (usual_edge > kBlurred_px)
+    findings.push_back({warning,
+                        {},
+                        text("all photos are soft: the sharpest edges are %.1f px wide", usual_edge),
+                        "focus on the board's face, close the aperture to f/8, use a tripod"});
+  std::vector<std::string> views;
+  for (const Photo& photo : session.photos)
+    if (std::find(views.begin(), views.end(), photo.view) == views.end()) views.push_back(photo.view);
+  if (static_cast<int>(views.size()) < kFewViews)
+    findings.push_back(
+        {warning,
+         {},
+         text("there are photos from %d place%s only", static_cast<int>(views.size()), views.size() == 1 ? "" : "s"),
+         "photograph the board from eight to twelve places, tilted, near and away from the mirror side"});
+}
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Of a bracket, the photo that shows the most tags; of those the longest exposure whose paper is not clipped.
+int best_for_tags(const Bracket& bracket, const Session& session, std::span<const PhotoLook> looks) {
+  const auto clipped = [&](int i) {
+    double sum = 0;
+    for (const TagLook& tag : looks[i].tags) sum += tag.clipped_fraction;
+    return looks[i].tags.empty() || sum > 0.05 * static_cast<double>(looks[i].tags.size());
+  };
+  return *std::max_element(bracket.photos.begin(), bracket.photos.end(), [&](int a, int b) {
+    const auto rank = [&](int i) {
+      return std::tuple(looks[i].tags.size(), !clipped(i), exposure_factor(session.photos[i]));
+    };
+    return rank(a) < rank(b);
+  });
+}
+
+void judge_tags(const Session& session, std::span<const PhotoLook> looks, const TagSet& tags,
+                std::vector<Finding>& findings) {
+  std::vector<Bracket> brackets = brackets_of(session);
+  std::vector<int> photo;  // one a bracket
+  std::vector<const PhotoLook*> best;
+  std::size_t most = 0;
+  for (const Bracket& bracket : brackets) {
+    photo.push_back(best_for_tags(bracket, session, looks));
+    best.push_back(&looks[photo.back()]);
+    most = std::max(most, best.back()->tags.size());
+  }
+  if (most == 0) {
+    findings.push_back(
+        {error,
+         {},
+         "no photo shows a tag of family " + tags.family + " that board.json lists",
+         "give the board.json of this board, and photos with the tags sharp, 20 pixels wide at least and "
+         "not clipped"});
+    return;
+  }
+  const TagCoverage coverage = tag_coverage(best, tags);
+
+  // White paper is equally bright from everywhere: each tag against its median over the views.
+  std::map<std::pair<std::string, int>, std::vector<double>> paper;
+  for (std::size_t b = 0; b < brackets.size(); ++b)
+    for (const TagLook& tag : best[b]->tags)
+      if (tag.clipped_fraction == 0)
+        paper[{brackets[b].light, tag.id}].push_back(tag.white / exposure_factor(session.photos[photo[b]]));
+  std::vector<double> errors;
+  for (const TagView& view : coverage.views)
+    if (view.normal) errors.push_back(view.error_px);
+  const double usual_error = median_of(errors);
+
+  for (std::size_t b = 0; b < brackets.size(); ++b) {
+    const TagView& view = coverage.views[b];
+    const auto& file = session.photos[photo[b]].file;
+    const std::string& name = brackets[b].view;
+    double lost = 0;
+    for (const TagLook& tag : best[b]->tags) lost += tag.clipped_fraction / static_cast<double>(view.tags);
+    if (view.tags < std::min(kFewTags, static_cast<int>(tags.list.size())))
+      findings.push_back(
+          {warning, file,
+           text("view %s shows %d of the board's %d tags", name.c_str(), view.tags, static_cast<int>(tags.list.size())),
+           "keep the whole board in the photo, sharp and evenly lit, or leave the photo out"});
+    else if (view.side_px < kSmallTag_px)
+      findings.push_back({warning, file, text("the tags of view %s are %.0f pixels wide", name.c_str(), view.side_px),
+                          "go closer, so that the board fills the frame, or print larger tags (40 pixels are good)"});
+    if (lost > kPaperClipped)
+      findings.push_back({warning, file,
+                          text("the tags' white paper is clipped in every exposure of view %s", name.c_str()),
+                          "add an exposure 4 times shorter: clipped tags cannot be measured"});
+    const double moved = view.own_focal_px / std::max(coverage.focal_px, 1.0);
+    // Only where the board is tilted does a photo tell its focal length.
+    if (view.normal && coverage.direction_deg > kOneDirection_deg && view.error_px > 0.001 * best[b]->width &&
+        view.error_px > 3 * usual_error && view.own_error_px < 0.5 * view.error_px && std::abs(moved - 1) > 0.05)
+      findings.push_back({warning, file, text("its tags fit a focal length %.2f times that of the others", moved),
+                          "leave zoom and focus alone during a session: take it again, or leave it out"});
+    std::vector<double> ratios;
+    for (const TagLook& tag : best[b]->tags) {
+      const auto& all = paper[{brackets[b].light, tag.id}];
+      if (tag.clipped_fraction == 0 && all.size() >= 3)
+        ratios.push_back(tag.white / exposure_factor(session.photos[photo[b]]) / median_of(all));
+    }
+    const double ratio = median_of(ratios);
+    if (ratios.size() >= 3 && std::max(ratio, 1 / ratio) > kPaperBrightness)
+      findings.push_back(
+          {warning, file,
+           text("its paper is %.1f times as bright as in the other views at the exposure that its EXIF tells", ratio),
+           "correct exposure_s, iso or f_number in session.json, or give the photo a light of its own there if the "
+           "lamp "
+           "was moved or dimmed"});
+  }
+  if (coverage.frame_share < kLittleOfFrame)
+    findings.push_back({warning,
+                        {},
+                        text("the tags reach over %.0f %% of the frame only", 100 * coverage.frame_share),
+                        "let the board fill the frame, and move it into the corners of some photos"});
+  if (brackets.size() > 1 && coverage.direction_deg < kOneDirection_deg)
+    findings.push_back(
+        {warning,
+         {},
+         text("all photos see the board from nearly one direction, within %.0f degrees", coverage.direction_deg),
+         "photograph it from the left, the right, above and below, tilted by 30 to 45 degrees"});
+}
+
+}  // namespace
+
+std::vector<Finding> preflight(const Session& session, std::span<const Exif> exif, std::span<const PhotoLook> looks,
+                               const TagSet& tags) {
+  std::vector<Finding> findings;
+  if (session.photos.empty()) return findings;
+  judge_files(session, exif, findings);
+  judge_views(session, looks, findings);
+  if (!has_errors(findings)) judge_tags(session, looks, tags, findings);
+  return findings;
+}
+
+std::vector<Finding> preflight(const Session& session, const Progress& progress) {
+  std::vector<Finding> findings;
+  const std::size_t n = session.photos.size();
+  std::vector<Exif> exif(n);
+  std::vector<PhotoLook> looks(n);
+  std::vector<std::string> broken(n);
+  const TagSet tags = read_board(session.board).tags;
+  constexpr std::size_t kAtOnce = 4;
+  for (std::size_t begin = 0; begin < n; begin += kAtOnce) {
+    if (progress) progress("reading photos", static_cast<double>(begin) / static_cast<double>(n));
+    tbb::parallel_for(begin, std::min(begin + kAtOnce, n), [&](std::size_t i) {
+      try {
+        exif[i] = read_exif(session.photos[i].file);
+        looks[i] = look_at(session.photos[i], &tags);
+      } catch (const Error& unreadable) {
+        broken[i] = unreadable.what();
+      }
+    });
+  }
+  for (const std::string& what : broken)
+    if (!what.empty()) findings.push_back({error, {}, what, ""});
+  return findings.empty() ? preflight(session, exif, looks, tags) : findings;
+}
+
+}  // namespace burin

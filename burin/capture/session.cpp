@@ -1,0 +1,91 @@
+#include "burin/capture/session.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <utility>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<std::pair<Encoding, const char*>, 3> kEncodings{
+    {{Encoding::linear, "linear"}, {Encoding::srgb, "srgb"}, {Encoding::raw, "raw"}}};
+
+Encoding encoding_of(JsonObject& object) {
+  const std::string text = object.text("encoding");
+  for (const auto& [encoding, name] : kEncodings)
+    if (text == name) return encoding;
+  object.fail_field("encoding", "\"" + text + "\" is not known", "say \"linear\", \"srgb\" or \"raw\"");
+}
+
+}  // namespace
+
+Session read_session(const fs::path& file) {
+  const Json json = read_json(file, "burin/session", 1);
+  JsonObject root(json, file.string());
+
+  Session session;
+  session.file = file;
+  session.board = resolve_path(file, root.text("board"));
+  std::set<fs::path> seen;
+  for (JsonObject& entry : root.objects("photos")) {
+    Photo photo;
+    photo.file = resolve_path(file, entry.text("file")).lexically_normal();
+    photo.view = entry.text("view");
+    photo.light = entry.text("light", photo.light);
+    photo.exposure_s = entry.positive("exposure_s");
+    photo.iso = entry.positive("iso", photo.iso);
+    photo.f_number = entry.positive("f_number");
+    photo.encoding = encoding_of(entry);
+    entry.finish();
+    if (photo.view.empty()) entry.fail_field("view", "is empty", "give each place of the camera a name");
+    if (!seen.insert(photo.file).second)
+      entry.fail_field("file", photo.file.string() + " is listed twice", "list each photo once");
+    if (!fs::is_regular_file(photo.file))
+      entry.fail_field("file", "there is no file " + photo.file.string(),
+                       "put the photo there, or take it off the list");
+    session.photos.push_back(std::move(photo));
+  }
+  root.finish();
+  if (session.photos.empty()) root.fail_field("photos", "the list is empty", "a session needs at least one photo");
+  if (!fs::is_regular_file(session.board))
+    root.fail_field("board", "there is no file " + session.board.string(), "put board.json there, or correct the path");
+  return session;
+}
+
+void write_session(const Session& session, const fs::path& file) {
+  Json json;
+  json["format"] = "burin/session";
+  json["version"] = 1;
+  json["board"] = path_beside(file, session.board);
+  json["photos"] = Json::array();
+  for (const Photo& photo : session.photos) {
+    const auto* name = std::find_if(kEncodings.begin(), kEncodings.end(),
+                                    [&](const auto& entry) { return entry.first == photo.encoding; });
+    Json entry;
+    entry["file"] = path_beside(file, photo.file);
+    entry["view"] = photo.view;
+    entry["light"] = photo.light;
+    entry["exposure_s"] = photo.exposure_s;
+    entry["iso"] = photo.iso;
+    entry["f_number"] = photo.f_number;
+    entry["encoding"] = name->second;
+    json["photos"].push_back(std::move(entry));
+  }
+  write_json(json, file);
+}
+
+double exposure_factor(const Photo& photo) {
+  const double factor = photo.exposure_s * (photo.iso / 100) / (photo.f_number * photo.f_number);
+  if (!(factor > 0) || !(factor < 1e12))
+    fail(photo.file.string(), "exposure time, ISO and f-number give no exposure",
+         "give exposure_s, iso and f_number, all above zero");
+  return factor;
+}
+
+}  // namespace burin

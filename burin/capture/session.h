@@ -1,0 +1,39 @@
+// burin/capture/session.h - a session: photos of one board, which view and lamp each shows, and how it was exposed.
+// docs/file-formats.md, `session.json`.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace burin {
+
+enum class Encoding { linear, srgb, raw };
+
+struct Photo {
+  std::filesystem::path file;  ///< absolute or relative to the working directory
+  std::string view;            ///< photos of one view share a camera pose
+  std::string light = "lamp";
+  double exposure_s = 0;
+  double iso = 100;
+  double f_number = 0;
+  Encoding encoding = Encoding::linear;
+};
+
+struct Session {
+  std::filesystem::path file;   ///< where it was read from; empty if it was not
+  std::filesystem::path board;  ///< board.json
+  std::vector<Photo> photos;
+};
+
+/// Reads `session.json`. Throws Error on anything missing, unknown or out of range, photos that do not exist included.
+Session read_session(const std::filesystem::path& file);
+
+/// Writes `session.json`, paths relative to its folder; atomically.
+void write_session(const Session& session, const std::filesystem::path& file);
+
+/// The factor exposure_s * (iso / 100) / f_number^2 of docs/model.md 5. A photo's linear value is gain * this *
+/// vignette * radiance.
+double exposure_factor(const Photo& photo);
+
+}  // namespace burin

@@ -1,0 +1,360 @@
+#include "burin/capture/simulator/bench_truth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <utility>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+double not_negative(JsonObject& json, const std::string& key, double fallback) {
+  const double v = json.number(key, fallback);
+  if (v < 0) json.fail_field(key, "is " + Json(v).dump(), "write 0 or more");
+  return v;
+}
+
+double roughness(JsonObject& json, const std::string& key, double fallback) {
+  const double v = json.number(key, fallback);
+  if (!(v > 0 && v <= 1)) json.fail_field(key, "is " + Json(v).dump(), "write a roughness above 0 and up to 1");
+  return v;
+}
+
+Eigen::Vector3d color(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback) {
+  Eigen::Vector3d v = json.vec3(key, fallback);
+  if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "write three numbers, none negative");
+  return v;
+}
+
+std::uint64_t seed_of(JsonObject& json, const std::string& key, std::uint64_t fallback) {
+  const double v = json.number(key, static_cast<double>(fallback));
+  if (v < 0 || v != std::floor(v) || v > 9e15) json.fail_field(key, "is no seed", "write a whole number from 0");
+  return static_cast<std::uint64_t>(v);
+}
+
+int at_least(JsonObject& json, const std::string& key, int least, int fallback) {
+  const int v = json.integer(key, fallback);
+  if (v < least) json.fail_field(key, "is " + std::to_string(v), "write " + std::to_string(least) + " or more");
+  return v;
+}
+
+// The fields of a material; what is not there stays. The caller calls finish().
+void read_material_into(JsonObject& json, Material& material) {
+  material.alpha = roughness(json, "alpha", material.alpha);
+  material.depth_um = json.positive("depth_um", material.depth_um);
+  material.base_alpha = roughness(json, "base_alpha", material.base_alpha);
+  material.f0 = color(json, "f0", material.f0);
+}
+
+void read_board_truth(JsonObject json, BenchTruth& truth) {
+  Board& board = truth.board;
+  board.size_mm = json.vec2("size_mm");
+  if (!(board.size_mm.array() > 0).all()) json.fail_field("size_mm", "is not positive", "write width and height in mm");
+  const Eigen::MatrixXd carve = json.matrix("carve_mm", 2, 2);
+  board.carve_min_mm = carve.row(0).transpose();
+  board.carve_max_mm = carve.row(1).transpose();
+  if (!(board.carve_min_mm.array() < board.carve_max_mm.array()).all())
+    json.fail_field("carve_mm", "is no rectangle", "write the lower-left and the upper-right corner");
+  truth.surface = {board.size_mm, json.vec3("bow_mm", Eigen::Vector3d::Zero())};
+  if (json.has("tags")) {
+    JsonObject tags = json.object("tags");
+    board.tags.family = tags.text("family", board.tags.family);
+    board.tags.z_mm = tags.number("z_mm", board.tags.z_mm);
+    board.tags.sigma_mm = tags.positive("sigma_mm", board.tags.sigma_mm);
+    board.tags.white_albedo = not_negative(tags, "white_albedo", board.tags.white_albedo);
+    board.tags.black_albedo = not_negative(tags, "black_albedo", board.tags.black_albedo);
+    truth.quiet_mm = not_negative(tags, "quiet_mm", 0);
+    for (JsonObject& item : tags.objects("list")) {
+      Tag tag;
+      tag.id = at_least(item, "id", 0, -1);
+      tag.center_mm = item.vec2("center_mm");
+      tag.size_mm = item.positive("size_mm");
+      tag.rotation_deg = item.number("rotation_deg", 0);
+      item.finish();
+      board.tags.list.push_back(tag);
+    }
+    tags.finish();
+  }
+  JsonObject tool = json.object("tool");
+  board.tool_width_um = tool.positive("width_um");
+  tool.finish();
+  json.finish();
+}
+
+void read_believed(JsonObject& root, BenchTruth& truth) {
+  truth.believed = truth.board;
+  if (!root.has("believed")) return;
+  JsonObject json = root.object("believed");
+  if (json.has("material")) {
+    JsonObject material = json.object("material");
+    read_material_into(material, truth.believed.material);
+    material.finish();
+  }
+  if (json.has("tag_overrides"))
+    for (JsonObject& item : json.objects("tag_overrides")) {
+      const int id = item.integer("id");
+      auto& list = truth.believed.tags.list;
+      const auto tag = std::find_if(list.begin(), list.end(), [&](const Tag& t) { return t.id == id; });
+      if (tag == list.end()) item.fail_field("id", "there is no tag " + std::to_string(id), "name a tag of board.tags");
+      tag->center_mm = item.vec2("center_mm");
+      item.finish();
+    }
+  json.finish();
+}
+
+void read_scratch_source(JsonObject& root, BenchTruth& truth) {
+  if (!root.has("scratches")) return;
+  if (root.raw("scratches").is_string()) {
+    truth.scratches = resolve_path(truth.file, root.text("scratches"));
+    return;
+  }
+  JsonObject json = root.object("scratches");
+  JsonObject random = json.object("random");
+  truth.random.count = at_least(random, "count", 0, 0);
+  const auto length = random.numbers("length_mm", 2);
+  if (!(length[0] > 0) || length[1] < length[0])
+    random.fail_field("length_mm", "is no range", "write [shortest, longest] in mm");
+  truth.random.shortest_mm = length[0];
+  truth.random.longest_mm = length[1];
+  truth.random.seed = seed_of(random, "seed", truth.seed);
+  random.finish();
+  json.finish();
+}
+
+void read_lens(JsonObject json, BenchTruth& truth) {
+  truth.lens.model = json.text("lensmodel");
+  const auto size = json.numbers("imagersize", 2);
+  truth.lens.width = static_cast<int>(size[0]);
+  truth.lens.height = static_cast<int>(size[1]);
+  if (truth.lens.width < 1 || truth.lens.height < 1 || size[0] > 1e5 || size[1] > 1e5)
+    json.fail_field("imagersize", "is no picture's size", "write [width, height] in pixels");
+  truth.lens.intrinsics = json.numbers("intrinsics", lens_parameter_count(truth.lens.model));
+  json.finish();
+}
+
+void read_sensor_truth(JsonObject json, BenchTruth& truth) {
+  SensorTruth& sensor = truth.sensor;
+  sensor.channels = json.integer("channels", 1);
+  if (sensor.channels != 1 && sensor.channels != 3) json.fail_field("channels", "is neither 1 nor 3", "write 1 or 3");
+  const std::string encoding = json.text("encoding");
+  if (encoding != "linear" && encoding != "srgb")
+    json.fail_field("encoding", "\"" + encoding + "\" cannot be simulated", "write \"linear\" or \"srgb\"");
+  sensor.encoding = encoding == "linear" ? Encoding::linear : Encoding::srgb;
+  sensor.bits = json.integer("bits", 16);
+  if (sensor.bits < 8 || sensor.bits > 16) json.fail_field("bits", "is out of range", "write 8 to 16");
+  sensor.jpeg_quality = json.integer("jpeg_quality", sensor.jpeg_quality);
+  if (sensor.jpeg_quality < 1 || sensor.jpeg_quality > 100)
+    json.fail_field("jpeg_quality", "is out of range", "write 1 to 100");
+  truth.optics.gain = json.positive("gain");
+  sensor.full_well_e = json.positive("full_well_e", sensor.full_well_e);
+  sensor.read_noise_e = not_negative(json, "read_noise_e", sensor.read_noise_e);
+  json.finish();
+}
+
+Light read_light(JsonObject& json) {
+  Light light;
+  light.id = json.text("id", light.id);
+  light.position_mm = json.vec3("position_mm");
+  light.intensity = color(json, "intensity", light.intensity);
+  light.axis = json.vec3("axis", light.axis);
+  if (!(light.axis.norm() > 1e-9)) json.fail_field("axis", "has no direction", "write where the lamp points");
+  light.axis.normalize();
+  light.falloff_exponent = not_negative(json, "falloff_exponent", 0);
+  json.finish();
+  return light;
+}
+
+TruthView read_view(JsonObject& json, const BenchTruth& truth) {
+  TruthView view;
+  view.name = json.text("view");
+  const Eigen::Matrix4d m = json.matrix("T_camera_board", 4, 4);
+  const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
+  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-6 || R.determinant() < 0)
+    json.fail_field("T_camera_board", "is no rigid motion", "write orthonormal axes with determinant +1, to 7 digits");
+  view.T_camera_board.matrix().topRows<3>() = m.topRows<3>();
+  for (JsonObject& item : json.objects("photos")) {
+    TruthPhoto photo;
+    photo.file = fs::path(item.text("file")).lexically_normal();
+    if (photo.file.is_absolute() || photo.file.empty() || *photo.file.begin() == ".." || !photo.file.has_filename())
+      item.fail_field("file", "leads out of the output folder", "write a path within it, as photos/v00.png");
+    photo.photo.view = view.name;
+    photo.photo.light = item.text("light", "lamp");
+    if (std::none_of(truth.lights.begin(), truth.lights.end(),
+                     [&](const Light& l) { return l.id == photo.photo.light; }))
+      item.fail_field("light", "there is no light \"" + photo.photo.light + "\"", "name one of lights");
+    photo.photo.exposure_s = item.positive("exposure_s");
+    photo.photo.iso = item.positive("iso", 100);
+    photo.photo.f_number = item.positive("f_number");
+    photo.photo.encoding = truth.sensor.encoding;
+    photo.datetime = item.text("datetime", "");
+    item.finish();
+    view.photos.push_back(std::move(photo));
+  }
+  json.finish();
+  return view;
+}
+
+ShapeOnBoard read_shape(JsonObject& json) {
+  ShapeOnBoard shape;
+  const std::string kind = json.text("kind");
+  if (kind != "rectangle" && kind != "ellipse")
+    json.fail_field("kind", "\"" + kind + "\" is not known", "write \"rectangle\" or \"ellipse\"");
+  shape.ellipse = kind == "ellipse";
+  shape.center_mm = json.vec2("center_mm");
+  shape.half_mm = json.vec2("half_mm");
+  if (!(shape.half_mm.array() > 0).all()) json.fail_field("half_mm", "is not positive", "write half width and height");
+  shape.rotation_deg = json.number("rotation_deg", 0);
+  shape.z_mm = json.number("z_mm", 0);
+  shape.albedo = color(json, "albedo", shape.albedo);
+  shape.gloss_alpha = json.has("gloss_alpha") ? roughness(json, "gloss_alpha", 0.1) : 0;
+  shape.gloss_f0 = not_negative(json, "gloss_f0", 0);
+  if (shape.gloss_f0 > 0 && shape.gloss_alpha == 0)
+    json.fail_field("gloss_alpha", "is missing", "a glossy shape needs its roughness");
+  shape.smudge = json.number("smudge", 1);
+  if (shape.smudge < 0 || shape.smudge > 1) json.fail_field("smudge", "is out of range", "write 0 to 1");
+  json.text("note", "");
+  json.finish();
+  return shape;
+}
+
+Dust read_dust(JsonObject json, std::uint64_t seed) {
+  Dust dust;
+  dust.specks = at_least(json, "specks", 0, 0);
+  dust.fibers = at_least(json, "fibres", 0, 0);
+  const auto size = json.has("speck_mm") ? json.numbers("speck_mm", 2) : std::vector{dust.smallest_mm, dust.largest_mm};
+  if (!(size[0] > 0) || size[1] < size[0])
+    json.fail_field("speck_mm", "is no range", "write [smallest, largest] in mm");
+  dust.smallest_mm = size[0];
+  dust.largest_mm = size[1];
+  dust.albedo = color(json, "albedo", dust.albedo);
+  dust.seed = seed_of(json, "seed", seed);
+  json.finish();
+  return dust;
+}
+
+}  // namespace
+
+BenchTruth read_bench_truth(const fs::path& file) {
+  const Json content = read_json(file, "burin/rig-truth", 1);
+  JsonObject root(content, file.string());
+  BenchTruth truth;
+  truth.file = file;
+  truth.name = root.text("name", file.stem().string());
+  truth.seed = seed_of(root, "seed", 0);
+  truth.samples = at_least(root, "samples", 1, truth.samples);
+  truth.samples_plain = at_least(root, "samples_plain", 1, truth.samples_plain);
+  const std::string overlap = root.text("overlap", "sum");
+  if (overlap != "sum" && overlap != "last")
+    root.fail_field("overlap", "\"" + overlap + "\" is not known", "write \"sum\" or \"last\"");
+  truth.last_rules = overlap == "last";
+  const std::string h_at = root.text("h_at", "sample");
+  if (h_at != "sample" && h_at != "center")
+    root.fail_field("h_at", "\"" + h_at + "\" is not known", "write \"sample\" or \"center\"");
+  truth.h_at_center = h_at == "center";
+
+  read_board_truth(root.object("board"), truth);
+  JsonObject material = root.object("material");
+  read_material_into(material, truth.board.material);
+  if (material.has("depth_gradient")) truth.depth_gradient = material.vec2("depth_gradient");
+  truth.alpha_jitter = not_negative(material, "alpha_jitter", 0);
+  truth.depth_jitter = not_negative(material, "depth_jitter", 0);
+  truth.wear = material.number("wear", 0);
+  if (std::abs(truth.wear) >= 2) material.fail_field("wear", "leaves no depth", "write a number between -2 and 2");
+  material.finish();
+  read_believed(root, truth);
+  read_scratch_source(root, truth);
+  if (root.has("machine")) {
+    JsonObject machine = root.object("machine");
+    truth.machine_affine = machine.matrix("affine", 2, 3);
+    machine.finish();
+  }
+  read_lens(root.object("camera"), truth);
+  read_sensor_truth(root.object("sensor"), truth);
+  truth.optics.psf_sigma_px = not_negative(root, "psf_sigma_px", 0);
+  truth.optics.vignette = root.vec3("vignette", truth.optics.vignette);
+  for (JsonObject& light : root.objects("lights")) truth.lights.push_back(read_light(light));
+  for (JsonObject& view : root.objects("views")) truth.views.push_back(read_view(view, truth));
+  if (truth.views.empty()) root.fail_field("views", "the list is empty", "a camera needs at least one place");
+  truth.ambient = color(root, "ambient", truth.ambient);
+  if (root.has("background")) {
+    JsonObject cloth = root.object("background");
+    truth.cloth.albedo = color(cloth, "albedo", truth.cloth.albedo);
+    truth.cloth.noise = not_negative(cloth, "noise", 0);
+    truth.cloth.z_mm = cloth.number("z_mm", truth.cloth.z_mm);
+    cloth.finish();
+  }
+  if (root.has("dust")) truth.dust = read_dust(root.object("dust"), truth.seed);
+  if (root.has("shapes"))
+    for (JsonObject& shape : root.objects("shapes")) truth.shapes.push_back(read_shape(shape));
+  if (root.has("exif")) {
+    JsonObject exif = root.object("exif");
+    truth.make = exif.text("make", "");
+    truth.model = exif.text("model", "");
+    if (exif.has("focal_mm")) truth.focal_mm = exif.positive("focal_mm");
+    if (exif.has("focal_35mm")) truth.focal_35mm = exif.positive("focal_35mm");
+    exif.finish();
+  }
+  truth.writes_session = root.boolean("session", true);
+  root.finish();
+  return truth;
+}
+
+Scratches designed_scratches(const BenchTruth& truth) {
+  if (!truth.scratches.empty()) return read_scratches(truth.scratches);
+  Scratches scratches;
+  std::mt19937_64 random(truth.random.seed);
+  const Eigen::Vector2d low = truth.board.carve_min_mm, high = truth.board.carve_max_mm;
+  using Uniform = std::uniform_real_distribution<>;
+  Uniform length(truth.random.shortest_mm, truth.random.longest_mm), angle(0, std::numbers::pi);
+  // Drawn again until both ends lie inside; one of a hundred tries is enough unless scratches outgrow the carve area.
+  for (long tries = 0; static_cast<int>(scratches.size()) < truth.random.count; ++tries) {
+    if (tries > 100L * truth.random.count + 1000)
+      fail(truth.file.string() + ": scratches.random.length_mm", "is too long for the carve area",
+           "shorten it, or enlarge carve_mm");
+    const double a = angle(random), half = length(random) / 2;
+    const Eigen::Vector2d center(Uniform(low.x(), high.x())(random), Uniform(low.y(), high.y())(random));
+    const Eigen::Vector2d reach(half * std::cos(a), half * std::sin(a));
+    const Eigen::Vector2d p0 = center - reach, p1 = center + reach;
+    const auto inside = [&](const Eigen::Vector2d& p) {
+      return (p.array() >= low.array()).all() && (p.array() <= high.array()).all();
+    };
+    if (!inside(p0) || !inside(p1)) continue;
+    scratches.x0_mm.push_back(p0.x());
+    scratches.y0_mm.push_back(p0.y());
+    scratches.x1_mm.push_back(p1.x());
+    scratches.y1_mm.push_back(p1.y());
+  }
+  return scratches;
+}
+
+Scratches carved_scratches(const BenchTruth& truth, const Scratches& designed) {
+  Scratches carved = transformed(designed, truth.machine_affine);
+  const std::size_t n = carved.size();
+  if (carved.width_um.empty()) carved.width_um.assign(n, truth.board.tool_width_um);
+  if (carved.depth_um.empty()) carved.depth_um.assign(n, truth.board.material.depth_um);
+  if (carved.alpha.empty()) carved.alpha.assign(n, truth.board.material.alpha);
+  std::mt19937_64 random(truth.seed ^ 0x9e3779b97f4a7c15ULL);
+  std::normal_distribution<> normal;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double u = (carved.x0_mm[i] + carved.x1_mm[i]) / 2 / truth.board.size_mm.x() - 0.5;
+    const double v = (carved.y0_mm[i] + carved.y1_mm[i]) / 2 / truth.board.size_mm.y() - 0.5;
+    const double age = n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) - 0.5 : 0;
+    const double depth_noise = normal(random), alpha_noise = normal(random);
+    const double factor = (1 + truth.depth_gradient.x() * u + truth.depth_gradient.y() * v) * (1 - truth.wear * age) *
+                          std::exp(truth.depth_jitter * depth_noise);
+    if (!(factor > 0))
+      fail(truth.file.string() + ": material", "depth_gradient and wear leave a scratch without depth",
+           "make them smaller");
+    carved.depth_um[i] *= factor;
+    carved.alpha[i] = std::min(1.0, carved.alpha[i] * std::exp(truth.alpha_jitter * alpha_noise));
+  }
+  return carved;
+}
+
+}  // namespace burin

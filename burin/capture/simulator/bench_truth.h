@@ -1,0 +1,133 @@
+// burin/capture/simulator/bench_truth.h - a bench with known truth: what a simulated camera photographs. Format
+// "burin/rig-truth".
+//
+// It says everything that board.json and bench.json do not: what the machine really carved, what the sensor does to
+// light, what else lies on the board. Frame: board, mm. Fields beside theirs:
+//
+//   name, seed                 every random draw follows from the seed
+//   samples, samples_plain     points a pixel with and without scratches
+//   overlap                    "sum": grooves that cross add up (docs/model.md 5); "last": the one carved last rules at
+//   a point h_at                       "sample": wi, wo and h at every point; "center": at the footprint's center
+//   (docs/model.md 5) board                      as board.json, the tags where they really are; tags.quiet_mm: white
+//   paper beyond the tag's
+//                              own border; bow_mm
+//   believed                   {material, tag_overrides}: what goes into board.json instead of the truth
+//   scratches                  "FILE.csv", or {"random": {count, length_mm: [from, to], seed}}: the designed scratches
+//   material                   depth_gradient [gx, gy]: depth_um (1 + gx (u - 1/2) + gy (v - 1/2)); alpha_jitter,
+//                              depth_jitter: standard deviation of the logarithm per scratch; wear: depth falls from
+//                              1 + wear/2 times at the first scratch to 1 - wear/2 at the last
+//   sensor                     {channels, encoding, bits, jpeg_quality, gain, full_well_e, read_noise_e}; bits of
+//   linear
+//                              files stand in the high end of 16
+//   psf_sigma_px, vignette, ambient, background {albedo, noise, z_mm}, dust, shapes, exif, session
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burin/capture/session.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/lens.h"
+#include "burin/render/scratches.h"
+#include "burin/render/surface.h"
+
+namespace burin {
+
+struct RandomScratches {
+  int count = 0;
+  double shortest_mm = 6, longest_mm = 10;
+  std::uint64_t seed = 0;
+};
+
+struct SensorTruth {
+  int channels = 1;  ///< 1: the mean of R, G and B
+  Encoding encoding = Encoding::linear;
+  int bits = 16;
+  int jpeg_quality = 95;
+  double full_well_e = 18000;  ///< electrons at the white level at ISO 100
+  double read_noise_e = 9;
+};
+
+/// What lies under the board.
+struct Cloth {
+  Eigen::Vector3d albedo{0.03, 0.03, 0.03};
+  double noise = 0;  ///< relative
+  double z_mm = -2;
+};
+
+/// Something on the face: a sticker, or a fingerprint that veils the metal.
+struct ShapeOnBoard {
+  bool ellipse = false;  ///< or a rectangle
+  Eigen::Vector2d center_mm{0, 0}, half_mm{0, 0};
+  double rotation_deg = 0, z_mm = 0;
+  Eigen::Vector3d albedo{0, 0, 0};
+  double gloss_alpha = 0, gloss_f0 = 0;  ///< a coat of varnish; none where gloss_f0 is 0
+  double smudge = 1;                     ///< 1: hides the metal; less: that part of it is veiled
+};
+
+struct Dust {
+  int specks = 0, fibers = 0;
+  double smallest_mm = 0.1, largest_mm = 0.5;
+  Eigen::Vector3d albedo{0.3, 0.3, 0.3};
+  std::uint64_t seed = 0;
+};
+
+struct TruthPhoto {
+  std::filesystem::path file;  ///< relative to the output folder
+  Photo photo;                 ///< view, light, exposure; `file` is empty
+  std::string datetime;        ///< "2024:03:09 14:03:30", or empty
+};
+
+struct TruthView {
+  std::string name;
+  Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
+  std::vector<TruthPhoto> photos;
+};
+
+struct BenchTruth {
+  std::filesystem::path file;
+  std::string name;
+  std::uint64_t seed = 0;
+  int samples = 1024, samples_plain = 64;
+  // The board and what the machine did to it.
+  Board board;     ///< as it is
+  Board believed;  ///< as board.json says
+  Surface surface;
+  Eigen::Vector2d depth_gradient{0, 0};
+  Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();
+  double alpha_jitter = 0, depth_jitter = 0, wear = 0;
+  double quiet_mm = 0;
+  std::filesystem::path scratches;  ///< empty: random
+  RandomScratches random;
+  // The camera and its light.
+  Lens lens;
+  Sensor optics;  ///< gain, vignette, blur
+  SensorTruth sensor;
+  std::vector<Light> lights;
+  std::vector<TruthView> views;
+  Eigen::Vector3d ambient{0, 0, 0};
+  std::string make, model;
+  std::optional<double> focal_mm, focal_35mm;
+  // What else is there.
+  Cloth cloth;
+  Dust dust;
+  std::vector<ShapeOnBoard> shapes;
+  bool last_rules = false, h_at_center = false;
+  bool writes_session = true;
+};
+
+/// Throws Error on anything missing, unknown or out of range.
+BenchTruth read_bench_truth(const std::filesystem::path& file);
+
+/// The designed scratches of a truth: its file, or its random ones (ends inside the carve area).
+Scratches designed_scratches(const BenchTruth& truth);
+
+/// What the machine makes of designed scratches: moved by its affine map, each with width, depth and alpha of its own.
+Scratches carved_scratches(const BenchTruth& truth, const Scratches& designed);
+
+}  // namespace burin

@@ -1,0 +1,404 @@
+#include "burin/capture/simulator/point_sampler.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "burin/capture/simulator/things_on_board.h"
+#include "burin/render/brdf.h"
+#include "burin/render/error.h"
+#include "burin/render/groove.h"
+
+namespace burin {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// A hash that scatters neighboring numbers (splitmix64's finaliser): random numbers by place, whatever the order.
+std::uint64_t scattered(std::uint64_t v) {
+  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
+  v = (v ^ (v >> 27)) * 0x94d049bb133111ebULL;
+  return v ^ (v >> 31);
+}
+
+struct Groove {
+  double x0, y0, ex, ey, length, half_width, t_per_mm;  // along the scratch: (ex, ey); across it: (ey, -ex)
+  double alpha;
+};
+
+// Grooves by place: those that reach into each cell of a square grid over the board, lowest index first.
+struct GrooveBins {
+  static constexpr double kCell_mm = 1;
+  int nx = 1, ny = 1;
+  std::vector<int> begin, list;
+
+  int column(double x_mm) const { return std::clamp(static_cast<int>(std::floor(x_mm / kCell_mm)), 0, nx - 1); }
+  int row(double y_mm) const { return std::clamp(static_cast<int>(std::floor(y_mm / kCell_mm)), 0, ny - 1); }
+};
+
+double distance_to(const Groove& g, double x, double y) {
+  const double dx = x - g.x0, dy = y - g.y0;
+  const double along = std::clamp(dx * g.ex + dy * g.ey, 0.0, g.length);
+  const double rx = dx - along * g.ex, ry = dy - along * g.ey;
+  return std::sqrt(rx * rx + ry * ry);
+}
+
+GrooveBins bins_of(const std::vector<Groove>& grooves, const Vector2d& size_mm) {
+  GrooveBins bins;
+  bins.nx = std::max(1, static_cast<int>(std::ceil(size_mm.x() / GrooveBins::kCell_mm)));
+  bins.ny = std::max(1, static_cast<int>(std::ceil(size_mm.y() / GrooveBins::kCell_mm)));
+  const std::size_t cells = static_cast<std::size_t>(bins.nx) * bins.ny;
+  const double reach = GrooveBins::kCell_mm * std::sqrt(0.5);
+  const auto for_cells = [&](const Groove& g, const auto& visit) {
+    const double x1 = g.x0 + g.length * g.ex, y1 = g.y0 + g.length * g.ey, w = g.half_width;
+    for (int r = bins.row(std::min(g.y0, y1) - w); r <= bins.row(std::max(g.y0, y1) + w); ++r)
+      for (int c = bins.column(std::min(g.x0, x1) - w); c <= bins.column(std::max(g.x0, x1) + w); ++c)
+        if (distance_to(g, (c + 0.5) * GrooveBins::kCell_mm, (r + 0.5) * GrooveBins::kCell_mm) <= w + reach)
+          visit(static_cast<std::size_t>(r) * bins.nx + c);
+  };
+  bins.begin.assign(cells + 1, 0);
+  for (const Groove& g : grooves) for_cells(g, [&](std::size_t cell) { ++bins.begin[cell + 1]; });
+  for (std::size_t i = 0; i < cells; ++i) bins.begin[i + 1] += bins.begin[i];
+  bins.list.resize(bins.begin[cells]);
+  std::vector<int> next(bins.begin.begin(), bins.begin.end() - 1);
+  for (std::size_t i = 0; i < grooves.size(); ++i)
+    for_cells(grooves[i], [&](std::size_t cell) { bins.list[next[cell]++] = static_cast<int>(i); });
+  return bins;
+}
+
+// Cloth: value noise of three octaves, mean 1, never dark to black.
+double cloth_pattern(double x_mm, double y_mm, double strength, std::uint64_t seed) {
+  const auto lattice = [&](int octave, long i, long j) {
+    const auto key = static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15ULL + static_cast<std::uint64_t>(j) + seed +
+                     static_cast<std::uint64_t>(octave) * 0x632be59bd9b4e019ULL;
+    return static_cast<double>(scattered(key) >> 11) * 0x1.0p-53 - 0.5;
+  };
+  double sum = 0, scale_mm = 6, weight = 0.5;
+  for (int octave = 0; octave < 3; ++octave, scale_mm /= 3, weight /= 1.5) {
+    const double x = x_mm / scale_mm, y = y_mm / scale_mm;
+    const double fx = std::floor(x), fy = std::floor(y);
+    const long i = static_cast<long>(fx), j = static_cast<long>(fy);
+    const auto ease = [](double t) { return t * t * (3 - 2 * t); };
+    const double u = ease(x - fx), v = ease(y - fy);
+    sum += weight * ((1 - v) * ((1 - u) * lattice(octave, i, j) + u * lattice(octave, i + 1, j)) +
+                     v * ((1 - u) * lattice(octave, i, j + 1) + u * lattice(octave, i + 1, j + 1)));
+  }
+  return std::max(0.05, 1 + strength * sum);
+}
+
+// Light that reaches a point: towards the lamp, and intensity's common factor / distance^2.
+struct Arriving {
+  Vector3d wi;
+  double strength;
+};
+
+Arriving arriving(const Light& light, const Vector3d& p) {
+  const Vector3d to_lamp = light.position_mm - p;
+  const double d2 = to_lamp.squaredNorm();
+  Arriving a{to_lamp / std::sqrt(d2), 1 / d2};
+  if (light.falloff_exponent > 0) a.strength *= std::pow(std::max(0.0, -light.axis.dot(a.wi)), light.falloff_exponent);
+  return a;
+}
+
+// What changes slowly over a pixel, at one of its corners on the face.
+struct Corner {
+  double x = kNaN, y = kNaN;              // on the face; NaN where the ray misses it
+  double cloth_x = kNaN, cloth_y = kNaN;  // on the cloth's plane
+  double h_x = 0, h_y = 0, h_n = 0;       // half vector: board x and y, and along the face's normal
+  double geometry = 0;                    // strength / (4 wo.n); 0 where lamp or camera is below the face
+  double fresnel = 0;                     // (1 - h.wo)^5
+  double cos_i = 0, cos_o = 0;
+  double base = 0;  // D G of the plain face times geometry
+};
+
+}  // namespace
+
+struct PointSampler::State {
+  const BenchTruth& truth;
+  std::vector<Groove> grooves;
+  GrooveBins bins;
+  ThingsOnBoard things;
+  std::vector<Vector3d> rays;  // through the pixels' corners, (width + 1) x (height + 1), camera frame
+
+  explicit State(const BenchTruth& t) : truth(t), things(t) {}
+
+  void fill_corners(const TruthView& view, const Light& light, int row, std::span<Corner> corners) const;
+  Vector3d pixel(std::span<const Corner> above, std::span<const Corner> below, int x, const Light& light,
+                 const Vector3d& camera, std::uint64_t seed) const;
+  void near_grooves(const Vector2d& low, const Vector2d& high, std::vector<int>& found) const;
+};
+
+PointSampler::PointSampler(const BenchTruth& truth, const Scratches& carved) : state_(std::make_unique<State>(truth)) {
+  const std::size_t n = carved.size();
+  if (carved.width_um.size() != n || carved.depth_um.size() != n || carved.alpha.size() != n)
+    fail("PointSampler", "carved scratches without width, depth and alpha", "use carved_scratches()");
+  for (std::size_t i = 0; i < n; ++i) {
+    const double dx = carved.x1_mm[i] - carved.x0_mm[i], dy = carved.y1_mm[i] - carved.y0_mm[i];
+    const double length = std::hypot(dx, dy);
+    state_->grooves.push_back({carved.x0_mm[i], carved.y0_mm[i], dx / length, dy / length, length,
+                               1e-3 * half_width_um(carved.width_um[i], carved.depth_um[i]),
+                               2 / (1e-3 * carved.width_um[i]), carved.alpha[i]});
+  }
+  state_->bins = bins_of(state_->grooves, truth.board.size_mm);
+
+  const int w = truth.lens.width + 1, h = truth.lens.height + 1;
+  state_->rays.resize(static_cast<std::size_t>(w) * h);
+  tbb::parallel_for(0, h, [&](int y) {
+    std::vector<Vector2d> q(w);
+    for (int x = 0; x < w; ++x) q[x] = {x - 0.5, y - 0.5};
+    unproject(truth.lens, q, std::span(state_->rays).subspan(static_cast<std::size_t>(y) * w, w));
+  });
+}
+
+PointSampler::~PointSampler() = default;
+
+void PointSampler::State::fill_corners(const TruthView& view, const Light& light, int row,
+                                       std::span<Corner> corners) const {
+  const Eigen::Isometry3d T_board_camera = view.T_camera_board.inverse();
+  const Vector3d camera = T_board_camera.translation();
+  const Vector2d size = truth.board.size_mm;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    Corner& corner = corners[i] = Corner{};
+    const Vector3d ray = T_board_camera.linear() * rays[static_cast<std::size_t>(row) * corners.size() + i];
+    const auto meet = [&](double z_mm) { return (z_mm - camera.z()) / ray.z(); };
+    double s = meet(truth.cloth.z_mm);
+    if (!(s > 0) || !std::isfinite(s)) continue;
+    corner.cloth_x = camera.x() + s * ray.x();
+    corner.cloth_y = camera.y() + s * ray.y();
+    s = meet(0);
+    Vector3d p = camera + s * ray;
+    for (int step = 0; step < 4; ++step) {  // the bow moves a point by its height times the ray's slope: contracts
+      const double x = std::clamp(p.x(), -0.2 * size.x(), 1.2 * size.x());
+      const double y = std::clamp(p.y(), -0.2 * size.y(), 1.2 * size.y());
+      p = camera + meet(height_mm(truth.surface, x, y)) * ray;
+    }
+    if (!p.allFinite() || !(s > 0)) continue;
+    corner.x = p.x();
+    corner.y = p.y();
+    // Beyond the board's edge nothing reflects; only pixels across the edge need their outer corners.
+    if (p.x() < -5 || p.y() < -5 || p.x() > size.x() + 5 || p.y() > size.y() + 5) continue;
+    const Vector3d normal = face_normal(truth.surface, p.x(), p.y());
+    const Arriving light_here = arriving(light, p);
+    const Vector3d wo = (camera - p).normalized(), h = (light_here.wi + wo).normalized();
+    corner.h_x = h.x();
+    corner.h_y = h.y();
+    corner.h_n = normal.dot(h);
+    corner.cos_i = normal.dot(light_here.wi);
+    corner.cos_o = normal.dot(wo);
+    corner.fresnel = schlick_F(h.dot(wo), 0.0);
+    if (corner.cos_i > 0 && corner.cos_o > 0) corner.geometry = light_here.strength / (4 * corner.cos_o);
+    const double alpha = truth.board.material.base_alpha;
+    corner.base = ggx_D(corner.h_n, alpha) * smith_G(corner.cos_i, corner.cos_o, alpha) * corner.geometry;
+  }
+}
+
+void PointSampler::State::near_grooves(const Vector2d& low, const Vector2d& high, std::vector<int>& found) const {
+  found.clear();
+  const int c0 = bins.column(low.x()), c1 = bins.column(high.x()), r0 = bins.row(low.y()), r1 = bins.row(high.y());
+  const Vector2d middle = (low + high) / 2;
+  const double radius = (high - low).norm() / 2;
+  for (int r = r0; r <= r1; ++r)
+    for (int c = c0; c <= c1; ++c) {
+      const std::size_t cell = static_cast<std::size_t>(r) * bins.nx + c;
+      for (int k = bins.begin[cell]; k < bins.begin[cell + 1]; ++k) {
+        const Groove& g = grooves[bins.list[k]];
+        if (distance_to(g, middle.x(), middle.y()) <= g.half_width + radius) found.push_back(bins.list[k]);
+      }
+    }
+  if (c0 == c1 && r0 == r1) return;
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+}
+
+Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<const Corner> below, int x,
+                                    const Light& light, const Vector3d& camera, std::uint64_t seed) const {
+  // Corners in the order of (u, v) = (0, 0), (1, 0), (0, 1), (1, 1), v downwards.
+  const std::array<const Corner*, 4> corner{&above[x], &above[x + 1], &below[x], &below[x + 1]};
+  const auto mean = [&](double Corner::*field) {
+    return (corner[0]->*field + corner[1]->*field + corner[2]->*field + corner[3]->*field) / 4;
+  };
+  const auto between = [&](double Corner::*field, double u, double v) {
+    return (1 - v) * ((1 - u) * corner[0]->*field + u * corner[1]->*field) +
+           v * ((1 - u) * corner[2]->*field + u * corner[3]->*field);
+  };
+  if (!std::isfinite(mean(&Corner::cloth_x))) return Vector3d::Zero();  // beyond the horizon: nothing there
+
+  const auto cloth_at = [&](double u, double v) -> Vector3d {
+    const double px = between(&Corner::cloth_x, u, v), py = between(&Corner::cloth_y, u, v);
+    const Arriving here = arriving(light, {px, py, truth.cloth.z_mm});
+    const Vector3d lit =
+        light.intensity * (std::max(0.0, here.wi.z()) * here.strength / std::numbers::pi) + truth.ambient;
+    return truth.cloth.albedo.cwiseProduct(lit) *
+           (truth.cloth.noise > 0 ? cloth_pattern(px, py, truth.cloth.noise, truth.seed) : 1.0);
+  };
+
+  const bool on_plane = std::isfinite(mean(&Corner::x));
+  Vector2d low(1, 1), high(0, 0);
+  if (on_plane) {
+    const auto [x0, x1] = std::minmax({corner[0]->x, corner[1]->x, corner[2]->x, corner[3]->x});
+    const auto [y0, y1] = std::minmax({corner[0]->y, corner[1]->y, corner[2]->y, corner[3]->y});
+    low = {x0, y0};
+    high = {x1, y1};
+  }
+  const Vector2d size = truth.board.size_mm;
+  constexpr double kEdge_mm = 1;  // paper above the face is seen over the board's edge
+  const bool misses = !on_plane || high.x() < -kEdge_mm || high.y() < -kEdge_mm || low.x() > size.x() + kEdge_mm ||
+                      low.y() > size.y() + kEdge_mm;
+  if (misses) return cloth_at(0.5, 0.5);  // nothing rests on how finely the cloth is seen
+  const bool whole = low.x() >= 0 && low.y() >= 0 && high.x() <= size.x() && high.y() <= size.y();
+
+  thread_local std::vector<int> near_things, near;
+  things.near(low, high, near_things);
+  near_grooves(low, high, near);
+  const Vector3d f0 = truth.board.material.f0;
+  const Vector3d F = f0 + (Vector3d::Ones() - f0) * mean(&Corner::fresnel);
+  if (whole && near.empty() && near_things.empty())  // plain face, and smooth: nothing to sample
+    return light.intensity.cwiseProduct(F) * mean(&Corner::base) + truth.ambient.cwiseProduct(f0);
+  const int wanted = near.empty() ? truth.samples_plain : truth.samples;
+  const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(wanted))));
+
+  // Each groove as this pixel sees it.
+  struct Candidate {
+    double x0, y0, ex, ey, length, half_width, t_per_mm, a2, scale, tilt;
+  };
+  thread_local std::vector<Candidate> candidates;
+  candidates.clear();
+  const double mean_x = mean(&Corner::x), mean_y = mean(&Corner::y);
+  const Vector3d normal = face_normal(truth.surface, mean_x, mean_y);
+  for (const int i : near) {
+    const Groove& g = grooves[i];
+    const double a2 = g.alpha * g.alpha;
+    candidates.push_back({g.x0, g.y0, g.ex, g.ey, g.length, g.half_width, g.t_per_mm, a2,
+                          a2 / std::numbers::pi * smith_G(mean(&Corner::cos_i), mean(&Corner::cos_o), g.alpha),
+                          normal.x() * g.ey - normal.y() * g.ex});
+  }
+  const double mean_hx = mean(&Corner::h_x), mean_hy = mean(&Corner::h_y), mean_hn = mean(&Corner::h_n);
+  // The camera's direction at the pixel, for things above the face.
+  const Vector3d wo = (camera - Vector3d(mean_x, mean_y, 0)).normalized();
+
+  Vector3d others = Vector3d::Zero();       // light of everything that is not metal
+  double metal = 0, covered = 0;            // points on metal, and grooves over them
+  double groove_light = 0;                  // D G times geometry, summed
+  double sum_u = 0, sum_v = 0, sum_uv = 0;  // of points that show the plain face
+  double plain = 0;
+  const double cell = 1.0 / side;
+  std::uint64_t state = seed;
+  for (int j = 0; j < side; ++j)
+    for (int i = 0; i < side; ++i) {
+      const std::uint64_t bits = scattered(state += 0x9e3779b97f4a7c15ULL);
+      const double u = (i + static_cast<double>(bits >> 32) * 0x1.0p-32) * cell;
+      const double v = (j + static_cast<double>(bits & 0xffffffffU) * 0x1.0p-32) * cell;
+      const double px = between(&Corner::x, u, v), py = between(&Corner::y, u, v);
+      double bare = 1;  // share of the metal that nothing hides
+      for (const int thing : near_things) {
+        const double z = things.z_mm(thing);
+        const double tx = px + z * wo.x() / wo.z(), ty = py + z * wo.y() / wo.z();
+        Coat coat;
+        if (!things.at(thing, tx, ty, coat)) continue;
+        const Arriving here = arriving(light, {tx, ty, z + height_mm(truth.surface, tx, ty)});
+        const double cos_i = std::max(0.0, normal.dot(here.wi));
+        Vector3d seen =
+            coat.albedo.cwiseProduct(light.intensity * (cos_i * here.strength / std::numbers::pi) + truth.ambient);
+        if (coat.gloss_f0 > 0) {
+          const Vector3d h = (here.wi + wo).normalized();
+          const double cos_o = normal.dot(wo);
+          if (cos_i > 0 && cos_o > 0)
+            seen +=
+                light.intensity * (ggx_D(normal.dot(h), coat.gloss_alpha) * smith_G(cos_i, cos_o, coat.gloss_alpha) *
+                                   schlick_F(h.dot(wo), coat.gloss_f0) * here.strength / (4 * cos_o));
+          seen += truth.ambient * coat.gloss_f0;
+        }
+        others += bare * coat.share * seen;
+        bare *= 1 - coat.share;
+        if (bare <= 0) break;
+      }
+      if (bare <= 0) continue;
+      if (!whole && (px < 0 || py < 0 || px > size.x() || py > size.y())) {
+        others += bare * cloth_at(u, v);
+        continue;
+      }
+      metal += bare;
+      const double h_x = truth.h_at_center ? mean_hx : between(&Corner::h_x, u, v);
+      const double h_y = truth.h_at_center ? mean_hy : between(&Corner::h_y, u, v);
+      const double h_n = truth.h_at_center ? mean_hn : between(&Corner::h_n, u, v);
+      bool shows_plain = true;
+      for (std::size_t k = candidates.size(); k-- > 0;) {
+        const Candidate& g = candidates[k];
+        const double dx = px - g.x0, dy = py - g.y0;
+        const double across = dx * g.ey - dy * g.ex, along = dx * g.ex + dy * g.ey;
+        if (std::abs(across) > g.half_width || along < 0 || along > g.length) continue;
+        covered += bare;
+        // The groove's normal (-2t, 0, 1 - t^2) / (1 + t^2) across it, along it, out of the face (docs/model.md 2).
+        const double t = g.t_per_mm * across;
+        const double h_across = (h_x * g.ey - h_y * g.ex - h_n * g.tilt) / std::sqrt(1 - g.tilt * g.tilt);
+        const double n_h = (-2 * t * h_across + (1 - t * t) * h_n) / (1 + t * t);
+        if (n_h > 0) {
+          const double q = n_h * n_h * (g.a2 - 1) + 1;
+          groove_light += bare * g.scale / (q * q);
+        }
+        shows_plain = false;
+        if (truth.last_rules) break;
+      }
+      if (shows_plain || !truth.last_rules) {
+        plain += bare;
+        sum_u += bare * u;
+        sum_v += bare * v;
+        sum_uv += bare * u * v;
+      }
+    }
+
+  // Sum of the bilinear base light over the points that show it.
+  double base_light = 0;
+  if (plain > 0)
+    base_light = corner[0]->base * (plain - sum_u - sum_v + sum_uv) + corner[1]->base * (sum_u - sum_uv) +
+                 corner[2]->base * (sum_v - sum_uv) + corner[3]->base * sum_uv;
+  if (!truth.last_rules && metal > 0) base_light *= 1 - std::min(1.0, covered / metal);
+  const double reflected = groove_light * mean(&Corner::geometry) + base_light;
+  const Vector3d sum = others + light.intensity.cwiseProduct(F) * reflected + metal * truth.ambient.cwiseProduct(f0);
+  return sum / (side * side);
+}
+
+Image PointSampler::radiance(const TruthView& view, const Light& light, const Progress& progress) const {
+  const State& s = *state_;
+  const int w = s.truth.lens.width, h = s.truth.lens.height;
+  const Vector3d camera = view.T_camera_board.inverse().translation();
+  Image image(w, h, 3);
+  std::uint64_t view_seed = s.truth.seed;
+  for (const char c : view.name + "/" + light.id) view_seed = scattered(view_seed ^ static_cast<unsigned char>(c));
+  constexpr int kBand = 8;          // rows whose corners are worked out together
+  constexpr int kBandsAtOnce = 16;  // between two calls of progress
+  const int bands = (h + kBand - 1) / kBand;
+  for (int first = 0; first < bands; first += kBandsAtOnce) {
+    if (progress) progress("photographing " + view.name, static_cast<double>(first) / bands);
+    tbb::parallel_for(first, std::min(first + kBandsAtOnce, bands), [&](int band) {
+      const int y0 = band * kBand, y1 = std::min(y0 + kBand, h);
+      std::vector<Corner> above(w + 1), below(w + 1);
+      s.fill_corners(view, light, y0, above);
+      for (int y = y0; y < y1; ++y) {
+        s.fill_corners(view, light, y + 1, below);
+        for (int x = 0; x < w; ++x) {
+          const std::uint64_t place = static_cast<std::uint64_t>(y) * w + x;
+          const Vector3d seen =
+              s.pixel(above, below, x, light, camera, scattered(view_seed + place * 0xd1b54a32d192ed03ULL));
+          for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(seen[c]);
+        }
+        std::swap(above, below);
+      }
+    });
+  }
+  return image;
+}
+
+}  // namespace burin

@@ -1,0 +1,40 @@
+// burin/capture/simulator/point_sampler.h - what a camera sees of a bench with known truth, by brute force.
+//
+// At jittered points of every pixel: which thing, groove or plain face lies there, its normal, the point NDF
+// (docs/model.md 3) and the radiance (docs/model.md 5). Nothing of the closed footprint integral is used, so that it
+// can be judged by this. A pixel's groove light is the mean over its metal of D(h, n) G F cos-terms, its share of plain
+// face what the grooves' areas leave (at most all of it covered). Directions change by less than a milliradian over a
+// pixel: wi, wo, h and the plain face's light are computed at the pixel's corners and interpolated, which errs by less
+// than 1e-5 of them.
+//
+// Frame: board, mm. Pixels: the center of the top-left pixel is (0, 0). Radiance: the lamp's intensity / mm^2.
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "burin/capture/simulator/bench_truth.h"
+#include "burin/render/image.h"
+#include "burin/render/progress.h"
+
+namespace burin {
+
+/// Holds what all views share: the grooves by place, things on the board, and the lens's rays. The truth must outlive
+/// it.
+class PointSampler {
+ public:
+  /// `carved` must hold width, depth and alpha of every scratch (carved_scratches).
+  PointSampler(const BenchTruth& truth, const Scratches& carved);
+  ~PointSampler();
+  PointSampler(const PointSampler&) = delete;
+  PointSampler& operator=(const PointSampler&) = delete;
+
+  /// R, G, B radiance of every pixel, before the lens's blur. Deterministic for any number of threads.
+  Image radiance(const TruthView& view, const Light& light, const Progress& progress = {}) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace burin

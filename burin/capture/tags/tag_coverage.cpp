@@ -1,0 +1,149 @@
+#include "burin/capture/tags/tag_coverage.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace burin {
+namespace {
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Points {
+  std::vector<cv::Point3f> board;
+  std::vector<cv::Point2f> pixel;
+};
+
+// Corners that agree with board.json, up to what a lens bends.
+Points agreeing(const PhotoLook& look, const TagSet& tags) {
+  std::vector<cv::Point2f> board, pixel;
+  for (const TagLook& seen : look.tags) {
+    const auto tag = std::find_if(tags.list.begin(), tags.list.end(), [&](const Tag& t) { return t.id == seen.id; });
+    if (tag == tags.list.end()) continue;
+    const auto corners = tag_corners_mm(*tag);
+    for (int k = 0; k < 4; ++k) {
+      board.emplace_back(static_cast<float>(corners[k].x()), static_cast<float>(corners[k].y()));
+      pixel.emplace_back(static_cast<float>(seen.corner_px[k].x()), static_cast<float>(seen.corner_px[k].y()));
+    }
+  }
+  Points points;
+  if (board.size() < 8) return points;
+  std::vector<unsigned char> inlier;
+  const cv::Mat H = cv::findHomography(board, pixel, cv::RANSAC, 0.01 * look.width, inlier, 2000, 0.999);
+  if (H.empty()) return points;
+  for (std::size_t i = 0; i < inlier.size(); ++i) {
+    if (!inlier[i]) continue;
+    points.board.emplace_back(board[i].x, board[i].y, 0.0F);
+    points.pixel.push_back(pixel[i]);
+  }
+  return points;
+}
+
+struct Fit {
+  double error_px = std::numeric_limits<double>::infinity();  // median
+  Eigen::Vector3d normal{0, 0, -1};
+};
+
+Fit fit(const Points& points, double focal_px, int width, int height) {
+  Fit best;
+  if (points.board.size() < 4) return best;
+  const cv::Matx33d K(focal_px, 0, (width - 1) / 2.0, 0, focal_px, (height - 1) / 2.0, 0, 0, 1);
+  std::vector<cv::Mat> rotations, translations;
+  try {
+    cv::solvePnPGeneric(points.board, points.pixel, K, cv::noArray(), rotations, translations, false,
+                        cv::SOLVEPNP_IPPE);
+  } catch (const cv::Exception&) {
+    return best;  // degenerate points: no pose
+  }
+  for (std::size_t i = 0; i < rotations.size(); ++i) {
+    std::vector<cv::Point2f> predicted;
+    cv::projectPoints(points.board, rotations[i], translations[i], K, cv::noArray(), predicted);
+    std::vector<double> errors;
+    for (std::size_t k = 0; k < predicted.size(); ++k)
+      errors.push_back(std::hypot(predicted[k].x - points.pixel[k].x, predicted[k].y - points.pixel[k].y));
+    const double error = median_of(std::move(errors));
+    if (!(error < best.error_px) || !(translations[i].at<double>(2) > 0)) continue;
+    cv::Matx33d R;
+    cv::Rodrigues(rotations[i], R);
+    best = {error, Eigen::Vector3d(R(0, 2), R(1, 2), R(2, 2))};
+  }
+  return best;
+}
+
+}  // namespace
+
+TagCoverage tag_coverage(std::span<const PhotoLook* const> looks, const TagSet& tags) {
+  TagCoverage out;
+  std::vector<Points> points;
+  constexpr int kAcross = 64, kDown = 48;
+  cv::Mat within = cv::Mat::zeros(kDown, kAcross, CV_8U);
+  for (const PhotoLook* look : looks) {
+    TagView view;
+    view.tags = static_cast<int>(look->tags.size());
+    std::vector<double> sides;
+    std::vector<cv::Point> corners;
+    for (const TagLook& tag : look->tags) {
+      sides.push_back((tag.corner_px[1] - tag.corner_px[0]).norm());
+      for (const Eigen::Vector2d& q : tag.corner_px)
+        corners.emplace_back(static_cast<int>(kAcross * q.x() / look->width),
+                             static_cast<int>(kDown * q.y() / look->height));
+    }
+    if (!corners.empty()) {
+      std::vector<cv::Point> hull;
+      cv::convexHull(corners, hull);
+      cv::fillConvexPoly(within, hull, cv::Scalar(1));
+    }
+    view.side_px = median_of(sides);
+    out.views.push_back(view);
+    points.push_back(agreeing(*look, tags));
+  }
+  out.frame_share = cv::countNonZero(within) / static_cast<double>(kAcross * kDown);
+
+  // One focal length for all: the one of a fine scale at which the median photo fits best.
+  constexpr double kStep = 1.06;
+  std::vector<double> focals;
+  for (double f = 0.3; f < 10; f *= kStep) focals.push_back(f);
+  double best_error = std::numeric_limits<double>::infinity();
+  for (const double f : focals) {
+    std::vector<double> errors;
+    for (std::size_t v = 0; v < looks.size(); ++v) {
+      const PhotoLook& look = *looks[v];
+      const Fit here = fit(points[v], f * look.width, look.width, look.height);
+      if (!std::isfinite(here.error_px)) continue;
+      errors.push_back(here.error_px);
+      TagView& view = out.views[v];
+      if (view.own_focal_px == 0 || here.error_px < view.own_error_px) {
+        view.own_focal_px = f * look.width;
+        view.own_error_px = here.error_px;
+      }
+    }
+    const double error = errors.empty() ? best_error : median_of(errors);
+    if (error < best_error) {
+      best_error = error;
+      out.focal_px = f * looks.front()->width;
+    }
+  }
+  for (std::size_t v = 0; v < looks.size(); ++v) {
+    const Fit here = fit(points[v], out.focal_px, looks[v]->width, looks[v]->height);
+    if (!std::isfinite(here.error_px)) continue;
+    out.views[v].error_px = here.error_px;
+    out.views[v].normal = here.normal;
+    for (std::size_t other = 0; other < v; ++other)
+      if (out.views[other].normal)
+        out.direction_deg =
+            std::max(out.direction_deg, 180 / std::numbers::pi *
+                                            std::acos(std::clamp(here.normal.dot(*out.views[other].normal), -1., 1.)));
+  }
+  return out;
+}
+
+}  // namespace burin

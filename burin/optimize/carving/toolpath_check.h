@@ -1,0 +1,65 @@
+// burin/optimize/carving/toolpath_check.h - reads a G-code file as a machine would, and says what it would do.
+//
+// What is followed: G0, G1, G4, G20, G21, G90, F, and X Y Z words in any case and spacing, comments in ( ) and after ;,
+// line numbers, % and block-delete lines. What does not move anything (M, S, T, G17, G40, G43, G49, G54-G59, G61, G64,
+// G80, G94, ...) is passed over; G28, G30 and G53 go somewhere that the file does not tell. Everything that would make
+// the replay wrong instead is an error that names the line: arcs, relative coordinates, offsets, unknown codes.
+// Machine coordinates (burin/optimize/machine_profile.h), mm.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath.h"
+
+namespace burin {
+
+/// One stroke in the metal: a straight move along the board below its face.
+struct ReplayedScratch {
+  Eigen::Vector2d from_mm, to_mm;
+  double depth_mm = 0;   ///< NaN for a head that presses instead of plunging: the file does not tell
+  std::size_t line = 0;  ///< of the file, from 1
+};
+
+struct Replay {
+  std::vector<ReplayedScratch> scratches;
+  Eigen::Vector3d min_mm, max_mm;      ///< of all places the tool was sent to; NaN for an axis never named
+  double carve_mm = 0, travel_mm = 0;  ///< along the board, in the metal and above it
+  double duration_s = 0;  ///< each move from rest to rest, with the profile's accelerations; dwells included
+  std::size_t lines = 0;
+};
+
+/// Replays a file. `name` is what errors call it. Throws Error for what cannot be followed, for a move before units
+/// (G20 or G21) and absolute coordinates (G90) are set, for a move along the board before the tool was lifted or
+/// placed, for a rapid move (G0) through the metal, and for an end below the face.
+Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name);
+
+/// What a replay did against what was planned.
+struct ToolpathCheck {
+  std::size_t lost = 0;      ///< planned and not carved
+  std::size_t doubled = 0;   ///< carved more than once
+  std::size_t foreign = 0;   ///< carved and not planned (or at another depth)
+  std::size_t mirrored = 0;  ///< of those lost, how many are found when the file's x (or y) is turned round
+  std::size_t first_lost = 0, first_foreign_line = 0;  ///< row of the first lost one; line of the first foreign one
+
+  bool good() const { return lost == 0 && doubled == 0 && foreign == 0; }
+};
+
+/// Compares ends (in either order) and depths within the tolerance.
+ToolpathCheck check_toolpath(std::span<const ReplayedScratch> carved, std::span<const PlannedScratch> planned,
+                             double tolerance_mm);
+
+/// For each carved stroke which of the planned ones it is (ends in either order, and depths, within the tolerance),
+/// different ones for strokes planned several times; -1 for one that was not planned.
+std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved,
+                                         std::span<const PlannedScratch> planned, double tolerance_mm);
+
+/// Throws Error saying what is wrong, unless the check is good.
+void fail_unless_good(const ToolpathCheck& check, const std::string& name);
+
+}  // namespace burin

@@ -1,0 +1,87 @@
+#include "burin/optimize/design/carving_budget.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/loss/picture_metrics.h"
+
+namespace burin {
+
+std::vector<double> carving_costs_s(const Scratches& scratches, double depth_um, const MachineProfile& machine) {
+  std::vector<double> cost;
+  for (std::size_t i = 0; i < scratches.size(); ++i) {
+    const Eigen::Vector2d a(scratches.x0_mm[i], scratches.y0_mm[i]), b(scratches.x1_mm[i], scratches.y1_mm[i]);
+    const double depth_mm = (scratches.depth_um.empty() ? depth_um : scratches.depth_um[i]) / 1000;
+    cost.push_back(scratch_time(a, a, b, depth_mm, machine).total_s());
+  }
+  const double own = std::accumulate(cost.begin(), cost.end(), 0.0);
+  const double air =
+      (carving_time_s(scratches, depth_um, machine) - own) / static_cast<double>(std::max<std::size_t>(1, cost.size()));
+  for (double& c : cost) c = std::max(1e-6, c + air);
+  return cost;
+}
+
+std::vector<std::size_t> spare_for_time(std::vector<StrokeView> views, const StrokeRules& rules,
+                                        const Scratches& scratches, std::size_t movable,
+                                        const std::vector<double>& cost_s, double save_s) {
+  double saved = 0;
+  std::size_t gone = 0;
+  std::vector<std::size_t> spared =
+      spare_order(std::move(views), rules, scratches, movable, cost_s, [&](std::size_t i, double) {
+        if (saved >= save_s || gone + 1 >= scratches.size()) return false;
+        saved += cost_s[i];
+        ++gone;
+        return true;
+      });
+  std::sort(spared.begin(), spared.end());
+  return spared;
+}
+
+std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, std::size_t shown,
+                                        const std::vector<double>& log_exposure, const StrokeRules& rules,
+                                        const Scratches& scratches, std::size_t movable, double depth_um,
+                                        const MachineProfile& machine) {
+  constexpr int kPoints = 10;
+  std::vector<std::size_t> rows(movable);
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  const std::vector<double> cost = carving_costs_s(selected(scratches, rows), depth_um, machine);
+  const double total = std::accumulate(cost.begin(), cost.end(), 0.0);
+  const std::vector<std::size_t> order = spare_order(stroke_views(views, log_exposure, false), rules, scratches,
+                                                     movable, cost, [](std::size_t, double) { return true; });
+  std::vector<CarvingPoint> curve;
+  std::size_t next = 0;
+  double saved = 0;
+  for (int k = kPoints; k > 0; --k) {
+    while (next < order.size() && saved < total * (kPoints - k) / kPoints) saved += cost[order[next++]];
+    const std::vector<std::size_t> gone(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(next));
+    const Scratches left = selected(scratches, all_but(scratches.size(), gone));
+    const Scratches to_carve = selected(scratches, all_but(movable, gone));
+    if (to_carve.size() == 0) break;
+    CarvingPoint point{to_carve.size(), carving_time_s(to_carve, depth_um, machine) / 3600, {}, {}};
+    for (std::size_t v = 0; v < shown; ++v) {
+      WorkView& view = views[v];
+      view.renderer.forward(left, view.radiance);
+      const double exposure = best_exposure(view.radiance, view.target.picture,
+                                            std::exp(log_exposure[view.exposure_group]), view.target.mask);
+      const Image picture = shown_picture(view.radiance, exposure);
+      point.psnr_db.push_back(psnr_db(picture, view.target.picture, view.target.mask));
+      point.ssim.push_back(ssim(picture, view.target.picture, view.target.mask));
+    }
+    curve.push_back(std::move(point));
+  }
+  return curve;
+}
+
+std::vector<std::size_t> all_but(std::size_t count, const std::vector<std::size_t>& gone) {
+  std::vector<char> goes(count, 0);
+  for (const std::size_t i : gone) goes[i] = 1;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < count; ++i)
+    if (!goes[i]) kept.push_back(i);
+  return kept;
+}
+
+}  // namespace burin

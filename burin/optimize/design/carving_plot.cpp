@@ -1,0 +1,85 @@
+#include "burin/optimize/design/carving_plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+constexpr double kWidth = 640, kHeight = 400, kLeft = 56, kRight = 100, kTop = 34, kBottom = 44;
+
+std::string number(double value, int decimals) {
+  std::ostringstream out;
+  out << std::fixed << std::setprecision(decimals) << value;
+  return out.str();
+}
+
+std::string line(double x0, double y0, double x1, double y1) {
+  return "<path d=\"M" + number(x0, 1) + " " + number(y0, 1) + "L" + number(x1, 1) + " " + number(y1, 1) +
+         "\" stroke=\"#ccc\"/>\n";
+}
+
+std::string words(double x, double y, const char* anchor, const std::string& text) {
+  return "<text x=\"" + number(x, 1) + "\" y=\"" + number(y, 1) + "\" text-anchor=\"" + anchor + "\">" + text +
+         "</text>\n";
+}
+
+double mean(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+}  // namespace
+
+std::string carving_plot(const std::vector<CarvingPoint>& curve, const std::vector<std::string>& view_names) {
+  if (curve.empty() || curve.front().psnr_db.empty()) fail("carving plot", "there is nothing to plot", "give a point");
+  double hours = 0, low = 1e9, high = -1e9;
+  for (const CarvingPoint& p : curve) {
+    hours = std::max(hours, p.hours);
+    low = std::min(low, *std::min_element(p.psnr_db.begin(), p.psnr_db.end()));
+    high = std::max(high, *std::max_element(p.psnr_db.begin(), p.psnr_db.end()));
+  }
+  low = std::floor(low);
+  high = std::max(low + 1, std::ceil(high));
+  const auto x = [&](double h) { return kLeft + (kWidth - kLeft - kRight) * (hours > 0 ? h / hours : 0); };
+  const auto y = [&](double db) { return kHeight - kBottom - (kHeight - kTop - kBottom) * (db - low) / (high - low); };
+  std::string svg =
+      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 400\" font-family=\"sans-serif\" "
+      "font-size=\"12\">\n<rect width=\"640\" height=\"400\" fill=\"white\"/>\n";
+  svg += words(kLeft, 20, "start", "PSNR in dB over hours to carve, the least worthy scratches left out first");
+  for (double db = low; db <= high; db += high - low > 10 ? 2 : 1) {
+    svg += line(kLeft, y(db), kWidth - kRight, y(db));
+    svg += words(kLeft - 6, y(db) + 4, "end", number(db, 0));
+  }
+  for (int k = 0; k <= 5; ++k) {
+    const double h = hours * k / 5;
+    svg += line(x(h), kTop, x(h), kHeight - kBottom);
+    svg += words(x(h), kHeight - kBottom + 18, "middle", number(h, hours < 5 ? 2 : 1) + " h");
+  }
+  // Names stand where their curves begin, a line of text apart at least.
+  std::vector<std::pair<double, std::string>> names{{y(mean(curve.front().psnr_db)), "mean"}};
+  for (std::size_t k = 0; k < view_names.size(); ++k) names.emplace_back(y(curve.front().psnr_db[k]), view_names[k]);
+  std::sort(names.begin(), names.end());
+  double above = -1e9;
+  for (const auto& [at, name] : names) {
+    above = std::max(at, above + 13);
+    svg += words(kWidth - kRight + 6, above + 4, "start", name);
+  }
+  const auto path = [&](const char* style, const auto& value) {
+    std::string d;
+    for (const CarvingPoint& p : curve)
+      d += (d.empty() ? "M" : "L") + number(x(p.hours), 1) + " " + number(y(value(p)), 1);
+    svg += "<path d=\"" + d + "\" fill=\"none\" " + style + "/>\n";
+  };
+  for (std::size_t k = 0; k < view_names.size(); ++k)
+    path("stroke=\"#69c\" stroke-width=\"1.2\"", [k](const CarvingPoint& p) { return p.psnr_db[k]; });
+  path("stroke=\"#c30\" stroke-width=\"2.5\"", [](const CarvingPoint& p) { return mean(p.psnr_db); });
+  return svg + "</svg>\n";
+}
+
+}  // namespace burin

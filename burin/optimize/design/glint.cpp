@@ -1,0 +1,125 @@
+#include "burin/optimize/design/glint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "burin/render/error.h"
+#include "burin/render/groove.h"
+
+namespace burin {
+namespace {
+
+constexpr double kPiHalf = std::numbers::pi / 2;
+constexpr double kDegree = std::numbers::pi / 180;
+
+std::string degrees(double radians) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", radians / kDegree);
+  return text;
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+// Difference of two orientations, which count modulo 180 degrees: 0 .. 90 degrees.
+double orientation_difference(double a, double b) {
+  const double d = std::abs(std::remainder(a - b, std::numbers::pi));
+  return d;
+}
+
+}  // namespace
+
+double Lean::scratch_direction() const { return azimuth + kPiHalf; }
+
+Lean lean_at(const GlintView& view, const Eigen::Vector3d& p_mm) {
+  const Eigen::Vector3d h = ((view.light_mm - p_mm).normalized() + (view.camera_mm - p_mm).normalized()).normalized();
+  return {std::atan2(std::hypot(h.x(), h.y()), h.z()), std::atan2(h.y(), h.x())};
+}
+
+double lobe(double lean, double turn, double alpha) {
+  const double q = std::sin(lean) * std::sin(turn) / alpha;
+  return std::pow(1 + q * q, -1.5);
+}
+
+double turn_for(double lean, double part, double alpha) {
+  const double s = alpha * std::sqrt(std::max(0.0, std::pow(part, -2.0 / 3) - 1)) / std::max(1e-12, std::sin(lean));
+  return s >= 1 ? kPiHalf : std::asin(s);
+}
+
+double reach(double lean, double steepest, double alpha) {
+  const double x = (steepest - lean) / alpha;
+  return 0.5 + (std::atan(x) + x / (1 + x * x)) / std::numbers::pi;
+}
+
+std::vector<std::string> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
+                                      const Eigen::Vector2d& max_mm, double width_um, double depth_um, double alpha) {
+  constexpr int kPoints = 9;         // a side: where the area is looked at
+  constexpr double kNoGlint = 0.02;  // of the lobe: what is left 2 alpha beyond the cut-off
+  constexpr double kGhost = 0.1;     // of a view's light that may show in another unmentioned
+  std::vector<std::string> warnings;
+  const double steepest = 2 * std::atan(groove_rim(width_um, depth_um));
+  std::vector<Lean> middle;
+  const Eigen::Vector2d center = (min_mm + max_mm) / 2;
+  for (const GlintView& view : views) {
+    const std::string where = "view " + view.name;
+    if (!(view.camera_mm.z() > 0) || !(view.light_mm.z() > 0))
+      fail(where, std::string(view.camera_mm.z() > 0 ? "its lamp" : "its camera") + " lies behind the board's face",
+           "the board frame has z out of the metal: check T_camera_board and position_mm in the bench");
+    int dark = 0;
+    double least = kPiHalf, most = 0;
+    for (int j = 0; j < kPoints; ++j)
+      for (int i = 0; i < kPoints; ++i) {
+        const double fx = (i + 0.5) / kPoints, fy = (j + 0.5) / kPoints;
+        const Eigen::Vector3d p(min_mm.x() + fx * (max_mm.x() - min_mm.x()),
+                                min_mm.y() + fy * (max_mm.y() - min_mm.y()), 0);
+        const double angle = lean_at(view, p).angle;
+        least = std::min(least, angle);
+        most = std::max(most, angle);
+        dark += reach(angle, steepest, alpha) < 0.5 ? 1 : 0;
+      }
+    const Lean lean = lean_at(view, {center.x(), center.y(), 0});
+    middle.push_back(lean);
+    // The depth whose steepest normal reaches the largest lean: T = tan(most / 2) in docs/model.md 2.
+    const double rim = std::tan(most / 2);
+    const std::string remedy = "carve at least " + number(-width_um / 2 * std::log1p(-std::min(0.99, rim * rim))) +
+                               " um deep with this cutter, or bring lamp and eye closer to the mirror direction until "
+                               "the half vector leans less than " +
+                               degrees(steepest) + " degrees";
+    if (reach(least, steepest, alpha) < kNoGlint)
+      fail(where,
+           "no groove can glint there: the half vector leans " + degrees(least) + " to " + degrees(most) +
+               " degrees from the board's normal, the steepest groove wall only " + degrees(steepest) + " (" +
+               degrees(least - steepest) + " degrees too little)",
+           remedy);
+    if (dark > 0)
+      warnings.push_back(where + ": on " + std::to_string((100 * dark + kPoints * kPoints / 2) / (kPoints * kPoints)) +
+                         " % of the carve area the half vector leans beyond the grooves' steepest wall (" +
+                         degrees(steepest) + " degrees, up to " + degrees(most) +
+                         "), where scratches show less than half their light; " + remedy);
+    if (std::sin(lean.angle) < 3 * alpha)
+      warnings.push_back(where + ": lies near the mirror direction (the half vector leans " + degrees(lean.angle) +
+                         " degrees), where scratches of any direction glint and the plain face shines; move the lamp "
+                         "or the eye");
+  }
+  for (std::size_t a = 0; a < views.size(); ++a)
+    for (std::size_t b = a + 1; b < views.size(); ++b) {
+      const double apart = orientation_difference(middle[a].azimuth, middle[b].azimuth);
+      const double ghost = std::max(lobe(middle[a].angle, apart, alpha), lobe(middle[b].angle, apart, alpha));
+      if (ghost < kGhost) continue;
+      const double needed =
+          std::max(turn_for(middle[a].angle, kGhost, alpha), turn_for(middle[b].angle, kGhost, alpha));
+      warnings.push_back(
+          "views " + views[a].name + " and " + views[b].name + ": collide: their scratches run only " + degrees(apart) +
+          " degrees apart (a scratch counts modulo 180 degrees), so one made for one shows " +
+          std::to_string(static_cast<int>(std::lround(100 * ghost))) + " % of its light in the other; " +
+          degrees(needed) + " degrees would bring that down to 10 %: move a view or its lamp around the board");
+    }
+  return warnings;
+}
+
+}  // namespace burin

@@ -1,0 +1,50 @@
+// burin/optimize/design/glint.h - which scratches glint for which view: the closed form that checks and starting points
+// rest on. Frame: board, mm; angles in radians.
+//
+// A groove's normals lie in the plane across it, so it glints where the half vector h does too: the scratch must run
+// at right angles to h's shadow on the board. Turned by delta from there, h leaves that plane by
+// hy = sin(lean) sin(delta), and integrating the GGX lobe over the groove's curved wall gives
+//   light(delta) / light(0) = (1 + (sin(lean) sin(delta) / alpha)^2)^(-3/2),
+// `lean` being h's angle from the board's normal. If h leans further than the groove's steepest normal,
+// 2 atan(T) (docs/model.md 2), only the lobe's tail is left: reach() is the part of the lobe that the wall holds,
+//   1/2 + (atan(x) + x / (1 + x^2)) / pi,  x = (2 atan(T) - lean) / alpha.
+// Both are exact for small alpha on a groove without edges (derivation: substitute the slope angle into docs/model.md
+// 3).
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace burin {
+
+/// Camera and lamp of one view: what h depends on.
+struct GlintView {
+  std::string name;
+  Eigen::Vector3d camera_mm{0, 0, 0}, light_mm{0, 0, 0};
+};
+
+/// h at a point, seen as an angle from the board's normal and the direction of its shadow.
+struct Lean {
+  double angle = 0;                  ///< from the board's normal, 0 .. pi/2
+  double azimuth = 0;                ///< of h's shadow on the board, from x towards y
+  double scratch_direction() const;  ///< that glints here: azimuth + 90 degrees
+};
+Lean lean_at(const GlintView& view, const Eigen::Vector3d& p_mm);
+
+/// Light of a scratch turned by `turn` from the direction that glints best, relative to that best.
+double lobe(double lean, double turn, double alpha);
+
+/// The turn at which the lobe has fallen to `part` (0..1) of its best; at most pi/2.
+double turn_for(double lean, double part, double alpha);
+
+/// Part of the lobe that a groove of steepest slope `steepest` (2 atan(T)) holds, 0..1.
+double reach(double lean, double steepest, double alpha);
+
+/// Throws Error if a camera or lamp lies behind the face or no groove on the area min..max can glint for a view (by how
+/// many degrees, and the depth or lean that would do). Returns warnings: views that glint on part of the area only, and
+/// pairs of views that one scratch serves at once (collisions; orientation counts modulo 180 degrees) with how much.
+std::vector<std::string> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
+                                      const Eigen::Vector2d& max_mm, double width_um, double depth_um, double alpha);
+
+}  // namespace burin

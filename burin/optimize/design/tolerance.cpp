@@ -1,0 +1,175 @@
+#include "burin/optimize/design/tolerance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "burin/optimize/design/design_views.h"
+#include "burin/optimize/loss/picture_metrics.h"
+
+namespace burin {
+namespace {
+
+constexpr int kMapPixels = 128, kMapPlaces = 9;
+
+// A view rendered from where eye and lamp are moved to.
+class MovedView {
+ public:
+  MovedView(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench,
+            const ToleranceTarget& target, int pixels, const Scratches& scratches)
+      : spec_(spec),
+        index_(index),
+        board_(board),
+        bench_(bench),
+        exposure_(target.exposure),
+        scratches_(scratches),
+        target_(target.target),
+        mask_(target.mask) {
+    const int longer = std::max(target_.width, target_.height);
+    grid_ = design_grid(board, bench, std::min(pixels, longer));
+    if (pixels >= longer) return;
+    target_ = resized(target_, grid_->width(), grid_->height());
+    if (!mask_.data.empty()) mask_ = resized(mask_, grid_->width(), grid_->height());
+  }
+
+  double psnr(const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm) const {
+    ViewRenderer renderer(scene(eye_moved_mm, lamp_moved_mm));
+    Image radiance;
+    renderer.forward(scratches_, radiance);
+    const double exposure = best_exposure(radiance, target_, exposure_, mask_);
+    return psnr_db(shown_picture(radiance, exposure), target_, mask_);
+  }
+
+ private:
+  ViewScene scene(const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm) const {
+    return design_scene(spec_, index_, board_, bench_, grid_, eye_moved_mm, lamp_moved_mm);
+  }
+
+  const DesignSpec& spec_;
+  std::size_t index_;
+  const Board& board_;
+  const Bench& bench_;
+  double exposure_;
+  const Scratches& scratches_;
+  std::shared_ptr<const FootprintGrid> grid_;
+  Image target_, mask_;
+};
+
+struct Axes {
+  Eigen::Vector3d sideways, up, depth;
+  double distance_mm;
+};
+
+Axes axes_at(const Eigen::Vector3d& place_mm, const Board& board) {
+  const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
+  const Eigen::Vector3d way = place_mm - Eigen::Vector3d(middle.x(), middle.y(), 0);
+  Axes axes;
+  axes.distance_mm = way.norm();
+  axes.depth = way / axes.distance_mm;
+  const Eigen::Vector3d level = Eigen::Vector3d::UnitZ().cross(axes.depth);
+  axes.sideways = level.norm() > 1e-6 ? level.normalized() : Eigen::Vector3d::UnitX();
+  axes.up = axes.depth.cross(axes.sideways);
+  return axes;
+}
+
+// Where `lost` (dB, by distance) reaches kLostDb: doubled or halved to a bracket, then the secant, kept inside it.
+template <typename Lost>
+double range_of(const Lost& lost, double first_mm, double most_mm) {
+  double inside = 0, outside = 0, lost_inside = 0, lost_outside = 0;
+  double at = std::min(first_mm, most_mm);
+  for (int k = 0; k < 12 && (inside == 0 || outside == 0); ++k) {
+    const double l = lost(at);
+    if (l < kLostDb) {
+      inside = at;
+      lost_inside = l;
+      if (at >= most_mm) return most_mm;
+      at = std::min(2 * at, most_mm);
+    } else {
+      outside = at;
+      lost_outside = l;
+      at /= 2;
+    }
+  }
+  if (outside == 0) return inside;
+  for (int k = 0; k < 3 && outside - inside > 0.02 * outside; ++k) {
+    const double part = std::clamp((kLostDb - lost_inside) / (lost_outside - lost_inside), 0.1, 0.9);
+    at = inside + part * (outside - inside);
+    const double l = lost(at);
+    if (l < kLostDb) {
+      inside = at;
+      lost_inside = l;
+    } else {
+      outside = at;
+      lost_outside = l;
+    }
+  }
+  return inside + (kLostDb - lost_inside) / (lost_outside - lost_inside) * (outside - inside);
+}
+
+std::string mm(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, value < 9.95 ? "%.1f" : "%.0f", value);
+  return text;
+}
+
+}  // namespace
+
+std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board& board, const Bench& bench,
+                                             const std::vector<ToleranceTarget>& targets, const Scratches& scratches,
+                                             const Progress& progress) {
+  std::vector<ViewTolerance> out(spec.views.size());
+  for (std::size_t k = 0; k < spec.views.size(); ++k) {
+    ViewTolerance& t = out[k];
+    const MovedView moved(spec, k, board, bench, targets[k], kTolerancePixels, scratches);
+    const Eigen::Vector3d still(0, 0, 0);
+    t.psnr_db = moved.psnr(still, still);
+    int done = 0;
+    const auto tell = [&] {
+      if (progress)
+        progress("measuring tolerance",
+                 (static_cast<double>(k) + done++ / 14.0) / static_cast<double>(spec.views.size()));
+    };
+    const auto range = [&](const Eigen::Vector3d& axis, double distance_mm, bool lamp) {
+      const auto one_way = [&](double way) {
+        tell();
+        return range_of(
+            [&](double d) {
+              const Eigen::Vector3d shift = way * d * axis;
+              return t.psnr_db - (lamp ? moved.psnr(still, shift) : moved.psnr(shift, still));
+            },
+            0.02 * distance_mm, 0.5 * distance_mm);
+      };
+      const double minus = one_way(-1);
+      return MoveRange{minus, one_way(1)};
+    };
+    const DesignView& v = spec.views[k];
+    const Axes eye = axes_at(find_view(bench, v.view, "design").T_camera_board.inverse().translation(), board),
+               lamp = axes_at(find_light(bench, v.light, "design").position_mm, board);
+    t.eye = {range(eye.sideways, eye.distance_mm, false), range(eye.up, eye.distance_mm, false),
+             range(eye.depth, eye.distance_mm, false)};
+    t.lamp = {range(lamp.sideways, lamp.distance_mm, true), range(lamp.up, lamp.distance_mm, true),
+              range(lamp.depth, lamp.distance_mm, true)};
+    tell();
+    // The map shows the whole of the eye's range and as much again.
+    const MovedView small(spec, k, board, bench, targets[k], kMapPixels, scratches);
+    const double here = small.psnr(still, still);
+    t.map_half_mm = 2 * std::min(t.eye.sideways.least(), t.eye.up.least());
+    t.lost_db = Image(kMapPlaces, kMapPlaces, 1);
+    for (int y = 0; y < kMapPlaces; ++y)
+      for (int x = 0; x < kMapPlaces; ++x) {
+        const double right = (2.0 * x / (kMapPlaces - 1) - 1) * t.map_half_mm,
+                     up = (1 - 2.0 * y / (kMapPlaces - 1)) * t.map_half_mm;
+        t.lost_db.at(x, y) = static_cast<float>(here - small.psnr(right * eye.sideways + up * eye.up, still));
+      }
+  }
+  return out;
+}
+
+std::string tolerance_text(const std::string& view, const ViewTolerance& t) {
+  return "view " + view + " holds within " + mm(t.eye.sideways.least()) + " mm sideways, " + mm(t.eye.up.least()) +
+         " mm up or down, " + mm(t.eye.depth.least()) + " mm in depth; its lamp within " + mm(t.lamp.sideways.least()) +
+         ", " + mm(t.lamp.up.least()) + " and " + mm(t.lamp.depth.least()) + " mm";
+}
+
+}  // namespace burin

@@ -1,0 +1,96 @@
+#include "burin/optimize/design_file.h"
+
+#include <set>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+
+namespace burin {
+namespace {
+
+DesignView read_view(JsonObject& json, const std::filesystem::path& folder) {
+  DesignView v;
+  v.view = json.text("view");
+  v.light = json.text("light", v.light);
+  v.target.picture = folder / json.text("target");
+  if (json.has("rotation_deg") && json.raw("rotation_deg").is_string()) {
+    if (json.text("rotation_deg") != "viewer")
+      json.fail_field("rotation_deg", "is \"" + json.text("rotation_deg") + "\"", "give degrees or \"viewer\"");
+    v.target.upright_in_view = true;
+  } else {
+    v.target.rotation_deg = json.number("rotation_deg", 0);
+  }
+  const std::string fit = json.text("fit", "cover");
+  if (fit != "cover" && fit != "contain") json.fail_field("fit", "is \"" + fit + "\"", "give \"cover\" or \"contain\"");
+  v.target.fit = fit == "cover" ? Fit::cover : Fit::contain;
+  if (json.has("levels")) {
+    const auto levels = json.numbers("levels", 2);
+    if (!(levels[0] < levels[1]) || levels[0] < 0 || levels[1] > 1)
+      json.fail_field("levels", "is not a black below a white", "give two numbers from 0 to 1, such as [0.05, 0.95]");
+    v.target.levels = std::array<double, 2>{levels[0], levels[1]};
+  }
+  if (json.has("mask")) v.target.mask = folder / json.text("mask");
+  v.weight = json.positive("weight", 1);
+  json.finish();
+  return v;
+}
+
+}  // namespace
+
+DesignSpec read_design(const std::filesystem::path& file) {
+  const Json json = read_json(file, "burin/design", 1);
+  JsonObject root(json, file.string());
+  root.text("format");
+  root.integer("version");
+  const std::filesystem::path folder = file.parent_path();
+  DesignSpec spec;
+  spec.board = folder / root.text("board");
+  spec.bench = folder / root.text("bench");
+  spec.scratches = root.integer("scratches");
+  if (spec.scratches < 1 || spec.scratches > 2'000'000)
+    root.fail_field("scratches", "is " + std::to_string(spec.scratches),
+                    "give a number from 1 to 2000000; 40000 suits three pictures");
+  std::set<std::string> seen;
+  for (JsonObject& view : root.objects("views")) {
+    spec.views.push_back(read_view(view, folder));
+    const DesignView& v = spec.views.back();
+    if (!seen.insert(v.view + " under " + v.light).second)
+      view.fail_field("view", "\"" + v.view + "\" is asked to show two pictures under \"" + v.light + "\"",
+                      "give each picture a view or a lamp of its own");
+  }
+  if (spec.views.empty()) root.fail_field("views", "is empty", "name at least one view and its target");
+  root.finish();
+  return spec;
+}
+
+void write_design(const DesignSpec& spec, const std::filesystem::path& file) {
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  const auto relative = [&](const std::filesystem::path& p) {
+    return std::filesystem::absolute(p).lexically_normal().lexically_proximate(folder.lexically_normal()).string();
+  };
+  Json json;
+  json["format"] = "burin/design";
+  json["version"] = 1;
+  json["board"] = relative(spec.board);
+  json["bench"] = relative(spec.bench);
+  json["scratches"] = spec.scratches;
+  json["views"] = Json::array();
+  for (const DesignView& v : spec.views) {
+    Json view;
+    view["view"] = v.view;
+    view["light"] = v.light;
+    view["target"] = relative(v.target.picture);
+    if (v.target.upright_in_view)
+      view["rotation_deg"] = "viewer";
+    else
+      view["rotation_deg"] = v.target.rotation_deg;
+    if (v.target.fit == Fit::contain) view["fit"] = "contain";
+    if (v.target.levels) view["levels"] = *v.target.levels;
+    if (!v.target.mask.empty()) view["mask"] = relative(v.target.mask);
+    if (v.weight != 1) view["weight"] = v.weight;
+    json["views"].push_back(view);
+  }
+  write_json(json, file);
+}
+
+}  // namespace burin

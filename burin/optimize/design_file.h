@@ -1,0 +1,52 @@
+// burin/optimize/design_file.h - what a person wants a board to show: `design.json`. docs/file-formats.md.
+//
+//   { "format": "burin/design", "version": 1, "board": "board.json", "bench": "bench.json", "scratches": 40000,
+//     "views": [ { "view": "v00", "light": "lamp", "target": "cat.png", "rotation_deg": 0 } ] }
+//
+// A view may also say "fit": "cover" (default) or "contain", "levels": [black, white], "mask": "cat-mask.png" and
+// "weight": 2 (how much its errors count; default 1).
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace burin {
+
+/// How a picture of another shape is laid on the carve area: `cover` fills it and crops what is left over, `contain`
+/// shows all of the picture on black.
+enum class Fit { cover, contain };
+
+/// A picture and how it lies on the board.
+struct TargetSpec {
+  std::filesystem::path picture;
+  double rotation_deg = 0;       ///< counter-clockwise as one looks at the board with x right and y up
+  bool upright_in_view = false;  ///< "rotation_deg": "viewer": upright in that view's photo instead
+  Fit fit = Fit::cover;
+  std::optional<std::array<double, 2>> levels;  ///< gamma-encoded values that become black and white
+  std::filesystem::path mask;                   ///< picture of what matters (white) and what does not; empty: all
+};
+
+/// One picture that the board is to show.
+struct DesignView {
+  std::string view;            ///< name in bench.json
+  std::string light = "lamp";  ///< id in bench.json
+  TargetSpec target;
+  double weight = 1;  ///< of this view's loss
+};
+
+struct DesignSpec {
+  std::filesystem::path board, bench;  ///< absolute, or relative to the working directory
+  int scratches = 0;                   ///< how many to start with; weak ones are dropped at the end
+  std::vector<DesignView> views;
+};
+
+/// Reads `design.json`. Throws Error naming file and field for anything missing, unknown or out of range.
+DesignSpec read_design(const std::filesystem::path& file);
+
+/// Writes `design.json`, paths made relative to the file's folder; atomically.
+void write_design(const DesignSpec& spec, const std::filesystem::path& file);
+
+}  // namespace burin

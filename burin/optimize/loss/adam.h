@@ -1,0 +1,45 @@
+// burin/optimize/loss/adam.h - Adam (Kingma & Ba, ICLR 2015, Algorithm 1) over flat arrays.
+//
+// One Adam holds the moments of one array of parameters. Every parameter may count its own steps, so that one that
+// starts anew (a relocated scratch) is corrected for its own short history and not for the array's.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace burin {
+
+struct AdamOptions {
+  double beta1 = 0.9;      ///< decay of the mean gradient
+  double beta2 = 0.999;    ///< decay of the mean square
+  double epsilon = 1e-12;  ///< in the gradient's unit: gradients far below it hardly move a parameter
+};
+
+class Adam {
+ public:
+  explicit Adam(std::size_t parameter_count, const AdamOptions& options = {});
+
+  /// parameters -= rate * mean / (sqrt(mean square) + epsilon), each corrected for its age. A gradient that is exactly
+  /// zero leaves a parameter without history where it is. Sizes must equal parameter_count. Same bits for any number of
+  /// threads.
+  void step(std::span<double> parameters, std::span<const double> gradient, double rate);
+
+  /// Forgets the history of one parameter.
+  void restart(std::size_t index);
+
+  /// Keeps the parameters at `kept` (ascending), in that order: after others were dropped.
+  void keep(std::span<const std::size_t> kept);
+
+  std::size_t size() const { return mean_.size(); }
+
+ private:
+  AdamOptions options_;
+  std::vector<double> mean_, square_;
+  std::vector<std::uint32_t> age_;
+  std::size_t steps_ = 0;
+  std::vector<double> unbias_mean_, unbias_square_;  ///< by age before the step
+};
+
+}  // namespace burin

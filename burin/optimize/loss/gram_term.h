@@ -1,0 +1,44 @@
+// burin/optimize/loss/gram_term.h - the Gram term of burin/optimize/loss/loss.h: how the local contrast of a picture
+// differs from a target's.
+//
+// The eight Frei-Chen masks are an orthonormal basis of the 3x3 patches without mean, and a Frobenius norm is the same
+// in any such basis. So no filter is ever applied: with M the 9x9 moments of a tile's patches and P the projection that
+// takes the mean out of a patch, ||G(picture) - G(target)||_F = ||P (M(picture) - M(target)) P||_F / n, and the
+// derivative by a patch p is proportional to P (M - M_target) P p.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "burin/render/image.h"
+
+namespace burin {
+
+class GramTerm {
+ public:
+  /// One channel.
+  explicit GramTerm(const Image& target);
+
+  /// E_gram of a picture of the target's size. Adds weight * dE_gram/dpicture to `gradient`. Same bits for any number
+  /// of threads.
+  double add(const Image& picture, double weight, Image& gradient);
+
+ private:
+  /// The patch centers of one tile: x0 <= x < x1, y0 <= y < y1, a pixel off the image's edge.
+  struct Tile {
+    int x0, y0, x1, y1;
+    std::array<float, 81> target;  ///< P M P / n of the target
+    double part = 0;               ///< of E_gram
+  };
+  struct Scale {
+    Image picture, gradient;  ///< empty on the first scale, where they are the caller's
+    std::vector<std::vector<Tile>> rows;
+  };
+
+  void shrink(const Image& picture);
+
+  int width_ = 0, height_ = 0;
+  std::vector<Scale> scales_;
+};
+
+}  // namespace burin

@@ -1,0 +1,80 @@
+// burin/optimize/loss/loss.h - how far a picture is from its target, and which way each pixel should go.
+//
+//   E = perceptual * || g * D ||^2  +  l2 * || D ||^2  +  gram * E_gram          D = mask * (picture - target)
+//
+// Pictures are gamma-encoded, white is 1, one channel. Sums run over pixels (not means). g is the 3x3 Gaussian
+// (1 2 1)/4 in each direction (paper, 3.4); it is blind at the pixel grid's highest frequency, which the other two see.
+//
+// E_gram stands in for the paper's Gram matrices of VGG-19 features, whose weights we cannot ship. Ours come from a
+// fixed bank: the eight Frei-Chen masks (IEEE Trans. Computers C-26, 1977), orthonormal 3x3 filters for edges and lines
+// in steps of 45 degrees, on three scales (each half the one before), and are taken over tiles of kGramTilePx pixels
+// because a picture is no single texture:
+//   E_gram = kGramUnit * sum over scales s, tiles of  4^s n || G(picture) - G(target) ||_F^2,  G = (1/n) sum of f f^T
+// with f the eight responses at one of the tile's n pixels. Like the paper's term it asks for the right amount and
+// direction of local contrast wherever it sits, which is what isolated bright scratches (outliers) violate. It knows
+// no objects, as VGG's deeper layers do. How it is computed: burin/optimize/loss/gram_term.h.
+//
+// All gradients are exact (tests: finite differences). Same bits for any number of threads. Source: docs/model.md 6.
+#pragma once
+
+#include <memory>
+
+#include "burin/render/image.h"
+
+namespace burin {
+
+struct LossWeights {
+  double perceptual = 1;  ///< the paper's lambda_p
+  double l2 = 0;          ///< plain squared differences
+  double gram = 0.01;     ///< the paper's lambda_g, in units of kGramUnit
+};
+
+inline constexpr int kGramScales = 3;     ///< full size, half, quarter
+inline constexpr int kGramTilePx = 32;    ///< side of a tile on every scale
+inline constexpr double kGramUnit = 100;  ///< with weight 0.01, white noise of 0.13 costs as much here as in E_p
+
+/// The terms before weighting, and their weighted sum.
+struct LossValue {
+  double perceptual = 0, l2 = 0, gram = 0;
+  double total = 0;
+};
+
+/// The loss against one target. Holds the target's moments and the work buffers: evaluate() allocates nothing when
+/// dE_dpicture has the picture's size.
+class PictureLoss {
+ public:
+  /// `target`: one channel. `mask`: empty (no pixels) or of the target's size, 0 (does not matter) to 1. Throws Error
+  /// if sizes or channels differ.
+  PictureLoss(Image target, Image mask, const LossWeights& weights);
+  ~PictureLoss();
+  PictureLoss(PictureLoss&&) noexcept;
+  PictureLoss& operator=(PictureLoss&&) noexcept;
+
+  const Image& target() const;
+
+  /// Loss of a picture of the target's size; dE_dpicture is resized and overwritten. Terms of weight 0 are not
+  /// computed and read 0.
+  LossValue evaluate(const Image& picture, Image& dE_dpicture);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Radiance to picture: (max(0, exposure * radiance) + kGammaOffset)^(1 / 2.2). The offset keeps the slope finite in
+/// black; targets are passed through with_gamma_offset() so that equal light stays equal value.
+inline constexpr double kGammaOffset = 1e-3;
+void picture_from_radiance(const Image& radiance, double exposure, Image& picture);
+
+/// Chain rule of picture_from_radiance: dE/dradiance from dE/dpicture (sizes as the radiance, overwritten).
+/// Returns dE / d log(exposure).
+double radiance_gradient(const Image& radiance, double exposure, const Image& picture, const Image& dE_dpicture,
+                         Image& dE_dradiance);
+
+/// A gamma-encoded picture (0..1) as picture_from_radiance would give it: (value^2.2 + kGammaOffset)^(1 / 2.2).
+Image with_gamma_offset(const Image& encoded);
+
+/// The picture as it is shown: (max(0, exposure * radiance))^(1 / 2.2), clipped at white.
+Image shown_picture(const Image& radiance, double exposure);
+
+}  // namespace burin

@@ -1,0 +1,83 @@
+// burin/optimize/machine_profile.h - what a carving machine understands and how fast it moves.
+//
+// Machine coordinates are the board's: work zero at the lower-left corner of the carved face, x right, y up, z out of
+// the metal, mm; the face is z = 0. Built-in: "grbl", "linuxcnc", "marlin". A person's own machine is a file in
+// JSON or, if its name ends in .toml, in TOML, format "burin/machine", that says what differs from the built-in profile
+// it is `based_on`:
+//
+//   { "format": "burin/machine", "version": 1, "name": "my router", "based_on": "grbl",
+//     "carve_feed_mm_min": 900, "plunge_feed_mm_min": 200, "rapid_mm_min": 3000, "rapid_z_mm_min": 800,
+//     "acceleration_mm_s2": 200, "acceleration_z_mm_s2": 80, "safe_z_mm": 1, "dwell_s": 0.05,
+//     "decimals": 3, "max_lines": 90000, "travel_mm": [[-10, -10], [400, 300]], "force": 350,
+//     "limits": { "step_mm": 0.0125, "shortest_mm": 0.5, "longest_mm": 40, "min_distance_mm": 0.05,
+//                 "max_overlap": 0.3, "max_grooves": 3 },
+//     "start": ["G21", "G90", "M3 S{force}"], "per_scratch": ["G0 X{x0} Y{y0}", ...], "end": ["M5", "M2"] }
+//
+// In TOML the same keys stand before `=`, and `limits` is a table of its own.
+//
+// Blocks are lines in which {name} is replaced: {z_safe} {feed} {plunge_feed} {rapid} {rapid_z} {force} everywhere, and
+// in `per_scratch` also {x0} {y0} {x1} {y1} {z_carve} (below the face, so negative) {depth_um} {number}. Heads that
+// press with a force instead of going to a depth put {force} or {depth_um} where they need it. A line that holds
+// {dwell_s} or {dwell_ms} is left out where the profile has no dwell.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace burin {
+
+/// What differs between G-code's dialects: how comments and dwells are written.
+enum class GcodeDialect {
+  grbl,      ///< comments in ( ), G4 P in seconds
+  linuxcnc,  ///< the same
+  marlin,    ///< comments after ;, G4 S in seconds or P in milliseconds
+};
+
+struct MachineBounds {
+  Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};
+};
+
+/// What the machine and its cutter can do to a board; 0: no such limit. burin/optimize/carving/carving_limits.h says
+/// what each means exactly.
+struct MachineLimits {
+  double step_mm = 0;      ///< both ends lie on multiples of it, as the machine is told them
+  double shortest_mm = 0;  ///< scratch
+  double longest_mm = 0;
+  double distance_mm = 0;  ///< least distance between scratches that do not cross
+  double max_overlap = 0;  ///< largest share of a groove that others cut away
+  int max_grooves = 0;     ///< over one place
+};
+
+struct MachineProfile {
+  std::string name = "grbl";
+  GcodeDialect dialect = GcodeDialect::grbl;
+  double carve_feed_mm_min = 1200;
+  double plunge_feed_mm_min = 300;
+  double rapid_mm_min = 3000;         ///< in the air, along the board
+  double rapid_z_mm_min = 1000;       ///< up, and down through the air
+  double acceleration_mm_s2 = 200;    ///< along the board
+  double acceleration_z_mm_s2 = 100;  ///< up and down
+  double safe_z_mm = 1;               ///< height of travel above the face: clear of tags and of the board's bow
+  double dwell_s = 0;                 ///< settling time at the bottom before the scratch begins
+  int decimals = 4;                   ///< of coordinates; 4 keeps a 1 mm scratch's direction to 0.004 degrees
+  int max_lines = 95000;              ///< a file; longer jobs are split. 0: no limit
+  double force = 0;                   ///< of heads that press, in the unit that {force} has in the blocks
+  MachineLimits limits;
+  std::optional<MachineBounds> travel;  ///< where the tool can go; nothing is checked if not known
+  std::vector<std::string> start, per_scratch, end;
+};
+
+/// "grbl", "linuxcnc" or "marlin", or the path of a "burin/machine" file. Throws Error naming what there is.
+MachineProfile machine_profile(const std::string& name_or_file);
+
+/// Throws Error naming file, field, value and remedy, and of a TOML file the line.
+MachineProfile read_machine_profile(const std::filesystem::path& file);
+
+/// Time to go `length` mm from rest to rest with a trapezoidal profile: constant acceleration up to the feed (a
+/// triangle where the way is too short to reach it).
+double move_time_s(double length_mm, double feed_mm_min, double acceleration_mm_s2);
+
+}  // namespace burin

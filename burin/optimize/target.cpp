@@ -1,0 +1,146 @@
+#include "burin/optimize/target.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Image linear_luminance(const std::filesystem::path& file) {
+  Image picture = read_picture(file);
+  if (picture.width < 1 || picture.height < 1) fail(file.string(), "holds no pixels", "give another picture");
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  const bool linear = extension == ".exr" || extension == ".hdr";
+  for (float& v : picture.data) {
+    if (!std::isfinite(v)) fail(file.string(), "holds values that are not finite", "repair the picture");
+    if (!linear) v = srgb_to_linear(std::clamp(v, 0.0F, 1.0F));
+  }
+  return luminance(picture);
+}
+
+// Bilinear, clamped at the picture's edge, `outside` beyond half a pixel from it.
+float sample(const Image& image, double x, double y, float outside) {
+  if (x < -0.5 || y < -0.5 || x > image.width - 0.5 || y > image.height - 0.5) return outside;
+  x = std::clamp(x, 0.0, image.width - 1.0);
+  y = std::clamp(y, 0.0, image.height - 1.0);
+  const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+  const int x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
+  const auto fx = static_cast<float>(x - x0), fy = static_cast<float>(y - y0);
+  return (1 - fy) * ((1 - fx) * image.at(x0, y0) + fx * image.at(x1, y0)) +
+         fy * ((1 - fx) * image.at(x0, y1) + fx * image.at(x1, y1));
+}
+
+// A picture (linear) laid on the area's grid. `scale_used`: grid pixels a picture pixel became.
+Image lay_on_area(const Image& picture, double rotation_deg, Fit fit, const Eigen::Vector2d& area_mm, int width,
+                  int height, float outside, double& scale_used) {
+  const double c = std::cos(rotation_deg * kDegree), s = std::sin(rotation_deg * kDegree);
+  // The turned area's bounding box in the picture's axes decides the size, in mm a picture pixel.
+  const double box_x = std::abs(c) * area_mm.x() + std::abs(s) * area_mm.y();
+  const double box_y = std::abs(s) * area_mm.x() + std::abs(c) * area_mm.y();
+  // "contain" wants the turned picture inside the area: the same with the roles exchanged.
+  const double turned_w = std::abs(c) * picture.width + std::abs(s) * picture.height;
+  const double turned_h = std::abs(s) * picture.width + std::abs(c) * picture.height;
+  const double mm = fit == Fit::cover ? std::max(box_x / picture.width, box_y / picture.height)
+                                      : std::min(area_mm.x() / turned_w, area_mm.y() / turned_h);
+  const double grid_mm = area_mm.x() / width;
+  scale_used = mm / grid_mm;
+  // Area-average first where the picture is finer than the grid, so that nothing aliases.
+  Image fine;
+  const Image* source = &picture;
+  double shrink_x = 1, shrink_y = 1;
+  if (scale_used < 1) {
+    const int w = std::max(1, static_cast<int>(std::lround(picture.width * scale_used)));
+    const int h = std::max(1, static_cast<int>(std::lround(picture.height * scale_used)));
+    if (w != picture.width || h != picture.height) {
+      fine = resized(picture, w, h);
+      source = &fine;
+      shrink_x = static_cast<double>(w) / picture.width;
+      shrink_y = static_cast<double>(h) / picture.height;
+    }
+  }
+  Image out(width, height, 1);
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      const double bx = ((x + 0.5) / width - 0.5) * area_mm.x(), by = (0.5 - (y + 0.5) / height) * area_mm.y();
+      const double px = (c * bx + s * by) / mm, py = -(-s * bx + c * by) / mm;  // picture pixels from its center
+      out.at(x, y) = sample(*source, (px + picture.width / 2.0) * shrink_x - 0.5,
+                            (py + picture.height / 2.0) * shrink_y - 0.5, outside);
+    }
+  return out;
+}
+
+}  // namespace
+
+Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm, int width, int height) {
+  const std::string where = spec.picture.string();
+  Target target;
+  double scale = 1;
+  target.picture =
+      lay_on_area(linear_luminance(spec.picture), rotation_deg, spec.fit, area_mm, width, height, 0.0F, scale);
+  if (scale > 4)
+    target.warnings.push_back(where + ": one of its pixels covers " + std::to_string(static_cast<int>(scale)) +
+                              " of the design's; give a larger picture");
+  float low = 1, high = 0;
+  double mean = 0;
+  for (float& v : target.picture.data) {
+    v = std::pow(std::clamp(v, 0.0F, 1.0F), 1 / 2.2F);
+    if (spec.levels)
+      v = static_cast<float>(std::clamp((v - (*spec.levels)[0]) / ((*spec.levels)[1] - (*spec.levels)[0]), 0.0, 1.0));
+    low = std::min(low, v);
+    high = std::max(high, v);
+    mean += v;
+  }
+  mean /= static_cast<double>(target.picture.data.size());
+  if (high - low < 0.02F)
+    fail(where, "is of one tone on the carve area, so there is nothing to show",
+         "choose another picture, crop or \"levels\"");
+  if (mean < 0.08)
+    target.warnings.push_back(where + ": is nearly black; the plain face will outshine it (\"levels\" can lift it)");
+  if (!spec.mask.empty()) {
+    double unused = 1;
+    target.mask =
+        lay_on_area(linear_luminance(spec.mask), rotation_deg, spec.fit, area_mm, width, height, 0.0F, unused);
+    double weight = 0;
+    for (float& v : target.mask.data) {
+      v = std::clamp(v, 0.0F, 1.0F);
+      weight += v;
+    }
+    if (weight < 1) fail(spec.mask.string(), "masks everything", "paint white what matters");
+  }
+  return target;
+}
+
+double viewer_rotation_deg(const View& view, const Eigen::Vector2d& p_board_mm) {
+  const Eigen::Matrix3d R = view.T_camera_board.linear();
+  const Eigen::Vector3d p = view.T_camera_board * Eigen::Vector3d(p_board_mm.x(), p_board_mm.y(), 0);
+  // u = x / z, v = y / z: which board direction moves straight up in the photo (u stays, v falls)?
+  Eigen::Matrix2d duv_dxy;
+  for (int axis = 0; axis < 2; ++axis) {
+    duv_dxy(0, axis) = R(0, axis) * p.z() - p.x() * R(2, axis);
+    duv_dxy(1, axis) = R(1, axis) * p.z() - p.y() * R(2, axis);
+  }
+  const double side = duv_dxy.determinant() * (p.z() > 0 ? 1 : -1);
+  if (!(std::abs(side) > 1e-9 * p.squaredNorm()))
+    fail("view " + view.name, "looks along the board's face", "move the camera above the board");
+  const Eigen::Vector2d up = duv_dxy.inverse() * Eigen::Vector2d(0, -1);
+  return std::atan2(-up.x(), up.y()) / kDegree;
+}
+
+Image within_contrast(const Image& target, const Image& floor) {
+  if (floor.data.size() != target.data.size()) fail("within_contrast", "sizes differ", "give a floor a pixel");
+  Image out = target;
+  for (std::size_t i = 0; i < out.data.size(); ++i) {
+    const float light = std::pow(target.data[i], 2.2F), dark = std::clamp(floor.data[i], 0.0F, 1.0F);
+    out.data[i] = std::pow(std::max(light, dark), 1 / 2.2F);
+  }
+  return out;
+}
+
+}  // namespace burin

@@ -1,0 +1,349 @@
+#include "burin/render/bench.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/files/material_json.h"
+#include "burin/render/groove.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::optional<double> optional_sigma(JsonObject& json, const std::string& key) {
+  if (!json.has(key)) return std::nullopt;
+  double v = json.number(key);
+  if (v < 0) json.fail_field(key, "is " + Json(v).dump(), "a standard deviation is 0 or greater");
+  return v;
+}
+
+std::optional<Eigen::Vector3d> optional_sigma3(JsonObject& json, const std::string& key) {
+  if (!json.has(key)) return std::nullopt;
+  Eigen::Vector3d v = json.vec3(key);
+  if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "standard deviations are 0 or greater");
+  return v;
+}
+
+/// Three numbers of light, R G B, none negative.
+Eigen::Vector3d color(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback) {
+  Eigen::Vector3d v = json.vec3(key, fallback);
+  if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "light is 0 or greater");
+  return v;
+}
+
+Eigen::Isometry3d rigid_motion(JsonObject& json, const std::string& key) {
+  const Eigen::Matrix4d m = json.matrix(key, 4, 4);
+  const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
+  constexpr double kTolerance = 1e-6;  // what a person's 7 digits leave; 1 um at a meter
+  if ((m.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kTolerance)
+    json.fail_field(key, "its last row is not [0, 0, 0, 1]", "write a 4x4 rigid motion, row by row");
+  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kTolerance || R.determinant() < 0)
+    json.fail_field(key, "is not a rigid motion: its upper left 3x3 is no rotation",
+                    "write orthonormal axes with determinant +1, to at least 7 digits");
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.matrix().topRows<3>() = m.topRows<3>();
+  return T;
+}
+
+View read_view(JsonObject& json) {
+  View view;
+  view.name = json.text("view");
+  if (view.name.empty()) json.fail_field("view", "is empty", "give the view a name");
+  view.T_camera_board = rigid_motion(json, "T_camera_board");
+  view.center_sigma_mm = optional_sigma3(json, "center_sigma_mm");
+  view.reprojection_rms_px = optional_sigma(json, "reprojection_rms_px");
+  if (json.has("tags")) {
+    view.tags = json.integer("tags");
+    if (*view.tags < 0) json.fail_field("tags", "is " + std::to_string(*view.tags), "a number of tags is 0 or greater");
+  }
+  json.finish();
+  return view;
+}
+
+Light read_light(JsonObject& json) {
+  Light light;
+  light.id = json.text("id", light.id);
+  if (light.id.empty()) json.fail_field("id", "is empty", "give the lamp a name");
+  light.position_mm = json.vec3("position_mm");
+  light.position_sigma_mm = optional_sigma3(json, "position_sigma_mm");
+  light.intensity = color(json, "intensity", light.intensity);
+  light.intensity_sigma = optional_sigma3(json, "intensity_sigma");
+  light.axis = json.vec3("axis", light.axis);
+  const double length = light.axis.norm();
+  if (!(length > 1e-9)) json.fail_field("axis", "has no direction", "write the direction the lamp points in");
+  // A person's three digits are no unit vector; what Burin wrote is one already and stays as it is, to the last bit.
+  if (std::abs(length - 1) > 1e-12) light.axis /= length;
+  light.falloff_exponent = json.number("falloff_exponent", light.falloff_exponent);
+  if (light.falloff_exponent < 0)
+    json.fail_field("falloff_exponent", "is negative", "write 0 for a bare lamp, more for a spot");
+  light.falloff_exponent_sigma = optional_sigma(json, "falloff_exponent_sigma");
+  json.finish();
+  return light;
+}
+
+Sensor read_sensor(JsonObject json) {
+  Sensor sensor;
+  sensor.gain = json.positive("gain", sensor.gain);
+  sensor.vignette = json.vec3("vignette", sensor.vignette);
+  sensor.psf_sigma_px = json.number("psf_sigma_px", sensor.psf_sigma_px);
+  if (sensor.psf_sigma_px < 0) json.fail_field("psf_sigma_px", "is negative", "a blur is 0 or greater");
+  json.finish();
+  return sensor;
+}
+
+std::vector<Tag> read_measured_tags(JsonObject& json) {
+  std::vector<Tag> tags;
+  std::set<int> ids;
+  for (JsonObject& item : json.objects("tags")) {
+    Tag tag;
+    tag.id = item.integer("id");
+    if (!ids.insert(tag.id).second)
+      item.fail_field("id", "tag " + std::to_string(tag.id) + " is listed twice", "keep one of them");
+    tag.center_mm = item.vec2("center_mm");
+    tag.size_mm = item.positive("size_mm", 0);
+    tag.rotation_deg = item.number("rotation_deg", 0);
+    item.finish();
+    tags.push_back(tag);
+  }
+  return tags;
+}
+
+void read_machine(JsonObject json, Bench& bench) {
+  if (json.has("affine")) {
+    bench.machine_affine = json.matrix("affine", 2, 3);
+    if (std::abs(bench.machine_affine.leftCols<2>().determinant()) < 1e-9)
+      json.fail_field("affine", "its determinant is 0: it flattens the board to a line",
+                      "write [[1, 0, 0], [0, 1, 0]] if the machine's error is not known");
+  }
+  if (json.has("affine_sigma")) {
+    bench.machine_affine_sigma = json.matrix("affine_sigma", 2, 3);
+    if ((bench.machine_affine_sigma->array() < 0).any())
+      json.fail_field("affine_sigma", "has a negative entry", "standard deviations are 0 or greater");
+  }
+  json.finish();
+}
+
+template <typename List, typename Name>
+void fail_unless_unique(const List& list, Name name, const JsonObject& json, const std::string& key) {
+  std::set<std::string> seen;
+  for (const auto& item : list)
+    if (!seen.insert(name(item)).second)
+      json.fail_field(key, "\"" + name(item) + "\" is listed twice", "give each a name of its own");
+}
+
+Json view_json(const View& view) {
+  Json json;
+  json["view"] = view.name;
+  json["T_camera_board"] = to_json(view.T_camera_board.matrix());
+  if (view.center_sigma_mm) json["center_sigma_mm"] = to_json(*view.center_sigma_mm);
+  if (view.reprojection_rms_px) json["reprojection_rms_px"] = *view.reprojection_rms_px;
+  if (view.tags) json["tags"] = *view.tags;
+  return json;
+}
+
+Json light_json(const Light& light) {
+  Json json;
+  json["id"] = light.id;
+  json["position_mm"] = to_json(light.position_mm);
+  if (light.position_sigma_mm) json["position_sigma_mm"] = to_json(*light.position_sigma_mm);
+  json["intensity"] = to_json(light.intensity);
+  if (light.intensity_sigma) json["intensity_sigma"] = to_json(*light.intensity_sigma);
+  json["axis"] = to_json(light.axis);
+  json["falloff_exponent"] = light.falloff_exponent;
+  if (light.falloff_exponent_sigma) json["falloff_exponent_sigma"] = *light.falloff_exponent_sigma;
+  return json;
+}
+
+// {"linear": [gx, gy], "quadratic": [qxx, qxy, qyy], "wear": w}, each with its sigma; what is left out is 0.
+struct FieldPart {
+  const char* name;
+  int first, count;
+};
+constexpr std::array<FieldPart, 3> kFieldParts{{{"linear", 0, 2}, {"quadratic", 2, 3}, {"wear", 5, 1}}};
+
+GrooveField read_field(JsonObject& material, const std::string& name) {
+  GrooveField field;
+  if (!material.has(name)) return field;
+  JsonObject json = material.object(name);
+  for (const FieldPart& part : kFieldParts) {
+    const std::string sigma_name = std::string(part.name) + "_sigma";
+    if (json.has(part.name)) {
+      const auto values = json.numbers(part.name, part.count);
+      std::copy(values.begin(), values.end(), field.terms.begin() + part.first);
+    }
+    if (json.has(sigma_name)) {
+      const auto values = json.numbers(sigma_name, part.count);
+      if (!field.sigma) field.sigma.emplace();
+      std::copy(values.begin(), values.end(), field.sigma->begin() + part.first);
+    }
+  }
+  json.finish();
+  return field;
+}
+
+Json field_json(const GrooveField& field) {
+  Json json = Json::object();
+  for (const FieldPart& part : kFieldParts) {
+    const auto begin = field.terms.begin() + part.first, end = begin + part.count;
+    if (std::all_of(begin, end, [](double v) { return v == 0; })) continue;
+    json[part.name] = std::vector<double>(begin, end);
+    if (field.sigma)
+      json[std::string(part.name) + "_sigma"] =
+          std::vector<double>(field.sigma->begin() + part.first, field.sigma->begin() + part.first + part.count);
+  }
+  return json;
+}
+
+Json material_json(const Bench& bench, double tool_width_um) {
+  Json json;
+  json["alpha"] = bench.material.alpha;
+  if (bench.material_sigma.alpha) json["alpha_sigma"] = *bench.material_sigma.alpha;
+  json["depth_um"] = bench.material.depth_um;
+  if (bench.material_sigma.depth_um) json["depth_sigma_um"] = *bench.material_sigma.depth_um;
+  json["half_width_um"] = half_width_um(tool_width_um, bench.material.depth_um);
+  json["base_alpha"] = bench.material.base_alpha;
+  if (bench.material_sigma.base_alpha) json["base_alpha_sigma"] = *bench.material_sigma.base_alpha;
+  json["f0"] = to_json(bench.material.f0);
+  if (!bench.depth_field.is_constant()) json["depth_field"] = field_json(bench.depth_field);
+  if (!bench.alpha_field.is_constant()) json["alpha_field"] = field_json(bench.alpha_field);
+  return json;
+}
+
+}  // namespace
+
+Scratches as_carved(const Scratches& designed, const Bench& bench, const Eigen::Vector2d& board_size_mm) {
+  Scratches carved = transformed(designed, bench.machine_affine);
+  apply_fields(bench.depth_field, bench.alpha_field, bench.material.depth_um, bench.material.alpha, board_size_mm,
+               carved);
+  return carved;
+}
+
+Bench read_bench(const std::filesystem::path& file) {
+  const Json content = read_json(file, "burin/bench", 1);
+  JsonObject json(content, file.string());
+
+  Bench bench;
+  bench.camera = resolve_path(file, json.text("camera"));
+  if (json.has("views"))
+    for (JsonObject& item : json.objects("views")) bench.views.push_back(read_view(item));
+  if (json.has("lights"))
+    for (JsonObject& item : json.objects("lights")) bench.lights.push_back(read_light(item));
+  fail_unless_unique(
+      bench.views, [](const View& v) { return v.name; }, json, "views");
+  fail_unless_unique(
+      bench.lights, [](const Light& l) { return l.id; }, json, "lights");
+  if (json.has("material")) {
+    JsonObject material = json.object("material");
+    bench.material = read_material(material);
+    bench.material_sigma.alpha = optional_sigma(material, "alpha_sigma");
+    bench.material_sigma.depth_um = optional_sigma(material, "depth_sigma_um");
+    bench.material_sigma.base_alpha = optional_sigma(material, "base_alpha_sigma");
+    bench.depth_field = read_field(material, "depth_field");
+    bench.alpha_field = read_field(material, "alpha_field");
+    material.positive("half_width_um", 1);  // derived from depth_um and the tool's width: for people, not for us
+    material.finish();
+  }
+  if (json.has("sensor")) bench.sensor = read_sensor(json.object("sensor"));
+  bench.ambient = color(json, "ambient", bench.ambient);
+  if (json.has("board")) {
+    JsonObject board = json.object("board");
+    bench.bow_mm = board.vec3("bow_mm", bench.bow_mm);
+    if (board.has("tags")) bench.tags = read_measured_tags(board);
+    board.finish();
+  }
+  if (json.has("machine")) read_machine(json.object("machine"), bench);
+  if (json.has("verdict")) {
+    JsonObject verdicts = json.object("verdict");
+    for (const std::string& name : verdicts.keys()) {
+      JsonObject item = verdicts.object(name);
+      Verdict verdict;
+      verdict.determined = item.boolean("determined");
+      verdict.reason = item.text("reason", "");
+      verdict.weakly = item.boolean("weakly", false);
+      verdict.sigma = optional_sigma(item, "sigma");
+      verdict.unit = item.text("unit", "");
+      verdict.next_photo = item.text("next_photo", "");
+      item.finish();
+      bench.verdict[name] = verdict;
+    }
+  }
+  json.finish();
+  bench.lens = read_cameramodel(bench.camera);
+  return bench;
+}
+
+void write_bench(const Bench& bench, double tool_width_um, const std::filesystem::path& file) {
+  const fs::path camera = bench.camera.empty() ? file.parent_path() / "camera.cameramodel" : bench.camera;
+  const fs::path folder = fs::absolute(file).lexically_normal().parent_path();
+  if (fs::absolute(camera).lexically_normal().parent_path() == folder) write_cameramodel(bench.lens, camera);
+
+  Json json;
+  json["format"] = "burin/bench";
+  json["version"] = 1;
+  json["camera"] = path_beside(file, camera);
+  json["views"] = Json::array();
+  for (const View& view : bench.views) json["views"].push_back(view_json(view));
+  json["lights"] = Json::array();
+  for (const Light& light : bench.lights) json["lights"].push_back(light_json(light));
+  json["material"] = material_json(bench, tool_width_um);
+  json["sensor"] = {{"gain", bench.sensor.gain},
+                    {"vignette", to_json(bench.sensor.vignette)},
+                    {"psf_sigma_px", bench.sensor.psf_sigma_px}};
+  json["ambient"] = to_json(bench.ambient);
+  json["board"]["bow_mm"] = to_json(bench.bow_mm);
+  if (!bench.tags.empty()) {
+    Json& tags = json["board"]["tags"] = Json::array();
+    for (const Tag& tag : bench.tags) {
+      Json item{{"id", tag.id}, {"center_mm", to_json(tag.center_mm)}};
+      if (tag.size_mm > 0) item["size_mm"] = tag.size_mm;
+      if (tag.rotation_deg != 0) item["rotation_deg"] = tag.rotation_deg;
+      tags.push_back(item);
+    }
+  }
+  json["machine"]["affine"] = to_json(bench.machine_affine);
+  if (bench.machine_affine_sigma) json["machine"]["affine_sigma"] = to_json(*bench.machine_affine_sigma);
+  if (!bench.verdict.empty())
+    for (const auto& [name, verdict] : bench.verdict) {
+      Json& item = json["verdict"][name] = {{"determined", verdict.determined}};
+      if (verdict.weakly) item["weakly"] = true;
+      if (verdict.sigma) item["sigma"] = *verdict.sigma;
+      if (!verdict.unit.empty()) item["unit"] = verdict.unit;
+      item["reason"] = verdict.reason;
+      if (!verdict.next_photo.empty()) item["next_photo"] = verdict.next_photo;
+    }
+  write_json(json, file);
+}
+
+namespace {
+
+template <typename Item, typename Name>
+const Item& find_named(const std::vector<Item>& list, const std::string& wanted, Name name, const std::string& kind,
+                       const std::string& where) {
+  const auto found = std::find_if(list.begin(), list.end(), [&](const Item& item) { return name(item) == wanted; });
+  if (found != list.end()) return *found;
+  std::string names;
+  for (const Item& item : list) names += (names.empty() ? "" : ", ") + name(item);
+  fail(where, "the bench has no " + kind + " \"" + wanted + "\"",
+       list.empty() ? "it has none at all: add it to bench.json" : "choose one of: " + names);
+}
+
+}  // namespace
+
+const View& find_view(const Bench& bench, const std::string& name, const std::string& where) {
+  return find_named(
+      bench.views, name, [](const View& v) { return v.name; }, "view", where);
+}
+
+const Light& find_light(const Bench& bench, const std::string& id, const std::string& where) {
+  return find_named(
+      bench.lights, id, [](const Light& l) { return l.id; }, "lamp", where);
+}
+
+}  // namespace burin

@@ -1,0 +1,99 @@
+// burin/render/bench.h - a bench, believed or measured: lens, poses, lamps, material, bow, machine, with uncertainties.
+// Frame: board, mm. docs/file-formats.md, `bench.json`.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burin/render/board.h"
+#include "burin/render/groove_field.h"
+#include "burin/render/lens.h"
+
+namespace burin {
+
+/// One place of the camera. The camera's center in board coordinates is T_camera_board.inverse().translation().
+struct View {
+  std::string name;
+  Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
+  std::optional<Eigen::Vector3d> center_sigma_mm;  ///< of the center, board axes
+  std::optional<double> reprojection_rms_px;       ///< per axis
+  std::optional<int> tags;                         ///< tags used
+};
+
+/// A near lamp: a point with color, and a direction and fall-off when it is a spot (docs/model.md 5):
+/// I(w) = intensity * max(0, axis . (-wi))^falloff_exponent, with exponent 0 for a bare lamp.
+struct Light {
+  std::string id = "lamp";
+  Eigen::Vector3d position_mm{0, 0, 0};
+  std::optional<Eigen::Vector3d> position_sigma_mm;
+  Eigen::Vector3d intensity{1, 1, 1};  ///< radiant intensity, R G B; with Sensor::gain = 1 when it was measured
+  std::optional<Eigen::Vector3d> intensity_sigma;
+  Eigen::Vector3d axis{0, 0, -1};  ///< unit, from the lamp
+  double falloff_exponent = 0;
+  std::optional<double> falloff_exponent_sigma;
+};
+
+/// From radiance to a photo's linear value:
+/// gain * exposure_s * (iso / 100) / f_number^2 * vignette(r) * radiance, 1 being the white level.
+/// vignette(r) = 1 + v1 r^2 + v2 r^4 + v3 r^6, r the distance from the image's center ((W - 1) / 2, (H - 1) / 2) over
+/// half the image's diagonal.
+struct Sensor {
+  double gain = 1;
+  Eigen::Vector3d vignette{0, 0, 0};
+  double psf_sigma_px = 0;  ///< Gaussian blur on the pixel grid, on top of the pixel's own square
+};
+
+/// What the photos say about one parameter: `determined`, and why or why not in a sentence. What is determined only
+/// weakly (not `determined`, but `weakly`) is a measurement with a sigma too large to build on.
+struct Verdict {
+  bool determined = false;
+  std::string reason;
+  bool weakly = false;
+  std::optional<double> sigma{};  ///< one standard deviation, the worst of several numbers; in `unit`
+  std::string unit{};             ///< "%", "mm", "px", "degrees" or empty
+  std::string next_photo{};       ///< for what is not determined: the photo that would help most, in words
+};
+
+struct MaterialSigma {
+  std::optional<double> alpha, depth_um, base_alpha;
+};
+
+using Affine2 = Eigen::Matrix<double, 2, 3>;  ///< [A | b], mm
+
+struct Bench {
+  Lens lens;
+  std::filesystem::path camera;  ///< where the lens is kept
+  std::vector<View> views;
+  std::vector<Light> lights;
+  Material material;
+  MaterialSigma material_sigma;
+  GrooveField depth_field, alpha_field;  ///< what multiplies material.depth_um and alpha, scratch by scratch
+  Sensor sensor;
+  Eigen::Vector3d ambient{0, 0, 0};  ///< radiance of uniform surroundings, R G B (in units of gain = 1)
+  Eigen::Vector3d bow_mm{0, 0, 0};   ///< face height z = b0 X^2 + b1 X Y + b2 Y^2; X, Y from -1 to 1 over the board
+  std::vector<Tag> tags;             ///< measured positions; empty where board.json's are believed
+  Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();  ///< designed to carved board coordinates, mm
+  std::optional<Affine2> machine_affine_sigma;
+  std::map<std::string, Verdict> verdict;  ///< by parameter name: "depth_um", "alpha", "light.lamp.position_mm", ...
+};
+
+/// Designed scratches as this bench's machine carves them: moved by its map; where depth or alpha vary (their fields),
+/// each scratch with its own.
+Scratches as_carved(const Scratches& designed, const Bench& bench, const Eigen::Vector2d& board_size_mm);
+
+/// Reads `bench.json` and the `.cameramodel` it names. Throws Error on anything missing, unknown or out of range.
+Bench read_bench(const std::filesystem::path& file);
+
+/// Writes `bench.json` and, if `bench.camera` is empty or lies beside it, the `.cameramodel`; atomically.
+/// half_width_um is derived from material.depth_um and `tool_width_um`.
+void write_bench(const Bench& bench, double tool_width_um, const std::filesystem::path& file);
+
+/// The view or lamp of that name. Throws Error listing the names there are. `where` is named in the message.
+const View& find_view(const Bench& bench, const std::string& name, const std::string& where);
+const Light& find_light(const Bench& bench, const std::string& id, const std::string& where);
+
+}  // namespace burin

@@ -1,0 +1,235 @@
+#include "burin/render/board.h"
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/files/material_json.h"
+
+namespace burin {
+namespace {
+
+/// A number from 0 to 1, both included: albedos and reflectances.
+double fraction(JsonObject& json, const std::string& key, double fallback) {
+  const double v = json.number(key, fallback);
+  if (v < 0 || v > 1) json.fail_field(key, "is " + Json(v).dump(), "write a number from 0 to 1");
+  return v;
+}
+
+TagSet read_tags(JsonObject json, const Eigen::Vector2d& size_mm) {
+  TagSet tags;
+  tags.family = json.text("family", tags.family);
+  tags.z_mm = json.number("z_mm", tags.z_mm);
+  tags.sigma_mm = json.positive("sigma_mm", tags.sigma_mm);
+  tags.white_albedo = fraction(json, "white_albedo", tags.white_albedo);
+  tags.black_albedo = fraction(json, "black_albedo", tags.black_albedo);
+  if (!(tags.white_albedo > tags.black_albedo))
+    json.fail_field("white_albedo", "is not greater than black_albedo", "correct one of them");
+  if (json.has("list")) {
+    std::set<int> ids;
+    for (JsonObject& item : json.objects("list")) {
+      Tag tag;
+      tag.id = item.integer("id");
+      if (tag.id < 0) item.fail_field("id", "is " + std::to_string(tag.id), "write the number of a tag, from 0");
+      if (!ids.insert(tag.id).second)
+        item.fail_field("id", "tag " + std::to_string(tag.id) + " is listed twice", "give every tag an id of its own");
+      tag.center_mm = item.vec2("center_mm");
+      if ((tag.center_mm.array() < 0).any() || (tag.center_mm.array() > size_mm.array()).any())
+        item.fail_field("center_mm", "lies outside of the board",
+                        "write it in board coordinates, mm from the lower-left corner");
+      tag.size_mm = item.positive("size_mm");
+      tag.rotation_deg = item.number("rotation_deg", 0);
+      item.finish();
+      tags.list.push_back(tag);
+    }
+  }
+  json.finish();
+  return tags;
+}
+
+// Modules across the square whose corners AprilTag reports, and across all of the tag with its border: width_at_border
+// and total_width of AprilTag's families.
+struct FamilyLayout {
+  const char* name;
+  int border_modules, total_modules;
+};
+constexpr std::array<FamilyLayout, 9> kFamilies{{{"tag16h5", 6, 8},
+                                                 {"tag25h9", 7, 9},
+                                                 {"tag36h10", 8, 10},
+                                                 {"tag36h11", 8, 10},
+                                                 {"tagCircle21h7", 5, 9},
+                                                 {"tagCircle49h12", 5, 11},
+                                                 {"tagCustom48h12", 6, 10},
+                                                 {"tagStandard41h12", 5, 9},
+                                                 {"tagStandard52h13", 6, 10}}};
+
+bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& d) {
+  const auto side = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Eigen::Vector2d& r) {
+    return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x();
+  };
+  return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+}
+
+std::vector<Eigen::Vector2d> read_polygon(const JsonObject& json, const std::string& key, const Json& points) {
+  std::vector<Eigen::Vector2d> polygon;
+  const auto number = [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); };
+  if (points.is_array())
+    for (const Json& p : points)
+      if (p.is_array() && p.size() == 2 && number(p[0]) && number(p[1]))
+        polygon.emplace_back(p[0].get<double>(), p[1].get<double>());
+  if (!points.is_array() || polygon.size() != points.size() || polygon.size() < 3)
+    json.fail_field(key, "is no list of at least three points", "write [[x, y], [x, y], [x, y]] in mm");
+  double twice_area = 0;
+  const std::size_t n = polygon.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector2d &a = polygon[i], &b = polygon[(i + 1) % n];
+    twice_area += a.x() * b.y() - a.y() * b.x();
+    for (std::size_t j = i + 2; j < n; ++j)
+      if (crosses(a, b, polygon[j], polygon[(j + 1) % n]))
+        json.fail_field(key, "crosses itself", "write the corners in order, one way round");
+  }
+  if (!(std::abs(twice_area) > 0)) json.fail_field(key, "has no area", "write three corners that do not lie in a line");
+  return polygon;
+}
+
+KeepOut read_keep_out(JsonObject& json) {
+  KeepOut place;
+  place.name = json.text("name", "");
+  const bool circle = json.has("center_mm"), rectangle = json.has("rect_mm"), polygon = json.has("polygon_mm");
+  if (circle + rectangle + polygon != 1)
+    json.fail_field("polygon_mm", "or one of the others is needed, and no more than one",
+                    "write center_mm and radius_mm, or rect_mm, or polygon_mm");
+  if (circle) {
+    place.center_mm = json.vec2("center_mm");
+    place.radius_mm = json.positive("radius_mm");
+  } else if (rectangle) {
+    const Eigen::MatrixXd rect = json.matrix("rect_mm", 2, 2);
+    const Eigen::Vector2d low = rect.row(0).transpose(), high = rect.row(1).transpose();
+    if (!(low.array() < high.array()).all())
+      json.fail_field("rect_mm", "is " + to_json(rect).dump(), "write the lower-left, then the upper-right corner");
+    place.polygon_mm = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
+  } else {
+    place.polygon_mm = read_polygon(json, "polygon_mm", json.raw("polygon_mm"));
+  }
+  json.finish();
+  return place;
+}
+
+}  // namespace
+
+Material read_material(JsonObject& json) {
+  Material material;
+  const auto roughness = [&](const std::string& key, double fallback) {
+    const double v = json.number(key, fallback);
+    if (!(v > 0 && v <= 1)) json.fail_field(key, "is " + Json(v).dump(), "write a roughness above 0 and up to 1");
+    return v;
+  };
+  material.alpha = roughness("alpha", material.alpha);
+  material.depth_um = json.positive("depth_um", material.depth_um);
+  material.base_alpha = roughness("base_alpha", material.base_alpha);
+  material.f0 = json.vec3("f0", material.f0);
+  if ((material.f0.array() < 0).any() || (material.f0.array() > 1).any())
+    json.fail_field("f0", "is " + to_json(material.f0).dump(), "write three numbers from 0 to 1");
+  return material;
+}
+
+std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag) {
+  const double angle = tag.rotation_deg * std::numbers::pi / 180, half = tag.size_mm / 2;
+  const Eigen::Vector2d right(std::cos(angle) * half, std::sin(angle) * half), up(-right.y(), right.x());
+  const Eigen::Vector2d& c = tag.center_mm;
+  return {c - right - up, c + right - up, c + right + up, c - right + up};
+}
+
+KeepOut tag_paper(const Tag& tag, const std::string& family) {
+  for (const FamilyLayout& f : kFamilies) {
+    if (family != f.name) continue;
+    Tag paper = tag;
+    paper.size_mm *= static_cast<double>(f.total_modules) / f.border_modules;
+    const auto corners = tag_corners_mm(paper);
+    return {"tag " + std::to_string(tag.id), {corners.begin(), corners.end()}, {0, 0}, 0};
+  }
+  std::string known;
+  for (const FamilyLayout& f : kFamilies) known += (known.empty() ? "" : ", ") + std::string(f.name);
+  fail("tags.family", "\"" + family + "\" is not known", "use one of " + known);
+}
+
+Board read_board(const std::filesystem::path& file) {
+  const Json content = read_json(file, "burin/board", 1);
+  JsonObject json(content, file.string());
+
+  Board board;
+  board.size_mm = json.vec2("size_mm");
+  if (!(board.size_mm.array() > 0).all())
+    json.fail_field("size_mm", "is " + to_json(board.size_mm).dump(), "write width and height in mm, both above 0");
+  board.carve_max_mm = board.size_mm;
+  if (json.has("carve_mm")) {
+    const Eigen::MatrixXd carve = json.matrix("carve_mm", 2, 2);
+    board.carve_min_mm = carve.row(0).transpose();
+    board.carve_max_mm = carve.row(1).transpose();
+    if (!(board.carve_min_mm.array() < board.carve_max_mm.array()).all() || (board.carve_min_mm.array() < 0).any() ||
+        (board.carve_max_mm.array() > board.size_mm.array()).any())
+      json.fail_field("carve_mm", "is " + to_json(carve).dump(),
+                      "write the lower-left and the upper-right corner of the carve area, within the board");
+  }
+  if (json.has("keep_out"))
+    for (JsonObject& place : json.objects("keep_out")) board.keep_out.push_back(read_keep_out(place));
+  if (json.has("tags")) board.tags = read_tags(json.object("tags"), board.size_mm);
+  if (json.has("scratches")) board.scratches = resolve_path(file, json.text("scratches"));
+  if (json.has("tool")) {
+    JsonObject tool = json.object("tool");
+    board.tool_width_um = tool.positive("width_um", board.tool_width_um);
+    tool.finish();
+  }
+  if (json.has("material")) {
+    JsonObject material = json.object("material");
+    board.material = read_material(material);
+    material.finish();
+  }
+  if (json.has("mesh")) board.mesh = resolve_path(file, json.text("mesh"));
+  json.finish();
+  return board;
+}
+
+void write_board(const Board& board, const std::filesystem::path& file) {
+  Json json;
+  json["format"] = "burin/board";
+  json["version"] = 1;
+  json["size_mm"] = to_json(board.size_mm);
+  json["carve_mm"] = Json::array({to_json(board.carve_min_mm), to_json(board.carve_max_mm)});
+  if (!board.keep_out.empty()) json["keep_out"] = Json::array();
+  for (const KeepOut& place : board.keep_out) {
+    Json item = Json::object();
+    if (!place.name.empty()) item["name"] = place.name;
+    if (place.polygon_mm.empty()) {
+      item["center_mm"] = to_json(place.center_mm);
+      item["radius_mm"] = place.radius_mm;
+    } else {
+      for (const Eigen::Vector2d& p : place.polygon_mm) item["polygon_mm"].push_back(to_json(p));
+    }
+    json["keep_out"].push_back(item);
+  }
+  Json& tags = json["tags"];
+  tags["family"] = board.tags.family;
+  tags["z_mm"] = board.tags.z_mm;
+  tags["sigma_mm"] = board.tags.sigma_mm;
+  tags["white_albedo"] = board.tags.white_albedo;
+  tags["black_albedo"] = board.tags.black_albedo;
+  tags["list"] = Json::array();
+  for (const Tag& tag : board.tags.list)
+    tags["list"].push_back({{"id", tag.id},
+                            {"center_mm", to_json(tag.center_mm)},
+                            {"size_mm", tag.size_mm},
+                            {"rotation_deg", tag.rotation_deg}});
+  if (!board.scratches.empty()) json["scratches"] = path_beside(file, board.scratches);
+  json["tool"]["width_um"] = board.tool_width_um;
+  json["material"] = {{"alpha", board.material.alpha},
+                      {"depth_um", board.material.depth_um},
+                      {"base_alpha", board.material.base_alpha},
+                      {"f0", to_json(board.material.f0)}};
+  if (!board.mesh.empty()) json["mesh"] = path_beside(file, board.mesh);
+  write_json(json, file);
+}
+
+}  // namespace burin

@@ -1,0 +1,375 @@
+#include "burin/render/fast/fast_view.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "burin/render/error.h"
+#include "burin/render/exact/exact_view.h"
+#include "burin/render/fast/grow.h"
+#include "burin/render/fast/machine_clones.h"
+#include "burin/render/fast/render_room.h"
+#include "burin/render/groove.h"
+#include "burin/render/pixel_shading.h"
+
+namespace burin {
+
+namespace {
+
+/// What the pixels of a tile send, for a light of 1: the sums of their grooves and what is left of the plain face.
+/// `open`: the share that is left. `covered_base`: the plain face's light where nothing of it is left, else 0. Returns
+/// whether any of those is not 0.
+BURIN_MACHINE_CLONES bool lobes_of_pixels(const float* sums, const float* inv_area, const float* base, float* open,
+                                          float* lobes, float* covered_base) {
+  int some = 0;
+  for (int k = 0; k < kTilePixels; ++k) {
+    const float covered = sums[2 * k + 1] * inv_area[k];
+    open[k] = covered < 1 ? 1 - covered : 0.0F;
+    covered_base[k] = covered < 1 ? 0.0F : base[k];
+    some |= covered_base[k] > 0 ? 1 : 0;
+    lobes[k] = sums[2 * k] * inv_area[k] + open[k] * base[k];
+  }
+  return some != 0;
+}
+
+BURIN_MACHINE_CLONES void multiply(const float* a, const float* b, int n, float* out) {
+  for (int k = 0; k < n; ++k) out[k] = a[k] * b[k];
+}
+
+}  // namespace
+
+std::shared_ptr<RenderRoom> make_render_room(std::size_t most_jacobian_bytes) {
+  return std::make_shared<RenderRoom>(most_jacobian_bytes);
+}
+
+struct FastView::Data {
+  const int channels;
+  const TileKernels& kernels;
+  const std::shared_ptr<RenderRoom> room;
+  const std::shared_ptr<const TiledGrid> grid;
+  const double tool_width_um, shared_depth_um, shared_alpha;
+
+  std::vector<TileShading> shading;  // by tile
+  // By tile * kTilePixels + place in the tile.
+  std::vector<float> base;
+  std::vector<float> base_slope;      // by base_alpha; empty without material
+  std::vector<float> factor;          // channels a pixel: F intensity direct
+  std::vector<std::uint8_t> visible;  // empty without ambient light
+  std::array<float, 3> ambient{};
+
+  // Of the last forward().
+  KernelMode mode = KernelMode::value;
+  std::size_t pair_count = 0;
+  std::vector<double> width_um, depth_um;  // one each, or one of all
+  std::vector<float> per_mm, rim, alpha;   // the same
+
+  Data(const ViewScene& scene, int c, SimdWidth width, std::shared_ptr<RenderRoom> r)
+      : channels(c),
+        kernels(tile_kernels(width)),
+        room(std::move(r)),
+        grid(room->tiles_of(scene.grid)),
+        tool_width_um(scene.tool_width_um),
+        shared_depth_um(scene.material.depth_um),
+        shared_alpha(scene.material.alpha) {}
+
+  void shade(const ViewScene& scene, bool material);
+  void sort_scratches(const Scratches& scratches);
+  TilePlaces evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderRoom::Work& w, TileJacobian& to);
+  void render_tile(std::size_t t, Image& radiance);
+  double differentiate_tile(std::size_t t, const Image& dE_dradiance);
+  double width_of(std::size_t scratch) const { return width_um[width_um.size() == 1 ? 0 : scratch]; }
+  double depth_of(std::size_t scratch) const { return depth_um[depth_um.size() == 1 ? 0 : scratch]; }
+
+  TileTask task_of(std::size_t t) const {
+    const GridTile& tile = grid->index.tiles()[t];
+    return {&grid->lattice[t],
+            grid->corners.empty() ? nullptr : &grid->corners[t],
+            &shading[t],
+            &base[t * kTilePixels],
+            room->runs.of(t),
+            room->runs.shapes(t),
+            room->runs.count(t),
+            grid->index.blocks(tile),
+            grid->index.valid_rows(t),
+            mode,
+            false,
+            room->most_runs,
+            room->most_pairs};
+  }
+
+  /// visit(pixels, place in the tile and number in the picture of the first) for the rows of a tile.
+  template <typename Visit>
+  void each_row(std::size_t t, const Visit& visit) const {
+    grid->each_row(t, [&](int n, std::size_t place, int x, int y) {
+      visit(n, place, static_cast<std::size_t>(y) * grid->width + x);
+    });
+  }
+};
+
+void FastView::Data::shade(const ViewScene& scene, bool material) {
+  const std::size_t n = grid->tiles() * kTilePixels;
+  const std::array<double, 3> a = ambient_radiance(scene, channels);
+  for (int c = 0; c < 3; ++c) ambient[c] = static_cast<float>(a[c]);
+  shading.resize(grid->tiles());
+  base.assign(n, 0);
+  if (material) base_slope.assign(n, 0);
+  factor.assign(n * channels, 0);
+  if (a != std::array<double, 3>{}) visible.assign(n, 0);
+
+  tbb::parallel_for(std::size_t{0}, grid->tiles(), [&](std::size_t t) {
+    grid->each_pixel(t, [&](int x, int y, std::size_t place) {
+      const std::size_t i = t * kTilePixels + place;
+      const std::size_t pixel = static_cast<std::size_t>(y) * grid->width + x;
+      if (!grid->index.has_footprint()[pixel]) return;
+      const PixelShading p = shade_pixel(scene, pixel);
+      if (!p.visible) return;
+      if (!visible.empty()) visible[i] = 1;
+      if (!p.lit) return;
+      shading[t].at[place][0] = static_cast<float>(p.h_face.x());
+      shading[t].at[place][1] = static_cast<float>(p.h_face.y());
+      shading[t].at[place][2] = static_cast<float>((1 - p.cos_i * p.cos_i) / (p.cos_i * p.cos_i));
+      shading[t].at[place][3] = static_cast<float>((1 - p.cos_o * p.cos_o) / (p.cos_o * p.cos_o));
+      base[i] = static_cast<float>(p.base);
+      const std::array<double, 3> f = channel_factors(scene, p.cos_ho, channels);
+      for (int c = 0; c < channels; ++c) factor[i * channels + c] = static_cast<float>(f[c] * p.direct);
+      if (!material) return;
+      const Shadowing g = shadowing(p.cos_i, p.cos_o, scene.material.base_alpha);
+      const BaseLobe lobe = base_lobe(p.h_face.z(), scene.material.base_alpha);
+      base_slope[i] = static_cast<float>(lobe.dD_dalpha * g.G + lobe.D * g.dG_dalpha);
+    });
+  });
+}
+
+void FastView::Data::sort_scratches(const Scratches& s) {
+  const auto keep = [](const std::vector<double>& own, double shared, std::vector<double>& to) {
+    if (own.empty())
+      to.assign(1, shared);
+    else
+      to.assign(own.begin(), own.end());
+  };
+  keep(s.width_um, tool_width_um, width_um);
+  keep(s.depth_um, shared_depth_um, depth_um);
+  const std::size_t widths = std::max(width_um.size(), depth_um.size());
+  per_mm.resize(widths);
+  rim.resize(widths);
+  for (std::size_t i = 0; i < widths; ++i) {
+    per_mm[i] = static_cast<float>(2000 / width_of(i));
+    rim[i] = static_cast<float>(groove_rim(width_of(i), depth_of(i)));
+  }
+  alpha.resize(s.alpha.empty() ? 1 : s.alpha.size());
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    alpha[i] = static_cast<float>(std::min(1.0, s.alpha.empty() ? shared_alpha : s.alpha[i]));
+  room->sort(grid, {s.size(),
+                    s.x0_mm.data(),
+                    s.y0_mm.data(),
+                    s.x1_mm.data(),
+                    s.y1_mm.data(),
+                    {per_mm.data(), widths == 1},
+                    {rim.data(), widths == 1},
+                    {alpha.data(), s.alpha.empty()}});
+}
+
+/// Finds and evaluates a tile's pairs. `to` is their Jacobian: kept where that is asked for and there is room, else in
+/// `w` until the next tile.
+TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderRoom::Work& w,
+                                         TileJacobian& to) {
+  const TilePlaces places = room->places_of(t, task, kernels, w.found);
+  const std::size_t first = t * kTilePixels, count = places.begin[task.run_count];
+  if (keep) to = room->keep_jacobian(mode, count);
+  const TileJacobian kept = to;
+  if (to.shift == nullptr) to = RenderRoom::make_jacobian(mode, count, w);
+  kernels.evaluate(task, places, w.tile, w.pairs, to);
+  to.ends = w.pairs.ends.data();
+  to.end_count = w.pairs.ends.size();
+  const bool some_covered =
+      lobes_of_pixels(w.tile.sums, &grid->inv_area[first], &base[first], w.open, w.lobes, w.covered_base);
+  if (mode != KernelMode::value && some_covered) kernels.cover(task, places, w.covered_base, w.tile, to);
+  if (keep) room->keep_ends(t, kept, w.pairs.ends);
+  return places;
+}
+
+void FastView::Data::render_tile(std::size_t t, Image& radiance) {
+  RenderRoom::Work& w = *room->work.local();
+  const TileTask task = task_of(t);
+  // Pixels are met in no order: have them near before the first is needed.
+  const auto fetch = [](const auto* what) {
+    for (std::size_t k = 0; k < sizeof(*what); k += 64) __builtin_prefetch(reinterpret_cast<const char*>(what) + k);
+  };
+  if (task.corners != nullptr) fetch(task.corners);
+  fetch(task.shading);
+  TileJacobian jacobian;
+  evaluate_tile(t, task, mode != KernelMode::value, w, jacobian);
+  const bool with_slope = mode == KernelMode::material;
+  each_row(t, [&](int n, std::size_t place, std::size_t pixel) {
+    const std::size_t i = t * kTilePixels + place;
+    const float *lobes = w.lobes + place, *f = &factor[i * channels];
+    float* out = &radiance.data[pixel * channels];
+    if (with_slope) multiply(w.open + place, &base_slope[i], n, &room->open_slope[i]);
+    if (channels == 1) {
+      multiply(f, lobes, n, out);
+    } else {
+      for (int k = 0; k < n; ++k)
+        for (int c = 0; c < channels; ++c) out[k * channels + c] = f[k * channels + c] * lobes[k];
+    }
+    if (!visible.empty())
+      for (int k = 0; k < n; ++k)
+        for (int c = 0; c < channels; ++c) out[k * channels + c] += static_cast<float>(visible[i + k]) * ambient[c];
+  });
+}
+
+/// Puts the gradients of the tile's runs into the room; returns dE / d base_alpha through the tile.
+double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradiance) {
+  RenderRoom::Work& w = *room->work.local();
+  const TileTask task = task_of(t);
+  TileJacobian jacobian = room->jacobian[t];
+  TilePlaces places;
+  if (jacobian.shift != nullptr) {
+    places = room->places_of(t, task, kernels, w.found);
+  } else {  // there was no room for it: once more
+    places = evaluate_tile(t, task, false, w, jacobian);
+  }
+  const bool material = mode == KernelMode::material;
+  double by_base_alpha = 0;
+  each_row(t, [&](int n, std::size_t place, std::size_t pixel) {
+    const std::size_t i = t * kTilePixels + place;
+    const float *in = &dE_dradiance.data[pixel * channels], *f = &factor[i * channels], *inv_area = &grid->inv_area[i];
+    alignas(64) float by_lobes[kTile] = {};
+    if (channels == 1) {
+      multiply(in, f, n, by_lobes);
+    } else {
+      for (int k = 0; k < n; ++k)
+        for (int c = 0; c < channels; ++c) by_lobes[k] += in[k * channels + c] * f[k * channels + c];
+    }
+    multiply(by_lobes, inv_area, n, w.weight + place);
+    if (!material) return;
+    float by_slope = 0;
+    for (int k = 0; k < n; ++k) by_slope += by_lobes[k] * room->open_slope[i + k];
+    by_base_alpha += by_slope;
+  });
+  kernels.gather(task, places, w.weight, jacobian,
+                 &room->by_run[static_cast<std::size_t>(room->runs.begin(t)) * run_gradients(mode)]);
+  return by_base_alpha;
+}
+
+FastView::FastView(const ViewScene& scene, int channels, bool material, SimdWidth width,
+                   std::shared_ptr<RenderRoom> room)
+    : data_(std::make_unique<Data>(scene, channels, width, std::move(room))) {
+  data_->shade(scene, material);
+}
+
+FastView::~FastView() = default;
+
+std::size_t FastView::pair_count() const { return data_->pair_count; }
+
+void FastView::forward(const Scratches& scratches, KernelMode mode, Image& radiance) {
+  Data& d = *data_;
+  RenderRoom& room = *d.room;
+  d.mode = mode;
+  room.owner = this;
+  if (radiance.width != d.grid->width || radiance.height != d.grid->height || radiance.channels != d.channels)
+    radiance = Image(d.grid->width, d.grid->height, d.channels);
+  const std::size_t tiles = d.grid->tiles();
+  if (room.jacobian.size() < tiles) room.jacobian.resize(tiles);
+  if (mode == KernelMode::material && room.open_slope.size() < tiles * kTilePixels)
+    room.open_slope.resize(tiles * kTilePixels);
+  room.jacobian_store.clear();
+  d.sort_scratches(scratches);
+  tbb::parallel_for(std::size_t{0}, tiles, [&](std::size_t t) { d.render_tile(t, radiance); });
+  d.pair_count = 0;
+  for (std::size_t t = 0; t < tiles; ++t) {
+    d.pair_count += room.pair_count[t];
+    room.most_pairs = std::max<std::size_t>(room.most_pairs, room.pair_count[t]);
+  }
+}
+
+void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
+  Data& d = *data_;
+  RenderRoom& room = *d.room;
+  if (d.mode == KernelMode::value)
+    fail("ViewRenderer::backward", "there is no Jacobian", "call forward_with_jacobian() first");
+  if (room.owner != this)
+    fail("ViewRenderer::backward", "another view has been rendered in the same room since",
+         "call backward() before the next view's forward_with_jacobian()");
+  const std::size_t tiles = d.grid->tiles();
+  const bool material = d.mode == KernelMode::material;
+  const std::size_t numbers = run_gradients(d.mode), needed = room.runs.total() * numbers;
+  grow_to(room.by_run, needed + 1);
+  room.by_tile.resize(tiles);
+  tbb::parallel_for(std::size_t{0}, tiles,
+                    [&](std::size_t t) { room.by_tile[t] = d.differentiate_tile(t, dE_dradiance); });
+  for (const double v : room.by_tile) gradients.shared_base_alpha += v;
+  // A scratch's runs are added up in tile order.
+  room.by_chunk.assign(room.runs.chunk_count(), Eigen::Array3d::Zero());
+  const auto add = [&](std::size_t chunk, std::uint32_t s, std::span<const std::uint32_t> runs) {
+    const auto sum_of = [&](std::size_t from) {
+      std::array<double, 4> sum{};
+      for (const std::uint32_t r : runs) {
+        const float* by = &room.by_run[r * numbers + from];
+        for (int i = 0; i < 4; ++i) sum[i] += by[i];
+      }
+      return sum;
+    };
+    const std::array<double, 4> sum = sum_of(0);
+    const StripDirection& x = room.runs.across(s);
+    const double at_second = sum[1] / x.length_mm, at_first = sum[0] - at_second, first = sum[2], second = sum[3];
+    gradients.x0_mm[s] += x.x * at_first - x.y * first;
+    gradients.y0_mm[s] += x.y * at_first + x.x * first;
+    gradients.x1_mm[s] += x.x * at_second - x.y * second;
+    gradients.y1_mm[s] += x.y * at_second + x.x * second;
+    if (!material) return;
+    const std::array<double, 4> by_shape = sum_of(4);
+    // The rim is sqrt(1 - exp(-2 d / wt)).
+    const double width = d.width_of(s), depth = d.depth_of(s), by_rim = by_shape[1];
+    const double rim_by_depth = std::exp(-2 * depth / width) / (width * groove_rim(width, depth));
+    const double by_depth = rim_by_depth * by_rim, by_width = (by_shape[0] - depth * by_depth) / width;
+    gradients.width_um[s] += by_width;
+    gradients.depth_um[s] += by_depth;
+    const double by_alpha = by_shape[2];
+    gradients.alpha[s] += by_alpha;
+    room.by_chunk[chunk] += Eigen::Array3d(by_width, by_depth, by_alpha);
+  };
+  room.runs.each_scratch(add, [&](std::uint32_t run) { __builtin_prefetch(&room.by_run[run * numbers]); });
+  for (const Eigen::Array3d& v : room.by_chunk) {
+    gradients.shared_width_um += v[0];
+    gradients.shared_depth_um += v[1];
+    gradients.shared_alpha += v[2];
+  }
+}
+
+void FastView::add_contributions(std::vector<double>& contribution) const {
+  const Data& d = *data_;
+  RenderRoom& room = *d.room;
+  if (room.owner != this)
+    fail("ViewRenderer::add_contributions", "another view has been rendered in the same room since",
+         "call add_contributions() before the next view's forward()");
+  // Light is not kept pair by pair: it is found again, tile by tile.
+  std::vector<float>& by_run = room.by_run;
+  grow_to(by_run, room.runs.total());
+  tbb::parallel_for(std::size_t{0}, d.grid->tiles(), [&](std::size_t t) {
+    RenderRoom::Work& w = *room.work.local();
+    TileTask task = d.task_of(t);
+    task.mode = KernelMode::value;
+    task.keep_light = true;
+    const TilePlaces places = room.places_of(t, task, d.kernels, w.found);
+    d.kernels.evaluate(task, places, w.tile, w.pairs, {});
+    for (std::uint32_t r = 0; r < task.run_count; ++r) {
+      double sum = 0;
+      for (std::uint32_t k = places.begin[r]; k < places.begin[r + 1]; ++k) {
+        const std::size_t i = t * kTilePixels + places.place[k];
+        double weight = 0;
+        for (int c = 0; c < d.channels; ++c) weight += d.factor[i * d.channels + c];
+        sum += weight / d.channels * d.grid->inv_area[i] * w.pairs.light[k];
+      }
+      by_run[room.runs.begin(t) + r] = static_cast<float>(sum);
+    }
+  });
+  room.runs.each_scratch(
+      [&](std::size_t, std::uint32_t s, std::span<const std::uint32_t> runs) {
+        for (const std::uint32_t r : runs) contribution[s] += by_run[r];
+      },
+      [&](std::uint32_t run) { __builtin_prefetch(&by_run[run]); });
+}
+
+}  // namespace burin

@@ -1,0 +1,41 @@
+// burin/render/fast/fast_view.h - one view rendered in float packets: the fast twin of burin/render/exact/exact_view.h.
+// docs/model.md 8.
+//
+// The picture is cut into tiles of kTile x kTile pixels (burin/render/fast/tile.h). Each iteration: scratches are
+// sorted into the tiles that they touch (burin/render/fast/tile_runs.h); each tile then works through its runs by
+// itself (burin/render/fast/tile_kernel.h), so that what it adds up stays in the cache, and every sum has one order,
+// whatever the number of threads. A run's pairs lie one after the other, with their Jacobian, so backward() is a gather
+// over pixel weights. Frame: board, mm.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "burin/render/fast/tile_kernel.h"
+#include "burin/render/simd_width.h"
+#include "burin/render/view_renderer.h"
+
+namespace burin {
+
+class FastView {
+ public:
+  /// `scene` must have passed check_view(); it may go. `material`: whether forward() will be asked for it. `room` may
+  /// be shared by views that are worked on one after the other.
+  FastView(const ViewScene& scene, int channels, bool material, SimdWidth width, std::shared_ptr<RenderRoom> room);
+  ~FastView();
+  FastView(const FastView&) = delete;
+  FastView& operator=(const FastView&) = delete;
+
+  void forward(const Scratches& scratches, KernelMode mode, Image& radiance);
+  /// Needs a forward() with KernelMode::ends or material. Derivatives by material are left as they are after `ends`.
+  void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
+  void add_contributions(std::vector<double>& contribution) const;
+  std::size_t pair_count() const;
+
+ private:
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+}  // namespace burin

@@ -1,0 +1,81 @@
+// burin/render/fast/render_room.h - the buffers that views work in: runs, pairs with their Jacobian, and a thread's
+// room. They grow to the largest iteration and are kept. Views that are rendered and differentiated one after the other
+// may share one, so that memory grows with the pairs of one view and not of all. What several views have in common is
+// made once: a grid's tiles, and, while the scratches stay where they are, the runs and places of their pairs.
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "burin/render/fast/byte_store.h"
+#include "burin/render/fast/tile_kernel.h"
+#include "burin/render/fast/tile_runs.h"
+#include "burin/render/fast/tiled_grid.h"
+
+namespace burin {
+
+class RenderRoom {
+ public:
+  /// Of a tile whose arrays would not fit into `most_jacobian_bytes` with all before it, nothing is kept.
+  explicit RenderRoom(std::size_t most_jacobian_bytes);
+
+  /// The tiles of a grid; the same for the same grid as long as a view uses them.
+  std::shared_ptr<const TiledGrid> tiles_of(const std::shared_ptr<const FootprintGrid>& grid);
+
+  /// Sorts scratches into tiles, unless these are the ones that lie there since the last time.
+  void sort(const std::shared_ptr<const TiledGrid>& grid, const ScratchLines& lines);
+
+  /// The pairs of a tile: as kept, or found anew. `found` must outlive them.
+  TilePlaces places_of(std::size_t tile, const TileTask& task, const TileKernels& kernels, FoundPlaces& found);
+
+  /// Room for the Jacobian of a tile's `count` pairs in the mode, where nothing is kept of any: `work` holds it until
+  /// the next.
+  struct Work;
+  static TileJacobian make_jacobian(KernelMode mode, std::size_t count, Work& work);
+  /// The same where it is kept until the next forward(), or without arrays where no room is left.
+  TileJacobian keep_jacobian(KernelMode mode, std::size_t count);
+  /// Completes what keep_jacobian() made with its ends and keeps it; with nothing where no room is left for those.
+  void keep_ends(std::size_t tile, TileJacobian jacobian, const std::vector<EndPair>& ends);
+
+  const void* owner = nullptr;  ///< the view whose Jacobian this is
+  TileRuns runs;
+  std::vector<std::uint32_t> pair_count;      ///< by tile
+  std::size_t most_runs = 0, most_pairs = 0;  ///< of any tile so far
+  std::vector<TileJacobian> jacobian;         ///< by tile
+  ByteStore jacobian_store;                   ///< of the last forward()
+  std::vector<float> open_slope;              ///< by tile and place: d (plain face's lobe) / d base_alpha
+  std::vector<float> by_run;                  ///< of the backward pass: run_gradients() a run
+  std::vector<double> by_tile;                ///< by base_alpha
+  std::vector<Eigen::Array3d> by_chunk;       ///< of scratches: by width, depth, alpha
+
+  /// A thread's own.
+  struct Work {
+    TileRoom tile;
+    FoundPlaces found;
+    TilePairs pairs;
+    std::vector<float> jacobian;  // of a tile for which there is no room
+    float open[kTilePixels] = {}, lobes[kTilePixels] = {}, covered_base[kTilePixels] = {};
+    float weight[kTilePixels] = {};
+  };
+  tbb::enumerable_thread_specific<std::unique_ptr<Work>> work{[] { return std::make_unique<Work>(); }};
+
+ private:
+  bool is_sorted(const TiledGrid* grid, const ScratchLines& lines) const;
+
+  std::weak_ptr<const FootprintGrid> grid_;
+  std::weak_ptr<const TiledGrid> tiled_;
+  // What `runs` and places are of.
+  std::shared_ptr<const TiledGrid> sorted_grid_;
+  std::array<std::vector<double>, 4> sorted_ends_mm_;
+  std::array<std::vector<float>, 3> sorted_shape_;
+  std::vector<TilePlaces> places_;  // by tile
+  ByteStore place_store_;
+};
+
+}  // namespace burin

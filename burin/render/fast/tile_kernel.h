@@ -1,0 +1,192 @@
+// burin/render/fast/tile_kernel.h - the fast path's inner loop: what the scratches of one tile add to its pixels, with
+// derivatives, in float packets.
+//
+// A tile's pairs (pixel, scratch) lie one scratch after the other. find() finds them; evaluate() adds up light and area
+// of each pixel and makes one derivative of each pair's light and of the plain face's light that it covers; where a
+// pixel turns out to be covered whole, cover() takes the plain face out again; gather() is the backward pass.
+// Kernels of several SIMD widths do the same work; tile_kernels() picks one.
+// Frames: burin/render/fast/tile.h. Source: docs/model.md 4 and 8; the integrals are
+// burin/render/footprint/footprint_core.h.
+//
+// Along the groove, the footprint cut with the scratch is bounded by top(t) and bottom(t), both linear between
+// breakpoints: the corners, and where edges meet the scratch's ends. With W the weight of footprint_core.h,
+//   V = integral of (top - bottom) W dt,                    Dhat = (wt/2)^2 (alpha^2 / pi) V
+//   dV/d(shift of the scratch by one unit across)  = integral of (top' - bottom') W dt
+//   dV/d(turn of the scratch about t = 0, Y = 0)   = -integral of (top top' - bottom bottom') W dt + hy dV/dhx,
+//       where a level that is a pixel's edge brings another -t, which cancels unless the other level is an end
+//   dV/d(end moved along)                          = integral of W dt over where that end bounds the region
+// Each piece between breakpoints is one evaluation of mean moments. Most pairs have a single one, [-rim, rim]: the
+// pixel has no corner on the groove, and an end in it runs across the groove within it. They go straight through; the
+// others are set aside and done afterwards, their pieces packed, so that packets stay full.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "burin/render/fast/tile.h"
+#include "burin/render/simd_width.h"
+
+namespace burin {
+
+/// What a kernel computes: `value` only; `ends`: and derivatives by the scratch's ends; `material`: and by wt, d,
+/// alpha.
+enum class KernelMode : std::uint8_t { value, ends, material };
+
+/// A pair that an end of its scratch bounds: derivatives by the ends moved along, a unit of Y, of what it adds to its
+/// pixel and of the area that it covers.
+struct EndPair {
+  std::uint32_t pair = 0, run = 0;
+  float first = 0, second = 0, area_first = 0, area_second = 0;
+};
+
+/// The pixels that a tile's runs touch: those of run r are at place[begin[r]] .. place[begin[r + 1] - 1].
+struct TilePlaces {
+  const std::uint32_t* begin = nullptr;  ///< one more than there are runs
+  const std::uint16_t* place = nullptr;  ///< row * kTile + column; readable 16 beyond the last
+};
+
+/// The same with room that grows to the largest tile.
+struct FoundPlaces {
+  std::vector<std::uint32_t> begin;
+  std::vector<std::uint16_t> place;
+
+  TilePlaces places() const { return {begin.data(), place.data()}; }
+};
+
+/// Derivatives of what pairs add to their pixels, light minus the plain face's light that they cover: by a shift of one
+/// unit of t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha. Arrays have room for a whole
+/// packet beyond the last pair, and hold numbers there.
+struct TileJacobian {
+  float *shift = nullptr, *turn = nullptr, *width = nullptr, *rim = nullptr, *alpha = nullptr;
+  EndPair* ends = nullptr;
+  std::size_t end_count = 0;
+};
+
+/// What evaluate() gives beside the Jacobian. Arrays grow to the largest tile and may be longer than what is in use.
+struct TilePairs {
+  std::vector<float> light;  ///< Dhat G, mm^2; only where it was asked for
+  std::vector<EndPair> ends;
+};
+
+/// What evaluate() reads. `runs` must be readable one entry beyond the last.
+struct TileTask {
+  const TileLattice* lattice = nullptr;
+  const TileCorners* corners = nullptr;  ///< null where all corners lie on the lattice
+  const TileShading* shading = nullptr;
+  const float* base = nullptr;  ///< the plain face's light a mm^2 of each pixel; not read for `value`
+  const TileRun* runs = nullptr;
+  RunShapes shapes;
+  std::uint32_t run_count = 0;
+  std::span<const TileBlock> blocks;
+  const std::uint32_t* valid_rows = nullptr;  ///< a bit a pixel with a footprint; null where all have one
+  KernelMode mode = KernelMode::value;
+  bool keep_light = false;  ///< fills TilePairs::light
+  /// Of any tile so far: buffers that grow are made for so many, whatever tiles their thread has met.
+  std::size_t most_runs = 0, most_pairs = 0;
+};
+
+/// What pairs need of their scratch: how t and Y change over the tile's lattice, in the units of TileRun. Of a pixel
+/// (column, row) the middle is at t = mid + column * by column + row * by row.
+///
+/// Pixels may be much larger than the groove; then t runs over hundreds within a tile, while an edge that lies within
+/// the groove must be known to 1e-6. So t is given in two parts. The `coarse` ones are multiples of one number, coarse
+/// enough that small integers times them, and sums and halves of those, are exact in float; the `fine` ones are the
+/// rests.
+enum Line : std::uint8_t {
+  kAcrossX,  // as in TileRun and RunShape
+  kAcrossY,
+  kPerMm,
+  kUnit,  // 1 / kPerMm^2: mm^2 in a unit of t times one of Y
+  kFirstEnd,
+  kSecondEnd,
+  kAlpha,
+  kRim,
+  kMidCoarse,  // t of the middle of pixel (0, 0)
+  kMidFine,
+  kColumnCoarse,  // its change by a column
+  kColumnFine,
+  kRowCoarse,
+  kRowFine,
+  kReachCoarse,  // how far a pixel reaches to either side of its middle in t
+  kReachFine,
+  kMidY,
+  kOriginY,  // where pixels have lines of their own
+  kColumnY,
+  kRowY,
+  kReachY,  // the same in Y
+  kFarY,    // Y, from the middle, of the corner with the largest t
+  kSteep,   // dY / dt of a pixel's sides, the larger first
+  kFlat,
+  kLineConstants
+};
+
+/// One thread's room for work.
+struct TileRoom {
+  static constexpr int kChunk = 128;  ///< pairs that go from stage to stage together
+  static constexpr int kPieces = 512;
+  static constexpr int kLines = 32;
+  /// Rounded up to a whole packet, and an odd number of cache lines apart: entries of the same place must not all fall
+  /// into the same set of the cache.
+  template <int n>
+  using Lanes = float[n + 16];
+
+  alignas(64) float sums[2 * kTilePixels] = {};  ///< of each pixel: light, area (mm^2)
+  /// Where all scratches have one shape, of each pixel: x and y of the half vector, G alpha^2 / pi, and the base; and
+  /// d log(alpha^2 G) / d alpha.
+  alignas(64) float lit[kTilePixels][4], lit_by_alpha[kTilePixels];
+  /// Derivatives of area, as those of TileJacobian.
+  std::vector<float> area_shift, area_turn, area_width, area_rim;
+
+  /// Pairs set aside: their numbers and their runs' among the live ones, those with corners only and those with ends.
+  struct Special {
+    std::size_t count = 0;
+    std::vector<std::uint32_t> pair, line;
+  } corners, ends;
+  int piece_count = 0;                      ///< pieces of those in work
+  std::uint16_t piece_owner[kPieces + 16];  ///< the pair of each, as counted in the group
+
+  std::vector<std::uint32_t> live;   ///< the runs that have pairs
+  std::vector<std::uint8_t> starts;  ///< a bit a pair: it is the first of its run
+  /// Of the pairs of this chunk and of the next: the numbers of their runs among the live ones.
+  std::uint32_t line_of[2][kChunk + 16];
+  /// Constants of the live runs, two packets of them: those of number n are in column n % (2 lanes).
+  alignas(64) float line[kLineConstants][kLines] = {};
+  // What a pair carries from one stage to the next.
+  alignas(64) Lanes<kChunk> unit, alpha, gain, base, by_alpha, rim_light, moving_turn;
+  /// Sums of a pair's pieces: V, shift, turn, width; first end, second end, radial.
+  alignas(64) float total[kChunk + 16][8];
+  alignas(64) Lanes<kChunk> area, origin_Y, a_shift, a_turn, a_first, a_second, a_rim, rim;
+
+  // Pieces of the groove between breakpoints, and what each gives.
+  alignas(64) Lanes<kPieces> t1, t2, top1, top2, bottom1, bottom2, on_first, on_second, hx, hy, hz, piece_alpha;
+  alignas(64) Lanes<kPieces> front[6], lobes[7];
+  alignas(64) Lanes<kPieces> piece_V, piece_shift, piece_turn, piece_width, piece_radial, piece_mean, piece_first;
+};
+
+/// What gather() gives for each run: dE by a shift of the scratch across (1 mm), its moment about the scratch's first
+/// end (so that moment / length is by its second end moved across), dE by either end moved along (1 mm); with material
+/// also by log wt with the rim held, by the rim, by alpha, and a zero.
+constexpr int run_gradients(KernelMode mode) { return mode == KernelMode::material ? 8 : 4; }
+
+/// The kernels of one width.
+struct TileKernels {
+  /// Finds the pairs. Reads neither corners nor shading.
+  void (*find)(const TileTask& task, FoundPlaces& found);
+  /// Fills room.sums, room.area_*, `pairs` and the arrays of `to` that the mode has, but not its ends.
+  void (*evaluate)(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs,
+                   const TileJacobian& to);
+  /// After evaluate(): nothing is left of the plain face in pixels where `covered` is not 0 but task.base; kTilePixels.
+  void (*cover)(const TileTask& task, const TilePlaces& places, const float* covered, const TileRoom& room,
+                const TileJacobian& to);
+  /// The backward pass: sums over each run's pairs of weight[place] times derivative, run_gradients() numbers a run.
+  void (*gather)(const TileTask& task, const TilePlaces& places, const float* weight, const TileJacobian& jacobian,
+                 float* to);
+};
+
+/// Throws Error for a width that does not run here.
+const TileKernels& tile_kernels(SimdWidth width);
+
+}  // namespace burin

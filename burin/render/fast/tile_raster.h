@@ -1,0 +1,299 @@
+// burin/render/fast/tile_raster.h - which pixels of a tile a scratch touches, many rows at once.
+//
+// The strip |t| <= rim between its ends is cut to the tile's box, taken to the tile's lattice by its block's map, and
+// drawn as a convex quadrilateral: within the slab of a row it is convex too, so the columns it touches are those
+// between the extremes of what the slab leaves of each edge. Every pixel is widened by what the map and float rounding
+// may be wrong by (rows by more, which also swallows edges too flat for their slope to be trusted): that can only add
+// pixels. A strip that is much thinner than a pixel is drawn as its middle line, widened: there are few pixels to add
+// at its ends, and half the work. Included only where packet_math.h may be.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "burin/render/fast/packet_math.h"
+#include "burin/render/fast/tile.h"
+
+namespace burin {
+
+template <class P>
+struct TileRaster {
+  using F = P;
+  using Mask = typename P::batch_bool_type;
+  static constexpr int kLanes = kLanesOf<P>;
+  using Lanes = float[kLanes];
+
+  struct Edge {
+    alignas(64) Lanes x0, y0, x1, y1, slope;  // y0 <= y1
+  };
+  /// Quadrilaterals of as many runs as a packet has lanes, in the lattice of a block.
+  struct Quads {
+    Edge edge[4];
+    alignas(64) Lanes row0, row1;  // first and last row touched
+    alignas(64) Lanes e, e_row;    // widening, px
+    // Of thin strips, with v the axis along which they run further and u the other: u of the middle line at v,
+    // u0 + slope (v - v0), how far the strip reaches in u from there, and the box around it; all widened.
+    alignas(64) Lanes u0, v0, slope, reach, u_low, u_high, v_low, v_high;
+    std::uint32_t empty, everything, thin, along_x;
+  };
+  static constexpr float kThin_px = 0.1F;
+
+  BURIN_FLATTEN static void make(const TileBlock& block, const TileRun* runs, const RunShapes& shapes,
+                                 std::size_t first, int count, Quads& out) {
+    F run[8];
+    for (const int half : {0, 4})
+      packet::four_columns(run + half, [&](int k) { return &runs[first + std::min(k, count - 1)].across_x + half; });
+    F shape[4] = {F(shapes[0].per_mm), F(shapes[0].rim)};
+    if (!shapes.shared)
+      packet::four_columns(shape, [&](int k) { return &shapes[first + std::min(k, count - 1)].per_mm; });
+    const F &across_x = run[0], &across_y = run[1], &t_origin = run[2];
+    const F mm = F(1.0F) / shape[0], half_width = shape[1] * mm;
+    const F along_x = -across_y, &along_y = across_x;
+    const F foot_x = -t_origin * mm * across_x, foot_y = -t_origin * mm * across_y;
+    F from = run[3] * mm, to = run[4] * mm;  // mm along from the foot of the tile's origin
+    const auto cut = [&](const F& foot, const F& along, float low, float high) {
+      const F margin = half_width * F(1.0001F) + F(1e-5F * (high - low));
+      const Mask steep = xsimd::abs(along) > F(1e-6F);
+      const F inverse = F(1.0F) / xsimd::select(steep, along, F(1.0F));
+      const F a = (F(low) - margin - foot) * inverse, b = (F(high) + margin - foot) * inverse;
+      from = xsimd::select(steep, xsimd::max(from, xsimd::min(a, b)), from);
+      to = xsimd::select(steep, xsimd::min(to, xsimd::max(a, b)), to);
+    };
+    cut(foot_x, along_x, block.low_mm[0], block.high_mm[0]);
+    cut(foot_y, along_y, block.low_mm[1], block.high_mm[1]);
+    out.empty = packet::bits_of<P>(!(from <= to));
+
+    F x[4], y[4];
+    F w_least(1.0F), size(static_cast<float>(kTile)), x_low, x_high, y_low, y_high;
+    const auto& m = block.lattice_from_mm;
+    for (int i = 0; i < 4; ++i) {
+      const F& s = i < 2 ? from : to;
+      const F side = i == 0 || i == 3 ? -half_width : half_width;
+      const F px = foot_x + s * along_x + side * across_x, py = foot_y + s * along_y + side * across_y;
+      const F w = F(m[6]) * px + (F(m[7]) * py + F(m[8]));
+      const F inverse = F(1.0F) / xsimd::max(w, F(1e-3F));
+      x[i] = (F(m[0]) * px + (F(m[1]) * py + F(m[2]))) * inverse;
+      y[i] = (F(m[3]) * px + (F(m[4]) * py + F(m[5]))) * inverse;
+      w_least = xsimd::min(w_least, w);
+      size = xsimd::max(size, xsimd::max(xsimd::abs(x[i]), xsimd::abs(y[i])));
+      x_low = i == 0 ? x[0] : xsimd::min(x_low, x[i]);
+      x_high = i == 0 ? x[0] : xsimd::max(x_high, x[i]);
+      y_low = i == 0 ? y[0] : xsimd::min(y_low, y[i]);
+      y_high = i == 0 ? y[0] : xsimd::max(y_high, y[i]);
+    }
+    // Too near the map's horizon, or not a number: everything, to be safe.
+    const Mask good = (w_least > F(0.02F)) & (size < F(1e6F));
+    out.everything = block.by_box ? ~0U : packet::bits_of<P>(!good);
+    const F e = F(block.error_px) + F(1e-6F) * size, e_row = F(block.error_px) + F(5e-6F) * size;
+    e.store_aligned(out.e);
+    e_row.store_aligned(out.e_row);
+    xsimd::ceil(y_low - F(1.0F) - e_row).store_aligned(out.row0);
+    xsimd::floor(y_high + e_row).store_aligned(out.row1);
+    // Half the strip across, at whichever end it is wider.
+    const F half(0.5F);
+    const F side_x = half * xsimd::max(xsimd::abs(x[1] - x[0]), xsimd::abs(x[2] - x[3]));
+    const F side_y = half * xsimd::max(xsimd::abs(y[1] - y[0]), xsimd::abs(y[2] - y[3]));
+    out.thin = packet::bits_of<P>(xsimd::max(side_x, side_y) < F(0.5F * kThin_px));
+    const F mx = half * (x[0] + x[1]), my = half * (y[0] + y[1]);
+    const F dx = half * (x[2] + x[3]) - mx, dy = half * (y[2] + y[3]) - my;
+    const Mask along_x_axis = xsimd::abs(dx) > xsimd::abs(dy);
+    out.along_x = packet::bits_of<P>(along_x_axis);
+    const auto u_of = [&](const F& of_x, const F& of_y) { return xsimd::select(along_x_axis, of_y, of_x); };
+    const auto v_of = [&](const F& of_x, const F& of_y) { return xsimd::select(along_x_axis, of_x, of_y); };
+    const F dv = v_of(dx, dy);
+    const F slope = u_of(dx, dy) / xsimd::select(dv == F(0.0F), F(1.0F), dv);
+    slope.store_aligned(out.slope);
+    (u_of(side_x, side_y) + xsimd::abs(slope) * v_of(side_x, side_y) + F(2.0F) * e).store_aligned(out.reach);
+    u_of(mx, my).store_aligned(out.u0);
+    v_of(mx, my).store_aligned(out.v0);
+    (u_of(x_low, y_low) - e).store_aligned(out.u_low);
+    (u_of(x_high, y_high) + e).store_aligned(out.u_high);
+    (v_of(x_low, y_low) - e).store_aligned(out.v_low);
+    (v_of(x_high, y_high) + e).store_aligned(out.v_high);
+    const std::uint32_t all = (1U << (kLanes - 1) << 1) - 1;
+    if (((out.thin | out.empty) & all) == all) return;
+    for (int i = 0; i < 4; ++i) {
+      const int j = (i + 1) % 4;
+      const Mask up = y[i] > y[j];
+      const F x0 = xsimd::select(up, x[j], x[i]), x1 = xsimd::select(up, x[i], x[j]);
+      const F y0 = xsimd::min(y[i], y[j]), y1 = xsimd::max(y[i], y[j]);
+      const F edge_dy = y1 - y0;
+      const Mask trusted = edge_dy > F(3e-6F) * size;
+      const F edge_slope = (x1 - x0) / xsimd::select(trusted, edge_dy, F(1.0F));
+      Edge& edge = out.edge[i];
+      x0.store_aligned(edge.x0);
+      y0.store_aligned(edge.y0);
+      x1.store_aligned(edge.x1);
+      y1.store_aligned(edge.y1);
+      xsimd::select(trusted, edge_slope, F(0.0F)).store_aligned(edge.slope);
+    }
+  }
+
+  /// Writes the places (row * kTile + column) that quadrilateral k touches; returns where the next would go. Up to
+  /// kTilePixels + 16 entries are written. `valid_rows`: a bit a pixel, or null where all are valid.
+  BURIN_FLATTEN static std::uint16_t* draw(const TileBlock& block, const Quads& quads, int k,
+                                           const std::uint32_t* valid_rows, std::uint16_t* to) {
+    if ((quads.empty >> k & 1) != 0) return to;
+    if ((quads.everything >> k & 1) != 0) {
+      for (int row = block.y0; row < block.y1; ++row) to = put(row, block.x0, block.x1, valid_rows, to);
+      return to;
+    }
+    if ((quads.thin >> k & 1) != 0) return draw_line(block, quads, k, valid_rows, to);
+    const int row0 = std::max(block.y0, static_cast<int>(quads.row0[k]));
+    const int row1 = std::min(block.y1 - 1, static_cast<int>(quads.row1[k]));
+    for (int first = row0; first <= row1; first += kLanes) {
+      const F row = packet::lane_numbers<P>() + F(static_cast<float>(first));
+      F low, high;
+      extremes_of_quad(quads, k, row, low, high);
+      const Mask in = row <= F(static_cast<float>(row1));
+      const F begin = xsimd::max(xsimd::floor(low), F(static_cast<float>(block.x0)));
+      const F end = xsimd::min(xsimd::floor(high) + F(1.0F), F(static_cast<float>(block.x1)));
+      alignas(64) Lanes begins, ends;
+      begin.store_aligned(begins);
+      end.store_aligned(ends);
+      for (std::uint32_t bits = packet::bits_of<P>(in & (begin < end)); bits != 0; bits &= bits - 1) {
+        const int r = std::countr_zero(bits);
+        to = put(first + r, static_cast<int>(begins[r]), static_cast<int>(ends[r]), valid_rows, to);
+      }
+    }
+    return to;
+  }
+
+  /// The columns, widened, between which a slab of rows row .. row + 1 of the strip lies; low above high where there is
+  /// nothing of it.
+  [[gnu::always_inline]] static void extremes_of_quad(const Quads& quads, int k, const F& row, F& low, F& high) {
+    const F e(quads.e[k]), e_row(quads.e_row[k]), far(std::numeric_limits<float>::infinity());
+    const F top = row - e_row, bottom = row + F(1.0F) + e_row;
+    low = far;
+    high = -far;
+    for (int i = 0; i < 4; ++i) {
+      const Edge& edge = quads.edge[i];
+      const F x0(edge.x0[k]), y0(edge.y0[k]), y1(edge.y1[k]), slope(edge.slope[k]);
+      const F from = xsimd::max(top, y0), until = xsimd::min(bottom, y1);
+      const Mask there = from <= until;
+      const F a = x0 + slope * (from - y0), b = xsimd::select(until == y1, F(edge.x1[k]), x0 + slope * (until - y0));
+      low = xsimd::select(there, xsimd::min(low, xsimd::min(a, b)), low);
+      high = xsimd::select(there, xsimd::max(high, xsimd::max(a, b)), high);
+    }
+    low = low - e;
+    high = high + e;
+  }
+
+  /// draw() for a thin strip: rows, or columns, of at most a few pixels each.
+  [[gnu::always_inline]] static std::uint16_t* draw_line(const TileBlock& block, const Quads& quads, int k,
+                                                         const std::uint32_t* valid_rows, std::uint16_t* to) {
+    const bool along_x = (quads.along_x >> k & 1) != 0;
+    const int v_begin = along_x ? block.x0 : block.y0, v_end = along_x ? block.x1 : block.y1;
+    const F u_begin(static_cast<float>(along_x ? block.y0 : block.x0));
+    const F u_end(static_cast<float>(along_x ? block.y1 : block.x1));
+    const float v_low = quads.v_low[k], v_high = quads.v_high[k];
+    if (!(v_high >= static_cast<float>(v_begin) && v_low <= static_cast<float>(v_end))) return to;
+    const int first_v = std::max(v_begin, static_cast<int>(std::max(v_low, 0.0F)));
+    const int last_v = std::min(v_end - 1, static_cast<int>(v_high));
+    const F u0(quads.u0[k]), v0(quads.v0[k]), slope(quads.slope[k]), reach(quads.reach[k]);
+    for (int first = first_v; first <= last_v; first += kLanes) {
+      const F v = packet::lane_numbers<P>() + F(static_cast<float>(first));
+      const F from = xsimd::max(v, F(v_low)), until = xsimd::min(v + F(1.0F), F(v_high));
+      const F a = u0 + slope * (from - v0), b = u0 + slope * (until - v0);
+      const F low = xsimd::max(xsimd::min(a, b) - reach, F(quads.u_low[k]));
+      const F high = xsimd::min(xsimd::max(a, b) + reach, F(quads.u_high[k]));
+      const F begin = xsimd::max(xsimd::floor(low), u_begin);
+      const F end = xsimd::min(xsimd::floor(high) + F(1.0F), u_end);
+      const Mask some = (v <= F(static_cast<float>(last_v))) & (from <= until) & (begin < end);
+#ifdef __AVX512BW__
+      if constexpr (kIs512<P>) {
+        if (valid_rows == nullptr) {
+          static_assert(kTile == 32);
+          const __m512i u = _mm512_maskz_cvttps_epi32(some.data, begin), vs = _mm512_cvttps_epi32(v);
+          __m512i count = _mm512_sub_epi32(_mm512_maskz_cvttps_epi32(some.data, end), u);
+          __m512i place =
+              along_x ? _mm512_add_epi32(_mm512_slli_epi32(u, 5), vs) : _mm512_add_epi32(_mm512_slli_epi32(vs, 5), u);
+          const __m512i step = _mm512_set1_epi32(along_x ? kTile : 1), one = _mm512_set1_epi32(1);
+          __mmask16 left = some.data;
+          const auto put_one = [&] {
+            _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
+                                _mm512_cvtepi32_epi16(_mm512_maskz_compress_epi32(left, place)));
+            to += std::popcount(static_cast<unsigned>(left));
+            place = _mm512_add_epi32(place, step);
+            count = _mm512_sub_epi32(count, one);
+            left = _mm512_cmpgt_epi32_mask(count, _mm512_setzero_si512());
+          };
+          // A line crosses two pixels of a row, seldom more: no branch for those.
+          put_one();
+          put_one();
+          while (left != 0) put_one();
+          continue;
+        }
+      }
+#endif
+      alignas(64) Lanes begins, ends;
+      begin.store_aligned(begins);
+      end.store_aligned(ends);
+      for (std::uint32_t bits = packet::bits_of<P>(some); bits != 0; bits &= bits - 1) {
+        const int i = std::countr_zero(bits), from_u = static_cast<int>(begins[i]), to_u = static_cast<int>(ends[i]);
+        if (along_x)
+          for (int row = from_u; row < to_u; ++row) to = put(row, first + i, first + i + 1, valid_rows, to);
+        else
+          to = put(first + i, from_u, to_u, valid_rows, to);
+      }
+    }
+    return to;
+  }
+
+  /// Makes a tile's buffer longer than `n` by a packet. Much more is reserved, which costs no memory until it
+  /// is used: tiles differ, strokes grow, and an iteration seldom goes to the heap for either.
+  template <class T>
+  static void grow(std::vector<T>& v, std::size_t n) {
+    if (v.size() >= n + 16) return;
+    if (v.capacity() < n + 16) v.reserve(16 * n + 16);
+    v.resize(n + 16);
+  }
+
+  /// The places of all runs, one run after the other: those of run r are place[begin[r]] .. place[begin[r + 1] - 1].
+  /// 16 zeros follow the last.
+  BURIN_FLATTEN static void find(std::span<const TileBlock> blocks, const TileRun* runs, const RunShapes& shapes,
+                                 std::uint32_t count, const std::uint32_t* valid_rows,
+                                 std::vector<std::uint32_t>& begin, std::vector<std::uint16_t>& place) {
+    grow(begin, count);
+    std::size_t n = 0;
+    const auto room = [&] {
+      grow(place, n + kTilePixels + 48);
+      return place.data() + n;
+    };
+    Quads quads;
+    if (blocks.size() == 1) {
+      for (std::uint32_t first = 0; first < count; first += kLanes) {
+        const int runs_here = static_cast<int>(std::min<std::uint32_t>(kLanes, count - first));
+        make(blocks[0], runs, shapes, first, runs_here, quads);
+        for (int k = 0; k < runs_here; ++k) {
+          begin[first + k] = static_cast<std::uint32_t>(n);
+          n = draw(blocks[0], quads, k, valid_rows, room()) - place.data();
+        }
+      }
+    } else {
+      for (std::uint32_t r = 0; r < count; ++r) {
+        begin[r] = static_cast<std::uint32_t>(n);
+        for (const TileBlock& block : blocks) {
+          make(block, runs, shapes, r, 1, quads);
+          n = draw(block, quads, 0, valid_rows, room()) - place.data();
+        }
+      }
+    }
+    begin[count] = static_cast<std::uint32_t>(n);
+    std::fill_n(room(), 16, std::uint16_t{0});
+  }
+
+ private:
+  static std::uint16_t* put(int row, int begin, int end, const std::uint32_t* valid_rows, std::uint16_t* to) {
+    const std::uint32_t valid = valid_rows == nullptr ? ~0U : valid_rows[row];
+    for (int c = begin; c < end; ++c)
+      if ((valid >> c & 1) != 0) *to++ = static_cast<std::uint16_t>(row * kTile + c);
+    return to;
+  }
+};
+
+}  // namespace burin

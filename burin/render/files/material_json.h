@@ -1,0 +1,14 @@
+// burin/render/files/material_json.h - the fields of `material` that board.json and bench.json share.
+// docs/file-formats.md. Include it in .cpp files only: it pulls in nlohmann-json.
+#pragma once
+
+#include "burin/render/board.h"
+#include "burin/render/files/json_file.h"
+
+namespace burin {
+
+/// alpha, depth_um, base_alpha and f0 with Material's defaults where they are left out. Throws Error for a roughness
+/// outside (0, 1], a depth that is not positive, or a reflectance outside [0, 1]. The caller calls finish().
+Material read_material(JsonObject& json);
+
+}  // namespace burin

@@ -1,0 +1,58 @@
+// burin/render/footprint/footprint_integral.h - the integral of the groove's NDF over one pixel's footprint, in closed
+// form.
+//
+//   Dhat(h) = integral of D(h, n(x)) dx dy over the footprint cut with { |x| <= w, 0 <= y <= L }        [mm^2]
+//   area    = area of that region                                                                       [mm^2]
+//
+// Frame: scratch (origin at its first end, y along it, x across it), mm. h is in the scratch frame.
+// Source: Shen et al. 2023, Eqns. 2, 6-10 and supplement 1.2, 2; the stable form is docs/model.md 4.
+#pragma once
+
+#include <array>
+
+#include <Eigen/Core>
+
+namespace burin {
+
+/// One scratch as the integral sees it.
+struct GrooveSegment {
+  double width_um = 0;  ///< w-tilde
+  double depth_um = 0;  ///< d
+  double alpha = 0;     ///< GGX roughness, 0 < alpha <= 1
+  double length_mm = 0;
+};
+
+/// A pixel's footprint: four corners in the scratch frame, mm, in order (either orientation). Convex, or degenerate.
+using Quad = std::array<Eigen::Vector2d, 4>;
+
+/// Value and area, positive for either orientation of the quad. Never NaN for finite input; backfacing parts of the
+/// groove (n.h <= 0) count as D = 0. `h_scratch` need not be of unit length: the value is that for h / |h|.
+struct FootprintValue {
+  double Dhat_mm2 = 0;
+  double area_mm2 = 0;
+};
+
+/// Derivatives of both. d_half is that of D as a function of n.h alone with hx, hy, hz taken as free, so its second
+/// component is 0 (see ../shared/ndf-cases.md); only its part tangential to h means anything.
+struct FootprintGradient {
+  FootprintValue value;
+  Eigen::Vector3d dDhat_dhalf{0, 0, 0};
+  double dDhat_dalpha = 0;
+  double dDhat_dwidth_um = 0, darea_dwidth_um = 0;  ///< w moves with the width
+  double dDhat_ddepth_um = 0, darea_ddepth_um = 0;
+  double dDhat_dlength_mm = 0, darea_dlength_mm = 0;  ///< the second end moves, the first stays
+  std::array<Eigen::Vector2d, 4> dDhat_dcorner;       ///< per mm
+  std::array<Eigen::Vector2d, 4> darea_dcorner;
+};
+
+/// In double: the oracle.
+FootprintValue footprint_integral(const GrooveSegment& groove, const Quad& corners_mm,
+                                  const Eigen::Vector3d& h_scratch);
+FootprintGradient footprint_integral_gradient(const GrooveSegment& groove, const Quad& corners_mm,
+                                              const Eigen::Vector3d& h_scratch);
+
+/// The same core in float.
+FootprintValue footprint_integral_float(const GrooveSegment& groove, const Quad& corners_mm,
+                                        const Eigen::Vector3d& h_scratch);
+
+}  // namespace burin

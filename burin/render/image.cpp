@@ -1,0 +1,192 @@
+#include "burin/render/image.h"
+
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower_extension(const fs::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+/// OpenImageIO's messages may run over several lines; ours are one sentence.
+std::string one_line(std::string message) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  return message;
+}
+
+/// libjpeg fills a file that was cut short with gray and only warns. The end marker stands behind the last scan: within
+/// a scan neither marker can occur.
+bool jpeg_is_whole(const fs::path& file) {
+  const std::string bytes = read_text(file);
+  const std::size_t end = bytes.rfind("\xFF\xD9"), scan = bytes.rfind("\xFF\xDA");
+  return end != std::string::npos && (scan == std::string::npos || end > scan);
+}
+
+/// One destination sample as a weighted run of source samples.
+struct Tap {
+  int first = 0;
+  std::vector<float> weights;
+};
+
+/// Down: every source sample counts by how much of the destination's span it covers. Up: linear between centers.
+std::vector<Tap> taps(int source, int destination) {
+  std::vector<Tap> list(destination);
+  const double scale = static_cast<double>(source) / destination;
+  for (int i = 0; i < destination; ++i) {
+    Tap& tap = list[i];
+    if (scale >= 1) {
+      const double begin = i * scale, end = std::min<double>(source, (i + 1) * scale);
+      tap.first = static_cast<int>(begin);
+      for (int s = tap.first; s < end; ++s) {
+        const double covered = std::min<double>(end, s + 1) - std::max<double>(begin, s);
+        if (covered > 1e-9 || tap.weights.empty()) tap.weights.push_back(static_cast<float>(covered / (end - begin)));
+      }
+    } else {
+      const double at = std::clamp((i + 0.5) * scale - 0.5, 0.0, source - 1.0);
+      tap.first = std::min(static_cast<int>(at), std::max(0, source - 2));
+      const auto t = static_cast<float>(at - tap.first);
+      tap.weights = source > 1 ? std::vector<float>{1 - t, t} : std::vector<float>{1};
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+Image read_picture(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!fs::exists(file, error)) fail(file.string(), "does not exist", "check the path of the picture");
+  if (fs::is_directory(file, error)) fail(file.string(), "is a folder", "name a picture");
+  const std::string remedy = "use a PNG, TIFF, JPEG or EXR picture that other programs open";
+
+  // Colors as stored, not multiplied by alpha in 8 bits behind our back.
+  OIIO::ImageSpec config;
+  config["oiio:UnassociatedAlpha"] = 1;
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &config);
+  if (!input) fail(file.string(), "is not a picture that can be read: " + one_line(OIIO::geterror()), remedy);
+  const OIIO::ImageSpec spec = input->spec();
+  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep ||
+      spec.image_pixels() > 1'000'000'000ULL)
+    fail(file.string(), "is not a flat picture of usable size", remedy);
+
+  OIIO::ImageBuf buffer(OIIO::ImageSpec(spec.width, spec.height, spec.nchannels, OIIO::TypeDesc::FLOAT));
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, buffer.localpixels()))
+    fail(file.string(), "is broken: " + one_line(input->geterror()), remedy);
+  if (std::string_view(input->format_name()) == "jpeg" && !jpeg_is_whole(file))
+    fail(file.string(), "is cut short", "copy it again from where it came from");
+  const int orientation = spec.get_int_attribute("Orientation", 1);
+  if (orientation != 1) {
+    buffer.specmod().attribute("Orientation", orientation);
+    buffer = OIIO::ImageBufAlgo::reorient(buffer);
+  }
+
+  const int width = buffer.spec().width, height = buffer.spec().height, stored = spec.nchannels;
+  const int alpha = spec.alpha_channel >= 0 ? spec.alpha_channel : (stored == 2 || stored == 4 ? stored - 1 : -1);
+  const bool unassociated = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
+  Image image(width, height, stored >= 3 ? 3 : 1);
+  const auto* pixels = static_cast<const float*>(buffer.localpixels());
+  for (std::size_t i = 0; i < static_cast<std::size_t>(width) * height; ++i, pixels += stored) {
+    for (int c = 0; c < image.channels; ++c) {
+      float value = pixels[c];
+      if (alpha >= 0 && alpha != c) value = (unassociated ? value * pixels[alpha] : value) + (1 - pixels[alpha]);
+      if (!std::isfinite(value)) fail(file.string(), "has pixels that are not numbers", "export the picture again");
+      image.data[i * image.channels + c] = value;
+    }
+  }
+  return image;
+}
+
+void write_picture(const Image& image, const std::filesystem::path& file, int png_bits) {
+  if (image.width < 1 || image.height < 1 || image.channels < 1 ||
+      image.data.size() != static_cast<std::size_t>(image.width) * image.height * image.channels)
+    fail(file.string(), "the picture to be written is empty", "this is a fault of the calculation before");
+  const std::string extension = lower_extension(file);
+  OIIO::TypeDesc type = OIIO::TypeDesc::UINT8;
+  if (extension == ".png") {
+    if (png_bits == 16) type = OIIO::TypeDesc::UINT16;
+  } else if (extension == ".exr" || extension == ".tif" || extension == ".tiff") {
+    type = OIIO::TypeDesc::FLOAT;
+  } else if (extension != ".jpg" && extension != ".jpeg") {
+    fail(file.string(), "unknown kind of picture \"" + extension + "\"", "use .png, .jpg, .exr or .tif");
+  }
+
+  std::vector<float> clamped;
+  const float* pixels = image.data.data();
+  if (type != OIIO::TypeDesc::FLOAT) {
+    clamped.resize(image.data.size());
+    std::transform(image.data.begin(), image.data.end(), clamped.begin(),
+                   [](float v) { return v > 0 ? std::min(v, 1.0f) : 0.0f; });  // NaN becomes 0 too
+    pixels = clamped.data();
+  }
+  write_atomically(file, [&](const fs::path& temporary) {
+    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
+    if (!output)
+      fail(file.string(), "cannot be written: " + one_line(OIIO::geterror()), "use .png, .jpg, .exr or .tif");
+    OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
+    if (type != OIIO::TypeDesc::FLOAT) spec.attribute("oiio:ColorSpace", "sRGB");
+    if (extension == ".jpg" || extension == ".jpeg") spec.attribute("Compression", "jpeg:95");
+    if (!output->open(temporary.string(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, pixels) ||
+        !output->close())
+      fail(file.string(), "cannot be written: " + one_line(output->geterror()),
+           "check the folder and the disk's free space");
+  });
+}
+
+Image luminance(const Image& image) {
+  Image out(image.width, image.height, 1);
+  const std::size_t count = out.data.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* p = &image.data[i * image.channels];
+    out.data[i] = image.channels >= 3 ? 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2] : p[0];
+  }
+  return out;
+}
+
+Image resized(const Image& image, int width, int height) {
+  if (width < 1 || height < 1 || image.width < 1 || image.height < 1)
+    fail("picture", "cannot be resized from or to an empty picture", "ask for a width and height of at least 1");
+  const int channels = image.channels;
+  const std::vector<Tap> columns = taps(image.width, width), rows = taps(image.height, height);
+  Image narrow(width, image.height, channels);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < channels; ++c) {
+        float sum = 0;
+        for (std::size_t k = 0; k < columns[x].weights.size(); ++k)
+          sum += columns[x].weights[k] * image.at(columns[x].first + static_cast<int>(k), y, c);
+        narrow.at(x, y, c) = sum;
+      }
+  Image out(width, height, channels);
+  for (int y = 0; y < height; ++y)
+    for (std::size_t k = 0; k < rows[y].weights.size(); ++k) {
+      const float* from =
+          &narrow.data[static_cast<std::size_t>(rows[y].first + static_cast<int>(k)) * width * channels];
+      float* to = &out.data[static_cast<std::size_t>(y) * width * channels];
+      for (int i = 0; i < width * channels; ++i) to[i] += rows[y].weights[k] * from[i];
+    }
+  return out;
+}
+
+float srgb_to_linear(float v) { return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f); }
+
+float linear_to_srgb(float v) { return v <= 0.0031308f ? v * 12.92f : 1.055f * std::pow(v, 1 / 2.4f) - 0.055f; }
+
+}  // namespace burin

@@ -1,0 +1,54 @@
+// burin/render/pixel_shading.h - what of docs/model.md 5 belongs to a pixel alone, before any scratch is known.
+// Frame: board, mm. Directions are unit vectors at the footprint's center.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+
+namespace burin {
+
+/// The rotation that takes the face's normal to z by the shortest way. In the frame it leads to (`face`), grooves lie
+/// as they do on a flat board, so a scratch's direction in board xy serves a bowed or bent face too.
+inline Eigen::Matrix3d R_face_board(const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d m = normal + Eigen::Vector3d::UnitZ();
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity() - m * m.transpose() / (1 + normal.z());
+  R.row(2) += 2 * normal.transpose();
+  return R;
+}
+
+/// radiance_c = F_c(cos_ho) intensity_c direct [ sum Dhat G / area + (1 - covered) base ] + ambient_c F0_c
+struct PixelShading {
+  bool visible = false;  ///< the camera is above the face here
+  bool lit = false;      ///< and the lamp too, and its beam reaches here; else direct and base are 0
+  Eigen::Vector3d wi{0, 0, 1}, wo{0, 0, 1}, h{0, 0, 1};
+  Eigen::Vector3d h_face{0, 0, 1};  ///< h in the frame of R_face_board
+  double distance_i_mm = 1, distance_o_mm = 1;
+  double cos_i = 0, cos_o = 0, cos_ho = 0;  ///< n.wi, n.wo, h.wo; n.h is h_face.z()
+  double spot = 1;                          ///< max(0, axis . (-wi))^exponent
+  double direct = 0;                        ///< spot / (4 cos_o distance_i^2), 1 / mm^2
+  double base = 0;                          ///< D(h, z; base_alpha) G(wi, wo; base_alpha)
+};
+
+/// A lamp or a camera on or behind the face gives visible or lit = false, never a NaN.
+PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d& normal,
+                         const Eigen::Vector3d& camera_center_mm, const Light& light, double base_alpha);
+
+/// Smith's G(wi, wo; alpha) of docs/model.md 5 with its derivatives. Both cosines above 0.
+struct Shadowing {
+  double G = 0, dG_dalpha = 0, dG_dcos_i = 0, dG_dcos_o = 0;
+};
+Shadowing shadowing(double cos_i, double cos_o, double alpha);
+
+/// D(h, z; base_alpha) of the plain face with its derivatives. cos_h above 0.
+struct BaseLobe {
+  double D = 0, dD_dalpha = 0, dD_dcos_h = 0;
+};
+BaseLobe base_lobe(double cos_h, double alpha);
+
+/// Throws Error for a lamp, material or camera with values that are not numbers or out of range.
+void check_scene_values(const Eigen::Vector3d& camera_center_mm, const Light& light, const Material& material,
+                        double tool_width_um, const Eigen::Vector3d& ambient);
+
+}  // namespace burin

@@ -1,0 +1,42 @@
+// burin/render/scratches.h - the scratches of a board: two end points each, in carving order.
+// Frame: board, mm. docs/file-formats.md, `scratches.csv`.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace burin {
+
+/// Flat arrays, one entry a scratch. `width_um`, `depth_um` and `alpha` are empty where all scratches share the
+/// tool's width and the material's depth and alpha; otherwise they have size() entries.
+struct Scratches {
+  std::vector<double> x0_mm, y0_mm, x1_mm, y1_mm;
+  std::vector<double> width_um, depth_um, alpha;
+  /// 1 for what is in the metal already, where it lies; 0 for what is still to be carved. Empty: nothing is carved.
+  std::vector<double> carved = {};
+
+  std::size_t size() const { return x0_mm.size(); }
+  bool is_carved(std::size_t i) const { return !carved.empty() && carved[i] != 0; }
+};
+
+/// Reads `scratches.csv`. Throws Error naming the line for a missing column, a value that is not a finite number,
+/// a scratch shorter than a nanometre, a width, depth or alpha that is not positive, or a `carved` that is not 0 or 1.
+Scratches read_scratches(const std::filesystem::path& file);
+
+/// Writes `scratches.csv` atomically, with 1e-5 mm.
+void write_scratches(const Scratches& scratches, const std::filesystem::path& file);
+
+/// These rows, in this order, with all their columns.
+Scratches selected(const Scratches& scratches, std::span<const std::size_t> rows);
+
+/// One after the other. Where only one has a column of its own, the other's rows take the shared number given here.
+Scratches joined(const Scratches& first, const Scratches& second, double width_um, double depth_um, double alpha);
+
+/// The scratches as a machine carves them: affine (2x3, mm) applied to both ends.
+Scratches transformed(const Scratches& scratches, const Eigen::Matrix<double, 2, 3>& affine);
+
+}  // namespace burin

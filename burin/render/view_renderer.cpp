@@ -1,0 +1,147 @@
+#include "burin/render/view_renderer.h"
+
+#include <string>
+#include <utility>
+
+#include "burin/render/board_mesh.h"
+#include "burin/render/error.h"
+#include "burin/render/exact/exact_view.h"
+#include "burin/render/fast/fast_view.h"
+#include "burin/render/fast/pairs.h"
+
+namespace burin {
+
+void ScratchGradients::resize(std::size_t scratch_count) {
+  for (std::vector<double>* v : {&x0_mm, &y0_mm, &x1_mm, &y1_mm, &width_um, &depth_um, &alpha})
+    v->assign(scratch_count, 0);
+  shared_width_um = shared_depth_um = shared_alpha = shared_base_alpha = 0;
+}
+
+struct ViewRenderer::State {
+  RenderOptions options;
+  int width = 0, height = 0;
+  double tool_width_um = 0, depth_um = 0;  // shared
+  std::size_t scratch_count = 0;
+
+  std::unique_ptr<FastView> fast;
+  struct Exact {
+    ViewScene scene;
+    PixelIndex index;
+    ViewPixels pixels;
+    ExactView view;
+
+    Exact(ViewScene s, int channels)
+        : scene(std::move(s)), index(*scene.grid), pixels(view_pixels(scene, channels)), view(scene, pixels) {}
+  };
+  std::unique_ptr<Exact> exact;
+
+  State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderRoom> room) : options(o) {
+    check_view(scene, options.channels);
+    width = scene.grid->width();
+    height = scene.grid->height();
+    tool_width_um = scene.tool_width_um;
+    depth_um = scene.material.depth_um;
+    if (options.use_double)
+      exact = std::make_unique<Exact>(std::move(scene), options.channels);
+    else  // which keeps what it needs of the scene, in float
+      fast = std::make_unique<FastView>(scene, options.channels, options.material_gradients, options.simd,
+                                        room != nullptr ? std::move(room) : make_render_room());
+  }
+
+  void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
+    check_scratches(scratches);
+    scratch_count = scratches.size();
+    if (fast) {
+      const KernelMode with = options.material_gradients ? KernelMode::material : KernelMode::ends;
+      fast->forward(scratches, keep_jacobian ? with : KernelMode::value, radiance);
+      return;
+    }
+    const std::vector<Strip> strips = strips_of(scratches, tool_width_um, depth_um);
+    exact->view.forward(scratches, find_pairs(exact->index, width, height, strips), keep_jacobian, radiance);
+  }
+};
+
+ViewRenderer::ViewRenderer(ViewScene scene, RenderOptions options, std::shared_ptr<RenderRoom> room)
+    : state_(std::make_unique<State>(std::move(scene), options, std::move(room))) {}
+ViewRenderer::~ViewRenderer() = default;
+ViewRenderer::ViewRenderer(ViewRenderer&&) noexcept = default;
+ViewRenderer& ViewRenderer::operator=(ViewRenderer&&) noexcept = default;
+
+int ViewRenderer::width() const { return state_->width; }
+int ViewRenderer::height() const { return state_->height; }
+
+void ViewRenderer::forward(const Scratches& scratches, Image& radiance) { state_->forward(scratches, false, radiance); }
+
+void ViewRenderer::forward_with_jacobian(const Scratches& scratches, Image& radiance) {
+  state_->forward(scratches, true, radiance);
+}
+
+void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
+  if (dE_dradiance.width != width() || dE_dradiance.height != height() ||
+      dE_dradiance.channels != state_->options.channels)
+    fail("ViewRenderer::backward", "dE/dradiance has another size than the view",
+         "give " + std::to_string(width()) + " x " + std::to_string(height()) + " x " +
+             std::to_string(state_->options.channels));
+  if (gradients.x0_mm.size() != state_->scratch_count)
+    fail("ViewRenderer::backward", "the gradients are for " + std::to_string(gradients.x0_mm.size()) + " scratches",
+         "resize() them to the " + std::to_string(state_->scratch_count) + " of the last forward_with_jacobian()");
+  if (state_->fast)
+    state_->fast->backward(dE_dradiance, gradients);
+  else
+    state_->exact->view.backward(dE_dradiance, gradients);
+}
+
+void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
+  if (contribution.size() != state_->scratch_count)
+    fail("ViewRenderer::add_contributions", "there are " + std::to_string(contribution.size()) + " numbers",
+         "give one for each of the " + std::to_string(state_->scratch_count) + " scratches of the last forward()");
+  if (state_->fast)
+    state_->fast->add_contributions(contribution);
+  else
+    state_->exact->view.add_contributions(contribution);
+}
+
+std::size_t ViewRenderer::pair_count() const {
+  return state_->fast ? state_->fast->pair_count() : state_->exact->view.pair_count();
+}
+
+CameraView make_camera_view(const Bench& bench, const Board& board, const View& view, const PixelWindow& window) {
+  return {bench.lens, view.T_camera_board, Surface{board.size_mm, bench.bow_mm}, window};
+}
+
+ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& camera, const Light& light) {
+  ViewScene scene;
+  if (board.mesh.empty()) {
+    scene.grid = share(camera_grid(camera.lens, camera.T_camera_board, camera.surface, camera.window));
+  } else {
+    const BoardMesh mesh(read_obj(board.mesh), board.size_mm, board.mesh.string());
+    scene.grid = share(camera_grid(camera.lens, camera.T_camera_board, mesh, camera.window));
+    scene.hidden_from_light = hidden_pixels(*scene.grid, mesh, light.position_mm);
+  }
+  scene.camera_center_mm = camera.T_camera_board.inverse().translation();
+  scene.light = light;
+  scene.material = bench.material;
+  scene.tool_width_um = board.tool_width_um;
+  scene.ambient = bench.ambient;
+  return scene;
+}
+
+Image render_brute_force(const ViewScene& scene, const Scratches& scratches, int channels) {
+  check_scratches(scratches);
+  const ViewPixels pixels = view_pixels(scene, channels);
+  PixelPairs all;
+  all.begin.push_back(0);
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    if (pixels.area_mm2[i] > 0)
+      for (std::size_t s = 0; s < scratches.size(); ++s)
+        if (scratches.x0_mm[s] != scratches.x1_mm[s] || scratches.y0_mm[s] != scratches.y1_mm[s])
+          all.scratch.push_back(static_cast<std::uint32_t>(s));
+    all.begin.push_back(all.scratch.size());
+  }
+  ExactView exact(scene, pixels);
+  Image radiance;
+  exact.forward(scratches, std::move(all), false, radiance);
+  return radiance;
+}
+
+}  // namespace burin

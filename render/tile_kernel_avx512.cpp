@@ -1,8 +1,0 @@
-#include "render/tile_kernel_impl.h"
-
-namespace burin {
-
-extern const TileKernels tile_kernels_avx512;
-const TileKernels tile_kernels_avx512 = TileKernel<xsimd::batch<float, xsimd::avx512bw>>::kernels();
-
-}  // namespace burin

@@ -1,8 +1,0 @@
-#include "render/tile_kernel_impl.h"
-
-namespace burin {
-
-extern const TileKernels tile_kernels_generic;
-const TileKernels tile_kernels_generic = TileKernel<xsimd::batch<float>>::kernels();
-
-}  // namespace burin
