@@ -13,6 +13,7 @@
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
@@ -100,8 +101,7 @@ void run(const Options& o) {
     options.machine = options.carve_machine.limits;
   }
   for (const std::filesystem::path& file : o.carved) {
-    Scratches carved = transformed(read_scratches(file), bench.machine_affine);
-    carved.carved.clear();
+    const Scratches carved = carve(Sent(read_scratches(file)), bench, board).scratches;
     options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
   make_output_folder(o.out);

@@ -189,15 +189,15 @@ void add_plan_command(CLI::App& burin) {
       }
     }
     const std::filesystem::path file = options->scratches.empty() ? board.scratches : options->scratches;
-    Scratches designed;
+    Sent sent;
     if (!file.empty() && (!options->scratches.empty() || std::filesystem::exists(file))) {
-      designed = read_scratches(file);
+      sent = Sent(read_scratches(file));
     } else {
-      designed = test_strokes(board);
-      note(fmt::format("no scratches yet: planned with {} test strokes in all directions", designed.size()));
+      sent = test_strokes(board);
+      note(fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size()));
     }
     ProgressBar bar;
-    const Plan plan = plan_shots(board, bench, designed, plan_options, bar.progress());
+    const Plan plan = plan_shots(board, bench, sent, plan_options, bar.progress());
     bar.clear();
     print_plan(plan, board);
     const std::string next = "take these photos, then burin capture PHOTOS_DIR --board " + options->board.string();

@@ -79,7 +79,7 @@ void print_result(const Refinement& r, const Board& board) {
                100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
   fmt::print(
       "         1 is a perfect model; beyond noise it misses {:.1f} % of a pixel's light; crossing scratches: {}\n",
-      100 * r.model_error, r.overlap == Overlap::last ? "the last one carved is seen" : "their light adds");
+      100 * r.model_error, r.bench.crossings == Crossings::last ? "the last one carved is seen" : "their light adds");
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ void print_result(const Refinement& r, const Board& board) {
 void add_refine_command(CLI::App& burin) {
   struct Options {
     std::filesystem::path session, bench;
-    Overlap overlap = Overlap::automatic;
+    std::string crossings = "auto";
     bool keep_lamp = false;
     std::string hold_out;
     double pixel_mm = RefineOptions{}.finest_pixel_mm;
@@ -98,12 +98,10 @@ void add_refine_command(CLI::App& burin) {
   command->add_option("SESSION.json", options->session, "The session that was calibrated")->required();
   command->add_option("--bench", options->bench, "The bench.json that burin calibrate wrote; it is completed")
       ->required();
-  const std::map<std::string, Overlap> overlaps{
-      {"auto", Overlap::automatic}, {"add", Overlap::add}, {"last", Overlap::last}};
   command
-      ->add_option("--crossings", options->overlap,
+      ->add_option("--crossings", options->crossings,
                    "Where scratches cross: their light adds, the last one is seen, or whichever fits (auto)")
-      ->transform(CLI::CheckedTransformer(overlaps));
+      ->check(CLI::IsMember({"auto", "add", "last"}));
   command->add_flag("--keep-lamp", options->keep_lamp, "Believe the lamp positions of bench.json");
   const auto* hold_out =
       command
@@ -124,15 +122,15 @@ void add_refine_command(CLI::App& burin) {
     if (board.scratches.empty())
       fail(session.board.string(), "it names no scratches",
            "give the designed scratches as \"scratches\": \"FILE.csv\"");
-    const Scratches designed = read_scratches(board.scratches);
+    const Sent sent(read_scratches(board.scratches));
     RefineOptions o;
-    o.overlap = options->overlap;
+    if (options->crossings != "auto") o.crossings = options->crossings == "last" ? Crossings::last : Crossings::add;
     o.fit_lamp = !options->keep_lamp;
     o.finest_pixel_mm = options->pixel_mm;
     ProgressBar bar;
     bar.progress()("reading photos", 0);
     const std::vector<MergedView> merged = photos_for_refine(session, board, measured);
-    const Refinement result = refine(merged, board, designed, measured, o, bar.progress());
+    const Refinement result = refine(merged, board, sent, measured, o, bar.progress());
     write_bench(result.bench, board.tool_width_um, options->bench);
     HoldOutFile held;
     if (hold_out->count() > 0) {
@@ -142,7 +140,7 @@ void add_refine_command(CLI::App& burin) {
       const auto folds = hold_out_folds(options->hold_out.empty() ? "0.25" : options->hold_out, views, kFewestLeft);
       const std::filesystem::path folder = options->bench.parent_path();
       held = read_hold_out(folder);
-      held.pixels = hold_out_pixels(result, merged, board, designed, measured, folds, o, bar.progress());
+      held.pixels = hold_out_pixels(result, merged, board, sent, measured, folds, o, bar.progress());
       write_hold_out(held, folder);
     }
     bar.clear();

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "burin/render/bench.h"
+#include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/image.h"
@@ -22,7 +23,7 @@ struct Options {
   std::filesystem::path board, bench, scratches, out;
   std::string view, light;
   double exposure = 0;
-  bool as_carved = false;
+  bool as_sent = false;
 };
 
 bool is_float_format(const std::filesystem::path& file) {
@@ -48,8 +49,8 @@ void run(const Options& o) {
   if (!o.scratches.empty()) board.scratches = o.scratches;
   if (board.scratches.empty())
     fail(o.board.string(), "names no scratches", "name some in \"scratches\", or give --scratches FILE.csv");
-  Scratches scratches = read_scratches(board.scratches);
-  if (o.as_carved) scratches = as_carved(scratches, bench, board.size_mm);
+  const Scratches rows = read_scratches(board.scratches);
+  const Carved carved = o.as_sent ? carve(Sent(rows), bench, board) : carve(Designed(rows), bench, board);
   const View& view = find_view(bench, o.view, "--view");
   const Light& light = o.light.empty() ? bench.lights.front() : find_light(bench, o.light, "--light");
 
@@ -58,7 +59,7 @@ void run(const Options& o) {
   const CameraView camera = make_camera_view(bench, board, view, {0, 0, bench.lens.width, bench.lens.height});
   ViewRenderer renderer(make_scene(bench, board, camera, light), {3});
   Image image;
-  renderer.forward(scratches, image);
+  renderer.forward(carved, image);
   const double exposure = o.exposure > 0 ? o.exposure : is_float_format(o.out) ? 1 : automatic_exposure(image);
   for (float& v : image.data) {
     v *= static_cast<float>(exposure);
@@ -67,7 +68,7 @@ void run(const Options& o) {
   write_picture(image, o.out);
   bar.clear();
   fmt::print("Wrote {}: view {} under {}, {} scratches, {} x {} pixels, exposure {:.6g}.\n", o.out.string(), view.name,
-             light.id, scratches.size(), image.width, image.height, exposure);
+             light.id, rows.size(), image.width, image.height, exposure);
 }
 
 }  // namespace
@@ -83,8 +84,9 @@ void add_render_command(CLI::App& burin) {
   c->add_option("--exposure", o->exposure,
                 "Times the radiance (default: 1 for .exr and .tif, which stay linear; else the brightest half per cent "
                 "is white)");
-  c->add_flag("--as-carved", o->as_carved,
-              "Through the bench's machine: where the carved scratches lie without compensation");
+  c->add_flag("--as-carved", o->as_sent,
+              "The scratches are what the machine was told (a loop's sent.csv): shows where the bench's machine put "
+              "them. Without it they are where grooves are wanted, as a tool path compensates the machine");
   c->add_option("--out", o->out, "Picture to write: .exr or .tif linear, .png or .jpg as sRGB")->required();
   c->footer(example("burin render board.json --bench bench.json --view v00 --out v00.exr"));
   c->callback([o] { run(*o); });

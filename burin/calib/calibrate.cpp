@@ -118,7 +118,7 @@ double median_tag_side_px(const std::vector<TagsInPhoto>& pictures) {
 
 // The lamps from the pictures that are left, and which of those were lit otherwise than the rest.
 void find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibration& out) {
-  const Scratches designed = board.scratches.empty() ? Scratches{} : read_scratches(board.scratches);
+  const Sent sent(board.scratches.empty() ? Scratches{} : read_scratches(board.scratches));
   std::vector<std::string> notes;
   Bench named = out.bench;  // with its lights
   // Views without a pose have been told.
@@ -126,7 +126,7 @@ void find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibratio
     return std::none_of(named.views.begin(), named.views.end(), [&](const View& v) { return v.name == m.view; });
   });
   const std::vector<LightView> views = make_light_views(merged, board, named, notes);
-  std::vector<LightSample> samples = gather_light_samples(views, board, named, designed);
+  std::vector<LightSample> samples = gather_light_samples(views, board, named, sent);
   for (const LampGroup& group : photos_of_another_lamp(samples, named)) {
     std::set<std::size_t> left_out(group.light_views.begin(), group.light_views.end());
     std::set<std::string> names;

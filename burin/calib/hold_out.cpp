@@ -191,7 +191,7 @@ HeldOutCorners hold_out_corners(const BoardSolution& solution, const Board& boar
 }
 
 std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const MergedView> photos, const Board& board,
-                                     const Scratches& designed, const RefineOptions& options) {
+                                     const Sent& sent, const RefineOptions& options) {
   Bench bench = refined.bench;
   std::vector<std::string> findings;
   const std::vector<LightView> views = make_light_views(photos, board, bench, findings);
@@ -200,11 +200,11 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
          "hold out others, so that this lamp is measured");
   Problem data;
   data.model.board = &board;
-  data.model.designed = &designed;
+  data.model.sent = &sent;
   data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
   data.model.f0 = board.material.f0.mean();
   data.model.alpha_field = bench.alpha_field.terms;
-  data.model.last_carved_rules = refined.overlap == Overlap::last;
+  data.model.crossings = refined.bench.crossings;
   data.model.alpha_jitter = refined.alpha_jitter;
   data.model.depth_jitter = refined.depth_jitter;
   for (const Light& light : bench.lights) data.is_spot.push_back(light.falloff_exponent > 0);
@@ -217,7 +217,7 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
   const int bin = size > 0 ? std::max(1, static_cast<int>(std::ceil(options.finest_pixel_mm / size - 1e-9))) : 1;
   data.photos = photos_at(views, bin, board, bench, bench.sensor.psf_sigma_px / merged_bin);
   correct_binning(data, views, board, bench, state);
-  const Scratches carved = carved_scratches(data.model, state.of(0));
+  const Carved carved = carved_at(data.model, state.of(0));
   std::vector<PhotoFit> out;
   for (std::size_t k = 0; k < data.photos.size(); ++k) {
     // Outliers are counted with the model error that the fit's own photos showed.
@@ -235,7 +235,7 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
 }
 
 std::vector<HeldOutPhoto> hold_out_pixels(const Refinement& refined, std::span<const MergedView> photos,
-                                          const Board& board, const Scratches& designed, const Bench& measured,
+                                          const Board& board, const Sent& sent, const Bench& measured,
                                           const std::vector<std::vector<std::string>>& folds,
                                           const RefineOptions& options, const Progress& progress) {
   std::vector<HeldOutPhoto> out;
@@ -243,10 +243,10 @@ std::vector<HeldOutPhoto> hold_out_pixels(const Refinement& refined, std::span<c
     const std::set<std::string> names(fold.begin(), fold.end());
     std::vector<MergedView> used, held;
     for (const MergedView& photo : photos) (names.count(photo.view) ? held : used).push_back(photo);
-    const Refinement without = refine(used, board, designed, measured, options, progress);
+    const Refinement without = refine(used, board, sent, measured, options, progress);
     // The photo as used and as held out are judged alike: nothing fitted, the same resolution.
-    const std::vector<PhotoFit> fits = predict_photos(refined, held, board, designed, options);
-    const std::vector<PhotoFit> predictions = predict_photos(without, held, board, designed, options);
+    const std::vector<PhotoFit> fits = predict_photos(refined, held, board, sent, options);
+    const std::vector<PhotoFit> predictions = predict_photos(without, held, board, sent, options);
     for (const PhotoFit& prediction : predictions)
       for (const PhotoFit& fit : fits)
         if (fit.view == prediction.view && fit.light == prediction.light) out.push_back({fit, prediction});

@@ -14,8 +14,8 @@
 #include "burin/calib/refine.h"
 #include "burin/capture/photo.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/progress.h"
-#include "burin/render/scratches.h"
 
 namespace burin {
 
@@ -58,12 +58,12 @@ struct HeldOutPhoto {
 
 /// Fits once more for each fold. `refined` is refine() of all `photos`, from the same `measured` bench.
 std::vector<HeldOutPhoto> hold_out_pixels(const Refinement& refined, std::span<const MergedView> photos,
-                                          const Board& board, const Scratches& designed, const Bench& measured,
+                                          const Board& board, const Sent& sent, const Bench& measured,
                                           const std::vector<std::vector<std::string>>& folds,
                                           const RefineOptions& options = {}, const Progress& progress = {});
 
 /// How a refined bench predicts photos, used or not: poses from `refined.bench`, nothing is fitted.
 std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const MergedView> photos, const Board& board,
-                                     const Scratches& designed, const RefineOptions& options = {});
+                                     const Sent& sent, const RefineOptions& options = {});
 
 }  // namespace burin

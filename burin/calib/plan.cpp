@@ -168,7 +168,7 @@ std::vector<double> bracket_stops(const PredictedLight& light) {
 
 }  // namespace
 
-Scratches test_strokes(const Board& board) {
+Sent test_strokes(const Board& board) {
   std::mt19937_64 random(1);
   const auto uniform = [&] { return std::generate_canonical<double, 53>(random); };
   const Eigen::Vector2d size = board.carve_max_mm - board.carve_min_mm;
@@ -188,18 +188,17 @@ Scratches test_strokes(const Board& board) {
     out.x1_mm.push_back(b.x());
     out.y1_mm.push_back(b.y());
   }
-  return out;
+  return Sent(std::move(out));
 }
 
-Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& designed, const PlanOptions& options,
+Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options,
                 const Progress& progress) {
   if (options.shots < 1) fail("the plan", "asks for no shots", "ask for at least one");
   if (board.tags.list.size() < 3)
     fail("board.json: tags.list", "has " + std::to_string(board.tags.list.size()) + " tags",
          "list at least three, better ten around the carved area");
   if (nominal.lights.empty()) fail("the bench", "has no lamp", "say where it is to stand, about");
-  if (designed.size() == 0)
-    fail("scratches", "there is none", "name the designed scratches, or plan with test strokes");
+  if (sent.size() == 0) fail("scratches", "there is none", "name the designed scratches, or plan with test strokes");
 
   Plan out;
   out.bench = nominal;
@@ -229,7 +228,7 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& desig
 
   Problem data;
   data.model.board = &board;
-  data.model.designed = &designed;
+  data.model.sent = &sent;
   data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
   data.model.f0 = board.material.f0.mean();
   data.model.alpha_field = bench.alpha_field.terms;

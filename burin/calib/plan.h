@@ -15,8 +15,8 @@
 #include "burin/calib/verdict/candidate_photo.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/progress.h"
-#include "burin/render/scratches.h"
 
 namespace burin {
 
@@ -59,10 +59,10 @@ struct Plan {
 /// Plans for `nominal`: its lens, its lamps (each shot is taken under one of them; several are places that the lamp can
 /// be put at), its material. Throws Error for a board without tags, a bench without lamps, no scratches, or fewer than
 /// one shot.
-Plan plan_shots(const Board& board, const Bench& nominal, const Scratches& designed, const PlanOptions& options = {},
+Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options = {},
                 const Progress& progress = {});
 
 /// Strokes in all directions over the carve area, for planning before there is a design.
-Scratches test_strokes(const Board& board);
+Sent test_strokes(const Board& board);
 
 }  // namespace burin

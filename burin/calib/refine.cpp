@@ -18,9 +18,9 @@
 
 namespace burin {
 
-Refinement refine(std::span<const MergedView> merged, const Board& board, const Scratches& designed,
-                  const Bench& measured, const RefineOptions& options, const Progress& progress) {
-  if (designed.size() == 0)
+Refinement refine(std::span<const MergedView> merged, const Board& board, const Sent& sent, const Bench& measured,
+                  const RefineOptions& options, const Progress& progress) {
+  if (sent.size() == 0)
     fail("scratches", "there is no scratch to refine against", "name the designed scratches in board.json");
   Refinement out;
   out.bench = measured;
@@ -29,13 +29,13 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
     fail("session", "no photo has both a camera pose and the board in it", "run burin calibrate on this session first");
 
   if (progress) progress("finding the lamp", 0);
-  const std::vector<LightSample> samples = gather_light_samples(views, board, out.bench, designed);
+  const std::vector<LightSample> samples = gather_light_samples(views, board, out.bench, sent);
   const LampSeed seed = fit_lamps(samples, board, out.bench);
   out.findings.insert(out.findings.end(), seed.findings.begin(), seed.findings.end());
 
   Problem data;
   data.model.board = &board;
-  data.model.designed = &designed;
+  data.model.sent = &sent;
   data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
   data.model.f0 = board.material.f0.mean();
   data.is_spot.assign(out.bench.lights.size(), false);
@@ -132,17 +132,17 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   stage.machine = true;
   weigh_photos(data, state);
   solve(data, stage, options.max_iterations, 1e-4, state, progress, "fitting coarse photos and the machine");
-  data.model.last_carved_rules = options.overlap == Overlap::last;
-  if (options.overlap == Overlap::automatic) {
+  data.model.crossings = options.crossings.value_or(Crossings::add);
+  if (!options.crossings) {
     weigh_photos(data, state);
     State adding = state, last = state;
     const double cost_adding = solve(data, stage, 2, 1e-4, adding, progress, "crossing scratches as a sum");
-    data.model.last_carved_rules = true;
+    data.model.crossings = Crossings::last;
     const double cost_last = solve(data, stage, 2, 1e-4, last, progress, "crossing scratches, the last one rules");
-    data.model.last_carved_rules = cost_last < cost_adding;
-    state = data.model.last_carved_rules ? last : adding;
+    data.model.crossings = cost_last < cost_adding ? Crossings::last : Crossings::add;
+    state = cost_last < cost_adding ? last : adding;
   }
-  out.overlap = data.model.last_carved_rules ? Overlap::last : Overlap::add;
+  out.bench.crossings = data.model.crossings;
 
   if (middle < coarse) data.photos = photos_at(views, middle, board, out.bench, blur());
   stage.blur = true;
@@ -212,9 +212,15 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   fit_colors(data, merged, state, out.bench);
   out.alpha_jitter = data.model.alpha_jitter;
   out.depth_jitter = data.model.depth_jitter;
+  const auto scatter = [](double value, double square_sigma) {
+    // The sigma of a square root, where it is not near zero.
+    return Scatter{value, value > 0 ? std::optional(square_sigma / (2 * value)) : std::nullopt};
+  };
+  out.bench.alpha_scatter = scatter(data.model.alpha_jitter, data.model.alpha_jitter2_sigma);
+  out.bench.depth_scatter = scatter(data.model.depth_jitter, data.model.depth_jitter2_sigma);
   out.slope_error = data.slope_error;
   out.model_error = median_of(data.photo_model_error);
-  const Scratches carved = carved_scratches(data.model, state.of(0));
+  const Carved carved = carved_at(data.model, state.of(0));
   for (std::size_t k = 0; k < data.photos.size(); ++k)
     out.photos.push_back(photo_fit(data, k, state, carved, out.bench));
   return out;
@@ -229,10 +235,10 @@ std::vector<MergedView> photos_for_refine(const Session& session, const Board& b
   return merge_session(session, light_bin(measured.lens.width, measured.lens.height, median_of(tag_sides_px)));
 }
 
-Refinement refine(const Session& session, const Board& board, const Scratches& designed, const Bench& measured,
+Refinement refine(const Session& session, const Board& board, const Sent& sent, const Bench& measured,
                   const RefineOptions& options, const Progress& progress) {
   if (progress) progress("reading photos", 0);
-  return refine(photos_for_refine(session, board, measured), board, designed, measured, options, progress);
+  return refine(photos_for_refine(session, board, measured), board, sent, measured, options, progress);
 }
 
 }  // namespace burin

@@ -20,6 +20,7 @@
 // itself); the delete-one-photo jackknife (errors that a photo has as a whole: its pose).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,19 +29,16 @@
 #include "burin/capture/session.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/progress.h"
-#include "burin/render/scratches.h"
 
 namespace burin {
 
-/// Where scratches cross: their light and areas add, or the later groove replaces the earlier one.
-enum class Overlap { automatic, add, last };
-
 struct RefineOptions {
-  Overlap overlap = Overlap::automatic;  ///< automatic: whichever explains the photos better
-  bool fit_lamp = true;                  ///< false keeps bench.lights' positions
-  bool fit_geometry = true;              ///< false: the bench's poses, bow and lens are exact
-  bool fit_fields = true;                ///< let depth vary over the board and with wear (field_choice.h)
+  std::optional<Crossings> crossings;  ///< where grooves cross; empty: whichever explains the photos better
+  bool fit_lamp = true;                ///< false keeps bench.lights' positions
+  bool fit_geometry = true;            ///< false: the bench's poses, bow and lens are exact
+  bool fit_fields = true;              ///< let depth vary over the board and with wear (field_choice.h)
   /// Photos are binned until a pixel is at least this large on the board, 0 for the photos as taken. Grooves are found
   /// far below a pixel, so binning loses little and is several times faster; what it distorts is corrected by
   /// predictions on the photos' own pixels (correct_binning).
@@ -74,22 +72,21 @@ struct Refinement {
   /// What pixels scatter along their slopes by log alpha and log depth, grooves' differences included
   /// (photo_problem.h).
   Eigen::Vector2d slope_error{0, 0};
-  Overlap overlap = Overlap::add;
   std::vector<NoiseBound> noise_bounds;  ///< of alpha, base_alpha, depth_um and the lamps, as far as they were fitted
   std::vector<std::string> findings;     ///< sentences for a person: what was left out, what looks wrong
 };
 
 /// Reads the session's photos and completes `measured` (lens, poses, tags, bow from calibration; its lamps, where they
-/// have no position sigma, are found from scratch). `designed` are the scratches as designed. Throws Error if too
+/// have no position sigma, are found from scratch). `sent` is what the machine was told. Throws Error if too
 /// little is left to work on: no photo with a pose, no scratch in view.
-Refinement refine(const Session& session, const Board& board, const Scratches& designed, const Bench& measured,
+Refinement refine(const Session& session, const Board& board, const Sent& sent, const Bench& measured,
                   const RefineOptions& options = {}, const Progress& progress = {});
 
 /// The session's photos as refine wants them: merged, and binned where they are large (light_bin).
 std::vector<MergedView> photos_for_refine(const Session& session, const Board& board, const Bench& measured);
 
 /// The same for photos in memory.
-Refinement refine(std::span<const MergedView> photos, const Board& board, const Scratches& designed,
-                  const Bench& measured, const RefineOptions& options = {}, const Progress& progress = {});
+Refinement refine(std::span<const MergedView> photos, const Board& board, const Sent& sent, const Bench& measured,
+                  const RefineOptions& options = {}, const Progress& progress = {});
 
 }  // namespace burin

@@ -81,7 +81,7 @@ void write_session(const Session& session, const fs::path& file) {
 }
 
 double exposure_factor(const Photo& photo) {
-  const double factor = photo.exposure_s * (photo.iso / 100) / (photo.f_number * photo.f_number);
+  const double factor = exposure_factor(photo.exposure_s, photo.iso, photo.f_number);
   if (!(factor > 0) || !(factor < 1e12))
     fail(photo.file.string(), "exposure time, ISO and f-number give no exposure",
          "give exposure_s, iso and f_number, all above zero");

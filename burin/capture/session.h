@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace burin {
+#include "burin/render/sensor.h"
 
-enum class Encoding { linear, srgb, raw };
+namespace burin {
 
 struct Photo {
   std::filesystem::path file;  ///< absolute or relative to the working directory
@@ -32,8 +32,7 @@ Session read_session(const std::filesystem::path& file);
 /// Writes `session.json`, paths relative to its folder; atomically.
 void write_session(const Session& session, const std::filesystem::path& file);
 
-/// The factor exposure_s * (iso / 100) / f_number^2 of docs/model.md 5. A photo's linear value is gain * this *
-/// vignette * radiance.
+/// exposure_factor() of the photo's settings. Throws Error naming the photo where they give none.
 double exposure_factor(const Photo& photo);
 
 }  // namespace burin

@@ -270,8 +270,9 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
                               })->exposure_group;
   std::vector<double> log_exposure(group_count, 0.0);
   if (carved.size() > 0)
-    for (WorkView& v : views) v.renderer.forward(carved, v.face);  // what cannot be undone: the face and what is in it
-  constexpr double kStartShare = 0.4;  // of the time limit: iterations gain more than a better start
+    for (WorkView& v : views)
+      v.renderer.forward(in_metal(carved), v.face);  // what cannot be undone: the face and what is in it
+  constexpr double kStartShare = 0.4;                // of the time limit: iterations gain more than a better start
   // Asked within sweeps too, by several threads; a wish to stop holds.
   std::atomic<bool> wished{false};
   const auto stop_wished = [&] {
@@ -381,7 +382,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     std::vector<double> light_sum(count, 0.0);
     for (WorkView& v : views) {
       std::vector<double> light(count, 0.0);
-      v.renderer.forward(scratches, v.radiance);
+      v.renderer.forward(in_metal(scratches), v.radiance);
       v.renderer.add_contributions(light);
       for (std::size_t i = 0; i < count; ++i) light_sum[i] += std::exp(log_exposure[v.exposure_group]) * light[i];
     }
@@ -452,7 +453,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
     for (std::size_t k = 0; k < views.size(); ++k) {
       WorkView& v = views[k];
       const double exposure = std::exp(log_exposure[v.exposure_group]);
-      v.renderer.forward_with_jacobian(scratches, v.radiance);
+      v.renderer.forward_with_jacobian(in_metal(scratches), v.radiance);
       picture_from_radiance(v.radiance, exposure, v.picture);
       v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
       record.loss += v.value.total;
@@ -548,7 +549,7 @@ DesignResult design(const DesignSpec& spec, const Board& board, const Bench& ben
   result.scratches = scratches;
 
   for (WorkView& v : views) {
-    v.renderer.forward(result.scratches, v.radiance);
+    v.renderer.forward(in_metal(result.scratches), v.radiance);
     picture_from_radiance(v.radiance, std::exp(log_exposure[v.exposure_group]), v.picture);
     v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
     result.final_loss += v.value.total;

@@ -201,6 +201,27 @@ Json field_json(const GrooveField& field) {
   return json;
 }
 
+void put_scatter(const Scatter& scatter, const std::string& key, Json& json) {
+  if (!(scatter.value > 0)) return;
+  json[key] = scatter.value;
+  if (scatter.sigma) json[key + "_sigma"] = *scatter.sigma;
+}
+
+Scatter read_scatter(JsonObject& json, const std::string& key) {
+  if (!json.has(key)) return {};
+  Scatter scatter{json.number(key), {}};
+  scatter.sigma = optional_sigma(json, key + "_sigma");
+  return scatter;
+}
+
+Crossings read_crossings(JsonObject& json) {
+  const std::string text = json.text("crossings", "add");
+  if (text != "add" && text != "last")
+    json.fail_field("crossings", "is \"" + text + "\"",
+                    "write \"add\" (their light adds) or \"last\" (the later groove replaces the earlier)");
+  return text == "last" ? Crossings::last : Crossings::add;
+}
+
 Json material_json(const Bench& bench, double tool_width_um) {
   Json json;
   json["alpha"] = bench.material.alpha;
@@ -213,17 +234,13 @@ Json material_json(const Bench& bench, double tool_width_um) {
   json["f0"] = to_json(bench.material.f0);
   if (!bench.depth_field.is_constant()) json["depth_field"] = field_json(bench.depth_field);
   if (!bench.alpha_field.is_constant()) json["alpha_field"] = field_json(bench.alpha_field);
+  json["crossings"] = bench.crossings == Crossings::last ? "last" : "add";
+  put_scatter(bench.alpha_scatter, "alpha_scatter", json);
+  put_scatter(bench.depth_scatter, "depth_scatter", json);
   return json;
 }
 
 }  // namespace
-
-Scratches as_carved(const Scratches& designed, const Bench& bench, const Eigen::Vector2d& board_size_mm) {
-  Scratches carved = transformed(designed, bench.machine_affine);
-  apply_fields(bench.depth_field, bench.alpha_field, bench.material.depth_um, bench.material.alpha, board_size_mm,
-               carved);
-  return carved;
-}
 
 Bench read_bench(const std::filesystem::path& file) {
   const Json content = read_json(file, "burin/bench", 1);
@@ -247,6 +264,9 @@ Bench read_bench(const std::filesystem::path& file) {
     bench.material_sigma.base_alpha = optional_sigma(material, "base_alpha_sigma");
     bench.depth_field = read_field(material, "depth_field");
     bench.alpha_field = read_field(material, "alpha_field");
+    bench.crossings = read_crossings(material);
+    bench.alpha_scatter = read_scatter(material, "alpha_scatter");
+    bench.depth_scatter = read_scatter(material, "depth_scatter");
     material.positive("half_width_um", 1);  // derived from depth_um and the tool's width: for people, not for us
     material.finish();
   }

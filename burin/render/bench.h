@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "burin/render/board.h"
+#include "burin/render/crossings.h"
 #include "burin/render/groove_field.h"
 #include "burin/render/lens.h"
+#include "burin/render/sensor.h"
 
 namespace burin {
 
@@ -37,16 +39,6 @@ struct Light {
   std::optional<double> falloff_exponent_sigma;
 };
 
-/// From radiance to a photo's linear value:
-/// gain * exposure_s * (iso / 100) / f_number^2 * vignette(r) * radiance, 1 being the white level.
-/// vignette(r) = 1 + v1 r^2 + v2 r^4 + v3 r^6, r the distance from the image's center ((W - 1) / 2, (H - 1) / 2) over
-/// half the image's diagonal.
-struct Sensor {
-  double gain = 1;
-  Eigen::Vector3d vignette{0, 0, 0};
-  double psf_sigma_px = 0;  ///< Gaussian blur on the pixel grid, on top of the pixel's own square
-};
-
 /// What the photos say about one parameter: `determined`, and why or why not in a sentence. What is determined only
 /// weakly (not `determined`, but `weakly`) is a measurement with a sigma too large to build on.
 struct Verdict {
@@ -62,6 +54,12 @@ struct MaterialSigma {
   std::optional<double> alpha, depth_um, base_alpha;
 };
 
+/// How much a number differs from groove to groove: the standard deviation of its logarithm.
+struct Scatter {
+  double value = 0;
+  std::optional<double> sigma;
+};
+
 using Affine2 = Eigen::Matrix<double, 2, 3>;  ///< [A | b], mm
 
 struct Bench {
@@ -72,6 +70,10 @@ struct Bench {
   Material material;
   MaterialSigma material_sigma;
   GrooveField depth_field, alpha_field;  ///< what multiplies material.depth_um and alpha, scratch by scratch
+  Crossings crossings = Crossings::add;  ///< what is left where grooves cross
+  /// How much roughness and depth differ from groove to groove beside their fields: standard deviations of the
+  /// logarithms.
+  Scatter alpha_scatter, depth_scatter;
   Sensor sensor;
   Eigen::Vector3d ambient{0, 0, 0};  ///< radiance of uniform surroundings, R G B (in units of gain = 1)
   Eigen::Vector3d bow_mm{0, 0, 0};   ///< face height z = b0 X^2 + b1 X Y + b2 Y^2; X, Y from -1 to 1 over the board
@@ -80,10 +82,6 @@ struct Bench {
   std::optional<Affine2> machine_affine_sigma;
   std::map<std::string, Verdict> verdict;  ///< by parameter name: "depth_um", "alpha", "light.lamp.position_mm", ...
 };
-
-/// Designed scratches as this bench's machine carves them: moved by its map; where depth or alpha vary (their fields),
-/// each scratch with its own.
-Scratches as_carved(const Scratches& designed, const Bench& bench, const Eigen::Vector2d& board_size_mm);
 
 /// Reads `bench.json` and the `.cameramodel` it names. Throws Error on anything missing, unknown or out of range.
 Bench read_bench(const std::filesystem::path& file);

@@ -7,12 +7,9 @@
 // The terms' means over the board are zero, so the shared depth or alpha that the factor multiplies stays the mean.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <cstddef>
 #include <optional>
-
-#include "burin/render/scratches.h"
 
 namespace burin {
 
@@ -49,10 +46,5 @@ inline double field_at_age(const std::array<double, GrooveField::kTerms>& terms,
   const double factor = 1 - terms[5] * (age - 0.5);
   return factor < 0.05 ? 0.05 : factor;
 }
-
-/// Multiplies the depth and alpha of carved scratches by their fields; scratches that carry none of their own start
-/// from `depth_um` and `alpha`. Where a field is constant, nothing changes.
-void apply_fields(const GrooveField& depth, const GrooveField& roughness, double depth_um, double alpha,
-                  const Eigen::Vector2d& board_size_mm, Scratches& carved);
 
 }  // namespace burin

@@ -193,14 +193,4 @@ Scratches joined(const Scratches& first, const Scratches& second, double width_u
   return out;
 }
 
-Scratches transformed(const Scratches& scratches, const Eigen::Matrix<double, 2, 3>& affine) {
-  Scratches out = scratches;
-  for (std::size_t i = 0; i < scratches.size(); ++i) {
-    const Eigen::Vector2d p0 = affine * Eigen::Vector3d(scratches.x0_mm[i], scratches.y0_mm[i], 1);
-    const Eigen::Vector2d p1 = affine * Eigen::Vector3d(scratches.x1_mm[i], scratches.y1_mm[i], 1);
-    out.x0_mm[i] = p0.x(), out.y0_mm[i] = p0.y(), out.x1_mm[i] = p1.x(), out.y1_mm[i] = p1.y();
-  }
-  return out;
-}
-
 }  // namespace burin

@@ -1,4 +1,5 @@
-// burin/render/scratches.h - the scratches of a board: two end points each, in carving order.
+// burin/render/scratches.h - rows of scratches.csv: two end points each, in carving order. What rows mean (wanted, told
+// to the machine, in the metal) is said by Designed, Sent and Carved (burin/render/carve.h).
 // Frame: board, mm. docs/file-formats.md, `scratches.csv`.
 #pragma once
 
@@ -6,8 +7,6 @@
 #include <filesystem>
 #include <span>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace burin {
 
@@ -35,8 +34,5 @@ Scratches selected(const Scratches& scratches, std::span<const std::size_t> rows
 
 /// One after the other. Where only one has a column of its own, the other's rows take the shared number given here.
 Scratches joined(const Scratches& first, const Scratches& second, double width_um, double depth_um, double alpha);
-
-/// The scratches as a machine carves them: affine (2x3, mm) applied to both ends.
-Scratches transformed(const Scratches& scratches, const Eigen::Matrix<double, 2, 3>& affine);
 
 }  // namespace burin

@@ -11,12 +11,6 @@
 
 namespace burin {
 
-void ScratchGradients::resize(std::size_t scratch_count) {
-  for (std::vector<double>* v : {&x0_mm, &y0_mm, &x1_mm, &y1_mm, &width_um, &depth_um, &alpha})
-    v->assign(scratch_count, 0);
-  shared_width_um = shared_depth_um = shared_alpha = shared_base_alpha = 0;
-}
-
 struct ViewRenderer::State {
   RenderOptions options;
   int width = 0, height = 0;
@@ -70,10 +64,12 @@ ViewRenderer& ViewRenderer::operator=(ViewRenderer&&) noexcept = default;
 int ViewRenderer::width() const { return state_->width; }
 int ViewRenderer::height() const { return state_->height; }
 
-void ViewRenderer::forward(const Scratches& scratches, Image& radiance) { state_->forward(scratches, false, radiance); }
+void ViewRenderer::forward(const Carved& carved, Image& radiance) {
+  state_->forward(carved.scratches, false, radiance);
+}
 
-void ViewRenderer::forward_with_jacobian(const Scratches& scratches, Image& radiance) {
-  state_->forward(scratches, true, radiance);
+void ViewRenderer::forward_with_jacobian(const Carved& carved, Image& radiance) {
+  state_->forward(carved.scratches, true, radiance);
 }
 
 void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
@@ -126,7 +122,8 @@ ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& c
   return scene;
 }
 
-Image render_brute_force(const ViewScene& scene, const Scratches& scratches, int channels) {
+Image render_brute_force(const ViewScene& scene, const Carved& carved, int channels) {
+  const Scratches& scratches = carved.scratches;
   check_scratches(scratches);
   const ViewPixels pixels = view_pixels(scene, channels);
   PixelPairs all;

@@ -9,9 +9,10 @@
 #include <vector>
 
 #include "burin/render/bench.h"
+#include "burin/render/carve.h"
 #include "burin/render/footprint_grid.h"
 #include "burin/render/image.h"
-#include "burin/render/scratches.h"
+#include "burin/render/scratch_gradients.h"
 #include "burin/render/simd_width.h"
 
 namespace burin {
@@ -38,16 +39,6 @@ struct RenderOptions {
   SimdWidth simd = SimdWidth::best;  ///< packets of the fast path
 };
 
-/// dE/d(...) summed over views: one entry a scratch. backward() adds to it; resize() zeroes it.
-/// The shared_ numbers are for parameters that scratches do not carry themselves, and always the sum over scratches.
-struct ScratchGradients {
-  std::vector<double> x0_mm, y0_mm, x1_mm, y1_mm;
-  std::vector<double> width_um, depth_um, alpha;
-  double shared_width_um = 0, shared_depth_um = 0, shared_alpha = 0, shared_base_alpha = 0;
-
-  void resize(std::size_t scratch_count);
-};
-
 /// The fast path's work buffers and sparse Jacobian (burin/render/fast/render_room.h). Renderers that share one need
 /// the memory of one view; each must then finish with a forward()'s results before the next renderer's forward(). Those
 /// that also share a grid share all that comes from it, and find the pairs of the same scratches once.
@@ -56,8 +47,8 @@ class RenderRoom;
 /// the same, bit for bit.
 std::shared_ptr<RenderRoom> make_render_room(std::size_t most_jacobian_bytes = 320'000'000);
 
-/// Renders one view again and again while the scratches move. Deterministic: same input, same bits, for any number of
-/// threads. Throws Error for scratches with NaN.
+/// Renders one view again and again while the grooves move. Deterministic: same input, same bits, for any number of
+/// threads. Throws Error for grooves with NaN.
 class ViewRenderer {
  public:
   /// Without a `room` it has one of its own.
@@ -70,13 +61,14 @@ class ViewRenderer {
   int height() const;
 
   /// Radiance of every pixel of the grid (width x height x channels); pixels that miss the face are 0.
-  void forward(const Scratches& scratches, Image& radiance);
+  void forward(const Carved& carved, Image& radiance);
 
   /// forward(), keeping what backward() needs.
-  void forward_with_jacobian(const Scratches& scratches, Image& radiance);
+  void forward_with_jacobian(const Carved& carved, Image& radiance);
 
-  /// Adds the gradient of E through this view, given dE/dradiance, for the scratches of the last
-  /// forward_with_jacobian(). The derivative of the clamp `covered <= 1` is that of the side it is on.
+  /// Adds the gradient of E through this view, given dE/dradiance, for the grooves of the last
+  /// forward_with_jacobian(); pull_back() (carve.h) takes it to the design. The derivative of the clamp `covered <= 1`
+  /// is that of the side it is on.
   void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
 
   /// dE/dradiance back to light that each scratch sends to this view: sum over pixels of its radiance times pixel
@@ -139,8 +131,8 @@ struct CameraView {
 };
 
 /// `scene.grid` and `scene.camera_center_mm` must be those of `camera` (see make_scene).
-RadianceDerivatives render_with_derivatives(const ViewScene& scene, const CameraView& camera,
-                                            const Scratches& scratches, std::span<const SceneParameter> parameters,
+RadianceDerivatives render_with_derivatives(const ViewScene& scene, const CameraView& camera, const Carved& carved,
+                                            std::span<const SceneParameter> parameters,
                                             const RenderOptions& options = {});
 
 /// The scene of a view of a bench, seen by a window of its photo. A board with a mesh is cast through it: its
@@ -148,7 +140,7 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
 ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& camera, const Light& light);
 CameraView make_camera_view(const Bench& bench, const Board& board, const View& view, const PixelWindow& window);
 
-/// Scratches by the brute force of all pairs in double, without pair finding: the oracle for small tests.
-Image render_brute_force(const ViewScene& scene, const Scratches& scratches, int channels = 1);
+/// Grooves by the brute force of all pairs in double, without pair finding: the oracle for small tests.
+Image render_brute_force(const ViewScene& scene, const Carved& carved, int channels = 1);
 
 }  // namespace burin

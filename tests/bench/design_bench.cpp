@@ -74,7 +74,7 @@ void PaperDesign(benchmark::State& state) {
                      {}});
     // As designs start: darker than what would match the target's mean light.
     DesignedView& view = views.back();
-    view.renderer.forward(scratches, view.radiance);
+    view.renderer.forward(in_metal(scratches), view.radiance);
     view.exposure = 0.3 * std::pow(mean_of(target), 2.2) / mean_of(view.radiance);
   }
   ScratchGradients gradients;
@@ -88,7 +88,7 @@ void PaperDesign(benchmark::State& state) {
     gradients.resize(scratches.size());
     double loss = 0;
     for (DesignedView& v : views) {
-      v.renderer.forward_with_jacobian(scratches, v.radiance);
+      v.renderer.forward_with_jacobian(in_metal(scratches), v.radiance);
       picture_from_radiance(v.radiance, v.exposure, v.picture);
       loss += v.loss.evaluate(v.picture, v.dE_dpicture).total;
       radiance_gradient(v.radiance, v.exposure, v.picture, v.dE_dpicture, v.dE_dradiance);

@@ -70,7 +70,7 @@ int print_peak_memory() {
     ScratchGradients gradients;
     gradients.resize(scratches.size());
     for (ViewRenderer& renderer : renderers) {
-      renderer.forward_with_jacobian(scratches, radiance);
+      renderer.forward_with_jacobian(in_metal(scratches), radiance);
       renderer.backward(weights, gradients);
       pairs += static_cast<double>(renderer.pair_count());
     }

@@ -65,7 +65,7 @@ void report_correctness(benchmark::State& state, const ViewScene& scene, const S
     ScratchGradients g[2];
     for (const bool use_double : {false, true}) {
       ViewRenderer renderer(scene, {1, use_double, false, simd});
-      renderer.forward_with_jacobian(scratches, image[use_double]);
+      renderer.forward_with_jacobian(in_metal(scratches), image[use_double]);
       g[use_double].resize(scratches.size());
       renderer.backward(weights, g[use_double]);
     }

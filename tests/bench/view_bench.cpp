@@ -33,10 +33,10 @@ void time_view(benchmark::State& state, const RenderOptions& options, int count,
     scratches.x0_mm[0] += nudge_mm;
     nudge_mm = -nudge_mm;
     if (!backward) {
-      renderer.forward(scratches, image);
+      renderer.forward(in_metal(scratches), image);
       return;
     }
-    renderer.forward_with_jacobian(scratches, image);
+    renderer.forward_with_jacobian(in_metal(scratches), image);
     gradients.resize(scratches.size());
     renderer.backward(weights, gradients);
   };

@@ -121,19 +121,19 @@ TEST(Geometry, BowIsKnownAsWellAsTheTags) {
 TEST(Geometry, StepsBringThePosesBack) {
   const Board board = small_board();
   const Bench truth = two_views();
-  Scratches designed;
+  Sent sent;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> x(8, 52), y(8, 32), turn(0, std::numbers::pi);
   for (int i = 0; i < 120; ++i) {
     const double cx = x(random), cy = y(random), a = turn(random);
-    designed.x0_mm.push_back(cx - 3 * std::cos(a));
-    designed.y0_mm.push_back(cy - 3 * std::sin(a));
-    designed.x1_mm.push_back(cx + 3 * std::cos(a));
-    designed.y1_mm.push_back(cy + 3 * std::sin(a));
+    sent.scratches.x0_mm.push_back(cx - 3 * std::cos(a));
+    sent.scratches.y0_mm.push_back(cy - 3 * std::sin(a));
+    sent.scratches.x1_mm.push_back(cx + 3 * std::cos(a));
+    sent.scratches.y1_mm.push_back(cy + 3 * std::sin(a));
   }
   Problem data;
   data.model.board = &board;
-  data.model.designed = &designed;
+  data.model.sent = &sent;
   data.model.center_mm << 30, 20;
   data.model.f0 = board.material.f0.mean();
   data.is_spot = {false};
@@ -156,7 +156,7 @@ TEST(Geometry, StepsBringThePosesBack) {
     v.sigma = Image(160, 120, 1, 0.02F);
     v.valid.assign(160 * 120, 1);
     const PhotoData photo = make_photo_data(v, 1, board, truth, 2);
-    v.value = predict(data.model, photo, state.of(0), carved_scratches(data.model, state.of(0)));
+    v.value = predict(data.model, photo, state.of(0), carved_at(data.model, state.of(0)));
     views.push_back(v);
   }
   Bench bench = truth;

@@ -22,20 +22,21 @@ void fill(SmallGrooves& s) {
 }
 
 // Grooves of their own: log-normal factors, and depth_gradient from left to right.
-Scratches uneven(const SmallGrooves& s, double alpha_jitter, double depth_jitter, double depth_gradient,
-                 std::mt19937_64& random) {
+Carved uneven(const SmallGrooves& s, double alpha_jitter, double depth_jitter, double depth_gradient,
+              std::mt19937_64& random) {
   std::normal_distribution<double> normal;
-  Scratches carved = carved_scratches(s.data.model, s.truth.of(0));
+  Carved grooves = carved_at(s.data.model, s.truth.of(0));
+  Scratches& carved = grooves.scratches;
   for (std::size_t i = 0; i < carved.size(); ++i) {
     const double u = 0.5 * (carved.x0_mm[i] + carved.x1_mm[i]) / s.board.size_mm.x() - 0.5;
     carved.alpha.push_back(0.08 * std::exp(alpha_jitter * normal(random)));
     carved.depth_um.push_back(18 * std::exp(depth_jitter * normal(random)) * (1 + depth_gradient * u));
   }
-  return carved;
+  return grooves;
 }
 
 // Photographs the board with noise of a hundredth of each photo's brightest pixel.
-void photograph(SmallGrooves& s, const Scratches& carved, std::mt19937_64& random) {
+void photograph(SmallGrooves& s, const Carved& carved, std::mt19937_64& random) {
   std::normal_distribution<float> normal;
   for (PhotoData& photo : s.data.photos) {
     photo.photo.value = predict(s.data.model, photo, s.truth.of(0), carved);
@@ -54,14 +55,14 @@ TEST(GroovesDiffer, SlopesAreThePredictionsDerivatives) {
   fill(s);
   const PhotoData& photo = s.data.photos[3];
   const Unknowns x = s.truth.of(0);
-  const GrooveSlopes p = predict_with_slopes(s.data.model, photo, x, carved_scratches(s.data.model, x));
+  const GrooveSlopes p = predict_with_slopes(s.data.model, photo, x, carved_at(s.data.model, x));
   for (const int index : {unknown::log_alpha, unknown::log_depth}) {
     constexpr double kStep = 0.01;
     Unknowns more = x, less = x;
     more[index] += kStep;
     less[index] -= kStep;
-    const Image above = predict(s.data.model, photo, more, carved_scratches(s.data.model, more));
-    const Image below = predict(s.data.model, photo, less, carved_scratches(s.data.model, less));
+    const Image above = predict(s.data.model, photo, more, carved_at(s.data.model, more));
+    const Image below = predict(s.data.model, photo, less, carved_at(s.data.model, less));
     const Image& slope = index == unknown::log_alpha ? p.by_log_alpha : p.by_log_depth;
     double off = 0, size = 0;
     for (std::size_t i = 0; i < slope.data.size(); ++i) {
@@ -97,7 +98,7 @@ TEST(GroovesDiffer, ErrorsOfSinglePixelsAreNoScatterOfGrooves) {
   std::normal_distribution<double> normal;
   const Unknowns x = s.truth.of(0);
   for (PhotoData& photo : s.data.photos) {
-    const GrooveSlopes p = predict_with_slopes(s.data.model, photo, x, carved_scratches(s.data.model, x));
+    const GrooveSlopes p = predict_with_slopes(s.data.model, photo, x, carved_at(s.data.model, x));
     for (std::size_t i = 0; i < p.by_log_depth.data.size(); ++i)
       photo.photo.value.data[i] += static_cast<float>(kError * normal(random) * p.by_log_depth.data[i]);
   }
@@ -113,20 +114,20 @@ TEST(GroovesDiffer, GradientsOfGroovesAreThePredictionsBackwards) {
   SmallGrooves s;
   fill(s);
   for (const bool last_rules : {false, true}) {
-    s.data.model.last_carved_rules = last_rules;
+    s.data.model.crossings = last_rules ? Crossings::last : Crossings::add;
     const PhotoData& photo = s.data.photos[3];
     const Unknowns x = s.truth.of(0);
-    const VisiblePieces pieces = carved_pieces(s.data.model, x);
-    ASSERT_EQ(pieces.source.size(), pieces.pieces.size());
+    const Carved pieces = carved_pieces(s.data.model, x);
+    ASSERT_EQ(pieces.source.size(), pieces.size());
     // E: the values of the pixels in use, each by a weight of its own.
     std::mt19937_64 random(3);
     std::normal_distribution<float> normal;
     Image weights(photo.photo.value.width, photo.photo.value.height, 1);
     for (std::size_t i = 0; i < weights.data.size(); ++i)
       if (photo.weight[i] > 0) weights.data[i] = normal(random);
-    const std::vector<GrooveGradients> gradients = groove_gradients(photo, x, pieces.pieces, {&weights, 1});
+    const std::vector<GrooveGradients> gradients = groove_gradients(photo, x, pieces, {&weights, 1});
     ASSERT_EQ(gradients.size(), 1U);
-    const auto E = [&](const Scratches& carved) {
+    const auto E = [&](const Carved& carved) {
       const Image value = predict(s.data.model, photo, x, carved);
       double sum = 0;
       for (std::size_t i = 0; i < value.data.size(); ++i) sum += static_cast<double>(weights.data[i]) * value.data[i];
@@ -134,12 +135,12 @@ TEST(GroovesDiffer, GradientsOfGroovesAreThePredictionsBackwards) {
     };
     for (const bool of_depth : {false, true}) {  // by all grooves at once, each by an amount of its own
       constexpr double kStep = 0.003;
-      Scratches more = pieces.pieces, less = pieces.pieces;
+      Carved more = pieces, less = pieces;
       double expected = 0, size = 0;
       for (std::size_t i = 0; i < more.size(); ++i) {
         const double by = normal(random);
-        std::vector<double>&above = of_depth ? more.depth_um : more.alpha,
-        &below = of_depth ? less.depth_um : less.alpha;
+        std::vector<double>&above = of_depth ? more.scratches.depth_um : more.scratches.alpha,
+        &below = of_depth ? less.scratches.depth_um : less.scratches.alpha;
         above[i] *= std::exp(kStep * by);
         below[i] *= std::exp(-kStep * by);
         const double term = by * (of_depth ? gradients[0].by_log_depth[i] : gradients[0].by_log_alpha[i]);
@@ -164,7 +165,7 @@ TEST(GroovesDiffer, MeanLightIsNotThatOfEqualGrooves) {
     for (std::size_t i = 0; i < mean.size(); ++i) mean[i] += value.data[i] / kBoards;
   }
   const auto sums = [&] {  // of prediction less mean; and of what is bright, so that the plain face is not all
-    const Image value = predict(s.data.model, photo, x, carved_scratches(s.data.model, x));
+    const Image value = predict(s.data.model, photo, x, carved_at(s.data.model, x));
     double off = 0;
     for (std::size_t i = 0; i < mean.size(); ++i)
       if (photo.weight[i] > 0) off += value.data[i] - mean[i];
@@ -172,7 +173,7 @@ TEST(GroovesDiffer, MeanLightIsNotThatOfEqualGrooves) {
   };
   const double equal = sums();
   s.data.model.alpha_jitter = 0.2;
-  shift_by_grooves(s.data.model, x, carved_scratches(s.data.model, x), photo);
+  shift_by_grooves(s.data.model, x, carved_at(s.data.model, x), photo);
   EXPECT_LT(std::abs(sums()), 0.25 * std::abs(equal));
 }
 

@@ -26,11 +26,11 @@ TEST(HalvesOfPhotos, AreWhereSolvingAgainEnds) {
 
   Problem all;
   all.model.board = &rig.board;
-  all.model.designed = &rig.designed;
+  all.model.sent = &rig.sent;
   all.model.center_mm = 0.5 * (rig.board.carve_min_mm + rig.board.carve_max_mm);
   all.model.f0 = rig.board.material.f0.mean();
   all.is_spot.assign(bench.lights.size(), false);
-  for (const LightSample& s : gather_light_samples(views, rig.board, bench, rig.designed))
+  for (const LightSample& s : gather_light_samples(views, rig.board, bench, rig.sent))
     if (s.kind != SampleKind::face && s.value > 0) all.paper.push_back(s);
   // A start: the solve's own way there is refine_test's.
   bench.material.alpha = 0.08;

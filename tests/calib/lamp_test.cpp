@@ -63,7 +63,7 @@ RigLamp lamps_of_rig(const std::string& name) {
   Rig rig = read_rig(name);
   RigLamp out;
   out.truth = rig.truth;
-  out.bench = with_lamps(merge_session(rig.session), rig.board, rig.designed, rig.true_poses, out.findings);
+  out.bench = with_lamps(merge_session(rig.session), rig.board, rig.sent, rig.true_poses, out.findings);
   return out;
 }
 

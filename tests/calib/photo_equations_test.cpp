@@ -18,7 +18,7 @@ namespace {
 struct Scene {
   Board board;
   Bench bench;
-  Scratches designed;
+  Sent sent;
   ModelData model;
   PhotoData photo;
   Unknowns truth, start;
@@ -59,13 +59,13 @@ void fill(Scene& s, bool spot) {
   std::uniform_real_distribution<double> x(8, 52), y(8, 32), turn(0, std::numbers::pi);
   for (int i = 0; i < 80; ++i) {
     const double cx = x(random), cy = y(random), a = turn(random);
-    s.designed.x0_mm.push_back(cx - 3 * std::cos(a));
-    s.designed.y0_mm.push_back(cy - 3 * std::sin(a));
-    s.designed.x1_mm.push_back(cx + 3 * std::cos(a));
-    s.designed.y1_mm.push_back(cy + 3 * std::sin(a));
+    s.sent.scratches.x0_mm.push_back(cx - 3 * std::cos(a));
+    s.sent.scratches.y0_mm.push_back(cy - 3 * std::sin(a));
+    s.sent.scratches.x1_mm.push_back(cx + 3 * std::cos(a));
+    s.sent.scratches.y1_mm.push_back(cy + 3 * std::sin(a));
   }
   s.model.board = &s.board;
-  s.model.designed = &s.designed;
+  s.model.sent = &s.sent;
   s.model.center_mm << 30, 20;
   s.model.f0 = s.board.material.f0.mean();
 
@@ -84,7 +84,7 @@ void fill(Scene& s, bool spot) {
 
   LightView v = view_through(s.bench.lens);
   s.photo = make_photo_data(v, 1, s.board, s.bench, 2);
-  s.photo.photo.value = predict(s.model, s.photo, t, carved_scratches(s.model, t));
+  s.photo.photo.value = predict(s.model, s.photo, t, carved_at(s.model, t));
   s.start = t;
   s.start[unknown::log_alpha] += 0.05;
   s.start[unknown::log_depth] -= 0.07;
@@ -99,8 +99,8 @@ void check_gradient(const Scene& s) {
   FreeUnknowns free{};
   for (int i = 0; i < unknown::count; ++i) free[i] = true;
   const bool spot = s.start[unknown::spot + 2] > 0;
-  const PhotoEquations e = photo_equations(s.model, s.photo, s.start, carved_scratches(s.model, s.start), free, 10);
-  EXPECT_NEAR(e.cost, photo_cost(s.model, s.photo, s.start, carved_scratches(s.model, s.start)), 1e-4 * e.cost);
+  const PhotoEquations e = photo_equations(s.model, s.photo, s.start, carved_at(s.model, s.start), free, 10);
+  EXPECT_NEAR(e.cost, photo_cost(s.model, s.photo, s.start, carved_at(s.model, s.start)), 1e-4 * e.cost);
   EXPECT_GT(e.cost, 100);
   EXPECT_LT((e.tile_scores.rowwise().sum() - e.Jtr).norm(), 1e-9 * e.Jtr.norm());
   for (int i = 0; i < unknown::pose; ++i) {
@@ -114,7 +114,7 @@ void check_gradient(const Scene& s) {
     const auto cost_at = [&](double offset) {
       Unknowns x = s.start;
       x[i] += offset;
-      return photo_cost(s.model, s.photo, x, carved_scratches(s.model, x));
+      return photo_cost(s.model, s.photo, x, carved_at(s.model, x));
     };
     const double difference = (cost_at(step) - cost_at(-step)) / (2 * step);
     // A field of depth or alpha is taken at the pixel's place, not at the middle of its scratch: 3 mm of 60 at most.
@@ -132,7 +132,7 @@ TEST(PhotoEquations, LensAndPoseMoveThePicture) {
   fill(s, false);
   s.bench.lens.model = "LENSMODEL_OPENCV4";
   s.bench.lens.intrinsics = {420, 425, 80, 60, -0.1, 0.05, 0.002, -0.001};
-  const Scratches carved = carved_scratches(s.model, s.start);
+  const Carved carved = carved_at(s.model, s.start);
   const PhotoData far_from_edges = make_photo_data(view_through(s.bench.lens), 1, s.board, s.bench, 8);
   const auto photo_of = [&](const Bench& bench) {
     PhotoData photo = make_photo_data(view_through(bench.lens), 1, s.board, bench, 2);
@@ -185,8 +185,8 @@ TEST(PhotoEquations, SlopesHoldNearWhereTheyWereTakenAndNotFarAway) {
     fill(s, spot);
     FreeUnknowns free{};
     for (int i = 0; i < unknown::pose; ++i) free[i] = i < unknown::depth_field || i >= unknown::machine;
-    const PhotoSlopes slopes = photo_slopes(s.model, s.photo, s.start, carved_scratches(s.model, s.start), free);
-    const auto seen = [&](const Unknowns& x) { return seen_light(s.model, s.photo, x, carved_scratches(s.model, x)); };
+    const PhotoSlopes slopes = photo_slopes(s.model, s.photo, s.start, carved_at(s.model, s.start), free);
+    const auto seen = [&](const Unknowns& x) { return seen_light(s.model, s.photo, x, carved_at(s.model, x)); };
     Unknowns near = s.start, far = s.start;
     near[unknown::log_alpha] += 0.01;
     near[unknown::log_depth] -= 0.01;
@@ -201,7 +201,7 @@ TEST(PhotoEquations, SlopesHoldNearWhereTheyWereTakenAndNotFarAway) {
     // A change that the slopes did not foretell.
     EXPECT_FALSE(slopes_hold(s.model, s.photo, slopes, s.start, seen(near)));
     const PhotoEquations kept = photo_equations(s.model, s.photo, near, seen(near), slopes);
-    const PhotoEquations taken = photo_equations(s.model, s.photo, near, carved_scratches(s.model, near), free);
+    const PhotoEquations taken = photo_equations(s.model, s.photo, near, carved_at(s.model, near), free);
     EXPECT_NEAR(kept.cost, taken.cost, 1e-5 * taken.cost);
     for (int i = 0; i < unknown::pose; ++i)
       EXPECT_NEAR(kept.Jtr[i], taken.Jtr[i], 0.05 * std::sqrt(2 * taken.cost * taken.JtJ(i, i))) << "unknown " << i;
@@ -212,11 +212,11 @@ TEST(PhotoEquations, DepthOfScratchesThatCarryTheirOwnKeepsItsRatio) {
   Scene s;
   fill(s, false);
   s.board.material.depth_um = 10;
-  s.designed.depth_um.assign(s.designed.size(), 10);
-  s.designed.depth_um[3] = 20;
-  const Scratches carved = carved_scratches(s.model, s.truth);
-  EXPECT_NEAR(carved.depth_um[0], 25, 1e-9);
-  EXPECT_NEAR(carved.depth_um[3], 50, 1e-9);
+  s.sent.scratches.depth_um.assign(s.sent.size(), 10);
+  s.sent.scratches.depth_um[3] = 20;
+  const Carved carved = carved_at(s.model, s.truth);
+  EXPECT_NEAR(carved.scratches.depth_um[0], 25, 1e-9);
+  EXPECT_NEAR(carved.scratches.depth_um[3], 50, 1e-9);
 }
 
 // Binned by 4, a pixel is 2 mm wide; photo-true values are the fine prediction's means. At the state where the
@@ -227,7 +227,7 @@ TEST(PhotoEquations, BinnedPixelsAreCorrectedByThePhotosOwn) {
   const LightView view = binned(s.photo.photo, 4);  // its value: the mean of the fine prediction at the truth
   PhotoData coarse = make_photo_data(view, 4, s.board, s.bench, 1);
   const auto distance = [&] {
-    const Image predicted = predict(s.model, coarse, s.truth, carved_scratches(s.model, s.truth));
+    const Image predicted = predict(s.model, coarse, s.truth, carved_at(s.model, s.truth));
     double sum = 0;
     for (std::size_t i = 0; i < predicted.data.size(); ++i)
       if (coarse.weight[i] > 0) sum += std::pow(predicted.data[i] - view.value.data[i], 2);
@@ -236,14 +236,12 @@ TEST(PhotoEquations, BinnedPixelsAreCorrectedByThePhotosOwn) {
   const double uncorrected = distance();
   ASSERT_GT(uncorrected, 0.01);
   constexpr std::size_t kMaxPixels = 1'000'000;
-  correct_binning(s.model, s.photo.photo, s.board, s.bench, s.truth, carved_scratches(s.model, s.truth), kMaxPixels,
-                  coarse);
+  correct_binning(s.model, s.photo.photo, s.board, s.bench, s.truth, carved_at(s.model, s.truth), kMaxPixels, coarse);
   EXPECT_LT(distance(), 1e-4 * uncorrected);
-  correct_binning(s.model, s.photo.photo, s.board, s.bench, s.start, carved_scratches(s.model, s.start), kMaxPixels,
-                  coarse);
+  correct_binning(s.model, s.photo.photo, s.board, s.bench, s.start, carved_at(s.model, s.start), kMaxPixels, coarse);
   EXPECT_LT(distance(), 0.5 * uncorrected);
   // Photos too large to be predicted whole are left as they were.
-  correct_binning(s.model, s.photo.photo, s.board, s.bench, s.truth, carved_scratches(s.model, s.truth), 100, coarse);
+  correct_binning(s.model, s.photo.photo, s.board, s.bench, s.truth, carved_at(s.model, s.truth), 100, coarse);
   EXPECT_TRUE(coarse.correction.empty());
 }
 

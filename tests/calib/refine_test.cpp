@@ -25,8 +25,8 @@ TEST(Refine, CleanBench) {
   BURIN_NEEDS_RIG("a");
   const Rig rig = read_rig("a", {"v01", "v04", "v06", "v08", "v10"});
   RefineOptions options = quick();
-  options.overlap = Overlap::add;
-  const Refinement r = refine(rig.session, rig.board, rig.designed, rig.true_poses, options);
+  options.crossings = Crossings::add;
+  const Refinement r = refine(rig.session, rig.board, rig.sent, rig.true_poses, options);
   const auto& truth = rig.truth["material"];
   EXPECT_NEAR(r.bench.material.alpha / truth["alpha"].get<double>(), 1, 0.01);
   EXPECT_NEAR(r.bench.material.depth_um / truth["depth_um"].get<double>(), 1, 0.015);
@@ -45,9 +45,9 @@ TEST(Refine, CleanBench) {
 TEST(Refine, AmateursBench) {
   BURIN_NEEDS_RIG("b");
   const Rig rig = read_rig("b", {"v01", "v03", "v05", "v07", "v09"});
-  const Refinement r = refine(rig.session, rig.board, rig.designed, rig.true_poses, quick());
+  const Refinement r = refine(rig.session, rig.board, rig.sent, rig.true_poses, quick());
   const auto& truth = rig.truth["material"];
-  EXPECT_EQ(r.overlap, Overlap::last);  // its grooves cut into each other, and the photos say so
+  EXPECT_EQ(r.bench.crossings, Crossings::last);  // its grooves cut into each other, and the photos say so
   EXPECT_NEAR(r.bench.material.alpha / truth["alpha"].get<double>(), 1, 0.06);
   EXPECT_NEAR(r.bench.material.depth_um / truth["depth_um"].get<double>(), 1, 0.05);
   EXPECT_LT((r.bench.lights[0].position_mm - true_lamp_position(rig.truth)).norm(), 10);
@@ -65,8 +65,8 @@ TEST(Refine, DepthIsNotDeterminedWhereNoHalfVectorReachesTheCutOff) {
   // Only the mirror side: the half vectors stay near the face's normal, every scratch that could glint does.
   const Rig rig = read_rig("a", {"v00", "v01", "v02"});
   RefineOptions options = quick();
-  options.overlap = Overlap::add;
-  const Refinement r = refine(rig.session, rig.board, rig.designed, rig.true_poses, options);
+  options.crossings = Crossings::add;
+  const Refinement r = refine(rig.session, rig.board, rig.sent, rig.true_poses, options);
   EXPECT_FALSE(r.bench.verdict.at("depth_um").determined) << r.bench.verdict.at("depth_um").reason;
   EXPECT_FALSE(r.bench.material_sigma.depth_um.has_value());
   EXPECT_NE(r.bench.verdict.at("depth_um").reason.find("photograph"), std::string::npos);  // it says what to do
@@ -83,7 +83,7 @@ TEST(Refine, RefusesWhatItCannotWorkOn) {
   one.y1_mm = {10};
   const std::vector<MergedView> none;
   EXPECT_THROW(refine(none, board, {}, Bench()), Error);
-  EXPECT_THROW(refine(none, board, one, Bench()), Error);
+  EXPECT_THROW(refine(none, board, Sent(one), Bench()), Error);
 }
 
 }  // namespace

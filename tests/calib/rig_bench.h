@@ -23,7 +23,7 @@ namespace burin {
 struct Rig {
   nlohmann::json truth;
   Board board;
-  Scratches designed;
+  Sent sent;
   Session session;   ///< from truth.json's list, so that a folder without a session.json serves too
   Bench true_poses;  ///< lens, poses, bow and tags as they are; no lamp, no material
 };
@@ -35,7 +35,7 @@ inline Rig read_rig(const std::string& name, const std::set<std::string>& views 
   std::ifstream stream(folder / "truth.json");
   rig.truth = nlohmann::json::parse(stream);
   rig.board = read_board(folder / "board.json");
-  rig.designed = read_scratches(rig.board.scratches);
+  rig.sent = Sent(read_scratches(rig.board.scratches));
   Bench& bench = rig.true_poses;
   const auto& camera = rig.truth["camera"];
   bench.lens.model = camera["lensmodel"].get<std::string>();

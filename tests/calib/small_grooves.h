@@ -15,7 +15,7 @@ namespace burin {
 struct SmallGrooves {
   Board board;
   Bench bench;
-  Scratches designed;
+  Sent sent;
   Problem data;  ///< without photos
   State truth;
 };
@@ -36,14 +36,14 @@ inline std::mt19937_64 fill_small_grooves(SmallGrooves& s, std::uint64_t seed) {
   std::uniform_real_distribution<double> place(8, 52), turn(0, std::numbers::pi);
   for (int i = 0; i < 500; ++i) {
     const double x = place(random), y = place(random), a = turn(random);
-    s.designed.x0_mm.push_back(x - 2 * std::cos(a));
-    s.designed.y0_mm.push_back(y - 2 * std::sin(a));
-    s.designed.x1_mm.push_back(x + 2 * std::cos(a));
-    s.designed.y1_mm.push_back(y + 2 * std::sin(a));
+    s.sent.scratches.x0_mm.push_back(x - 2 * std::cos(a));
+    s.sent.scratches.y0_mm.push_back(y - 2 * std::sin(a));
+    s.sent.scratches.x1_mm.push_back(x + 2 * std::cos(a));
+    s.sent.scratches.y1_mm.push_back(y + 2 * std::sin(a));
   }
   Problem& data = s.data;
   data.model.board = &s.board;
-  data.model.designed = &s.designed;
+  data.model.sent = &s.sent;
   data.model.center_mm << 30, 30;
   data.model.f0 = s.board.material.f0.mean();
   data.is_spot = {false};

@@ -27,15 +27,15 @@ struct Workshop : SmallGrooves {
 void fill(Workshop& w) {
   std::mt19937_64 random = fill_small_grooves(w, 21);
   std::normal_distribution<double> normal;
-  VisiblePieces uneven = carved_pieces(w.data.model, w.truth.of(0));
-  for (std::size_t i = 0; i < uneven.pieces.size(); ++i) {
-    uneven.pieces.alpha[i] *= std::exp(0.08 * normal(random));
-    uneven.pieces.depth_um[i] *= std::exp(0.02 * normal(random));
+  Carved uneven = carved_pieces(w.data.model, w.truth.of(0));
+  for (std::size_t i = 0; i < uneven.size(); ++i) {
+    uneven.scratches.alpha[i] *= std::exp(0.08 * normal(random));
+    uneven.scratches.depth_um[i] *= std::exp(0.02 * normal(random));
   }
   for (int k = 0; k < 6; ++k) {
     LightView v = add_view(w, k);
     const PhotoData photo = make_photo_data(v, 1, w.board, w.bench, 2);
-    v.value = predict(w.data.model, photo, w.truth.of(0), uneven.pieces);
+    v.value = predict(w.data.model, photo, w.truth.of(0), uneven);
     const float brightest = *std::max_element(v.value.data.begin(), v.value.data.end());
     for (std::size_t i = 0; i < v.value.data.size(); ++i) {
       v.sigma.data[i] = 0.002F * brightest;

@@ -37,7 +37,7 @@ struct SimulatedCamera : testing::Test {
   BenchTruth truth() const { return read_bench_truth(write_truth(folder, json)); }
 
   Image radiance(const BenchTruth& t, const Scratches& designed) const {
-    const PointSampler sampler(t, carved_scratches(t, designed));
+    const PointSampler sampler(t, carved_by(t, Sent(designed)));
     return sampler.radiance(t.views[0], t.lights[0]);
   }
 
@@ -303,7 +303,7 @@ TEST(SimulatedCameraOfRigs, TakesRigAsPhotoAgain) {
   if (!fs::exists(rig / "truth.json")) GTEST_SKIP() << rig << " is not beside the checkout";
   BenchTruth truth = read_bench_truth(rig / "truth.json");
   const TruthView& view = truth.views[2];
-  const PointSampler sampler(truth, read_scratches(rig / "carved.csv"));
+  const PointSampler sampler(truth, in_metal(read_scratches(rig / "carved.csv")));
   const auto seen = [&] { return blurred(sampler.radiance(view, truth.lights[0]), truth.optics.psf_sigma_px); };
   const Image radiance = seen();
   ++truth.seed;

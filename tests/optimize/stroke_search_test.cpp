@@ -78,7 +78,7 @@ TEST(StrokeSearch, ModelAgreesWithTheRendererOnTurnedScratches) {
     const Eigen::Vector2d half = 4 * Eigen::Vector2d(std::cos(direction), std::sin(direction));
     const Scratches one = as_scratches({{middle - half, middle + half, 0}});
     Image radiance;
-    renderer.forward_with_jacobian(one, radiance);
+    renderer.forward_with_jacobian(in_metal(one), radiance);
     std::vector<double> light(1, 0.0);
     renderer.add_contributions(light);
     const int x = static_cast<int>(middle.x() / kSize * kPixels),
@@ -98,7 +98,7 @@ TEST(StrokeSearch, ModelTellsEveryPixelOfAnyNumberOfScratches) {
     ViewRenderer renderer(scene);
     Image face, shown;
     renderer.forward({}, face);
-    renderer.forward(scratches, shown);
+    renderer.forward(in_metal(scratches), shown);
     const float pixel_mm = static_cast<float>(kSize / kPixels);
     view.unit = measure_units(renderer, view.glint, {0, 0}, {kSize, kSize});
     for (float& u : view.unit.data) u *= pixel_mm;

@@ -309,10 +309,10 @@ TEST(BoardMesh, PairsOnFoldedFacesAreFound) {
     scratches.x1_mm.push_back(x + 25 * std::cos(a));
     scratches.y1_mm.push_back(y + 25 * std::sin(a));
   }
-  const Image all = render_brute_force(scene, scratches);
+  const Image all = render_brute_force(scene, in_metal(scratches));
   Image found, fast;
-  ViewRenderer(scene, {1, true}).forward(scratches, found);
-  ViewRenderer(scene, {1, false}).forward(scratches, fast);
+  ViewRenderer(scene, {1, true}).forward(in_metal(scratches), found);
+  ViewRenderer(scene, {1, false}).forward(in_metal(scratches), fast);
   const float most = *std::max_element(all.data.begin(), all.data.end());
   EXPECT_GT(most, 0);
   int dark = 0;
@@ -390,11 +390,11 @@ TEST_F(BoardMeshFiles, BenchesRenderThroughTheMesh) {
     scratches.y1_mm.push_back(y + 6 * std::sin(a));
   }
   Image by_bow, by_mesh, in_shadow;
-  ViewRenderer(make_scene(bench, board, camera, lamp), {1, true}).forward(scratches, by_bow);
+  ViewRenderer(make_scene(bench, board, camera, lamp), {1, true}).forward(in_metal(scratches), by_bow);
   board.mesh = write(text);
   ViewScene scene = make_scene(bench, board, camera, lamp);
   EXPECT_EQ(scene.hidden_from_light.size(), 160u * 120u);
-  ViewRenderer(scene, {1, true}).forward(scratches, by_mesh);
+  ViewRenderer(scene, {1, true}).forward(in_metal(scratches), by_mesh);
   double sum = 0, difference = 0;
   for (std::size_t i = 0; i < by_bow.data.size(); ++i) {
     sum += std::pow(by_bow.data[i], 2);
@@ -406,7 +406,7 @@ TEST_F(BoardMeshFiles, BenchesRenderThroughTheMesh) {
 
   scene.hidden_from_light.assign(160 * 120, 1);
   for (const bool use_double : {true, false}) {
-    ViewRenderer(scene, {1, use_double}).forward(scratches, in_shadow);
+    ViewRenderer(scene, {1, use_double}).forward(in_metal(scratches), in_shadow);
     for (const float v : in_shadow.data) EXPECT_LE(v, 1.0001e-7);
     EXPECT_GT(*std::max_element(in_shadow.data.begin(), in_shadow.data.end()), 0.9e-7);
   }

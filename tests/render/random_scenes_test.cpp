@@ -62,14 +62,15 @@ TEST(RandomScenes, SameBitsForAnyNumberOfThreads) {
           Bits& b = runs.emplace_back();
           // Twice: what the first run leaves in the buffers must not matter.
           for (int k = 0; k < 2; ++k) {
-            renderer.forward_with_jacobian(w.scratches, b.image);
+            renderer.forward_with_jacobian(in_metal(w.scratches), b.image);
             b.g.resize(w.scratches.size());
             renderer.backward(weights, b.g);
           }
           b.sent.assign(w.scratches.size(), 0);
           renderer.add_contributions(b.sent);
           if (seed == 1)
-            b.d_radiance = render_with_derivatives(w.scene, w.camera, w.scratches, all_parameters()).d_radiance;
+            b.d_radiance =
+                render_with_derivatives(w.scene, w.camera, in_metal(w.scratches), all_parameters()).d_radiance;
           const std::string what = "seed " + std::to_string(seed) + ", " + std::to_string(threads) + " threads, " +
                                    (use_double ? "double" : std::to_string(kernel_lanes(simd)) + " lanes");
           const Bits& first = runs.front();
@@ -103,9 +104,9 @@ void expect_finite(const World& w, int channels, unsigned seed, const std::strin
     ScratchGradients g;
     std::vector<double> sent(w.scratches.size(), 0);
     g.resize(w.scratches.size());
-    renderer.forward(w.scratches, image);
+    renderer.forward(in_metal(w.scratches), image);
     for (const float v : image.data) ASSERT_TRUE(std::isfinite(v) && v >= 0) << how << ": " << v;
-    renderer.forward_with_jacobian(w.scratches, image);
+    renderer.forward_with_jacobian(in_metal(w.scratches), image);
     renderer.backward(weights, g);
     renderer.add_contributions(sent);
     for (const float v : image.data) ASSERT_TRUE(std::isfinite(v) && v >= 0) << how << ": " << v;
@@ -146,7 +147,7 @@ TEST(RandomScenes, AbsurdBenchesGiveNoNaN) {
     w.scene = make_scene(w.bench, w.board, w.camera, lamp);
     const std::string what = "round " + std::to_string(round);
     expect_finite(w, round % 2 == 0 ? 3 : 1, round, what);
-    const auto d = render_with_derivatives(w.scene, w.camera, w.scratches, all_parameters());
+    const auto d = render_with_derivatives(w.scene, w.camera, in_metal(w.scratches), all_parameters());
     for (const Image& image : d.d_radiance)
       for (const float v : image.data) ASSERT_TRUE(std::isfinite(v)) << what;
   }
@@ -160,7 +161,7 @@ TEST(RandomScenes, BrokenFootprintsAreDark) {
     World w = small_world(60);
     ViewRenderer whole(w.scene);
     Image before, after;
-    whole.forward(w.scratches, before);
+    whole.forward(in_metal(w.scratches), before);
     const int width = w.scene.grid->width(), height = w.scene.grid->height(), stride = width + 1;
     FootprintGrid grid = *w.scene.grid;
     std::vector<bool> broken(static_cast<std::size_t>(width) * height, false);
@@ -181,7 +182,7 @@ TEST(RandomScenes, BrokenFootprintsAreDark) {
     expect_finite(w, 1, round, "round " + std::to_string(round));
     for (const bool use_double : {false, true}) {
       ViewRenderer renderer(w.scene, {1, use_double});
-      renderer.forward(w.scratches, after);
+      renderer.forward(in_metal(w.scratches), after);
       for (std::size_t i = 0; i < broken.size(); ++i) {
         const double expected = broken[i] ? 0 : before.data[i];
         EXPECT_NEAR(after.data[i], expected, 1e-5 * expected) << "round " << round << ", pixel " << i;
@@ -194,7 +195,7 @@ TEST(RandomScenes, BrokenFootprintsAreDark) {
     grid.board_from_pixel.reset();
     w.scene.grid = share(grid);
     expect_finite(w, 1, round, "without area");
-    ViewRenderer(w.scene).forward(w.scratches, after);
+    ViewRenderer(w.scene).forward(in_metal(w.scratches), after);
     for (const float v : after.data) EXPECT_EQ(v, 0);
   }
 }
@@ -219,7 +220,7 @@ TEST(RandomScenes, BrokenScratchesAreNamed) {
   for (const bool use_double : {false, true}) {
     ViewRenderer renderer(w.scene, {1, use_double});
     Image image, good;
-    renderer.forward(w.scratches, good);
+    renderer.forward(in_metal(w.scratches), good);
     for (const auto& [member, name] : members) {
       const bool positive = name == "width_um" || name == "depth_um" || name == "alpha";
       std::vector<double> values{kNaN, kInfinity, -kInfinity};
@@ -229,17 +230,18 @@ TEST(RandomScenes, BrokenScratchesAreNamed) {
         const auto s = static_cast<std::size_t>(draw.uniform(0, 300));
         (broken.*member)[s] = value;
         const std::string culprit = name + " of scratch " + std::to_string(s);
-        EXPECT_THAT(message_of([&] { renderer.forward(broken, image); }), testing::HasSubstr(culprit));
-        EXPECT_THAT(message_of([&] { renderer.forward_with_jacobian(broken, image); }), testing::HasSubstr(culprit));
-        EXPECT_THAT(message_of([&] { render_with_derivatives(w.scene, w.camera, broken, all_parameters()); }),
+        EXPECT_THAT(message_of([&] { renderer.forward(in_metal(broken), image); }), testing::HasSubstr(culprit));
+        EXPECT_THAT(message_of([&] { renderer.forward_with_jacobian(in_metal(broken), image); }),
+                    testing::HasSubstr(culprit));
+        EXPECT_THAT(message_of([&] { render_with_derivatives(w.scene, w.camera, in_metal(broken), all_parameters()); }),
                     testing::HasSubstr(culprit));
       }
       Scratches short_of_one = w.scratches;
       (short_of_one.*member).pop_back();
-      EXPECT_NE(message_of([&] { renderer.forward(short_of_one, image); }), "nothing") << name;
+      EXPECT_NE(message_of([&] { renderer.forward(in_metal(short_of_one), image); }), "nothing") << name;
     }
     // And the renderer still works.
-    renderer.forward(w.scratches, image);
+    renderer.forward(in_metal(w.scratches), image);
     EXPECT_EQ(image.data, good.data);
   }
 }
@@ -291,7 +293,7 @@ TEST(RandomScenes, DarkWhereNothingCanBeSeenOrLit) {
       Image image;
       ScratchGradients g;
       g.resize(w.scratches.size());
-      renderer.forward_with_jacobian(w.scratches, image);
+      renderer.forward_with_jacobian(in_metal(w.scratches), image);
       renderer.backward(random_weights(w, 1, round), g);
       for (const float v : image.data) EXPECT_EQ(v, lamp ? static_cast<float>(room) : 0.0F) << "round " << round;
       for (const auto* values : {&g.x0_mm, &g.y0_mm, &g.x1_mm, &g.y1_mm, &g.width_um, &g.depth_um, &g.alpha})

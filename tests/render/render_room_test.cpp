@@ -24,7 +24,7 @@ Rendered render(ViewRenderer& renderer, const Scratches& scratches, const Image&
   Rendered r;
   r.gradients.resize(scratches.size());
   r.contribution.assign(scratches.size(), 0);
-  renderer.forward_with_jacobian(scratches, r.radiance);
+  renderer.forward_with_jacobian(in_metal(scratches), r.radiance);
   renderer.backward(weights, r.gradients);
   renderer.add_contributions(r.contribution);
   r.pairs = renderer.pair_count();

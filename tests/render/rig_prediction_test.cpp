@@ -74,7 +74,7 @@ Eigen::Isometry3d pose_of(const nlohmann::json& j) {
 }
 
 /// Gaussian blur on the pixel grid, separable.
-std::vector<double> blurred(const Image& image, double sigma_px) {
+std::vector<double> blurred_exactly(const Image& image, double sigma_px) {
   const int reach = static_cast<int>(std::ceil(5 * sigma_px));
   std::vector<double> kernel;
   double sum = 0;
@@ -113,7 +113,7 @@ Residuals residuals_of(const Rig& rig, const nlohmann::json& photo, const fs::pa
                           (photo["iso"].get<double>() / 100) / std::pow(photo["f_number"].get<double>(), 2);
   const double full_well = sensor["full_well_e"].get<double>() * 100 / photo["iso"].get<double>();
   const double read_noise = sensor["read_noise_e"].get<double>() / full_well, step = 1.0 / 4095 / std::sqrt(12.0);
-  const std::vector<double> predicted = blurred(radiance, psf_px);
+  const std::vector<double> predicted = blurred_exactly(radiance, psf_px);
   Residuals r;
   double xy = 0, xx = 0;
   constexpr int kEdge = 4;  // the blur reaches over the window's edge
@@ -157,7 +157,7 @@ void each_view(const Rig& rig, const Light& lamp, const Eigen::Vector2d& low_mm,
     ViewRenderer renderer(scene, {channels});
     Image radiance;
     const auto start = std::chrono::steady_clock::now();
-    renderer.forward(rig.scratches, radiance);
+    renderer.forward(in_metal(rig.scratches), radiance);
     const double ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     use(v, window, scene, radiance, ms);
   }
@@ -242,7 +242,7 @@ TEST(RigPrediction, AmateurBenchInTheMiddle) {
         for (int c = 0; c < 3; ++c) {
           Image channel(window.width, window.height, 1);
           for (std::size_t i = 0; i < channel.data.size(); ++i) channel.data[i] = radiance.data[3 * i + c];
-          predicted[c] = blurred(channel, rig.truth["psf_sigma_px"]);
+          predicted[c] = blurred_exactly(channel, rig.truth["psf_sigma_px"]);
         }
         for (const auto& photo : v["photos"]) {
           const Image image = read_picture(folder / photo["file"].get<std::string>());

@@ -1,5 +1,7 @@
 // Proves: scratches.csv goes out and in again to its 1e-5 mm, every faulty line is named, real files are read whole.
 #include "burin/render/scratches.h"
+
+#include "burin/render/carve.h"
 #include "tests/places.h"
 
 #include <gmock/gmock.h>
@@ -119,7 +121,9 @@ TEST(Scratches, TheRigsCarvedScratchesAreTheDesignedOnesThroughTheirAffine) {
     to.col(k) << carved.x0_mm[i], carved.y0_mm[i], 1;
   }
   const Eigen::Matrix<double, 2, 3> affine = (to * from.inverse()).topRows<2>();
-  const Scratches predicted = transformed(designed, affine);
+  Bench bench;
+  bench.machine_affine = affine;
+  const Scratches predicted = carve(Sent(designed), bench, Board()).scratches;
   double worst_mm = 0;
   for (std::size_t i = 0; i < designed.size(); ++i)
     worst_mm = std::max({worst_mm, std::abs(predicted.x0_mm[i] - carved.x0_mm[i]),

@@ -121,9 +121,9 @@ inline FastErrors fast_errors(const World& w, int channels, SimdWidth simd) {
   options.simd = simd;
   ViewRenderer fast(w.scene, options);
   Image expected, image, value_only;
-  exact.forward_with_jacobian(w.scratches, expected);
-  fast.forward(w.scratches, value_only);
-  fast.forward_with_jacobian(w.scratches, image);
+  exact.forward_with_jacobian(in_metal(w.scratches), expected);
+  fast.forward(in_metal(w.scratches), value_only);
+  fast.forward_with_jacobian(in_metal(w.scratches), image);
   FastErrors errors;
   errors.same_pairs = fast.pair_count() == exact.pair_count();
   double peak = 0, error2 = 0, value_error2 = 0;

@@ -25,8 +25,8 @@ TEST(ViewRenderer, PairsFoundGiveWhatAllPairsGive) {
   for (const int channels : {1, 3}) {
     ViewRenderer renderer(w.scene, {channels, true});
     Image found;
-    renderer.forward(w.scratches, found);
-    const Image all = render_brute_force(w.scene, w.scratches, channels);
+    renderer.forward(in_metal(w.scratches), found);
+    const Image all = render_brute_force(w.scene, in_metal(w.scratches), channels);
     ASSERT_EQ(found.data.size(), all.data.size());
     EXPECT_GT(*std::max_element(all.data.begin(), all.data.end()), 0);
     EXPECT_EQ(found.data, all.data) << channels << " channels";
@@ -39,7 +39,7 @@ void expect_backward(World w, const std::string& what) {
   const Image weights = random_weights(w, 3, 5);
   ViewRenderer renderer(w.scene, {3, true});
   Image image;
-  renderer.forward_with_jacobian(w.scratches, image);
+  renderer.forward_with_jacobian(in_metal(w.scratches), image);
   ScratchGradients g;
   g.resize(w.scratches.size());
   renderer.backward(weights, g);
@@ -85,7 +85,7 @@ void expect_backward(World w, const std::string& what) {
   w.scratches.depth_um.clear();
   w.scratches.alpha.clear();
   ViewRenderer uniform(w.scene, {3, true});
-  uniform.forward_with_jacobian(w.scratches, image);
+  uniform.forward_with_jacobian(in_metal(w.scratches), image);
   g.resize(w.scratches.size());
   uniform.backward(weights, g);
   shared(w.scene.material.alpha, 1e-6, g.shared_alpha, "alpha");
@@ -204,7 +204,10 @@ World moved(World w, SceneParameter parameter, double step) {
   } else if (const int i = among(SceneParameter::machine_00, 6); i >= 0) {
     Affine2 A = (Affine2() << 1, 0, 0, 0, 1, 0).finished();
     A(i / 3, i % 3) += step;
-    w.scratches = transformed(w.scratches, A);
+    Bench moved;
+    moved.machine_affine = A;
+    moved.material = Board().material;  // as told: own depths stay as they are
+    w.scratches = carve(Sent(w.scratches), moved, Board()).scratches;
   } else if (const int i = among(SceneParameter::pose_rx, 3); i >= 0) {
     w.camera.T_camera_board = Eigen::AngleAxisd(step, Eigen::Vector3d::Unit(i)) * w.camera.T_camera_board;
   } else if (const int i = among(SceneParameter::pose_tx_mm, 3); i >= 0) {
@@ -231,7 +234,8 @@ std::vector<double> radiance_in_double(const World& w, int channels) {
 void expect_derivatives(const World& w, const char* what) {
   const auto parameters = all_parameters();
   for (const int channels : {1, 3}) {
-    const RadianceDerivatives d = render_with_derivatives(w.scene, w.camera, w.scratches, parameters, {channels});
+    const RadianceDerivatives d =
+        render_with_derivatives(w.scene, w.camera, in_metal(w.scratches), parameters, {channels});
     const std::vector<double> here = radiance_in_double(w, channels);
     for (std::size_t i = 0; i < here.size(); ++i)
       ASSERT_NEAR(d.radiance.data[i], here[i], 1e-6 * std::abs(here[i])) << what;
@@ -342,7 +346,7 @@ TEST(FastView, WithoutMaterialGradientsTheEndsAreTheSame) {
     options.material_gradients = material;
     ViewRenderer renderer(w.scene, options);
     Image image;
-    renderer.forward_with_jacobian(w.scratches, image);
+    renderer.forward_with_jacobian(in_metal(w.scratches), image);
     ScratchGradients& g = material ? all : ends;
     g.resize(w.scratches.size());
     renderer.backward(weights, g);
@@ -374,8 +378,8 @@ TEST(ViewRenderer, AFineGridHoldsTheWholeScratch) {
     for (const bool use_double : {true, false}) {
       ViewRenderer renderer(w.scene, {1, use_double});
       Image with, without;
-      renderer.forward(w.scratches, with);
-      renderer.forward(Scratches{}, without);
+      renderer.forward(in_metal(w.scratches), with);
+      renderer.forward({}, without);
       double sum = 0;
       for (std::size_t i = 0; i < with.data.size(); ++i)
         sum += (static_cast<double>(with.data[i]) - without.data[i]) / (static_cast<double>(n) * n);
@@ -411,12 +415,13 @@ TEST(ViewRenderer, BadInputIsNamed) {
   Image image;
   Scratches broken = w.scratches;
   broken.y1_mm[7] = NAN;
-  EXPECT_THAT(message([&] { renderer.forward(broken, image); }), testing::HasSubstr("y1_mm of scratch 7 is nan"));
+  EXPECT_THAT(message([&] { renderer.forward(in_metal(broken), image); }),
+              testing::HasSubstr("y1_mm of scratch 7 is nan"));
   ScratchGradients g;
   g.resize(w.scratches.size());
-  renderer.forward(w.scratches, image);
+  renderer.forward(in_metal(w.scratches), image);
   EXPECT_THAT(message([&] { renderer.backward(image, g); }), testing::HasSubstr("forward_with_jacobian"));
-  renderer.forward_with_jacobian(w.scratches, image);
+  renderer.forward_with_jacobian(in_metal(w.scratches), image);
   EXPECT_THAT(message([&] { renderer.backward(Image(3, 3, 1), g); }), testing::HasSubstr("another size"));
   g.resize(3);
   EXPECT_THAT(message([&] { renderer.backward(image, g); }), testing::HasSubstr("resize()"));

@@ -13,10 +13,10 @@
 #include "burin/optimize/target.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
 #include "tools/project.h"
 #include "tools/report/html.h"
-#include "tools/report/predicted.h"
 #include "tools/report/rectified.h"
 #include "tools/report/rerun.h"
 #include "tools/report/section.h"
@@ -71,8 +71,10 @@ Shown promised(const fs::path& scratches, const Board& board, const Bench& bench
   const PixelWindow window = carve_window(bench, board, view);
   if (window.width == 0 || window.height == 0) return {};
   const BoardFrame frame{board.carve_min_mm, board.carve_max_mm, target.width, target.height};
-  const Image photo = predicted_photo(bench, board, read_scratches(scratches), view,
-                                      find_light(bench, light, scratches.string()), 1, window);
+  PredictedPhotoOptions options;
+  options.window = window;
+  const Image photo = predicted_photo(bench, board, view, find_light(bench, light, scratches.string()),
+                                      carve(Designed(read_scratches(scratches)), bench, board), options);
   return nearest_exposure(
       rectified(photo, window.x0, window.y0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm}, frame),
       target);

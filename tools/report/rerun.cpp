@@ -2,7 +2,6 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,6 +10,7 @@
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/image.h"
@@ -30,27 +30,26 @@ struct DesignedPicture {
   double promised_db = 0;
 };
 
-struct Designed {
+struct DesignedBoard {
   std::vector<DesignedPicture> pictures;
-  Scratches carved;  // where a machine with the map of the bench as it is puts them
+  Carved carved;  // what the machine of the bench as it is makes of its tool path
 };
 
-Designed read_designed(const fs::path& folder, const Bench& under) {
+DesignedBoard read_designed(const fs::path& folder, const Bench& under, const Board& board) {
   const fs::path file = folder / "design-report.json";
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
-  Designed out;
+  DesignedBoard out;
   for (JsonObject& view : report.objects("views"))
     out.pictures.push_back(
         {view.text("view"), view.text("light"), folder / view.text("target"), view.number("psnr_db")});
   JsonObject used = report.object("bench");
-  Affine2 compensated = Bench().machine_affine;
-  if (used.has("machine_affine")) compensated = used.matrix("machine_affine", 2, 3);
-  // Told to the machine: A^-1 (p - b); carved: the true map of that.
-  const Eigen::Matrix2d A = under.machine_affine.leftCols<2>() * compensated.leftCols<2>().inverse();
-  Affine2 carves;
-  carves << A, under.machine_affine.col(2) - A * compensated.col(2);
-  out.carved = transformed(read_scratches(folder / "scratches.csv"), carves);
+  // Its tool path compensated what was known of the machine then.
+  Bench then = under;
+  then.machine_affine = Bench().machine_affine;
+  if (used.has("machine_affine")) then.machine_affine = used.matrix("machine_affine", 2, 3);
+  const Designed designed(read_scratches(folder / "scratches.csv"));
+  out.carved = carve(compensated(designed, then, board), under, board);
   return out;
 }
 
@@ -59,7 +58,7 @@ struct Look {
   double psnr_db = 0;
 };
 
-Look look_at(const Scratches& carved, const DesignedPicture& asked, const Image& target, const Bench& under,
+Look look_at(const Carved& carved, const DesignedPicture& asked, const Image& target, const Bench& under,
              const Board& board, const fs::path& bench_file) {
   ViewScene scene;
   scene.grid = share(board_grid(board.carve_min_mm, board.carve_max_mm, target.width, target.height,
@@ -114,7 +113,8 @@ std::string rerun_sentence(std::span<const RerunView> views) {
 Section rerun_section(const RerunInput& input, const Progress& progress) {
   const Bench under = read_bench(input.under);
   const Board board = read_board(input.board);
-  const Designed before = read_designed(input.before, under), after = read_designed(input.after, under);
+  const DesignedBoard before = read_designed(input.before, under, board),
+                      after = read_designed(input.after, under, board);
   std::vector<RerunView> views;
   std::string pictures;
   Table results{{"View", "Before: promised", "Before: as seen", "After: promised", "After: as seen", "Gain"}, {}};

@@ -17,10 +17,10 @@
 #include "burin/render/error.h"
 #include "burin/render/footprint_grid.h"
 #include "burin/render/groove.h"
+#include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
 #include "tools/hold_out_file.h"
 #include "tools/report/html.h"
-#include "tools/report/predicted.h"
 #include "tools/report/rectified.h"
 #include "tools/report/residuals.h"
 #include "tools/report/section.h"
@@ -39,7 +39,7 @@ struct Loaded {
   Board board;
   Bench bench;
   std::vector<MergedView> merged;
-  Scratches carved;  // as the bench says they were carved; empty if the board names none
+  Carved carved;  // as the bench says they were carved; empty if the board names none
   ResidualTable residuals;
   HoldOutFile held_out;
 };
@@ -97,9 +97,9 @@ std::string comparison(const Loaded& in, const MergedView& merged, const View& v
   const BoardFrame frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, kRectifiedSidePx);
   const Image photo =
       rectified(with_clipped_infinite(merged), 0, 0, in.bench.lens, view.T_camera_board, surface, frame);
-  const Image predicted =
-      rectified(predicted_photo(in.bench, in.board, in.carved, view, light, merged.value.channels, window), window.x0,
-                window.y0, in.bench.lens, view.T_camera_board, surface, frame);
+  const Image predicted = rectified(predicted_photo(in.bench, in.board, view, light, in.carved,
+                                                    {.channels = merged.value.channels, .window = window}),
+                                    window.x0, window.y0, in.bench.lens, view.T_camera_board, surface, frame);
   const float white = percentile(photo, kWhitePercentile);
   const Agreement fit = agreement(photo, predicted);
   const bool clipped = std::any_of(merged.valid.begin(), merged.valid.end(), [](auto v) { return v == 0; });
@@ -446,7 +446,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   in.board = read_board(in.session.board);
   in.bench = read_bench(folder / "bench.json");
   if (!in.board.scratches.empty() && std::filesystem::exists(in.board.scratches))
-    in.carved = as_carved(read_scratches(in.board.scratches), in.bench, in.board.size_mm);
+    in.carved = carve(Sent(read_scratches(in.board.scratches)), in.bench, in.board);
   in.residuals = read_residuals(folder / "residuals.vnl");
   in.held_out = read_hold_out(folder);
   if (progress) progress("reading photos for the report", 0);

@@ -382,11 +382,11 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   return seed;
 }
 
-Bench with_lamps(std::span<const MergedView> photos, const Board& board, const Scratches& designed,
-                 const Bench& measured, std::vector<std::string>& findings) {
+Bench with_lamps(std::span<const MergedView> photos, const Board& board, const Sent& sent, const Bench& measured,
+                 std::vector<std::string>& findings) {
   Bench bench = measured;
   const std::vector<LightView> views = make_light_views(photos, board, bench, findings);
-  return with_lamps(gather_light_samples(views, board, bench, designed), board, bench, findings);
+  return with_lamps(gather_light_samples(views, board, bench, sent), board, bench, findings);
 }
 
 Bench with_lamps(std::span<const LightSample> samples, const Board& board, const Bench& measured,

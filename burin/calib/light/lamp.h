@@ -20,7 +20,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/brdf.h"
-#include "burin/render/scratches.h"
+#include "burin/render/carve.h"
 
 namespace burin {
 
@@ -76,12 +76,6 @@ T face_radiance(const LampModel<T>& lamp, const T& ambient, const T& base_alpha,
   return lobe * irradiance + f0 * ambient;
 }
 
-/// 1 + v1 r^2 + v2 r^4 + v3 r^6.
-template <typename T>
-T vignette_at(const T* vignette, double radius2) {
-  return 1. + radius2 * (vignette[0] + radius2 * (vignette[1] + radius2 * vignette[2]));
-}
-
 /// Prior of v1, v2, v3: lenses darken mostly as r^2, and photos hardly tell the higher orders from one another.
 inline constexpr std::array<double, 3> kVignettePriorSigma{0.5, 0.25, 0.1};
 
@@ -121,7 +115,7 @@ Bench with_lamps(std::span<const LightSample> samples, const Board& board, const
 /// Finds the lamps of a calibrated bench from paper and face alone: what `burin calibrate` writes.
 /// Also fills in material.base_alpha, ambient light and vignetting, and a verdict on each lamp.
 /// Appends to `findings` what could not be found.
-Bench with_lamps(std::span<const MergedView> photos, const Board& board, const Scratches& designed,
-                 const Bench& measured, std::vector<std::string>& findings);
+Bench with_lamps(std::span<const MergedView> photos, const Board& board, const Sent& sent, const Bench& measured,
+                 std::vector<std::string>& findings);
 
 }  // namespace burin

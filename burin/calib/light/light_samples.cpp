@@ -101,11 +101,6 @@ bool finish_paper(PaperPixels& pixels, LightSample& sample) {
 
 }  // namespace
 
-double vignette_radius2(int width, int height, double x_px, double y_px) {
-  const double dx = x_px - 0.5 * (width - 1), dy = y_px - 0.5 * (height - 1);
-  return 4 * (dx * dx + dy * dy) / (static_cast<double>(width) * width + static_cast<double>(height) * height);
-}
-
 std::vector<LightView> make_light_views(std::span<const MergedView> merged, const Board& board, Bench& bench,
                                         std::vector<std::string>& findings) {
   std::vector<LightView> views;
@@ -278,10 +273,10 @@ BoardMask metal_mask(const Board& board, const Bench& bench, double margin_mm) {
 }
 
 std::vector<LightSample> gather_light_samples(std::span<const LightView> views, const Board& board, const Bench& bench,
-                                              const Scratches& scratches, const LightSampleOptions& options) {
+                                              const Sent& sent, const LightSampleOptions& options) {
   const Surface surface = surface_of(board, bench);
   const std::vector<PlacedTag> tags = place_tags(board, bench);
-  const Scratches carved = transformed(scratches, bench.machine_affine);
+  const Scratches carved = carve(sent, bench, board).scratches;
   std::vector<LightSample> samples;
 
   for (std::size_t k = 0; k < views.size(); ++k) {

@@ -13,10 +13,10 @@
 #include "burin/capture/photo.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/footprint_grid.h"
 #include "burin/render/image.h"
 #include "burin/render/lens.h"
-#include "burin/render/scratches.h"
 
 namespace burin {
 
@@ -81,7 +81,7 @@ struct LightSampleOptions {
 
 /// One white and one black sample a tag and view (where the tag is seen unclipped), and samples of the plain face.
 std::vector<LightSample> gather_light_samples(std::span<const LightView> views, const Board& board, const Bench& bench,
-                                              const Scratches& scratches, const LightSampleOptions& options = {});
+                                              const Sent& sent, const LightSampleOptions& options = {});
 
 /// A picture of the board, row 0 at y = 0, `cell_mm` a pixel: 1 where only plain metal or scratches may be seen, 0 on
 /// the tags' paper, on keep-outs (and `margin_mm` around both), and beyond the board's edge.
@@ -93,8 +93,5 @@ struct BoardMask {
   bool is_free(double x_mm, double y_mm) const;
 };
 BoardMask metal_mask(const Board& board, const Bench& bench, double margin_mm);
-
-/// r^2 of docs/model.md 5's vignetting for a pixel: squared distance from the image's center over half its diagonal.
-double vignette_radius2(int width, int height, double x_px, double y_px);
 
 }  // namespace burin

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "burin/calib/photo/overlap.h"
+#include "burin/render/carve.h"
 
 namespace burin {
 namespace {
@@ -17,9 +17,9 @@ constexpr int kKinds = 2;  // log alpha, log depth
 using Pair = std::array<std::vector<double>, kKinds>;
 
 // The pieces with grooves that are exp(step z) times as rough or deep, z one number a groove.
-Scratches changed(const VisiblePieces& pieces, int kind, const std::vector<double>& z, double step) {
-  Scratches out = pieces.pieces;
-  std::vector<double>& values = kind == 0 ? out.alpha : out.depth_um;
+Carved changed(const Carved& pieces, int kind, const std::vector<double>& z, double step) {
+  Carved out = pieces;
+  std::vector<double>& values = kind == 0 ? out.scratches.alpha : out.scratches.depth_um;
   for (std::size_t i = 0; i < values.size(); ++i) values[i] *= std::exp(step * z[pieces.source[i]]);
   return out;
 }
@@ -48,8 +48,8 @@ class Products {
 }  // namespace
 
 GrooveScatter groove_scatter(const Problem& data, const State& state) {
-  const VisiblePieces pieces = carved_pieces(data.model, state.of(0));
-  const std::size_t grooves = data.model.designed->size();
+  const Carved pieces = carved_pieces(data.model, state.of(0));
+  const std::size_t grooves = data.model.sent->size();
   std::mt19937_64 random(1);
   std::array<std::vector<double>, kKinds> z;
   for (std::vector<double>& one : z)
@@ -63,7 +63,7 @@ GrooveScatter groove_scatter(const Problem& data, const State& state) {
   each_photo(data.photos.size(), [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];
     const Unknowns x = state.of(photo.photo.light);
-    const Image value = predict(data.model, photo, x, pieces.pieces);
+    const Image value = predict(data.model, photo, x, pieces);
     std::array<Image, kKinds> slope;  // J z
     for (int kind = 0; kind < kKinds; ++kind) {
       slope[kind] = predict(data.model, photo, x, changed(pieces, kind, z[kind], kStep));
@@ -85,7 +85,7 @@ GrooveScatter groove_scatter(const Problem& data, const State& state) {
         for (int kind = 0; kind < kKinds; ++kind)
           of_half[1 + kind].data[i] = static_cast<float>(curvature * slope[kind].data[i]);
       }
-    const std::vector<GrooveGradients> back = groove_gradients(photo, x, pieces.pieces, images);
+    const std::vector<GrooveGradients> back = groove_gradients(photo, x, pieces, images);
     for (const GrooveGradients& gradients : back) {
       Pair of_groove{std::vector<double>(grooves, 0), std::vector<double>(grooves, 0)};
       for (std::size_t i = 0; i < pieces.source.size(); ++i) {

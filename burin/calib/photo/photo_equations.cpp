@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "burin/calib/light/lamp.h"
@@ -15,32 +13,6 @@
 
 namespace burin {
 namespace {
-
-cv::Mat as_mat(Image& image) { return {image.height, image.width, CV_32F, image.data.data()}; }
-
-// A Gaussian on the pixel grid. On the photo's own pixels it is sampled, as docs/model.md 5 has it; on binned pixels it
-// is narrower than they are, and three taps of the same variance say more than a sampled Gaussian.
-cv::Mat blur_kernel(double sigma_px, int bin) {
-  const double sigma = sigma_px / bin;
-  if (bin > 1 && sigma < 0.5) {
-    const float side = static_cast<float>(0.5 * sigma * sigma);
-    return (cv::Mat_<float>(3, 1) << side, 1 - 2 * side, side);
-  }
-  const int radius = std::max(1, static_cast<int>(std::ceil(4 * sigma)));
-  cv::Mat kernel(2 * radius + 1, 1, CV_32F);
-  double sum = 0;
-  for (int i = -radius; i <= radius; ++i) sum += std::exp(-0.5 * i * i / (sigma * sigma));
-  for (int i = -radius; i <= radius; ++i)
-    kernel.at<float>(i + radius) = static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)) / sum);
-  return kernel;
-}
-
-Image blurred(Image image, const cv::Mat& kernel) {
-  cv::Mat in = as_mat(image);
-  Image out(image.width, image.height, 1);
-  cv::sepFilter2D(in, as_mat(out), CV_32F, kernel, kernel, cv::Point(-1, -1), 0, cv::BORDER_REPLICATE);
-  return out;
-}
 
 Eigen::Matrix2d machine_linear(const Unknowns& x) {
   return (Eigen::Matrix2d() << x[unknown::machine], x[unknown::machine + 1], x[unknown::machine + 2],
@@ -111,7 +83,7 @@ double vignette_of(const PhotoData& photo, const Unknowns& x, std::size_t i) {
 
 // Lamp light before blur: rendered radiance times the spot's fall-off. Without derivatives it is the fast path's, good
 // to 1e-6 of the peak.
-Image rendered_light(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+Image rendered_light(const PhotoData& photo, const Unknowns& x, const Carved& carved,
                      const std::vector<float>& falloff) {
   Image light;
   ViewRenderer(scene_at(photo, x), {}, photo.room).forward(carved, light);
@@ -121,12 +93,13 @@ Image rendered_light(const PhotoData& photo, const Unknowns& x, const Scratches&
 
 // The same with all grooves exp(step) times as rough (index log_alpha) or as deep (log_depth); which of them is seen
 // where they cross stays as it is.
-Image light_of_changed(const PhotoData& photo, const Unknowns& x, const Scratches& carved, int index, double step,
+Image light_of_changed(const PhotoData& photo, const Unknowns& x, const Carved& carved, int index, double step,
                        const std::vector<float>& falloff) {
   Unknowns other = x;
   other[index] += step;
-  Scratches changed = carved;
-  for (double& own : index == unknown::log_alpha ? changed.alpha : changed.depth_um) own *= std::exp(step);
+  Carved changed = carved;
+  for (double& own : index == unknown::log_alpha ? changed.scratches.alpha : changed.scratches.depth_um)
+    own *= std::exp(step);
   return rendered_light(photo, other, changed, falloff);
 }
 
@@ -182,7 +155,7 @@ Image with_ambient(const ModelData& model, const PhotoData& photo, const Unknown
 
 // From the lamp's light to what the sensor sees: ambient light and blur.
 Image at_sensor(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
-  return blurred(with_ambient(model, photo, x, std::move(light)), blur_kernel(blur_sigma_px(photo, x), photo.bin));
+  return blurred(with_ambient(model, photo, x, std::move(light)), blur_taps(blur_sigma_px(photo, x), photo.bin));
 }
 
 // And to the photo's value: vignetting.
@@ -230,49 +203,47 @@ std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x) {
 
 namespace {
 
-Scratches whole_scratches(const ModelData& model, const Unknowns& x) {
+// The bench that the unknowns make, as far as carving asks.
+Bench bench_at(const ModelData& model, const Unknowns& x) {
+  Bench bench;
   const Eigen::Matrix2d A = machine_linear(x);
-  Eigen::Matrix<double, 2, 3> affine;
-  affine << A, model.center_mm - A * model.center_mm + machine_shift(x);
-  Scratches carved = transformed(*model.designed, affine);
-  const double depth = std::exp(x[unknown::log_depth]), alpha = std::exp(x[unknown::log_alpha]);
-  // What scratches carry of their own is taken as designed on a board of the believed material: ratios are kept.
-  for (double& d : carved.depth_um) d *= depth / model.board->material.depth_um;
-  for (double& a : carved.alpha) a = std::min(1.0, a * alpha / model.board->material.alpha);
-  apply_fields({depth_field_of(x), {}}, {model.alpha_field, {}}, depth, alpha, model.board->size_mm, carved);
-  return carved;
+  bench.machine_affine << A, model.center_mm - A * model.center_mm + machine_shift(x);
+  bench.material.depth_um = std::exp(x[unknown::log_depth]);
+  bench.material.alpha = std::exp(x[unknown::log_alpha]);
+  bench.depth_field.terms = depth_field_of(x);
+  bench.alpha_field.terms = model.alpha_field;
+  bench.crossings = model.crossings;
+  return bench;
 }
 
 }  // namespace
 
-Scratches carved_scratches(const ModelData& model, const Unknowns& x) {
-  Scratches carved = whole_scratches(model, x);
-  if (!model.last_carved_rules) return carved;
-  return visible_pieces(carved, model.board->tool_width_um, std::exp(x[unknown::log_depth])).pieces;
+Carved carved_at(const ModelData& model, const Unknowns& x) {
+  return carve(*model.sent, bench_at(model, x), *model.board);
 }
 
-VisiblePieces carved_pieces(const ModelData& model, const Unknowns& x) {
-  Scratches carved = whole_scratches(model, x);
-  const double depth = std::exp(x[unknown::log_depth]), alpha = std::exp(x[unknown::log_alpha]);
-  if (carved.depth_um.empty()) carved.depth_um.assign(carved.size(), depth);
-  if (carved.alpha.empty()) carved.alpha.assign(carved.size(), alpha);
-  if (model.last_carved_rules) return visible_pieces(carved, model.board->tool_width_um, depth);
-  VisiblePieces whole{std::move(carved), {}};
-  whole.source.resize(whole.pieces.size());
-  std::iota(whole.source.begin(), whole.source.end(), std::size_t{0});
-  return whole;
+Carved carved_pieces(const ModelData& model, const Unknowns& x) {
+  Carved carved = carved_at(model, x);
+  const std::size_t n = carved.size();
+  if (carved.scratches.depth_um.empty()) carved.scratches.depth_um.assign(n, std::exp(x[unknown::log_depth]));
+  if (carved.scratches.alpha.empty()) carved.scratches.alpha.assign(n, std::exp(x[unknown::log_alpha]));
+  if (carved.source.empty()) {
+    carved.source.resize(n);
+    std::iota(carved.source.begin(), carved.source.end(), 0U);
+  }
+  return carved;
 }
 
-Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
+Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved) {
   Image value = value_of_light(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
   for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] += static_cast<float>(corrected_by(photo, x, i));
   return value;
 }
 
 GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x,
-                                 const Scratches& carved) {
+                                 const Carved& carved) {
   const std::vector<float> falloff = falloff_image(photo, x);
-  const cv::Mat kernel = blur_kernel(blur_sigma_px(photo, x), photo.bin);
+  const std::vector<float> kernel = blur_taps(blur_sigma_px(photo, x), photo.bin);
   constexpr double kStep = 0.02;
   const auto slope = [&](int index) {
     Image above = light_of_changed(photo, x, carved, index, kStep, falloff);
@@ -286,15 +257,15 @@ GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo,
   return {predict(model, photo, x, carved), slope(unknown::log_alpha), slope(unknown::log_depth)};
 }
 
-std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unknowns& x, const Carved& carved,
                                               std::span<const Image> dE_dvalue) {
-  if (carved.depth_um.empty() || carved.alpha.empty())
+  if (carved.scratches.depth_um.empty() || carved.scratches.alpha.empty())
     fail("groove_gradients", "scratches without depth and roughness of their own", "use carved_pieces()");
   ViewRenderer renderer(scene_at(photo, x), {}, photo.room);
   Image radiance;
   renderer.forward_with_jacobian(carved, radiance);
   const std::vector<float> falloff = falloff_image(photo, x);
-  const cv::Mat kernel = blur_kernel(blur_sigma_px(photo, x), photo.bin);
+  const std::vector<float> kernel = blur_taps(blur_sigma_px(photo, x), photo.bin);
   std::vector<GrooveGradients> out;
   for (const Image& given : dE_dvalue) {
     Image back = given;
@@ -305,15 +276,15 @@ std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unkn
     gradients.resize(carved.size());
     renderer.backward(back, gradients);
     for (std::size_t i = 0; i < carved.size(); ++i) {
-      gradients.alpha[i] *= carved.alpha[i];
-      gradients.depth_um[i] *= carved.depth_um[i];
+      gradients.alpha[i] *= carved.scratches.alpha[i];
+      gradients.depth_um[i] *= carved.scratches.depth_um[i];
     }
     out.push_back({std::move(gradients.alpha), std::move(gradients.depth_um)});
   }
   return out;
 }
 
-void shift_by_grooves(const ModelData& model, const Unknowns& x, const Scratches& carved, PhotoData& photo) {
+void shift_by_grooves(const ModelData& model, const Unknowns& x, const Carved& carved, PhotoData& photo) {
   photo.groove_shift.clear();
   if (!(model.alpha_jitter > 0) && !(model.depth_jitter > 0)) return;
   const std::vector<float> falloff = falloff_image(photo, x);
@@ -332,7 +303,7 @@ void shift_by_grooves(const ModelData& model, const Unknowns& x, const Scratches
 }
 
 void correct_binning(const ModelData& model, const LightView& whole, const Board& board, const Bench& bench,
-                     const Unknowns& x, const Scratches& carved, std::size_t max_pixels, PhotoData& photo) {
+                     const Unknowns& x, const Carved& carved, std::size_t max_pixels, PhotoData& photo) {
   photo.correction.clear();
   photo.groove_shift.clear();  // taken anew afterwards: fine and binned pixels are compared without it
   int divisor = 1;
@@ -424,11 +395,11 @@ std::vector<Image> lens_slopes(const PhotoData& photo, const Image& by_rx, const
 
 }  // namespace
 
-Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
+Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved) {
   return at_sensor(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
 }
 
-double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved) {
+double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved) {
   return photo_cost(model, photo, x, seen_light(model, photo, x, carved));
 }
 
@@ -442,7 +413,7 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
   return cost;
 }
 
-PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
                          const FreeUnknowns& free) {
   using P = SceneParameter;
   const std::size_t pixels = photo.weight.size();
@@ -495,7 +466,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   }
 
   const double blur_sigma = blur_sigma_px(photo, x);
-  const cv::Mat kernel = blur_kernel(blur_sigma, photo.bin);
+  const std::vector<float> kernel = blur_taps(blur_sigma, photo.bin);
   const Image light = std::move(rendered.radiance), total = with_ambient(model, photo, x, light);
 
   PhotoSlopes out;
@@ -534,7 +505,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
     constexpr double kStep = 0.02;
     Unknowns worn = x;
     worn[unknown::depth_field + kWear] += kStep;
-    Image change = rendered_light(photo, worn, carved_scratches(model, worn), falloff);
+    Image change = rendered_light(photo, worn, carved_at(model, worn), falloff);
     scene_at(photo, x);
     for (std::size_t i = 0; i < pixels; ++i)
       change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(kStep);
@@ -586,8 +557,8 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
     constexpr double kStep = 0.02;
     Image wider(width, height, 1);
     if (photo.correction.empty()) {
-      wider = blurred(total, blur_kernel(blur_sigma * (1 + kStep), photo.bin));
-      const Image narrower = blurred(total, blur_kernel(blur_sigma * (1 - kStep), photo.bin));
+      wider = blurred(total, blur_taps(blur_sigma * (1 + kStep), photo.bin));
+      const Image narrower = blurred(total, blur_taps(blur_sigma * (1 - kStep), photo.bin));
       for (std::size_t i = 0; i < pixels; ++i)
         wider.data[i] = (wider.data[i] - narrower.data[i]) / static_cast<float>(2 * kStep);
     } else {
@@ -621,8 +592,8 @@ bool slopes_hold(const ModelData& model, const PhotoData& photo, const PhotoSlop
   return changed < 1 || missed < kTenth * kTenth * changed;
 }
 
-PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
-                               const Scratches& carved, const FreeUnknowns& free, double tile_mm) {
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
+                               const FreeUnknowns& free, double tile_mm) {
   const PhotoSlopes slopes = photo_slopes(model, photo, x, carved, free);
   return photo_equations(model, photo, x, slopes.light, slopes, tile_mm);
 }

@@ -11,9 +11,9 @@
 
 #include "burin/calib/geometry/geometry_prior.h"
 #include "burin/calib/light/light_samples.h"
-#include "burin/calib/photo/overlap.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/groove_field.h"
 #include "burin/render/scratches.h"
 #include "burin/render/view_renderer.h"
@@ -66,13 +66,13 @@ struct PhotoData {
 /// What all photos share.
 struct ModelData {
   const Board* board = nullptr;
-  const Scratches* designed = nullptr;
+  const Sent* sent = nullptr;
   /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
   std::array<double, GrooveField::kTerms> alpha_field{};
-  bool last_carved_rules = false;   ///< overlap: see burin/calib/photo/overlap.h
-  Eigen::Vector2d center_mm{0, 0};  ///< of the carve area
-  double f0 = 0.92;                 ///< mean of the channels
-  double cauchy = 3;                ///< scale of the robust loss, in expected errors
+  Crossings crossings = Crossings::add;  ///< overlap: see burin/render/carve.h
+  Eigen::Vector2d center_mm{0, 0};       ///< of the carve area
+  double f0 = 0.92;                      ///< mean of the channels
+  double cauchy = 3;                     ///< scale of the robust loss, in expected errors
   /// How much roughness and depth differ from groove to groove: standard deviations of their logarithms
   /// (groove_scatter.h), and the standard errors of these numbers' squares.
   double alpha_jitter = 0, depth_jitter = 0;
@@ -87,20 +87,20 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
 std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x);
 
 /// The scratches as carved under these unknowns, cut where later ones rule if the model says so.
-Scratches carved_scratches(const ModelData& model, const Unknowns& x);
+Carved carved_at(const ModelData& model, const Unknowns& x);
 
 /// The same with the scratch that each is a piece of, and with a depth and a roughness for each.
-VisiblePieces carved_pieces(const ModelData& model, const Unknowns& x);
+Carved carved_pieces(const ModelData& model, const Unknowns& x);
 
 /// The photo as predicted (linear value / exposure factor).
-Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
+Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved);
 
 /// The same with its derivatives by the logarithms of alpha and depth, from differences: for weights.
 struct GrooveSlopes {
   Image value, by_log_alpha, by_log_depth;
 };
 GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x,
-                                 const Scratches& carved);
+                                 const Carved& carved);
 
 /// dE/d(log alpha) and dE/d(log depth) of each scratch.
 struct GrooveGradients {
@@ -108,13 +108,13 @@ struct GrooveGradients {
 };
 /// Those of several E, given dE/d(value) of each, one number a pixel: predict() backwards. `carved` must have depths
 /// and roughnesses of its own (carved_pieces).
-std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unknowns& x, const Carved& carved,
                                               std::span<const Image> dE_dvalue);
 
 /// Sets `photo.groove_shift` at x: a pixel's value is not linear in a groove's roughness or depth, so grooves that
 /// differ by model.alpha_jitter and depth_jitter send other light on average than equal ones. Their logarithms are
 /// taken as normal, by Gauss and Hermite's rule of three points.
-void shift_by_grooves(const ModelData& model, const Unknowns& x, const Scratches& carved, PhotoData& photo);
+void shift_by_grooves(const ModelData& model, const Unknowns& x, const Carved& carved, PhotoData& photo);
 
 /// Sets `photo.correction` at x: the prediction on the photo's own pixels (`whole`, the view that was binned),
 /// averaged, less the one on binned pixels. What is not linear within a binned pixel (grooves that cover a pixel more
@@ -123,10 +123,10 @@ void shift_by_grooves(const ModelData& model, const Unknowns& x, const Scratches
 /// about this state. Pixels are at most `max_pixels` large images; larger ones are binned by the smallest divisor of
 /// photo.bin that fits, and where none does, nothing is corrected.
 void correct_binning(const ModelData& model, const LightView& whole, const Board& board, const Bench& bench,
-                     const Unknowns& x, const Scratches& carved, std::size_t max_pixels, PhotoData& photo);
+                     const Unknowns& x, const Carved& carved, std::size_t max_pixels, PhotoData& photo);
 
 /// What the photo shows at x before vignetting and corrections, lamp and ambient light blurred: what takes rendering.
-Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
+Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved);
 
 /// The same with its derivatives by all unknowns that it depends on otherwise than by a factor.
 struct PhotoSlopes {
@@ -136,7 +136,7 @@ struct PhotoSlopes {
   std::vector<int> index;      ///< of the unknown that each column is by
   std::vector<Image> columns;  ///< before vignetting
 };
-PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved,
+PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
                          const FreeUnknowns& free);
 
 /// Whether slopes that were taken elsewhere serve at x, where the photo shows `light`: they foretold what has changed
@@ -155,13 +155,13 @@ struct PhotoEquations {
   Eigen::MatrixXd curvature_JtJ;  ///< with tile_scores: weighted by the loss' curvature, where it is not negative
 };
 
-double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Scratches& carved);
+double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved);
 /// The same where `light` is seen.
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light);
 
 /// `tile_mm` > 0 asks for tile_scores, noise_JtJ and curvature_JtJ.
-PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
-                               const Scratches& carved, const FreeUnknowns& free, double tile_mm = 0);
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
+                               const FreeUnknowns& free, double tile_mm = 0);
 /// The same where `light` is seen, with slopes that hold there.
 PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
                                const PhotoSlopes& slopes, double tile_mm = 0);

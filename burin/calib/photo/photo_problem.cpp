@@ -19,11 +19,11 @@ namespace {
 // The scratches of the last few states: all photos of an iteration share them.
 class CarvedCache {
  public:
-  std::shared_ptr<const Scratches> get(const ModelData& model, const Unknowns& x) {
+  std::shared_ptr<const Carved> get(const ModelData& model, const Unknowns& x) {
     const Eigen::VectorXd key = x.head<unknown::ambient>();
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!carved_ || key != key_) {
-      carved_ = std::make_shared<const Scratches>(carved_scratches(model, x));
+      carved_ = std::make_shared<const Carved>(carved_at(model, x));
       key_ = key;
     }
     return carved_;
@@ -32,7 +32,7 @@ class CarvedCache {
  private:
   std::mutex mutex_;
   Eigen::VectorXd key_;
-  std::shared_ptr<const Scratches> carved_;
+  std::shared_ptr<const Carved> carved_;
 };
 
 // One photo as Ceres sees it: its weighted residuals and their Jacobian, turned by an orthogonal transform into count +
@@ -55,7 +55,7 @@ class PhotoCost : public ceres::CostFunction {
         x[kBlocks[b].first + i] = parameters[b][i];
         free[kBlocks[b].first + i] = jacobians != nullptr && jacobians[b] != nullptr;
       }
-    const std::shared_ptr<const Scratches> carved = cache_.get(model_, x);
+    const std::shared_ptr<const Carved> carved = cache_.get(model_, x);
     Eigen::Map<Eigen::VectorXd> out(residuals, unknown::count + 1);
     out.setZero();
     // A step that is taken is asked for twice: for its cost, and with the Jacobian.
@@ -338,7 +338,7 @@ Eigen::Vector2d groove_variances(const std::vector<std::vector<PixelSquares>>& p
 }
 
 void weigh(Problem& data, const State& state, bool grooves_differ) {
-  const Scratches carved = carved_scratches(data.model, state.of(0));
+  const Carved carved = carved_at(data.model, state.of(0));
   data.photo_model_error.assign(data.photos.size(), 0);
   std::vector<GrooveSlopes> predicted(data.photos.size());
   std::vector<std::vector<PixelSquares>> squares(data.photos.size());
@@ -391,7 +391,7 @@ void weigh_photos_and_grooves(Problem& data, const State& state) {
   data.model.depth_jitter = std::sqrt(scatter.variance[1]);
   data.model.alpha_jitter2_sigma = scatter.sigma[0];
   data.model.depth_jitter2_sigma = scatter.sigma[1];
-  const Scratches carved = carved_scratches(data.model, state.of(0));
+  const Carved carved = carved_at(data.model, state.of(0));
   each_photo(data.photos.size(), [&](std::size_t k) {
     shift_by_grooves(data.model, state.of(data.photos[k].photo.light), carved, data.photos[k]);
   });
@@ -424,7 +424,7 @@ std::vector<PhotoData> photos_at(const std::vector<LightView>& views, int bin, c
 void correct_binning(Problem& data, const std::vector<LightView>& views, const Board& board, const Bench& bench,
                      const State& state) {
   constexpr std::size_t kMaxPixels = 4'000'000;  // of a photo: some 100 bytes each while it is worked on
-  const Scratches carved = carved_scratches(data.model, state.of(0));
+  const Carved carved = carved_at(data.model, state.of(0));
   each_photo(data.photos.size(), [&](std::size_t k) {
     const Unknowns x = state.of(views[k].light);
     correct_binning(data.model, views[k], board, bench, x, carved, kMaxPixels, data.photos[k]);
@@ -434,7 +434,7 @@ void correct_binning(Problem& data, const std::vector<LightView>& views, const B
 
 double cost_of(const Problem& data, const State& state, std::size_t stride) {
   double cost = 0;
-  const Scratches carved = carved_scratches(data.model, state.of(0));  // the same for all lamps
+  const Carved carved = carved_at(data.model, state.of(0));  // the same for all lamps
   for (std::size_t k = 0; k < data.photos.size(); k += stride)
     cost += photo_cost(data.model, data.photos[k], state.of(data.photos[k].photo.light), carved);
   return cost;

@@ -8,8 +8,7 @@
 #include <utility>
 
 namespace burin {
-PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Scratches& carved,
-                   const Bench& bench) {
+PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Carved& carved, const Bench& bench) {
   const PhotoData& photo = data.photos[k];
   const Unknowns x = state.of(photo.photo.light);
   const Image predicted = predict(data.model, photo, x, carved);
@@ -48,7 +47,7 @@ void fit_colors(const Problem& data, std::span<const MergedView> merged, const S
     g[c] = Eigen::VectorXd::Zero(n);
   }
   bool colored = false;
-  const Scratches carved = carved_scratches(data.model, state.of(0));
+  const Carved carved = carved_at(data.model, state.of(0));
   for (const PhotoData& photo : data.photos) {
     const MergedView& source = merged[photo.photo.merged];
     if (source.value.channels != 3) continue;

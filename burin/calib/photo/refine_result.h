@@ -12,7 +12,7 @@
 namespace burin {
 
 /// How photo k is explained.
-PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Scratches& carved, const Bench& bench);
+PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Carved& carved, const Bench& bench);
 
 /// Colors: with everything else known, each channel of a photo is linear in its lamp's intensity and the ambient
 /// light. Splits the intensities and ambient light of `bench` (means of the channels) into channels; nothing for mono

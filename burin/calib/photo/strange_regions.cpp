@@ -37,7 +37,7 @@ struct Squares {
 std::vector<StrangeRegion> strange_regions(const Problem& data, const State& state) {
   constexpr double kBeyond = 4;  // expected errors
   Squares squares(*data.model.board);
-  const Scratches carved = carved_scratches(data.model, state.of(0));
+  const Carved carved = carved_at(data.model, state.of(0));
   for (const PhotoData& photo : data.photos) {
     const Image value = predict(data.model, photo, state.of(photo.photo.light), carved);
     std::vector<int> pixels(squares.seen.size(), 0), off(pixels);

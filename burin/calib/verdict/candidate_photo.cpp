@@ -273,7 +273,7 @@ LightCandidate light_candidate(const Problem& data, State& state, const Bench& b
     }
 
   // Metal: every pixel, with the error that the prediction's own brightness gives it.
-  const Scratches carved = carved_scratches(data.model, x);
+  const Carved carved = carved_at(data.model, x);
   photo.photo.value = predict(data.model, photo, x, carved);
   std::vector<float> bright;
   const double noise = options.noise * out.light.paper;
@@ -295,9 +295,9 @@ LightCandidate light_candidate(const Problem& data, State& state, const Bench& b
       out.information(global_index(a, light), global_index(b, light)) += equations.JtJ(a, b);
 
   ModelData whole = data.model;
-  whole.last_carved_rules = false;
+  whole.crossings = Crossings::add;
   out.straddle =
-      straddle_of(carved_scratches(whole, x), surface, std::exp(x[unknown::log_alpha]), std::exp(x[unknown::log_depth]),
+      straddle_of(carved_at(whole, x), surface, std::exp(x[unknown::log_alpha]), std::exp(x[unknown::log_depth]),
                   board.tool_width_um, x.segment<3>(unknown::lamp_position), eye);
   return out;
 }

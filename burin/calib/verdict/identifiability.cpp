@@ -282,8 +282,9 @@ Combinations judge_geometry(const BoardSolution& geometry, const Board& board, b
 
 // --- light, grooves, machine -----------------------------------------------------------------------------------------
 
-Straddle straddle_of(const Scratches& carved, const Surface& surface, double alpha, double depth_um,
-                     double tool_width_um, const Eigen::Vector3d& lamp, const Eigen::Vector3d& camera) {
+Straddle straddle_of(const Carved& grooves, const Surface& surface, double alpha, double depth_um, double tool_width_um,
+                     const Eigen::Vector3d& lamp, const Eigen::Vector3d& camera) {
+  const Scratches& carved = grooves.scratches;
   Straddle out;
   for (std::size_t i = 0; i < carved.size(); ++i) {
     const Eigen::Vector3d a(carved.x0_mm[i], carved.y0_mm[i], 0), b(carved.x1_mm[i], carved.y1_mm[i], 0);
@@ -351,8 +352,8 @@ Combinations judge_light(const Problem& data, const State& state, const Uncertai
     material("alpha", unknown::log_alpha, bench.material.alpha, bench.material_sigma.alpha);
     material("depth_um", unknown::log_depth, bench.material.depth_um, bench.material_sigma.depth_um);
     ModelData whole = data.model;
-    whole.last_carved_rules = false;
-    const Scratches carved = carved_scratches(whole, state.of(0));
+    whole.crossings = Crossings::add;
+    const Carved carved = carved_at(whole, state.of(0));
     Straddle straddle;
     for (const PhotoData& photo : data.photos) {
       const Straddle one = straddle_of(

@@ -20,6 +20,7 @@
 #include "burin/calib/verdict/photo_uncertainty.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 
 namespace burin {
 
@@ -59,7 +60,7 @@ struct Straddle {
   }
 };
 /// For one photo under one lamp, at the middles of the scratches.
-Straddle straddle_of(const Scratches& carved, const Surface& surface, double alpha, double depth_um,
-                     double tool_width_um, const Eigen::Vector3d& lamp_mm, const Eigen::Vector3d& camera_mm);
+Straddle straddle_of(const Carved& carved, const Surface& surface, double alpha, double depth_um, double tool_width_um,
+                     const Eigen::Vector3d& lamp_mm, const Eigen::Vector3d& camera_mm);
 
 }  // namespace burin

@@ -130,8 +130,8 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
 
   Straddle straddle;
   ModelData whole = data.model;
-  whole.last_carved_rules = false;
-  const Scratches carved = carved_scratches(whole, state.of(0));
+  whole.crossings = Crossings::add;
+  const Carved carved = carved_at(whole, state.of(0));
   for (const PhotoData& photo : data.photos) {
     const Unknowns x = state.of(photo.photo.light);
     const Straddle one =

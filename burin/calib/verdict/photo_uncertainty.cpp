@@ -61,7 +61,7 @@ FreeUnknowns wanted_of(const Problem& data, const Stage& stage) {
 std::vector<std::vector<PhotoEquations>> equations_of_photos(const Problem& data, const Stage& stage,
                                                              const State& state, const std::vector<ModelData>& models) {
   const FreeUnknowns wanted = wanted_of(data, stage);
-  const Scratches carved = carved_scratches(data.model, state.of(0));
+  const Carved carved = carved_at(data.model, state.of(0));
   std::vector<std::vector<PhotoEquations>> out(models.size(), std::vector<PhotoEquations>(data.photos.size()));
   each_photo(data.photos.size(), [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];

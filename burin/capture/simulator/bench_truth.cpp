@@ -305,8 +305,8 @@ BenchTruth read_bench_truth(const fs::path& file) {
   return truth;
 }
 
-Scratches designed_scratches(const BenchTruth& truth) {
-  if (!truth.scratches.empty()) return read_scratches(truth.scratches);
+Sent sent_scratches(const BenchTruth& truth) {
+  if (!truth.scratches.empty()) return Sent(read_scratches(truth.scratches));
   Scratches scratches;
   std::mt19937_64 random(truth.random.seed);
   const Eigen::Vector2d low = truth.board.carve_min_mm, high = truth.board.carve_max_mm;
@@ -330,29 +330,27 @@ Scratches designed_scratches(const BenchTruth& truth) {
     scratches.x1_mm.push_back(p1.x());
     scratches.y1_mm.push_back(p1.y());
   }
-  return scratches;
+  return Sent(std::move(scratches));
 }
 
-Scratches carved_scratches(const BenchTruth& truth, const Scratches& designed) {
-  Scratches carved = transformed(designed, truth.machine_affine);
-  const std::size_t n = carved.size();
-  if (carved.width_um.empty()) carved.width_um.assign(n, truth.board.tool_width_um);
-  if (carved.depth_um.empty()) carved.depth_um.assign(n, truth.board.material.depth_um);
-  if (carved.alpha.empty()) carved.alpha.assign(n, truth.board.material.alpha);
+Carved carved_by(const BenchTruth& truth, const Sent& sent) {
+  Bench bench;
+  bench.machine_affine = truth.machine_affine;
+  bench.material = truth.board.material;
+  bench.depth_field.terms = {truth.depth_gradient.x(), truth.depth_gradient.y(), 0, 0, 0, truth.wear};
+  // Grooves that cross are left whole: the sampler finds out at each point which of them rules.
+  Carved carved = carve(sent, bench, truth.believed);
+  Scratches& s = carved.scratches;
+  const std::size_t n = s.size();
+  if (s.width_um.empty()) s.width_um.assign(n, truth.board.tool_width_um);
+  if (s.depth_um.empty()) s.depth_um.assign(n, truth.board.material.depth_um);
+  if (s.alpha.empty()) s.alpha.assign(n, truth.board.material.alpha);
   std::mt19937_64 random(truth.seed ^ 0x9e3779b97f4a7c15ULL);
   std::normal_distribution<> normal;
   for (std::size_t i = 0; i < n; ++i) {
-    const double u = (carved.x0_mm[i] + carved.x1_mm[i]) / 2 / truth.board.size_mm.x() - 0.5;
-    const double v = (carved.y0_mm[i] + carved.y1_mm[i]) / 2 / truth.board.size_mm.y() - 0.5;
-    const double age = n > 1 ? static_cast<double>(i) / static_cast<double>(n - 1) - 0.5 : 0;
     const double depth_noise = normal(random), alpha_noise = normal(random);
-    const double factor = (1 + truth.depth_gradient.x() * u + truth.depth_gradient.y() * v) * (1 - truth.wear * age) *
-                          std::exp(truth.depth_jitter * depth_noise);
-    if (!(factor > 0))
-      fail(truth.file.string() + ": material", "depth_gradient and wear leave a scratch without depth",
-           "make them smaller");
-    carved.depth_um[i] *= factor;
-    carved.alpha[i] = std::min(1.0, carved.alpha[i] * std::exp(truth.alpha_jitter * alpha_noise));
+    s.depth_um[i] *= std::exp(truth.depth_jitter * depth_noise);
+    s.alpha[i] = std::min(1.0, s.alpha[i] * std::exp(truth.alpha_jitter * alpha_noise));
   }
   return carved;
 }

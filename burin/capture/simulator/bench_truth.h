@@ -32,8 +32,8 @@
 #include "burin/capture/session.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/lens.h"
-#include "burin/render/scratches.h"
 #include "burin/render/surface.h"
 
 namespace burin {
@@ -124,10 +124,11 @@ struct BenchTruth {
 /// Throws Error on anything missing, unknown or out of range.
 BenchTruth read_bench_truth(const std::filesystem::path& file);
 
-/// The designed scratches of a truth: its file, or its random ones (ends inside the carve area).
-Scratches designed_scratches(const BenchTruth& truth);
+/// What the machine of a truth is told: its file, or random scratches (ends inside the carve area).
+Sent sent_scratches(const BenchTruth& truth);
 
-/// What the machine makes of designed scratches: moved by its affine map, each with width, depth and alpha of its own.
-Scratches carved_scratches(const BenchTruth& truth, const Scratches& designed);
+/// What its machine makes of that: carve() with the truth's map, fields and wear, and each groove's own deviation. All
+/// grooves are whole, with width, depth and alpha of their own.
+Carved carved_by(const BenchTruth& truth, const Sent& sent);
 
 }  // namespace burin

@@ -140,10 +140,11 @@ struct PointSampler::State {
   void near_grooves(const Vector2d& low, const Vector2d& high, std::vector<int>& found) const;
 };
 
-PointSampler::PointSampler(const BenchTruth& truth, const Scratches& carved) : state_(std::make_unique<State>(truth)) {
+PointSampler::PointSampler(const BenchTruth& truth, const Carved& grooves) : state_(std::make_unique<State>(truth)) {
+  const Scratches& carved = grooves.scratches;
   const std::size_t n = carved.size();
   if (carved.width_um.size() != n || carved.depth_um.size() != n || carved.alpha.size() != n)
-    fail("PointSampler", "carved scratches without width, depth and alpha", "use carved_scratches()");
+    fail("PointSampler", "carved scratches without width, depth and alpha", "use carved_by()");
   for (std::size_t i = 0; i < n; ++i) {
     const double dx = carved.x1_mm[i] - carved.x0_mm[i], dy = carved.y1_mm[i] - carved.y0_mm[i];
     const double length = std::hypot(dx, dy);

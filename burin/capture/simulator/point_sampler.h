@@ -23,8 +23,8 @@ namespace burin {
 /// it.
 class PointSampler {
  public:
-  /// `carved` must hold width, depth and alpha of every scratch (carved_scratches).
-  PointSampler(const BenchTruth& truth, const Scratches& carved);
+  /// `carved` must hold width, depth and alpha of every scratch (carved_by).
+  PointSampler(const BenchTruth& truth, const Carved& carved);
   ~PointSampler();
   PointSampler(const PointSampler&) = delete;
   PointSampler& operator=(const PointSampler&) = delete;

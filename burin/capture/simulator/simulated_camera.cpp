@@ -10,7 +10,6 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
-#include <opencv2/imgproc.hpp>
 #include <random>
 #include <span>
 #include <string_view>
@@ -179,24 +178,11 @@ void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& 
 
 }  // namespace
 
-Image blurred(const Image& radiance, double psf_sigma_px) {
-  if (!(psf_sigma_px > 0)) return radiance;
-  Image result = radiance;
-  const int size = 2 * static_cast<int>(std::ceil(4 * psf_sigma_px)) + 1;
-  const cv::Mat view(result.height, result.width, CV_32FC(result.channels), result.data.data());
-  cv::Mat smooth;
-  cv::GaussianBlur(view, smooth, {size, size}, psf_sigma_px, psf_sigma_px, cv::BORDER_REPLICATE);
-  smooth.copyTo(view);
-  return result;
-}
-
 Image exposed(const BenchTruth& truth, const Image& radiance, const Photo& photo,
               std::optional<std::uint64_t> noise_seed) {
   const int w = radiance.width, h = radiance.height, channels = truth.sensor.channels;
   const double scale = truth.optics.gain * exposure_factor(photo);
   const double well_e = truth.sensor.full_well_e * 100 / photo.iso;
-  const Eigen::Vector3d& vignette = truth.optics.vignette;
-  const double half_diagonal2 = (static_cast<double>(w) * w + static_cast<double>(h) * h) / 4;
   Image value(w, h, channels);
   tbb::parallel_for(0, h, [&](int y) {
     std::mt19937_64 random;
@@ -207,8 +193,7 @@ Image exposed(const BenchTruth& truth, const Image& radiance, const Photo& photo
       random.seed(seed);
     }
     for (int x = 0; x < w; ++x) {
-      const double dx = x - (w - 1) / 2.0, dy = y - (h - 1) / 2.0, r2 = (dx * dx + dy * dy) / half_diagonal2;
-      const double here = scale * (1 + r2 * (vignette[0] + r2 * (vignette[1] + r2 * vignette[2])));
+      const double here = scale * vignette_at(truth.optics.vignette.data(), vignette_radius2(w, h, x, y));
       for (int c = 0; c < channels; ++c) {
         double v = channels == 3 ? radiance.at(x, y, c)
                                  : (radiance.at(x, y, 0) + radiance.at(x, y, 1) + radiance.at(x, y, 2)) / 3.0;
@@ -231,16 +216,16 @@ void simulate(const fs::path& truth_json, const fs::path& out_dir, const Simulat
       for (const TruthView& v : truth.views) names += (names.empty() ? "" : ", ") + v.name;
       fail(truth_json.string(), "there is no view \"" + name + "\"", "choose among " + names);
     }
-  const Scratches designed = options.scratches.empty() ? designed_scratches(truth) : read_scratches(options.scratches);
-  const Scratches carved = carved_scratches(truth, designed);
+  const Sent sent = options.scratches.empty() ? sent_scratches(truth) : Sent(read_scratches(options.scratches));
+  const Carved carved = carved_by(truth, sent);
   const PointSampler sampler(truth, carved);
 
   make_output_folder(out_dir);
   // A session that stands from an earlier run would vouch for photos that are about to change.
   std::error_code none;
   fs::remove(out_dir / "session.json", none);
-  write_scratches(designed, out_dir / "scratches.csv");
-  write_scratches(carved, out_dir / "carved.csv");
+  write_scratches(sent.scratches, out_dir / "scratches.csv");
+  write_scratches(carved.scratches, out_dir / "carved.csv");
   Board believed = truth.believed;
   believed.scratches = out_dir / "scratches.csv";
   write_board(believed, out_dir / "board.json");

@@ -24,7 +24,7 @@ struct SimulateOptions {
   std::optional<int> samples;       ///< points a pixel with scratches, instead of the truth's
 };
 
-/// Carves and photographs a truth. Writes into `out_dir`: the photos, `scratches.csv` (as designed), `carved.csv` (as
+/// Carves and photographs a truth. Writes into `out_dir`: the photos, `scratches.csv` (as sent), `carved.csv` (as
 /// the machine carved them), `board.json` (as believed) and, if the truth wants one, `session.json`, which comes last:
 /// a folder that has it is complete. Same truth, same bits, for any number of threads and any choice of views. Throws
 /// Error for a truth that cannot be read, a view that it does not have, or a folder that cannot be written.
@@ -35,8 +35,5 @@ void simulate(const std::filesystem::path& truth_json, const std::filesystem::pa
 /// `radiance` is R, G, B after the lens's blur. `noise_seed` decides the noise; none of it where it is empty.
 Image exposed(const BenchTruth& truth, const Image& radiance, const Photo& photo,
               std::optional<std::uint64_t> noise_seed);
-
-/// Radiance after the lens's blur.
-Image blurred(const Image& radiance, double psf_sigma_px);
 
 }  // namespace burin

@@ -63,7 +63,7 @@ std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, std::size_
     CarvingPoint point{to_carve.size(), carving_time_s(to_carve, depth_um, machine) / 3600, {}, {}};
     for (std::size_t v = 0; v < shown; ++v) {
       WorkView& view = views[v];
-      view.renderer.forward(left, view.radiance);
+      view.renderer.forward(in_metal(left), view.radiance);
       const double exposure = best_exposure(view.radiance, view.target.picture,
                                             std::exp(log_exposure[view.exposure_group]), view.target.mask);
       const Image picture = shown_picture(view.radiance, exposure);

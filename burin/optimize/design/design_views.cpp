@@ -206,7 +206,8 @@ void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_
 }
 
 void render_all(std::vector<WorkView>& views, const Scratches& scratches) {
-  for (WorkView& v : views) v.renderer.forward(scratches, v.radiance);
+  const Carved carved = in_metal(scratches);
+  for (WorkView& v : views) v.renderer.forward(carved, v.radiance);
 }
 
 }  // namespace burin

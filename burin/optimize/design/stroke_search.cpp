@@ -372,7 +372,7 @@ Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen:
       tests.y1_mm.push_back(p.y() + half.y());
     }
   Image radiance;
-  renderer.forward_with_jacobian(tests, radiance);
+  renderer.forward_with_jacobian(in_metal(tests), radiance);
   std::vector<double> light(tests.size(), 0.0);
   renderer.add_contributions(light);
   Image lattice(kLattice, kLattice, 1), unit(width, height, 1);

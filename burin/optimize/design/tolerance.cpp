@@ -36,7 +36,7 @@ class MovedView {
   double psnr(const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm) const {
     ViewRenderer renderer(scene(eye_moved_mm, lamp_moved_mm));
     Image radiance;
-    renderer.forward(scratches_, radiance);
+    renderer.forward(in_metal(scratches_), radiance);
     const double exposure = best_exposure(radiance, target_, exposure_, mask_);
     return psnr_db(shown_picture(radiance, exposure), target_, mask_);
   }

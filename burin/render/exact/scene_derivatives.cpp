@@ -193,9 +193,9 @@ void Chain::chain_geometry(const GeometryGradient& g, const Eigen::Vector3d& cen
 
 }  // namespace
 
-RadianceDerivatives render_with_derivatives(const ViewScene& scene, const CameraView& camera,
-                                            const Scratches& scratches, std::span<const SceneParameter> parameters,
-                                            const RenderOptions& options) {
+RadianceDerivatives render_with_derivatives(const ViewScene& scene, const CameraView& camera, const Carved& carved,
+                                            std::span<const SceneParameter> parameters, const RenderOptions& options) {
+  const Scratches& scratches = carved.scratches;
   check_scratches(scratches);
   const int channels = options.channels;
   const ViewPixels pixels = view_pixels(scene, channels);

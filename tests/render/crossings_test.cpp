@@ -1,8 +1,10 @@
 // What is proved: the area that later scratches leave of each scratch, against counting random points (the last scratch
 // over a point owns it), and the exact cases. Not proved: that real grooves cut each other so.
-#include "burin/calib/photo/overlap.h"
+#include "burin/render/crossings.h"
 
 #include <gtest/gtest.h>
+
+#include <Eigen/Core>
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "burin/calib/photo/overlap.h"
+#include "burin/render/crossings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -56,8 +56,15 @@ class CellIndex {
   std::vector<std::vector<std::size_t>> cells_;
 };
 
-// The stretch of scratch i's center line, in mm from its first end, that lies on scratch j. Empty if first >= second.
-std::pair<double, double> covered_stretch(const Scratches& s, std::size_t i, std::size_t j, double half_width_j_mm) {
+using Boundary = PieceEnd::Boundary;
+
+// The stretch of scratch i's center line, in mm from its first end, that lies on scratch j. Empty if from >= to.
+struct Stretch {
+  double from_mm, to_mm;
+  Boundary from_boundary = Boundary::own_end, to_boundary = Boundary::own_end;
+  std::size_t cutter;
+};
+Stretch covered_stretch(const Scratches& s, std::size_t i, std::size_t j, double half_width_j_mm) {
   const double ix = s.x1_mm[i] - s.x0_mm[i], iy = s.y1_mm[i] - s.y0_mm[i], length_i = std::hypot(ix, iy);
   const double jx = s.x1_mm[j] - s.x0_mm[j], jy = s.y1_mm[j] - s.y0_mm[j], length_j = std::hypot(jx, jy);
   const double ux = jx / length_j, uy = jy / length_j;
@@ -65,19 +72,23 @@ std::pair<double, double> covered_stretch(const Scratches& s, std::size_t i, std
   // Along j and across it, as functions a + b t of the distance t along i.
   const double along_a = ox * ux + oy * uy, along_b = (ix * ux + iy * uy) / length_i;
   const double across_a = ox * uy - oy * ux, across_b = (ix * uy - iy * ux) / length_i;
-  double low = 0, high = length_i;
-  const auto clip = [&](double a, double b, double from, double to) {
+  Stretch out{.from_mm = 0, .to_mm = length_i, .cutter = j};
+  const auto clip = [&](double a, double b, double from, double to, Boundary at_from, Boundary at_to) {
     if (std::abs(b) < 1e-12) {
-      if (a < from || a > to) high = low;
+      if (a < from || a > to) out.to_mm = out.from_mm;
       return;
     }
-    const double t0 = (from - a) / b, t1 = (to - a) / b;
-    low = std::max(low, std::min(t0, t1));
-    high = std::min(high, std::max(t0, t1));
+    double enters = (from - a) / b, leaves = (to - a) / b;
+    if (enters > leaves) {
+      std::swap(enters, leaves);
+      std::swap(at_from, at_to);
+    }
+    if (enters > out.from_mm) out.from_mm = enters, out.from_boundary = at_from;
+    if (leaves < out.to_mm) out.to_mm = leaves, out.to_boundary = at_to;
   };
-  clip(along_a, along_b, 0, length_j);
-  clip(across_a, across_b, -half_width_j_mm, half_width_j_mm);
-  return {low, high};
+  clip(along_a, along_b, 0, length_j, Boundary::first_end, Boundary::last_end);
+  clip(across_a, across_b, -half_width_j_mm, half_width_j_mm, Boundary::side_minus, Boundary::side_plus);
+  return out;
 }
 
 }  // namespace
@@ -93,7 +104,7 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
   CellIndex index(carved, half_width_mm, kCellMm);
 
   std::vector<std::size_t> near;
-  std::vector<std::pair<double, double>> gone;
+  std::vector<Stretch> gone;
   for (std::size_t i = 0; i < carved.size(); ++i) {
     near.clear();
     index.for_cells(carved, i, half_width_mm[i], [&](const std::vector<std::size_t>& cell) {
@@ -103,14 +114,19 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
     near.erase(std::unique(near.begin(), near.end()), near.end());
     gone.clear();
     for (const std::size_t j : near) {
-      const auto stretch = covered_stretch(carved, i, j, half_width_mm[j]);
-      if (stretch.first < stretch.second) gone.push_back(stretch);
+      const Stretch stretch = covered_stretch(carved, i, j, half_width_mm[j]);
+      if (stretch.from_mm < stretch.to_mm) gone.push_back(stretch);
     }
-    std::sort(gone.begin(), gone.end());
+    std::sort(gone.begin(), gone.end(), [](const Stretch& a, const Stretch& b) {
+      return std::pair(a.from_mm, a.to_mm) < std::pair(b.from_mm, b.to_mm);
+    });
 
     const double dx = carved.x1_mm[i] - carved.x0_mm[i], dy = carved.y1_mm[i] - carved.y0_mm[i];
     const double length = std::hypot(dx, dy);
-    const auto keep = [&](double from, double to) {
+    // From where on nothing later covers it, and what ended the last cover.
+    double from = 0;
+    PieceEnd begin;
+    const auto keep_until = [&](double to, Boundary boundary, std::size_t cutter) {
       constexpr double kShortestMm = 1e-4;
       if (to - from < kShortestMm) return;
       out.pieces.x0_mm.push_back(carved.x0_mm[i] + dx * from / length);
@@ -120,14 +136,17 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
       if (!carved.width_um.empty()) out.pieces.width_um.push_back(carved.width_um[i]);
       if (!carved.depth_um.empty()) out.pieces.depth_um.push_back(carved.depth_um[i]);
       if (!carved.alpha.empty()) out.pieces.alpha.push_back(carved.alpha[i]);
-      out.source.push_back(i);
+      out.source.push_back(static_cast<std::uint32_t>(i));
+      out.begin.push_back(begin);
+      out.end.push_back({to / length, boundary, static_cast<std::uint32_t>(cutter)});
     };
-    double from = 0;
-    for (const auto& [a, b] : gone) {
-      keep(from, a);
-      from = std::max(from, b);
+    for (const Stretch& stretch : gone) {
+      keep_until(stretch.from_mm, stretch.from_boundary, stretch.cutter);
+      if (stretch.to_mm <= from) continue;
+      from = stretch.to_mm;
+      begin = {from / length, stretch.to_boundary, static_cast<std::uint32_t>(stretch.cutter)};
     }
-    keep(from, length);
+    keep_until(length, Boundary::own_end, 0);
   }
   return out;
 }

@@ -1,0 +1,255 @@
+#include "burin/render/carve.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "burin/render/error.h"
+#include "burin/render/groove.h"
+
+namespace burin {
+namespace {
+
+using Eigen::Vector2d;
+using Boundary = PieceEnd::Boundary;
+
+Vector2d first_end(const Scratches& s, std::size_t i) { return {s.x0_mm[i], s.y0_mm[i]}; }
+Vector2d last_end(const Scratches& s, std::size_t i) { return {s.x1_mm[i], s.y1_mm[i]}; }
+
+double or_shared(const std::vector<double>& own, std::size_t i, double shared) { return own.empty() ? shared : own[i]; }
+
+// The ends of all rows that are still to be carved, through a map.
+void move_new_rows(const Affine2& map, Scratches& s) {
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    if (s.is_carved(i)) continue;
+    const Vector2d p0 = map * first_end(s, i).homogeneous(), p1 = map * last_end(s, i).homogeneous();
+    s.x0_mm[i] = p0.x(), s.y0_mm[i] = p0.y(), s.x1_mm[i] = p1.x(), s.y1_mm[i] = p1.y();
+  }
+}
+
+// Of each row when it is carved: from 0, the first, to 1, the last of those that are still to be carved.
+std::vector<double> ages_of(const Scratches& s) {
+  std::vector<double> age(s.size(), 0.5);
+  std::size_t to_carve = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) to_carve += s.is_carved(i) ? 0 : 1;
+  if (to_carve < 2) return age;
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < s.size(); ++i)
+    if (!s.is_carved(i)) age[i] = static_cast<double>(next++) / static_cast<double>(to_carve - 1);
+  return age;
+}
+
+// Where the field stands for a row, u and v of the middle of its groove.
+Vector2d uv_of(const Scratches& placed, std::size_t i, const Vector2d& board_size_mm) {
+  return (0.5 * (first_end(placed, i) + last_end(placed, i))).cwiseQuotient(board_size_mm);
+}
+
+void apply_field(const GrooveField& field, double shared, double most, const Vector2d& board_size_mm,
+                 const std::vector<double>& age, const Scratches& placed, std::vector<double>& values) {
+  if (field.is_constant()) return;
+  if (values.empty()) values.assign(placed.size(), shared);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    if (placed.is_carved(i)) continue;
+    const Vector2d uv = uv_of(placed, i, board_size_mm);
+    values[i] =
+        std::min(most, values[i] * field_over_board(field.terms, uv.x(), uv.y()) * field_at_age(field.terms, age[i]));
+  }
+}
+
+constexpr double kMostDepth_um = 1e9, kMostAlpha = 1;
+
+// Depths, roughnesses and crossings of scratches that have come to their places in the metal.
+Carved grooves_at(Scratches placed, const Bench& bench, const Board& board) {
+  if (!bench.depth_field.is_constant() || !bench.alpha_field.is_constant()) {
+    const std::vector<double> age = ages_of(placed);
+    apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, placed, placed.depth_um);
+    apply_field(bench.alpha_field, bench.material.alpha, kMostAlpha, board.size_mm, age, placed, placed.alpha);
+  }
+  Carved out;
+  if (bench.crossings == Crossings::add) {
+    out.scratches = std::move(placed);
+    out.scratches.carved.clear();
+    return out;
+  }
+  // What is in the metal already was carved before all else.
+  std::vector<std::size_t> order(placed.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return placed.is_carved(i); });
+  VisiblePieces pieces = visible_pieces(selected(placed, order), board.tool_width_um, bench.material.depth_um);
+  for (std::uint32_t& row : pieces.source) row = static_cast<std::uint32_t>(order[row]);
+  for (std::vector<PieceEnd>* ends : {&pieces.begin, &pieces.end})
+    for (PieceEnd& end : *ends) end.cutter = static_cast<std::uint32_t>(order[end.cutter]);
+  out.scratches = std::move(pieces.pieces);
+  out.source = std::move(pieces.source);
+  out.begin = std::move(pieces.begin);
+  out.end = std::move(pieces.end);
+  return out;
+}
+
+// A gradient by ends, as points.
+class EndGradients {
+ public:
+  explicit EndGradients(ScratchGradients& g) : g_(g) {}
+  void add_first(std::size_t i, const Vector2d& by) { g_.x0_mm[i] += by.x(), g_.y0_mm[i] += by.y(); }
+  void add_last(std::size_t i, const Vector2d& by) { g_.x1_mm[i] += by.x(), g_.y1_mm[i] += by.y(); }
+  void add_depth(std::size_t i, double by) { g_.depth_um[i] += by; }
+  void add_width(std::size_t i, double by) { g_.width_um[i] += by; }
+
+ private:
+  ScratchGradients& g_;
+};
+
+// dE/d(q) for one end q of a piece of row i, back to the ends of row i and of the row j that cuts it there. With
+// q = p0 + t (p1 - p0) on the line n . (q - a0) = c, n and c belonging to j, the implicit function theorem gives
+//   dt = - [ n . ((1 - t) dp0 + t dp1) + dn . (q - a0) - n . da0 - dc ] / (n . (p1 - p0)).
+void pull_back_end(const PieceEnd& end, std::size_t i, const Vector2d& by_q, const Scratches& placed,
+                   const Bench& bench, const Board& board, EndGradients& out) {
+  const Vector2d p0 = first_end(placed, i), p1 = last_end(placed, i);
+  if (end.boundary == Boundary::own_end) {
+    out.add_first(i, (1 - end.at) * by_q);
+    out.add_last(i, end.at * by_q);
+    return;
+  }
+  const std::size_t j = end.cutter;
+  const Vector2d a0 = first_end(placed, j), along = last_end(placed, j) - a0;
+  const double length = along.norm();
+  const Vector2d u = along / length, across(u.y(), -u.x());
+  const bool is_side = end.boundary == Boundary::side_minus || end.boundary == Boundary::side_plus;
+  const Vector2d n = is_side ? across : u;
+  const double lambda = -by_q.dot(p1 - p0) / n.dot(p1 - p0);
+  const Vector2d by = by_q + lambda * n;
+  out.add_first(i, (1 - end.at) * by);
+  out.add_last(i, end.at * by);
+  const Vector2d q = p0 + end.at * (p1 - p0);
+  if (is_side) {
+    const double share = u.dot(q - a0) / length;
+    out.add_first(j, -lambda * (1 - share) * across);
+    out.add_last(j, -lambda * share * across);
+    // The side stands w to the left or right, and w follows width and depth.
+    const double sign = end.boundary == Boundary::side_plus ? 1 : -1;
+    const double wt = or_shared(placed.width_um, j, board.tool_width_um);
+    const double d = or_shared(placed.depth_um, j, bench.material.depth_um);
+    const double rim = groove_rim(wt, d), decay = std::exp(-2 * d / wt);
+    out.add_depth(j, -lambda * sign * 1e-3 * decay / (2 * rim));
+    out.add_width(j, -lambda * sign * 1e-3 * (rim / 2 - d / wt * decay / (2 * rim)));
+  } else {
+    const double lean = across.dot(q - a0) / length;
+    out.add_first(j, lambda * (-lean * across - (end.boundary == Boundary::first_end ? u : Vector2d(0, 0))));
+    out.add_last(j, lambda * (lean * across - (end.boundary == Boundary::last_end ? u : Vector2d(0, 0))));
+  }
+}
+
+// dE/d(value of each row after its field) becomes dE/d(value before), and moves the row's ends.
+void pull_back_field(const GrooveField& field, double shared, double most, const Vector2d& board_size_mm,
+                     const std::vector<double>& age, const Scratches& placed, const std::vector<double>& own,
+                     std::vector<double>& by_value, EndGradients& out) {
+  if (field.is_constant()) return;
+  const auto& t = field.terms;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    if (placed.is_carved(i) || by_value[i] == 0) continue;
+    const Vector2d uv = uv_of(placed, i, board_size_mm);
+    const double over_board = field_over_board(t, uv.x(), uv.y()), at_age = field_at_age(t, age[i]);
+    const double value = or_shared(own, i, shared);
+    if (value * over_board * at_age >= most) {
+      by_value[i] = 0;
+      continue;
+    }
+    const double by_factor = by_value[i] * value * at_age;
+    by_value[i] *= over_board * at_age;
+    const double U = uv.x() - 0.5, V = uv.y() - 0.5;
+    const Vector2d slope(t[0] + 2 * t[2] * U + t[3] * V, t[1] + t[3] * U + 2 * t[4] * V);
+    const Vector2d by_end = 0.5 * by_factor * slope.cwiseQuotient(board_size_mm);
+    out.add_first(i, by_end);
+    out.add_last(i, by_end);
+  }
+}
+
+}  // namespace
+
+Sent compensated(const Designed& designed, const Bench& bench, const Board& board) {
+  const Eigen::Matrix2d A = bench.machine_affine.leftCols<2>();
+  if (!(std::abs(A.determinant()) > 1e-9))
+    fail("machine.affine", "cannot be inverted", "measure the machine's map again (burin refine)");
+  Affine2 inverse;
+  inverse << A.inverse(), -A.inverse() * bench.machine_affine.col(2);
+  Sent sent(designed.scratches);
+  move_new_rows(inverse, sent.scratches);
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    if (sent.scratches.is_carved(i)) continue;
+    if (!sent.scratches.depth_um.empty())
+      sent.scratches.depth_um[i] *= board.material.depth_um / bench.material.depth_um;
+    if (!sent.scratches.alpha.empty())
+      sent.scratches.alpha[i] =
+          std::min(kMostAlpha, sent.scratches.alpha[i] * board.material.alpha / bench.material.alpha);
+  }
+  return sent;
+}
+
+Carved carve(const Sent& sent, const Bench& bench, const Board& board) {
+  Scratches placed = sent.scratches;
+  move_new_rows(bench.machine_affine, placed);
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    if (placed.is_carved(i)) continue;
+    if (!placed.depth_um.empty()) placed.depth_um[i] *= bench.material.depth_um / board.material.depth_um;
+    if (!placed.alpha.empty())
+      placed.alpha[i] = std::min(kMostAlpha, placed.alpha[i] * bench.material.alpha / board.material.alpha);
+  }
+  return grooves_at(std::move(placed), bench, board);
+}
+
+Carved carve(const Designed& designed, const Bench& bench, const Board& board) {
+  return grooves_at(designed.scratches, bench, board);
+}
+
+Carved in_metal(Scratches grooves) {
+  Carved out;
+  out.scratches = std::move(grooves);
+  out.scratches.carved.clear();
+  return out;
+}
+
+ScratchGradients pull_back(const Carved& carved, const Designed& designed, const Bench& bench, const Board& board,
+                           const ScratchGradients& by_carved) {
+  if (by_carved.x0_mm.size() != carved.size())
+    fail("pull_back", "the gradient is for another number of grooves",
+         "give the gradient of the grooves that carve() made of this design");
+  ScratchGradients out;
+  if (carved.source.empty()) {
+    out = by_carved;
+  } else {
+    out.resize(designed.size());
+    out.shared_base_alpha = by_carved.shared_base_alpha;
+    // Sides of grooves follow their depth in the metal.
+    Scratches placed = designed.scratches;
+    if (!bench.depth_field.is_constant())
+      apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, ages_of(placed), placed,
+                  placed.depth_um);
+    EndGradients ends(out);
+    for (std::size_t k = 0; k < carved.size(); ++k) {
+      const std::size_t i = carved.source[k];
+      pull_back_end(carved.begin[k], i, {by_carved.x0_mm[k], by_carved.y0_mm[k]}, placed, bench, board, ends);
+      pull_back_end(carved.end[k], i, {by_carved.x1_mm[k], by_carved.y1_mm[k]}, placed, bench, board, ends);
+      out.width_um[i] += by_carved.width_um[k];
+      out.depth_um[i] += by_carved.depth_um[k];
+      out.alpha[i] += by_carved.alpha[k];
+    }
+  }
+  if (!bench.depth_field.is_constant() || !bench.alpha_field.is_constant()) {
+    const std::vector<double> age = ages_of(designed.scratches);
+    EndGradients ends(out);
+    pull_back_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, designed.scratches,
+                    designed.scratches.depth_um, out.depth_um, ends);
+    pull_back_field(bench.alpha_field, bench.material.alpha, kMostAlpha, board.size_mm, age, designed.scratches,
+                    designed.scratches.alpha, out.alpha, ends);
+  } else if (carved.source.empty()) {
+    return out;
+  }
+  const auto sum = [](const std::vector<double>& v) { return std::accumulate(v.begin(), v.end(), 0.0); };
+  out.shared_width_um = sum(out.width_um);
+  out.shared_depth_um = sum(out.depth_um);
+  out.shared_alpha = sum(out.alpha);
+  return out;
+}
+
+}  // namespace burin

@@ -1,0 +1,47 @@
+#include "burin/render/predicted_photo.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "burin/render/view_renderer.h"
+
+namespace burin {
+namespace {
+
+constexpr int kWindowMargin_px = 6;
+
+}  // namespace
+
+Image predicted_photo(const Bench& bench, const Board& board, const View& view, const Light& light,
+                      const Carved& carved, const PredictedPhotoOptions& options) {
+  const PixelWindow whole{0, 0, bench.lens.width, bench.lens.height};
+  const PixelWindow window = options.window.width > 0 ? options.window : whole;
+  RenderOptions render;
+  render.channels = options.channels;
+  render.material_gradients = false;
+  ViewRenderer renderer(make_scene(bench, board, make_camera_view(bench, board, view, window), light), render);
+  Image value;
+  renderer.forward(carved, value);
+  value = blurred(value, bench.sensor.psf_sigma_px);
+  const bool clipped = options.clipped || options.encoding != Encoding::linear;
+  for (int y = 0; y < value.height; ++y)
+    for (int x = 0; x < value.width; ++x) {
+      const double radius2 = vignette_radius2(bench.lens.width, bench.lens.height, x + window.x0, y + window.y0);
+      const double factor =
+          bench.sensor.gain * options.exposure_factor * vignette_at(bench.sensor.vignette.data(), radius2);
+      for (int c = 0; c < value.channels; ++c) {
+        float& v = value.at(x, y, c);
+        v *= static_cast<float>(factor);
+        if (clipped) v = std::clamp(v, 0.0F, 1.0F);
+        v = encoded(v, options.encoding);
+      }
+    }
+  return value;
+}
+
+PixelWindow carve_window(const Bench& bench, const Board& board, const View& view) {
+  return window_of(bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm}, board.carve_min_mm,
+                   board.carve_max_mm, kWindowMargin_px);
+}
+
+}  // namespace burin

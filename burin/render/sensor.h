@@ -1,0 +1,52 @@
+// burin/render/sensor.h - from radiance to a photo's values: blur, exposure, vignetting, encoding, each written here
+// and nowhere else. docs/model.md 5.
+//
+//   value = gain * exposure_factor * vignette(r) * blur(radiance),      1 being the white level.
+//
+// Pixels: the center of the top-left pixel is (0, 0).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "burin/render/image.h"
+
+namespace burin {
+
+struct Sensor {
+  double gain = 1;
+  Eigen::Vector3d vignette{0, 0, 0};  ///< v1 v2 v3 of vignette_at()
+  double psf_sigma_px = 0;            ///< Gaussian blur on the pixel grid, on top of the pixel's own square
+};
+
+/// How a file keeps linear values.
+enum class Encoding { linear, srgb, raw };
+
+/// exposure_s * (iso / 100) / f_number^2: a photo's linear value is gain * this * vignette * radiance.
+inline double exposure_factor(double exposure_s, double iso, double f_number) {
+  return exposure_s * (iso / 100) / (f_number * f_number);
+}
+
+/// 1 + v1 r^2 + v2 r^4 + v3 r^6. Templated: double, Ceres Jets.
+template <typename T>
+T vignette_at(const T* vignette, double radius2) {
+  return 1. + radius2 * (vignette[0] + radius2 * (vignette[1] + radius2 * vignette[2]));
+}
+
+/// r^2 of a pixel: squared distance from the image's center ((W - 1) / 2, (H - 1) / 2) over half its diagonal.
+double vignette_radius2(int width, int height, double x_px, double y_px);
+
+/// Weights of a Gaussian on a pixel grid, odd in number, their sum 1. Pixels that are the mean of `bin` x `bin` finer
+/// ones are as wide as the Gaussian or wider: there three taps of its variance say more than a sampled curve. Empty for
+/// a sigma of 0.
+std::vector<float> blur_taps(double psf_sigma_px, int bin = 1);
+
+/// The image through those weights, along rows and columns; beyond the edge it goes on as it ends.
+Image blurred(const Image& image, const std::vector<float>& taps);
+Image blurred(const Image& image, double psf_sigma_px);
+
+/// A linear value from 0 to 1 as it is encoded (raw values are linear), and back.
+float encoded(float linear_value, Encoding encoding);
+float decoded(float stored_value, Encoding encoding);
+
+}  // namespace burin
