@@ -202,7 +202,7 @@ TEST(PullBack, IsTheGradientThroughFieldsWearAndCrossings) {
     for (const Crossings crossings : {Crossings::add, Crossings::last}) {
       Bench bench = worn_bench();
       bench.crossings = crossings;
-      Designed design(strewn(40, 5));
+      Designed design(strewn(40, 5, 30));
       if (own_depth) {
         design.scratches.depth_um.assign(40, 13);
         design.scratches.depth_um[7] = 30;
