@@ -5,8 +5,8 @@
 //   sum over parameters of log(sigma^2 + goal^2)
 // is smallest: halving an uncertainty is worth the same for every parameter, until it reaches its goal. Sigmas are
 // those of the normal equations of all shots so far and what is believed before; the depth of the grooves counts as
-// unknown until half vectors lie on both sides of the cut-off (docs/model.md 2). The nominal bench has only to be about
-// right. Frame: board, mm.
+// unknown until half vectors lie on both sides of the cut-off (docs/model.md 2.4). The nominal bench has only to be
+// about right. Frame: board, mm.
 #pragma once
 
 #include <string>

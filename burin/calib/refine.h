@@ -1,5 +1,5 @@
 // burin/calib/refine.h - what the grooves, the lamp and the machine really are, from every pixel of the photos.
-// Frame: board, mm. docs/model.md 2, 5 and 7.
+// Frame: board, mm. docs/model.md 9.5 to 9.18.
 //
 // One least-squares problem over all photos: residual = photo value / exposure factor
 //   - vignette(r) * blur( I(w) * radiance of a bare unit lamp + ambient * F0 ),

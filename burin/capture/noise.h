@@ -1,6 +1,6 @@
 // burin/capture/noise.h - how noisy photos are, from the photos themselves.
 //
-// Model, for a linear value v (1: white level), after the noise of docs/model.md 5 (Poisson electrons, Gaussian read
+// Model, for a linear value v (1: white level), after the noise of docs/model.md 5.9 (Poisson electrons, Gaussian read
 // noise):
 //   variance(v) = photon v + read + stored step(v)^2,
 // step(v) being the linear width of one stored level at v: constant for linear files, wider in the light for sRGB ones.

@@ -3,8 +3,8 @@
 //
 // The result is laid on the board's grid (burin/render/footprint_grid.h, board_grid): row 0 at the carve area's top
 // edge (largest y), white is 1. Color becomes luminance in linear light and is encoded with gamma 2.2, which is what
-// designs are compared in (docs/model.md 5). Pictures wider or higher than the area are cropped about their center (or
-// shown whole on black), transparent ones lie on white, 16 bits keep theirs, .exr and .hdr are taken as linear.
+// designs are compared in (docs/model.md 5.10). Pictures wider or higher than the area are cropped about their center
+// (or shown whole on black), transparent ones lie on white, 16 bits keep theirs, .exr and .hdr are taken as linear.
 #pragma once
 
 #include <Eigen/Core>

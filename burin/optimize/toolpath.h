@@ -2,10 +2,10 @@
 //
 // Machine coordinates are the board's (burin/optimize/machine_profile.h). With a measured bench, what is sent to the
 // machine is the designed scratch through the inverse of `machine.affine`, so that the carved scratch lies where it was
-// designed (docs/model.md 7). Depths sent to the machine are those it was told before: the board's believed depth. What
-// the photos measured (`material.depth_um`) is what the machine made of that, so scratches with depths of their own are
-// scaled by believed / measured; sending the measured depth as the new command would deepen the grooves from round to
-// round.
+// designed (docs/model.md 7.2). Depths sent to the machine are those it was told before: the board's believed depth.
+// What the photos measured (`material.depth_um`) is what the machine made of that, so scratches with depths of their
+// own are scaled by believed / measured; sending the measured depth as the new command would deepen the grooves from
+// round to round.
 #pragma once
 
 #include <Eigen/Core>

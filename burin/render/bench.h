@@ -26,7 +26,7 @@ struct View {
   std::optional<int> tags;                         ///< tags used
 };
 
-/// A near lamp: a point with color, and a direction and fall-off when it is a spot (docs/model.md 5):
+/// A near lamp: a point with color, and a direction and fall-off when it is a spot (docs/model.md 5.5):
 /// I(w) = intensity * max(0, axis . (-wi))^falloff_exponent, with exponent 0 for a bare lamp.
 struct Light {
   std::string id = "lamp";

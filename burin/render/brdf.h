@@ -9,8 +9,8 @@
 namespace burin {
 
 /// GGX normal distribution D for the cosine between half vector and (groove) normal; 0 where that is not positive.
-/// Paper, Eqn. 6-7: alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2). The supplement's Eqn. 6 prints h_x where h_z is
-/// meant.
+/// docs/model.md 3.1 (paper, Eqn. 6-7): alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2). The supplement's Eqn. 6 prints
+/// h_x where h_z is meant.
 template <typename T>
 T ggx_D(const T& cos_nh, const T& alpha) {
   if (!(cos_nh > T(0))) return T(0);
@@ -28,7 +28,7 @@ T smith_G1(const T& cos_theta, const T& alpha) {
   return T(2) / (T(1) + sqrt(T(1) + alpha * alpha * (T(1) - c2) / c2));
 }
 
-/// Separable G of the paper's Eqn. 3.
+/// Separable G of the paper's Eqn. 3 (docs/model.md 3.2).
 template <typename T>
 T smith_G(const T& cos_i, const T& cos_o, const T& alpha) {
   return smith_G1(cos_i, alpha) * smith_G1(cos_o, alpha);

@@ -70,10 +70,11 @@ Carved carve(const Designed& designed, const Bench& bench, const Board& board);
 /// Grooves that are known to lie so: measured under a microscope, or made by a test.
 Carved in_metal(Scratches grooves);
 
-/// dE/d(designed rows) from dE/d(carved rows), `carved` being carve(designed, bench, board): pieces of a scratch move
-/// with its ends and with the grooves that cut it; depths and roughnesses follow their fields as a scratch moves (for
-/// that `by_carved` must hold derivatives by depth and alpha). Rows marked `carved` get derivatives too; whoever moves
-/// the rows leaves those where they are. Crossings that come or go as scratches move have no derivative.
+/// dE/d(designed rows) from dE/d(carved rows) (docs/model.md 7.7, 7.8), `carved` being carve(designed, bench, board):
+/// pieces of a scratch move with its ends and with the grooves that cut it; depths and roughnesses follow their fields
+/// as a scratch moves (for that `by_carved` must hold derivatives by depth and alpha). Rows marked `carved` get
+/// derivatives too; whoever moves the rows leaves those where they are. Crossings that come or go as scratches move
+/// have no derivative.
 ScratchGradients pull_back(const Carved& carved, const Designed& designed, const Bench& bench, const Board& board,
                            const ScratchGradients& by_carved);
 

@@ -1,5 +1,5 @@
 // burin/render/crossings.h - grooves that cut into each other: where scratches cross, only the one carved last is left.
-// Frame: board, mm. docs/model.md 7.
+// Frame: board, mm. docs/model.md 7.6.
 //
 // The renderer adds what crossing scratches send. On a carved board the later groove replaces the earlier one, so the
 // earlier one is interrupted. Cutting its center line where later grooves cover it keeps the area that is left exactly

@@ -1,5 +1,5 @@
 // burin/render/groove.h - the cross-section of one scratch.
-// Frame: scratch (y along it, x across it, z out of the metal). Units: um. docs/model.md 2.
+// Frame: scratch (y along it, x across it, z out of the metal). Units: um. docs/model.md 2.1 to 2.4.
 // Source: Shen et al., ACM TOG 42(4) 2023, Eqn. 2. width_um is the paper's w-tilde, depth_um its d.
 #pragma once
 

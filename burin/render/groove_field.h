@@ -5,6 +5,7 @@
 //   U = u - 1/2, V = v - 1/2.
 //
 // The terms' means over the board are zero, so the shared depth or alpha that the factor multiplies stays the mean.
+// docs/model.md 7.3.
 #pragma once
 
 #include <array>

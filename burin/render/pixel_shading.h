@@ -10,7 +10,8 @@
 namespace burin {
 
 /// The rotation that takes the face's normal to z by the shortest way. In the frame it leads to (`face`), grooves lie
-/// as they do on a flat board, so a scratch's direction in board xy serves a bowed or bent face too.
+/// as they do on a flat board, so a scratch's direction in board xy serves a bowed or bent face too
+/// (docs/model.md 1.1).
 inline Eigen::Matrix3d R_face_board(const Eigen::Vector3d& normal) {
   const Eigen::Vector3d m = normal + Eigen::Vector3d::UnitZ();
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity() - m * m.transpose() / (1 + normal.z());
@@ -35,7 +36,7 @@ struct PixelShading {
 PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d& normal,
                          const Eigen::Vector3d& camera_center_mm, const Light& light, double base_alpha);
 
-/// Smith's G(wi, wo; alpha) of docs/model.md 5 with its derivatives. Both cosines above 0.
+/// Smith's G(wi, wo; alpha) of docs/model.md 3.2 with its derivatives. Both cosines above 0.
 struct Shadowing {
   double G = 0, dG_dalpha = 0, dG_dcos_i = 0, dG_dcos_o = 0;
 };

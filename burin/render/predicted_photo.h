@@ -1,4 +1,4 @@
-// burin/render/predicted_photo.h - the photo that a bench should give of a carved board. docs/model.md 5.
+// burin/render/predicted_photo.h - the photo that a bench should give of a carved board. docs/model.md 5.1 to 5.8.
 // Pixels: the center of the top-left pixel is (0, 0).
 #pragma once
 

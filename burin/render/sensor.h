@@ -1,5 +1,5 @@
 // burin/render/sensor.h - from radiance to a photo's values: blur, exposure, vignetting, encoding, each written here
-// and nowhere else. docs/model.md 5.
+// and nowhere else. docs/model.md 5.7, 5.8.
 //
 //   value = gain * exposure_factor * vignette(r) * blur(radiance),      1 being the white level.
 //

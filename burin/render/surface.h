@@ -1,5 +1,5 @@
-// burin/render/surface.h - the face of the board as it lies: flat, or bowed a little. docs/file-formats.md
-// (`bow_mm`), 6. Frame: board, mm. A mesh with uv is burin/render/board_mesh.h.
+// burin/render/surface.h - the face of the board as it lies: flat, or bowed a little. Frame: board,
+// mm. docs/model.md 1.2. A mesh with uv is burin/render/board_mesh.h.
 #pragma once
 
 #include <Eigen/Core>

@@ -8,7 +8,7 @@
 // eliminated first; the covariance is the inverse of the same normal matrix, by Schur complement.
 // Every parameter but the poses has a prior, so the normal matrix is never singular: "not determined" shows as a sigma
 // that the photos hardly made smaller than the prior's.
-// Frames: board (mm), camera, pixels (center of the top-left pixel is (0, 0)). docs/model.md 9.
+// Frames: board (mm), camera, pixels (center of the top-left pixel is (0, 0)). docs/model.md 9.2.
 // burin/calib/geometry/lens_solver.h and burin/calib/geometry/board_solver.h are the doors to this room.
 #pragma once
 

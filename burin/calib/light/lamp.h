@@ -103,8 +103,8 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
                    const LampOptions& options = {});
 
 /// The closed-form seed from paper alone: brightness s of white minus black at points p of a plane is
-/// I Lz / (pi |L - p|^3), so s^(-2/3) is linear in (1, |L|^2, Lx, Ly). Empty where that has no lamp in front of the
-/// board.
+/// I Lz / (pi |L - p|^3), so s^(-2/3) is linear in (1, |L|^2, Lx, Ly): docs/model.md 9.4. Empty where that has no lamp
+/// in front of the board.
 std::optional<Eigen::Vector3d> lamp_from_shading(std::span<const Eigen::Vector3d> p_board,
                                                  std::span<const double> shading);
 

@@ -15,6 +15,7 @@
 //
 // and the traces are those that grooves with known differences z of unit variance would give: z^T I^a I^b z, from one
 // rendering of such grooves (Hutchinson, Communications in Statistics - Simulation and Computation 19, 1990).
+// docs/model.md 9.11 to 9.14.
 #pragma once
 
 #include <Eigen/Core>

@@ -4,7 +4,7 @@
 // A solved least-squares problem whose data come in parts (photos) leaves each part's normal equations at the optimum:
 // information H_k = J^T W J and gradient g_k = J^T W r. Solving again without some parts costs nothing then: the
 // optimum of a half A is, to first order, x - (P + sum H_k)^-1 (g_P + sum g_k), the sums over A and P the priors. That
-// is a step of Gauss and Newton from the optimum of all, exact where the model is linear.
+// is a step of Gauss and Newton from the optimum of all, exact where the model is linear (docs/model.md 9.19).
 //
 // Halves are balanced half-samples (McCarthy, Review of the International Statistical Institute 37, 1969): photos are
 // paired with those most like them, each half takes one of each pair, as the rows of a Hadamard matrix say. So both

@@ -6,7 +6,7 @@
 // (burin/calib/verdict/half_samples.h) are solved each for itself, to first order, and if they differ from one another
 // by more than chance allows for that sigma (once in a thousand times), the verdict says so and the sigma grows until
 // they do not. Poses are tested by halves of their tags. The depth of the grooves has a condition of its own: half
-// vectors on both sides of the grooves' cut-off (docs/model.md 2). Frame: board, mm.
+// vectors on both sides of the grooves' cut-off (docs/model.md 2.4). Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>

@@ -6,19 +6,19 @@
 //
 //   name, seed                 every random draw follows from the seed
 //   samples, samples_plain     points a pixel with and without scratches
-//   overlap                    "sum": grooves that cross add up (docs/model.md 5); "last": the one carved last rules at
-//   a point h_at                       "sample": wi, wo and h at every point; "center": at the footprint's center
-//   (docs/model.md 5) board                      as board.json, the tags where they really are; tags.quiet_mm: white
-//   paper beyond the tag's
-//                              own border; bow_mm
+//   overlap                    "sum": grooves that cross add up; "last": the one carved last rules at a point
+//                              (docs/model.md 7.6)
+//   h_at                       "sample": wi, wo and h at every point; "center": at the footprint's center
+//                              (docs/model.md 5.1)
+//   board                      as board.json, the tags where they really are; tags.quiet_mm: white paper beyond the
+//                              tag's own border; bow_mm
 //   believed                   {material, tag_overrides}: what goes into board.json instead of the truth
 //   scratches                  "FILE.csv", or {"random": {count, length_mm: [from, to], seed}}: the designed scratches
 //   material                   depth_gradient [gx, gy]: depth_um (1 + gx (u - 1/2) + gy (v - 1/2)); alpha_jitter,
 //                              depth_jitter: standard deviation of the logarithm per scratch; wear: depth falls from
 //                              1 + wear/2 times at the first scratch to 1 - wear/2 at the last
 //   sensor                     {channels, encoding, bits, jpeg_quality, gain, full_well_e, read_noise_e}; bits of
-//   linear
-//                              files stand in the high end of 16
+//                              linear files stand in the high end of 16
 //   psf_sigma_px, vignette, ambient, background {albedo, noise, z_mm}, dust, shapes, exif, session
 #pragma once
 

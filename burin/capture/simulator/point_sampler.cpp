@@ -341,7 +341,7 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
         const double across = dx * g.ey - dy * g.ex, along = dx * g.ex + dy * g.ey;
         if (std::abs(across) > g.half_width || along < 0 || along > g.length) continue;
         covered += bare;
-        // The groove's normal (-2t, 0, 1 - t^2) / (1 + t^2) across it, along it, out of the face (docs/model.md 2).
+        // The groove's normal (-2t, 0, 1 - t^2) / (1 + t^2) across it, along it, out of the face (docs/model.md 2.3).
         const double t = g.t_per_mm * across;
         const double h_across = (h_x * g.ey - h_y * g.ex - h_n * g.tilt) / std::sqrt(1 - g.tilt * g.tilt);
         const double n_h = (-2 * t * h_across + (1 - t * t) * h_n) / (1 + t * t);

@@ -84,7 +84,7 @@ std::vector<std::string> check_glints(const std::vector<GlintView>& views, const
       }
     const Lean lean = lean_at(view, {center.x(), center.y(), 0});
     middle.push_back(lean);
-    // The depth whose steepest normal reaches the largest lean: T = tan(most / 2) in docs/model.md 2.
+    // The depth whose steepest normal reaches the largest lean: T = tan(most / 2) in docs/model.md 2.2.
     const double rim = std::tan(most / 2);
     const std::string remedy = "carve at least " + number(-width_um / 2 * std::log1p(-std::min(0.99, rim * rim))) +
                                " um deep with this cutter, or bring lamp and eye closer to the mirror direction until "

@@ -6,10 +6,9 @@
 // hy = sin(lean) sin(delta), and integrating the GGX lobe over the groove's curved wall gives
 //   light(delta) / light(0) = (1 + (sin(lean) sin(delta) / alpha)^2)^(-3/2),
 // `lean` being h's angle from the board's normal. If h leans further than the groove's steepest normal,
-// 2 atan(T) (docs/model.md 2), only the lobe's tail is left: reach() is the part of the lobe that the wall holds,
+// 2 atan(T) (docs/model.md 2.4), only the lobe's tail is left: reach() is the part of the lobe that the wall holds,
 //   1/2 + (atan(x) + x / (1 + x^2)) / pi,  x = (2 atan(T) - lean) / alpha.
-// Both are exact for small alpha on a groove without edges (derivation: substitute the slope angle into docs/model.md
-// 3).
+// Both are exact for small alpha on a groove without edges. docs/model.md 3.4 and 3.6.
 #pragma once
 
 #include <Eigen/Core>

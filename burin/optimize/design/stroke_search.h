@@ -14,7 +14,7 @@
 // replaced.
 //
 //   place_strokes    one stroke after the other (matching pursuit: Mallat & Zhang, IEEE TSP 41(12), 1993, with a random
-//                    choice of atoms)
+//                    choice of atoms); the light: docs/model.md 6.5
 //   improve_strokes  takes each stroke out and puts the best of several candidates, the old one among them, in its
 //                    place (block coordinate descent)
 //

@@ -4,7 +4,7 @@
 // The eight Frei-Chen masks are an orthonormal basis of the 3x3 patches without mean, and a Frobenius norm is the same
 // in any such basis. So no filter is ever applied: with M the 9x9 moments of a tile's patches and P the projection that
 // takes the mean out of a patch, ||G(picture) - G(target)||_F = ||P (M(picture) - M(target)) P||_F / n, and the
-// derivative by a patch p is proportional to P (M - M_target) P p.
+// derivative by a patch p is proportional to P (M - M_target) P p. docs/model.md 6.4.
 #pragma once
 
 #include <array>

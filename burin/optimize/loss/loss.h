@@ -14,7 +14,8 @@
 // direction of local contrast wherever it sits, which is what isolated bright scratches (outliers) violate. It knows
 // no objects, as VGG's deeper layers do. How it is computed: burin/optimize/loss/gram_term.h.
 //
-// All gradients are exact (tests: finite differences). Same bits for any number of threads. Source: docs/model.md 6.
+// All gradients are exact (tests: finite differences). Same bits for any number of threads. Source: docs/model.md 6.1
+// to 6.4.
 #pragma once
 
 #include <memory>

@@ -3,7 +3,8 @@
 //
 // The scratch's frame has y = (p1 - p0) / L along it and x across it; a pixel's corners, and its half vector in the
 // frame of the face (pixel_shading.h), are turned into it. Its derivatives are turned back: moving an end of a scratch
-// shifts and turns that frame, which moves corners and half vector, and changes L. Frame: board xy, mm.
+// shifts and turns that frame, which moves corners and half vector, and changes L (docs/model.md 4.23). Frame: board
+// xy, mm.
 #pragma once
 
 #include <Eigen/Core>

@@ -10,7 +10,7 @@
 // measured at every corner, so that it needs no camera. Which tiles a strip may touch is found through one map of the
 // whole grid, whose error is known too; where there is none (folded or split grids), through the tiles' boxes. In a
 // tile the strip is drawn through the block's map, every pixel widened by what the map is wrong: this can only add
-// pixels. Frame: board xy, mm. docs/model.md 6 and 8.
+// pixels. Frame: board xy, mm. docs/model.md 8.1.
 #pragma once
 
 #include <Eigen/Core>

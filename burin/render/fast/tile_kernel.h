@@ -5,7 +5,7 @@
 // of each pixel and makes one derivative of each pair's light and of the plain face's light that it covers; where a
 // pixel turns out to be covered whole, cover() takes the plain face out again; gather() is the backward pass.
 // Kernels of several SIMD widths do the same work; tile_kernels() picks one.
-// Frames: burin/render/fast/tile.h. Source: docs/model.md 4 and 8; the integrals are
+// Frames: burin/render/fast/tile.h. Source: docs/model.md 4 and 8.2 to 8.5; the integrals are
 // burin/render/footprint/footprint_core.h.
 //
 // Along the groove, the footprint cut with the scratch is bounded by top(t) and bottom(t), both linear between

@@ -31,8 +31,8 @@
 //
 // Packets: T is double, float, or a packet of floats (xsimd::batch): any type with arithmetic, comparisons giving
 // masks, and sqrt, abs, min, max, log1p, select, any found by argument-dependent lookup. Precondition everywhere: h of
-// unit length, 0 < alpha <= 1, |t| <= 1, t1 <= t2, n.h >= 0 on [t1, t2] (front_facing()). Sources: docs/model.md 4;
-// Shen et al. 2023, Eqn. 8-10.
+// unit length, 0 < alpha <= 1, |t| <= 1, t1 <= t2, n.h >= 0 on [t1, t2] (front_facing()). Sources: docs/model.md 4.1
+// to 4.22; Shen et al. 2023, Eqn. 8-10.
 #pragma once
 
 #include <cmath>

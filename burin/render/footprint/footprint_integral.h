@@ -33,7 +33,7 @@ struct FootprintValue {
 };
 
 /// Derivatives of both. d_half is that of D as a function of n.h alone with hx, hy, hz taken as free, so its second
-/// component is 0 (see ../shared/ndf-cases.md); only its part tangential to h means anything.
+/// component is 0 (docs/model.md 4.20); only its part tangential to h means anything.
 struct FootprintGradient {
   FootprintValue value;
   Eigen::Vector3d dDhat_dhalf{0, 0, 0};
