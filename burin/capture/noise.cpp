@@ -36,7 +36,7 @@ std::vector<std::uint8_t> clear_of_clipping(const LinearPhoto& photo) {
 }
 
 // Variance of the bulk: about the median, outliers cut at 3.5 sigma. The first sigma comes from the quartiles, which
-// quantised values can make zero; `floor` keeps it alive.
+// quantized values can make zero; `floor` keeps it alive.
 double bulk_variance(std::vector<float>& values, double floor) {
   const auto quantile = [&](double q) {
     const auto nth = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));

@@ -23,7 +23,7 @@ struct Scratches {
 };
 
 /// Reads `scratches.csv`. Throws Error naming the line for a missing column, a value that is not a finite number,
-/// a scratch shorter than a nanometre, a width, depth or alpha that is not positive, or a `carved` that is not 0 or 1.
+/// a scratch shorter than a nanometer, a width, depth or alpha that is not positive, or a `carved` that is not 0 or 1.
 Scratches read_scratches(const std::filesystem::path& file);
 
 /// Writes `scratches.csv` atomically, with 1e-5 mm.

@@ -26,7 +26,7 @@ TEST(CarvingTime, IsTheSumOfTheMoves) {
                    move_time_s(z, m.rapid_z_mm_min, m.acceleration_z_mm_s2)),
               1e-12);
   EXPECT_NEAR(time.total_s(), time.metal_s + time.air_s + time.down_s, 1e-12);
-  // The other way round the second time: ten millimetres more of air.
+  // The other way round the second time: ten millimeters more of air.
   EXPECT_NEAR(carving_time(two(), {{0, false}, {1, false}}, 10, m).air_s,
               along(10, m.rapid_mm_min) + along(20, m.rapid_mm_min), 1e-12);
 }

@@ -705,7 +705,7 @@ double seed_focal_px(const Bundle& b) {
 
 MrcalCheck check_with_mrcal(const Bundle& b) {
   mrcal_lensmodel_t model = model_of(b.lens);
-  constexpr double kMetre = 1e-3;  // mrcal's internal scales are chosen for meters
+  constexpr double kMeter = 1e-3;  // mrcal's internal scales are chosen for meters
   std::vector<double> intrinsics = b.lens.intrinsics;
   std::vector<int> slot(b.views.size(), -1);
   std::vector<mrcal_pose_t> poses;
@@ -727,7 +727,7 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
       mrcal_pose_t m;
       for (int i = 0; i < 3; ++i) {
         m.r.xyz[i] = pose[i];
-        m.t.xyz[i] = kMetre * pose[3 + i];
+        m.t.xyz[i] = kMeter * pose[3 + i];
       }
       poses.push_back(m);
     }
@@ -737,7 +737,7 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
     o.i_point = static_cast<int>(points.size());
     o.px = mrcal_point3_t{{c.q_px.x(), c.q_px.y(), 1 / c.sigma_px}};
     observations.push_back(o);
-    points.push_back(mrcal_point3_t{{kMetre * p.x(), kMetre * p.y(), kMetre * p.z()}});
+    points.push_back(mrcal_point3_t{{kMeter * p.x(), kMeter * p.y(), kMeter * p.z()}});
     sigmas.push_back(c.sigma_px);
     used.push_back(&c);
   }
@@ -748,7 +748,7 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
   select.do_optimize_intrinsics_distortions = true;
   select.do_optimize_extrinsics = true;
   select.do_apply_regularization = false;
-  const mrcal_problem_constants_t constants = {0.1 * kMetre * nearest, 10 * kMetre * furthest};
+  const mrcal_problem_constants_t constants = {0.1 * kMeter * nearest, 10 * kMeter * furthest};
   const int size[2] = {b.lens.width, b.lens.height};
   const int n_points = static_cast<int>(points.size()), n_poses = static_cast<int>(poses.size()),
             n_obs = static_cast<int>(observations.size());
@@ -769,7 +769,7 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
     if (slot[v] < 0) continue;
     const mrcal_pose_t& m = poses[slot[v]];
     const Pose pose = {m.r.xyz[0],          m.r.xyz[1],          m.r.xyz[2],
-                       m.t.xyz[0] / kMetre, m.t.xyz[1] / kMetre, m.t.xyz[2] / kMetre};
+                       m.t.xyz[0] / kMeter, m.t.xyz[1] / kMeter, m.t.xyz[2] / kMeter};
     theirs.views[v] = to_isometry(pose.data());
     out.max_center_mm = std::max(out.max_center_mm,
                                  (theirs.views[v].inverse().translation() - b.views[v].inverse().translation()).norm());

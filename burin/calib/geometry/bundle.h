@@ -1,7 +1,7 @@
 // burin/calib/geometry/bundle.h - the one least-squares problem of the geometry: lens, one pose per view, bow, where
 // tags are.
 //
-// Minimises, over whatever is not held fixed,
+// Minimizes, over whatever is not held fixed,
 //   sum over corners  rho( |(project(lens, T_camera_board p) - q_px) / sigma_px|^2 )  +  priors
 // with p the corner on the bowed face: xy = center + shift + R(turn) (1 + edge / half side) offset,
 // z = z_mm + bow (Surface). Projection and its gradients are mrcal's, chained by hand; the solver is Ceres' with views

@@ -3,8 +3,8 @@
 // radians and mm, camera axes. The geometry's unknowns in one vector: (r, t) of each view, bow_mm (3), and the lens as
 // moved_lens() takes it.
 //
-// Tags give each pose to some hundredths of a pixel and the bow to a micrometre. That is not nothing: a micrometre of
-// bow moves a lamp that is seen by its glints by half a millimetre, and scratches tell lamp and machine better than
+// Tags give each pose to some hundredths of a pixel and the bow to a micrometer. That is not nothing: a micrometer of
+// bow moves a lamp that is seen by its glints by half a millimeter, and scratches tell lamp and machine better than
 // that. So cameras, bow and lens are unknowns beside all others, with the tags' corners as their prior; where tags lie
 // has been eliminated from it. A lens that was held would hold the cameras, too: a focal length that is one tenth of
 // its sigma too long puts all of them, and through the glints the lamp, farther off than their pixels would allow. They
