@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <set>
 #include <thread>
 
@@ -16,7 +15,10 @@
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/capture/photo.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/median.h"
+#include "burin/render/parameter_name.h"
 #include "burin/render/scratches.h"
 
 namespace burin {
@@ -110,16 +112,13 @@ double median_tag_side_px(const std::vector<TagsInPhoto>& pictures) {
   std::vector<double> sides;
   for (const TagsInPhoto& picture : pictures)
     for (const TagDetection& tag : picture.tags) sides.push_back((tag.corner_px[1] - tag.corner_px[0]).norm());
-  if (sides.empty()) return 1e9;
-  const auto middle = sides.begin() + static_cast<std::ptrdiff_t>(sides.size() / 2);
-  std::nth_element(sides.begin(), middle, sides.end());
-  return *middle;
+  return sides.empty() ? 1e9 : median_of(std::move(sides));
 }
 
 // The lamps from the pictures that are left, and which of those were lit otherwise than the rest.
 void find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibration& out) {
   const Sent sent(board.scratches.empty() ? Scratches{} : read_scratches(board.scratches));
-  std::vector<std::string> notes;
+  std::vector<Finding> notes;
   Bench named = out.bench;  // with its lights
   // Views without a pose have been told.
   std::erase_if(merged, [&](const MergedView& m) {
@@ -143,11 +142,13 @@ void find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibratio
              "-2\")"});
     std::erase_if(samples, [&](const LightSample& s) { return left_out.count(s.light_view) > 0; });
     std::erase_if(named.views, [&](const View& v) { return names.count(v.name) > 0; });
-    for (const std::string& name : names) named.verdict.erase("pose." + name);
+    for (const std::string& name : names) named.verdict.erase(parameter::pose(name));
   }
   out.bench = with_lamps(samples, board, named, notes);
-  for (const std::string& n : notes)
-    out.findings.push_back({Finding::Severity::warning, {}, n, "burin refine needs a lamp to start from"});
+  for (Finding& finding : notes) {
+    if (finding.remedy.empty()) finding.remedy = "burin refine needs a lamp to start from";
+    out.findings.push_back(std::move(finding));
+  }
 }
 
 }  // namespace
@@ -223,9 +224,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   solver.fix_lens = options.fix_lens;
   solver.check_with_mrcal = options.check_with_mrcal;
   out.geometry = solve_board(board, tags, width, height, solver, progress);
-  const auto tell = [&out](const std::vector<Finding>& more) {
-    out.findings.insert(out.findings.end(), more.begin(), more.end());
-  };
+  const auto tell = [&out](const std::vector<Finding>& more) { append(out.findings, more); };
   tell(out.geometry.findings);
   tell(rejected_tags(tags, board, out.geometry));
   tell(unseen_tags(tags, board, out.geometry));
@@ -257,12 +256,14 @@ std::string residual_table(const Calibration& c) {
     return out.empty() ? "-" : out;
   };
   std::string out = "# view tag corner x_px y_px dx_px dy_px sigma_px used photo\n";
-  char line[200];
   for (const SolvedCorner& r : c.geometry.corners) {
     const bool known = r.residual_px.allFinite();
-    std::snprintf(line, sizeof line, " %d %d %.4f %.4f %.5f %.5f %.5f %d ", r.tag, r.corner, r.q_px.x(), r.q_px.y(),
-                  known ? r.residual_px.x() : 0, known ? r.residual_px.y() : 0, r.sigma_px, r.used && known ? 1 : 0);
-    out += word(r.view) + line + word(c.photos[r.picture]) + "\n";
+    const Eigen::Vector2d left_px = known ? r.residual_px : Eigen::Vector2d(0, 0);
+    for (const std::string& field :
+         {word(r.view), std::to_string(r.tag), std::to_string(r.corner), fixed(r.q_px.x(), 4), fixed(r.q_px.y(), 4),
+          fixed(left_px.x(), 5), fixed(left_px.y(), 5), fixed(r.sigma_px, 5), std::string(r.used && known ? "1" : "0")})
+      out += field + " ";
+    out += word(c.photos[r.picture]) + "\n";
   }
   return out;
 }

@@ -19,14 +19,15 @@
 #include <vector>
 
 #include "burin/calib/geometry/board_solver.h"
-#include "burin/capture/finding.h"
 #include "burin/capture/session.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/finding.h"
 #include "burin/render/progress.h"
 
 namespace burin {
 
+/// What `burin calibrate` takes as known, and what it leaves out.
 struct CalibrateOptions {
   std::string lens_model;    ///< "LENSMODEL_OPENCV8", ...; empty: the smallest that the data support
   std::optional<Lens> lens;  ///< a lens of one's own: a start for the solve, or fixed
@@ -35,6 +36,7 @@ struct CalibrateOptions {
   bool find_lamps = true;
 };
 
+/// What `burin calibrate` found, with all that led to it.
 struct Calibration {
   Bench bench;                             ///< views, lens, bow, tags, lamps; material as board.json believes it
   BoardSolution geometry;                  ///< residuals of every corner, covariances

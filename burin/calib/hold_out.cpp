@@ -7,8 +7,9 @@
 #include <set>
 #include <sstream>
 
+#include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/calib/photo/refine_result.h"
+#include "burin/calib/verdict/refine_result.h"
 #include "burin/render/error.h"
 
 namespace burin {
@@ -75,6 +76,93 @@ std::vector<std::vector<std::string>> hold_out_folds(const std::string& wanted, 
   return folds;
 }
 
+namespace {
+
+// One view that was held out: its corners as measured, in a bundle of their own with the fold's lens, bow and tags.
+struct HeldOutBundle {
+  Bundle bundle;
+  std::set<int> first_half;  // of its tags: every other one around the board
+  int tags = 0;
+};
+
+HeldOutBundle held_out_bundle(const BoardSolution& solution, const BoardSolution& fold, const View& known, int view,
+                              const Board& board) {
+  std::set<int> solved_tags;
+  for (const BundleCorner& c : fold.bundle.corners)
+    if (c.used) solved_tags.insert(c.tag);
+  HeldOutBundle out;
+  out.bundle = fold.bundle;
+  out.bundle.views = {known.T_camera_board};
+  out.bundle.corners.clear();
+  const Eigen::Vector2d middle = 0.5 * board.size_mm;
+  std::map<double, int> around;
+  for (const BundleCorner& c : solution.bundle.corners) {
+    if (c.view != view || !c.used || !solved_tags.count(c.tag)) continue;
+    out.bundle.corners.push_back(c);
+    out.bundle.corners.back().view = 0;
+    const Eigen::Vector2d d = c.center_mm - middle;
+    around[std::atan2(d.y(), d.x()) + 1e-9 * c.tag] = c.tag;
+  }
+  out.tags = static_cast<int>(around.size());
+  std::size_t order = 0;
+  for (const auto& [angle, tag] : around)
+    if (order++ % 2 == 0) out.first_half.insert(tag);
+  return out;
+}
+
+// Squares of the corners' errors, and what is to be expected of them, over both axes of each.
+struct Squares {
+  double sum = 0, expected = 0;
+  std::size_t axes = 0;
+};
+
+// Poses from each half of the tags predict the corners of the other.
+Squares predict_halves(const HeldOutBundle& held) {
+  BundleOptions pose_only;
+  pose_only.fix_lens = pose_only.fix_bow = pose_only.fix_tags = true;
+  Squares out;
+  for (const bool first : {true, false}) {
+    Bundle half = held.bundle, other = held.bundle;
+    for (std::size_t i = 0; i < held.bundle.corners.size(); ++i) {
+      half.corners[i].used = (held.first_half.count(held.bundle.corners[i].tag) > 0) == first;
+      other.corners[i].used = !half.corners[i].used;
+    }
+    solve_bundle(half, pose_only);
+    other.views = half.views;
+    const std::vector<Eigen::Vector2d> residuals = bundle_residuals_px(other);
+    double sigma2 = 0;
+    std::size_t judged_axes = 0;
+    for (std::size_t i = 0; i < residuals.size(); ++i) {
+      if (!other.corners[i].used || !residuals[i].allFinite()) continue;
+      out.sum += residuals[i].squaredNorm();
+      sigma2 += 2 * other.corners[i].sigma_px * other.corners[i].sigma_px;
+      judged_axes += 2;
+    }
+    out.axes += judged_axes;
+    // The pose's uncertainty, seen by the corners that are judged: trace of P H.
+    const Eigen::Matrix<double, 6, 6> H = bundle_equations(half, pose_only).views[0].H;
+    const Eigen::Matrix<double, 6, 6> H_other = bundle_equations(other, pose_only).views[0].H;
+    const double from_pose = H.ldlt().solve(H_other).trace() / std::max<double>(1, static_cast<double>(judged_axes));
+    out.expected += sigma2 * (1 + from_pose);
+  }
+  return out;
+}
+
+double root_mean(double sum, std::size_t count) { return count > 0 ? std::sqrt(sum / static_cast<double>(count)) : 0; }
+
+double fit_rms_px(const BoardSolution& solution, const std::string& view) {
+  double sum = 0;
+  std::size_t axes = 0;
+  for (const SolvedCorner& c : solution.corners)
+    if (c.view == view && c.used) {
+      sum += c.residual_px.squaredNorm();
+      axes += 2;
+    }
+  return root_mean(sum, axes);
+}
+
+}  // namespace
+
 HeldOutCorners hold_out_corners(const BoardSolution& solution, const Board& board,
                                 const std::vector<ViewTags>& pictures,
                                 const std::vector<std::vector<std::string>>& folds, const BoardSolverOptions& options,
@@ -87,8 +175,8 @@ HeldOutCorners hold_out_corners(const BoardSolution& solution, const Board& boar
   fold_options.check_with_mrcal = false;
 
   HeldOutCorners out;
-  double fit2 = 0, held2 = 0, expected2 = 0;
-  std::size_t axes = 0;
+  double fit2 = 0;
+  Squares all;
   for (std::size_t f = 0; f < folds.size(); ++f) {
     if (progress)
       progress("solving without the photos held out", static_cast<double>(f) / static_cast<double>(folds.size()));
@@ -97,125 +185,49 @@ HeldOutCorners hold_out_corners(const BoardSolution& solution, const Board& boar
     for (const ViewTags& p : pictures)
       if (!held.count(p.view)) left.push_back(p);
     const BoardSolution fold = solve_board(board, left, solution.lens.width, solution.lens.height, fold_options);
-    std::set<int> solved_tags;
-    for (const BundleCorner& c : fold.bundle.corners)
-      if (c.used) solved_tags.insert(c.tag);
-
     for (const std::string& name : folds[f]) {
       const auto known =
           std::find_if(solution.views.begin(), solution.views.end(), [&](const View& v) { return v.name == name; });
       if (known == solution.views.end()) continue;  // left out of the solution too
-      const int view = static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
-      Bundle one = fold.bundle;
-      one.views = {known->T_camera_board};
-      one.corners.clear();
-      double fit_sum = 0;
-      std::size_t fit_axes = 0;
-      for (const BundleCorner& c : solution.bundle.corners) {
-        if (c.view != view || !c.used || !solved_tags.count(c.tag)) continue;
-        one.corners.push_back(c);
-        one.corners.back().view = 0;
-      }
-      for (const SolvedCorner& c : solution.corners)
-        if (c.view == name && c.used) {
-          fit_sum += c.residual_px.squaredNorm();
-          fit_axes += 2;
-        }
-      // Halves: every other tag around the board.
-      const Eigen::Vector2d middle = 0.5 * board.size_mm;
-      std::map<double, int> around;
-      for (const BundleCorner& c : one.corners) {
-        const Eigen::Vector2d d = c.center_mm - middle;
-        around[std::atan2(d.y(), d.x()) + 1e-9 * c.tag] = c.tag;
-      }
-      constexpr std::size_t kFewestTags = 4;
-      if (around.size() < kFewestTags) continue;
-      std::set<int> first_half;
-      std::size_t order = 0;
-      for (const auto& [angle, tag] : around)
-        if (order++ % 2 == 0) first_half.insert(tag);
-
-      HeldOutView judged;
-      judged.view = name;
-      judged.tags = static_cast<int>(around.size());
-      double sum = 0, expected = 0;
-      std::size_t n = 0;
-      for (const bool first : {true, false}) {
-        Bundle half = one, other = one;
-        for (std::size_t i = 0; i < one.corners.size(); ++i) {
-          half.corners[i].used = (first_half.count(one.corners[i].tag) > 0) == first;
-          other.corners[i].used = !half.corners[i].used;
-        }
-        BundleOptions pose_only;
-        pose_only.fix_lens = pose_only.fix_bow = pose_only.fix_tags = true;
-        solve_bundle(half, pose_only);
-        other.views = half.views;
-        const std::vector<Eigen::Vector2d> residuals = bundle_residuals_px(other);
-        double sigma2 = 0;
-        std::size_t judged_axes = 0;
-        for (std::size_t i = 0; i < residuals.size(); ++i) {
-          if (!other.corners[i].used || !residuals[i].allFinite()) continue;
-          sum += residuals[i].squaredNorm();
-          sigma2 += 2 * other.corners[i].sigma_px * other.corners[i].sigma_px;
-          judged_axes += 2;
-        }
-        n += judged_axes;
-        // The pose's uncertainty, seen by the corners that are judged: trace of P H.
-        const Eigen::Matrix<double, 6, 6> H = bundle_equations(half, pose_only).views[0].H;
-        const Eigen::Matrix<double, 6, 6> H_other = bundle_equations(other, pose_only).views[0].H;
-        const double from_pose =
-            H.ldlt().solve(H_other).trace() / std::max<double>(1, static_cast<double>(judged_axes));
-        expected += sigma2 * (1 + from_pose);
-      }
-      if (n == 0) continue;
-      judged.fit_rms_px = fit_axes ? std::sqrt(fit_sum / static_cast<double>(fit_axes)) : 0;
-      judged.held_out_rms_px = std::sqrt(sum / static_cast<double>(n));
-      judged.expected_rms_px = std::sqrt(expected / static_cast<double>(n));
+      const auto view = static_cast<int>(std::find(names.begin(), names.end(), name) - names.begin());
+      const HeldOutBundle one = held_out_bundle(solution, fold, *known, view, board);
+      constexpr int kFewestTags = 4;
+      if (one.tags < kFewestTags) continue;
+      const Squares squares = predict_halves(one);
+      if (squares.axes == 0) continue;
+      const HeldOutView judged{name, one.tags, fit_rms_px(solution, name), root_mean(squares.sum, squares.axes),
+                               root_mean(squares.expected, squares.axes)};
       out.views.push_back(judged);
-      const auto weight = static_cast<double>(n);
-      fit2 += weight * judged.fit_rms_px * judged.fit_rms_px;
-      held2 += sum;
-      expected2 += expected;
-      axes += n;
+      fit2 += static_cast<double>(squares.axes) * judged.fit_rms_px * judged.fit_rms_px;
+      all.sum += squares.sum;
+      all.expected += squares.expected;
+      all.axes += squares.axes;
     }
   }
-  if (axes > 0) {
-    const auto n = static_cast<double>(axes);
-    out.fit_rms_px = std::sqrt(fit2 / n);
-    out.held_out_rms_px = std::sqrt(held2 / n);
-    out.expected_rms_px = std::sqrt(expected2 / n);
-  }
+  out.fit_rms_px = root_mean(fit2, all.axes);
+  out.held_out_rms_px = root_mean(all.sum, all.axes);
+  out.expected_rms_px = root_mean(all.expected, all.axes);
   std::sort(out.views.begin(), out.views.end(),
             [](const HeldOutView& a, const HeldOutView& b) { return a.view < b.view; });
   return out;
 }
 
 std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const MergedView> photos, const Board& board,
-                                     const Sent& sent, const RefineOptions& options) {
+                                     const Sent& sent) {
   Bench bench = refined.bench;
-  std::vector<std::string> findings;
+  std::vector<Finding> findings;
   const std::vector<LightView> views = make_light_views(photos, board, bench, findings);
   if (bench.lights.size() > refined.bench.lights.size())
     fail("the photos held out", "they are the only ones under lamp \"" + bench.lights.back().id + "\"",
          "hold out others, so that this lamp is measured");
-  Problem data;
-  data.model.board = &board;
-  data.model.sent = &sent;
-  data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
-  data.model.f0 = board.material.f0.mean();
-  data.model.alpha_field = bench.alpha_field.terms;
+  Problem data = make_problem(board, sent, bench);
+  data.merged_bin = photos.empty() ? 1 : photos.front().bin;  // the bench's blur is in pixels of the photos
   data.model.crossings = refined.bench.crossings;
   data.model.alpha_jitter = refined.alpha_jitter;
   data.model.depth_jitter = refined.depth_jitter;
-  for (const Light& light : bench.lights) data.is_spot.push_back(light.falloff_exponent > 0);
-  State state = state_of(bench, data.model);
-  const int merged_bin = photos.empty() ? 1 : photos.front().bin;  // the bench's blur is in pixels of the photos
-  state.shared[unknown::log_blur] -= std::log(merged_bin);
-  std::vector<double> sizes;
-  for (const LightView& view : views) sizes.push_back(pixel_mm(view, bench));
-  const double size = median_of(sizes);
-  const int bin = size > 0 ? std::max(1, static_cast<int>(std::ceil(options.finest_pixel_mm / size - 1e-9))) : 1;
-  data.photos = photos_at(views, bin, board, bench, bench.sensor.psf_sigma_px / merged_bin);
+  const State state = state_of(bench, data);
+  // As fine as the fit looked at its photos.
+  data.photos = photos_at(views, refined.bin, board, bench, bench.sensor.psf_sigma_px / data.merged_bin);
   correct_binning(data, views, board, bench, state);
   const Carved carved = carved_at(data.model, state.of(0));
   std::vector<PhotoFit> out;
@@ -245,8 +257,8 @@ std::vector<HeldOutPhoto> hold_out_pixels(const Refinement& refined, std::span<c
     for (const MergedView& photo : photos) (names.count(photo.view) ? held : used).push_back(photo);
     const Refinement without = refine(used, board, sent, measured, options, progress);
     // The photo as used and as held out are judged alike: nothing fitted, the same resolution.
-    const std::vector<PhotoFit> fits = predict_photos(refined, held, board, sent, options);
-    const std::vector<PhotoFit> predictions = predict_photos(without, held, board, sent, options);
+    const std::vector<PhotoFit> fits = predict_photos(refined, held, board, sent);
+    const std::vector<PhotoFit> predictions = predict_photos(without, held, board, sent);
     for (const PhotoFit& prediction : predictions)
       for (const PhotoFit& fit : fits)
         if (fit.view == prediction.view && fit.light == prediction.light) out.push_back({fit, prediction});

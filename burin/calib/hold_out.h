@@ -39,6 +39,7 @@ struct HeldOutView {
   double expected_rms_px = 0;
 };
 
+/// How well corners are predicted in views that were not used.
 struct HeldOutCorners {
   std::vector<HeldOutView> views;
   double fit_rms_px = 0, held_out_rms_px = 0, expected_rms_px = 0;  ///< over all views
@@ -64,6 +65,6 @@ std::vector<HeldOutPhoto> hold_out_pixels(const Refinement& refined, std::span<c
 
 /// How a refined bench predicts photos, used or not: poses from `refined.bench`, nothing is fitted.
 std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const MergedView> photos, const Board& board,
-                                     const Sent& sent, const RefineOptions& options = {});
+                                     const Sent& sent);
 
 }  // namespace burin

@@ -10,8 +10,12 @@
 #include <random>
 #include <set>
 
+#include "burin/calib/photo/bench_unknowns.h"
+#include "burin/calib/photo/machine_map.h"
+#include "burin/calib/verdict/candidate_photo.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/render/error.h"
+#include "burin/render/parameter_name.h"
 
 namespace burin {
 namespace {
@@ -58,21 +62,21 @@ std::vector<Measure> geometry_measures(const BundleEquations& e, const Lens& len
   std::vector<Measure> out;
   if (e.lens_at >= 0) {
     const double longer = std::max(lens.width, lens.height);
-    out.push_back({{"lens focal length", "%", 0.05, 100},
+    out.push_back({{parameter::kLensFocal, Unit::percent, 0.05, 100},
                    false,
                    true,
                    {unit(e.lens_at, 100 / lens.intrinsics[0]), unit(e.lens_at + 1, 100 / lens.intrinsics[1])}});
-    out.push_back({{"lens center", "px", 5e-4 * longer, 0.1 * longer},
+    out.push_back({{parameter::kLensCenter, Unit::px, 5e-4 * longer, 0.1 * longer},
                    false,
                    true,
                    {unit(e.lens_at + 2, 1), unit(e.lens_at + 3, 1)}});
   }
-  Measure tags{{"board.tags", "mm", 0.01, std::max(1e-4, board.tags.sigma_mm)}, false, false, {}};
+  Measure tags{{parameter::kTags, Unit::mm, 0.01, std::max(1e-4, board.tags.sigma_mm)}, false, false, {}};
   for (const int at : e.tag_at)
     for (int i = 0; at >= 0 && i < 2; ++i) tags.rows.push_back(unit(at + i, 1));
   if (!tags.rows.empty()) out.push_back(tags);
   if (e.shared_at >= 0)
-    out.push_back({{"board.bow_mm", "mm", 0.005, options.bow_prior_mm},
+    out.push_back({{parameter::kBow, Unit::mm, 0.005, options.bow_prior_mm},
                    false,
                    true,
                    {unit(e.shared_at + 1, 1), unit(e.shared_at + 2, 1), unit(e.shared_at + 3, 1)}});
@@ -85,37 +89,40 @@ std::vector<Measure> light_measures(const Problem& data, const Bench& bench, std
   const auto unit = [&](int at, double by) { return Eigen::VectorXd(by * Eigen::VectorXd::Unit(n, at)); };
   std::vector<Measure> out;
   const auto share = [&](const char* name, int at, double goal) {
-    out.push_back({{name, "%", goal, 100 * kBelievedLog}, true, false, {unit(at, 100)}});
+    out.push_back({{name, Unit::percent, goal, 100 * kBelievedLog}, true, false, {unit(at, 100)}});
   };
-  share("alpha", unknown::log_alpha, 1);
-  share("depth_um", unknown::log_depth, 1.5);
-  share("base_alpha", unknown::log_base_alpha, 2);
-  Measure machine{{"machine.affine", "mm", 0.01, 0}, true, true, {}};
+  share(parameter::kAlpha, unknown::log_alpha, 1);
+  share(parameter::kDepth, unknown::log_depth, 1.5);
+  share(parameter::kBaseAlpha, unknown::log_base_alpha, 2);
+  Measure machine{{parameter::kMachine, Unit::mm, 0.01, 0}, true, true, {}};
   const Eigen::Vector2d c = data.model.center_mm;
   for (const double x : {board.carve_min_mm.x(), board.carve_max_mm.x()})
     for (const double y : {board.carve_min_mm.y(), board.carve_max_mm.y()})
       for (int row = 0; row < 2; ++row) {
-        const int at = unknown::machine + 2 * row;
-        machine.rows.emplace_back(unit(at, x - c.x()) + unit(at + 1, y - c.y()) + unit(unknown::machine + 4 + row, 1));
+        machine.rows.push_back(machine_combination(n, row, {x - c.x(), y - c.y(), 1}));
         machine.parameter.before =
             std::max(machine.parameter.before,
                      std::hypot(kBelievedShift_mm, kBelievedScale * (Eigen::Vector2d(x, y) - c).norm()));
       }
   out.push_back(machine);
-  out.push_back(
-      {{"ambient", "%", 0.5, 100 * kBelievedAmbientShare}, true, false, {unit(unknown::ambient, 100 / paper)}});
-  Measure vignette{{"sensor.vignette", "%", 1, 25}, true, false, {Eigen::VectorXd::Zero(n)}};
+  out.push_back({{parameter::kAmbient, Unit::percent, 0.5, 100 * kBelievedAmbientShare},
+                 true,
+                 false,
+                 {unit(unknown::ambient, 100 / paper)}});
+  Measure vignette{{parameter::kVignette, Unit::percent, 1, 25}, true, false, {Eigen::VectorXd::Zero(n)}};
   for (int i = 0; i < 3; ++i) vignette.rows[0] += unit(unknown::vignette + i, 100 * std::pow(0.5, i + 1));
   out.push_back(vignette);
-  share("sensor.psf_sigma_px", unknown::log_blur, 10);
+  share(parameter::kBlur, unknown::log_blur, 10);
   const Eigen::Vector3d center(c.x(), c.y(), 0);
   for (std::size_t i = 0; i < bench.lights.size(); ++i) {
     const Light& light = bench.lights[i];
     const double distance = (light.position_mm - center).norm();
-    Measure position{
-        {"light." + light.id + ".position_mm", "mm", 2e-3 * distance, kBelievedLampShare * distance}, true, true, {}};
+    Measure position{{parameter::light_position(light.id), Unit::mm, 2e-3 * distance, kBelievedLampShare * distance},
+                     true,
+                     true,
+                     {}};
     for (int k = 0; k < 3; ++k) position.rows.push_back(unit(global_index(unknown::lamp_position + k, i), 1));
-    Measure intensity{{"light." + light.id + ".intensity", "%", 1, 100 * kBelievedIntensityLog},
+    Measure intensity{{parameter::light_intensity(light.id), Unit::percent, 1, 100 * kBelievedIntensityLog},
                       true,
                       false,
                       {unit(global_index(unknown::log_intensity, i), 100)}};
@@ -123,7 +130,7 @@ std::vector<Measure> light_measures(const Problem& data, const Bench& bench, std
     out.push_back(position);
     out.push_back(intensity);
     if (data.is_spot[i])
-      out.push_back({{"light." + light.id + ".falloff_exponent", "", 0.5, kBelievedExponent},
+      out.push_back({{parameter::light_falloff(light.id), Unit::none, 0.5, kBelievedExponent},
                      true,
                      false,
                      {unit(global_index(unknown::spot + 2, i), 1)},
@@ -137,11 +144,15 @@ Eigen::MatrixXd light_prior(const Problem& data, const Bench& bench, Eigen::Inde
   Eigen::VectorXd sigma = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
   for (const int at : {unknown::log_alpha, unknown::log_depth, unknown::log_base_alpha, unknown::log_blur})
     sigma[at] = kBelievedLog;
-  for (int i = 0; i < 4; ++i) sigma[unknown::machine + i] = kBelievedScale;
-  for (int i = 4; i < 6; ++i) sigma[unknown::machine + i] = kBelievedShift_mm;
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 2; ++column) sigma[machine_index(row, column)] = kBelievedScale;
+    sigma[machine_index(row, 2)] = kBelievedShift_mm;
+  }
   sigma[unknown::ambient] = kBelievedAmbientShare * paper;
-  for (int i = 0; i < 3; ++i) sigma[unknown::vignette + i] = kVignettePriorSigma[i];
-  sigma[kSharedUnknowns] = kPaperFactorSigma;
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    if (row.prior_sigma[0] > 0)
+      std::copy_n(row.prior_sigma.begin(), row.size, sigma.begin() + (row.scope == Scope::paper ? kPaperIndex : first));
+  });
   const Eigen::Vector3d center(data.model.center_mm.x(), data.model.center_mm.y(), 0);
   for (std::size_t i = 0; i < bench.lights.size(); ++i) {
     const double distance = (bench.lights[i].position_mm - center).norm();
@@ -191,26 +202,29 @@ Sent test_strokes(const Board& board) {
   return Sent(std::move(out));
 }
 
-Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options,
-                const Progress& progress) {
+namespace {
+
+void require_something_to_plan(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options) {
   if (options.shots < 1) fail("the plan", "asks for no shots", "ask for at least one");
   if (board.tags.list.size() < 3)
     fail("board.json: tags.list", "has " + std::to_string(board.tags.list.size()) + " tags",
          "list at least three, better ten around the carved area");
   if (nominal.lights.empty()) fail("the bench", "has no lamp", "say where it is to stand, about");
   if (sent.size() == 0) fail("scratches", "there is none", "name the designed scratches, or plan with test strokes");
+}
 
-  Plan out;
-  out.bench = nominal;
-  const std::size_t own_lamps = nominal.lights.size();
-  if (options.lamp_places > static_cast<int>(own_lamps))
+// The nominal bench, with lamps at places that are proposed where more are allowed than it has.
+Bench with_proposed_lamps(const Board& board, const Bench& nominal, const PlanOptions& options) {
+  Bench bench = nominal;
+  if (options.lamp_places > static_cast<int>(nominal.lights.size()))
     for (const Light& light : turned_lamps(nominal.lights.front(), board, {60, 120, 180, 240, 300}))
-      out.bench.lights.push_back(light);
-  const Bench& bench = out.bench;
-  const std::vector<CameraPlace> places = camera_places(board, bench.lens, true);
-  std::size_t directions = 0;
-  for (const CameraPlace& place : places) directions = std::max(directions, place.direction + 1);
+      bench.lights.push_back(light);
+  return bench;
+}
 
+// What tags tell from each place.
+BundleEquations tags_from(const std::vector<CameraPlace>& places, const Board& board, const Bench& bench,
+                          const BundleOptions& bundle_options, double corner_sigma_px) {
   Bundle bundle;
   bundle.lens = bench.lens;
   bundle.surface = {board.size_mm, bench.bow_mm};
@@ -220,121 +234,158 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, cons
     placement.sigma_rad = placement.sigma_mm / (tag.size_mm / 2);
     bundle.tags.push_back(placement);
   }
-  append_candidates(bundle, board, places, options.corner_sigma_px);
-  BundleOptions bundle_options;
-  bundle_options.fix_lens = options.fix_lens;
-  if (progress) progress("looking at the tags from everywhere", 0);
-  const BundleEquations geometry = bundle_equations(bundle, bundle_options);
+  append_candidates(bundle, board, places, corner_sigma_px);
+  return bundle_equations(bundle, bundle_options);
+}
 
-  Problem data;
-  data.model.board = &board;
-  data.model.sent = &sent;
-  data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
-  data.model.f0 = board.material.f0.mean();
-  data.model.alpha_field = bench.alpha_field.terms;
-  for (const Light& light : bench.lights) data.is_spot.push_back(light.falloff_exponent > 0);
-  State state = state_of(bench, data.model);
-  const Eigen::Index n = kSharedUnknowns + 1 + static_cast<Eigen::Index>(bench.lights.size()) * kLampUnknowns;
-  std::vector<bool> free(n, true);
-  for (int i = 0; i < GrooveField::kTerms; ++i) free[unknown::depth_field + i] = false;
-  for (std::size_t i = 0; i < bench.lights.size(); ++i)
-    for (int k = 0; k < 3; ++k) free[global_index(unknown::spot + k, i)] = data.is_spot[i];
-  std::vector<std::vector<LightCandidate>> light(directions);
-  double paper = 0;
+// What grooves and paper tell from each direction under each lamp: [direction][lamp].
+using LightTable = std::vector<std::vector<LightCandidate>>;
+LightTable light_from(const std::vector<CameraPlace>& places, const Problem& data, const Bench& bench,
+                      const PlanOptions& options, const Progress& progress) {
+  const State state = state_of(bench, data);
+  const std::vector<bool> free = free_unknowns(data, Stage().free(Group::blur), bench.lights.size());
+  std::size_t directions = 0;
+  for (const CameraPlace& place : places) directions = std::max(directions, place.direction + 1);
+  LightTable out(directions);
   for (const CameraPlace& place : places) {
-    if (!light[place.direction].empty()) continue;  // the first of a direction is the nearest, upright
+    if (!out[place.direction].empty()) continue;  // the first of a direction is the nearest, upright
     if (progress)
       progress("looking at the grooves from everywhere",
                static_cast<double>(place.direction) / static_cast<double>(directions));
     for (std::size_t lamp = 0; lamp < bench.lights.size(); ++lamp) {
-      light[place.direction].push_back(light_candidate(data, state, bench, place, lamp, free, options.light));
-      light[place.direction].back().information /= options.inflation * options.inflation;
-      paper = std::max(paper, light[place.direction].back().light.paper);
+      out[place.direction].push_back(light_candidate(data, state, bench, place, lamp, free, options.light));
+      out[place.direction].back().information /= options.inflation * options.inflation;
     }
   }
-  if (!(paper > 0))
-    fail("the bench", "its lamps light no tag of the board",
-         "put the lamp in front of the board: position_mm, z above 0");
+  return out;
+}
 
-  std::vector<Measure> measures = geometry_measures(geometry, bench.lens, board, bundle_options);
-  for (Measure& m : light_measures(data, bench, own_lamps, n, paper)) measures.push_back(std::move(m));
-  for (const Measure& m : measures) out.parameters.push_back(m.parameter);
+// The shots taken so far, and what they tell.
+struct Planning {
+  const Board& board;
+  const Bench& bench;
+  const PlanOptions& options;
+  const std::size_t own_lamps;
+  const std::vector<CameraPlace>& places;
+  const BundleEquations& geometry;
+  const LightTable& light;
+  const std::vector<Measure>& measures;
+  Eigen::MatrixXd H_geometry, H_light;
+  Straddle straddle{};
+  std::set<std::size_t> lamps_used{};
+  std::set<std::pair<std::size_t, std::size_t>> taken{};  // direction, lamp
 
-  Eigen::MatrixXd H_geometry = geometry.prior, H_light = light_prior(data, bench, n, paper);
-  Straddle straddle;
-  std::set<std::size_t> lamps_used;
-  std::set<std::pair<std::size_t, std::size_t>> taken;
-  // The sum over measures of one kind; `sigmas`, if given, gets them.
-  const auto score = [&](bool of_light, const Eigen::MatrixXd& covariance, bool straddles,
-                         std::vector<double>* sigmas) {
+  // The sum of what measures of one kind are worth; `sigmas`, if given, gets them.
+  double score(bool of_light, const Eigen::MatrixXd& covariance, bool straddles, std::vector<double>* sigmas) const {
     double sum = 0;
     for (std::size_t i = 0; i < measures.size(); ++i) {
       const Measure& m = measures[i];
       if (m.of_light != of_light) continue;
       double sigma = m.sigma(covariance);
-      if (m.parameter.name == "depth_um" && !straddles) sigma = m.parameter.before;
+      if (m.parameter.name == parameter::kDepth && !straddles) sigma = m.parameter.before;
       if (sigmas) (*sigmas)[i] = sigma;
       if (m.lamp < 0) sum += worth(sigma, m.parameter.goal);
     }
     return sum;
-  };
-  const auto straddles_with = [&](const Straddle& more) {
-    return Straddle{straddle.inside + more.inside, straddle.outside + more.outside}.both();
-  };
-  for (int shot = 0; shot < options.shots; ++shot) {
-    if (progress) progress("choosing places", static_cast<double>(shot) / options.shots);
+  }
+
+  bool may_use(std::size_t lamp) const {
+    std::set<std::size_t> lamps = lamps_used;
+    lamps.insert(lamp);
+    return lamp < own_lamps || static_cast<int>(std::max(lamps.size(), own_lamps + 1)) <= options.lamp_places;
+  }
+
+  // The place and the lamp after which all sigmas together are best; nothing where no place is left.
+  std::optional<std::pair<std::size_t, std::size_t>> best_shot() const {
     // Light and geometry share no unknown, so a shot's worth is the sum of both.
-    std::vector<double> geometry_score(places.size());
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    std::vector<double> geometry_score(places.size(), kNever);
     for (std::size_t p = 0; p < places.size(); ++p)
-      geometry_score[p] = geometry.views[p].used
-                              ? score(false, scaled_inverse(H_geometry + geometry.views[p].information), false, nullptr)
-                              : std::numeric_limits<double>::infinity();
-    double best = std::numeric_limits<double>::infinity();
-    std::size_t best_place = 0, best_lamp = 0;
-    for (std::size_t direction = 0; direction < directions; ++direction)
+      if (geometry.views[p].used)
+        geometry_score[p] = score(false, scaled_inverse(H_geometry + geometry.views[p].information), false, nullptr);
+    double best = kNever;
+    std::optional<std::pair<std::size_t, std::size_t>> out;
+    for (std::size_t direction = 0; direction < light.size(); ++direction)
       for (std::size_t lamp = 0; lamp < bench.lights.size(); ++lamp) {
         const LightCandidate& candidate = light[direction][lamp];
-        if (taken.count({direction, lamp}) || !(candidate.light.paper > 0)) continue;
-        std::set<std::size_t> lamps = lamps_used;
-        lamps.insert(lamp);
-        if (lamp >= own_lamps && static_cast<int>(std::max(lamps.size(), own_lamps + 1)) > options.lamp_places)
-          continue;
-        const double light_score =
-            score(true, scaled_inverse(H_light + candidate.information), straddles_with(candidate.straddle), nullptr);
+        if (taken.count({direction, lamp}) || !(candidate.light.paper > 0) || !may_use(lamp)) continue;
+        const Straddle with{straddle.inside + candidate.straddle.inside, straddle.outside + candidate.straddle.outside};
+        const double light_score = score(true, scaled_inverse(H_light + candidate.information), with.both(), nullptr);
         for (std::size_t p = 0; p < places.size(); ++p)
           if (places[p].direction == direction && geometry_score[p] + light_score < best &&
               !in_the_way(places[p].center_mm(), bench.lights[lamp].position_mm, board)) {
             best = geometry_score[p] + light_score;
-            best_place = p;
-            best_lamp = lamp;
+            out = {p, lamp};
           }
       }
-    if (!std::isfinite(best)) break;  // no place is left
-    const std::size_t direction = places[best_place].direction;
-    const LightCandidate& chosen = light[direction][best_lamp];
-    taken.insert({direction, best_lamp});
-    lamps_used.insert(best_lamp);
-    H_geometry += geometry.views[best_place].information;
+    return out;
+  }
+
+  PlannedShot take(std::size_t place, std::size_t lamp) {
+    const std::size_t direction = places[place].direction;
+    const LightCandidate& chosen = light[direction][lamp];
+    taken.insert({direction, lamp});
+    lamps_used.insert(lamp);
+    H_geometry += geometry.views[place].information;
     H_light += chosen.information;
     straddle.inside += chosen.straddle.inside;
     straddle.outside += chosen.straddle.outside;
-    PlannedShot planned;
-    planned.camera = places[best_place];
-    planned.light = best_lamp;
-    planned.stops = bracket_stops(chosen.light);
-    planned.paper_radiance = chosen.light.paper;
-    planned.sigma.assign(measures.size(), 0);
-    score(false, scaled_inverse(H_geometry), straddle.both(), &planned.sigma);
-    score(true, scaled_inverse(H_light), straddle.both(), &planned.sigma);
-    out.shots.push_back(std::move(planned));
+    PlannedShot shot;
+    shot.camera = places[place];
+    shot.light = lamp;
+    shot.stops = bracket_stops(chosen.light);
+    shot.paper_radiance = chosen.light.paper;
+    shot.sigma.assign(measures.size(), 0);
+    score(false, scaled_inverse(H_geometry), straddle.both(), &shot.sigma);
+    score(true, scaled_inverse(H_light), straddle.both(), &shot.sigma);
+    return shot;
+  }
+};
+
+}  // namespace
+
+Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options,
+                const Progress& progress) {
+  require_something_to_plan(board, nominal, sent, options);
+  Plan out;
+  out.bench = with_proposed_lamps(board, nominal, options);
+  const Bench& bench = out.bench;
+  const std::size_t own_lamps = nominal.lights.size();
+  const std::vector<CameraPlace> places = camera_places(board, bench.lens, true);
+  if (progress) progress("looking at the tags from everywhere", 0);
+  BundleOptions bundle_options;
+  bundle_options.fix_lens = options.fix_lens;
+  const BundleEquations geometry = tags_from(places, board, bench, bundle_options, options.corner_sigma_px);
+
+  const Problem data = make_problem(board, sent, bench);
+  const LightTable light = light_from(places, data, bench, options, progress);
+  double paper = 0;
+  for (const auto& of_direction : light)
+    for (const LightCandidate& candidate : of_direction) paper = std::max(paper, candidate.light.paper);
+  if (!(paper > 0))
+    fail("the bench", "its lamps light no tag of the board",
+         "put the lamp in front of the board: position_mm, z above 0");
+
+  const Eigen::Index n = global_count(bench.lights.size());
+  std::vector<Measure> measures = geometry_measures(geometry, bench.lens, board, bundle_options);
+  for (Measure& m : light_measures(data, bench, own_lamps, n, paper)) measures.push_back(std::move(m));
+  for (const Measure& m : measures) out.parameters.push_back(m.parameter);
+
+  Planning planning{board,    bench, options,  own_lamps,      places,
+                    geometry, light, measures, geometry.prior, light_prior(data, bench, n, paper)};
+  for (int shot = 0; shot < options.shots; ++shot) {
+    if (progress) progress("choosing places", static_cast<double>(shot) / options.shots);
+    const auto best = planning.best_shot();
+    if (!best) break;  // no place is left
+    out.shots.push_back(planning.take(best->first, best->second));
   }
   if (out.shots.empty())
     fail("the plan", "there is no place from which lamp, tags and board are seen",
          "check the lens and the lamp's place");
-  out.straddles = straddle.both();
+  out.straddles = planning.straddle.both();
   // Of the lamps that were proposed, only those that serve a shot are told.
   for (std::size_t i = measures.size(); i-- > 0;)
-    if (measures[i].lamp >= 0 && !lamps_used.count(static_cast<std::size_t>(measures[i].lamp))) {
+    if (measures[i].lamp >= 0 && !planning.lamps_used.count(static_cast<std::size_t>(measures[i].lamp))) {
       out.parameters.erase(out.parameters.begin() + static_cast<std::ptrdiff_t>(i));
       for (PlannedShot& shot : out.shots) shot.sigma.erase(shot.sigma.begin() + static_cast<std::ptrdiff_t>(i));
     }

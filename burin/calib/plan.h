@@ -12,14 +12,16 @@
 #include <string>
 #include <vector>
 
-#include "burin/calib/verdict/candidate_photo.h"
+#include "burin/calib/verdict/camera_place.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
 #include "burin/render/progress.h"
+#include "burin/render/verdict.h"
 
 namespace burin {
 
+/// How many photos a plan may ask for, and what it assumes of them.
 struct PlanOptions {
   int shots = 12;
   int lamp_places = 1;            ///< at how many places lamps may stand in all; above the bench's, they are proposed
@@ -34,11 +36,12 @@ struct PlanOptions {
 /// Something that the photos are to determine.
 struct PlanParameter {
   std::string name;  ///< as in bench.json's verdict
-  std::string unit;
+  Unit unit = Unit::none;
   double goal = 0;    ///< a sigma that is good enough
   double before = 0;  ///< what is believed to be known without a photo
 };
 
+/// One place to photograph from, under one lamp.
 struct PlannedShot {
   CameraPlace camera;
   std::size_t light = 0;  ///< index into Plan::bench.lights
@@ -49,6 +52,7 @@ struct PlannedShot {
   std::vector<double> sigma;  ///< of each Plan::parameters after this shot and those before
 };
 
+/// Photos to take, and what they would tell.
 struct Plan {
   Bench bench;  ///< the nominal bench that was planned for; lamps that were proposed are added
   std::vector<PlanParameter> parameters;

@@ -8,97 +8,123 @@
 
 #include "burin/calib/light/lamp.h"
 #include "burin/calib/light/light_samples.h"
+#include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/field_choice.h"
+#include "burin/calib/photo/normal_system.h"
+#include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/calib/photo/refine_result.h"
+#include "burin/calib/photo/photo_weights.h"
 #include "burin/calib/photo/strange_regions.h"
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
+#include "burin/calib/verdict/refine_result.h"
 #include "burin/render/error.h"
+#include "burin/render/median.h"
+#include "burin/render/parameter_name.h"
 
 namespace burin {
 
-Refinement refine(std::span<const MergedView> merged, const Board& board, const Sent& sent, const Bench& measured,
-                  const RefineOptions& options, const Progress& progress) {
-  if (sent.size() == 0)
-    fail("scratches", "there is no scratch to refine against", "name the designed scratches in board.json");
-  Refinement out;
-  out.bench = measured;
-  std::vector<LightView> views = make_light_views(merged, board, out.bench, out.findings);
-  if (views.empty())
-    fail("session", "no photo has both a camera pose and the board in it", "run burin calibrate on this session first");
+namespace {
 
-  if (progress) progress("finding the lamp", 0);
-  const std::vector<LightSample> samples = gather_light_samples(views, board, out.bench, sent);
-  const LampSeed seed = fit_lamps(samples, board, out.bench);
-  out.findings.insert(out.findings.end(), seed.findings.begin(), seed.findings.end());
+// One refinement on its way: what is known so far, and the stages that lead to its end, in the order of kStages.
+struct RefineRun {
+  std::span<const MergedView> merged;
+  const Board& board;
+  const Sent& sent;
+  const RefineOptions& options;
+  const Progress& progress;
+  Refinement out{};
 
-  Problem data;
-  data.model.board = &board;
-  data.model.sent = &sent;
-  data.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
-  data.model.f0 = board.material.f0.mean();
-  data.is_spot.assign(out.bench.lights.size(), false);
-  for (const LightSample& sample : samples)
-    if (sample.kind != SampleKind::face && sample.value > 0) data.paper.push_back(sample);
+  std::vector<LightView> views{};
+  Bins bins{};
+  Problem data{};
+  State state{};
+  Stage stage{};
 
-  State state;
-  state.lamps.resize(out.bench.lights.size());
-  state.shared[unknown::log_alpha] = std::log(board.material.alpha);
-  state.shared[unknown::log_depth] = std::log(board.material.depth_um);
-  state.shared[unknown::log_base_alpha] = std::log(seed.found ? seed.base_alpha : board.material.base_alpha);
-  const Affine2& affine = out.bench.machine_affine;
-  const Eigen::Vector2d shift = affine.leftCols<2>() * data.model.center_mm + affine.col(2) - data.model.center_mm;
-  for (int row = 0; row < 2; ++row) {
-    for (int column = 0; column < 2; ++column) state.shared[unknown::machine + 2 * row + column] = affine(row, column);
-    state.shared[unknown::machine + 4 + row] = shift[row];
+  void tell(const char* what, double fraction) const {
+    if (progress) progress(what, fraction);
   }
-  state.shared[unknown::ambient] = seed.found ? seed.ambient : out.bench.ambient.mean();
-  for (int i = 0; i < 3; ++i) state.shared[unknown::vignette + i] = seed.found ? seed.vignette[i] : 0;
-  constexpr double kBlurAtFirstPx = 0.6;
-  const int merged_bin = merged.front().bin;  // the blur is in pixels of `merged`, the bench's in the photos'
-  state.shared[unknown::log_blur] =
-      std::log(out.bench.sensor.psf_sigma_px > 0 ? out.bench.sensor.psf_sigma_px / merged_bin : kBlurAtFirstPx);
-  for (std::size_t i = 0; i < state.lamps.size(); ++i) {
-    const Light& light = seed.found && options.fit_lamp ? seed.lights[i] : out.bench.lights[i];
-    const Eigen::Vector2d aim = seed.found ? seed.aim_mm[i] : Eigen::Vector2d(0.5 * board.size_mm);
-    data.is_spot[i] = light.falloff_exponent > 0;
-    const double intensity = (seed.found ? seed.lights[i] : light).intensity.mean();
-    state.lamps[i] = {light.position_mm.x(),
-                      light.position_mm.y(),
-                      light.position_mm.z(),
-                      std::log(std::max(1e-12, intensity)),
-                      aim.x(),
-                      aim.y(),
-                      light.falloff_exponent};
-  }
+  double blur_px() const { return std::exp(state.shared[unknown::log_blur]); }
 
-  std::vector<double> sizes;
-  double total_pixels = 0;
-  for (const LightView& view : views) {
-    sizes.push_back(pixel_mm(view, out.bench));
-    total_pixels += static_cast<double>(view.value.data.size());
-  }
-  const double size = median_of(sizes);
-  const int finest = std::max({1, static_cast<int>(std::ceil(options.finest_pixel_mm / size - 1e-9)),
-                               static_cast<int>(std::ceil(std::sqrt(total_pixels / options.max_pixels) - 1e-9))});
-  constexpr double kCoarsePixelMm = 1.6, kMiddlePixelMm = 0.8;
-  const int coarse = std::max(finest, static_cast<int>(std::lround(kCoarsePixelMm / size)));
-  const int middle = std::max(finest, static_cast<int>(std::lround(kMiddlePixelMm / size)));
+  void look_at_photos(int bin) { data.photos = photos_at(views, bin, board, out.bench, blur_px()); }
 
-  const auto blur = [&] { return std::exp(state.shared[unknown::log_blur]); };
-  data.photos = photos_at(views, coarse, board, out.bench, blur());
-  const auto check_pixels = [&] {
+  void require_pixels() const {
     std::size_t used = 0;
     for (const PhotoData& photo : data.photos)
       used += std::count_if(photo.weight.begin(), photo.weight.end(), [](float w) { return w > 0; });
-    if (used < 1000)
+    constexpr std::size_t kFewest = 1000;
+    if (used < kFewest)
       fail("session", "hardly a pixel of bare metal is seen unclipped",
            "add shorter exposures, or photos nearer to the board and in focus");
-  };
-  check_pixels();
+  }
 
-  // A grid of starts over alpha and depth: what is believed of them may be off by factors.
+  void fit(int max_iterations, double tolerance, const std::string& name) {
+    weigh_photos(data, state);
+    solve(data, stage, max_iterations, tolerance, state, progress, name);
+  }
+
+  // Binned pixels are quick but not quite what the camera saw: the difference to the photo's own pixels is taken at the
+  // solution and held while the fit goes on.
+  void fit_corrected(const std::string& name) {
+    require_pixels();
+    correct_binning(data, views, board, out.bench, state);
+    weigh_photos_and_grooves(data, state);
+    solve(data, stage, options.max_iterations, 3e-6, state, progress, name);
+  }
+
+  // Cameras, bow and lens take one step with all others.
+  void move_geometry() {
+    const Eigen::VectorXd lens = joint_step(data, stage, state, out.bench);
+    for (LightView& view : views) view.lens = moved_lens(view.lens, lens);
+    share_rays(views);
+    look_at_photos(bins.finest);
+    fit_corrected("fitting photos, cameras, lens and bow");
+  }
+
+  void find_lamp();
+  void try_grooves();
+  void fit_coarse();
+  void choose_crossings();
+  void fit_middle();
+  void drop_spots();
+  void fit_finest();
+  void leave_out_what_lies_on_the_board();
+  void free_geometry();
+  void free_depth_field();
+  void judge();
+};
+
+// From paper and plain face: lamps, ambient light, vignetting, roughness of the face; from the board: what is believed
+// of the grooves.
+void RefineRun::find_lamp() {
+  tell("finding the lamp", 0);
+  const std::vector<LightSample> samples = gather_light_samples(views, board, out.bench, sent);
+  const LampSeed seed = fit_lamps(samples, board, out.bench);
+  append(out.findings, seed.findings);
+  Bench start = out.bench;
+  start.material = board.material;
+  start.depth_field = start.alpha_field = {};
+  start.sensor.vignette.setZero();
+  if (seed.found) {
+    start.material.base_alpha = seed.base_alpha;
+    start.ambient.setConstant(seed.ambient);
+    start.sensor.vignette = seed.vignette;
+    if (options.fit_lamp) start.lights = seed.lights;
+    for (std::size_t i = 0; i < start.lights.size(); ++i) start.lights[i].intensity = seed.lights[i].intensity;
+  }
+  data = make_problem(board, sent, start);
+  data.merged_bin = merged.front().bin;
+  for (const LightSample& sample : samples)
+    if (sample.kind != SampleKind::face && sample.value > 0) data.paper.push_back(sample);
+  state = state_of(start, data);
+}
+
+// A grid of starts over alpha and depth: what is believed of them may be off by factors.
+void RefineRun::try_grooves() {
+  bins = bins_for(views, out.bench, options.finest_pixel_mm, options.max_pixels);
+  out.bin = bins.finest;
+  look_at_photos(bins.coarse);
+  require_pixels();
   for (PhotoData& photo : data.photos)
     for (std::size_t i = 0; i < photo.weight.size(); ++i)
       if (photo.weight[i] > 0)
@@ -119,19 +145,20 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
         best_cost = cost;
         best = candidate;
       }
-      if (progress)
-        progress("trying roughness and depth", static_cast<double>(++tried) / (alphas.size() * depth_factors.size()));
+      tell("trying roughness and depth", static_cast<double>(++tried) / (alphas.size() * depth_factors.size()));
     }
   state = best;
+}
 
-  Stage stage;
-  stage.lamp = options.fit_lamp;
-  stage.machine = false;
-  weigh_photos(data, state);
-  solve(data, stage, 6, 1e-3, state, progress, "fitting coarse photos");
-  stage.machine = true;
-  weigh_photos(data, state);
-  solve(data, stage, options.max_iterations, 1e-4, state, progress, "fitting coarse photos and the machine");
+void RefineRun::fit_coarse() {
+  stage.free(Group::lamp, options.fit_lamp).free(Group::machine, false);
+  fit(6, 1e-3, "fitting coarse photos");
+  stage.free(Group::machine);
+  fit(options.max_iterations, 1e-4, "fitting coarse photos and the machine");
+}
+
+// Where scratches cross: whichever explains the photos better, unless it was asked for.
+void RefineRun::choose_crossings() {
   data.model.crossings = options.crossings.value_or(Crossings::add);
   if (!options.crossings) {
     weigh_photos(data, state);
@@ -143,72 +170,71 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
     state = cost_last < cost_adding ? last : adding;
   }
   out.bench.crossings = data.model.crossings;
+}
 
-  if (middle < coarse) data.photos = photos_at(views, middle, board, out.bench, blur());
-  stage.blur = true;
-  weigh_photos(data, state);
-  solve(data, stage, options.max_iterations, 1e-5, state, progress, "fitting binned photos");
-  // A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other.
+void RefineRun::fit_middle() {
+  if (bins.middle < bins.coarse) look_at_photos(bins.middle);
+  stage.free(Group::blur);
+  fit(options.max_iterations, 1e-5, "fitting binned photos");
+}
+
+// A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other.
+void RefineRun::drop_spots() {
   for (std::size_t light = 0; light < state.lamps.size(); ++light) {
-    double* spot = state.block(unknown::spot, light);
-    if (!data.is_spot[light]) continue;
+    double& exponent = state.block(unknown::spot, light)[2];
     constexpr double kLeastExponent = 0.3;
-    if (spot[2] > kLeastExponent) continue;
+    if (!data.is_spot[light] || exponent > kLeastExponent) continue;
     data.is_spot[light] = false;
-    spot[2] = 0;
-    weigh_photos(data, state);
-    solve(data, stage, options.max_iterations, 1e-5, state, progress, "fitting a bare lamp");
+    exponent = 0;
+    fit(options.max_iterations, 1e-5, "fitting a bare lamp");
   }
-  if (finest < middle) {
-    data.photos = photos_at(views, finest, board, out.bench, blur());
-    weigh_photos(data, state);
-    solve(data, stage, options.max_iterations, 1e-5, state, progress, "fitting photos");
-  }
-  // Binned pixels are quick but not quite what the camera saw: the difference to the photo's own pixels is taken at the
-  // solution and held while the fit goes on.
-  const auto solve_corrected = [&](const std::string& name) {
-    check_pixels();
-    correct_binning(data, views, board, out.bench, state);
-    weigh_photos_and_grooves(data, state);
-    solve(data, stage, options.max_iterations, 3e-6, state, progress, name);
-  };
-  solve_corrected("fitting photos with their own errors");
-  const std::vector<StrangeRegion> strange = strange_regions(data, state);
-  if (!strange.empty()) {
-    for (const StrangeRegion& region : strange) out.findings.push_back(told(region));
-    leave_out(strange, data, views);
-    data.photos = photos_at(views, finest, board, out.bench, blur());
-    solve_corrected("fitting photos without what lies on the board");
-  }
-  const auto move_geometry = [&] {
-    const Eigen::VectorXd lens = joint_step(data, stage, state, out.bench);
-    for (LightView& view : views) view.lens = moved_lens(view.lens, lens);
-    share_rays(views);
-    data.photos = photos_at(views, finest, board, out.bench, blur());
-    solve_corrected("fitting photos, cameras, lens and bow");
-  };
-  if (options.fit_geometry) {
-    data.geometry = geometry_prior(board, out.bench);
-    move_geometry();
-  }
-  if (options.fit_fields) {
-    // Only now: what cameras, bow or lamp still had wrong would look like grooves that vary.
-    if (progress) progress("asking whether depth varies", 0);
-    stage.depth_field = choose_depth_field(data, stage, state);
-    out.bench.verdict["depth_field"] = {
-        true, field_name(stage.depth_field) +
-                  ", chosen by predicting each view from the others, accidents of single grooves counted"};
-    if (terms_of(stage.depth_field) > 0) {
-      solve_corrected("fitting photos and how grooves vary");
-      if (options.fit_geometry) move_geometry();
-    }
-  }
-  if (progress) progress("judging the result", 0);
-  const Uncertainty uncertainty = uncertainty_of(data, stage, state);
+}
 
+void RefineRun::fit_finest() {
+  if (bins.finest < bins.middle) {
+    look_at_photos(bins.finest);
+    fit(options.max_iterations, 1e-5, "fitting photos");
+  }
+  fit_corrected("fitting photos with their own errors");
+}
+
+void RefineRun::leave_out_what_lies_on_the_board() {
+  const std::vector<StrangeRegion> strange = strange_regions(data, state);
+  if (strange.empty()) return;
+  for (const StrangeRegion& region : strange) out.findings.push_back(told(region));
+  leave_out(strange, data, views);
+  look_at_photos(bins.finest);
+  fit_corrected("fitting photos without what lies on the board");
+}
+
+void RefineRun::free_geometry() {
+  if (!options.fit_geometry) return;
+  data.geometry = geometry_prior(board, out.bench);
+  move_geometry();
+}
+
+// Only now: what cameras, bow or lamp still had wrong would look like grooves that vary.
+void RefineRun::free_depth_field() {
+  if (!options.fit_fields) return;
+  tell("asking whether depth varies", 0);
+  const FreeField field = choose_depth_field(data, stage, state);
+  stage.free(field);
+  out.bench.verdict[parameter::kDepthField] = {
+      Source::measured,
+      Degree::determined,
+      {},
+      Unit::none,
+      {{Cause::Kind::field_chosen, {field.linear ? 1.0 : 0.0, field.quadratic ? 1.0 : 0.0, field.wear ? 1.0 : 0.0}}}};
+  if (terms_of(field) == 0) return;
+  fit_corrected("fitting photos and how grooves vary");
+  if (options.fit_geometry) move_geometry();
+}
+
+void RefineRun::judge() {
+  tell("judging the result", 0);
+  const Uncertainty uncertainty = uncertainty_of(data, stage, state);
   const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
   advise_light(data, state, uncertainty, judged, out.bench, progress);
-  out.bench.sensor.psf_sigma_px *= merged_bin;
   fit_colors(data, merged, state, out.bench);
   out.alpha_jitter = data.model.alpha_jitter;
   out.depth_jitter = data.model.depth_jitter;
@@ -223,7 +249,30 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   const Carved carved = carved_at(data.model, state.of(0));
   for (std::size_t k = 0; k < data.photos.size(); ++k)
     out.photos.push_back(photo_fit(data, k, state, carved, out.bench));
-  return out;
+}
+
+// From rough and quick to fine: each stage starts where the one before ended.
+constexpr std::array kStages{&RefineRun::find_lamp,     &RefineRun::try_grooves,
+                             &RefineRun::fit_coarse,    &RefineRun::choose_crossings,
+                             &RefineRun::fit_middle,    &RefineRun::drop_spots,
+                             &RefineRun::fit_finest,    &RefineRun::leave_out_what_lies_on_the_board,
+                             &RefineRun::free_geometry, &RefineRun::free_depth_field,
+                             &RefineRun::judge};
+
+}  // namespace
+
+Refinement refine(std::span<const MergedView> merged, const Board& board, const Sent& sent, const Bench& measured,
+                  const RefineOptions& options, const Progress& progress) {
+  if (sent.size() == 0)
+    fail("scratches", "there is no scratch to refine against", "name the designed scratches in board.json");
+  RefineRun run{merged, board, sent, options, progress};
+  run.out.bench = measured;
+  run.out.bench.findings.clear();  // what an old file lacks is measured now
+  run.views = make_light_views(merged, board, run.out.bench, run.out.findings);
+  if (run.views.empty())
+    fail("session", "no photo has both a camera pose and the board in it", "run burin calibrate on this session first");
+  for (const auto stage : kStages) (run.*stage)();
+  return std::move(run.out);
 }
 
 std::vector<MergedView> photos_for_refine(const Session& session, const Board& board, const Bench& measured) {
@@ -232,7 +281,8 @@ std::vector<MergedView> photos_for_refine(const Session& session, const Board& b
   for (const View& view : measured.views)
     for (const Tag& tag : board.tags.list)
       tag_sides_px.push_back(tag.size_mm * measured.lens.intrinsics[0] / view.T_camera_board.translation().norm());
-  return merge_session(session, light_bin(measured.lens.width, measured.lens.height, median_of(tag_sides_px)));
+  return merge_session(session,
+                       light_bin(measured.lens.width, measured.lens.height, median_of(std::move(tag_sides_px))));
 }
 
 Refinement refine(const Session& session, const Board& board, const Sent& sent, const Bench& measured,

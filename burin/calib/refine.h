@@ -17,14 +17,15 @@
 // robust loss' own curvature at the optimum: the inverse of the normal equations times the residuals' scatter;
 // sandwiches whose scores are summed over 20 mm squares of the board (errors that a place has in all photos: dust, a
 // groove's own depth), over its quadrants, and over groups of photos with like half vectors (errors of the model
-// itself); the delete-one-photo jackknife (errors that a photo has as a whole: its pose).
+// itself); the delete-one-view jackknife (errors that all photos of a view share: its pose).
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
+#include "burin/calib/verdict/refinement.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
 #include "burin/render/bench.h"
@@ -34,6 +35,7 @@
 
 namespace burin {
 
+/// What `burin refine` fits, and how finely.
 struct RefineOptions {
   std::optional<Crossings> crossings;  ///< where grooves cross; empty: whichever explains the photos better
   bool fit_lamp = true;                ///< false keeps bench.lights' positions
@@ -45,35 +47,6 @@ struct RefineOptions {
   double finest_pixel_mm = 0.8;
   int max_iterations = 12;              ///< of the trust region, at each resolution
   std::size_t max_pixels = 12'000'000;  ///< of all photos together at the finest resolution; they are binned to fit
-};
-
-/// How one photo (a view under one lamp, exposures merged) is explained.
-struct PhotoFit {
-  std::string view, light;
-  std::size_t pixels = 0;   ///< used
-  double residual_rms = 0;  ///< of photo - prediction, linear, relative to the photo's RMS value; outliers excluded
-  double residual_to_noise = 0;  ///< robust RMS of residual / the photo's own noise: 1 where the model is perfect
-  double outliers = 0;           ///< fraction of pixels beyond 4 sigma of noise and model error
-};
-
-/// A reported sigma beside the Cramer-Rao bound of white noise: the rest is what the model misses.
-struct NoiseBound {
-  std::string name;  ///< as in the verdict
-  double sigma = 0, bound = 0;
-  std::string unit;
-};
-
-struct Refinement {
-  Bench bench;  ///< completed: material, lights, sensor, ambient, machine_affine, sigmas, verdict
-  std::vector<PhotoFit> photos;
-  double model_error = 0;  ///< relative, what the residuals say that the model misses beyond noise
-  /// How much roughness and depth differ from groove to groove, as the residuals say: sigmas of their logarithms.
-  double alpha_jitter = 0, depth_jitter = 0;
-  /// What pixels scatter along their slopes by log alpha and log depth, grooves' differences included
-  /// (photo_problem.h).
-  Eigen::Vector2d slope_error{0, 0};
-  std::vector<NoiseBound> noise_bounds;  ///< of alpha, base_alpha, depth_um and the lamps, as far as they were fitted
-  std::vector<std::string> findings;     ///< sentences for a person: what was left out, what looks wrong
 };
 
 /// Reads the session's photos and completes `measured` (lens, poses, tags, bow from calibration; its lamps, where they

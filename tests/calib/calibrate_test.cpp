@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
-const fs::path kRigA = fs::path(places::shared()) / "rigs/a";
+const fs::path kRig = places::rig("b-small");
 
 std::string error_of(const std::function<void()>& work) {
   try {
@@ -67,7 +67,7 @@ Lens as_splined(const Lens& lens) {
   return out;
 }
 
-// The bench `a`, with few photos where speed matters.
+// The bench `b-small`, with few photos where speed matters.
 class Calibrate : public testing::Test {
  protected:
   Session session;
@@ -77,8 +77,7 @@ class Calibrate : public testing::Test {
                     ("burin_calibrate_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
 
   void SetUp() override {
-    if (!fs::exists(kRigA / "session.json")) GTEST_SKIP() << kRigA << " is missing";
-    session = read_session(kRigA / "session.json");
+    session = read_session(kRig / "session.json");
     board = read_board(session.board);
     geometry_only.find_lamps = false;
     fs::remove_all(folder);
@@ -106,13 +105,13 @@ class Calibrate : public testing::Test {
   }
 };
 
-// Proves: the files of `burin calibrate` on bench a hold camera centers within 0.15 mm RMS of the truth (issue 4's
-// figure), in the order of views, with a lens file that reads back and a line for every corner.
-TEST_F(Calibrate, BenchAComesOutOfItsPhotos) {
+// Proves: the files of `burin calibrate` on an amateur's bench hold camera centers within 0.5 mm RMS of the truth (it
+// stood 0.7 m away), in the order of views, with a lens file that reads back and a line for every corner.
+TEST_F(Calibrate, AmateursBenchComesOutOfItsPhotos) {
   const Calibration c = calibrate(session, board);
   write_calibration(c, folder / "out");
   const Bench bench = read_bench(folder / "out/bench.json");
-  const RigTruth truth = read_rig_truth(kRigA);
+  const RigTruth truth = read_rig_truth(kRig);
   ASSERT_EQ(bench.views.size(), truth.views.size());
   double sum2 = 0;
   for (std::size_t v = 0; v < bench.views.size(); ++v) {
@@ -124,9 +123,9 @@ TEST_F(Calibrate, BenchAComesOutOfItsPhotos) {
   const double rms = std::sqrt(sum2 / static_cast<double>(bench.views.size()));
   std::printf("centers %.3f mm RMS, corners %.4f px RMS per axis\n", rms, c.geometry.rms_px);
   for (const Light& light : bench.lights)
-    std::printf("lamp %s at %.1f %.1f %.1f (true 30.5 -412.2 762.7)\n", light.id.c_str(), light.position_mm.x(),
+    std::printf("lamp %s at %.1f %.1f %.1f (true -120.2 541.8 588.7)\n", light.id.c_str(), light.position_mm.x(),
                 light.position_mm.y(), light.position_mm.z());
-  EXPECT_LT(rms, 0.15);
+  EXPECT_LT(rms, 0.5);
   EXPECT_LT(c.geometry.rms_px, 0.06);
   EXPECT_EQ(bench.lights.size(), 1U);
   EXPECT_EQ(bench.tags.size(), board.tags.list.size());
@@ -167,12 +166,12 @@ TEST_F(Calibrate, IsDeterministic) {
 TEST_F(Calibrate, AGivenCameraIsHeld) {
   keep_views({"v03"});
   CalibrateOptions options = geometry_only;
-  options.lens = read_rig_truth(kRigA).lens;
+  options.lens = read_rig_truth(kRig).lens;
   options.fix_lens = true;
   const Calibration c = calibrate(session, board, options);
   EXPECT_EQ(c.bench.lens.intrinsics, options.lens->intrinsics);
   const Eigen::Vector3d e = c.bench.views[0].T_camera_board.inverse().translation() -
-                            read_rig_truth(kRigA).views[3].T_camera_board.inverse().translation();
+                            read_rig_truth(kRig).views[3].T_camera_board.inverse().translation();
   EXPECT_LT(e.norm(), 0.5);
   options.lens->width = 1000;
   EXPECT_THAT(error_of([&] { calibrate(session, board, options); }), AllOf(HasSubstr("1000"), HasSubstr("1400")));
@@ -182,7 +181,7 @@ TEST_F(Calibrate, AGivenCameraIsHeld) {
 // (its control points are corrections to a stereographic camera), so that centers must come out as with the true one.
 TEST_F(Calibrate, ASplinedCameraIsHeld) {
   keep_views({"v00", "v03", "v05", "v08"});
-  const RigTruth truth = read_rig_truth(kRigA);
+  const RigTruth truth = read_rig_truth(kRig);
   const Lens splined = as_splined(truth.lens);
   write_cameramodel(splined, folder / "splined.cameramodel");
   CalibrateOptions options = geometry_only;
@@ -218,16 +217,16 @@ TEST_F(Calibrate, RefusesNoPhotos) {
 
 TEST_F(Calibrate, NamesTheFamilyThatIsThere) {
   keep_views({"v00", "v03", "v05"});
-  board.tags.family = "tag36h11";
+  board.tags.family = "tagStandard41h12";
   EXPECT_THAT(error_of([&] { calibrate(session, board); }),
-              AllOf(HasSubstr("tag36h11"), HasSubstr("tagStandard41h12"), HasSubstr("board.json"), HasSubstr(".png")));
+              AllOf(HasSubstr("tagStandard41h12"), HasSubstr("tag36h11"), HasSubstr("board.json"), HasSubstr(".JPG")));
 }
 
 TEST_F(Calibrate, NamesTheTagsThatAreThere) {
   keep_views({"v00", "v03", "v05"});
   for (Tag& tag : board.tags.list) tag.id += 500;
   EXPECT_THAT(error_of([&] { calibrate(session, board); }),
-              AllOf(HasSubstr("tags 0, 1"), HasSubstr("500"), HasSubstr("board.json")));
+              AllOf(HasSubstr("tags 20, 21"), HasSubstr("520"), HasSubstr("board.json")));
 }
 
 TEST_F(Calibrate, SaysWhenThereAreNoTags) {

@@ -10,6 +10,8 @@
 #include <numbers>
 #include <random>
 
+#include "burin/calib/photo/machine_map.h"
+#include "burin/calib/photo/normal_system.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
 #include "burin/render/lens.h"
 
@@ -142,7 +144,7 @@ TEST(Geometry, StepsBringThePosesBack) {
   state.shared[unknown::log_alpha] = std::log(0.15);
   state.shared[unknown::log_depth] = std::log(25);
   state.shared[unknown::log_base_alpha] = std::log(0.3);
-  state.shared[unknown::machine] = state.shared[unknown::machine + 3] = 1;
+  put_machine_map({}, state.shared);
   state.shared[unknown::log_blur] = std::log(0.8);
   state.lamps[0] = {60, -60, 180, std::log(4e4), 30, 20, 0};
 
@@ -177,7 +179,7 @@ TEST(Geometry, StepsBringThePosesBack) {
   const double before = away(1);
   ASSERT_GT(before, 0.04);
   Stage stage;
-  stage.machine = false;  // a shift common to all views would be the machine's as well
+  stage.hold({Group::machine});  // a shift common to all views would be the machine's as well
   for (int step = 0; step < 3; ++step) {
     data.photos = photos_at(views, 1, board, bench, 0.8);
     const Eigen::VectorXd lens = joint_step(data, stage, start, bench);

@@ -10,7 +10,9 @@
 #include <random>
 
 #include "burin/calib/photo/field_choice.h"
+#include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
+#include "burin/calib/photo/photo_weights.h"
 #include "tests/calib/small_grooves.h"
 
 namespace burin {
@@ -184,7 +186,7 @@ TEST(GroovesDiffer, FieldsAreToldApartFromAccidents) {
     std::mt19937_64 random(9);
     photograph(s, uneven(s, 0.08, 0.02, gradient, random), random);
     Stage stage;
-    stage.lamp = stage.machine = stage.ambient = stage.vignette = false;
+    stage.hold({Group::lamp, Group::machine, Group::ambient, Group::vignette});
     State state = s.truth;
     for (int round = 0; round < 2; ++round) {
       weigh_photos_and_grooves(s.data, state);
@@ -194,7 +196,7 @@ TEST(GroovesDiffer, FieldsAreToldApartFromAccidents) {
     EXPECT_EQ(choice.linear, gradient != 0);
     EXPECT_FALSE(choice.quadratic);
     if (gradient == 0) continue;
-    stage.depth_field = choice;
+    stage.free(choice);
     solve(s.data, stage, 10, 1e-7, state, {}, "");
     EXPECT_NEAR(state.shared[unknown::depth_field], gradient, 0.3 * std::abs(gradient));
     EXPECT_NEAR(state.shared[unknown::depth_field + 1], 0, 0.3 * std::abs(gradient));

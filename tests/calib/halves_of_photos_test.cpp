@@ -7,10 +7,15 @@
 #include <cstdio>
 
 #include "burin/calib/light/light_samples.h"
+#include "burin/calib/photo/bench_unknowns.h"
+#include "burin/calib/photo/machine_map.h"
+#include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
+#include "burin/calib/photo/photo_weights.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/calib/verdict/identifiability.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
+#include "burin/render/median.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {
@@ -20,16 +25,11 @@ TEST(HalvesOfPhotos, AreWhereSolvingAgainEnds) {
   BURIN_NEEDS_RIG("a");
   const Rig rig = read_rig("a", {"v01", "v03", "v05", "v07", "v09", "v11"});
   Bench bench = rig.true_poses;
-  std::vector<std::string> findings;
+  std::vector<Finding> findings;
   const std::vector<MergedView> merged = merge_session(rig.session);
   const std::vector<LightView> views = make_light_views(merged, rig.board, bench, findings);
 
-  Problem all;
-  all.model.board = &rig.board;
-  all.model.sent = &rig.sent;
-  all.model.center_mm = 0.5 * (rig.board.carve_min_mm + rig.board.carve_max_mm);
-  all.model.f0 = rig.board.material.f0.mean();
-  all.is_spot.assign(bench.lights.size(), false);
+  Problem all = make_problem(rig.board, rig.sent, bench);
   for (const LightSample& s : gather_light_samples(views, rig.board, bench, rig.sent))
     if (s.kind != SampleKind::face && s.value > 0) all.paper.push_back(s);
   // A start: the solve's own way there is refine_test's.
@@ -38,7 +38,7 @@ TEST(HalvesOfPhotos, AreWhereSolvingAgainEnds) {
   bench.material.base_alpha = 0.18;
   bench.machine_affine = true_affine(rig.truth);
   bench.lights[0].position_mm = true_lamp_position(rig.truth);
-  State state = state_of(bench, all.model);
+  State state = state_of(bench, all);
   const double white = all.paper.front().value;
   const double unit = paper_radiance(LampModel<double>{bench.lights[0].position_mm, 0, {0, 0}, 0}, 0.0,
                                      rig.board.tags.white_albedo, all.paper.front());
@@ -48,7 +48,7 @@ TEST(HalvesOfPhotos, AreWhereSolvingAgainEnds) {
   const int bin = static_cast<int>(std::lround(2.0 / median_of(sizes)));
   all.photos = photos_at(views, bin, rig.board, bench, std::exp(state.shared[unknown::log_blur]));
   Stage stage;
-  stage.blur = true;
+  stage.free(Group::blur);
   for (int round = 0; round < 2; ++round) {
     weigh_photos(all, state);
     solve(all, stage, 15, 1e-8, state, {}, "");
@@ -75,18 +75,17 @@ TEST(HalvesOfPhotos, AreWhereSolvingAgainEnds) {
     State again = state;
     solve(half, stage, 15, 1e-9, again, {}, "");
     const Eigen::VectorXd& step = first ? halves.splits[0].step_a : halves.splits[0].step_b;
-    for (const auto& [name, index] : {std::pair("alpha", int{unknown::log_alpha}),
+    for (const auto& [name, index] : {std::pair("alpha", unknown::log_alpha),
                                       {"depth", int{unknown::log_depth}},
                                       {"base_alpha", int{unknown::log_base_alpha}},
                                       {"lamp x", int{unknown::lamp_position}},
                                       {"lamp y", unknown::lamp_position + 1},
                                       {"lamp z", unknown::lamp_position + 2},
-                                      {"machine x", unknown::machine + 4},
-                                      {"machine y", unknown::machine + 5}}) {
-      const bool of_lamp = index >= kFirstLampUnknown;
-      const double moved = of_lamp
-                               ? again.lamps[0][index - kFirstLampUnknown] - state.lamps[0][index - kFirstLampUnknown]
-                               : again.shared[index] - state.shared[index];
+                                      {"machine x", machine_index(0, 2)},
+                                      {"machine y", machine_index(1, 2)}}) {
+      const bool of_lamp = index >= kSharedUnknowns;
+      const double moved = of_lamp ? again.lamps[0][index - kSharedUnknowns] - state.lamps[0][index - kSharedUnknowns]
+                                   : again.shared[index] - state.shared[index];
       const double predicted = step[global_index(index, 0)];
       const double between =
           std::abs(halves.splits[0].step_a[global_index(index, 0)] - halves.splits[0].step_b[global_index(index, 0)]);

@@ -16,6 +16,7 @@
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_family.h"
 #include "burin/render/error.h"
+#include "burin/render/parameter_name.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {
@@ -56,7 +57,7 @@ TEST(LampFromShading, ExactShadingGivesTheLampBack) {
 struct RigLamp {
   Bench bench;
   nlohmann::json truth;
-  std::vector<std::string> findings;
+  std::vector<Finding> findings;
 };
 
 RigLamp lamps_of_rig(const std::string& name) {
@@ -76,12 +77,13 @@ TEST(WithLamps, CleanBenchWithinAMillimetre) {
   EXPECT_LT(error, 1.0);
   EXPECT_EQ(lamp.falloff_exponent, 0);  // a bare lamp is not taken for a spot
   EXPECT_NEAR(rig.bench.material.base_alpha, rig.truth["material"]["base_alpha"].get<double>(), 0.001);
-  EXPECT_TRUE(rig.bench.verdict.at("light.lamp.position_mm").determined);
+  EXPECT_TRUE(rig.bench.verdict.at(parameter::light_position("lamp")).determined());
 }
 
-TEST(WithLamps, SpotInAnAmateursRoom) {
-  BURIN_NEEDS_RIG("b");
-  const RigLamp rig = lamps_of_rig("b");
+class SpotInAnAmateursRoom : public testing::TestWithParam<const char*> {};
+TEST_P(SpotInAnAmateursRoom, IsFound) {
+  BURIN_NEEDS_RIG(GetParam());
+  const RigLamp rig = lamps_of_rig(GetParam());
   ASSERT_EQ(rig.bench.lights.size(), 1U);
   const Light& lamp = rig.bench.lights[0];
   EXPECT_LT((lamp.position_mm - true_lamp_position(rig.truth)).norm(), 3.0);
@@ -91,6 +93,7 @@ TEST(WithLamps, SpotInAnAmateursRoom) {
                              rig.truth["lights"][0]["axis"][2].get<double>());
   EXPECT_LT(std::acos(lamp.axis.normalized().dot(axis.normalized())) * 180 / std::numbers::pi, 2.0);
 }
+INSTANTIATE_TEST_SUITE_P(Rigs, SpotInAnAmateursRoom, testing::Values("b-small", "b"), places::as_test_name);
 
 TEST(Binned, KeepsPlacesAndMeans) {
   // A ramp: the mean of a binned pixel is the ramp at its center, and the scaled lens sees the same direction there.

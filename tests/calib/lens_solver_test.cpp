@@ -20,13 +20,12 @@ namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kShared = places::shared();
+const fs::path kData = places::data();
 
 // Proves: OpenCV's own 13 photographs give its published calibration (left_intrinsics.yml: f 535.916 with fx = fy, RMS
 // 0.3926 a point).
 TEST(LensSolver, ReproducesOpenCvsChessboards) {
-  const fs::path folder = kShared / "photos/opencv_samples";
-  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is missing";
+  const fs::path folder = kData / "photos/opencv_samples";
   std::vector<TargetView> views;
   for (int i = 1; i <= 14; ++i) {
     char name[32];
@@ -68,8 +67,7 @@ TEST(LensSolver, ReproducesOpenCvsChessboards) {
 // axis over its inliers) from its corners, the bow of its board solved for by our own terms: without it the RMS is
 // 0.82.
 TEST(LensSolver, ReproducesMrcalsWideLens) {
-  const fs::path model = kShared / "photos/mrcal_docs/opencv8-0.cameramodel";
-  if (!fs::exists(model)) GTEST_SKIP() << model << " is missing";
+  const fs::path model = kData / "photos/mrcal_docs/opencv8-0.cameramodel";
   const fs::path table = fs::path(testing::TempDir()) / "burin_mrcal_corners.txt";
   const std::string command = std::string("/usr/bin/python3 ") + places::source() + "/tests/calib/mrcal_corners.py " +
                               model.string() + " > " + table.string();

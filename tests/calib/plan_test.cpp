@@ -10,6 +10,8 @@
 #include <cmath>
 #include <random>
 
+#include "burin/calib/geometry/bundle.h"
+#include "burin/calib/verdict/candidate_photo.h"
 #include "burin/render/error.h"
 
 namespace burin {

@@ -14,9 +14,9 @@
 #include "burin/render/scratches.h"
 #include "tests/places.h"
 
-#define BURIN_NEEDS_RIG(name)                                                   \
-  if (!std::filesystem::exists(places::shared() + "/rigs/" name "/truth.json")) \
-  GTEST_SKIP() << "the photographed bench " name " is not beside this checkout"
+#define BURIN_NEEDS_RIG(name)                                      \
+  if (!std::filesystem::exists(places::rig(name) + "/truth.json")) \
+  GTEST_SKIP() << "needs the photographed bench " << places::rig(name)
 
 namespace burin {
 
@@ -31,7 +31,7 @@ struct Rig {
 /// `views`: which views to take; all if empty.
 inline Rig read_rig(const std::string& name, const std::set<std::string>& views = {}) {
   Rig rig;
-  const std::filesystem::path folder = std::filesystem::path(places::shared()) / "rigs" / name;
+  const std::filesystem::path folder = places::rig(name);
   std::ifstream stream(folder / "truth.json");
   rig.truth = nlohmann::json::parse(stream);
   rig.board = read_board(folder / "board.json");

@@ -1,4 +1,4 @@
-// tests/calib/rig_truth.h - what a photographed bench really is, for comparing only. ../shared/rigs/README.md
+// tests/calib/rig_truth.h - what a photographed bench really is, for comparing only. tests/data/README.md
 #pragma once
 
 #include <Eigen/Geometry>

@@ -8,6 +8,7 @@
 #include <random>
 #include <string>
 
+#include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
@@ -51,7 +52,7 @@ inline std::mt19937_64 fill_small_grooves(SmallGrooves& s, std::uint64_t seed) {
   s.truth.shared[unknown::log_alpha] = std::log(0.08);
   s.truth.shared[unknown::log_depth] = std::log(18);
   s.truth.shared[unknown::log_base_alpha] = std::log(0.2);
-  s.truth.shared[unknown::machine] = s.truth.shared[unknown::machine + 3] = 1;
+  put_machine_map({}, s.truth.shared);
   s.truth.shared[unknown::log_blur] = std::log(0.7);
   s.truth.lamps[0] = {30, -90, 220, std::log(4e4), 30, 30, 0};
   return random;

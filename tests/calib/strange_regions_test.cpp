@@ -5,6 +5,9 @@
 // still be found.
 #include "burin/calib/photo/strange_regions.h"
 
+#include "burin/calib/photo/photo_fit.h"
+#include "burin/calib/photo/photo_weights.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -60,7 +63,7 @@ void cover(Workshop& w, LightView& view, const Eigen::Vector2d& center_mm, const
 State fitted(Workshop& w) {
   w.data.photos = photos_at(w.views, 1, w.board, w.bench, 0.7);
   Stage stage;
-  stage.lamp = stage.machine = stage.ambient = stage.vignette = false;
+  stage.hold({Group::lamp, Group::machine, Group::ambient, Group::vignette});
   State state = w.truth;
   for (int round = 0; round < 2; ++round) {
     weigh_photos_and_grooves(w.data, state);
@@ -87,7 +90,7 @@ TEST(StrangeRegions, StickerAndFingerprintAreNamedAndLeftOut) {
     EXPECT_LT((region.min_mm - (center - half)).cwiseAbs().maxCoeff(), 3) << region.min_mm;
     EXPECT_LT((region.max_mm - (center + half)).cwiseAbs().maxCoeff(), 3) << region.max_mm;
     EXPECT_GE(region.strange_in, 3U);
-    EXPECT_THAT(told(region), HasSubstr("a sticker, or fingerprints?"));
+    EXPECT_THAT(sentence(told(region)), HasSubstr("a sticker, or fingerprints?"));
   }
   leave_out(regions, w.data, w.views);
   const State mended = fitted(w);

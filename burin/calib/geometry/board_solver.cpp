@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <set>
 
 #include "burin/calib/geometry/lens_solver.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -24,19 +26,6 @@ constexpr double kTornView = 0.3;    // share of a photo's tags that contradict 
 
 constexpr const char* kOddPhoto =
     "it was taken with another focal length or focus, was moved between its exposures or exposed twice; take it again";
-
-double median(std::vector<double> v) {
-  if (v.empty()) return 0;
-  auto mid = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), mid, v.end());
-  return *mid;
-}
-
-std::string number(double v, int digits) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", digits, v);
-  return text;
-}
 
 // Everything on the way: the bundle, and what its corners are in the caller's terms.
 struct Solver {
@@ -204,7 +193,7 @@ struct Solver {
       if (bundle.corners[i].used) sizes[bundle.corners[i].view].push_back(residuals[i].norm());
     std::vector<double> rms;
     rms.reserve(sizes.size());
-    for (auto& s : sizes) rms.push_back(median(s) / 1.177);  // median of a Rayleigh distribution, per axis
+    for (auto& s : sizes) rms.push_back(median_of(s) / 1.177);  // median of a Rayleigh distribution, per axis
     return rms;
   }
 
@@ -214,7 +203,7 @@ struct Solver {
     std::vector<double> present;
     for (std::size_t v = 0; v < rms.size(); ++v)
       if (!view_dropped[v] && rms[v] > 0) present.push_back(rms[v]);
-    const double usual = median(present);
+    const double usual = median_of(present);
     int worst = -1;
     for (std::size_t v = 0; v < rms.size(); ++v)
       if (!view_dropped[v] && rms[v] > far_px && rms[v] > far_factor * usual && (worst < 0 || rms[v] > rms[worst]))
@@ -222,7 +211,7 @@ struct Solver {
     if (worst < 0) return false;
     drop_view(
         worst,
-        "its tags miss their places by " + number(rms[worst], 2) + " px, the others' by " + number(usual, 2) + " px",
+        "its tags miss their places by " + fixed(rms[worst], 2) + " px, the others' by " + fixed(usual, 2) + " px",
         kOddPhoto);
     require_views();
     return true;
@@ -239,7 +228,7 @@ struct Solver {
         relative[bundle.corners[i].view].push_back(residuals[i].norm() / raw_sigma_px[i]);
         all.push_back(relative[bundle.corners[i].view].back());
       }
-    const double overall = std::max(median(all) / 1.177, 0.05);
+    const double overall = std::max(median_of(all) / 1.177, 0.05);
     for (std::size_t i = 0; i < residuals.size(); ++i) {
       const auto& own = relative[bundle.corners[i].view];
       // A photo with few corners follows the others.
@@ -247,7 +236,7 @@ struct Solver {
       const double factor =
           own.empty()
               ? overall
-              : std::exp(share * std::log(std::max(median(own) / 1.177, 0.05)) + (1 - share) * std::log(overall));
+              : std::exp(share * std::log(std::max(median_of(own) / 1.177, 0.05)) + (1 - share) * std::log(overall));
       bundle.corners[i].sigma_px = factor * raw_sigma_px[i];
     }
   }
@@ -273,48 +262,72 @@ struct Solver {
       x.push_back(p.x());
       y.push_back(p.y());
     }
-    const Eigen::Vector2d middle(median(x), median(y));
+    const Eigen::Vector2d middle(median_of(x), median_of(y));
     for (const Eigen::Vector2d& p : places) off.push_back((p - middle).norm());
-    return {middle, median(off)};
+    return {middle, median_of(off)};
   }
+
+  // What corners say of the tags that they belong to: by tag, in how many photos it is bad and seen; by view, its tags
+  // and whether they are bad there.
+  struct Contradictions {
+    std::map<int, std::pair<int, int>> bad_and_seen;
+    std::map<int, std::vector<std::pair<int, bool>>> by_view;
+  };
 
   // Corners, tags in photos and tags altogether that contradict the rest. True if anything changed.
   bool leave_out(const BundleOptions& o) {
-    const auto residuals = bundle_residuals_px(bundle);
     bool changed = false;
+    const Contradictions found = leave_out_corners(changed);
+    if (leave_out_torn_view(found)) return true;
+    changed = leave_out_moved_tags(found) || changed;
+    changed = leave_out_misplaced_tag(o) || changed;
+    for (std::size_t v = 0; v < view_names.size(); ++v)
+      if (!view_dropped[v] && tags_in(static_cast<int>(v)) < options.min_tags) {
+        drop_view(static_cast<int>(v),
+                  "only " + std::to_string(tags_in(static_cast<int>(v))) + " of its tags agree with the other photos",
+                  "take it again, sharp and with the whole board in it");
+        changed = true;
+      }
+    require_views();
+    return changed;
+  }
+
+  // Single corners, and tags in single photos: two bad corners make a bad tag.
+  Contradictions leave_out_corners(bool& changed) {
+    const auto residuals = bundle_residuals_px(bundle);
     std::map<std::pair<int, int>, std::vector<std::size_t>> by_detection;
     for (std::size_t i = 0; i < residuals.size(); ++i)
       if (!view_dropped[bundle.corners[i].view] && !tag_dropped[bundle.corners[i].tag])
         by_detection[{origin[i].picture, origin[i].detection}].push_back(i);
-    std::map<int, std::pair<int, int>> bad_and_seen;           // by tag
-    std::map<int, std::vector<std::pair<int, bool>>> by_view;  // tags, and whether they are bad there
+    const auto good = [&](std::size_t i) {
+      return residuals[i].allFinite() &&
+             residuals[i].norm() < options.outlier_sigma * std::sqrt(2.0) * bundle.corners[i].sigma_px;
+    };
+    Contradictions out;
     for (const auto& [key, corners] : by_detection) {
-      int bad = 0;
-      for (const std::size_t i : corners) {
-        const bool good = residuals[i].allFinite() &&
-                          residuals[i].norm() < options.outlier_sigma * std::sqrt(2.0) * bundle.corners[i].sigma_px;
-        bad += good ? 0 : 1;
-      }
+      const auto bad = std::count_if(corners.begin(), corners.end(), [&](std::size_t i) { return !good(i); });
       const int tag = bundle.corners[corners[0]].tag;
-      bad_and_seen[tag].first += bad >= 2 ? 1 : 0;
-      ++bad_and_seen[tag].second;
-      by_view[bundle.corners[corners[0]].view].emplace_back(tag, bad >= 2);
+      out.bad_and_seen[tag].first += bad >= 2 ? 1 : 0;
+      ++out.bad_and_seen[tag].second;
+      out.by_view[bundle.corners[corners[0]].view].emplace_back(tag, bad >= 2);
       for (const std::size_t i : corners) {
-        const bool good = residuals[i].allFinite() &&
-                          residuals[i].norm() < options.outlier_sigma * std::sqrt(2.0) * bundle.corners[i].sigma_px;
-        const bool use = good && bad < 2;
+        const bool use = good(i) && bad < 2;
         changed = changed || use != bundle.corners[i].used;
         bundle.corners[i].used = use;
       }
     }
-    // A photo of another focal length keeps the few tags that a false pose suits, and that pose is far off. One at a
-    // time: it pulls the others with it.
+    return out;
+  }
+
+  // A photo of another focal length keeps the few tags that a false pose suits, and that pose is far off. One at a
+  // time: it pulls the others with it.
+  bool leave_out_torn_view(const Contradictions& found) {
     int torn = -1;
     std::pair<int, int> torn_counts;
-    for (const auto& [view, tags] : by_view) {
+    for (const auto& [view, tags] : found.by_view) {
       int bad = 0, seen = 0;
       for (const auto& [tag, is_bad] : tags) {
-        const auto& [bad_views, seen_views] = bad_and_seen[tag];
+        const auto& [bad_views, seen_views] = found.bad_and_seen.at(tag);
         if (2 * (bad_views - (is_bad ? 1 : 0)) > seen_views - 1) continue;  // the tag's fault
         bad += is_bad ? 1 : 0;
         ++seen;
@@ -324,41 +337,49 @@ struct Solver {
         torn_counts = {bad, seen};
       }
     }
-    if (torn >= 0) {
-      drop_view(torn,
-                std::to_string(torn_counts.first) + " of its " + std::to_string(torn_counts.second) +
-                    " tags contradict the other photos",
-                kOddPhoto);
-      require_views();
-      return true;
-    }
-    for (const auto& [tag, counts] : bad_and_seen)
-      if (counts.second >= 3 && 2 * counts.first > counts.second) {
-        const auto [at, spread] = place_of(tag);
-        const Tag& believed = board.tags.list[tag];
-        if (spread < 0.03 * believed.size_mm) {
-          seen_at_[tag] = at;
-          const Eigen::Vector2d shift = at - believed.center_mm;
-          drop_tag(tag,
-                   "the photos show it at " + number(at.x(), 1) + ", " + number(at.y(), 1) + " mm, " +
-                       number(shift.norm(), 1) + " mm from where board.json has it",
-                   "correct its center_mm, rotation_deg or id");
-        } else {
-          drop_tag(tag,
-                   "its corners contradict each other in " + std::to_string(counts.first) + " of " +
-                       std::to_string(counts.second) + " photos",
-                   "it is peeling, bent or was moved between photos; stick it flat");
-        }
-        changed = true;
-      }
+    if (torn < 0) return false;
+    drop_view(torn,
+              std::to_string(torn_counts.first) + " of its " + std::to_string(torn_counts.second) +
+                  " tags contradict the other photos",
+              kOddPhoto);
+    require_views();
+    return true;
+  }
 
-    // Shifts, against what the other tags show to be usual on this board.
+  // Tags that contradict in most photos: they lie somewhere else, or are not flat.
+  bool leave_out_moved_tags(const Contradictions& found) {
+    bool changed = false;
+    for (const auto& [tag, counts] : found.bad_and_seen) {
+      if (counts.second < 3 || 2 * counts.first <= counts.second) continue;
+      const auto [at, spread] = place_of(tag);
+      const Tag& believed = board.tags.list[tag];
+      if (spread < 0.03 * believed.size_mm) {
+        seen_at_[tag] = at;
+        const Eigen::Vector2d shift = at - believed.center_mm;
+        drop_tag(tag,
+                 "the photos show it at " + fixed(at.x(), 1) + ", " + fixed(at.y(), 1) + " mm, " +
+                     fixed(shift.norm(), 1) + " mm from where board.json has it",
+                 "correct its center_mm, rotation_deg or id");
+      } else {
+        drop_tag(tag,
+                 "its corners contradict each other in " + std::to_string(counts.first) + " of " +
+                     std::to_string(counts.second) + " photos",
+                 "it is peeling, bent or was moved between photos; stick it flat");
+      }
+      changed = true;
+    }
+    return changed;
+  }
+
+  // The tag that was shifted most, against what the other tags show to be usual on this board. One at a time: a
+  // misplaced tag pulls its neighbors with it.
+  bool leave_out_misplaced_tag(const BundleOptions& o) {
     const BundleUncertainty u = bundle_uncertainty(bundle, o);
     std::vector<double> size;
     for (std::size_t t = 0; t < bundle.tags.size(); ++t)
       if (!tag_dropped[t] && u.tag_sigma[t].x() > 0)
         size.push_back(bundle.tags[t].shift_mm.norm() / bundle.tags[t].sigma_mm);
-    const double spread = std::max(1.0, median(size) / 1.177);
+    const double spread = std::max(1.0, median_of(size) / 1.177);
     int worst = -1;
     double worst_size = kTagOutlier_sigma * spread;
     for (std::size_t t = 0; t < bundle.tags.size(); ++t) {
@@ -370,32 +391,25 @@ struct Solver {
         worst = static_cast<int>(t);
       }
     }
-    if (worst >= 0) {  // one at a time: a misplaced tag pulls its neighbors with it
+    if (worst >= 0) {
       const TagPlacement& t = bundle.tags[worst];
       seen_at_[worst] = board.tags.list[worst].center_mm + t.shift_mm;
       drop_tag(worst,
-               "the photos show it " + number(t.shift_mm.norm(), 2) +
-                   " mm from where board.json has it, and turned by " + number(t.turn_rad * 180 / std::numbers::pi, 1) +
-                   " degrees; tags.sigma_mm is " + number(board.tags.sigma_mm, 2),
-               "correct its center_mm by " + number(t.shift_mm.x(), 2) + ", " + number(t.shift_mm.y(), 2) +
+               "the photos show it " + fixed(t.shift_mm.norm(), 2) +
+                   " mm from where board.json has it, and turned by " + fixed(t.turn_rad * 180 / std::numbers::pi, 1) +
+                   " degrees; tags.sigma_mm is " + fixed(board.tags.sigma_mm, 2),
+               "correct its center_mm by " + fixed(t.shift_mm.x(), 2) + ", " + fixed(t.shift_mm.y(), 2) +
                    " mm, or raise sigma_mm");
-      changed = true;
-    } else if (spread > 2 && !said_spread_) {
+      return true;
+    }
+    if (spread > 2 && !said_spread_) {
       said_spread_ = true;
       finding(Finding::Severity::note, "board.json",
-              "the tags lie " + number(spread, 1) + " times further from their places than tags.sigma_mm (" +
-                  number(board.tags.sigma_mm, 2) + " mm) says",
+              "the tags lie " + fixed(spread, 1) + " times further from their places than tags.sigma_mm (" +
+                  fixed(board.tags.sigma_mm, 2) + " mm) says",
               "raise sigma_mm, or measure center_mm again");
     }
-    for (std::size_t v = 0; v < view_names.size(); ++v)
-      if (!view_dropped[v] && tags_in(static_cast<int>(v)) < options.min_tags) {
-        drop_view(static_cast<int>(v),
-                  "only " + std::to_string(tags_in(static_cast<int>(v))) + " of its tags agree with the other photos",
-                  "take it again, sharp and with the whole board in it");
-        changed = true;
-      }
-    require_views();
-    return changed;
+    return false;
   }
 
   // Tags left out in single photos, and pairs that hold each other's places.
@@ -465,17 +479,13 @@ struct Solver {
 
 }  // namespace
 
-BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictures, int width, int height,
-                          const BoardSolverOptions& options, const Progress& progress) {
-  auto report = [&progress](double fraction) {
-    if (progress) progress("solving for lens and poses", fraction);
-  };
-  Solver s(board, pictures, options);
-  s.collect(width, height);
-  s.seed();
-  report(0.1);
+namespace {
 
-  // Rough: robust, the plainest lens, a flat board, tags where they are believed to be.
+// Robustly: finds what contradicts the rest. Ends with the bundle's lens of the model that was chosen, which is told.
+std::string solve_robustly(Solver& s, const std::function<void(double)>& report) {
+  const BoardSolverOptions& options = s.options;
+  const int width = s.bundle.lens.width, height = s.bundle.lens.height;
+  // Rough: the plainest lens, a flat board, tags where they are believed to be.
   BundleOptions o;
   o.fix_lens = options.fix_lens;
   o.cauchy_sigma = 2;
@@ -484,7 +494,7 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
   o.fix_bow = true;
   o.fix_tags = true;
   const std::string first = options.lens ? options.lens->model : "LENSMODEL_OPENCV4";
-  auto solve = [&](const std::string& model) { solve_with_lens_model(s.bundle, o, model); };
+  const auto solve = [&](const std::string& model) { solve_with_lens_model(s.bundle, o, model); };
   do solve(first);
   while (s.drop_far_views(kFarView_px, kFarFactor));
   report(0.2);
@@ -509,13 +519,20 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
     if (!changed && round > 0) break;
   }
   report(0.7);
+  return model;
+}
 
-  // Final: least squares on what is left, in the frame of the tags' set.
+// Least squares on what is left, in the frame of the tags' set.
+BundleOptions solve_finally(Solver& s, const std::string& model) {
+  BundleOptions o;
+  o.fix_lens = s.options.fix_lens;
   o.cauchy_sigma = 0;
   o.robust_priors = false;
   o.hold_tag_set = true;
-  if (!options.fix_lens && !options.lens)
-    s.bundle.lens = plain_lens("LENSMODEL_OPENCV4", s.bundle.lens.intrinsics[0], width, height);
+  if (!s.options.fix_lens && !s.options.lens)
+    s.bundle.lens =
+        plain_lens("LENSMODEL_OPENCV4", s.bundle.lens.intrinsics[0], s.bundle.lens.width, s.bundle.lens.height);
+  const auto solve = [&](const std::string& lens) { solve_with_lens_model(s.bundle, o, lens); };
   for (int round = 0; round < 3; ++round) {
     solve(round == 0 ? model : s.bundle.lens.model);
     const bool changed = s.leave_out(o);
@@ -524,10 +541,12 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
     if (!changed && round > 0) break;
   }
   solve(s.bundle.lens.model);
-  report(0.9);
+  return o;
+}
 
-  // The weights' overall scale, with the degrees of freedom that the parameters took.
-  const auto residuals = bundle_residuals_px(s.bundle);
+// Scales all weights to what the residuals show, with the degrees of freedom that the parameters took, and tells how
+// large they are.
+void scale_weights(Solver& s, const std::vector<Eigen::Vector2d>& residuals) {
   double chi2 = 0, sum2 = 0, n = 0, scale_sum = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const BundleCorner& c = s.bundle.corners[i];
@@ -538,43 +557,39 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
     scale_sum += s.bundle.lens.intrinsics[0] / z;
     n += 2;
   }
-  double parameters = 4 + (options.fix_lens ? 0 : static_cast<double>(s.bundle.lens.intrinsics.size()));
+  double parameters = 4 + (s.options.fix_lens ? 0 : static_cast<double>(s.bundle.lens.intrinsics.size()));
   for (const bool dropped : s.view_dropped) parameters += dropped ? 0 : 6;
   for (const bool dropped : s.tag_dropped) parameters += dropped ? 0 : 3;
   const double factor = std::sqrt(chi2 / std::max(1.0, n - parameters));
   for (BundleCorner& c : s.bundle.corners) c.sigma_px *= factor;
-  const BundleUncertainty u = bundle_uncertainty(s.bundle, o);
-  s.name_contradictions(residuals);
+  s.out.rms_px = std::sqrt(sum2 / std::max(1.0, n));
+  s.out.rms_board_mm = s.out.rms_px / (2 * scale_sum / std::max(1.0, n));
+}
 
-  BoardSolution out = std::move(s.out);
-  out.lens = s.bundle.lens;
-  out.lens_covariance = u.lens;
-  out.bow_mm = s.bundle.surface.bow_mm;
-  out.bow_sigma_mm = u.bow_mm2.diagonal().cwiseMax(0).cwiseSqrt();
-  out.edge_mm = s.bundle.edge_mm;
-  out.edge_sigma_mm = u.edge_sigma_mm;
-  out.rms_px = std::sqrt(sum2 / std::max(1.0, n));
-  out.rms_board_mm = out.rms_px / (2 * scale_sum / std::max(1.0, n));
-  out.not_determined = u.not_determined;
-  std::vector<double> view2(s.view_names.size(), 0), view_n(s.view_names.size(), 0);
+// Every corner with its residual; those that were left out one by one are counted.
+void tell_corners(Solver& s, const std::vector<Eigen::Vector2d>& residuals) {
   int single = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
     const BundleCorner& c = s.bundle.corners[i];
-    if (c.used) {
-      view2[c.view] += residuals[i].squaredNorm();
-      view_n[c.view] += 2;
-    } else if (!s.view_dropped[c.view] && !s.tag_dropped[c.tag]) {
-      ++single;
-    }
-    out.corners.push_back({s.view_names[c.view], s.origin[i].picture, board.tags.list[c.tag].id, s.origin[i].corner,
-                           c.q_px, -residuals[i], c.sigma_px, c.used});
+    single += !c.used && !s.view_dropped[c.view] && !s.tag_dropped[c.tag] ? 1 : 0;
+    s.out.corners.push_back({s.view_names[c.view], s.origin[i].picture, s.board.tags.list[c.tag].id, s.origin[i].corner,
+                             c.q_px, -residuals[i], c.sigma_px, c.used});
   }
   if (single > 0)
-    out.findings.push_back({Finding::Severity::note,
-                            {},
-                            std::to_string(single) + " of " + std::to_string(s.bundle.corners.size()) +
-                                " corners contradict the others and are left out",
-                            "residuals.vnl names them"});
+    s.finding(Finding::Severity::note, {},
+              std::to_string(single) + " of " + std::to_string(s.bundle.corners.size()) +
+                  " corners contradict the others and are left out",
+              "residuals.vnl names them");
+}
+
+void tell_views(Solver& s, const BundleUncertainty& u, const std::vector<Eigen::Vector2d>& residuals) {
+  std::vector<double> view2(s.view_names.size(), 0), view_n(s.view_names.size(), 0);
+  for (std::size_t i = 0; i < residuals.size(); ++i) {
+    const BundleCorner& c = s.bundle.corners[i];
+    if (!c.used) continue;
+    view2[c.view] += residuals[i].squaredNorm();
+    view_n[c.view] += 2;
+  }
   for (std::size_t v = 0; v < s.view_names.size(); ++v) {
     if (s.view_dropped[v]) continue;
     View view;
@@ -583,32 +598,64 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
     view.center_sigma_mm = u.center_mm2[v].diagonal().cwiseMax(0).cwiseSqrt();
     view.reprojection_rms_px = std::sqrt(view2[v] / std::max(1.0, view_n[v]));
     view.tags = s.tags_in(static_cast<int>(v));
-    out.views.push_back(view);
-    out.center_covariance_mm2.push_back(u.center_mm2[v]);
-    out.pose_covariance.push_back(u.pose[v]);
+    s.out.views.push_back(view);
+    s.out.center_covariance_mm2.push_back(u.center_mm2[v]);
+    s.out.pose_covariance.push_back(u.pose[v]);
   }
+}
+
+void tell_tags(Solver& s, const BundleUncertainty& u) {
   for (std::size_t t = 0; t < s.bundle.tags.size(); ++t) {
     if (s.tag_dropped[t] || !(u.tag_sigma[t].x() > 0)) continue;
-    Tag tag = board.tags.list[t];
+    Tag tag = s.board.tags.list[t];
     tag.center_mm += s.bundle.tags[t].shift_mm;
     tag.rotation_deg += s.bundle.tags[t].turn_rad * 180 / std::numbers::pi;
-    out.tags.push_back(tag);
-    out.tag_sigma.push_back(u.tag_sigma[t]);
+    s.out.tags.push_back(tag);
+    s.out.tag_sigma.push_back(u.tag_sigma[t]);
   }
+}
+
+}  // namespace
+
+BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictures, int width, int height,
+                          const BoardSolverOptions& options, const Progress& progress) {
+  const auto report = [&progress](double fraction) {
+    if (progress) progress("solving for lens and poses", fraction);
+  };
+  Solver s(board, pictures, options);
+  s.collect(width, height);
+  s.seed();
+  report(0.1);
+  const std::string model = solve_robustly(s, report);
+  const BundleOptions o = solve_finally(s, model);
+  report(0.9);
+
+  const auto residuals = bundle_residuals_px(s.bundle);
+  scale_weights(s, residuals);
+  const BundleUncertainty u = bundle_uncertainty(s.bundle, o);
+  s.name_contradictions(residuals);
+  s.out.lens = s.bundle.lens;
+  s.out.lens_covariance = u.lens;
+  s.out.bow_mm = s.bundle.surface.bow_mm;
+  s.out.bow_sigma_mm = u.bow_mm2.diagonal().cwiseMax(0).cwiseSqrt();
+  s.out.edge_mm = s.bundle.edge_mm;
+  s.out.edge_sigma_mm = u.edge_sigma_mm;
+  s.out.not_determined = u.not_determined;
+  tell_corners(s, residuals);
+  tell_views(s, u, residuals);
+  tell_tags(s, u);
   if (options.check_with_mrcal && !options.fix_lens) {
-    out.check = check_with_mrcal(s.bundle);
-    if (out.check->max_shift_px > 0.05)
-      out.findings.push_back(
-          {Finding::Severity::warning,
-           {},
-           "mrcal's own solver, started at this solution, moves corners by " + number(out.check->max_shift_px, 2) +
-               " px",
-           "the lens is poorly determined: add photos with the board tilted and near the corners of the frame"});
+    s.out.check = check_with_mrcal(s.bundle);
+    if (s.out.check->max_shift_px > 0.05)
+      s.finding(Finding::Severity::warning, {},
+                "mrcal's own solver, started at this solution, moves corners by " +
+                    fixed(s.out.check->max_shift_px, 2) + " px",
+                "the lens is poorly determined: add photos with the board tilted and near the corners of the frame");
   }
-  out.bundle = std::move(s.bundle);
-  out.options = o;
+  s.out.bundle = std::move(s.bundle);
+  s.out.options = o;
   report(1);
-  return out;
+  return std::move(s.out);
 }
 
 }  // namespace burin

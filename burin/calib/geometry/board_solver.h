@@ -12,15 +12,16 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "burin/calib/geometry/bundle.h"
-#include "burin/capture/finding.h"
 #include "burin/capture/tags/tag_detector.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/finding.h"
 #include "burin/render/progress.h"
 
 namespace burin {
@@ -33,6 +34,7 @@ struct ViewTags {
   std::vector<RejectedTag> rejected;  ///< for messages only
 };
 
+/// What solve_board() takes as known, and what it leaves out.
 struct BoardSolverOptions {
   std::string lens_model;    ///< empty: the smallest of OPENCV4, 5, 8 that the data support
   std::optional<Lens> lens;  ///< a lens that is known: a start, or fixed
@@ -54,6 +56,7 @@ struct SolvedCorner {
   bool used = true;
 };
 
+/// What the tags in the photos say: lens, poses, bow and tags, each with its covariance.
 struct BoardSolution {
   Lens lens;
   Eigen::MatrixXd lens_covariance;

@@ -19,6 +19,7 @@ extern "C" {  // mrcal's headers have no guard for C++ of their own
 #include <span>
 
 #include "burin/render/error.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -386,18 +387,16 @@ BundleSummary solve_bundle(Bundle& b, const BundleOptions& o) {
   return out;
 }
 
-BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
-  Work work(b);
-  BundleOptions plain = o;
-  plain.cauchy_sigma = 0;
-  plain.robust_priors = false;
-  work.build(b, plain);
-  ceres::Problem& problem = *work.problem;
+namespace {
 
-  BundleEquations out;
-  const int n_lens = static_cast<int>(work.lens.size());
-  std::map<const double*, int> column;
-  auto add = [&](double* block, int size) {
+// Where each free block of parameters that views share has its columns.
+using Columns = std::map<const double*, int>;
+
+// Names, priors and columns of lens, edge and bow, and tags.
+Columns lay_out_columns(const Bundle& b, const BundleOptions& o, Work& work, BundleEquations& out) {
+  ceres::Problem& problem = *work.problem;
+  Columns column;
+  const auto add = [&](double* block, int size) {
     if (!problem.HasParameterBlock(block) || problem.IsParameterBlockConstant(block)) return -1;
     const int at = out.columns;
     column[block] = at;
@@ -405,6 +404,7 @@ BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
     return at;
   };
   static constexpr const char* kLensNames[] = {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"};
+  const int n_lens = static_cast<int>(work.lens.size());
   out.lens_at = add(work.lens.data(), n_lens);
   if (out.lens_at >= 0) {
     const auto sigma = has_core_and_few(b.lens) ? lens_prior_sigma(b.lens) : std::vector<double>(n_lens, 1e9);
@@ -423,7 +423,67 @@ BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
   }
   for (std::size_t i = 0; i < work.placements.size(); ++i)
     out.tag_at.push_back(work.tag_seen[i] ? add(work.placements[i], 3) : -1);
+  return column;
+}
 
+// Adds one residual block to the equations of its view, or to the priors'.
+void add_residual(const Work& work, const Columns& column, const std::map<const double*, std::size_t>& view_of,
+                  ceres::ResidualBlockId id, bool fix_poses, BundleEquations& out) {
+  std::vector<double*> blocks;
+  work.problem->GetParameterBlocksForResidualBlock(id, &blocks);
+  const ceres::CostFunction* cost = work.problem->GetCostFunctionForResidualBlock(id);
+  const int m = cost->num_residuals();
+  std::vector<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J;
+  std::vector<double*> raw;
+  for (const int size : cost->parameter_block_sizes()) J.emplace_back(m, size);
+  raw.reserve(J.size());
+  for (auto& j : J) raw.push_back(j.data());
+  Eigen::VectorXd r(m);
+  if (!cost->Evaluate(blocks.data(), r.data(), raw.data())) return;
+  BundleEquations::OfView* view = nullptr;
+  std::size_t pose_block = 0;
+  for (std::size_t k = 0; k < blocks.size(); ++k)
+    if (const auto at = view_of.find(blocks[k]); at != view_of.end()) {
+      view = &out.views[at->second];
+      pose_block = k;
+    }
+  // What a manifold holds fixed has no derivative.
+  for (std::size_t k = 0; k < blocks.size(); ++k)
+    if (blocks[k] == work.shared.data()) {
+      if (out.bow_held) J[k].rightCols(3).setZero();
+      if (out.edge_held) J[k].leftCols(1).setZero();
+    }
+  Eigen::MatrixXd& information = view ? view->information : out.prior;
+  Eigen::VectorXd& gradient = view ? view->gradient : out.prior_gradient;
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    const auto ck = column.find(blocks[k]);
+    if (ck == column.end()) continue;
+    gradient.segment(ck->second, J[k].cols()) += J[k].transpose() * r;
+    for (std::size_t l = 0; l < blocks.size(); ++l) {
+      const auto cl = column.find(blocks[l]);
+      if (cl != column.end())
+        information.block(ck->second, cl->second, J[k].cols(), J[l].cols()) += J[k].transpose() * J[l];
+    }
+    if (view && !fix_poses) view->B.middleCols(ck->second, J[k].cols()) += J[pose_block].transpose() * J[k];
+  }
+  if (view && !fix_poses) {
+    view->used = true;
+    view->H += J[pose_block].transpose() * J[pose_block];
+    view->g += J[pose_block].transpose() * r;
+  }
+}
+
+}  // namespace
+
+BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
+  Work work(b);
+  BundleOptions plain = o;
+  plain.cauchy_sigma = 0;
+  plain.robust_priors = false;
+  work.build(b, plain);
+
+  BundleEquations out;
+  const Columns column = lay_out_columns(b, o, work, out);
   const int columns = out.columns;
   out.views.resize(b.views.size());
   for (auto& v : out.views) {
@@ -437,51 +497,8 @@ BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
   for (std::size_t v = 0; v < work.poses.size(); ++v) view_of[work.poses[v]] = v;
 
   std::vector<ceres::ResidualBlockId> ids;
-  problem.GetResidualBlocks(&ids);
-  for (const auto id : ids) {
-    std::vector<double*> blocks;
-    problem.GetParameterBlocksForResidualBlock(id, &blocks);
-    const ceres::CostFunction* cost = problem.GetCostFunctionForResidualBlock(id);
-    const int m = cost->num_residuals();
-    std::vector<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J;
-    std::vector<double*> raw;
-    for (const int size : cost->parameter_block_sizes()) J.emplace_back(m, size);
-    raw.reserve(J.size());
-    for (auto& j : J) raw.push_back(j.data());
-    Eigen::VectorXd r(m);
-    if (!cost->Evaluate(blocks.data(), r.data(), raw.data())) continue;
-    BundleEquations::OfView* view = nullptr;
-    std::size_t pose_block = 0;
-    for (std::size_t k = 0; k < blocks.size(); ++k)
-      if (const auto at = view_of.find(blocks[k]); at != view_of.end()) {
-        view = &out.views[at->second];
-        pose_block = k;
-      }
-    // What a manifold holds fixed has no derivative.
-    for (std::size_t k = 0; k < blocks.size(); ++k)
-      if (blocks[k] == work.shared.data()) {
-        if (out.bow_held) J[k].rightCols(3).setZero();
-        if (out.edge_held) J[k].leftCols(1).setZero();
-      }
-    Eigen::MatrixXd& information = view ? view->information : out.prior;
-    Eigen::VectorXd& gradient = view ? view->gradient : out.prior_gradient;
-    for (std::size_t k = 0; k < blocks.size(); ++k) {
-      const auto ck = column.find(blocks[k]);
-      if (ck == column.end()) continue;
-      gradient.segment(ck->second, J[k].cols()) += J[k].transpose() * r;
-      for (std::size_t l = 0; l < blocks.size(); ++l) {
-        const auto cl = column.find(blocks[l]);
-        if (cl != column.end())
-          information.block(ck->second, cl->second, J[k].cols(), J[l].cols()) += J[k].transpose() * J[l];
-      }
-      if (view && !o.fix_poses) view->B.middleCols(ck->second, J[k].cols()) += J[pose_block].transpose() * J[k];
-    }
-    if (view && !o.fix_poses) {
-      view->used = true;
-      view->H += J[pose_block].transpose() * J[pose_block];
-      view->g += J[pose_block].transpose() * r;
-    }
-  }
+  work.problem->GetResidualBlocks(&ids);
+  for (const auto id : ids) add_residual(work, column, view_of, id, o.fix_poses, out);
   for (auto& v : out.views) {
     if (!v.used) continue;
     const Eigen::LDLT<Matrix6> factor(v.H);
@@ -657,13 +674,7 @@ PoseSeed seed_from(const Bundle& b, const std::vector<ViewPoints>& points, doubl
     }
     if (out.found.back()) errors.push_back(std::sqrt(best / static_cast<double>(2 * object.size())));
   }
-  if (errors.empty()) {
-    out.median_error_px = std::numeric_limits<double>::infinity();
-  } else {
-    auto mid = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), mid, errors.end());
-    out.median_error_px = *mid;
-  }
+  out.median_error_px = errors.empty() ? std::numeric_limits<double>::infinity() : median_of(errors);
   return out;
 }
 
@@ -761,8 +772,6 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
                      points.data(), nullptr, 1, n_poses, 0, n_points, n_points, nullptr, observations.data(), 0, n_obs,
                      nullptr, &model, size, select, &constants, 0, 0, 0, false, false);
   if (stats.rms_reproj_error__pixels < 0) fail("mrcal's own solver", "gave up", "check the photos' residuals");
-  auto mid = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-  std::nth_element(sigmas.begin(), mid, sigmas.end());
   Bundle theirs = b;
   theirs.lens.intrinsics = intrinsics;
   for (std::size_t v = 0; v < b.views.size(); ++v) {
@@ -783,7 +792,7 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
     sum2 += theirs_px[i].squaredNorm() / (b.corners[i].sigma_px * b.corners[i].sigma_px);
     n += 2;
   }
-  out.rms_px = std::sqrt(sum2 / n) * *mid;
+  out.rms_px = std::sqrt(sum2 / n) * median_of(sigmas);
   return out;
 }
 

@@ -50,6 +50,7 @@ struct Bundle {
   std::vector<BundleCorner> corners;
 };
 
+/// What solve_bundle() holds, and how strongly it believes what was believed before.
 struct BundleOptions {
   bool fix_lens = false, fix_bow = false, fix_tags = false, fix_poses = false;
   double cauchy_sigma = 0;     ///< scale of the Cauchy loss on a corner, in sigmas; 0: least squares
@@ -72,6 +73,7 @@ struct BundleUncertainty {
       not_determined;  ///< sigma above half the prior's, 2 % of a focal length, 5 % of the picture for its center
 };
 
+/// How a solve ended.
 struct BundleSummary {
   double cost = 0;  ///< half the sum of squares, priors included
   int iterations = 0;
@@ -86,6 +88,7 @@ BundleSummary solve_bundle(Bundle& bundle, const BundleOptions& options);
 /// the priors', and so what a view more, or half of them, would have told follows without another solve.
 /// Shared columns: lens, edge and bow, each tag's placement; blocks that are held have none.
 struct BundleEquations {
+  /// What one view adds, its own pose eliminated.
   struct OfView {
     Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();  ///< by its own pose (BundleUncertainty::pose)
     Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();  ///< J^T r

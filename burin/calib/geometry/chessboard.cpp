@@ -1,18 +1,16 @@
 #include "burin/calib/geometry/chessboard.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <sstream>
 
 #include "burin/capture/photo.h"
 #include "burin/capture/photo_source.h"
 #include "burin/render/error.h"
+#include "burin/render/files/table.h"
 
 namespace burin {
 namespace {
@@ -54,14 +52,6 @@ std::optional<Corners> corners_in(const cv::Mat& gray, const Chessboard& board, 
   cv::cornerSubPix(gray, corners, {reach, reach}, {-1, -1},
                    cv::TermCriteria(cv::TermCriteria::EPS + cv::TermCriteria::COUNT, 30, scale > 1 ? 0.01 : 0.1));
   return Corners{std::move(corners), reach > room};
-}
-
-double number_at(const std::string& word, const std::string& where) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
-    fail(where, "\"" + word + "\" is no number", "write the table again with mrgingham or another tool for mrcal");
-  return value;
 }
 
 }  // namespace
@@ -118,14 +108,12 @@ ChessboardViews find_chessboards(const std::filesystem::path& folder, const Ches
 }
 
 ChessboardViews read_corners(const std::filesystem::path& vnl, const Chessboard& board, int width, int height) {
-  std::ifstream stream(vnl);
-  if (!stream) fail(vnl.string(), "cannot be read", "check the path");
+  TableReader table(vnl, TableStyle::vnlog, {"filename", "x", "y"},
+                    "give a corners.vnl as mrcal's tools read it: # filename x y level");
   ChessboardViews out;
   out.width = width;
   out.height = height;
-  int file_column = -1, x_column = -1, y_column = -1, level_column = -1, weight_column = -1;
-  std::string line, current;
-  std::size_t number = 0;
+  std::string current;
   int seen = 0;
   TargetView view;
   const auto finish = [&](const std::string& where) {
@@ -142,44 +130,24 @@ ChessboardViews read_corners(const std::filesystem::path& vnl, const Chessboard&
       out.findings.push_back({Finding::Severity::warning, current,
                               "is left out: it has " + std::to_string(view.q_px.size()) + " corners", ""});
   };
-  while (std::getline(stream, line)) {
-    const std::string where = vnl.string() + ": line " + std::to_string(++number);
-    if (line.rfind("##", 0) == 0 || line.find_first_not_of(" \t") == std::string::npos) continue;
-    const bool legend = line[0] == '#';
-    std::istringstream words_in(legend ? line.substr(1) : line);
-    std::vector<std::string> words;
-    for (std::string word; words_in >> word;) words.push_back(word);
-    if (legend) {
-      if (x_column >= 0 || words.empty()) continue;  // a comment
-      for (std::size_t i = 0; i < words.size(); ++i) {
-        const int at = static_cast<int>(i);
-        if (words[i] == "filename") file_column = at;
-        if (words[i] == "x") x_column = at;
-        if (words[i] == "y") y_column = at;
-        if (words[i] == "level") level_column = at;
-        if (words[i] == "weight") weight_column = at;
-      }
-      if (file_column < 0 || x_column < 0 || y_column < 0) x_column = -1;
-      continue;
-    }
-    if (x_column < 0)
-      fail(where, "no legend with the columns filename, x and y stands above it",
-           "give a corners.vnl as mrcal's tools read it: # filename x y level");
-    const auto has = [&](int column) { return column >= 0 && column < static_cast<int>(words.size()); };
-    if (!has(file_column) || !has(x_column) || !has(y_column)) fail(where, "is cut short", "write the table again");
-    if (words[file_column] != current) {
+  while (table.next()) {
+    const std::size_t file = *table.find("filename"), x = *table.find("x"), y = *table.find("y");
+    const std::string where = table.where();
+    table.text(std::max({file, x, y}));  // the row reaches so far
+    if (table.text(file) != current) {
       finish(where);
-      current = words[file_column];
+      current = table.text(file);
       view = {std::filesystem::path(current).filename().string(), {}, {}, {}};
       seen = 0;
     }
     const int k = seen++;
-    if (words[x_column] == "-" || words[y_column] == "-") continue;
+    if (!table.has(x) || !table.has(y)) continue;
     double weight = 1;
-    if (has(level_column) && words[level_column] != "-")
-      weight = std::pow(0.5, number_at(words[level_column], where));
-    else if (has(weight_column) && words[weight_column] != "-")
-      weight = number_at(words[weight_column], where);
+    const auto level = table.find("level"), given = table.find("weight");
+    if (level && table.has(*level))
+      weight = std::pow(0.5, table.number(*level));
+    else if (given && table.has(*given))
+      weight = table.number(*given);
     if (!(weight > 0)) continue;  // marked as an outlier
     if (k >= board.columns * board.rows)
       fail(where,
@@ -187,7 +155,7 @@ ChessboardViews read_corners(const std::filesystem::path& vnl, const Chessboard&
                std::to_string(board.rows),
            "give the number of inner corners with --chessboard COLUMNSxROWS");
     view.p_target_mm.emplace_back(board.square_mm * (k % board.columns), board.square_mm * (k / board.columns));
-    view.q_px.emplace_back(number_at(words[x_column], where), number_at(words[y_column], where));
+    view.q_px.emplace_back(table.number(x), table.number(y));
     view.sigma_px.push_back(1 / weight);
   }
   finish(vnl.string());

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "burin/calib/geometry/lens_solver.h"
-#include "burin/capture/finding.h"
+#include "burin/render/finding.h"
 #include "burin/render/progress.h"
 
 namespace burin {
@@ -19,9 +19,11 @@ struct Chessboard {
   int columns = 9, rows = 6;
   double square_mm = 25;
 
+  /// From the first inner corner to the last.
   Eigen::Vector2d size_mm() const { return {(columns - 1) * square_mm, (rows - 1) * square_mm}; }
 };
 
+/// Corners found in a folder of photos of a chessboard.
 struct ChessboardViews {
   std::vector<TargetView> views;
   std::vector<Finding> findings;  ///< photos that were passed over, and why

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "burin/calib/geometry/bundle.h"
-#include "burin/calib/verdict/identifiability.h"
 #include "burin/render/lens.h"
+#include "burin/render/parameter_name.h"
 #include "burin/render/surface.h"
 
 namespace burin {
@@ -71,7 +71,8 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
   }
   const auto views = static_cast<Eigen::Index>(bench.views.size());
   BundleOptions options;
-  options.fix_lens = lens_was_given(bench);
+  const Verdict* lens_verdict = find_verdict(bench, parameter::kLens);
+  options.fix_lens = lens_verdict != nullptr && lens_verdict->source == Source::given;
   const auto lens = static_cast<Eigen::Index>(options.fix_lens ? 0 : free_lens_parameters(bench.lens));
   const Eigen::Index kept = 6 * views + 3 + lens;
   prior.lens_parameters = lens;

@@ -112,7 +112,7 @@ LensSolution solve_lens(const std::vector<TargetView>& views, int width, int hei
     const double e2 = residuals[i].squaredNorm() / (c.sigma_px * c.sigma_px);
     sum2 += e2;
     view2[c.view] += e2;
-    out.residual_px[c.view].push_back(residuals[i]);
+    out.residual_px[c.view].push_back(-residuals[i]);
   }
   out.rms_point_px = std::sqrt(sum2 / static_cast<double>(residuals.size()));
   out.rms_px = out.rms_point_px / std::sqrt(2.0);

@@ -24,6 +24,7 @@ struct TargetView {
   std::vector<double> sigma_px;  ///< per axis, one a point; empty: all 1
 };
 
+/// How solve_lens() chooses and fits a lens.
 struct LensSolverOptions {
   std::string model;             ///< "LENSMODEL_OPENCV8"; empty: chosen from the data
   bool solve_bow = false;        ///< of the target, three quadratic terms
@@ -31,6 +32,7 @@ struct LensSolverOptions {
   bool check_with_mrcal = true;  ///< solve again with mrcal's own optimizer and compare
 };
 
+/// A lens found from photos of a chessboard, with what it leaves unexplained.
 struct LensSolution {
   Lens lens;
   Eigen::MatrixXd covariance;                      ///< of lens.intrinsics, for the noise that the residuals show
@@ -39,7 +41,7 @@ struct LensSolution {
   double rms_px = 0;        ///< per axis, weighted by 1 / sigma (sigma 1: plain)
   double rms_point_px = 0;  ///< the same per point, sqrt(2) larger: what OpenCV prints
   std::vector<double> view_rms_point_px;
-  std::vector<std::vector<Eigen::Vector2d>> residual_px;  ///< predicted minus measured, a list a view
+  std::vector<std::vector<Eigen::Vector2d>> residual_px;  ///< measured minus predicted, a list a view
   MrcalCheck check;                                       ///< all zero if it was not asked for
   std::vector<std::string> not_determined;
 };

@@ -7,7 +7,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <sstream>
+#include <string>
+#include <utility>
+
+#include "burin/render/median.h"
+#include "burin/render/parameter_name.h"
 
 namespace burin {
 namespace {
@@ -101,10 +105,6 @@ struct Data {
   double model_error = 0.02;
 };
 
-double albedo_of(const Data& data, SampleKind kind) {
-  return kind == SampleKind::white_paper ? data.board->tags.white_albedo : data.board->tags.black_albedo;
-}
-
 // Fits from `start`. With `only_light` >= 0 only that lamp's samples count; `stride` thins them. `spot[i]`: lamp i is
 // one.
 Fit run_fit(const Data& data, const Blocks& start, const std::vector<bool>& spot, int only_light, std::size_t stride,
@@ -124,7 +124,7 @@ Fit run_fit(const Data& data, const Blocks& start, const std::vector<bool>& spot
     LampBlocks& lamp = fit.blocks.lamps[sample.light];
     used[sample.light] = true;
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LogResidual, 1, kPosition, 1, kSpot, kShared>(
-                                 new LogResidual{&sample, albedo_of(data, sample.kind), data.f0, weight}),
+                                 new LogResidual{&sample, paper_albedo(*data.board, sample.kind), data.f0, weight}),
                              new ceres::HuberLoss(2.0), lamp.position, lamp.log_intensity, lamp.spot,
                              fit.blocks.shared);
   }
@@ -153,7 +153,7 @@ Fit run_fit(const Data& data, const Blocks& start, const std::vector<bool>& spot
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.max_num_iterations = iterations;
   options.logging_type = ceres::SILENT;
-  options.num_threads = 2;
+  options.num_threads = 2;  // samples are many and cheap; the order of sums moves the last bits, which refine forgets
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   fit.usable = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
@@ -195,9 +195,9 @@ double log_intensity_for(const Data& data, std::size_t light, const Eigen::Vecto
     log_spread = 0;
     return 0;
   }
-  std::sort(ratios.begin(), ratios.end());
-  log_spread = ratios.back() - ratios.front();
-  return ratios[ratios.size() / 2];
+  const auto [least, most] = std::minmax_element(ratios.begin(), ratios.end());
+  log_spread = *most - *least;
+  return median_of(ratios);
 }
 
 // Where lamps may be: shading's closed form, and a ring around the board at two heights and distances.
@@ -213,10 +213,7 @@ std::vector<Eigen::Vector3d> starts_for(const Data& data, std::size_t light) {
   std::vector<double> shading;
   for (auto& [tag, values] : white) {
     if (!black.count(tag)) continue;
-    auto& dark = black[tag];
-    std::sort(values.begin(), values.end());
-    std::sort(dark.begin(), dark.end());
-    const double s = values[values.size() / 2] - dark[dark.size() / 2];
+    const double s = median_of(values) - median_of(black[tag]);
     if (!(s > 0)) continue;
     p.push_back(where[tag]);
     shading.push_back(s);
@@ -257,111 +254,99 @@ std::optional<Eigen::Vector3d> lamp_from_shading(std::span<const Eigen::Vector3d
   return Eigen::Vector3d(unit * lateral.x(), unit * lateral.y(), unit * std::sqrt(height2) + p_board[0].z());
 }
 
-LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, const Bench& bench,
-                   const LampOptions& options) {
-  Data data;
-  data.samples = samples;
-  data.board = &board;
-  data.f0 = board.material.f0.mean();
-  data.reach_mm = board.size_mm.norm();
-  data.center_mm = 0.5 * board.size_mm;
-  data.model_error = options.model_error;
+namespace {
 
-  LampSeed seed;
-  seed.lights = bench.lights;
-  Blocks blocks;
-  blocks.lamps.resize(bench.lights.size());
-  blocks.shared[0] = std::log(board.material.base_alpha);
-  std::vector<bool> spot(bench.lights.size(), false), usable(bench.lights.size(), false);
-  constexpr std::size_t kFewestSamples = 8;
-
-  for (std::size_t light = 0; light < bench.lights.size(); ++light) {
-    std::size_t count = 0, white = 0;
-    for (const LightSample& s : samples) {
-      count += s.light == light;
-      white += s.light == light && s.kind == SampleKind::white_paper;
-    }
-    if (white < kFewestSamples) {
-      seed.findings.push_back("light " + bench.lights[light].id + ": only " + std::to_string(white) +
-                              " unclipped pieces of white tag paper; add a shorter exposure");
-      if (count < kFewestSamples) continue;
-    }
-    usable[light] = true;
-    const std::size_t stride = 1 + count / 1500;
-    Fit best;
-    for (const Eigen::Vector3d& start : starts_for(data, light)) {
-      Blocks from = blocks;
-      LampBlocks& lamp = from.lamps[light];
-      Eigen::Vector3d::Map(lamp.position) = start;
-      double spread = 0;
-      lamp.log_intensity[0] = log_intensity_for(data, light, start, spread);
-      lamp.spot[0] = data.center_mm.x();
-      lamp.spot[1] = data.center_mm.y();
-      from.shared[1] = 0;
-      Fit fit = run_fit(data, from, spot, static_cast<int>(light), stride, false, 40, false);
-      if (fit.usable && (!best.usable || fit.cost < best.cost)) best = std::move(fit);
-    }
-    if (!best.usable) {
-      usable[light] = false;
-      seed.findings.push_back("light " + bench.lights[light].id +
-                              ": no lamp explains the brightness of paper and face");
-      continue;
-    }
-    blocks = best.blocks;
+// A bare lamp from each start, by that lamp's own samples; the best. Not usable where there are too few samples, or no
+// lamp explains them, which is told.
+Fit fit_from_starts(const Data& data, const Blocks& blocks, std::size_t light, const std::string& id,
+                    std::vector<Finding>& findings) {
+  constexpr std::size_t kFewestSamples = 8, kMostSamples = 1500;
+  std::size_t count = 0, white = 0;
+  for (const LightSample& s : data.samples) {
+    count += s.light == light;
+    white += s.light == light && s.kind == SampleKind::white_paper;
   }
-  if (std::none_of(usable.begin(), usable.end(), [](bool u) { return u; })) return seed;
-
-  Fit fit = run_fit(data, blocks, spot, -1, 1, true, 60, false);
-  if (!fit.usable) return seed;
-  if (options.fit_spot) {
-    for (std::size_t light = 0; light < usable.size(); ++light) {
-      if (!usable[light]) continue;
-      std::vector<bool> with_spot = spot;
-      with_spot[light] = true;
-      // A tenth of the samples says from which exponent to start.
-      constexpr std::size_t kThin = 10;
-      Fit thin, best;
-      for (const double exponent : {2., 8., 25.}) {
-        Blocks from = fit.blocks;
-        from.lamps[light].spot[0] = data.center_mm.x();
-        from.lamps[light].spot[1] = data.center_mm.y();
-        from.lamps[light].spot[2] = exponent;
-        Fit candidate = run_fit(data, from, with_spot, -1, kThin, true, 60, false);
-        if (candidate.usable && (!thin.usable || candidate.cost < thin.cost)) thin = std::move(candidate);
-      }
-      if (thin.usable) best = run_fit(data, thin.blocks, with_spot, -1, 1, true, 60, false);
-      if (!best.usable) continue;
-      // A spot has three parameters more. Errors of paper and face are not independent, so ask for far more than a test
-      // of white noise would.
-      constexpr double kWorthIt = 0.9;
-      if (best.cost < kWorthIt * fit.cost) {
-        fit = std::move(best);
-        spot = with_spot;
-      }
-    }
+  Fit best;
+  if (white < kFewestSamples) {
+    findings.push_back(
+        make_warning("light " + id + ": only " + std::to_string(white) + " unclipped pieces of white tag paper",
+                     "add a shorter exposure"));
+    if (count < kFewestSamples) return best;
   }
-  fit = run_fit(data, fit.blocks, spot, -1, 1, true, 60, true);
-  if (!fit.usable) return seed;
+  const std::vector<bool> no_spot(blocks.lamps.size(), false);
+  const std::size_t stride = 1 + count / kMostSamples;
+  for (const Eigen::Vector3d& start : starts_for(data, light)) {
+    Blocks from = blocks;
+    LampBlocks& lamp = from.lamps[light];
+    Eigen::Vector3d::Map(lamp.position) = start;
+    double spread = 0;
+    lamp.log_intensity[0] = log_intensity_for(data, light, start, spread);
+    lamp.spot[0] = data.center_mm.x();
+    lamp.spot[1] = data.center_mm.y();
+    from.shared[1] = 0;
+    Fit fit = run_fit(data, from, no_spot, static_cast<int>(light), stride, false, 40, false);
+    if (fit.usable && (!best.usable || fit.cost < best.cost)) best = std::move(fit);
+  }
+  if (!best.usable)
+    findings.push_back(make_warning("light " + id + ": no lamp explains the brightness of paper and face"));
+  return best;
+}
 
-  // Residuals in the robust loss's core, and the factor by which they exceed what was expected of them.
+// Takes lamps for spots one after the other, where that explains much more.
+void try_spots(const Data& data, const std::vector<bool>& usable, std::vector<bool>& spot, Fit& fit) {
+  for (std::size_t light = 0; light < usable.size(); ++light) {
+    if (!usable[light]) continue;
+    std::vector<bool> with_spot = spot;
+    with_spot[light] = true;
+    // A tenth of the samples says from which exponent to start.
+    constexpr std::size_t kThin = 10;
+    Fit thin;
+    for (const double exponent : {2., 8., 25.}) {
+      Blocks from = fit.blocks;
+      from.lamps[light].spot[0] = data.center_mm.x();
+      from.lamps[light].spot[1] = data.center_mm.y();
+      from.lamps[light].spot[2] = exponent;
+      Fit candidate = run_fit(data, from, with_spot, -1, kThin, true, 60, false);
+      if (candidate.usable && (!thin.usable || candidate.cost < thin.cost)) thin = std::move(candidate);
+    }
+    if (!thin.usable) continue;
+    Fit best = run_fit(data, thin.blocks, with_spot, -1, 1, true, 60, false);
+    // A spot has three parameters more. Errors of paper and face are not independent, so ask for far more than a test
+    // of white noise would.
+    constexpr double kWorthIt = 0.9;
+    if (!best.usable || !(best.cost < kWorthIt * fit.cost)) continue;
+    fit = std::move(best);
+    spot = with_spot;
+  }
+}
+
+// Residuals in the robust loss's core: their RMS, and the factor by which they exceed what was expected of them.
+std::pair<double, double> core_residuals(const Data& data, const std::vector<bool>& usable, const Fit& fit) {
   double sum = 0, sum_weighted = 0;
   std::size_t core = 0;
-  for (const LightSample& sample : samples) {
+  for (const LightSample& sample : data.samples) {
     if (!usable[sample.light] || !(sample.value > 0)) continue;
     const LampBlocks& b = fit.blocks.lamps[sample.light];
     const double relative = sample.sigma / sample.value;
-    LogResidual residual{&sample, albedo_of(data, sample.kind), data.f0, 1};
+    const LogResidual residual{&sample, paper_albedo(*data.board, sample.kind), data.f0, 1};
     double r = 0;
     if (!residual(b.position, b.log_intensity, b.spot, fit.blocks.shared, &r)) continue;
-    const double expected2 = relative * relative + options.model_error * options.model_error;
+    const double expected2 = relative * relative + data.model_error * data.model_error;
     if (r * r > 9 * expected2) continue;
     sum += r * r;
     sum_weighted += r * r / expected2;
     ++core;
   }
-  const double inflation = core ? std::max(1.0, std::sqrt(sum_weighted / static_cast<double>(core))) : 1;
+  if (core == 0) return {0, 1};
+  return {std::sqrt(sum / static_cast<double>(core)),
+          std::max(1.0, std::sqrt(sum_weighted / static_cast<double>(core)))};
+}
+
+void fill_seed(const Data& data, const std::vector<bool>& usable, const std::vector<bool>& spot, const Fit& fit,
+               LampSeed& seed) {
+  const auto [rms, inflation] = core_residuals(data, usable, fit);
   seed.found = true;
-  seed.residual_rms = core ? std::sqrt(sum / static_cast<double>(core)) : 0;
+  seed.residual_rms = rms;
   seed.base_alpha = std::exp(fit.blocks.shared[0]);
   seed.base_alpha_sigma = inflation * fit.log_base_alpha_sigma * seed.base_alpha;
   seed.ambient = fit.blocks.shared[1];
@@ -379,24 +364,55 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
     if (!fit.position_covariance.empty() && fit.position_covariance[light](0, 0) >= 0)
       l.position_sigma_mm = inflation * fit.position_covariance[light].diagonal().cwiseSqrt();
   }
+}
+
+}  // namespace
+
+LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, const Bench& bench,
+                   const LampOptions& options) {
+  Data data;
+  data.samples = samples;
+  data.board = &board;
+  data.f0 = board.material.f0.mean();
+  data.reach_mm = board.size_mm.norm();
+  data.center_mm = 0.5 * board.size_mm;
+  data.model_error = options.model_error;
+
+  LampSeed seed;
+  seed.lights = bench.lights;
+  Blocks blocks;
+  blocks.lamps.resize(bench.lights.size());
+  blocks.shared[0] = std::log(board.material.base_alpha);
+  std::vector<bool> spot(bench.lights.size(), false), usable(bench.lights.size(), false);
+  for (std::size_t light = 0; light < bench.lights.size(); ++light) {
+    const Fit best = fit_from_starts(data, blocks, light, bench.lights[light].id, seed.findings);
+    usable[light] = best.usable;
+    if (best.usable) blocks = best.blocks;
+  }
+  if (std::none_of(usable.begin(), usable.end(), [](bool u) { return u; })) return seed;
+  Fit fit = run_fit(data, blocks, spot, -1, 1, true, 60, false);
+  if (!fit.usable) return seed;
+  if (options.fit_spot) try_spots(data, usable, spot, fit);
+  fit = run_fit(data, fit.blocks, spot, -1, 1, true, 60, true);
+  if (fit.usable) fill_seed(data, usable, spot, fit, seed);
   return seed;
 }
 
 Bench with_lamps(std::span<const MergedView> photos, const Board& board, const Sent& sent, const Bench& measured,
-                 std::vector<std::string>& findings) {
+                 std::vector<Finding>& findings) {
   Bench bench = measured;
   const std::vector<LightView> views = make_light_views(photos, board, bench, findings);
   return with_lamps(gather_light_samples(views, board, bench, sent), board, bench, findings);
 }
 
 Bench with_lamps(std::span<const LightSample> samples, const Board& board, const Bench& measured,
-                 std::vector<std::string>& findings) {
+                 std::vector<Finding>& findings) {
   Bench bench = measured;
   const LampSeed seed = fit_lamps(samples, board, bench);
-  findings.insert(findings.end(), seed.findings.begin(), seed.findings.end());
-  for (const Light& light : bench.lights) {
-    bench.verdict["light." + light.id + ".position_mm"] = {false, "no paper or plain face tells where the lamp is"};
-  }
+  append(findings, seed.findings);
+  for (const Light& light : bench.lights)
+    bench.verdict[parameter::light_position(light.id)] = {
+        Source::assumed, Degree::not_determined, {}, Unit::none, {{Cause::Kind::no_paper}}};
   if (!seed.found) return bench;
   bench.lights = seed.lights;
   bench.material.base_alpha = seed.base_alpha;
@@ -406,10 +422,12 @@ Bench with_lamps(std::span<const LightSample> samples, const Board& board, const
   for (const Light& light : bench.lights) {
     if (!light.position_sigma_mm) continue;
     const double sigma = light.position_sigma_mm->norm();
-    std::ostringstream reason;
-    reason.precision(2);
-    reason << "from paper and plain face, within " << sigma << " mm (one sigma); refine adds the scratches' glints";
-    bench.verdict["light." + light.id + ".position_mm"] = {sigma < 0.2 * light.position_mm.norm(), reason.str()};
+    bench.verdict[parameter::light_position(light.id)] = {
+        Source::measured,
+        sigma < 0.2 * light.position_mm.norm() ? Degree::determined : Degree::not_determined,
+        sigma,
+        Unit::mm,
+        {{Cause::Kind::paper_and_face}}};
   }
   return bench;
 }

@@ -21,6 +21,7 @@
 #include "burin/render/board.h"
 #include "burin/render/brdf.h"
 #include "burin/render/carve.h"
+#include "burin/render/finding.h"
 
 namespace burin {
 
@@ -33,6 +34,11 @@ struct LampModel {
   Eigen::Matrix<T, 2, 1> aim_mm;
   T exponent;
 };
+
+/// Albedo of a tag's white or black paper, as board.json gives it.
+inline double paper_albedo(const Board& board, SampleKind kind) {
+  return kind == SampleKind::white_paper ? board.tags.white_albedo : board.tags.black_albedo;
+}
 
 /// Light that reaches a point, per solid angle and distance: (axis . -wi)^k / d^2, times exp(log_intensity). Gives wi,
 /// the unit vector from the point towards the lamp.
@@ -94,7 +100,7 @@ struct LampSeed {
   double ambient = 0;  ///< mean of the channels
   Eigen::Vector3d vignette{0, 0, 0};
   double residual_rms = 0;  ///< of log(photo / model), over the samples within the robust loss's core
-  std::vector<std::string> findings;
+  std::vector<Finding> findings;
 };
 
 /// Fits lamps, ambient light, vignetting and base_alpha to `samples`. Seeds: shading is linear after raising to the
@@ -110,12 +116,12 @@ std::optional<Eigen::Vector3d> lamp_from_shading(std::span<const Eigen::Vector3d
 
 /// The same from samples that were gathered before (light_samples.h); `measured` names their lights.
 Bench with_lamps(std::span<const LightSample> samples, const Board& board, const Bench& measured,
-                 std::vector<std::string>& findings);
+                 std::vector<Finding>& findings);
 
 /// Finds the lamps of a calibrated bench from paper and face alone: what `burin calibrate` writes.
 /// Also fills in material.base_alpha, ambient light and vignetting, and a verdict on each lamp.
 /// Appends to `findings` what could not be found.
 Bench with_lamps(std::span<const MergedView> photos, const Board& board, const Sent& sent, const Bench& measured,
-                 std::vector<std::string>& findings);
+                 std::vector<Finding>& findings);
 
 }  // namespace burin

@@ -12,6 +12,7 @@
 #include "burin/capture/tags/tag_family.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
+#include "burin/render/median.h"
 #include "burin/render/surface.h"
 
 namespace burin {
@@ -70,12 +71,6 @@ int uniform_color(const TagPattern& pattern, const Eigen::Vector2d& at_cells, do
   return color;
 }
 
-double median_of(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 struct PaperPixels {
   std::vector<double> values;
   double variance_sum = 0, radius2 = 0;
@@ -102,14 +97,14 @@ bool finish_paper(PaperPixels& pixels, LightSample& sample) {
 }  // namespace
 
 std::vector<LightView> make_light_views(std::span<const MergedView> merged, const Board& board, Bench& bench,
-                                        std::vector<std::string>& findings) {
+                                        std::vector<Finding>& findings) {
   std::vector<LightView> views;
   for (std::size_t m = 0; m < merged.size(); ++m) {
     const MergedView& photo = merged[m];
     const auto view =
         std::find_if(bench.views.begin(), bench.views.end(), [&](const View& v) { return v.name == photo.view; });
     if (view == bench.views.end()) {
-      findings.push_back("view " + photo.view + " has no camera pose and is left out");
+      findings.push_back(make_warning("view " + photo.view + " has no camera pose and is left out"));
       continue;
     }
     auto light =
@@ -128,7 +123,7 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
     v.window = window_of(v.lens, view->T_camera_board, surface_of(board, bench), Eigen::Vector2d::Zero(), board.size_mm,
                          kMarginPx);
     if (v.window.width < 16 || v.window.height < 16) {
-      findings.push_back("view " + photo.view + " does not show the board and is left out");
+      findings.push_back(make_warning("view " + photo.view + " does not show the board and is left out"));
       continue;
     }
     v.value = Image(v.window.width, v.window.height, 1);
@@ -272,116 +267,150 @@ BoardMask metal_mask(const Board& board, const Bench& bench, double margin_mm) {
   return mask;
 }
 
+namespace {
+
+// One view as samples are taken from it.
+struct SampledView {
+  const LightView& view;
+  std::size_t index;
+  const Board& board;
+  const LightSampleOptions& options;
+  Surface surface;
+  FootprintGrid grid;
+  Eigen::Vector3d camera;
+
+  int width() const { return view.window.width; }
+  int height() const { return view.window.height; }
+  double radius2_at(double x, double y) const {
+    return vignette_radius2(view.lens.width, view.lens.height, x + view.window.x0, y + view.window.y0);
+  }
+  LightSample start(SampleKind kind) const {
+    LightSample sample;
+    sample.kind = kind;
+    sample.light_view = index;
+    sample.light = view.light;
+    return sample;
+  }
+};
+
+// Where only plain face is seen: paper, edges and a wide strip around every designed scratch are taken away.
+BoardMask plain_face(const SampledView& v, const Bench& bench, const Scratches& carved) {
+  const double pixel_mm = pixel_size_mm(v.grid, v.width() / 2, v.height() / 2);
+  BoardMask plain = metal_mask(v.board, bench, 1 + v.options.edge_margin_px * pixel_mm);
+  cv::Mat plain_image(plain.height, plain.width, CV_8U, plain.free.data());
+  const double half_strip_mm = v.options.scratch_margin_mm + v.options.edge_margin_px * pixel_mm +
+                               1e-3 * half_width_um(v.board.tool_width_um, v.board.material.depth_um);
+  constexpr int kFraction = 4;  // bits of sub-cell positions
+  const auto cell = [&](double mm) {
+    return static_cast<int>(std::lround((mm / plain.cell_mm - 0.5) * (1 << kFraction)));
+  };
+  for (std::size_t i = 0; i < carved.size(); ++i)
+    cv::line(plain_image, {cell(carved.x0_mm[i]), cell(carved.y0_mm[i])},
+             {cell(carved.x1_mm[i]), cell(carved.y1_mm[i])}, cv::Scalar(0),
+             static_cast<int>(std::ceil(2 * half_strip_mm / plain.cell_mm)), cv::LINE_8, kFraction);
+  return plain;
+}
+
+// Blocks of pixels of the plain face, as many as are wanted of a view.
+void add_face_samples(const SampledView& v, const BoardMask& plain, std::vector<LightSample>& samples) {
+  const int block = v.options.block_px;
+  std::vector<LightSample> face;
+  std::vector<double> values;
+  for (int y0 = 0; y0 + block <= v.height(); y0 += block)
+    for (int x0 = 0; x0 + block <= v.width(); x0 += block) {
+      values.clear();
+      double variance = 0, radius2 = 0;
+      Eigen::Vector3d p = Eigen::Vector3d::Zero();
+      for (int y = y0; y < y0 + block; ++y)
+        for (int x = x0; x < x0 + block; ++x) {
+          const std::size_t i = static_cast<std::size_t>(y) * v.width() + x;
+          const Eigen::Vector3d& q = v.grid.center_mm[i];
+          if (!v.view.valid[i] || !std::isfinite(q.x()) || !plain.is_free(q.x(), q.y())) continue;
+          values.push_back(v.view.value.data[i]);
+          variance += static_cast<double>(v.view.sigma.data[i]) * v.view.sigma.data[i];
+          radius2 += v.radius2_at(x, y);
+          p += q;
+        }
+      const int count = static_cast<int>(values.size());
+      // A block that is cut would pull the median towards one side of it.
+      if (count < block * block) continue;
+      LightSample sample = v.start(SampleKind::face);
+      sample.p_board = p / count;
+      sample.normal = face_normal(v.surface, sample.p_board.x(), sample.p_board.y());
+      sample.radius2 = radius2 / count;
+      sample.value = median_in_place(values);
+      sample.sigma = 1.2533 * std::sqrt(variance) / count;
+      sample.to_camera = (v.camera - sample.p_board).normalized();
+      face.push_back(sample);
+    }
+  const std::size_t step = 1 + face.size() / std::max(1, v.options.max_face_per_view);
+  for (std::size_t i = 0; i < face.size(); i += step) samples.push_back(face[i]);
+}
+
+// Pixels well inside cells of one color, seen at the paper's own height: [tag][black, white].
+std::vector<std::array<PaperPixels, 2>> paper_pixels(const SampledView& v, const std::vector<PlacedTag>& tags) {
+  std::vector<std::array<PaperPixels, 2>> paper(tags.size());
+  for (int y = 0; y < v.height(); ++y)
+    for (int x = 0; x < v.width(); ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * v.width() + x;
+      const Eigen::Vector3d& q = v.grid.center_mm[i];
+      if (!std::isfinite(q.x())) continue;
+      const Eigen::Vector3d p = q + (v.camera - q) * (v.board.tags.z_mm / (v.camera.z() - q.z()));
+      for (std::size_t t = 0; t < tags.size(); ++t) {
+        const double reach = tags[t].pattern.total_cells * tags[t].cell_mm;
+        if (std::abs(p.x() - tags[t].tag.center_mm.x()) > reach || std::abs(p.y() - tags[t].tag.center_mm.y()) > reach)
+          continue;
+        const Eigen::Vector2d at = tags[t].in_cells(p.x(), p.y());
+        const double margin = v.options.edge_margin_px * pixel_size_mm(v.grid, x, y) / tags[t].cell_mm;
+        const int color = uniform_color(tags[t].pattern, at, margin);
+        if (color < 0) continue;
+        PaperPixels& pixels = paper[t][color];
+        if (!v.view.valid[i]) {
+          ++pixels.lost;
+          break;
+        }
+        pixels.values.push_back(v.view.value.data[i]);
+        pixels.variance_sum += static_cast<double>(v.view.sigma.data[i]) * v.view.sigma.data[i];
+        pixels.radius2 += v.radius2_at(x, y);
+        pixels.p += p;
+        break;
+      }
+    }
+  return paper;
+}
+
+void add_paper_samples(const SampledView& v, const std::vector<PlacedTag>& tags, std::vector<LightSample>& samples) {
+  std::vector<std::array<PaperPixels, 2>> paper = paper_pixels(v, tags);
+  for (std::size_t t = 0; t < tags.size(); ++t)
+    for (const int color : {0, 1}) {
+      LightSample sample = v.start(color ? SampleKind::white_paper : SampleKind::black_paper);
+      sample.tag = tags[t].tag.id;
+      if (!finish_paper(paper[t][color], sample)) continue;
+      sample.normal = face_normal(v.surface, sample.p_board.x(), sample.p_board.y());
+      sample.to_camera = (v.camera - sample.p_board).normalized();
+      samples.push_back(sample);
+    }
+}
+
+}  // namespace
+
 std::vector<LightSample> gather_light_samples(std::span<const LightView> views, const Board& board, const Bench& bench,
                                               const Sent& sent, const LightSampleOptions& options) {
   const Surface surface = surface_of(board, bench);
   const std::vector<PlacedTag> tags = place_tags(board, bench);
   const Scratches carved = carve(sent, bench, board).scratches;
   std::vector<LightSample> samples;
-
   for (std::size_t k = 0; k < views.size(); ++k) {
-    const LightView& view = views[k];
-    const Eigen::Isometry3d& T_camera_board = bench.views[view.view].T_camera_board;
-    const FootprintGrid grid = grid_of(view, T_camera_board, surface);
-    const Eigen::Vector3d camera = T_camera_board.inverse().translation();
-    const int width = view.window.width, height = view.window.height;
-    const double pixel_mm = pixel_size_mm(grid, width / 2, height / 2);
-
-    // Plain face: what is left when paper, edges and a wide strip around every designed scratch are taken away.
-    BoardMask plain = metal_mask(board, bench, 1 + options.edge_margin_px * pixel_mm);
-    cv::Mat plain_image(plain.height, plain.width, CV_8U, plain.free.data());
-    const double half_strip_mm = options.scratch_margin_mm + options.edge_margin_px * pixel_mm +
-                                 1e-3 * half_width_um(board.tool_width_um, board.material.depth_um);
-    constexpr int kFraction = 4;  // bits of sub-cell positions
-    const auto cell = [&](double mm) {
-      return static_cast<int>(std::lround((mm / plain.cell_mm - 0.5) * (1 << kFraction)));
-    };
-    for (std::size_t i = 0; i < carved.size(); ++i)
-      cv::line(plain_image, {cell(carved.x0_mm[i]), cell(carved.y0_mm[i])},
-               {cell(carved.x1_mm[i]), cell(carved.y1_mm[i])}, cv::Scalar(0),
-               static_cast<int>(std::ceil(2 * half_strip_mm / plain.cell_mm)), cv::LINE_8, kFraction);
-
-    const auto radius2_at = [&](double x, double y) {
-      return vignette_radius2(view.lens.width, view.lens.height, x + view.window.x0, y + view.window.y0);
-    };
-    const auto start_sample = [&](SampleKind kind) {
-      LightSample sample;
-      sample.kind = kind;
-      sample.light_view = k;
-      sample.light = view.light;
-      return sample;
-    };
-
-    std::vector<LightSample> face;
-    std::vector<double> values;
-    for (int y0 = 0; y0 + options.block_px <= height; y0 += options.block_px)
-      for (int x0 = 0; x0 + options.block_px <= width; x0 += options.block_px) {
-        values.clear();
-        double variance = 0, radius2 = 0;
-        Eigen::Vector3d p = Eigen::Vector3d::Zero();
-        for (int y = y0; y < y0 + options.block_px; ++y)
-          for (int x = x0; x < x0 + options.block_px; ++x) {
-            const std::size_t i = static_cast<std::size_t>(y) * width + x;
-            const Eigen::Vector3d& q = grid.center_mm[i];
-            if (!view.valid[i] || !std::isfinite(q.x()) || !plain.is_free(q.x(), q.y())) continue;
-            values.push_back(view.value.data[i]);
-            variance += static_cast<double>(view.sigma.data[i]) * view.sigma.data[i];
-            radius2 += radius2_at(x, y);
-            p += q;
-          }
-        const int count = static_cast<int>(values.size());
-        // A block that is cut would pull the median towards one side of it.
-        if (count < options.block_px * options.block_px) continue;
-        LightSample sample = start_sample(SampleKind::face);
-        sample.p_board = p / count;
-        sample.normal = face_normal(surface, sample.p_board.x(), sample.p_board.y());
-        sample.radius2 = radius2 / count;
-        sample.value = median_of(values);
-        sample.sigma = 1.2533 * std::sqrt(variance) / count;
-        sample.to_camera = (camera - sample.p_board).normalized();
-        face.push_back(sample);
-      }
-    const std::size_t step = 1 + face.size() / std::max(1, options.max_face_per_view);
-    for (std::size_t i = 0; i < face.size(); i += step) samples.push_back(face[i]);
-
-    // Paper: pixels well inside cells of one color, seen at the paper's own height.
-    std::vector<std::array<PaperPixels, 2>> paper(tags.size());
-    for (int y = 0; y < height; ++y)
-      for (int x = 0; x < width; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * width + x;
-        const Eigen::Vector3d& q = grid.center_mm[i];
-        if (!std::isfinite(q.x())) continue;
-        const Eigen::Vector3d p = q + (camera - q) * (board.tags.z_mm / (camera.z() - q.z()));
-        for (std::size_t t = 0; t < tags.size(); ++t) {
-          const double reach = tags[t].pattern.total_cells * tags[t].cell_mm;
-          if (std::abs(p.x() - tags[t].tag.center_mm.x()) > reach ||
-              std::abs(p.y() - tags[t].tag.center_mm.y()) > reach)
-            continue;
-          const Eigen::Vector2d at = tags[t].in_cells(p.x(), p.y());
-          const double margin = options.edge_margin_px * pixel_size_mm(grid, x, y) / tags[t].cell_mm;
-          const int color = uniform_color(tags[t].pattern, at, margin);
-          if (color < 0) continue;
-          PaperPixels& pixels = paper[t][color];
-          if (!view.valid[i]) {
-            ++pixels.lost;
-            break;
-          }
-          pixels.values.push_back(view.value.data[i]);
-          pixels.variance_sum += static_cast<double>(view.sigma.data[i]) * view.sigma.data[i];
-          pixels.radius2 += radius2_at(x, y);
-          pixels.p += p;
-          break;
-        }
-      }
-    for (std::size_t t = 0; t < tags.size(); ++t)
-      for (const int color : {0, 1}) {
-        LightSample sample = start_sample(color ? SampleKind::white_paper : SampleKind::black_paper);
-        sample.tag = tags[t].tag.id;
-        if (!finish_paper(paper[t][color], sample)) continue;
-        sample.normal = face_normal(surface, sample.p_board.x(), sample.p_board.y());
-        sample.to_camera = (camera - sample.p_board).normalized();
-        samples.push_back(sample);
-      }
+    const Eigen::Isometry3d& T_camera_board = bench.views[views[k].view].T_camera_board;
+    const SampledView view{views[k],
+                           k,
+                           board,
+                           options,
+                           surface,
+                           grid_of(views[k], T_camera_board, surface),
+                           T_camera_board.inverse().translation()};
+    add_face_samples(view, plain_face(view, bench, carved), samples);
+    add_paper_samples(view, tags, samples);
   }
   return samples;
 }

@@ -14,6 +14,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
+#include "burin/render/finding.h"
 #include "burin/render/footprint_grid.h"
 #include "burin/render/image.h"
 #include "burin/render/lens.h"
@@ -54,7 +55,7 @@ LightView binned(const LightView& view, int bin);
 /// Pairs merged photos with the bench's views and lamps; lamps that the bench does not name are appended to
 /// `bench.lights`. Photos of views without a pose are left out and named in `findings`.
 std::vector<LightView> make_light_views(std::span<const MergedView> merged, const Board& board, Bench& bench,
-                                        std::vector<std::string>& findings);
+                                        std::vector<Finding>& findings);
 
 enum class SampleKind { white_paper, black_paper, face };
 

@@ -4,27 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <set>
+
+#include "burin/render/files/decimals.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
 
 constexpr double kBlurred_px = 1.6;     // edges of a sharp photo: 0.5 to 1 px, half a pixel of it the pixel itself
 constexpr double kBlurredFactor = 1.8;  // times the session's median
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-std::string number(double v, int digits) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*f", digits, v);
-  return text;
-}
 
 template <typename Names>
 std::string listed(const Names& names) {
@@ -95,8 +85,8 @@ void leave_out_blurred(std::vector<ViewTags>& pictures, std::size_t keep_views) 
     for (std::size_t k = 0; k < pictures.size(); ++k)
       if (k != i && !pictures[k].tags.empty()) views.insert(pictures[k].view);
     if (views.size() < keep_views) return;
-    const std::string why = "the photo is blurred, its edges " + number(blur[i], 1) + " px wide, the others' " +
-                            number(usual, 1) + " px: out of focus, moved while it was exposed, or exposed twice";
+    const std::string why = "the photo is blurred, its edges " + fixed(blur[i], 1) + " px wide, the others' " +
+                            fixed(usual, 1) + " px: out of focus, moved while it was exposed, or exposed twice";
     for (const TagDetection& tag : pictures[i].tags)
       pictures[i].rejected.push_back(
           {tag.id, 0.25 * (tag.corner_px[0] + tag.corner_px[1] + tag.corner_px[2] + tag.corner_px[3]), why});

@@ -9,9 +9,9 @@
 
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/calib/light/light_samples.h"
-#include "burin/capture/finding.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/finding.h"
 
 namespace burin {
 

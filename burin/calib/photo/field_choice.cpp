@@ -6,16 +6,17 @@
 #include <numeric>
 #include <vector>
 
-#include "burin/calib/verdict/photo_uncertainty.h"
+#include "burin/calib/photo/normal_system.h"
 
 namespace burin {
 namespace {
 
 void set_free(const FreeField& field, std::vector<bool>& free) {
-  constexpr int kFirst = unknown::depth_field;
-  for (int i = 0; i < 2; ++i) free[kFirst + i] = field.linear;
-  for (int i = 2; i < 5; ++i) free[kFirst + i] = field.quadratic;
-  free[kFirst + 5] = field.wear;
+  const Stage stage = Stage().free(field);
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    if (row.group == Group::depth_linear || row.group == Group::depth_quadratic || row.group == Group::depth_wear)
+      std::fill_n(free.begin() + first, row.size, stage.frees(row.group));
+  });
 }
 
 // By how much each view's cost falls when the terms `added` are fitted to the other views. All other unknowns (`free`)
@@ -94,9 +95,9 @@ bool significant(const Problem& data, const Stage& all, const State& state, cons
 
 int terms_of(const FreeField& f) { return (f.linear ? 2 : 0) + (f.quadratic ? 3 : 0) + (f.wear ? 1 : 0); }
 
-FreeField choose_depth_field(const Problem& data, const Stage& stage, State& state) {
+FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state) {
   Stage all = stage;
-  all.depth_field = {true, true, true};
+  all.free({true, true, true});
   const ViewEquations equations = view_equations(data, all, state);
   FreeField choice;
   const std::size_t views = equations.H.size();
@@ -141,14 +142,6 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, State& sta
     free = free_with(choice);
   }
   return choice;
-}
-
-std::string field_name(const FreeField& field) {
-  std::string name = field.quadratic ? "quadratic over the board" : field.linear ? "linear over the board" : "constant";
-  if (field.wear)
-    name += (field.linear || field.quadratic) ? ", with wear along the carving order"
-                                              : " but for wear along the carving order";
-  return name;
 }
 
 }  // namespace burin

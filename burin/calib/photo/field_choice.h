@@ -15,18 +15,13 @@
 // eliminated), fits and judgements are small dense solves, no rendering.
 #pragma once
 
-#include <string>
-
 #include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
 
 /// `state` must be at the optimum of `stage`, which frees no field.
-FreeField choose_depth_field(const Problem& data, const Stage& stage, State& state);
+FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state);
 
 int terms_of(const FreeField& field);  ///< how many numbers it has
-
-/// "linear over the board, with wear along the carving order"; "constant".
-std::string field_name(const FreeField& field);
 
 }  // namespace burin

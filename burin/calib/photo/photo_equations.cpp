@@ -9,18 +9,11 @@
 #include <utility>
 
 #include "burin/calib/light/lamp.h"
+#include "burin/calib/photo/machine_map.h"
 #include "burin/render/error.h"
 
 namespace burin {
 namespace {
-
-Eigen::Matrix2d machine_linear(const Unknowns& x) {
-  return (Eigen::Matrix2d() << x[unknown::machine], x[unknown::machine + 1], x[unknown::machine + 2],
-          x[unknown::machine + 3])
-      .finished();
-}
-
-Eigen::Vector2d machine_shift(const Unknowns& x) { return {x[unknown::machine + 4], x[unknown::machine + 5]}; }
 
 // Puts the unknowns into a photo's scene: a bare lamp; the spot's fall-off is multiplied later, being smooth.
 const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
@@ -112,7 +105,7 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   data.camera.T_camera_board = bench.views[binned_view.view].T_camera_board;
   data.camera.surface = {board.size_mm, bench.bow_mm};
   data.camera.window = binned_view.window;
-  data.room = make_render_room();
+  data.room = make_render_workspace();
   // Lamp, material and ambient light are unknowns.
   if (board.mesh.empty()) {
     data.scene.grid = share(grid_of(binned_view, data.camera.T_camera_board, data.camera.surface));
@@ -206,8 +199,7 @@ namespace {
 // The bench that the unknowns make, as far as carving asks.
 Bench bench_at(const ModelData& model, const Unknowns& x) {
   Bench bench;
-  const Eigen::Matrix2d A = machine_linear(x);
-  bench.machine_affine << A, model.center_mm - A * model.center_mm + machine_shift(x);
+  bench.machine_affine = affine_of(machine_map(x), model.center_mm);
   bench.material.depth_um = std::exp(x[unknown::log_depth]);
   bench.material.alpha = std::exp(x[unknown::log_alpha]);
   bench.depth_field.terms = depth_field_of(x);
@@ -413,161 +405,199 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
   return cost;
 }
 
-PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
-                         const FreeUnknowns& free) {
-  using P = SceneParameter;
-  const std::size_t pixels = photo.weight.size();
-  const int width = photo.scene.grid->width(), height = photo.scene.grid->height();
-  const auto any = [&](int first, int count) {
-    return std::any_of(free.begin() + first, free.begin() + first + count, [](bool f) { return f; });
-  };
+namespace {
 
-  // What the renderer must differentiate by, and where each derivative lies in its answer.
-  std::vector<P> wanted;
-  const auto ask = [&](bool want, std::initializer_list<P> parameters) {
-    const int at = static_cast<int>(wanted.size());
-    if (want) wanted.insert(wanted.end(), parameters);
-    return at;
-  };
-  constexpr int kOverBoard = GrooveField::kTerms - 1, kWear = kOverBoard;
-  const bool want_alpha = free[unknown::log_alpha];
-  const int at_alpha = ask(want_alpha, {P::alpha});
-  const bool want_depth = free[unknown::log_depth] || any(unknown::depth_field, kOverBoard);
-  const int at_depth = ask(want_depth, {P::depth_um});
-  const int at_base = ask(free[unknown::log_base_alpha], {P::base_alpha});
-  const bool want_lamp = any(unknown::lamp_position, 3), want_machine = any(unknown::machine, 6);
-  const bool want_pose = any(unknown::pose, 6) || any(unknown::lens, kMostLensParameters);
-  const int at_lamp = ask(want_lamp, {P::light_x_mm, P::light_y_mm, P::light_z_mm});
-  const int at_machine =
-      ask(want_machine, {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
-  const int at_bow = ask(any(unknown::bow, 3), {P::bow_0_mm, P::bow_1_mm, P::bow_2_mm});
-  const int at_pose = ask(want_pose, {P::pose_rx, P::pose_ry, P::pose_rz, P::pose_tx_mm, P::pose_ty_mm, P::pose_tz_mm});
+// What the renderer must differentiate by for some free unknowns, and where each derivative lies in its answer.
+struct Wanted {
+  std::vector<SceneParameter> parameters;
+  int alpha = -1, depth = -1, base = -1, lamp = -1, machine = -1, bow = -1, pose = -1;  // -1: not asked for
 
-  const ViewScene& scene = scene_at(photo, x);
-  RadianceDerivatives rendered = render_with_derivatives(scene, photo.camera, carved, wanted);
+  explicit Wanted(const FreeUnknowns& free) {
+    using P = SceneParameter;
+    const auto any = [&](int first, int count) {
+      return std::any_of(free.begin() + first, free.begin() + first + count, [](bool f) { return f; });
+    };
+    const auto ask = [&](bool want, std::initializer_list<P> of) {
+      if (!want) return -1;
+      const int at = static_cast<int>(parameters.size());
+      parameters.insert(parameters.end(), of);
+      return at;
+    };
+    alpha = ask(free[unknown::log_alpha], {P::alpha});
+    // A field over the board multiplies the derivative by a common factor of all depths.
+    depth = ask(free[unknown::log_depth] || any(unknown::depth_field, unknown::depth_wear - unknown::depth_field),
+                {P::depth_um});
+    base = ask(free[unknown::log_base_alpha], {P::base_alpha});
+    lamp = ask(any(unknown::lamp_position, 3), {P::light_x_mm, P::light_y_mm, P::light_z_mm});
+    machine = ask(any(unknown::machine, 6),
+                  {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
+    bow = ask(any(unknown::bow, 3), {P::bow_0_mm, P::bow_1_mm, P::bow_2_mm});
+    // The lens' derivatives follow from those by turns of the camera (lens_slopes).
+    pose = ask(any(unknown::pose, 6) || any(unknown::lens, kMostLensParameters),
+               {P::pose_rx, P::pose_ry, P::pose_rz, P::pose_tx_mm, P::pose_ty_mm, P::pose_tz_mm});
+  }
+};
 
-  // The spot's fall-off multiplies everything that the lamp sends.
-  const bool is_spot = x[unknown::spot + 2] > 0;
+// The spot's fall-off, which multiplies everything that the lamp sends: of each pixel (empty for a bare lamp), and the
+// light's derivatives by it, by lamp position (3) and spot (3).
+struct SpotSlopes {
   std::vector<float> falloff;
-  std::array<Image, 6> spot_images;  // light * d log falloff / d (position, spot)
-  if (is_spot) {
-    falloff.assign(pixels, 0);
-    for (Image& image : spot_images) image = Image(width, height, 1);
-    for (std::size_t i = 0; i < pixels; ++i) {
+  std::array<Image, 6> by;
+};
+
+SpotSlopes apply_spot(const PhotoData& photo, const Unknowns& x, RadianceDerivatives& rendered) {
+  SpotSlopes out;
+  if (!(x[unknown::spot + 2] > 0)) return out;
+  const std::size_t pixels = photo.weight.size();
+  out.falloff.assign(pixels, 0);
+  for (Image& image : out.by) image = Image(photo.scene.grid->width(), photo.scene.grid->height(), 1);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
+    if (!std::isfinite(p.x())) continue;
+    const SpotJet log_f = log_falloff(x, p);
+    out.falloff[i] = static_cast<float>(std::exp(log_f.a));
+    for (int k = 0; k < 6; ++k)
+      out.by[k].data[i] = rendered.radiance.data[i] * out.falloff[i] * static_cast<float>(log_f.v[k]);
+  }
+  multiply(rendered.radiance, out.falloff);
+  for (Image& image : rendered.d_radiance) multiply(image, out.falloff);
+  return out;
+}
+
+Image scaled(Image image, double by) {
+  for (float& v : image.data) v *= static_cast<float>(by);
+  return image;
+}
+
+// Gathers columns, blurred as the photo is.
+struct ColumnWriter {
+  PhotoSlopes& out;
+  const std::vector<float>& kernel;
+
+  bool wants(int at) const { return out.free[at]; }
+  void add(int at, Image image) {
+    if (wants(at)) add_as_seen(at, blurred(std::move(image), kernel));
+  }
+  void add_as_seen(int at, Image image) {
+    out.index.push_back(at);
+    out.columns.push_back(std::move(image));
+  }
+};
+
+// By depth and by its field over the board, which multiplies the derivative by a common factor of all depths.
+void add_depth(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& by_depth_um,
+               ColumnWriter& columns) {
+  const Image by_factor = scaled(by_depth_um, std::exp(x[unknown::log_depth]));
+  const auto terms = depth_field_of(x);
+  for (int term = 0; unknown::depth_field + term < unknown::depth_wear; ++term) {
+    if (!columns.wants(unknown::depth_field + term)) continue;
+    Image by_term = by_factor;
+    for (std::size_t i = 0; i < by_term.data.size(); ++i) {
       const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
       if (!std::isfinite(p.x())) continue;
-      const SpotJet log_f = log_falloff(x, p);
-      falloff[i] = static_cast<float>(std::exp(log_f.a));
-      for (int k = 0; k < 6; ++k)
-        spot_images[k].data[i] = rendered.radiance.data[i] * falloff[i] * static_cast<float>(log_f.v[k]);
+      const double u = p.x() / model.board->size_mm.x(), v = p.y() / model.board->size_mm.y();
+      by_term.data[i] *= static_cast<float>(field_terms_at(u, v)[term] / field_over_board(terms, u, v));
     }
-    multiply(rendered.radiance, falloff);
-    for (Image& image : rendered.d_radiance) multiply(image, falloff);
+    columns.add(unknown::depth_field + term, std::move(by_term));
   }
+  columns.add(unknown::log_depth, by_factor);
+}
 
-  const double blur_sigma = blur_sigma_px(photo, x);
-  const std::vector<float> kernel = blur_taps(blur_sigma, photo.bin);
+// By one more rendering: what no derivative of the renderer tells, as wear, which goes with the carving order.
+void add_by_difference(int at, const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
+                       const std::vector<float>& falloff, ColumnWriter& columns) {
+  if (!columns.wants(at)) return;
+  constexpr double kStep = 0.02;
+  Unknowns moved = x;
+  moved[at] += kStep;
+  Image change = rendered_light(photo, moved, carved_at(model, moved), falloff);
+  scene_at(photo, x);
+  for (std::size_t i = 0; i < change.data.size(); ++i)
+    change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(kStep);
+  columns.add(at, std::move(change));
+}
+
+// The renderer moves the ends q as given: dq = M q + m. Ours: q = c + A (p - c) + t, so
+// dq = dA A^-1 (q - c - t) + dt.
+void add_machine(const ModelData& model, const Unknowns& x, const Image* by_machine, ColumnWriter& columns) {
+  const MachineMap map = machine_map(x);
+  const Eigen::Matrix2d A_inverse = map.A.inverse();
+  const Eigen::Vector2d fixed = model.center_mm + map.shift_mm;
+  for (int row = 0; row < 2; ++row) {
+    const Image* by_row = by_machine + static_cast<std::ptrdiff_t>(3) * row;  // m00 m01 m02, or m10 m11 m12
+    for (int column = 0; column < 2; ++column) {
+      const int at = machine_index(row, column);
+      if (!columns.wants(at)) continue;
+      const Eigen::RowVector2d M = A_inverse.row(column);  // dA = e_row e_column^T
+      const double m = -(M * fixed)(0);
+      Image image(by_row->width, by_row->height, 1);
+      for (std::size_t i = 0; i < image.data.size(); ++i)
+        image.data[i] = static_cast<float>(M[0] * by_row[0].data[i] + M[1] * by_row[1].data[i] + m * by_row[2].data[i]);
+      columns.add(at, std::move(image));
+    }
+    columns.add(machine_index(row, 2), by_row[2]);
+  }
+}
+
+// By the blur's logarithm: from differences, or as correct_binning() found it.
+void add_blur(const PhotoData& photo, const Unknowns& x, const Image& total, ColumnWriter& columns) {
+  if (!columns.wants(unknown::log_blur)) return;
+  Image slope(total.width, total.height, 1);
+  if (photo.correction.empty()) {
+    constexpr double kStep = 0.02;
+    const double sigma = blur_sigma_px(photo, x);
+    slope = blurred(total, blur_taps(sigma * (1 + kStep), photo.bin));
+    const Image narrower = blurred(total, blur_taps(sigma * (1 - kStep), photo.bin));
+    for (std::size_t i = 0; i < slope.data.size(); ++i)
+      slope.data[i] = (slope.data[i] - narrower.data[i]) / static_cast<float>(2 * kStep);
+  } else {
+    for (std::size_t i = 0; i < slope.data.size(); ++i)
+      slope.data[i] = photo.blur_slope[i] / static_cast<float>(vignette_of(photo, x, i));
+  }
+  columns.add_as_seen(unknown::log_blur, std::move(slope));
+}
+
+}  // namespace
+
+PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
+                         const FreeUnknowns& free) {
+  const Wanted wanted(free);
+  const ViewScene& scene = scene_at(photo, x);
+  RadianceDerivatives rendered = render_with_derivatives(scene, photo.camera, carved, wanted.parameters);
+  SpotSlopes spot = apply_spot(photo, x, rendered);
+  const std::vector<float> kernel = blur_taps(blur_sigma_px(photo, x), photo.bin);
   const Image light = std::move(rendered.radiance), total = with_ambient(model, photo, x, light);
+  std::vector<Image>& by = rendered.d_radiance;
 
   PhotoSlopes out;
   out.at = x;
   out.free = free;
-  std::vector<int>& index = out.index;
-  std::vector<Image>& columns = out.columns;
-  const auto add_column = [&](int at, Image image) {
-    index.push_back(at);
-    columns.push_back(blurred(std::move(image), kernel));
-  };
-  const auto scaled = [](Image image, double by) {
-    for (float& v : image.data) v *= static_cast<float>(by);
-    return image;
-  };
-  if (want_alpha) add_column(unknown::log_alpha, scaled(rendered.d_radiance[at_alpha], scene.material.alpha));
-  if (want_depth) {
-    // By a common factor of all depths; a field multiplies it by the place on the board, being smooth.
-    const Image by_factor = scaled(rendered.d_radiance[at_depth], scene.material.depth_um);
-    const auto terms = depth_field_of(x);
-    for (int term = 0; term < kOverBoard; ++term) {
-      if (!free[unknown::depth_field + term]) continue;
-      Image by_term = by_factor;
-      for (std::size_t i = 0; i < pixels; ++i) {
-        const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
-        if (!std::isfinite(p.x())) continue;
-        const double u = p.x() / model.board->size_mm.x(), v = p.y() / model.board->size_mm.y();
-        by_term.data[i] *= static_cast<float>(field_terms_at(u, v)[term] / field_over_board(terms, u, v));
-      }
-      add_column(unknown::depth_field + term, std::move(by_term));
+  ColumnWriter columns{out, kernel};
+  if (wanted.alpha >= 0) columns.add(unknown::log_alpha, scaled(by[wanted.alpha], scene.material.alpha));
+  if (wanted.depth >= 0) add_depth(model, photo, x, by[wanted.depth], columns);
+  add_by_difference(unknown::depth_wear, model, photo, x, light, spot.falloff, columns);
+  if (wanted.base >= 0) columns.add(unknown::log_base_alpha, scaled(by[wanted.base], scene.material.base_alpha));
+  for (int k = 0; k < 3 && wanted.lamp >= 0; ++k) {
+    Image image = std::move(by[wanted.lamp + k]);
+    if (!spot.falloff.empty())
+      for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] += spot.by[k].data[i];
+    columns.add(unknown::lamp_position + k, std::move(image));
+  }
+  for (int k = 0; k < 3 && !spot.falloff.empty(); ++k) columns.add(unknown::spot + k, std::move(spot.by[3 + k]));
+  columns.add(unknown::log_intensity, light);
+  if (wanted.machine >= 0) add_machine(model, x, &by[wanted.machine], columns);
+  if (wanted.pose >= 0) {
+    // Before the poses' own columns take these derivatives away.
+    const auto lens_free = free.begin() + unknown::lens;
+    if (std::any_of(lens_free, lens_free + kMostLensParameters, [](bool f) { return f; })) {
+      std::vector<Image> by_lens = lens_slopes(photo, by[wanted.pose], by[wanted.pose + 1]);
+      for (std::size_t k = 0; k < by_lens.size(); ++k)
+        columns.add(unknown::lens + static_cast<int>(k), std::move(by_lens[k]));
     }
-    if (free[unknown::log_depth]) add_column(unknown::log_depth, by_factor);
+    for (int k = 0; k < 6; ++k) columns.add(unknown::pose + k, std::move(by[wanted.pose + k]));
   }
-  // Wear goes with the carving order, which no place on the board tells: one more rendering.
-  if (free[unknown::depth_field + kWear]) {
-    constexpr double kStep = 0.02;
-    Unknowns worn = x;
-    worn[unknown::depth_field + kWear] += kStep;
-    Image change = rendered_light(photo, worn, carved_at(model, worn), falloff);
-    scene_at(photo, x);
-    for (std::size_t i = 0; i < pixels; ++i)
-      change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(kStep);
-    add_column(unknown::depth_field + kWear, std::move(change));
-  }
-  if (free[unknown::log_base_alpha])
-    add_column(unknown::log_base_alpha, scaled(rendered.d_radiance[at_base], scene.material.base_alpha));
-  for (int k = 0; k < 3; ++k) {
-    if (!free[unknown::lamp_position + k]) continue;
-    Image image = std::move(rendered.d_radiance[at_lamp + k]);
-    if (is_spot)
-      for (std::size_t i = 0; i < pixels; ++i) image.data[i] += spot_images[k].data[i];
-    add_column(unknown::lamp_position + k, std::move(image));
-  }
-  for (int k = 0; k < 3; ++k)
-    if (free[unknown::spot + k] && is_spot) add_column(unknown::spot + k, std::move(spot_images[3 + k]));
-  if (free[unknown::log_intensity]) add_column(unknown::log_intensity, light);
-  if (want_machine) {
-    // The renderer moves the ends q as given: dq = M q + m. Ours: q = c + A (p - c) + t, so dq = dA A^-1 (q - c - t) +
-    // dt.
-    const Eigen::Matrix2d A_inverse = machine_linear(x).inverse();
-    const Eigen::Vector2d fixed = model.center_mm + machine_shift(x);
-    for (int row = 0; row < 2; ++row) {
-      const Image* by_row = &rendered.d_radiance[at_machine + 3 * row];  // m00 m01 m02, or m10 m11 m12
-      for (int column = 0; column < 2; ++column) {
-        const int at = unknown::machine + 2 * row + column;
-        if (!free[at]) continue;
-        const Eigen::RowVector2d M = A_inverse.row(column);  // dA = e_row e_column^T
-        const double m = -(M * fixed)(0);
-        Image image(width, height, 1);
-        for (std::size_t i = 0; i < pixels; ++i)
-          image.data[i] =
-              static_cast<float>(M[0] * by_row[0].data[i] + M[1] * by_row[1].data[i] + m * by_row[2].data[i]);
-        add_column(at, std::move(image));
-      }
-      if (free[unknown::machine + 4 + row]) add_column(unknown::machine + 4 + row, by_row[2]);
-    }
-  }
-  if (any(unknown::lens, kMostLensParameters)) {
-    std::vector<Image> by_lens = lens_slopes(photo, rendered.d_radiance[at_pose], rendered.d_radiance[at_pose + 1]);
-    for (std::size_t k = 0; k < by_lens.size(); ++k)
-      if (free[unknown::lens + k]) add_column(unknown::lens + static_cast<int>(k), std::move(by_lens[k]));
-  }
-  for (int k = 0; k < 6; ++k)
-    if (free[unknown::pose + k]) add_column(unknown::pose + k, std::move(rendered.d_radiance[at_pose + k]));
-  for (int k = 0; k < 3; ++k)
-    if (free[unknown::bow + k]) add_column(unknown::bow + k, std::move(rendered.d_radiance[at_bow + k]));
-  if (free[unknown::log_blur]) {
-    constexpr double kStep = 0.02;
-    Image wider(width, height, 1);
-    if (photo.correction.empty()) {
-      wider = blurred(total, blur_taps(blur_sigma * (1 + kStep), photo.bin));
-      const Image narrower = blurred(total, blur_taps(blur_sigma * (1 - kStep), photo.bin));
-      for (std::size_t i = 0; i < pixels; ++i)
-        wider.data[i] = (wider.data[i] - narrower.data[i]) / static_cast<float>(2 * kStep);
-    } else {
-      for (std::size_t i = 0; i < pixels; ++i)
-        wider.data[i] = photo.blur_slope[i] / static_cast<float>(vignette_of(photo, x, i));
-    }
-    index.push_back(unknown::log_blur);
-    columns.push_back(std::move(wider));
-  }
+  for (int k = 0; k < 3 && wanted.bow >= 0; ++k) columns.add(unknown::bow + k, std::move(by[wanted.bow + k]));
+  add_blur(photo, x, total, columns);
   out.light = blurred(total, kernel);
   return out;
 }

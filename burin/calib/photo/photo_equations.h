@@ -11,6 +11,7 @@
 
 #include "burin/calib/geometry/geometry_prior.h"
 #include "burin/calib/light/light_samples.h"
+#include "burin/calib/photo/unknowns.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
@@ -20,30 +21,6 @@
 
 namespace burin {
 
-/// The unknowns of a photo under one lamp, as one vector. Groups are what a fit frees or holds together.
-namespace unknown {
-enum Index : int {
-  log_alpha = 0,
-  log_depth = 1,
-  log_base_alpha = 2,
-  depth_field = 3,  // GrooveField's terms: gx gy, qxx qxy qyy, wear
-  machine = 9,  // a00 a01 a10 a11 tx ty: carved = center + A (designed - center) + t, mm, about the carve area's center
-  ambient = 15,        // radiance, mean of the channels
-  vignette = 16,       // v1 v2 v3
-  log_blur = 19,       // of the Gaussian's sigma in pixels of the photo as taken
-  lamp_position = 20,  // mm
-  log_intensity = 23,
-  spot = 24,  // aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp
-  pose = 27,  // rotation vector on the left of T_camera_board; then translation, mm
-  bow = 33,   // mm
-  lens = 36,  // as moved_lens() (geometry_prior.h) takes them; lenses of more parameters are held
-  count = lens + kMostLensParameters
-};
-}  // namespace unknown
-
-using Unknowns = Eigen::Matrix<double, unknown::count, 1>;
-using FreeUnknowns = std::array<bool, unknown::count>;
-
 /// A photo at one resolution, and all of it that does not change while the fit runs.
 struct PhotoData {
   LightView photo;
@@ -52,7 +29,7 @@ struct PhotoData {
   /// is never copied: one thread at a time may work on one photo.
   mutable ViewScene scene;
   /// What the renderer keeps of the grid, and the places of the last scratches; as for the scene, one thread at a time.
-  std::shared_ptr<RenderRoom> room;
+  std::shared_ptr<RenderWorkspace> room;
   CameraView camera;
   std::vector<float> weight;   ///< 1 / expected error of each pixel; 0 where it is not used
   std::vector<float> radius2;  ///< vignetting's r^2

@@ -121,15 +121,13 @@ void leave_out(const std::vector<StrangeRegion>& regions, const Problem& data, s
   }
 }
 
-std::string told(const StrangeRegion& region) {
+Finding told(const StrangeRegion& region) {
   const Eigen::Vector2d size = region.max_mm - region.min_mm, middle = 0.5 * (region.min_mm + region.max_mm);
   std::ostringstream text;
   text << std::fixed << std::setprecision(0) << "a region of " << size.x() << " x " << size.y() << " mm at ("
        << middle.x() << ", " << middle.y() << ") mm does not look like the board in " << region.strange_in << " of "
-       << region.seen_in
-       << " photos: a sticker, or fingerprints? It is left out of the fit; clean the board there and photograph it "
-          "again if the grooves under it matter";
-  return text.str();
+       << region.seen_in << " photos: a sticker, or fingerprints? It is left out of the fit";
+  return make_warning(text.str(), "clean the board there and photograph it again if the grooves under it matter");
 }
 
 }  // namespace burin

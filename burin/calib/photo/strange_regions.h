@@ -11,12 +11,12 @@
 
 #include <Eigen/Core>
 #include <cstddef>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/photo_problem.h"
+#include "burin/render/finding.h"
 
 namespace burin {
 
@@ -38,6 +38,6 @@ void leave_out(const std::vector<StrangeRegion>& regions, const Problem& data, s
 
 /// "a region of 12 x 8 mm at (40, 55) mm does not look like the board in 6 of 7 photos: a sticker, or fingerprints?
 /// ..."
-std::string told(const StrangeRegion& region);
+Finding told(const StrangeRegion& region);
 
 }  // namespace burin

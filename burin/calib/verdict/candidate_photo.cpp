@@ -7,8 +7,9 @@
 #include <set>
 
 #include "burin/calib/light/lamp.h"
-#include "burin/calib/light/paper_equation.h"
+#include "burin/calib/photo/paper_equation.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/footprint_grid.h"
 
 namespace burin {
@@ -74,16 +75,12 @@ double nearest_mm(const Lens& lens, const Board& board, const Eigen::Vector3d& d
 }
 
 std::string beside_edges(double value, double size, const char* low, const char* high) {
-  char text[80];
-  if (value < 0)
-    std::snprintf(text, sizeof text, "%.0f mm beyond the %s edge", -value, low);
-  else if (value > size)
-    std::snprintf(text, sizeof text, "%.0f mm beyond the %s edge", value - size, high);
-  else if (value <= size / 2)
-    std::snprintf(text, sizeof text, "%.0f mm in from the %s edge", value, low);
-  else
-    std::snprintf(text, sizeof text, "%.0f mm in from the %s edge", size - value, high);
-  return text;
+  const auto told = [](double distance, const char* where, const char* edge) {
+    return fixed(distance, 0) + " mm " + where + " the " + edge + " edge";
+  };
+  if (value < 0) return told(-value, "beyond", low);
+  if (value > size) return told(value - size, "beyond", high);
+  return value <= size / 2 ? told(value, "in from", low) : told(size - value, "in from", high);
 }
 
 }  // namespace
@@ -122,29 +119,25 @@ std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, boo
 }
 
 std::string place_in_words(const Eigen::Vector3d& p, const Board& board) {
-  char above[60];
-  std::snprintf(above, sizeof above, "%.0f mm above the face", p.z());
+  const std::string above = fixed(p.z(), 0) + " mm above";
   const double near = 0.02 * board.size_mm.norm();
   const auto at = [&](double x, double y) { return (p.head<2>() - Eigen::Vector2d(x, y)).norm() < near; };
   const double w = board.size_mm.x(), h = board.size_mm.y();
-  const std::string straight = std::string(above, std::string(above).find(" the face"));
-  if (at(w / 2, h / 2)) return straight + " the board's middle";
-  if (at(0, 0)) return straight + " the lower left corner";
-  if (at(w, 0)) return straight + " the lower right corner";
-  if (at(0, h)) return straight + " the upper left corner";
-  if (at(w, h)) return straight + " the upper right corner";
-  return std::string(above) + ", " + beside_edges(p.x(), w, "left", "right") + ", " +
+  if (at(w / 2, h / 2)) return above + " the board's middle";
+  if (at(0, 0)) return above + " the lower left corner";
+  if (at(w, 0)) return above + " the lower right corner";
+  if (at(0, h)) return above + " the upper left corner";
+  if (at(w, h)) return above + " the upper right corner";
+  return above + " the face, " + beside_edges(p.x(), w, "left", "right") + ", " +
          beside_edges(p.y(), h, "lower", "upper");
 }
 
 std::string place_in_words(const CameraPlace& place, const Board& board) {
-  char text[120];
-  if (place.tilt_rad < 0.01)
-    std::snprintf(text, sizeof text, ", looking straight down");
-  else
-    std::snprintf(text, sizeof text, ", aimed at the board's middle (%.0f mm away, %.0f degrees from straight down)",
-                  place.distance_mm, place.tilt_rad * 180 / std::numbers::pi);
-  return "camera " + place_in_words(place.center_mm(), board) + text +
+  const std::string aim = place.tilt_rad < 0.01
+                              ? "looking straight down"
+                              : "aimed at the board's middle (" + fixed(place.distance_mm, 0) + " mm away, " +
+                                    fixed(place.tilt_rad * 180 / std::numbers::pi, 0) + " degrees from straight down)";
+  return "camera " + place_in_words(place.center_mm(), board) + ", " + aim +
          (place.roll_rad > 0.1 ? ", camera on its side" : "");
 }
 
@@ -213,7 +206,7 @@ void append_candidates(Bundle& bundle, const Board& board, const std::vector<Cam
   }
 }
 
-LightCandidate light_candidate(const Problem& data, State& state, const Bench& bench, const CameraPlace& place,
+LightCandidate light_candidate(const Problem& data, const State& state, const Bench& bench, const CameraPlace& place,
                                std::size_t light, const std::vector<bool>& free, const LightCandidateOptions& options) {
   const Board& board = *data.model.board;
   const Unknowns x = state.of(light);
@@ -262,9 +255,8 @@ LightCandidate light_candidate(const Problem& data, State& state, const Bench& b
         continue;
       sample.radius2 = vignette_radius2(bench.lens.width, bench.lens.height, q.x(), q.y());
       const bool white = kind == SampleKind::white_paper;
-      sample.value =
-          vignette_at(x.data() + unknown::vignette, sample.radius2) *
-          paper_radiance(lamp, x[unknown::ambient], white ? board.tags.white_albedo : board.tags.black_albedo, sample);
+      sample.value = vignette_at(x.data() + unknown::vignette, sample.radius2) *
+                     paper_radiance(lamp, x[unknown::ambient], paper_albedo(board, kind), sample);
       if (!(sample.value > 0)) continue;
       if (white) out.light.paper = std::max(out.light.paper, sample.value);
       sample.sigma = options.noise * out.light.paper;

@@ -1,25 +1,21 @@
 #include "burin/calib/verdict/identifiability.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
-#include <sstream>
+#include <optional>
+#include <string>
+#include <utility>
 
+#include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/render/groove.h"
+#include "burin/render/parameter_name.h"
 #include "burin/render/surface.h"
 
 namespace burin {
 namespace {
-
-constexpr const char* kGiven = "given, and held fixed";
-
-std::string number(double value, int digits = 2) {
-  std::ostringstream out;
-  out.precision(digits);
-  out << value;
-  return out.str();
-}
 
 // How well something must be known, in its unit.
 struct Limits {
@@ -60,34 +56,19 @@ HalvesVerdict pooled(const HalfSamples& halves, const std::vector<Eigen::VectorX
 
 double widening(const HalvesVerdict& halves) { return halves.contradict() ? halves.ratio : 1; }
 
-std::string halves_in_words(const HalvesVerdict& halves, const char* of_what) {
-  if (halves.degrees == 0) return std::string("too few ") + of_what + " to compare halves of them";
-  std::string out = std::string("halves of the ") + of_what;
-  if (halves.contradict())
-    out += " contradict each other: they differ " + number(halves.ratio) +
-           " times as much as the covariance allows (up to " + number(halves.limit) +
-           " is chance), so the sigma was made that much larger";
-  else
-    out += " agree (their difference is " + number(halves.ratio) + " of what is to be expected; up to " +
-           number(halves.limit) + " is chance)";
-  constexpr double kFewCarry = 4;
-  if (halves.half_to_whole > kFewCarry) out += "; it rests on few of the " + std::string(of_what);
-  return out;
+Cause by_halves(const HalvesVerdict& h, Cause::Kind kind = Cause::Kind::halves_of_photos) {
+  return {kind, {h.ratio, h.limit, h.degrees, h.half_to_whole}};
+}
+
+Degree degree_of(double sigma, const Limits& limits) {
+  return sigma < limits.determined ? Degree::determined
+         : sigma < limits.weakly   ? Degree::weakly
+                                   : Degree::not_determined;
 }
 
 // `sigma` in `unit`, already widened.
-Verdict judged(double sigma, const Limits& limits, const std::string& unit, const std::string& what,
-               const std::string& halves) {
-  Verdict out;
-  out.determined = sigma < limits.determined;
-  out.weakly = !out.determined && sigma < limits.weakly;
-  out.sigma = sigma;
-  out.unit = unit;
-  out.reason = "one sigma is " + number(sigma) + " " + unit + what;
-  if (!out.determined)
-    out.reason += out.weakly ? "; the photos do not tell it better than that" : ", so the photos do not tell it";
-  if (!halves.empty()) out.reason += "; " + halves;
-  return out;
+Verdict judged(double sigma, const Limits& limits, Unit unit, std::vector<Cause> causes) {
+  return {Source::measured, degree_of(sigma, limits), sigma, unit, std::move(causes)};
 }
 
 // Sine of a camera's lean from the board's normal, times its azimuth's cosine and sine: what sets views apart.
@@ -156,68 +137,85 @@ std::vector<HalvesVerdict> pose_halves(const BoardSolution& geometry, const std:
 
 }  // namespace
 
-bool lens_was_given(const Bench& bench) {
-  const auto verdict = bench.verdict.find("lens");
-  return verdict != bench.verdict.end() && verdict->second.reason == kGiven;
+namespace {
+
+// What judging needs, and where it writes.
+struct GeometryJudge {
+  const BoardSolution& geometry;
+  const Board& board;
+  const BundleEquations equations;
+  const std::vector<std::size_t> solved;  // indices into the bundle's views of geometry.views, in their order
+  const HalfSamples halves;
+  Bench& bench;
+  Combinations judged_here{};
+
+  // The columns from `at`, and the sigmas of each.
+  struct Columns {
+    std::vector<Eigen::VectorXd> rows;
+    std::vector<double> sigmas;
+  };
+  Columns columns(int at, int count) const {
+    Columns out;
+    for (int i = at; i < at + count; ++i) {
+      out.rows.emplace_back(Eigen::VectorXd::Unit(equations.columns, i));
+      out.sigmas.push_back(std::sqrt(std::max(0.0, halves.inverse(i, i))));
+    }
+    return out;
+  }
+};
+
+std::vector<std::size_t> solved_views(const BundleEquations& equations) {
+  std::vector<std::size_t> out;
+  for (std::size_t v = 0; v < equations.views.size(); ++v)
+    if (equations.views[v].used) out.push_back(v);
+  return out;
 }
 
-Combinations judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench) {
-  const BundleEquations equations = bundle_equations(geometry.bundle, geometry.options);
+HalfSamples geometry_halves(const BoardSolution& geometry, const Board& board, const BundleEquations& equations,
+                            const std::vector<std::size_t>& solved) {
   EquationsInParts parts;
   std::vector<double> keys;
-  std::vector<std::size_t> solved;  // indices into the bundle's views of geometry.views, in their order
-  for (std::size_t v = 0; v < equations.views.size(); ++v) {
-    const auto& view = equations.views[v];
-    if (!view.used) continue;
-    solved.push_back(v);
-    parts.information.push_back(view.information);
-    parts.gradient.push_back(view.gradient);
+  const Eigen::Vector3d middle(0.5 * board.size_mm.x(), 0.5 * board.size_mm.y(), 0);
+  for (const std::size_t v : solved) {
+    parts.information.push_back(equations.views[v].information);
+    parts.gradient.push_back(equations.views[v].gradient);
     const Eigen::Vector3d eye = geometry.bundle.views[v].inverse().translation();
-    const Eigen::Vector3d middle(0.5 * board.size_mm.x(), 0.5 * board.size_mm.y(), 0);
     keys.push_back(lean_key((eye - middle).normalized()));
   }
   parts.prior = equations.prior;
   parts.prior_gradient = equations.prior_gradient;
   parts.pairs = pair_neighbors(keys, std::vector<std::size_t>(keys.size(), 0));
-  const HalfSamples halves = half_samples(parts);
-  const auto column = [&](int at) { return Eigen::VectorXd(Eigen::VectorXd::Unit(equations.columns, at)); };
-  const auto sigma_of = [&](int at) { return std::sqrt(std::max(0.0, halves.inverse(at, at))); };
+  return half_samples(parts);
+}
 
-  Combinations judged_here;
-  const Lens& lens = geometry.lens;
-  if (fixed_lens) {
-    bench.verdict["lens"] = {true, kGiven};
-  } else {
-    std::vector<Eigen::VectorXd> rows;
-    std::vector<double> sigmas;
-    for (int i = 0; i < 4; ++i) {
-      rows.push_back(column(equations.lens_at + i));
-      sigmas.push_back(sigma_of(equations.lens_at + i));
-    }
-    const HalvesVerdict check = pooled(halves, rows, sigmas);
-    const double grow = widening(check), longer = std::max(lens.width, lens.height);
-    const double focal = 100 * grow * std::max(sigmas[0] / lens.intrinsics[0], sigmas[1] / lens.intrinsics[1]);
-    const double center = 100 * grow * std::max(sigmas[2], sigmas[3]) / longer;
-    // One number for both: the share of the focal length, or what of a center counts as much.
-    const double share = std::max(focal, center * kFocal.determined / kCenter.determined);
-    std::ostringstream text;
-    text << " of the focal length or as much for the center (" << lens.model << ", focal length "
-         << number(lens.intrinsics[0], 6) << " +- " << number(grow * sigmas[0]) << " px, center +- "
-         << number(grow * std::max(sigmas[2], sigmas[3])) << " px; corners " << number(geometry.rms_px, 3)
-         << " px RMS per axis)";
-    bench.verdict["lens"] = judged(share, kFocal, "%", text.str(), halves_in_words(check, "photos"));
-    judged_here["lens"] = rows;
-  }
+void judge_lens(GeometryJudge& j) {
+  const Lens& lens = j.geometry.lens;
+  const auto [rows, sigmas] = j.columns(j.equations.lens_at, 4);
+  const HalvesVerdict check = pooled(j.halves, rows, sigmas);
+  const double grow = widening(check), longer = std::max(lens.width, lens.height);
+  const double focal = 100 * grow * std::max(sigmas[0] / lens.intrinsics[0], sigmas[1] / lens.intrinsics[1]);
+  const double center = 100 * grow * std::max(sigmas[2], sigmas[3]) / longer;
+  // One number for both: the share of the focal length, or what of a center counts as much.
+  const double share = std::max(focal, center * kFocal.determined / kCenter.determined);
+  j.bench.verdict[parameter::kLens] =
+      judged(share, kFocal, Unit::percent,
+             {{Cause::Kind::of_focal_length,
+               {lens.intrinsics[0], grow * sigmas[0], grow * std::max(sigmas[2], sigmas[3]), j.geometry.rms_px},
+               lens.model},
+              by_halves(check)});
+  j.judged_here[parameter::kLens] = rows;
+}
 
-  // Poses: the worst camera, and those that are worse than determined by name.
-  const std::vector<HalvesVerdict> poses = pose_halves(geometry, solved, equations.views);
+// The worst camera, and those that are worse than determined by name.
+void judge_poses(GeometryJudge& j) {
+  const std::vector<HalvesVerdict> poses = pose_halves(j.geometry, j.solved, j.equations.views);
   double worst = 0;
   int contradicting = 0;
   std::string worst_view;
-  for (std::size_t i = 0; i < solved.size() && i < bench.views.size(); ++i) {
-    View& view = bench.views[i];
-    const Eigen::Matrix<double, 3, 6> D = center_by_pose(geometry.bundle.views[solved[i]]);
-    const Eigen::Matrix3d own = D * equations.views[solved[i]].H.ldlt().solve(D.transpose());
+  for (std::size_t i = 0; i < j.solved.size() && i < j.bench.views.size(); ++i) {
+    View& view = j.bench.views[i];
+    const Eigen::Matrix<double, 3, 6> D = center_by_pose(j.geometry.bundle.views[j.solved[i]]);
+    const Eigen::Matrix3d own = D * j.equations.views[j.solved[i]].H.ldlt().solve(D.transpose());
     const double grow = widening(poses[i]);
     contradicting += poses[i].contradict();
     Eigen::Vector3d sigma = view.center_sigma_mm.value_or(Eigen::Vector3d::Zero());
@@ -226,58 +224,69 @@ Combinations judge_geometry(const BoardSolution& geometry, const Board& board, b
     view.center_sigma_mm = sigma;
     const double distance = view.T_camera_board.translation().norm(), share = 100 * sigma.norm() / distance;
     if (share >= kPose.determined || poses[i].contradict()) {
-      Verdict& verdict = bench.verdict["pose." + view.name] =
-          judged(share, kPose, "%", " of the camera's distance", halves_in_words(poses[i], "tags"));
-      if (!verdict.determined)
-        verdict.next_photo = own.trace() > 0.5 * sigma.squaredNorm()
-                                 ? "the same view again with more of the board's tags in it, sharp"
-                                 : "any that helps the lens, which this pose depends on";
+      Verdict& verdict = j.bench.verdict[parameter::pose(view.name)] =
+          judged(share, kPose, Unit::percent,
+                 {{Cause::Kind::of_camera_distance}, by_halves(poses[i], Cause::Kind::halves_of_tags)});
+      if (!verdict.determined())
+        verdict.next_photo =
+            NextPhoto{own.trace() > 0.5 * sigma.squaredNorm() ? NextPhoto::Kind::same_view_with_more_tags
+                                                              : NextPhoto::Kind::any_for_the_lens};
     }
     if (share >= worst) {
       worst = share;
       worst_view = view.name;
     }
   }
-  bench.verdict["poses"] =
-      judged(worst, kPose, "%", " of the camera's distance, in view " + worst_view + ", the worst",
-             contradicting == 0 ? "in every view, poses from halves of its tags agree"
-                                : "in " + std::to_string(contradicting) + " of " + std::to_string(solved.size()) +
-                                      " views, poses from halves of the tags contradict each other, and their sigmas "
-                                      "were made larger");
+  j.bench.verdict[parameter::kPoses] = judged(
+      worst, kPose, Unit::percent,
+      {{Cause::Kind::of_camera_distance, {}, worst_view},
+       {Cause::Kind::poses_by_halves, {static_cast<double>(contradicting), static_cast<double>(j.solved.size())}}});
+}
 
-  // Tags as a group: root mean square.
-  std::vector<Eigen::VectorXd> rows;
-  std::vector<double> sigmas;
+// As a group: root mean square.
+void judge_tags(GeometryJudge& j) {
+  GeometryJudge::Columns tags;
   double sum2 = 0;
-  for (const int at : equations.tag_at)
-    for (int i = 0; at >= 0 && i < 2; ++i) {
-      rows.push_back(column(at + i));
-      sigmas.push_back(sigma_of(at + i));
-      sum2 += sigmas.back() * sigmas.back();
+  for (const int at : j.equations.tag_at) {
+    if (at < 0) continue;
+    const GeometryJudge::Columns one = j.columns(at, 2);
+    for (int i = 0; i < 2; ++i) {
+      tags.rows.push_back(one.rows[i]);
+      tags.sigmas.push_back(one.sigmas[i]);
+      sum2 += one.sigmas[i] * one.sigmas[i];
     }
-  if (!rows.empty()) {
-    const HalvesVerdict check = pooled(halves, rows, sigmas);
-    const double sigma = widening(check) * std::sqrt(sum2 / static_cast<double>(rows.size()));
-    const double believed = std::max(board.tags.sigma_mm, 1e-9);
-    judged_here["board.tags"] = rows;
-    bench.verdict["board.tags"] =
-        judged(sigma, {kTagsLearnt * believed, kTagsNotLearnt * believed}, "mm",
-               " for a tag's place against the others' (believed before: " + number(believed) + " mm)",
-               halves_in_words(check, "photos"));
   }
-  if (equations.shared_at >= 0 && !equations.bow_held) {
-    rows.clear();
-    sigmas.clear();
-    for (int i = 0; i < 3; ++i) {
-      rows.push_back(column(equations.shared_at + 1 + i));
-      sigmas.push_back(sigma_of(equations.shared_at + 1 + i));
-    }
-    const HalvesVerdict check = pooled(halves, rows, sigmas);
-    bench.verdict["board.bow_mm"] = judged(widening(check) * *std::max_element(sigmas.begin(), sigmas.end()), kBow,
-                                           "mm", ", from the tags", halves_in_words(check, "photos"));
-    judged_here["board.bow_mm"] = rows;
-  }
-  return judged_here;
+  if (tags.rows.empty()) return;
+  const HalvesVerdict check = pooled(j.halves, tags.rows, tags.sigmas);
+  const double sigma = widening(check) * std::sqrt(sum2 / static_cast<double>(tags.rows.size()));
+  const double believed = std::max(j.board.tags.sigma_mm, 1e-9);
+  j.bench.verdict[parameter::kTags] = judged(sigma, {kTagsLearnt * believed, kTagsNotLearnt * believed}, Unit::mm,
+                                             {{Cause::Kind::of_tag_place, {believed}}, by_halves(check)});
+  j.judged_here[parameter::kTags] = std::move(tags.rows);
+}
+
+void judge_bow(GeometryJudge& j) {
+  const auto [rows, sigmas] = j.columns(j.equations.shared_at + 1, 3);
+  const HalvesVerdict check = pooled(j.halves, rows, sigmas);
+  j.bench.verdict[parameter::kBow] = judged(widening(check) * *std::max_element(sigmas.begin(), sigmas.end()), kBow,
+                                            Unit::mm, {{Cause::Kind::of_bow}, by_halves(check)});
+  j.judged_here[parameter::kBow] = rows;
+}
+
+}  // namespace
+
+Combinations judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench) {
+  const BundleEquations equations = bundle_equations(geometry.bundle, geometry.options);
+  const std::vector<std::size_t> solved = solved_views(equations);
+  GeometryJudge j{geometry, board, equations, solved, geometry_halves(geometry, board, equations, solved), bench};
+  if (fixed_lens)
+    bench.verdict[parameter::kLens] = given_verdict();
+  else
+    judge_lens(j);
+  judge_poses(j);
+  judge_tags(j);
+  if (equations.shared_at >= 0 && !equations.bow_held) judge_bow(j);
+  return std::move(j.judged_here);
 }
 
 // --- light, grooves, machine -----------------------------------------------------------------------------------------
@@ -323,164 +332,202 @@ EquationsInParts light_in_parts(const Problem& data, const State& state, const U
   return parts;
 }
 
-Combinations judge_light(const Problem& data, const State& state, const Uncertainty& u, const Stage& stage,
-                         Bench& bench) {
-  const HalfSamples halves = half_samples(light_in_parts(data, state, u));
-  const Eigen::Index n = u.covariances.front().rows();
-  const auto unit = [&](int at) { return Eigen::VectorXd(Eigen::VectorXd::Unit(n, at)); };
-  const auto check_of = [&](const std::vector<Eigen::VectorXd>& rows) {
+Straddle straddle_of(const Problem& data, const State& state) {
+  ModelData whole = data.model;
+  whole.crossings = Crossings::add;
+  const Unknowns shared = state.of(0);
+  const Carved carved = carved_at(whole, shared);
+  Straddle out;
+  for (const PhotoData& photo : data.photos) {
+    const Straddle one =
+        straddle_of(carved, photo.camera.surface, std::exp(shared[unknown::log_alpha]),
+                    std::exp(shared[unknown::log_depth]), data.model.board->tool_width_um,
+                    state.of(photo.photo.light).segment<3>(unknown::lamp_position), photo.scene.camera_center_mm);
+    out.inside += one.inside;
+    out.outside += one.outside;
+  }
+  return out;
+}
+
+namespace {
+
+// What judging needs, and where it writes.
+struct LightJudge {
+  const Problem& data;
+  const State& state;
+  const Uncertainty& u;
+  const Stage& stage;
+  const HalfSamples halves;
+  Bench& bench;
+  Combinations judged_here{};
+
+  Eigen::Index size() const { return u.covariances.front().rows(); }
+  Eigen::VectorXd unit(int at) const { return Eigen::VectorXd::Unit(size(), at); }
+  Eigen::Vector3d center() const { return {data.model.center_mm.x(), data.model.center_mm.y(), 0}; }
+
+  // Keeps the combinations that a parameter is made of, and compares halves of the photos by them.
+  HalvesVerdict check(const std::string& name, const std::vector<Eigen::VectorXd>& rows) {
+    judged_here[name] = rows;
     std::vector<double> sigmas;
     sigmas.reserve(rows.size());
     for (const Eigen::VectorXd& row : rows) sigmas.push_back(u.sigma(row));
     return pooled(halves, rows, sigmas);
-  };
-  const auto& s = state.shared;
-  Combinations judged_here;
+  }
+
+  // A parameter that is one combination of unknowns; its sigma is `scale` times theirs.
+  void judge_one(const std::string& name, const Eigen::VectorXd& row, double scale, const Limits& limits,
+                 std::vector<Cause> causes = {}) {
+    const HalvesVerdict halves_say = check(name, {row});
+    causes.push_back(by_halves(halves_say));
+    bench.verdict[name] =
+        judged(100 * widening(halves_say) * u.sigma(row) / scale, limits, Unit::percent, std::move(causes));
+  }
 
   // Roughness and depth, whose unknowns are logarithms: sigmas are shares.
-  const auto material = [&](const char* name, int at, double value, std::optional<double>& sigma) {
-    judged_here[name] = {unit(at)};
-    const HalvesVerdict check = check_of(judged_here[name]);
-    const double share = 100 * widening(check) * u.sigma(at);
-    const Verdict verdict = bench.verdict[name] = judged(share, kRelative, "%", "", halves_in_words(check, "photos"));
-    if (verdict.determined || verdict.weakly)
-      sigma = value * share / 100;
+  void judge_material(const char* name, int at, double value, std::optional<double>& sigma) {
+    judge_one(name, unit(at), 1, kRelative);
+    const Verdict& verdict = bench.verdict[name];
+    if (verdict.known())
+      sigma = value * *verdict.sigma / 100;
     else
       sigma.reset();
-  };
-  if (stage.groove) {
-    material("alpha", unknown::log_alpha, bench.material.alpha, bench.material_sigma.alpha);
-    material("depth_um", unknown::log_depth, bench.material.depth_um, bench.material_sigma.depth_um);
-    ModelData whole = data.model;
-    whole.crossings = Crossings::add;
-    const Carved carved = carved_at(whole, state.of(0));
-    Straddle straddle;
-    for (const PhotoData& photo : data.photos) {
-      const Straddle one = straddle_of(
-          carved, photo.camera.surface, bench.material.alpha, bench.material.depth_um, data.model.board->tool_width_um,
-          state.of(photo.photo.light).segment<3>(unknown::lamp_position), photo.scene.camera_center_mm);
-      straddle.inside += one.inside;
-      straddle.outside += one.outside;
-    }
-    const std::string counts = std::to_string(straddle.inside) + " half vectors lean a little less and " +
-                               std::to_string(straddle.outside) + " a little more than the grooves' steepest wall";
-    Verdict& depth = bench.verdict["depth_um"];
-    if (straddle.both()) {
-      depth.reason += "; " + counts;
-    } else {
-      depth = {false,
-               counts + ", so no photo shows where the glints end; photograph the board from " +
-                   (straddle.inside >= straddle.outside ? "further to the side" : "nearer to the lamp's mirror image")};
-      bench.material_sigma.depth_um.reset();
-    }
   }
-  if (stage.base)
-    material("base_alpha", unknown::log_base_alpha, bench.material.base_alpha, bench.material_sigma.base_alpha);
+};
 
-  if (stage.machine) {
-    const Board& board = *data.model.board;
-    const Eigen::Vector2d c = data.model.center_mm;
-    const Eigen::Matrix3d frame = tag_frame_covariance(board);
-    std::vector<Eigen::VectorXd> rows;
-    double photos = 0, whole = 0;  // the worst over the carve area's corners
-    for (const double x : {board.carve_min_mm.x(), board.carve_max_mm.x()})
-      for (const double y : {board.carve_min_mm.y(), board.carve_max_mm.y()})
-        for (int row = 0; row < 2; ++row) {
-          rows.push_back((x - c.x()) * unit(unknown::machine + 2 * row) +
-                         (y - c.y()) * unit(unknown::machine + 2 * row + 1) + unit(unknown::machine + 4 + row));
-          photos = std::max(photos, u.sigma(rows.back()));
-          const Eigen::Vector3d at(x, y, 1);
-          whole = std::max(whole, std::hypot(u.sigma(rows.back()), std::sqrt(at.dot(frame * at))));
-        }
-    const HalvesVerdict check = check_of(rows);
-    const double grow = widening(check);
-    judged_here["machine.affine"] = rows;
-    bench.verdict["machine.affine"] =
-        judged(std::hypot(whole, std::sqrt(grow * grow - 1) * photos), kMachine, "mm",
-               " at most over the carve area, the tags' places included (" + number(grow * photos) + " mm without)",
-               halves_in_words(check, "photos"));
-    if (bench.machine_affine_sigma) *bench.machine_affine_sigma *= grow;
+void judge_grooves(LightJudge& j) {
+  Bench& bench = j.bench;
+  j.judge_material(parameter::kAlpha, unknown::log_alpha, bench.material.alpha, bench.material_sigma.alpha);
+  j.judge_material(parameter::kDepth, unknown::log_depth, bench.material.depth_um, bench.material_sigma.depth_um);
+  const Straddle straddle = straddle_of(j.data, j.state);
+  const std::array<double, 4> counts{static_cast<double>(straddle.inside), static_cast<double>(straddle.outside)};
+  Verdict& depth = bench.verdict[parameter::kDepth];
+  if (straddle.both()) {
+    depth.causes.push_back({Cause::Kind::cutoff_seen, counts});
+  } else {
+    depth = {};
+    depth.causes.push_back({Cause::Kind::cutoff_not_seen, counts});
+    bench.material_sigma.depth_um.reset();
   }
+}
 
-  // What white paper in the middle sends back of the first lamp's light: the scale for ambient light.
-  const Eigen::Vector3d center(data.model.center_mm.x(), data.model.center_mm.y(), 0);
+void judge_machine(LightJudge& j) {
+  const Board& board = *j.data.model.board;
+  const Eigen::Vector2d c = j.data.model.center_mm;
+  const Eigen::Matrix3d frame = tag_frame_covariance(board);
+  std::vector<Eigen::VectorXd> rows;
+  double photos = 0, whole = 0;  // the worst over the carve area's corners
+  for (const double x : {board.carve_min_mm.x(), board.carve_max_mm.x()})
+    for (const double y : {board.carve_min_mm.y(), board.carve_max_mm.y()})
+      for (int row = 0; row < 2; ++row) {
+        rows.push_back(machine_combination(j.size(), row, {x - c.x(), y - c.y(), 1}));
+        photos = std::max(photos, j.u.sigma(rows.back()));
+        const Eigen::Vector3d at(x, y, 1);
+        whole = std::max(whole, std::hypot(j.u.sigma(rows.back()), std::sqrt(at.dot(frame * at))));
+      }
+  const HalvesVerdict check = j.check(parameter::kMachine, rows);
+  const double grow = widening(check);
+  j.bench.verdict[parameter::kMachine] =
+      judged(std::hypot(whole, std::sqrt(grow * grow - 1) * photos), kMachine, Unit::mm,
+             {{Cause::Kind::of_carve_area, {grow * photos}}, by_halves(check)});
+  if (j.bench.machine_affine_sigma) *j.bench.machine_affine_sigma *= grow;
+}
+
+// What white paper in the middle sends back of the brightest lamp's light: the scale for ambient light.
+double light_on_paper(const LightJudge& j) {
   double paper = 0;
-  for (const Light& light : bench.lights) {
-    const Eigen::Vector3d d = light.position_mm - center;
+  for (const Light& light : j.bench.lights) {
+    const Eigen::Vector3d d = light.position_mm - j.center();
     paper = std::max(paper,
                      light.intensity.mean() * std::max(0.0, d.normalized().z()) / d.squaredNorm() / std::numbers::pi);
   }
-  if (stage.ambient) {
-    const HalvesVerdict check = check_of(judged_here["ambient"] = {unit(unknown::ambient)});
-    bench.verdict["ambient"] =
-        judged(100 * widening(check) * u.sigma(unknown::ambient) / std::max(paper, 1e-300), kAmbient, "%",
-               " of the lamp's own light on paper", halves_in_words(check, "photos"));
-  }
-  if (stage.vignette) {
-    constexpr double kRadius2 = 0.5;
-    const Eigen::VectorXd at = kRadius2 * unit(unknown::vignette) + kRadius2 * kRadius2 * unit(unknown::vignette + 1) +
-                               kRadius2 * kRadius2 * kRadius2 * unit(unknown::vignette + 2);
-    const HalvesVerdict check = check_of(judged_here["sensor.vignette"] = {at});
-    bench.verdict["sensor.vignette"] =
-        judged(100 * widening(check) * u.sigma(at), kVignette, "%",
-               " of a pixel's value at 0.7 of the way to the picture's corner", halves_in_words(check, "photos"));
-  }
-  if (stage.blur) {
-    const HalvesVerdict check = check_of(judged_here["sensor.psf_sigma_px"] = {unit(unknown::log_blur)});
-    bench.verdict["sensor.psf_sigma_px"] =
-        judged(100 * widening(check) * u.sigma(unknown::log_blur), kRelative, "%",
-               " of " + number(std::exp(s[unknown::log_blur])) + " px", halves_in_words(check, "photos"));
-  }
+  return paper;
+}
 
-  for (std::size_t i = 0; i < bench.lights.size(); ++i) {
-    Light& light = bench.lights[i];
-    const std::string name = "light." + light.id;
-    const auto at = [&](int index) { return global_index(index, i); };
-    if (std::none_of(data.photos.begin(), data.photos.end(), [&](const PhotoData& p) { return p.photo.light == i; })) {
-      bench.verdict[name + ".position_mm"] = {false, "no photo shows the board under this lamp"};
-      continue;
-    }
-    if (!stage.lamp) {
-      bench.verdict[name + ".position_mm"] = {true, kGiven};
-    } else {
-      const int x = unknown::lamp_position;
-      std::vector<Eigen::VectorXd> rows{unit(at(x)), unit(at(x + 1)), unit(at(x + 2))};
-      const HalvesVerdict check = check_of(judged_here[name + ".position_mm"] = rows);
-      Eigen::Vector3d sigma;
-      for (int k = 0; k < 3; ++k) sigma[k] = widening(check) * u.sigma(rows[k]);
-      light.position_sigma_mm = sigma;
-      const double distance = (light.position_mm - center).norm();
-      Verdict& verdict = bench.verdict[name + ".position_mm"] =
-          judged(100 * sigma.norm() / distance, kLampPosition, "%", " of its distance, " + number(sigma.norm()) + " mm",
-                 halves_in_words(check, "photos"));
-      verdict.sigma = sigma.norm();
-      verdict.unit = "mm";
-      if (data.is_spot[i]) {
-        const HalvesVerdict exponent =
-            check_of(judged_here[name + ".falloff_exponent"] = {unit(at(unknown::spot + 2))});
-        light.falloff_exponent_sigma = widening(exponent) * u.sigma(at(unknown::spot + 2));
-        bench.verdict[name + ".falloff_exponent"] =
-            judged(100 * *light.falloff_exponent_sigma / std::max(1e-9, light.falloff_exponent), kExponent, "%", "",
-                   halves_in_words(exponent, "photos"));
-        rows = {unit(at(unknown::spot)), unit(at(unknown::spot + 1))};
-        const HalvesVerdict aim = check_of(judged_here[name + ".axis"] = rows);
-        const double across = widening(aim) * std::hypot(u.sigma(rows[0]), u.sigma(rows[1]));
-        bench.verdict[name + ".axis"] = judged(std::atan(across / distance) * 180 / std::numbers::pi, kAxis, "degrees",
-                                               "", halves_in_words(aim, "photos"));
-      } else {
-        const std::string bare = "a bare lamp: taking it for a spot explains paper and face no better";
-        bench.verdict[name + ".falloff_exponent"] = {true, bare};
-        bench.verdict[name + ".axis"] = {true, bare + ", and it needs no axis"};
-      }
-    }
-    if (stage.intensity) {
-      const HalvesVerdict check = check_of(judged_here[name + ".intensity"] = {unit(at(unknown::log_intensity))});
-      const double share = widening(check) * u.sigma(at(unknown::log_intensity));
-      light.intensity_sigma = light.intensity * share;
-      bench.verdict[name + ".intensity"] = judged(100 * share, kRelative, "%", "", halves_in_words(check, "photos"));
-    }
+void judge_vignette(LightJudge& j) {
+  constexpr double kRadius2 = 0.5;
+  Eigen::VectorXd at = Eigen::VectorXd::Zero(j.size());
+  double power = 1;
+  for (int i = 0; i < 3; ++i) at[unknown::vignette + i] = power *= kRadius2;
+  j.judge_one(parameter::kVignette, at, 1, kVignette, {{Cause::Kind::of_picture_corner}});
+}
+
+void judge_position(LightJudge& j, std::size_t i) {
+  Light& light = j.bench.lights[i];
+  const std::string name = parameter::light_position(light.id);
+  std::vector<Eigen::VectorXd> rows;
+  for (int k = 0; k < 3; ++k) rows.push_back(j.unit(global_index(unknown::lamp_position + k, i)));
+  const HalvesVerdict check = j.check(name, rows);
+  Eigen::Vector3d sigma;
+  for (int k = 0; k < 3; ++k) sigma[k] = widening(check) * j.u.sigma(rows[k]);
+  light.position_sigma_mm = sigma;
+  const double share = 100 * sigma.norm() / (light.position_mm - j.center()).norm();
+  j.bench.verdict[name] = {Source::measured,
+                           degree_of(share, kLampPosition),
+                           sigma.norm(),
+                           Unit::mm,
+                           {{Cause::Kind::of_lamp_distance, {share}}, by_halves(check)}};
+}
+
+void judge_spot(LightJudge& j, std::size_t i) {
+  Light& light = j.bench.lights[i];
+  const std::string axis = parameter::light_axis(light.id), falloff = parameter::light_falloff(light.id);
+  if (!j.data.is_spot[i]) {
+    for (const std::string& name : {falloff, axis})
+      j.bench.verdict[name] = {Source::measured, Degree::determined, {}, Unit::none, {{Cause::Kind::bare_lamp}}};
+    return;
   }
-  return judged_here;
+  const int spot = global_index(unknown::spot, i);
+  const HalvesVerdict exponent = j.check(falloff, {j.unit(spot + 2)});
+  light.falloff_exponent_sigma = widening(exponent) * j.u.sigma(spot + 2);
+  j.bench.verdict[falloff] = judged(100 * *light.falloff_exponent_sigma / std::max(1e-9, light.falloff_exponent),
+                                    kExponent, Unit::percent, {by_halves(exponent)});
+  const HalvesVerdict aim = j.check(axis, {j.unit(spot), j.unit(spot + 1)});
+  const double across = widening(aim) * std::hypot(j.u.sigma(spot), j.u.sigma(spot + 1)),
+               distance = (light.position_mm - j.center()).norm();
+  j.bench.verdict[axis] =
+      judged(std::atan(across / distance) * 180 / std::numbers::pi, kAxis, Unit::degrees, {by_halves(aim)});
+}
+
+void judge_lamp(LightJudge& j, std::size_t i) {
+  Light& light = j.bench.lights[i];
+  const std::string position = parameter::light_position(light.id);
+  const auto& photos = j.data.photos;
+  if (std::none_of(photos.begin(), photos.end(), [&](const PhotoData& p) { return p.photo.light == i; })) {
+    j.bench.verdict[position] = {
+        Source::assumed, Degree::not_determined, {}, Unit::none, {{Cause::Kind::no_photo_under_lamp}}};
+    return;
+  }
+  if (!j.stage.frees(Group::lamp)) {
+    j.bench.verdict[position] = given_verdict();
+  } else {
+    judge_position(j, i);
+    judge_spot(j, i);
+  }
+  if (!j.stage.frees(Group::intensity)) return;
+  const std::string intensity = parameter::light_intensity(light.id);
+  j.judge_one(intensity, j.unit(global_index(unknown::log_intensity, i)), 1, kRelative);
+  light.intensity_sigma = light.intensity * (*j.bench.verdict[intensity].sigma / 100);
+}
+
+}  // namespace
+
+Combinations judge_light(const Problem& data, const State& state, const Uncertainty& u, const Stage& stage,
+                         Bench& bench) {
+  LightJudge j{data, state, u, stage, half_samples(light_in_parts(data, state, u)), bench};
+  if (stage.frees(Group::groove)) judge_grooves(j);
+  if (stage.frees(Group::base))
+    j.judge_material(parameter::kBaseAlpha, unknown::log_base_alpha, bench.material.base_alpha,
+                     bench.material_sigma.base_alpha);
+  if (stage.frees(Group::machine)) judge_machine(j);
+  if (stage.frees(Group::ambient))
+    j.judge_one(parameter::kAmbient, j.unit(unknown::ambient), std::max(light_on_paper(j), 1e-300), kAmbient,
+                {{Cause::Kind::of_paper_light}});
+  if (stage.frees(Group::vignette)) judge_vignette(j);
+  if (stage.frees(Group::blur))
+    j.judge_one(parameter::kBlur, j.unit(unknown::log_blur), 1, kRelative,
+                {{Cause::Kind::of_blur, {bench.sensor.psf_sigma_px}}});
+  for (std::size_t i = 0; i < bench.lights.size(); ++i) judge_lamp(j, i);
+  return std::move(j.judged_here);
 }
 
 }  // namespace burin

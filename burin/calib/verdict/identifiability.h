@@ -27,9 +27,6 @@ namespace burin {
 /// What was judged, by its name in the verdict: the linear combinations of a problem's unknowns that it is made of.
 using Combinations = std::map<std::string, std::vector<Eigen::VectorXd>>;
 
-/// Whether calibration was given the lens and held it, as judge_geometry() says in the verdict.
-bool lens_was_given(const Bench& bench);
-
 /// Judges "lens", "poses" (and "pose.VIEW" where one is worse than determined), "board.tags", "board.bow_mm"; widens
 /// the views' center sigmas where their tags contradict each other. Combinations are of BundleEquations' columns.
 Combinations judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench);
@@ -41,8 +38,8 @@ Combinations judge_geometry(const BoardSolution& geometry, const Board& board, b
 Combinations judge_light(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                          Bench& bench);
 
-/// Light's normal equations in parts, for half_samples(): one part a photo, paired within each lamp with the photo
-/// whose half vector leans most alike.
+/// Light's normal equations in parts, for half_samples(): one part a view (all photos that share a pose), paired within
+/// the lamp of its first photo with the view whose half vector leans most alike.
 EquationsInParts light_in_parts(const Problem& data, const State& state, const Uncertainty& uncertainty);
 
 /// Covariance of the affine map (one row of it: x, y, 1) that best takes the tags' true centers to the believed ones:
@@ -62,5 +59,8 @@ struct Straddle {
 /// For one photo under one lamp, at the middles of the scratches.
 Straddle straddle_of(const Carved& carved, const Surface& surface, double alpha, double depth_um, double tool_width_um,
                      const Eigen::Vector3d& lamp_mm, const Eigen::Vector3d& camera_mm);
+
+/// Over all photos of a problem.
+Straddle straddle_of(const Problem& data, const State& state);
 
 }  // namespace burin

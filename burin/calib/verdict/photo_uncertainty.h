@@ -1,8 +1,9 @@
-// burin/calib/verdict/photo_uncertainty.h - how well photos determine what was fitted to them. See refine.h for the
-// estimates.
+// burin/calib/verdict/photo_uncertainty.h - how well photos determine what was fitted to them. The estimates are
+// described in burin/calib/refine.h.
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <vector>
@@ -14,10 +15,10 @@ namespace burin {
 /// Covariances over all unknowns of a problem, in the order of global_index().
 struct Uncertainty {
   std::vector<Eigen::MatrixXd> covariances;  ///< several estimates, over all unknowns; held ones are 0
-  /// The normal equations that they were made from, in parts that could have been taken alone (photos), and the
-  /// priors'. All gradients add up to 0 at the optimum. For burin/calib/verdict/half_samples.h.
+  /// The normal equations that they were made from, in parts that could have been taken alone (views: all photos that
+  /// share a pose), and the priors'. All gradients add up to 0 at the optimum. For burin/calib/verdict/half_samples.h.
   std::vector<bool> free;
-  std::vector<std::size_t> part_photo;  ///< index of a photo of the part
+  std::vector<std::size_t> part_photo;  ///< index of the part's first photo, whose lamp stands for the part's
   std::vector<Eigen::MatrixXd> part_information;
   std::vector<Eigen::VectorXd> part_gradient;
   Eigen::VectorXd prior_information, prior_gradient;  ///< information: the diagonal
@@ -44,27 +45,6 @@ struct Uncertainty {
 };
 
 /// At the optimum `state` of what `stage` freed, poses, bow and lens (where the problem has a prior for them) included.
-Uncertainty uncertainty_of(const Problem& data, const Stage& stage, State& state);
-
-/// The views' own normal equations at `state`, of all that `stage` frees; their sum and the priors' are the problem's.
-struct ViewEquations {
-  std::vector<Eigen::MatrixXd> H;
-  std::vector<Eigen::VectorXd> g;
-  Eigen::VectorXd prior, prior_g;  ///< the priors' information (a diagonal) and score
-  std::vector<bool> free;
-  std::vector<std::size_t> view;  ///< index into the bench's views
-  Eigen::MatrixXd tiles;          ///< scores (J^T W r) summed over squares of the board, a column a square
-  Eigen::MatrixXd prior_scatter;  ///< of the scores, from all priors
-  double cost = 0;
-};
-ViewEquations view_equations(const Problem& data, const Stage& stage, State& state);
-
-/// Inverse of H on the free unknowns, 0 elsewhere; directions without information get a variance that says so.
-Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& free);
-
-/// One Gauss-Newton step of what `stage` frees and of all poses, the bow and the lens together (geometry_prior.h), from
-/// near the optimum. Moves `state` and `bench`'s poses, bow and lens; the problem's photos must be made anew
-/// afterwards, from views whose lens has been moved_lens() by what is returned.
-Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Bench& bench);
+Uncertainty uncertainty_of(const Problem& data, const Stage& stage, const State& state);
 
 }  // namespace burin

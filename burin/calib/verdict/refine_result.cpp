@@ -1,13 +1,17 @@
-#include "burin/calib/photo/refine_result.h"
+#include "burin/calib/verdict/refine_result.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 #include <utility>
 
+#include "burin/calib/photo/bench_unknowns.h"
+#include "burin/calib/photo/machine_map.h"
+#include "burin/render/median.h"
+#include "burin/render/parameter_name.h"
+
 namespace burin {
+
 PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Carved& carved, const Bench& bench) {
   const PhotoData& photo = data.photos[k];
   const Unknowns x = state.of(photo.photo.light);
@@ -31,7 +35,7 @@ PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const
   }
   if (fit.pixels == 0) return fit;
   fit.residual_rms = value2 > 0 ? std::sqrt(residual2 / value2) : 0;
-  fit.residual_to_noise = median_of(to_noise) / 0.6745;
+  fit.residual_to_noise = median_of(std::move(to_noise)) / 0.6745;
   fit.outliers = 1 - static_cast<double>(inliers) / static_cast<double>(fit.pixels);
   return fit;
 }
@@ -89,43 +93,15 @@ void fit_colors(const Problem& data, std::span<const MergedView> merged, const S
   }
 }
 
-Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
-                        Refinement& out) {
-  Bench& bench = out.bench;
-  const Board& board = *data.model.board;
-  const auto& s = state.shared;
-  bench.material.alpha = std::exp(s[unknown::log_alpha]);
-  bench.material.depth_um = std::exp(s[unknown::log_depth]);
-  bench.material.base_alpha = std::exp(s[unknown::log_base_alpha]);
-  bench.material.f0 = board.material.f0;
-  bench.sensor.gain = 1;
-  bench.sensor.vignette = Eigen::Vector3d(s[unknown::vignette], s[unknown::vignette + 1], s[unknown::vignette + 2]);
-  bench.sensor.psf_sigma_px = std::exp(s[unknown::log_blur]);
-  bench.ambient.setConstant(s[unknown::ambient]);
-  bench.alpha_field = {};
-  bench.depth_field = {};
-  std::array<double, GrooveField::kTerms> field_sigma{};
-  for (int i = 0; i < GrooveField::kTerms; ++i) {
-    bench.depth_field.terms[i] = s[unknown::depth_field + i];
-    field_sigma[i] = uncertainty.sigma(unknown::depth_field + i);
-  }
-  if (!bench.depth_field.is_constant()) bench.depth_field.sigma = field_sigma;
+namespace {
 
-  bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
-  bench.material_sigma.depth_um = bench.material.depth_um * uncertainty.sigma(unknown::log_depth);
-  bench.material_sigma.base_alpha = bench.material.base_alpha * uncertainty.sigma(unknown::log_base_alpha);
-
-  Eigen::Matrix2d A;
-  A << s[unknown::machine], s[unknown::machine + 1], s[unknown::machine + 2], s[unknown::machine + 3];
-  const Eigen::Vector2d c = data.model.center_mm, t(s[unknown::machine + 4], s[unknown::machine + 5]);
-  bench.machine_affine << A, c - A * c + t;
-  // Photos see the scratches against the tags, so the frame itself is only as good as the tags' believed places taken
-  // together; that is no fault of the photos and must not be read as one of the machine.
-  const Eigen::Matrix3d frame = tag_frame_covariance(board);
+// Photos see the scratches against the tags, so the frame itself is only as good as the tags' believed places taken
+// together; that is no fault of the photos and must not be read as one of the machine.
+Affine2 machine_sigma(const Problem& data, const Uncertainty& uncertainty) {
+  const Eigen::Vector2d c = data.model.center_mm;
+  const Eigen::Matrix3d frame = tag_frame_covariance(*data.model.board);
   const auto sigma_of = [&](int row, const Eigen::Vector3d& a_center) {  // of a00 a1 + a01 a2 + t a3, about the center
-    Eigen::VectorXd a = Eigen::VectorXd::Zero(uncertainty.covariances.front().rows());
-    for (int column = 0; column < 2; ++column) a[unknown::machine + 2 * row + column] = a_center[column];
-    a[unknown::machine + 4 + row] = a_center[2];
+    const Eigen::VectorXd a = machine_combination(uncertainty.covariances.front().rows(), row, a_center);
     // The frame's covariance is about the board's origin: x = c + (x - c).
     const Eigen::Vector3d a_origin(a_center[0] + a_center[2] * c.x(), a_center[1] + a_center[2] * c.y(), a_center[2]);
     return std::hypot(uncertainty.sigma(a), std::sqrt(a_origin.dot(frame * a_origin)));
@@ -136,20 +112,28 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
     sigma(row, 1) = sigma_of(row, {0, 1, 0});
     sigma(row, 2) = sigma_of(row, {-c.x(), -c.y(), 1});
   }
-  bench.machine_affine_sigma = sigma;
+  return sigma;
+}
+
+// Of the numbers that put_state() wrote; judge_light() makes larger what halves of the photos contradict.
+void fill_sigmas(const Problem& data, const Uncertainty& uncertainty, const Stage& stage, Bench& bench) {
+  bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
+  bench.material_sigma.depth_um = bench.material.depth_um * uncertainty.sigma(unknown::log_depth);
+  bench.material_sigma.base_alpha = bench.material.base_alpha * uncertainty.sigma(unknown::log_base_alpha);
+  bench.depth_field.sigma.reset();
+  if (!bench.depth_field.is_constant()) {
+    bench.depth_field.sigma.emplace();
+    for (int i = 0; i < GrooveField::kTerms; ++i)
+      (*bench.depth_field.sigma)[i] = uncertainty.sigma(unknown::depth_field + i);
+  }
+  bench.machine_affine_sigma = machine_sigma(data, uncertainty);
   for (std::size_t light = 0; light < bench.lights.size(); ++light) {
     Light& l = bench.lights[light];
-    const auto& v = state.lamps[light];
     const auto at = [&](int index) { return global_index(index, light); };
-    l.position_mm = Eigen::Vector3d(v[0], v[1], v[2]);
-    l.intensity.setConstant(std::exp(v[unknown::log_intensity - kFirstLampUnknown]));
-    const double* spot = v.data() + (unknown::spot - kFirstLampUnknown);
-    l.falloff_exponent = data.is_spot[light] ? spot[2] : 0;
-    l.axis = (Eigen::Vector3d(spot[0], spot[1], 0) - l.position_mm).normalized();
     const bool seen =
         std::any_of(data.photos.begin(), data.photos.end(), [&](const PhotoData& p) { return p.photo.light == light; });
     if (!seen) continue;
-    if (stage.lamp) {
+    if (stage.frees(Group::lamp)) {
       Eigen::Vector3d position_sigma;
       for (int i = 0; i < 3; ++i) position_sigma[i] = uncertainty.sigma(at(unknown::lamp_position + i));
       l.position_sigma_mm = position_sigma;
@@ -160,28 +144,43 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
   for (std::size_t view = 0; view < uncertainty.center_sigma_mm.size(); ++view)
     if (uncertainty.center_sigma_mm[view] != Eigen::Vector3d::Zero())
       bench.views[view].center_sigma_mm = uncertainty.center_sigma_mm[view];
-  Combinations judged = judge_light(data, state, uncertainty, stage, bench);
+}
 
-  // How far the sigmas stand above what the camera's noise alone would allow: the rest is what the model misses.
-  const auto beside_noise = [&](const std::string& name, double sigma, double bound, const std::string& unit) {
+// How far the sigmas stand above what the camera's noise alone would allow: the rest is what the model misses.
+void compare_with_noise(const Uncertainty& uncertainty, const Stage& stage, Refinement& out) {
+  Bench& bench = out.bench;
+  const auto beside_noise = [&](const std::string& name, double sigma, double bound, Unit unit) {
     const auto verdict = bench.verdict.find(name);
-    if (verdict == bench.verdict.end() || !verdict->second.determined || !(bound > 0)) return;
+    if (verdict == bench.verdict.end() || !verdict->second.determined() || !(bound > 0)) return;
     out.noise_bounds.push_back({name, sigma, bound, unit});
-    std::ostringstream times;
-    times << std::setprecision(2) << sigma / bound;
-    verdict->second.reason += "; " + times.str() + " times what the camera's noise alone would allow";
+    verdict->second.causes.push_back({Cause::Kind::above_noise, {sigma / bound}});
   };
-  for (const auto& [name, index] : {std::pair("alpha", unknown::log_alpha), std::pair("depth_um", unknown::log_depth),
-                                    std::pair("base_alpha", unknown::log_base_alpha)})
-    beside_noise(name, 100 * uncertainty.sigma(index), 100 * uncertainty.bound(index), " %");
-  for (std::size_t light = 0; light < bench.lights.size() && stage.lamp; ++light) {
+  for (const auto& [name, index] :
+       {std::pair(parameter::kAlpha, unknown::log_alpha), std::pair(parameter::kDepth, unknown::log_depth),
+        std::pair(parameter::kBaseAlpha, unknown::log_base_alpha)})
+    beside_noise(name, 100 * uncertainty.sigma(index), 100 * uncertainty.bound(index), Unit::percent);
+  for (std::size_t light = 0; light < bench.lights.size() && stage.frees(Group::lamp); ++light) {
     Eigen::Vector3d sigma_mm, bound_mm;
     for (int i = 0; i < 3; ++i) {
       sigma_mm[i] = uncertainty.sigma(global_index(unknown::lamp_position + i, light));
       bound_mm[i] = uncertainty.bound(global_index(unknown::lamp_position + i, light));
     }
-    beside_noise("light." + bench.lights[light].id + ".position_mm", sigma_mm.norm(), bound_mm.norm(), " mm");
+    beside_noise(parameter::light_position(bench.lights[light].id), sigma_mm.norm(), bound_mm.norm(), Unit::mm);
   }
+}
+
+}  // namespace
+
+Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
+                        Refinement& out) {
+  Bench& bench = out.bench;
+  put_state(state, data, bench);
+  bench.material.f0 = data.model.board->material.f0;
+  bench.sensor.gain = 1;
+  bench.alpha_field = {};
+  fill_sigmas(data, uncertainty, stage, bench);
+  Combinations judged = judge_light(data, state, uncertainty, stage, bench);
+  compare_with_noise(uncertainty, stage, out);
   return judged;
 }
 

@@ -1,13 +1,14 @@
-// burin/calib/photo/refine_result.h - from a solved problem to what a person is told: bench.json's numbers, their
+// burin/calib/verdict/refine_result.h - from a solved problem to what a person is told: bench.json's numbers, their
 // sigmas and verdicts, how each photo is explained. Used by refine.h.
 #pragma once
 
 #include <span>
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/calib/refine.h"
 #include "burin/calib/verdict/identifiability.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
+#include "burin/calib/verdict/refinement.h"
+#include "burin/capture/photo.h"
 
 namespace burin {
 

@@ -1,0 +1,126 @@
+#include "burin/calib/photo/bench_unknowns.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "burin/calib/photo/machine_map.h"
+
+namespace burin {
+namespace {
+
+// How the unknown whose first number is `first` is read from a bench and written into it. `light`: the lamp's index,
+// for what each lamp has.
+struct Link {
+  int first;
+  void (*read)(const Bench& bench, const Problem& problem, std::size_t light, double* to);
+  void (*write)(const double* from, const Problem& problem, std::size_t light, Bench& bench);
+};
+
+template <double Material::*Field>
+constexpr Link of_material(int first) {
+  return {first, [](const Bench& b, const Problem&, std::size_t, double* to) { *to = std::log(b.material.*Field); },
+          [](const double* from, const Problem&, std::size_t, Bench& b) { b.material.*Field = std::exp(*from); }};
+}
+
+template <int First, int Count>
+constexpr Link of_depth_field() {
+  return {unknown::depth_field + First,
+          [](const Bench& b, const Problem&, std::size_t, double* to) {
+            std::copy_n(b.depth_field.terms.begin() + First, Count, to);
+          },
+          [](const double* from, const Problem&, std::size_t, Bench& b) {
+            std::copy_n(from, Count, b.depth_field.terms.begin() + First);
+          }};
+}
+
+// The lamp's position stands before its axis, which is written from both.
+constexpr auto kLinks = std::to_array<Link>({
+    of_material<&Material::alpha>(unknown::log_alpha),
+    of_material<&Material::depth_um>(unknown::log_depth),
+    of_material<&Material::base_alpha>(unknown::log_base_alpha),
+    of_depth_field<0, 2>(),
+    of_depth_field<2, 3>(),
+    of_depth_field<5, 1>(),
+    {unknown::machine,
+     [](const Bench& b, const Problem& p, std::size_t, double* to) {
+       double* x = to - unknown::machine;
+       put_machine_map(machine_map(b.machine_affine, p.model.center_mm), x);
+     },
+     [](const double* from, const Problem& p, std::size_t, Bench& b) {
+       b.machine_affine = affine_of(machine_map(from - unknown::machine), p.model.center_mm);
+     }},
+    {unknown::ambient, [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.ambient.mean(); },
+     [](const double* from, const Problem&, std::size_t, Bench& b) { b.ambient.setConstant(*from); }},
+    {unknown::vignette,
+     [](const Bench& b, const Problem&, std::size_t, double* to) { std::copy_n(b.sensor.vignette.data(), 3, to); },
+     [](const double* from, const Problem&, std::size_t, Bench& b) { std::copy_n(from, 3, b.sensor.vignette.data()); }},
+    {unknown::log_blur,
+     [](const Bench& b, const Problem& p, std::size_t, double* to) {
+       constexpr double kBlurAtFirstPx = 0.6;
+       *to = std::log(b.sensor.psf_sigma_px > 0 ? b.sensor.psf_sigma_px / p.merged_bin : kBlurAtFirstPx);
+     },
+     [](const double* from, const Problem& p, std::size_t, Bench& b) {
+       b.sensor.psf_sigma_px = p.merged_bin * std::exp(*from);
+     }},
+    {unknown::lamp_position,
+     [](const Bench& b, const Problem&, std::size_t light, double* to) {
+       std::copy_n(b.lights[light].position_mm.data(), 3, to);
+     },
+     [](const double* from, const Problem&, std::size_t light, Bench& b) {
+       std::copy_n(from, 3, b.lights[light].position_mm.data());
+     }},
+    {unknown::log_intensity,
+     [](const Bench& b, const Problem&, std::size_t light, double* to) {
+       *to = std::log(std::max(1e-12, b.lights[light].intensity.mean()));
+     },
+     [](const double* from, const Problem&, std::size_t light, Bench& b) {
+       b.lights[light].intensity.setConstant(std::exp(*from));
+     }},
+    {unknown::spot,
+     [](const Bench& b, const Problem& p, std::size_t light, double* to) {
+       const Light& l = b.lights[light];
+       const Eigen::Vector2d aim =
+           l.axis.z() < 0 ? Eigen::Vector2d((l.position_mm - l.axis * (l.position_mm.z() / l.axis.z())).head<2>())
+                          : p.model.center_mm;
+       to[0] = aim.x();
+       to[1] = aim.y();
+       to[2] = l.falloff_exponent;
+     },
+     [](const double* from, const Problem& p, std::size_t light, Bench& b) {
+       Light& l = b.lights[light];
+       l.falloff_exponent = p.is_spot[light] ? from[2] : 0;
+       l.axis = (Eigen::Vector3d(from[0], from[1], 0) - l.position_mm).normalized();
+     }},
+});
+
+constexpr bool every_row_has_a_link() {
+  std::size_t link = 0;
+  int first = 0;
+  for (const UnknownRow& row : kUnknownRows) {
+    if (row.scope == Scope::shared || row.scope == Scope::lamp)
+      if (link >= kLinks.size() || kLinks[link++].first != first) return false;
+    first += row.size;
+  }
+  return link == kLinks.size();
+}
+static_assert(every_row_has_a_link());
+
+}  // namespace
+
+State state_of(const Bench& bench, const Problem& problem) {
+  State state;
+  state.lamps.resize(bench.lights.size());
+  for (const Link& link : kLinks)
+    for (std::size_t light = 0; light < (link.first < kSharedUnknowns ? 1 : bench.lights.size()); ++light)
+      link.read(bench, problem, light, state.block(link.first, light));
+  return state;
+}
+
+void put_state(const State& state, const Problem& problem, Bench& bench) {
+  for (const Link& link : kLinks)
+    for (std::size_t light = 0; light < (link.first < kSharedUnknowns ? 1 : bench.lights.size()); ++light)
+      link.write(state.block(link.first, light), problem, light, bench);
+}
+
+}  // namespace burin

@@ -1,0 +1,268 @@
+#include "burin/calib/photo/normal_system.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "burin/calib/photo/paper_equation.h"
+
+namespace burin {
+Eigen::MatrixXd inverse_times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b) {
+  const Eigen::VectorXd scale = A.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd inner = scale.asDiagonal() * A * scale.asDiagonal();
+  return scale.asDiagonal() * inner.ldlt().solve(scale.asDiagonal() * b);
+}
+
+namespace {
+
+// What normal_system() differentiates by: all that the stage frees, and poses, bow and lens where they may move.
+FreeUnknowns wanted_of(const Problem& data, const Stage& stage) {
+  FreeUnknowns wanted{};
+  if (data.geometry)
+    for (Eigen::Index i = 0; i < data.geometry->lens_parameters; ++i) wanted[unknown::lens + i] = true;
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    if (row.scope == Scope::paper || first == unknown::lens) return;
+    const bool free = row.scope == Scope::geometry ? data.geometry.has_value() : stage.frees(row.group);
+    std::fill_n(wanted.begin() + first, row.size, free);
+  });
+  return wanted;
+}
+
+}  // namespace
+
+std::vector<std::vector<PhotoEquations>> equations_of_photos(const Problem& data, const Stage& stage,
+                                                             const State& state, const std::vector<ModelData>& models) {
+  const FreeUnknowns wanted = wanted_of(data, stage);
+  const Carved carved = carved_at(data.model, state.of(0));
+  std::vector<std::vector<PhotoEquations>> out(models.size(), std::vector<PhotoEquations>(data.photos.size()));
+  each_photo(data.photos.size(), [&](std::size_t k) {
+    const PhotoData& photo = data.photos[k];
+    const Unknowns x = state.of(photo.photo.light);
+    const PhotoSlopes slopes = photo_slopes(data.model, photo, x, carved, wanted);
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      const ModelData& model = models[m];
+      if (model.alpha_jitter == data.model.alpha_jitter && model.depth_jitter == data.model.depth_jitter) {
+        out[m][k] = photo_equations(model, photo, x, slopes.light, slopes, kTileMm);
+      } else {
+        PhotoData shifted = photo;
+        shift_by_grooves(model, x, carved, shifted);
+        out[m][k] = photo_equations(model, shifted, x, slopes.light, slopes, kTileMm);
+      }
+    }
+  });
+  return out;
+}
+
+namespace {
+
+// Where the numbers of the geometry lie behind the n unknowns.
+struct Layout {
+  Eigen::Index n = 0, m = 0, lens = 0;  // unknowns; the geometry's numbers; the lens' among them
+
+  Layout(const Problem& data, const State& state) : n(global_count(state.lamps.size())) {
+    if (!data.geometry) return;
+    m = data.geometry->information.rows();
+    lens = data.geometry->lens_parameters;
+  }
+  // How many of a photo's unknowns have a place.
+  int placed() const { return m > 0 ? unknown::lens + static_cast<int>(lens) : unknown::pose; }
+  Eigen::Index place(const PhotoData& photo, int index) const {
+    if (index < unknown::pose) return global_index(index, photo.photo.light);
+    if (index < unknown::bow) return n + 6 * static_cast<Eigen::Index>(photo.photo.view) + (index - unknown::pose);
+    if (index < unknown::lens) return n + m - lens - 3 + (index - unknown::bow);
+    return n + m - lens + (index - unknown::lens);
+  }
+};
+
+// The photos' equations in their places of the whole: over (unknowns, geometry).
+struct WholeEquations {
+  std::map<std::size_t, Eigen::MatrixXd> H_view;
+  std::vector<Eigen::VectorXd> g_photo;
+  Eigen::MatrixXd H, tiles;
+  Eigen::VectorXd g;
+};
+
+WholeEquations whole_equations(const Problem& data, const Layout& layout, Information information,
+                               const std::vector<PhotoEquations>& equations, NormalSystem& system) {
+  const Eigen::Index n = layout.n, all = layout.n + layout.m;
+  const int count = layout.placed();
+  WholeEquations out;
+  out.H = Eigen::MatrixXd::Zero(all, all);
+  out.g = Eigen::VectorXd::Zero(all);
+  system.noise_H = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t k = 0; k < data.photos.size(); ++k) {
+    const PhotoData& photo = data.photos[k];
+    const PhotoEquations& e = equations[k];
+    Eigen::MatrixXd& Hv = out.H_view.try_emplace(photo.photo.view, Eigen::MatrixXd::Zero(all, all)).first->second;
+    Eigen::VectorXd gk = Eigen::VectorXd::Zero(all);
+    if (out.tiles.size() == 0) out.tiles = Eigen::MatrixXd::Zero(all, e.tile_scores.cols());
+    for (int a = 0; a < count; ++a) {
+      const Eigen::Index pa = layout.place(photo, a);
+      gk[pa] += e.Jtr[a];
+      out.tiles.row(pa) += e.tile_scores.row(a);
+      for (int b = 0; b < count; ++b) {
+        const Eigen::Index pb = layout.place(photo, b);
+        Hv(pa, pb) += information == Information::curvature ? e.curvature_JtJ(a, b) : e.JtJ(a, b);
+        if (pa < n && pb < n) system.noise_H(pa, pb) += e.noise_JtJ(a, b);
+      }
+    }
+    out.g += gk;
+    out.g_photo.push_back(std::move(gk));
+    system.cost += e.cost;
+    for (const float w : photo.weight) system.pixels += w > 0;
+  }
+  for (const auto& [view, Hv] : out.H_view) out.H += Hv;
+  return out;
+}
+
+// Paper belongs to the photo it was seen in; a tag's albedo is its own in all photos.
+void add_paper(const Problem& data, const State& state, Information information, NormalSystem& out) {
+  const Eigen::Index n = out.g.size();
+  for (const LightSample& sample : data.paper) {
+    const auto [r, row] = paper_equation(data, state, sample, out.free);
+    const double s = r * r / (kPaperLoss * kPaperLoss), weight = 1 / (1 + s);
+    const double counted = information == Information::curvature ? std::max(0.0, 1 - s) * weight * weight : weight;
+    const Eigen::MatrixXd outer = counted * row * row.transpose();
+    const std::size_t view = data.photos[sample.light_view].photo.view;
+    out.noise_H += weight * row * row.transpose();
+    out.H_view[view] += outer;
+    out.g_view[view] += weight * r * row;
+    out.photos.col(static_cast<Eigen::Index>(sample.light_view)).head(n) += weight * r * row;
+    out.g += weight * r * row;
+    auto [at, fresh] = out.tags.try_emplace(sample.tag, Eigen::VectorXd::Zero(n));
+    at->second += weight * r * row;
+  }
+}
+
+// The priors of the table: information (a diagonal) and scores.
+void add_priors(const State& state, NormalSystem& out) {
+  const Eigen::Index n = out.g.size();
+  out.prior = Eigen::VectorXd::Zero(n);
+  out.prior_g = Eigen::VectorXd::Zero(n);
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    if (!(row.prior_sigma[0] > 0)) return;
+    const int begin = row.scope == Scope::paper ? kPaperIndex : first;
+    for (int i = 0; i < row.size; ++i) {
+      if (!out.free[begin + i]) continue;
+      out.prior[begin + i] = 1 / std::pow(row.prior_sigma[i], 2);
+      out.prior_g[begin + i] = out.prior[begin + i] * state.block(first)[i];
+    }
+  });
+  out.H.diagonal() += out.prior;
+  out.noise_H.diagonal() += out.prior;
+  out.g += out.prior_g;
+}
+
+}  // namespace
+
+NormalSystem normal_system(const Problem& data, const Stage& stage, const State& state, Information information,
+                           const std::vector<PhotoEquations>& equations) {
+  const Layout layout(data, state);
+  const Eigen::Index n = layout.n, m = layout.m;
+  NormalSystem out;
+  out.free = free_unknowns(data, stage, state.lamps.size());
+  WholeEquations whole = whole_equations(data, layout, information, equations, out);
+
+  Eigen::MatrixXd eliminate = Eigen::MatrixXd::Zero(n, n + m);  // (I, -B A^-1)
+  eliminate.leftCols(n).setIdentity();
+  out.geometry_scatter = Eigen::MatrixXd::Zero(n, n);
+  if (data.geometry) {
+    const GeometryPrior& prior = *data.geometry;
+    Eigen::VectorXd off = prior.moved;  // of poses exactly, where a photo says
+    for (const PhotoData& photo : data.photos) {
+      const std::size_t view = photo.photo.view;
+      off.segment<6>(6 * static_cast<Eigen::Index>(view)) =
+          pose_difference(prior.T_camera_board[view], photo.camera.T_camera_board);
+    }
+    out.A = whole.H.bottomRightCorner(m, m) + prior.information;
+    out.B = whole.H.topRightCorner(n, m);
+    out.geometry_g = whole.g.tail(m) + prior.information * off;
+    out.gain = inverse_times(out.A, out.B.transpose()).transpose();
+    eliminate.rightCols(m) = -out.gain;
+    out.geometry_scatter = out.gain * prior.information * out.gain.transpose();
+    whole.g.tail(m) = out.geometry_g;
+  }
+  for (const auto& [view, Hv] : whole.H_view) {
+    out.H_view[view] = eliminate * Hv * eliminate.transpose();
+    out.g_view[view] = Eigen::VectorXd::Zero(n);
+  }
+  Eigen::MatrixXd with_geometry(n + m, n + m);
+  with_geometry << eliminate, Eigen::MatrixXd::Zero(m, n), Eigen::MatrixXd::Identity(m, m);
+  out.photos.resize(n + m, static_cast<Eigen::Index>(data.photos.size()));
+  for (std::size_t k = 0; k < data.photos.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    out.photos.col(column) = with_geometry * whole.g_photo[k];
+    out.g_view[data.photos[k].photo.view] += out.photos.col(column).head(n);
+  }
+  out.tiles = with_geometry * whole.tiles;
+  out.g = eliminate * whole.g;
+  out.H = out.geometry_scatter;
+  add_paper(data, state, information, out);
+  for (const auto& [view, Hv] : out.H_view) out.H += Hv;
+  add_priors(state, out);
+  return out;
+}
+
+namespace {
+
+NormalSystem weighted_system(const Problem& data, const Stage& stage, const State& state) {
+  return normal_system(data, stage, state, Information::weights,
+                       equations_of_photos(data, stage, state, {data.model}).front());
+}
+
+}  // namespace
+
+Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& free) {
+  const Eigen::Index n = H.rows();
+  Eigen::VectorXd scale = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    if (free[i]) scale[i] = H(i, i) > 0 ? 1 / std::sqrt(H(i, i)) : 1;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * H * scale.asDiagonal());
+  Eigen::VectorXd inverse = eigen.eigenvalues();
+  for (double& v : inverse) v = 1 / std::max(v, 1e-12);
+  const Eigen::MatrixXd S = scale.asDiagonal() * eigen.eigenvectors();
+  return S * inverse.asDiagonal() * S.transpose();
+}
+
+ViewEquations view_equations(const Problem& data, const Stage& stage, const State& state) {
+  const NormalSystem system = weighted_system(data, stage, state);
+  ViewEquations out;
+  out.free = system.free;
+  out.prior = system.prior;
+  out.prior_g = system.g;
+  out.cost = system.cost;
+  for (const auto& [view, H] : system.H_view) {
+    out.view.push_back(view);
+    out.H.push_back(H);
+    out.g.push_back(system.g_view.at(view));
+    out.prior_g -= out.g.back();
+  }
+  out.tiles = system.tiles.topRows(system.H.rows());
+  out.prior_scatter = system.geometry_scatter;
+  out.prior_scatter.diagonal() += system.prior;
+  return out;
+}
+
+Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Bench& bench) {
+  const NormalSystem system = weighted_system(data, stage, state);
+  const Eigen::VectorXd step = -safe_inverse(system.H, system.free) * system.g;
+  state = moved_state(state, step);
+  const auto [least_blur, most_blur] = log_blur_range(data);
+  state.shared[unknown::log_blur] = std::clamp(state.shared[unknown::log_blur], least_blur, most_blur);
+  if (!data.geometry) return {};
+  const Eigen::VectorXd by = -inverse_times(system.A, system.geometry_g + system.B.transpose() * step);
+  // Views without photos go along: their tags were seen through the same lens, on the same board.
+  for (std::size_t view = 0; view < bench.views.size(); ++view) {
+    Eigen::Isometry3d& T = bench.views[view].T_camera_board;
+    T = moved_pose(T, by.segment<6>(6 * static_cast<Eigen::Index>(view)));
+  }
+  const Eigen::Index lens = data.geometry->lens_parameters;
+  bench.bow_mm += by.segment<3>(by.size() - lens - 3);
+  data.geometry->moved += by;
+  bench.lens = moved_lens(bench.lens, by.tail(lens));
+  return by.tail(lens);
+}
+
+}  // namespace burin

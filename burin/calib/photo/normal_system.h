@@ -1,0 +1,74 @@
+// burin/calib/photo/normal_system.h - the normal equations of a whole problem at one state, cameras, bow and lens
+// ("geometry") eliminated; one Gauss-Newton step of everything. Frame: board, mm. Unknowns are in the order of
+// global_index().
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <map>
+#include <vector>
+
+#include "burin/calib/photo/photo_problem.h"
+#include "burin/render/bench.h"
+
+namespace burin {
+
+constexpr double kTileMm = 20;  ///< side of the squares of the board that scores are summed over
+
+/// The normal equations of everything at one state, cameras, bow and lens ("geometry") eliminated.
+struct NormalSystem {
+  std::vector<bool> free;
+  Eigen::MatrixXd H, noise_H;  // of all; with the camera's noise alone as weights, poses known
+  Eigen::VectorXd g;
+  Eigen::VectorXd prior, prior_g;    // the table's priors: diagonal of their information, and their scores
+  Eigen::MatrixXd geometry_scatter;  // of the scores, from the tags' noise in the geometry's prior
+  // Scores by square of the board and by photo; below them the geometry's own.
+  Eigen::MatrixXd tiles, photos;
+  std::map<int, Eigen::VectorXd> tags;  // scores by tag (paper)
+  std::map<std::size_t, Eigen::MatrixXd> H_view;
+  std::map<std::size_t, Eigen::VectorXd> g_view;
+  Eigen::MatrixXd A, B, gain;  // (geometry, geometry), (unknowns, geometry), B A^-1
+  Eigen::VectorXd geometry_g;
+  double cost = 0;
+  std::size_t pixels = 0;
+};
+
+/// What stands in H for the robust loss: Gauss and Newton's weights, which lead to the optimum, or the loss' own
+/// curvature there, which says how far scores move the optimum. That is less by a fifth for normal errors, by a half
+/// where errors have long tails, as those of grooves near their cut-off have.
+enum class Information { weights, curvature };
+
+/// Every photo's equations under each of some models, which differ in their loss and in how much grooves differ, the
+/// problem's own first: [model][photo]. Slopes, which take the time, are rendered once.
+std::vector<std::vector<PhotoEquations>> equations_of_photos(const Problem& data, const Stage& stage,
+                                                             const State& state, const std::vector<ModelData>& models);
+
+/// `equations`: of all photos, from equations_of_photos().
+NormalSystem normal_system(const Problem& data, const Stage& stage, const State& state, Information information,
+                           const std::vector<PhotoEquations>& equations);
+
+/// A^-1 b for a positive definite A whose unknowns have very different units.
+Eigen::MatrixXd inverse_times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b);
+
+/// The views' own normal equations at `state`, of all that `stage` frees; their sum and the priors' are the problem's.
+struct ViewEquations {
+  std::vector<Eigen::MatrixXd> H;
+  std::vector<Eigen::VectorXd> g;
+  Eigen::VectorXd prior, prior_g;  ///< the priors' information (a diagonal) and score
+  std::vector<bool> free;
+  std::vector<std::size_t> view;  ///< index into the bench's views
+  Eigen::MatrixXd tiles;          ///< scores (J^T W r) summed over squares of the board, a column a square
+  Eigen::MatrixXd prior_scatter;  ///< of the scores, from all priors
+  double cost = 0;
+};
+ViewEquations view_equations(const Problem& data, const Stage& stage, const State& state);
+
+/// Inverse of H on the free unknowns, 0 elsewhere; directions without information get a variance that says so.
+Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& free);
+
+/// One Gauss-Newton step of what `stage` frees and of all poses, the bow and the lens together (geometry_prior.h), from
+/// near the optimum. Moves `state` and `bench`'s poses, bow and lens; the problem's photos must be made anew
+/// afterwards, from views whose lens has been moved_lens() by what is returned.
+Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Bench& bench);
+
+}  // namespace burin

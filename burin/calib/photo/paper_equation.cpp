@@ -1,0 +1,39 @@
+#include "burin/calib/photo/paper_equation.h"
+
+#include <ceres/autodiff_cost_function.h>
+
+#include <array>
+
+namespace burin {
+
+PaperResidual paper_residual(const Problem& problem, const LightSample& sample) {
+  const double error = std::hypot(sample.sigma, kPaperError * sample.value);
+  return {&sample, paper_albedo(*problem.model.board, sample.kind), 1 / error};
+}
+
+PaperEquation paper_equation(const Problem& data, const State& state, const LightSample& sample,
+                             const std::vector<bool>& free) {
+  using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 3, 1>;
+  const PaperCost cost_function(new PaperResidual(paper_residual(data, sample)));
+  // The unknowns of PaperResidual, in its order; the last is the paper's own.
+  constexpr std::array<int, 6> kFirst{unknown::ambient,       unknown::vignette, unknown::lamp_position,
+                                      unknown::log_intensity, unknown::spot,     unknown::log_paper};
+  std::array<const double*, 6> blocks{};
+  std::array<std::array<double, 3>, 6> jacobian{};
+  std::array<double*, 6> jacobians{};
+  for (std::size_t b = 0; b < kFirst.size(); ++b) {
+    blocks[b] = state.block(kFirst[b], sample.light);
+    jacobians[b] = jacobian[b].data();
+  }
+  PaperEquation out;
+  cost_function.Evaluate(blocks.data(), &out.residual, jacobians.data());
+  out.row = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(free.size()));
+  for (std::size_t b = 0; b < kFirst.size(); ++b)
+    for (int i = 0; i < cost_function.parameter_block_sizes()[b]; ++i) {
+      const int at = kFirst[b] == unknown::log_paper ? kPaperIndex : global_index(kFirst[b] + i, sample.light);
+      if (free[at]) out.row[at] = jacobian[b][i];
+    }
+  return out;
+}
+
+}  // namespace burin

@@ -1,0 +1,228 @@
+#include "burin/calib/photo/photo_fit.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "burin/calib/photo/paper_equation.h"
+
+namespace burin {
+namespace {
+
+// The unknowns that move a photo here, as Ceres' parameter blocks.
+struct Block {
+  const UnknownRow* row;
+  int first;
+};
+constexpr std::size_t count_blocks() {
+  std::size_t count = 0;
+  for (const UnknownRow& row : kUnknownRows) count += row.scope == Scope::shared || row.scope == Scope::lamp ? 1 : 0;
+  return count;
+}
+constexpr std::array<Block, count_blocks()> blocks_of_rows() {
+  std::array<Block, count_blocks()> out{};
+  std::size_t b = 0;
+  int first = 0;
+  for (const UnknownRow& row : kUnknownRows) {
+    if (row.scope == Scope::shared || row.scope == Scope::lamp) out[b++] = {&row, first};
+    first += row.size;
+  }
+  return out;
+}
+constexpr auto kBlocks = blocks_of_rows();
+
+// The scratches of the last few states: all photos of an iteration share them.
+class CarvedCache {
+ public:
+  std::shared_ptr<const Carved> get(const ModelData& model, const Unknowns& x) {
+    const Eigen::VectorXd key = x.head<unknown::ambient>();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (!carved_ || key != key_) {
+      carved_ = std::make_shared<const Carved>(carved_at(model, x));
+      key_ = key;
+    }
+    return carved_;
+  }
+
+ private:
+  std::mutex mutex_;
+  Eigen::VectorXd key_;
+  std::shared_ptr<const Carved> carved_;
+};
+
+// One photo as Ceres sees it: its weighted residuals and their Jacobian, turned by an orthogonal transform into count +
+// 1 numbers that have the same cost, gradient and Gauss-Newton matrix. So Ceres' memory does not grow with the pixels.
+// Derivatives take ten times as long as values, so they are kept while they hold (slopes_hold): a fit that starts
+// near its end takes them once.
+class PhotoCost : public ceres::CostFunction {
+ public:
+  PhotoCost(const ModelData& model, const PhotoData& photo, CarvedCache& cache)
+      : model_(model), photo_(photo), cache_(cache) {
+    for (const Block& block : kBlocks) mutable_parameter_block_sizes()->push_back(block.row->size);
+    set_num_residuals(unknown::count + 1);
+  }
+
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+    Unknowns x = Unknowns::Zero();  // cameras, bow and lens are held
+    FreeUnknowns free{};
+    for (std::size_t b = 0; b < kBlocks.size(); ++b)
+      for (int i = 0; i < kBlocks[b].row->size; ++i) {
+        x[kBlocks[b].first + i] = parameters[b][i];
+        free[kBlocks[b].first + i] = jacobians != nullptr && jacobians[b] != nullptr;
+      }
+    const std::shared_ptr<const Carved> carved = cache_.get(model_, x);
+    Eigen::Map<Eigen::VectorXd> out(residuals, unknown::count + 1);
+    out.setZero();
+    // A step that is taken is asked for twice: for its cost, and with the Jacobian.
+    if (light_.data.empty() || x != seen_at_) {
+      light_ = seen_light(model_, photo_, x, *carved);
+      seen_at_ = x;
+    }
+    if (jacobians == nullptr) {
+      out[unknown::count] = std::sqrt(2 * photo_cost(model_, photo_, x, light_));
+      return out.allFinite();
+    }
+    if (slopes_.free != free || !slopes_hold(model_, photo_, slopes_, x, light_))
+      slopes_ = photo_slopes(model_, photo_, x, *carved, free);
+    const PhotoEquations equations = photo_equations(model_, photo_, x, light_, slopes_);
+    // JtJ = D U S U^T D with D its diagonal's root: rows sqrt(S) U^T D, residuals S^-1/2 U^T D^-1 Jtr.
+    Eigen::VectorXd D = equations.JtJ.diagonal().cwiseSqrt(), D_inverse = D;
+    for (double& d : D_inverse) d = d > 0 ? 1 / d : 0;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(D_inverse.asDiagonal() * equations.JtJ *
+                                                               D_inverse.asDiagonal());
+    const Eigen::VectorXd S = eigen.eigenvalues().cwiseMax(0);
+    const Eigen::MatrixXd J = S.cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose() * D.asDiagonal();
+    Eigen::VectorXd r = eigen.eigenvectors().transpose() * (D_inverse.asDiagonal() * equations.Jtr);
+    for (Eigen::Index i = 0; i < r.size(); ++i) r[i] = S[i] > 1e-13 ? r[i] / std::sqrt(S[i]) : 0;
+    out.head(unknown::count) = r;
+    out[unknown::count] = std::sqrt(std::max(0.0, 2 * equations.cost - r.squaredNorm()));
+    for (std::size_t b = 0; b < kBlocks.size(); ++b) {
+      if (jacobians[b] == nullptr) continue;
+      Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> block(
+          jacobians[b], unknown::count + 1, kBlocks[b].row->size);
+      block.setZero();
+      block.topRows(unknown::count) = J.middleCols(kBlocks[b].first, kBlocks[b].row->size);
+    }
+    return out.allFinite() && J.allFinite();
+  }
+
+ private:
+  const ModelData& model_;
+  const PhotoData& photo_;
+  CarvedCache& cache_;
+  // Ceres asks for one evaluation of a block at a time.
+  mutable Unknowns seen_at_ = Unknowns::Zero();
+  mutable Image light_;  // at seen_at_
+  mutable PhotoSlopes slopes_;
+};
+
+using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 3, 1>;
+
+struct GaussPrior {
+  std::vector<double> sigma;
+  template <typename T>
+  bool operator()(T const* const* x, T* residual) const {
+    for (std::size_t i = 0; i < sigma.size(); ++i) residual[i] = x[0][i] / sigma[i];
+    return true;
+  }
+};
+
+// `row`'s prior on the block that holds it; nothing where it has none.
+void add_prior(ceres::Problem& problem, const UnknownRow& row, double* block) {
+  if (!(row.prior_sigma[0] > 0)) return;
+  auto* cost = new ceres::DynamicAutoDiffCostFunction<GaussPrior, 4>(
+      new GaussPrior{{row.prior_sigma.begin(), row.prior_sigma.begin() + row.size}});
+  cost->AddParameterBlock(row.size);
+  cost->SetNumResiduals(row.size);
+  problem.AddResidualBlock(cost, nullptr, block);
+}
+
+// Photos and paper as Ceres' residual blocks. Returns the lamps that they were taken under.
+std::set<std::size_t> add_residuals(const Problem& data, CarvedCache& cache, State& state, ceres::Problem& problem) {
+  std::set<std::size_t> lights;
+  for (const PhotoData& photo : data.photos) {
+    const std::size_t light = photo.photo.light;
+    lights.insert(light);
+    std::vector<double*> blocks;
+    blocks.reserve(kBlocks.size());
+    for (const Block& block : kBlocks) blocks.push_back(state.block(block.first, light));
+    problem.AddResidualBlock(new PhotoCost(data.model, photo, cache), nullptr, blocks);
+  }
+  for (const LightSample& sample : data.paper) {
+    if (!lights.count(sample.light)) continue;
+    problem.AddResidualBlock(new PaperCost(new PaperResidual(paper_residual(data, sample))),
+                             new ceres::CauchyLoss(kPaperLoss), state.block(unknown::ambient),
+                             state.block(unknown::vignette), state.block(unknown::lamp_position, sample.light),
+                             state.block(unknown::log_intensity, sample.light),
+                             state.block(unknown::spot, sample.light), state.block(unknown::log_paper));
+  }
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    if (row.scope == Scope::shared || row.scope == Scope::paper) add_prior(problem, row, state.block(first));
+  });
+  return lights;
+}
+
+// Holds what the stage does not free, and keeps the rest within its bounds.
+void hold_and_bound(const Problem& data, const Stage& stage, const std::set<std::size_t>& lights, State& state,
+                    ceres::Problem& problem) {
+  for (const Block& block : kBlocks)
+    for (const std::size_t light : lights) {
+      const UnknownRow& row = *block.row;
+      if (row.scope == Scope::shared && light != *lights.begin()) continue;
+      double* values = state.block(block.first, light);
+      const bool exists = has_unknown(data, row, light);
+      if (!exists || !stage.frees(row.group)) problem.SetParameterBlockConstant(values);
+      double low = 0, high = 0;
+      if (!exists || !bounds_of(data, row, low, high)) continue;
+      if (row.group == Group::blur) std::tie(low, high) = log_blur_range(data);
+      double& value = values[row.bounds.at];
+      value = std::clamp(value, low, high);
+      problem.SetParameterLowerBound(values, row.bounds.at, low);
+      problem.SetParameterUpperBound(values, row.bounds.at, high);
+    }
+}
+
+}  // namespace
+
+double solve(const Problem& data, const Stage& stage, int max_iterations, double tolerance, State& state,
+             const Progress& progress, const std::string& stage_name) {
+  CarvedCache cache;
+  ceres::Problem problem;
+  const std::set<std::size_t> lights = add_residuals(data, cache, state, problem);
+  hold_and_bound(data, stage, lights, state, problem);
+
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = max_iterations;
+  options.function_tolerance = tolerance;
+  options.parameter_tolerance = 1e-7;
+  options.initial_trust_region_radius = 1e5;
+  options.logging_type = ceres::SILENT;
+  // Two photos at a time: while one sums its equations, on one core, the other is rendered on all of them. More would
+  // take memory (a photo's slopes are 40 pictures) and little time.
+  options.num_threads = 2;
+  struct Report : ceres::IterationCallback {
+    const Progress& progress;
+    std::string stage;
+    int iterations;
+    Report(const Progress& p, std::string s, int n) : progress(p), stage(std::move(s)), iterations(n) {}
+    ceres::CallbackReturnType operator()(const ceres::IterationSummary& summary) override {
+      if (progress) progress(stage, std::min(1.0, static_cast<double>(summary.iteration) / iterations));
+      return ceres::SOLVER_CONTINUE;
+    }
+  } report(progress, stage_name, max_iterations);
+  options.callbacks.push_back(&report);
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  return summary.final_cost;
+}
+
+}  // namespace burin
