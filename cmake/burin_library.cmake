@@ -1,9 +1,12 @@
-# burin_library(room USES <public libraries> PRIVATE_USES <libraries only its .cpp files see>)
+# burin_library(room USES <public libraries> PRIVATE_USES <libraries that only its .cpp files see>
+#               HEADER_ONLY_USES <the same, of headers alone: nothing of them is linked, so users of Burin need not have them>
+#               PUBLIC_HEADERS <what users of the library include, and what is installed>)
 #
 # Makes the static library `burin_<room>` (exported as burin::<room>) from every .cpp file in and below the current folder.
-# Headers are included as "burin/room/header.h".
+# Headers are included as "burin/room/header.h" here, and as <burin/room/header.h> where Burin is installed. All headers that
+# are not among PUBLIC_HEADERS are the house's own business.
 function(burin_library room)
-  cmake_parse_arguments(ARG "" "" "USES;PRIVATE_USES" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "USES;PRIVATE_USES;HEADER_ONLY_USES;PUBLIC_HEADERS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
   if(NOT sources)  # a room with headers only still is a library that others can link
     set(sources ${CMAKE_CURRENT_BINARY_DIR}/no_sources.cpp)
@@ -13,10 +16,71 @@ function(burin_library room)
   add_library(burin::${room} ALIAS burin_${room})
   set_target_properties(burin_${room} PROPERTIES EXPORT_NAME ${room})
   target_compile_features(burin_${room} PUBLIC cxx_std_20)
-  target_include_directories(burin_${room} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-                                                  $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_link_libraries(burin_${room} PUBLIC ${ARG_USES} PRIVATE ${ARG_PRIVATE_USES})
+  list(TRANSFORM ARG_PUBLIC_HEADERS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
+  # The base folder becomes an include directory, here and where Burin is installed.
+  target_sources(burin_${room} PUBLIC FILE_SET HEADERS BASE_DIRS ${PROJECT_SOURCE_DIR} FILES ${ARG_PUBLIC_HEADERS})
+  set_property(GLOBAL APPEND PROPERTY BURIN_PUBLIC_HEADERS ${ARG_PUBLIC_HEADERS})
+  list(TRANSFORM ARG_HEADER_ONLY_USES REPLACE "(.+)" "$<BUILD_INTERFACE:\\1>")
+  target_link_libraries(burin_${room} PUBLIC ${ARG_USES} PRIVATE ${ARG_PRIVATE_USES} ${ARG_HEADER_ONLY_USES})
   burin_warnings(burin_${room})
+  burin_check_private_headers(${room})
+endfunction()
+
+# Public headers include each other, Eigen and the standard library: no user must have TBB, xsimd or OpenCV to compile, and
+# nothing that is installed includes what is not.
+function(burin_check_public_headers)
+  get_property(headers GLOBAL PROPERTY BURIN_PUBLIC_HEADERS)
+  foreach(header ${headers})
+    file(STRINGS ${header} includes REGEX "^#include")
+    foreach(include ${includes})
+      if(include MATCHES "\"(burin/.*)\"")
+        if(NOT "${PROJECT_SOURCE_DIR}/${CMAKE_MATCH_1}" IN_LIST headers)
+          file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${header})
+          message(SEND_ERROR "${name} is public and includes ${CMAKE_MATCH_1}, which is not: add that to PUBLIC_HEADERS in its "
+                             "room's CMakeLists.txt, or do without it")
+        endif()
+      elseif(NOT include MATCHES "<(Eigen/[A-Za-z]+|[a-z_0-9]+)>")
+        file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${header})
+        message(SEND_ERROR "${name} is public and has ${include}: a public header may need only Eigen and the standard library")
+      endif()
+    endforeach()
+    set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${header})
+  endforeach()
+  list(JOIN headers "\n" lines)
+  file(WRITE ${PROJECT_BINARY_DIR}/public_headers.txt "${lines}\n")  # for tools/api-docs
+endfunction()
+
+# The target `check_private_headers` compiles every other header alone. (CMake's header sets do so for public ones: the target
+# all_verify_interface_header_sets.)
+function(burin_check_private_headers room)
+  if(NOT CMAKE_VERIFY_INTERFACE_HEADER_SETS)
+    return()
+  endif()
+  get_property(public GLOBAL PROPERTY BURIN_PUBLIC_HEADERS)
+  file(GLOB_RECURSE headers CONFIGURE_DEPENDS *.h)
+  set(sources "")
+  foreach(header ${headers})
+    if(NOT header IN_LIST public)
+      file(RELATIVE_PATH name ${PROJECT_SOURCE_DIR} ${header})
+      set(source ${CMAKE_CURRENT_BINARY_DIR}/check_headers/${name}.cpp)
+      file(CONFIGURE OUTPUT ${source} CONTENT "#include \"${name}\"\n")
+      list(APPEND sources ${source})
+    endif()
+  endforeach()
+  if(NOT sources)
+    return()
+  endif()
+  add_library(burin_${room}_private_headers OBJECT EXCLUDE_FROM_ALL ${sources})
+  target_compile_features(burin_${room}_private_headers PRIVATE cxx_std_20)
+  target_include_directories(burin_${room}_private_headers PRIVATE ${PROJECT_SOURCE_DIR})
+  get_target_property(libraries burin_${room} LINK_LIBRARIES)
+  target_link_libraries(burin_${room}_private_headers PRIVATE ${libraries})
+  # A header's own functions need not be used in a file that holds nothing else.
+  target_compile_options(burin_${room}_private_headers PRIVATE -Wno-unused-function -O0)
+  if(NOT TARGET check_private_headers)
+    add_custom_target(check_private_headers)
+  endif()
+  add_dependencies(check_private_headers burin_${room}_private_headers)
 endfunction()
 
 # Strict warnings for our own code only: never forced on those who link us.
@@ -26,4 +90,20 @@ function(burin_warnings target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     target_compile_options(${target} PRIVATE -Wno-restrict)
   endif()
+endfunction()
+
+# Compiles files of the current folder for wider machines than the rest. GCC 12 takes the undefined operands inside its own
+# AVX-512 intrinsics for uninitialised variables. With a sanitizer the generic kernels are checked; for the wider ones, the same
+# code, GCC would need too long.
+function(burin_simd_files)
+  cmake_parse_arguments(ARG "" "" "AVX2;AVX512" ${ARGN})
+  if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    return()
+  endif()
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    set(unchecked "-fno-sanitize=all")
+  endif()
+  set_source_files_properties(${ARG_AVX2} PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma;${unchecked}")
+  set_source_files_properties(${ARG_AVX512} PROPERTIES
+    COMPILE_OPTIONS "-mavx512f;-mavx512cd;-mavx512dq;-mavx512bw;-mfma;-Wno-uninitialized;-Wno-maybe-uninitialized;${unchecked}")
 endfunction()

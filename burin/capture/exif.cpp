@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -11,6 +12,7 @@
 #include <string_view>
 
 #include "burin/render/error.h"
+#include "burin/render/files/table.h"
 
 namespace burin {
 namespace {
@@ -23,7 +25,10 @@ double tidied(float value) {
   const double inverse = std::round(1.0 / value);
   if (inverse >= 2 && inverse <= 8000 && std::abs(value * inverse - 1) < 5e-5) return 1 / inverse;
   const double unit = std::pow(10, std::floor(std::log10(value)) - 6);
-  return std::stod(OIIO::Strutil::sprintf("%.7g", std::round(value / unit) * unit));
+  std::array<char, 32> text;
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), std::round(value / unit) * unit,
+                                     std::chars_format::general, 7);
+  return number_in({text.data(), written.ptr}).value_or(value);
 }
 
 std::optional<double> positive(const OIIO::ImageSpec& spec, std::initializer_list<const char*> names) {
@@ -48,7 +53,7 @@ std::optional<double> time_of(const OIIO::ImageSpec& spec) {
     const std::string part = spec.get_string_attribute("Exif:SubsecTimeOriginal");
     double fraction = 0;
     if (!part.empty() && part.find_first_not_of("0123456789") == std::string::npos && part.size() < 10)
-      fraction = std::stod("0." + part);
+      fraction = number_in("0." + part).value_or(0);
     return static_cast<double>(timegm(&t)) + fraction;
   }
   return std::nullopt;

@@ -10,6 +10,7 @@
 
 namespace burin {
 
+/// What a photo's header says; empty where it says nothing.
 struct Exif {
   int width = 0, height = 0, channels = 0, bits = 0;  ///< of the pixels as stored; bits a channel
   std::string kind;                                   ///< the file's format: "jpeg", "png", "tiff", "openexr", "raw"

@@ -25,7 +25,7 @@ constexpr double kBurst_s = 3;        // photos this close belong together unles
 constexpr double kSameDetails = 0.6;  // one pose gives 0.94 and more, two poses less than 0.05
 constexpr double kSamePlace_px = 0.5;
 
-// What EXIF must say for a photo to be of use. Nothing if it does not; the findings then say so.
+// A photo with the exposure that its EXIF tells. Nothing where EXIF tells too little; the findings then say so.
 std::optional<Photo> photo_of(const IncomingPhoto& incoming, std::vector<Finding>& findings) {
   if (!incoming.unreadable.empty()) {
     findings.push_back({error, {}, incoming.unreadable, ""});  // names file and remedy already
@@ -61,7 +61,7 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, std::vector<Finding
   return photo;
 }
 
-// One finding for many photos that say the same. Errors stay: each photo has to be mended.
+// One finding for many photos that say the same. Errors stay: each photo has to be put right.
 void merge_notes(std::vector<Finding>& findings) {
   std::vector<Finding> merged;
   std::vector<int> count;

@@ -10,14 +10,15 @@
 #include <filesystem>
 #include <vector>
 
-#include "burin/capture/finding.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/photo_source.h"
 #include "burin/capture/session.h"
+#include "burin/render/finding.h"
 #include "burin/render/progress.h"
 
 namespace burin {
 
+/// Photos of a folder, put in order.
 struct FolderSession {
   Session session;               ///< the photos that could be used, in order; `file` and `board` are left empty
   std::vector<Exif> exif;        ///< one a photo of the session
@@ -30,6 +31,7 @@ struct FolderSession {
 /// taken as 100 with a warning. Throws if `progress` does, and for tags of an unknown family.
 FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress = {});
 
+/// What became of a folder of photos.
 struct CaptureResult {
   Session session;
   std::vector<Finding> findings;

@@ -32,11 +32,13 @@ struct StoredAs {
 /// Linear width of one stored level around the linear value `v`.
 double linear_step(const StoredAs& stored, double v);
 
+/// Variance of a linear value v: photon v + read + stored step^2, 1 being the white level: docs/model.md 5.
 struct NoiseModel {
   double photon = 1e-4;        ///< 1 / (electrons at the white level)
   double read = 1e-7;          ///< variance
   double stored = 1.0 / 12.0;  ///< in units of step^2
 
+  /// Of a value v (1: the white level) that was stored so.
   double variance(double v, const StoredAs& kept) const;
 };
 

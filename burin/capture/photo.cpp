@@ -188,112 +188,128 @@ std::string size_text(int width, int height) { return std::to_string(width) + " 
        "take all photos of a session with one camera, unrotated, uncropped and at one size");
 }
 
-}  // namespace
+/// The exposures of a bracket in memory, all of one size.
+struct Exposures {
+  std::vector<LinearPhoto> photos;
+  std::vector<std::vector<std::uint8_t>> usable;
+  std::vector<double> factor;
+  std::vector<int> order;  // from the longest to the shortest
+};
 
-MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise, const MergeOptions& options) {
-  if (photos.empty()) fail("merge_bracket", "no photo was given", "give at least one exposure");
+Exposures read_exposures(std::span<const Photo> photos) {
   const std::size_t count = photos.size();
-  std::vector<LinearPhoto> exposures(count);
-  std::vector<std::vector<std::uint8_t>> usable(count);
-  std::vector<double> factor(count);
-  std::vector<int> order(count);  // from the longest exposure to the shortest
+  Exposures e{std::vector<LinearPhoto>(count), std::vector<std::vector<std::uint8_t>>(count),
+              std::vector<double>(count), std::vector<int>(count)};
   for (std::size_t k = 0; k < count; ++k) {
-    order[k] = static_cast<int>(k);
-    factor[k] = exposure_factor(photos[k]);
+    e.order[k] = static_cast<int>(k);
+    e.factor[k] = exposure_factor(photos[k]);
   }
   // Isolated: a thread that waits here must not begin another bracket, whose photos would join these in memory.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-      exposures[k] = read_photo(photos[k]);
-      usable[k] = usable_pixels(exposures[k]);
-      exposures[k].clipped = {};
+      e.photos[k] = read_photo(photos[k]);
+      e.usable[k] = usable_pixels(e.photos[k]);
+      e.photos[k].clipped = {};
     });
   });
   for (std::size_t k = 1; k < count; ++k) {
-    const Image &a = exposures[k].value, &first = exposures.front().value;
+    const Image &a = e.photos[k].value, &first = e.photos.front().value;
     if (a.width != first.width || a.height != first.height)
       fail_size(photos[k], a.width, a.height, photos[0], first.width, first.height);
     if (a.channels != first.channels)
       fail(photos[k].file.string(), "has other channels than " + photos[0].file.string(),
            "take all exposures in color, or all in black and white");
   }
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return factor[a] > factor[b]; });
+  std::stable_sort(e.order.begin(), e.order.end(), [&](int a, int b) { return e.factor[a] > e.factor[b]; });
+  return e;
+}
 
-  const Image& like = exposures.front().value;
-  const int channels = like.channels, bin = std::max(1, options.bin);
-  const int width = like.width / bin, height = like.height / bin;
+/// Value and sigma of pixel i's channels, exposures weighted by their noise; false where no exposure holds it.
+bool merge_pixel(const Exposures& e, const NoiseModel& noise, std::size_t i, float* out_value, float* out_sigma) {
+  const auto longest = std::find_if(e.order.begin(), e.order.end(), [&](int k) { return e.usable[k][i] != 0; });
+  const bool valid = longest != e.order.end();
+  const int channels = e.photos.front().value.channels;
+  for (int c = 0; c < channels; ++c) {
+    const std::size_t j = i * channels + c;
+    if (!valid) {
+      out_value[c] = static_cast<float>(e.photos[e.order.back()].value.data[j] / e.factor[e.order.back()]);
+      out_sigma[c] = std::numeric_limits<float>::infinity();
+      continue;
+    }
+    double value = e.photos[*longest].value.data[j] / e.factor[*longest], weight_sum = 0;
+    for (int round = 0; round < 2; ++round) {
+      double sum = 0;
+      weight_sum = 0;
+      for (auto k = longest; k != e.order.end(); ++k) {
+        if (!e.usable[*k][i]) continue;
+        const double f = e.factor[*k];
+        const double weight = f * f / noise.variance(value * f, e.photos[*k].stored);
+        sum += weight * (e.photos[*k].value.data[j] / f);
+        weight_sum += weight;
+      }
+      value = sum / weight_sum;
+      if (e.photos.size() == 1) break;  // nothing to weigh against
+    }
+    out_value[c] = static_cast<float>(value);
+    out_sigma[c] = static_cast<float>(1 / std::sqrt(weight_sum));
+  }
+  return valid;
+}
+
+/// A row of bins, and the pixels that are left below the last.
+void merge_row(const Exposures& e, const NoiseModel& noise, int row, GrayView* gray, MergedView& merged) {
+  const Image& like = e.photos.front().value;
+  const int channels = like.channels, bin = merged.bin, width = merged.value.width, height = merged.value.height;
+  std::vector<double> value(static_cast<std::size_t>(width) * channels, 0), variance(value.size(), 0);
+  std::vector<std::uint8_t> valid(width, 1);
+  std::array<float, 3> v{}, sigma{};
+  const int end = row + 1 < height ? (row + 1) * bin : like.height;
+  for (int y = row * bin; y < end; ++y)
+    for (int x = 0; x < like.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * like.width + x;
+      const bool is_valid = merge_pixel(e, noise, i, v.data(), sigma.data());
+      if (gray != nullptr) {
+        float sum = 0;
+        for (int c = 0; c < channels; ++c) sum += v[c];
+        gray->value.data[i] = sum / static_cast<float>(channels);
+        gray->valid[i] = is_valid;
+      }
+      const int column = x / bin;
+      if (column >= width || y >= (row + 1) * bin) continue;
+      valid[column] = valid[column] && is_valid;
+      for (int c = 0; c < channels; ++c) {
+        value[static_cast<std::size_t>(column) * channels + c] += v[c];
+        variance[static_cast<std::size_t>(column) * channels + c] += static_cast<double>(sigma[c]) * sigma[c];
+      }
+    }
+  const std::size_t at = static_cast<std::size_t>(row) * width;
+  const double parts = static_cast<double>(bin) * bin;
+  std::copy(valid.begin(), valid.end(), merged.valid.begin() + static_cast<std::ptrdiff_t>(at));
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    merged.value.data[at * channels + i] = static_cast<float>(value[i] / parts);
+    merged.sigma.data[at * channels + i] = static_cast<float>(std::sqrt(variance[i]) / parts);
+  }
+}
+
+}  // namespace
+
+MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise, const MergeOptions& options) {
+  if (photos.empty()) fail("merge_bracket", "no photo was given", "give at least one exposure");
+  const Exposures exposures = read_exposures(photos);
+  const Image& like = exposures.photos.front().value;
+  const int bin = std::max(1, options.bin), width = like.width / bin, height = like.height / bin;
   MergedView merged{photos[0].view,
                     photos[0].light,
-                    Image(width, height, channels),
-                    Image(width, height, channels),
+                    Image(width, height, like.channels),
+                    Image(width, height, like.channels),
                     std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height, 0),
                     bin};
   if (options.gray) {
     options.gray->value = Image(like.width, like.height, 1);
-    options.gray->valid.assign(usable.front().size(), 0);
+    options.gray->valid.assign(exposures.usable.front().size(), 0);
   }
-  // Value and sigma of pixel i's channels; false where no exposure holds it.
-  const auto merge_pixel = [&](std::size_t i, float* out_value, float* out_sigma) {
-    const auto longest = std::find_if(order.begin(), order.end(), [&](int k) { return usable[k][i] != 0; });
-    const bool valid = longest != order.end();
-    for (int c = 0; c < channels; ++c) {
-      const std::size_t j = i * channels + c;
-      if (!valid) {
-        out_value[c] = static_cast<float>(exposures[order.back()].value.data[j] / factor[order.back()]);
-        out_sigma[c] = std::numeric_limits<float>::infinity();
-        continue;
-      }
-      double value = exposures[*longest].value.data[j] / factor[*longest], weight_sum = 0;
-      for (int round = 0; round < 2; ++round) {
-        double sum = 0;
-        weight_sum = 0;
-        for (auto k = longest; k != order.end(); ++k) {
-          if (!usable[*k][i]) continue;
-          const double f = factor[*k];
-          const double weight = f * f / noise.variance(value * f, exposures[*k].stored);
-          sum += weight * (exposures[*k].value.data[j] / f);
-          weight_sum += weight;
-        }
-        value = sum / weight_sum;
-        if (count == 1) break;  // nothing to weigh against
-      }
-      out_value[c] = static_cast<float>(value);
-      out_sigma[c] = static_cast<float>(1 / std::sqrt(weight_sum));
-    }
-    return valid;
-  };
-  const auto merge_row = [&](int row) {  // a row of bins, and what is left below the last
-    std::vector<double> value(static_cast<std::size_t>(width) * channels, 0), variance(value.size(), 0);
-    std::vector<std::uint8_t> valid(width, 1);
-    std::array<float, 3> v{}, sigma{};
-    const int end = row + 1 < height ? (row + 1) * bin : like.height;
-    for (int y = row * bin; y < end; ++y)
-      for (int x = 0; x < like.width; ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * like.width + x;
-        const bool is_valid = merge_pixel(i, v.data(), sigma.data());
-        if (options.gray) {
-          float sum = 0;
-          for (int c = 0; c < channels; ++c) sum += v[c];
-          options.gray->value.data[i] = sum / static_cast<float>(channels);
-          options.gray->valid[i] = is_valid;
-        }
-        const int column = x / bin;
-        if (column >= width || y >= (row + 1) * bin) continue;
-        valid[column] = valid[column] && is_valid;
-        for (int c = 0; c < channels; ++c) {
-          value[static_cast<std::size_t>(column) * channels + c] += v[c];
-          variance[static_cast<std::size_t>(column) * channels + c] += static_cast<double>(sigma[c]) * sigma[c];
-        }
-      }
-    const std::size_t at = static_cast<std::size_t>(row) * width;
-    const double parts = static_cast<double>(bin) * bin;
-    std::copy(valid.begin(), valid.end(), merged.valid.begin() + static_cast<std::ptrdiff_t>(at));
-    for (std::size_t i = 0; i < value.size(); ++i) {
-      merged.value.data[at * channels + i] = static_cast<float>(value[i] / parts);
-      merged.sigma.data[at * channels + i] = static_cast<float>(std::sqrt(variance[i]) / parts);
-    }
-  };
-  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, height, merge_row); });
+  tbb::this_task_arena::isolate(
+      [&] { tbb::parallel_for(0, height, [&](int row) { merge_row(exposures, noise, row, options.gray, merged); }); });
   return merged;
 }
 

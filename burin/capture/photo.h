@@ -46,6 +46,7 @@ struct GrayView {
   std::vector<std::uint8_t> valid;
 };
 
+/// How merge_bracket() merges.
 struct MergeOptions {
   int bin = 1;               ///< a binned pixel is valid if all its parts are
   GrayView* gray = nullptr;  ///< filled if given: what finds tags needs every pixel, but no color and no sigma

@@ -22,6 +22,7 @@ struct TagLook {
   double clipped_fraction = 0;               ///< of its white cells' centers
 };
 
+/// What the pre-flight looks at in one photo.
 struct PhotoLook {
   Image small;                          ///< mean of the channels, linear, 1 the white level; at most 800 pixels wide
   std::vector<std::uint8_t> clipped;    ///< of `small`: 1 where a pixel behind it is clipped

@@ -12,10 +12,11 @@
 #include <vector>
 
 #include "burin/capture/exif.h"
-#include "burin/capture/finding.h"
+#include "burin/render/finding.h"
 
 namespace burin {
 
+/// A photo before its pixels are read.
 struct IncomingPhoto {
   std::filesystem::path file;
   Exif exif;

@@ -13,6 +13,7 @@
 #include "burin/capture/tags/tag_coverage.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -42,7 +43,7 @@ std::string text(const char* format, Args... args) {
 
 void judge_files(const Session& session, std::span<const Exif> exif, std::vector<Finding>& findings) {
   int turned = 0;
-  // What most photos have is right; the others are named.
+  // Most photos are taken to be right; those that differ from them are named.
   std::map<std::pair<int, int>, int> sizes;
   for (const Exif& e : exif) ++sizes[{e.width, e.height}];
   const auto usual = std::max_element(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) {
@@ -161,13 +162,6 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
          {},
          text("there are photos from %d place%s only", static_cast<int>(views.size()), views.size() == 1 ? "" : "s"),
          "photograph the board from eight to twelve places, tilted, near and away from the mirror side"});
-}
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Of a bracket, the photo that shows the most tags; of those the longest exposure whose paper is not clipped.

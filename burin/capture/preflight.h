@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "burin/capture/exif.h"
-#include "burin/capture/finding.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/session.h"
+#include "burin/render/finding.h"
 #include "burin/render/progress.h"
 
 namespace burin {

@@ -10,6 +10,7 @@
 
 namespace burin {
 
+/// One photo of a session.
 struct Photo {
   std::filesystem::path file;  ///< absolute or relative to the working directory
   std::string view;            ///< photos of one view share a camera pose
@@ -20,6 +21,7 @@ struct Photo {
   Encoding encoding = Encoding::linear;
 };
 
+/// Photos of one bench (`session.json`).
 struct Session {
   std::filesystem::path file;   ///< where it was read from; empty if it was not
   std::filesystem::path board;  ///< board.json

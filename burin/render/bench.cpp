@@ -10,12 +10,15 @@
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/material_json.h"
+#include "burin/render/files/verdict_json.h"
 #include "burin/render/groove.h"
 
 namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr int kVersion = 2;  // of bench.json: verdicts as facts
 
 std::optional<double> optional_sigma(JsonObject& json, const std::string& key) {
   if (!json.has(key)) return std::nullopt;
@@ -243,8 +246,9 @@ Json material_json(const Bench& bench, double tool_width_um) {
 }  // namespace
 
 Bench read_bench(const std::filesystem::path& file) {
-  const Json content = read_json(file, "burin/bench", 1);
+  const Json content = read_json(file, "burin/bench", kVersion, 1);
   JsonObject json(content, file.string());
+  const int version = json.integer("version");
 
   Bench bench;
   bench.camera = resolve_path(file, json.text("camera"));
@@ -282,20 +286,18 @@ Bench read_bench(const std::filesystem::path& file) {
   if (json.has("verdict")) {
     JsonObject verdicts = json.object("verdict");
     for (const std::string& name : verdicts.keys()) {
-      JsonObject item = verdicts.object(name);
-      Verdict verdict;
-      verdict.determined = item.boolean("determined");
-      verdict.reason = item.text("reason", "");
-      verdict.weakly = item.boolean("weakly", false);
-      verdict.sigma = optional_sigma(item, "sigma");
-      verdict.unit = item.text("unit", "");
-      verdict.next_photo = item.text("next_photo", "");
-      item.finish();
-      bench.verdict[name] = verdict;
+      const JsonObject item = verdicts.object(name);
+      bench.verdict[name] = version == 1 ? read_verdict_of_version_1(item) : read_verdict(item);
     }
   }
   json.finish();
   bench.lens = read_cameramodel(bench.camera);
+  // A nominal bench lacks nothing: only what was measured can have been lost.
+  if (version == 1 && bench.material_sigma.alpha)
+    bench.findings.push_back({Finding::Severity::note, file,
+                              "is of version 1, which does not say what is seen where grooves cross, nor how much they "
+                              "differ from one another",
+                              "burin refine measures both and writes version 2"});
   return bench;
 }
 
@@ -306,7 +308,7 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
 
   Json json;
   json["format"] = "burin/bench";
-  json["version"] = 1;
+  json["version"] = kVersion;
   json["camera"] = path_beside(file, camera);
   json["views"] = Json::array();
   for (const View& view : bench.views) json["views"].push_back(view_json(view));
@@ -329,39 +331,36 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   }
   json["machine"]["affine"] = to_json(bench.machine_affine);
   if (bench.machine_affine_sigma) json["machine"]["affine_sigma"] = to_json(*bench.machine_affine_sigma);
-  if (!bench.verdict.empty())
-    for (const auto& [name, verdict] : bench.verdict) {
-      Json& item = json["verdict"][name] = {{"determined", verdict.determined}};
-      if (verdict.weakly) item["weakly"] = true;
-      if (verdict.sigma) item["sigma"] = *verdict.sigma;
-      if (!verdict.unit.empty()) item["unit"] = verdict.unit;
-      item["reason"] = verdict.reason;
-      if (!verdict.next_photo.empty()) item["next_photo"] = verdict.next_photo;
-    }
+  for (const auto& [name, verdict] : bench.verdict) json["verdict"][name] = verdict_json(verdict);
   write_json(json, file);
 }
 
 namespace {
 
 template <typename Item, typename Name>
-const Item& find_named(const std::vector<Item>& list, const std::string& wanted, Name name, const std::string& kind,
-                       const std::string& where) {
+const Item& find_named(const std::vector<Item>& list, std::string_view wanted, Name name, const std::string& kind,
+                       std::string_view where) {
   const auto found = std::find_if(list.begin(), list.end(), [&](const Item& item) { return name(item) == wanted; });
   if (found != list.end()) return *found;
   std::string names;
   for (const Item& item : list) names += (names.empty() ? "" : ", ") + name(item);
-  fail(where, "the bench has no " + kind + " \"" + wanted + "\"",
+  fail(std::string(where), "the bench has no " + kind + " \"" + std::string(wanted) + "\"",
        list.empty() ? "it has none at all: add it to bench.json" : "choose one of: " + names);
 }
 
 }  // namespace
 
-const View& find_view(const Bench& bench, const std::string& name, const std::string& where) {
+const Verdict* find_verdict(const Bench& bench, const std::string& parameter) {
+  const auto found = bench.verdict.find(parameter);
+  return found == bench.verdict.end() ? nullptr : &found->second;
+}
+
+const View& find_view(const Bench& bench, std::string_view name, std::string_view where) {
   return find_named(
       bench.views, name, [](const View& v) { return v.name; }, "view", where);
 }
 
-const Light& find_light(const Bench& bench, const std::string& id, const std::string& where) {
+const Light& find_light(const Bench& bench, std::string_view id, std::string_view where) {
   return find_named(
       bench.lights, id, [](const Light& l) { return l.id; }, "lamp", where);
 }

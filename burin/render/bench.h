@@ -7,13 +7,16 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "burin/render/board.h"
 #include "burin/render/crossings.h"
+#include "burin/render/finding.h"
 #include "burin/render/groove_field.h"
 #include "burin/render/lens.h"
 #include "burin/render/sensor.h"
+#include "burin/render/verdict.h"
 
 namespace burin {
 
@@ -39,17 +42,7 @@ struct Light {
   std::optional<double> falloff_exponent_sigma;
 };
 
-/// What the photos say about one parameter: `determined`, and why or why not in a sentence. What is determined only
-/// weakly (not `determined`, but `weakly`) is a measurement with a sigma too large to build on.
-struct Verdict {
-  bool determined = false;
-  std::string reason;
-  bool weakly = false;
-  std::optional<double> sigma{};  ///< one standard deviation, the worst of several numbers; in `unit`
-  std::string unit{};             ///< "%", "mm", "px", "degrees" or empty
-  std::string next_photo{};       ///< for what is not determined: the photo that would help most, in words
-};
-
+/// Standard deviations of Material's numbers; empty for those that were not measured.
 struct MaterialSigma {
   std::optional<double> alpha, depth_um, base_alpha;
 };
@@ -62,6 +55,7 @@ struct Scatter {
 
 using Affine2 = Eigen::Matrix<double, 2, 3>;  ///< [A | b], mm
 
+/// A bench, believed or measured: everything but the board and the scratches that decides what a photo shows.
 struct Bench {
   Lens lens;
   std::filesystem::path camera;  ///< where the lens is kept
@@ -80,18 +74,23 @@ struct Bench {
   std::vector<Tag> tags;             ///< measured positions; empty where board.json's are believed
   Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();  ///< designed to carved board coordinates, mm
   std::optional<Affine2> machine_affine_sigma;
-  std::map<std::string, Verdict> verdict;  ///< by parameter name: "depth_um", "alpha", "light.lamp.position_mm", ...
+  std::map<std::string, Verdict> verdict;  ///< by parameter name (burin/render/parameter_name.h)
+  std::vector<Finding> findings;           ///< what a file of an older version lacks; not written
 };
 
-/// Reads `bench.json` and the `.cameramodel` it names. Throws Error on anything missing, unknown or out of range.
+/// Reads `bench.json` (version 2, or 1) and the `.cameramodel` it names. Throws Error on anything missing, unknown or
+/// out of range.
 Bench read_bench(const std::filesystem::path& file);
 
 /// Writes `bench.json` and, if `bench.camera` is empty or lies beside it, the `.cameramodel`; atomically.
 /// half_width_um is derived from material.depth_um and `tool_width_um`.
 void write_bench(const Bench& bench, double tool_width_um, const std::filesystem::path& file);
 
+/// What the bench says of a parameter; nullptr where it says nothing.
+const Verdict* find_verdict(const Bench& bench, const std::string& parameter);
+
 /// The view or lamp of that name. Throws Error listing the names there are. `where` is named in the message.
-const View& find_view(const Bench& bench, const std::string& name, const std::string& where);
-const Light& find_light(const Bench& bench, const std::string& id, const std::string& where);
+const View& find_view(const Bench& bench, std::string_view name, std::string_view where);
+const Light& find_light(const Bench& bench, std::string_view id, std::string_view where);
 
 }  // namespace burin

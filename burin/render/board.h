@@ -19,6 +19,7 @@ struct Tag {
   double rotation_deg = 0;  ///< counter-clockwise; 0: upright for someone who sees x right and y up
 };
 
+/// The tags on a board: their family, their paper, and where they are believed to be.
 struct TagSet {
   std::string family = "tagStandard41h12";
   double z_mm = 0.1;      ///< height of the tags' paper above the face

@@ -50,6 +50,7 @@ class BoardMesh {
   BoardMesh(BoardMesh&&) noexcept;
   BoardMesh& operator=(BoardMesh&&) noexcept;
 
+  /// A point of the face.
   struct Place {
     Eigen::Vector2d board_mm;     ///< where it is on the flat board: uv * size_mm
     Eigen::Vector3d position_mm;  ///< where it is in space
@@ -67,6 +68,7 @@ class BoardMesh {
   bool hidden_from(const Eigen::Vector3d& from_mm, const Eigen::Vector3d& position_mm,
                    const Eigen::Vector3d& normal) const;
 
+  /// The flat board's size.
   const Eigen::Vector2d& size_mm() const;
 
  private:

@@ -30,7 +30,9 @@ struct Designed {
   Scratches scratches;
 
   Designed() = default;
+  /// Scratches as wanted.
   explicit Designed(Scratches rows) : scratches(std::move(rows)) {}
+  /// How many there are.
   std::size_t size() const { return scratches.size(); }
 };
 
@@ -40,7 +42,9 @@ struct Sent {
   Scratches scratches;
 
   Sent() = default;
+  /// Scratches as told.
   explicit Sent(Scratches rows) : scratches(std::move(rows)) {}
+  /// How many there are.
   std::size_t size() const { return scratches.size(); }
 };
 
@@ -52,6 +56,7 @@ struct Carved {
   std::vector<std::uint32_t> source;
   std::vector<PieceEnd> begin, end;
 
+  /// How many there are.
   std::size_t size() const { return scratches.size(); }
 };
 

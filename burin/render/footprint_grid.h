@@ -30,7 +30,9 @@ struct FootprintGrid {
   std::vector<Eigen::Vector3d> normal;           ///< width * height: the face's unit normal there
   std::optional<Eigen::Matrix3d> board_from_pixel;  ///< homography from window pixels to board xy, where there is one
 
+  /// Pixels in a row.
   int width() const { return window.width; }
+  /// Rows of pixels.
   int height() const { return window.height; }
 };
 

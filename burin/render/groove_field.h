@@ -14,18 +14,23 @@
 
 namespace burin {
 
+/// How a groove's depth or roughness depends on its place and on when it was carved: docs/model.md 7.
 struct GrooveField {
   static constexpr int kTerms = 6;  ///< gx, gy, qxx, qxy, qyy, wear
   std::array<double, kTerms> terms{};
   std::optional<std::array<double, kTerms>> sigma;
 
+  /// Whether all grooves are alike.
   bool is_constant() const {
     for (const double t : terms)
       if (t != 0) return false;
     return true;
   }
+  /// Whether it leans over the board.
   bool is_linear() const { return terms[0] != 0 || terms[1] != 0; }
+  /// Whether it is curved over the board.
   bool is_quadratic() const { return terms[2] != 0 || terms[3] != 0 || terms[4] != 0; }
+  /// The term by age.
   double wear() const { return terms[5]; }
 };
 

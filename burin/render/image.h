@@ -13,13 +13,16 @@ struct Image {
   std::vector<float> data;
 
   Image() = default;
+  /// All pixels with one value.
   Image(int width_px, int height_px, int channel_count, float value = 0)
       : width(width_px),
         height(height_px),
         channels(channel_count),
         data(static_cast<std::size_t>(width_px) * height_px * channel_count, value) {}
 
+  /// The value at column x, row y, channel c; not checked.
   float& at(int x, int y, int c = 0) { return data[(static_cast<std::size_t>(y) * width + x) * channels + c]; }
+  /// The value at column x, row y, channel c; not checked.
   float at(int x, int y, int c = 0) const { return data[(static_cast<std::size_t>(y) * width + x) * channels + c]; }
 };
 

@@ -1,4 +1,5 @@
-// burin/render/pixel_shading.h - what of docs/model.md 5 belongs to a pixel alone, before any scratch is known.
+// burin/render/pixel_shading.h - the part of docs/model.md 5 that belongs to a pixel alone, before any
+// scratch is known.
 // Frame: board, mm. Directions are unit vectors at the footprint's center.
 #pragma once
 

@@ -11,6 +11,7 @@
 
 namespace burin {
 
+/// Which photo is predicted, and how its values are kept.
 struct PredictedPhotoOptions {
   int channels = 1;  ///< 1: the mean of R, G, B; 3: R, G, B
   /// The part of the photo that is wanted; width 0: all of it.

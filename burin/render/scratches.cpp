@@ -5,16 +5,13 @@
 #include <charconv>
 #include <cmath>
 #include <string>
-#include <string_view>
-#include <system_error>
 
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/table.h"
 
 namespace burin {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr double kShortest_mm = 1e-6;  // a nanometre: below it a scratch has no direction
 
@@ -32,48 +29,20 @@ constexpr std::array<Column, 8> kColumns{{{"x0_mm", &Scratches::x0_mm, true, fal
                                           {"alpha", &Scratches::alpha, false, true},
                                           {"carved", &Scratches::carved, false, false}}};
 
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-/// Cuts the next line (without its end) off the front of `rest`.
-std::string_view next_line(std::string_view& rest) {
-  const std::size_t end = rest.find('\n');
-  const std::string_view line = rest.substr(0, end);
-  rest = end == std::string_view::npos ? std::string_view{} : rest.substr(end + 1);
-  return line;
-}
-
-/// Cuts the next value off the front of a row; `more` says whether a comma followed it.
-std::string_view next_value(std::string_view& row, bool& more) {
-  const std::size_t end = row.find(',');
-  more = end != std::string_view::npos;
-  const std::string_view value = trimmed(row.substr(0, end));
-  row = more ? row.substr(end + 1) : std::string_view{};
-  return value;
-}
-
-std::string at_line(const fs::path& file, std::size_t line) { return file.string() + ":" + std::to_string(line); }
-
-std::vector<const Column*> read_header(const fs::path& file, std::string_view header) {
+/// The columns of the table, in its order.
+std::vector<const Column*> columns_of(const TableReader& table) {
   constexpr const char* kRemedy =
       "the first line must be x0_mm,y0_mm,x1_mm,y1_mm and, if they vary, width_um,depth_um,alpha,carved";
   std::vector<const Column*> columns;
-  bool more = !trimmed(header).empty();
-  while (more) {
-    const std::string_view name = next_value(header, more);
+  for (const std::string& name : table.columns()) {
     const auto* const column =
         std::find_if(kColumns.begin(), kColumns.end(), [&](const Column& c) { return name == c.name; });
-    if (column == kColumns.end()) fail(at_line(file, 1), "unknown column \"" + std::string(name) + "\"", kRemedy);
-    if (std::find(columns.begin(), columns.end(), column) != columns.end())
-      fail(at_line(file, 1), "column " + std::string(name) + " appears twice", "keep one of them");
+    if (column == kColumns.end()) fail(table.where(), "unknown column \"" + name + "\"", kRemedy);
     columns.push_back(column);
   }
   for (const Column& column : kColumns)
     if (column.required && std::find(columns.begin(), columns.end(), &column) == columns.end())
-      fail(at_line(file, 1), std::string("column ") + column.name + " is missing", kRemedy);
+      fail(table.where(), std::string("column ") + column.name + " is missing", kRemedy);
   return columns;
 }
 
@@ -88,47 +57,20 @@ void append_number(std::string& text, double value, bool place) {
 }  // namespace
 
 Scratches read_scratches(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
-  std::string_view rest = text;
-  if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);  // the mark that some spreadsheets put first
-  const std::vector<const Column*> columns = read_header(file, next_line(rest));
-
+  TableReader table(file, TableStyle::csv, {}, {});
+  const std::vector<const Column*> columns = columns_of(table);
   Scratches scratches;
-  const std::size_t rows = static_cast<std::size_t>(std::count(rest.begin(), rest.end(), '\n')) + 1;
-  for (const Column* column : columns) (scratches.*column->values).reserve(rows);
-  for (std::size_t line_number = 2; !rest.empty(); ++line_number) {
-    std::string_view row = next_line(rest);
-    if (trimmed(row).empty()) continue;
-    bool more = true;
-    for (std::size_t c = 0; c < columns.size(); ++c) {
-      if (!more)
-        fail(at_line(file, line_number), "has " + std::to_string(c) + " values",
-             "write " + std::to_string(columns.size()) + ", one for each column of the first line");
-      const Column& column = *columns[c];
-      std::string_view field = next_value(row, more);
-      if (field.starts_with('+')) field.remove_prefix(1);  // from_chars knows no plus sign
-      double value = 0;
-      const auto result = std::from_chars(field.data(), field.data() + field.size(), value);
-      if (result.ec != std::errc{} || result.ptr != field.data() + field.size() || !std::isfinite(value))
-        fail(at_line(file, line_number), std::string(column.name) + " is \"" + std::string(field.substr(0, 40)) + "\"",
-             "write a finite number with a decimal point");
-      if (column.positive && !(value > 0))
-        fail(at_line(file, line_number), std::string(column.name) + " is " + std::string(field),
-             "write a number greater than 0");
-      (scratches.*column.values).push_back(value);
-    }
-    if (more)
-      fail(at_line(file, line_number), "has more than " + std::to_string(columns.size()) + " values",
-           "write one for each column of the first line");
+  for (const Column* column : columns) (scratches.*column->values).reserve(table.rows_left());
+  while (table.next()) {
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      (scratches.*columns[c]->values).push_back(columns[c]->positive ? table.positive(c) : table.number(c));
     if (!scratches.carved.empty() && scratches.carved.back() != 0 && scratches.carved.back() != 1)
-      fail(at_line(file, line_number), "carved is neither 0 nor 1",
-           "write 1 for what is carved already, 0 for the rest");
+      fail(table.where(), "carved is neither 0 nor 1", "write 1 for what is carved already, 0 for the rest");
     if (!scratches.alpha.empty() && scratches.alpha.back() > 1)
-      fail(at_line(file, line_number), "alpha is greater than 1", "write a roughness above 0 and up to 1");
+      fail(table.where(), "alpha is greater than 1", "write a roughness above 0 and up to 1");
     if (std::hypot(scratches.x1_mm.back() - scratches.x0_mm.back(), scratches.y1_mm.back() - scratches.y0_mm.back()) <
         kShortest_mm)
-      fail(at_line(file, line_number), "the scratch has no length: both ends are the same",
-           "remove the line or correct an end");
+      fail(table.where(), "the scratch has no length: both ends are the same", "remove the line or correct an end");
   }
   return scratches;
 }

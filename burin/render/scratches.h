@@ -18,7 +18,9 @@ struct Scratches {
   /// 1 for what is in the metal already, where it lies; 0 for what is still to be carved. Empty: nothing is carved.
   std::vector<double> carved = {};
 
+  /// How many there are.
   std::size_t size() const { return x0_mm.size(); }
+  /// Whether scratch i is in the metal already.
   bool is_carved(std::size_t i) const { return !carved.empty() && carved[i] != 0; }
 };
 

@@ -13,6 +13,7 @@
 
 namespace burin {
 
+/// What a camera makes of radiance, before noise: docs/model.md 5.
 struct Sensor {
   double gain = 1;
   Eigen::Vector3d vignette{0, 0, 0};  ///< v1 v2 v3 of vignette_at()

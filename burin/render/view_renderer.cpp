@@ -29,7 +29,7 @@ struct ViewRenderer::State {
   };
   std::unique_ptr<Exact> exact;
 
-  State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderRoom> room) : options(o) {
+  State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderWorkspace> workspace) : options(o) {
     check_view(scene, options.channels);
     width = scene.grid->width();
     height = scene.grid->height();
@@ -39,7 +39,7 @@ struct ViewRenderer::State {
       exact = std::make_unique<Exact>(std::move(scene), options.channels);
     else  // which keeps what it needs of the scene, in float
       fast = std::make_unique<FastView>(scene, options.channels, options.material_gradients, options.simd,
-                                        room != nullptr ? std::move(room) : make_render_room());
+                                        workspace != nullptr ? std::move(workspace) : make_render_workspace());
   }
 
   void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
@@ -55,8 +55,8 @@ struct ViewRenderer::State {
   }
 };
 
-ViewRenderer::ViewRenderer(ViewScene scene, RenderOptions options, std::shared_ptr<RenderRoom> room)
-    : state_(std::make_unique<State>(std::move(scene), options, std::move(room))) {}
+ViewRenderer::ViewRenderer(ViewScene scene, RenderOptions options, std::shared_ptr<RenderWorkspace> workspace)
+    : state_(std::make_unique<State>(std::move(scene), options, std::move(workspace))) {}
 ViewRenderer::~ViewRenderer() = default;
 ViewRenderer::ViewRenderer(ViewRenderer&&) noexcept = default;
 ViewRenderer& ViewRenderer::operator=(ViewRenderer&&) noexcept = default;
@@ -72,15 +72,23 @@ void ViewRenderer::forward_with_jacobian(const Carved& carved, Image& radiance) 
   state_->forward(carved.scratches, true, radiance);
 }
 
+ScratchGradients ViewRenderer::backward(const Image& dE_dradiance) const {
+  ScratchGradients gradients;
+  backward(dE_dradiance, gradients);
+  return gradients;
+}
+
 void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
   if (dE_dradiance.width != width() || dE_dradiance.height != height() ||
       dE_dradiance.channels != state_->options.channels)
     fail("ViewRenderer::backward", "dE/dradiance has another size than the view",
          "give " + std::to_string(width()) + " x " + std::to_string(height()) + " x " +
              std::to_string(state_->options.channels));
+  if (gradients.x0_mm.empty()) gradients.resize(state_->scratch_count);
   if (gradients.x0_mm.size() != state_->scratch_count)
     fail("ViewRenderer::backward", "the gradients are for " + std::to_string(gradients.x0_mm.size()) + " scratches",
-         "resize() them to the " + std::to_string(state_->scratch_count) + " of the last forward_with_jacobian()");
+         "give empty ones, or those of other views of the " + std::to_string(state_->scratch_count) +
+             " scratches of the last forward_with_jacobian()");
   if (state_->fast)
     state_->fast->backward(dE_dradiance, gradients);
   else

@@ -30,6 +30,7 @@ struct ViewScene {
   std::vector<std::uint8_t> hidden_from_light;
 };
 
+/// How a view is rendered.
 struct RenderOptions {
   int channels = 1;         ///< 1: mean of R, G, B (what a mono sensor sees); 3: R, G, B
   bool use_double = false;  ///< the slow exact twin
@@ -39,25 +40,27 @@ struct RenderOptions {
   SimdWidth simd = SimdWidth::best;  ///< packets of the fast path
 };
 
-/// The fast path's work buffers and sparse Jacobian (burin/render/fast/render_room.h). Renderers that share one need
-/// the memory of one view; each must then finish with a forward()'s results before the next renderer's forward(). Those
-/// that also share a grid share all that comes from it, and find the pairs of the same scratches once.
-class RenderRoom;
+/// The fast path's work buffers and sparse Jacobian (burin/render/fast/render_workspace.h). Renderers that share one
+/// need the memory of one view; each must then finish with a forward()'s results before the next renderer's forward().
+/// Those that also share a grid share all that comes from it, and find the pairs of the same scratches once.
+class RenderWorkspace;
 /// `most_jacobian_bytes`: what of the Jacobian does not fit into it is computed again on the way back. The results are
 /// the same, bit for bit.
-std::shared_ptr<RenderRoom> make_render_room(std::size_t most_jacobian_bytes = 320'000'000);
+std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian_bytes = 320'000'000);
 
 /// Renders one view again and again while the grooves move. Deterministic: same input, same bits, for any number of
 /// threads. Throws Error for grooves with NaN.
 class ViewRenderer {
  public:
-  /// Without a `room` it has one of its own.
-  explicit ViewRenderer(ViewScene scene, RenderOptions options = {}, std::shared_ptr<RenderRoom> room = nullptr);
+  /// Without a `workspace` it has one of its own.
+  explicit ViewRenderer(ViewScene scene, RenderOptions options = {},
+                        std::shared_ptr<RenderWorkspace> workspace = nullptr);
   ~ViewRenderer();
   ViewRenderer(ViewRenderer&&) noexcept;
   ViewRenderer& operator=(ViewRenderer&&) noexcept;
 
   int width() const;  ///< pixels of the view
+  /// Of the picture, pixels.
   int height() const;
 
   /// Radiance of every pixel of the grid (width x height x channels); pixels that miss the face are 0.
@@ -66,9 +69,13 @@ class ViewRenderer {
   /// forward(), keeping what backward() needs.
   void forward_with_jacobian(const Carved& carved, Image& radiance);
 
-  /// Adds the gradient of E through this view, given dE/dradiance, for the grooves of the last
-  /// forward_with_jacobian(); pull_back() (carve.h) takes it to the design. The derivative of the clamp `covered <= 1`
-  /// is that of the side it is on.
+  /// The gradient of E through this view, given dE/dradiance, for the grooves of the last forward_with_jacobian();
+  /// pull_back() (carve.h) takes it to the design. The derivative of the clamp `covered <= 1` is that of the side it is
+  /// on.
+  ScratchGradients backward(const Image& dE_dradiance) const;
+
+  /// Adds that to `gradients`, which are empty or those of other views of the same grooves. Throws Error for gradients
+  /// of another number of grooves.
   void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
 
   /// dE/dradiance back to light that each scratch sends to this view: sum over pixels of its radiance times pixel

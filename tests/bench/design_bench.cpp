@@ -61,11 +61,11 @@ void PaperDesign(benchmark::State& state) {
   options.material_gradients = false;
   // As burin/optimize/design.cpp has them: one grid, and the memory of one view.
   const std::shared_ptr<const FootprintGrid> grid = paper_grid(kPixels);
-  const std::shared_ptr<RenderRoom> room = make_render_room();
+  const std::shared_ptr<RenderWorkspace> workspace = make_render_workspace();
   std::vector<DesignedView> views;
   for (int v = 0; v < view_count; ++v) {
     const Image target = with_gamma_offset(target_picture(v));
-    views.push_back({ViewRenderer(paper_scene(grid, v, view_count), options, room),
+    views.push_back({ViewRenderer(paper_scene(grid, v, view_count), options, workspace),
                      PictureLoss(target, {}, {1, 0, gram ? 0.01 : 0}),
                      1,
                      {},

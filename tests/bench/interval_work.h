@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "burin/render/fast/moment_packets.h"
+#include "tests/moment_packets/moment_packets.h"
 
 namespace burin {
 

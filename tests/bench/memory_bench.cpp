@@ -59,10 +59,10 @@ int print_peak_memory() {
     RenderOptions options;
     options.material_gradients = false;
     std::vector<ViewRenderer> renderers;
-    const std::shared_ptr<RenderRoom> room = make_render_room();
+    const std::shared_ptr<RenderWorkspace> workspace = make_render_workspace();
     {
       const std::shared_ptr<const FootprintGrid> grid = paper_grid(kPixels);
-      for (int v = 0; v < kViews; ++v) renderers.emplace_back(paper_scene(grid, v, kViews), options, room);
+      for (int v = 0; v < kViews; ++v) renderers.emplace_back(paper_scene(grid, v, kViews), options, workspace);
     }
     scenes = peak_resident_gb();
     const Image weights = random_weights(kPixels, kPixels);

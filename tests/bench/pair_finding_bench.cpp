@@ -15,11 +15,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "burin/render/embree_rays.h"
 #include "burin/render/fast/pairs.h"
+#include "burin/render/fast/strip_runs.h"
 #include "tests/bench/paper_scene.h"
 #include "tests/render/quadrilaterals.h"
 
@@ -93,6 +95,27 @@ void report_time(benchmark::State& state, std::size_t pairs) {
       benchmark::Counter(1e-9 * static_cast<double>(pairs) * static_cast<double>(state.iterations()),
                          benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
 }
+
+/// Finds pairs as the fast path does, and only counts them: what finding alone costs. Buffers are kept from one count()
+/// to the next.
+class PairCounter {
+ public:
+  PairCounter(const PixelIndex& index, const std::vector<Strip>& strips) : index_(index), strips_(index, strips) {}
+
+  std::size_t count() {
+    count_.assign(index_.tiles().size(), 0);
+    strips_.sort(index_);
+    strips_.each_tile(index_, SimdWidth::best, [&](std::size_t t, const TilePlaces& pairs) {
+      count_[t] = pairs.begin[strips_.runs().count(t)];
+    });
+    return std::accumulate(count_.begin(), count_.end(), std::size_t{0});
+  }
+
+ private:
+  const PixelIndex& index_;
+  StripRuns strips_;
+  std::vector<std::size_t> count_;
+};
 
 void FindPairsByRaster(benchmark::State& state) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);

@@ -22,7 +22,7 @@ namespace {
 void time_view(benchmark::State& state, const RenderOptions& options, int count, bool backward, bool check) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   const ViewScene scene = paper_scene(paper_grid(512));
-  Scratches scratches = paper_scratches(count);
+  Carved carved = in_metal(paper_scratches(count));
   const Image weights = random_weights(512, 512);
   ViewRenderer renderer(scene, options);
   Image image;
@@ -30,14 +30,14 @@ void time_view(benchmark::State& state, const RenderOptions& options, int count,
   double nudge_mm = 1e-6;
   const auto once = [&] {
     // Scratches that lie where they lay would be found once.
-    scratches.x0_mm[0] += nudge_mm;
+    carved.scratches.x0_mm[0] += nudge_mm;
     nudge_mm = -nudge_mm;
     if (!backward) {
-      renderer.forward(in_metal(scratches), image);
+      renderer.forward(carved, image);
       return;
     }
-    renderer.forward_with_jacobian(in_metal(scratches), image);
-    gradients.resize(scratches.size());
+    renderer.forward_with_jacobian(carved, image);
+    gradients.resize(carved.size());
     renderer.backward(weights, gradients);
   };
   once();  // takes its memory from the system
@@ -55,7 +55,7 @@ void time_view(benchmark::State& state, const RenderOptions& options, int count,
                  (!backward                    ? ", value only"
                   : options.material_gradients ? ", both ends, wt, d and alpha"
                                                : ", both ends"));
-  if (check) report_correctness(state, scene, scratches, options.simd);
+  if (check) report_correctness(state, scene, carved.scratches, options.simd);
 }
 
 void WholePairs(benchmark::State& state) {

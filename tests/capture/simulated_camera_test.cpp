@@ -299,8 +299,8 @@ TEST_F(SimulatedCamera, NothingOldVouchesForNewPhotos) {
 // noise of two samplings: theirs, and ours, which a second run with another seed measures. Cloth is left out: its
 // pattern is not ours. So are values above 0.9: choosing by the other photo's clipping would choose by its noise.
 TEST(SimulatedCameraOfRigs, TakesRigAsPhotoAgain) {
-  const fs::path rig = fs::path(places::shared()) / "rigs/a";
-  if (!fs::exists(rig / "truth.json")) GTEST_SKIP() << rig << " is not beside the checkout";
+  const fs::path rig = places::rig("a");
+  if (!fs::exists(rig / "truth.json")) GTEST_SKIP() << "needs the photographed bench " << rig;
   BenchTruth truth = read_bench_truth(rig / "truth.json");
   const TruthView& view = truth.views[2];
   const PointSampler sampler(truth, in_metal(read_scratches(rig / "carved.csv")));

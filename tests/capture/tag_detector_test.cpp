@@ -22,13 +22,10 @@ namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
-const fs::path kShared = places::shared();
-
 // Proves: AprilTag is called right, and its corners land in our pixel convention: all 47 tags of its own three test
 // photographs, within the 0.15 px between versions of AprilTag (README.txt of the folder: 0.141 at worst).
 TEST(TagDetector, FindsTheFortySevenTagsOfAprilTagsOwnTests) {
-  const fs::path folder = kShared / "photos/apriltag_testdata/test/data";
-  if (!fs::exists(folder)) GTEST_SKIP() << folder << " is missing";
+  const fs::path folder = fs::path(places::data()) / "photos/apriltag_testdata/test/data";
   TagDetectorOptions options;
   options.max_hamming = 2;
   TagDetector detector("tag36h11", options);
@@ -80,8 +77,8 @@ TEST(TagDetector, FindsTheFortySevenTagsOfAprilTagsOwnTests) {
 class TagCornersOfRig : public testing::TestWithParam<std::tuple<const char*, double, int>> {};
 TEST_P(TagCornersOfRig, AreWhereTheTrueCameraSeesThem) {
   const auto [rig, bound_px, tags_at_least] = GetParam();
-  const fs::path folder = kShared / "rigs" / rig;
-  if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << folder << " is missing";
+  const fs::path folder = places::rig(rig);
+  if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << "needs the photographed bench " << folder;
   const RigTruth truth = read_rig_truth(folder);
   TagDetector detector(truth.tags.family);
   std::vector<int> ids;
@@ -123,13 +120,17 @@ TEST_P(TagCornersOfRig, AreWhereTheTrueCameraSeesThem) {
   EXPECT_GE(tags, tags_at_least);
 }
 INSTANTIATE_TEST_SUITE_P(Rigs, TagCornersOfRig,
-                         testing::Values(std::tuple("a", 0.012, 238), std::tuple("b", 0.025, 197)),
-                         [](const auto& info) { return std::string(std::get<0>(info.param)); });
+                         testing::Values(std::tuple("b-small", 0.025, 197), std::tuple("a", 0.012, 238),
+                                         std::tuple("b", 0.025, 197)),
+                         [](const auto& info) {
+                           std::string name = std::get<0>(info.param);
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 // Proves: a photo of another family is explained by name, one that is mirrored as mirrored, an empty one by nothing.
 TEST(TagDetector, SaysWhatThePhotoHoldsInstead) {
-  const fs::path folder = kShared / "rigs/b";
-  if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << folder << " is missing";
+  const fs::path folder = places::rig("b-small");
   const RigTruth truth = read_rig_truth(folder);
   const RigPhoto photo = merge_for_test(folder, truth, truth.views[2]);
   EXPECT_TRUE(TagDetector("tagStandard41h12").detect(photo.linear, photo.valid, {}).tags.empty());

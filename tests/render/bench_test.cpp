@@ -57,9 +57,15 @@ Bench full_bench(const TemporaryFolder& folder) {
   bench.tags = {{0, {15.02, 14.97}, 0, 0}, {4, {100, 14.5}, 16.01, 90.5}};
   bench.machine_affine << 1.001, 0.002, -0.3, -0.0015, 0.999, 0.4;
   bench.machine_affine_sigma = Affine2::Constant(1e-5);
-  bench.verdict["depth_um"] = {false, "no photo straddles the cut-off"};
-  bench.verdict["light.spot.position_mm"] = {true, ""};
-  bench.verdict["alpha"] = {false, "rests on one photo", true, 30.5, "%", "camera 620 mm above the lower left corner"};
+  bench.verdict["depth_um"].causes = {{Cause::Kind::cutoff_not_seen, {12, 0}}};
+  bench.verdict["light.spot.position_mm"] = given_verdict();
+  bench.verdict["alpha"] = {
+      Source::measured,
+      Degree::weakly,
+      30.5,
+      Unit::percent,
+      {{Cause::Kind::halves_of_photos, {0.75, 2.5, 6, 1.5}}, {Cause::Kind::above_noise, {3}}},
+      NextPhoto{NextPhoto::Kind::at_place, "camera 620 mm above the lower left corner", 4.25, {}}};
   return bench;
 }
 
@@ -113,14 +119,22 @@ TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
   EXPECT_EQ(back.machine_affine, bench.machine_affine);
   EXPECT_EQ(back.machine_affine_sigma, bench.machine_affine_sigma);
   ASSERT_EQ(back.verdict.size(), 3u);
-  EXPECT_TRUE(back.verdict.at("alpha").weakly);
-  EXPECT_EQ(back.verdict.at("alpha").sigma, 30.5);
-  EXPECT_EQ(back.verdict.at("alpha").unit, "%");
-  EXPECT_EQ(back.verdict.at("alpha").next_photo, "camera 620 mm above the lower left corner");
-  EXPECT_FALSE(back.verdict.at("depth_um").weakly);
+  const Verdict& alpha = back.verdict.at("alpha");
+  EXPECT_EQ(alpha.source, Source::measured);
+  EXPECT_EQ(alpha.degree, Degree::weakly);
+  EXPECT_EQ(alpha.sigma, 30.5);
+  EXPECT_EQ(alpha.unit, Unit::percent);
+  ASSERT_EQ(alpha.causes.size(), 2u);
+  EXPECT_EQ(alpha.causes[0].kind, Cause::Kind::halves_of_photos);
+  EXPECT_EQ(alpha.causes[0].numbers, (std::array<double, 4>{0.75, 2.5, 6, 1.5}));
+  ASSERT_TRUE(alpha.next_photo.has_value());
+  EXPECT_EQ(alpha.next_photo->place, "camera 620 mm above the lower left corner");
+  EXPECT_EQ(alpha.next_photo->sigma, 4.25);
+  EXPECT_FALSE(back.verdict.at("depth_um").known());
   EXPECT_FALSE(back.verdict.at("depth_um").sigma.has_value());
-  EXPECT_FALSE(back.verdict.at("depth_um").determined);
-  EXPECT_EQ(back.verdict.at("depth_um").reason, "no photo straddles the cut-off");
+  EXPECT_TRUE(rests_on(back.verdict.at("depth_um"), Cause::Kind::cutoff_not_seen));
+  EXPECT_EQ(back.verdict.at("light.spot.position_mm").source, Source::given);
+  EXPECT_TRUE(back.findings.empty());
 
   write_bench(back, 400, folder / "again.json");
   EXPECT_EQ(file_text(folder / "again.json"), file_text(folder / "bench.json"));
@@ -151,9 +165,9 @@ class BenchErrors : public ::testing::Test {
 
   /// Reads a bench that has `fields` beside format, version and camera.
   Bench read(const std::string& fields) {
-    return read_bench(
-        folder_.write("bench.json", R"({"format": "burin/bench", "version": 1, "camera": "camera.cameramodel")" +
-                                        (fields.empty() ? "" : ", " + fields) + "}"));
+    return read_bench(folder_.write("bench.json", R"({"format": "burin/bench", "version": )" +
+                                                      std::to_string(version_) + R"(, "camera": "camera.cameramodel")" +
+                                                      (fields.empty() ? "" : ", " + fields) + "}"));
   }
   void expect(const std::string& fields, const std::string& field, const std::string& what) {
     EXPECT_THAT([&] { read(fields); }, ThrowsMessage<Error>(AllOf(HasSubstr("bench.json: " + field), HasSubstr(what))))
@@ -161,7 +175,31 @@ class BenchErrors : public ::testing::Test {
   }
 
   TemporaryFolder folder_;
+  int version_ = 2;
 };
+
+// Version 1 had one sentence and two flags for a verdict, and no word of crossings.
+TEST_F(BenchErrors, VersionOneIsReadAndSaysWhatItLacks) {
+  version_ = 1;
+  const std::string verdicts = R"("verdict": {
+      "lens": {"determined": true, "reason": "given, and held fixed"},
+      "alpha": {"determined": false, "weakly": true, "sigma": 30.5, "unit": "%", "reason": "rests on one photo",
+                "next_photo": "camera 620 mm above the lower left corner"}})";
+  const Bench believed = read(verdicts);
+  EXPECT_EQ(believed.verdict.at("lens").source, Source::given);
+  EXPECT_TRUE(believed.verdict.at("lens").determined());
+  const Verdict& alpha = believed.verdict.at("alpha");
+  EXPECT_EQ(alpha.degree, Degree::weakly);
+  EXPECT_EQ(alpha.sigma, 30.5);
+  EXPECT_EQ(alpha.unit, Unit::percent);
+  EXPECT_EQ(sentence(alpha), "rests on one photo");
+  EXPECT_EQ(sentence(*alpha.next_photo, alpha.unit), "camera 620 mm above the lower left corner");
+  EXPECT_TRUE(believed.findings.empty());
+  const Bench measured = read(R"("material": {"alpha": 0.06, "alpha_sigma": 0.001})");
+  ASSERT_EQ(measured.findings.size(), 1u);
+  EXPECT_THAT(sentence(measured.findings[0]), AllOf(HasSubstr("version 1"), HasSubstr("burin refine")));
+  expect(R"("verdict": {"depth_um": {"determined": "yes"}})", "verdict.depth_um.determined", "true or false");
+}
 
 TEST_F(BenchErrors, WrongValuesAreNamed) {
   expect(R"("views": [{"view": "a", "T_camera_board": [[1,0,0,0],[0,1,0,0],[0,0,2,800],[0,0,0,1]]}])",
@@ -188,7 +226,10 @@ TEST_F(BenchErrors, WrongValuesAreNamed) {
   expect(R"("machine": {"affine": [[1, 2, 0], [2, 4, 0]]})", "machine.affine", "determinant is 0");
   expect(R"("machine": {"affine": [[1, 2], [2, 4]]})", "machine.affine[0]", "rows of 3");
   expect(R"("board": {"bow": [0, 0, 0]})", "board.bow", "did you mean \"bow_mm\"?");
-  expect(R"("verdict": {"depth_um": {"determined": "yes"}})", "verdict.depth_um.determined", "true or false");
+  expect(R"("verdict": {"depth_um": {"source": "measured", "degree": "certainly"}})", "verdict.depth_um.degree",
+         "\"weakly\"");
+  expect(R"("verdict": {"depth_um": {"source": "measured", "degree": "weakly", "causes": [{"cause": "above_noise"}]}})",
+         "verdict.depth_um.causes[0].times", "is missing");
   expect(R"("lamps": [])", "lamps", "unknown key");
 }
 
@@ -219,8 +260,7 @@ TEST_F(BenchErrors, ViewsAndLampsAreFoundByName) {
 }
 
 TEST(Bench, TheNominalBenchOfTheLoopRigIsRead) {
-  const std::filesystem::path file = std::filesystem::path(places::shared()) / "rigs/bench-loop/bench.json";
-  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no bench at " << file;
+  const std::filesystem::path file = std::filesystem::path(places::rig("bench-loop")) / "bench.json";
   const Bench bench = read_bench(file);
   EXPECT_EQ(bench.views.size(), 3u);
   EXPECT_EQ(bench.lens.intrinsics.size(), 12u);

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <numbers>
 
@@ -103,18 +102,6 @@ TEST(CameraGrid, BadInputIsNamed) {
   EXPECT_THROW(camera_grid(rig_lens(), tilted_pose(), {{300, 300}, {0, 0, 0}}, {0, 0, 0, 5}), Error);
   EXPECT_THROW(camera_grid(rig_lens(), tilted_pose(), {{0, 300}, {0, 0, 0}}, {0, 0, 5, 5}), Error);
   EXPECT_THROW(board_grid({5, 5}, {5, 9}, 4, 4, {{300, 300}, {0, 0, 0}}), Error);
-}
-
-TEST(CameraGrid, FastEnoughToBeRebuilt) {
-  const auto start = std::chrono::steady_clock::now();
-  const CornerRays rays = corner_rays(rig_lens(), {0, 0, 1400, 1050});
-  const auto middle = std::chrono::steady_clock::now();
-  camera_grid(rays, tilted_pose(), {{300, 300}, {0, 0, 0}});
-  const auto end = std::chrono::steady_clock::now();
-  const auto ms = [](auto d) { return std::chrono::duration<double, std::milli>(d).count(); };
-  RecordProperty("corner_rays_ms", std::to_string(ms(middle - start)));
-  RecordProperty("camera_grid_ms", std::to_string(ms(end - middle)));
-  printf("1400 x 1050: rays %.0f ms, grid %.0f ms\n", ms(middle - start), ms(end - middle));
 }
 
 TEST(BoardGrid, RectanglesFromTheTop) {

@@ -1,7 +1,7 @@
 // What packets promise: every width gives what double gives, within float's own limits; lanes do not disturb each
 // other; any length of array; wrong arrays and missing machines refused. The oracle is the same formula in double,
 // which footprint_integral_test proves against numbers made without it.
-#include "burin/render/fast/moment_packets.h"
+#include "tests/moment_packets/moment_packets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
-// The renderer predicts photographs that it did not make: those of ../shared/rigs, which were rendered by brute-force
-// sampling of grooves, from the rig's truth as input. What is left between photo and prediction must be the sensor's
-// own noise (Poisson electrons, read noise, 12-bit steps) and the sampling noise of the rig, wherever the photo is not
-// clipped. It proves groove, integral, BRDF, pairs and camera together. It proves nothing about fitting: truth is
-// given.
+// The renderer predicts photographs that it did not make: those of tests/data/rigs (and, where they are, the full-sized
+// rigs), which were rendered by brute-force sampling of grooves, from the rig's truth as input. What is left between
+// photo and prediction must be the sensor's own noise (Poisson electrons, read noise, 12-bit steps) and the sampling
+// noise of the rig, wherever the photo is not clipped. It proves groove, integral, BRDF, pairs and camera together. It
+// proves nothing about fitting: truth is given.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -164,8 +164,8 @@ void each_view(const Rig& rig, const Light& lamp, const Eigen::Vector2d& low_mm,
 }
 
 TEST(RigPrediction, CleanBenchDownToTheNoise) {
-  const fs::path folder = fs::path(places::shared()) / "rigs/a";
-  if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << "no rigs beside the checkout: " << folder;
+  const fs::path folder = places::rig("a");
+  if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << "needs the photographed bench " << folder;
   const Rig rig = load_rig(folder);
   const double psf_px = rig.truth["psf_sigma_px"];
   const Light lamp = lamp_of(rig.truth["lights"][0]);
@@ -220,9 +220,10 @@ std::vector<bool> lonely_pixels(const ViewScene& scene, const Scratches& scratch
 // The other rig: a bowed face, a spot lamp with color, room light, vignetting, grooves of uneven depth and roughness.
 // Its scratches hide each other where they cross, which is not the model here, so only pixels are compared that see a
 // single scratch. 8-bit JPEG and dust: the middle half of thousands of pixels.
-TEST(RigPrediction, AmateurBenchInTheMiddle) {
-  const fs::path folder = fs::path(places::shared()) / "rigs/b";
-  if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << "no rigs beside the checkout: " << folder;
+class AmateurBench : public testing::TestWithParam<const char*> {};
+TEST_P(AmateurBench, IsPredictedInTheMiddle) {
+  const fs::path folder = places::rig(GetParam());
+  if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << "needs the photographed bench " << folder;
   Rig rig = load_rig(folder);
   const Light lamp = lamp_of(rig.truth["lights"][0]);
   const Eigen::Vector3d vignette = vec3(rig.truth["vignette"]);
@@ -282,6 +283,7 @@ TEST(RigPrediction, AmateurBenchInTheMiddle) {
       });
   EXPECT_GE(photos, 6);
 }
+INSTANTIATE_TEST_SUITE_P(RigPrediction, AmateurBench, testing::Values("b-small", "b"), places::as_test_name);
 
 }  // namespace
 }  // namespace burin

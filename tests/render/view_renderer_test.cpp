@@ -424,7 +424,11 @@ TEST(ViewRenderer, BadInputIsNamed) {
   renderer.forward_with_jacobian(in_metal(w.scratches), image);
   EXPECT_THAT(message([&] { renderer.backward(Image(3, 3, 1), g); }), testing::HasSubstr("another size"));
   g.resize(3);
-  EXPECT_THAT(message([&] { renderer.backward(image, g); }), testing::HasSubstr("resize()"));
+  EXPECT_THAT(message([&] { renderer.backward(image, g); }), testing::HasSubstr("are for 3 scratches"));
+  // Empty gradients are sized, and hold what those of a view of its own hold.
+  ScratchGradients empty;
+  renderer.backward(image, empty);
+  EXPECT_EQ(empty.x0_mm, renderer.backward(image).x0_mm);
   ViewScene scene = w.scene;
   scene.material.alpha = 0;
   EXPECT_THAT(message([&] { ViewRenderer r(scene); }), testing::HasSubstr("material.alpha"));

@@ -38,12 +38,14 @@
 
 namespace burin {
 
+/// Scratches drawn by chance, in the carve area.
 struct RandomScratches {
   int count = 0;
   double shortest_mm = 6, longest_mm = 10;
   std::uint64_t seed = 0;
 };
 
+/// What a simulated sensor stores, and its noise.
 struct SensorTruth {
   int channels = 1;  ///< 1: the mean of R, G and B
   Encoding encoding = Encoding::linear;
@@ -70,6 +72,7 @@ struct ShapeOnBoard {
   double smudge = 1;                     ///< 1: hides the metal; less: that part of it is veiled
 };
 
+/// Specks and fibers scattered over the board.
 struct Dust {
   int specks = 0, fibers = 0;
   double smallest_mm = 0.1, largest_mm = 0.5;
@@ -77,18 +80,21 @@ struct Dust {
   std::uint64_t seed = 0;
 };
 
+/// A photo that a truth asks for.
 struct TruthPhoto {
   std::filesystem::path file;  ///< relative to the output folder
   Photo photo;                 ///< view, light, exposure; `file` is empty
   std::string datetime;        ///< "2024:03:09 14:03:30", or empty
 };
 
+/// A place that the simulated camera stands at, and the photos it takes there.
 struct TruthView {
   std::string name;
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
   std::vector<TruthPhoto> photos;
 };
 
+/// What a simulated bench really is (`truth.json`).
 struct BenchTruth {
   std::filesystem::path file;
   std::string name;

@@ -112,7 +112,7 @@ Arriving arriving(const Light& light, const Vector3d& p) {
   return a;
 }
 
-// What changes slowly over a pixel, at one of its corners on the face.
+// Quantities that change slowly over a pixel, at one of its corners on the face.
 struct Corner {
   double x = kNaN, y = kNaN;              // on the face; NaN where the ray misses it
   double cloth_x = kNaN, cloth_y = kNaN;  // on the cloth's plane
@@ -122,6 +122,64 @@ struct Corner {
   double cos_i = 0, cos_o = 0;
   double base = 0;  // D G of the plain face times geometry
 };
+
+/// A pixel by its corners, in the order of (u, v) = (0, 0), (1, 0), (0, 1), (1, 1), v downwards.
+struct PixelCorners {
+  std::array<const Corner*, 4> corner;
+
+  double mean(double Corner::*field) const {
+    return (corner[0]->*field + corner[1]->*field + corner[2]->*field + corner[3]->*field) / 4;
+  }
+  double at(double Corner::*field, double u, double v) const {
+    return (1 - v) * ((1 - u) * corner[0]->*field + u * corner[1]->*field) +
+           v * ((1 - u) * corner[2]->*field + u * corner[3]->*field);
+  }
+  /// The board's box around them.
+  void box(Vector2d& low, Vector2d& high) const {
+    const auto [x0, x1] = std::minmax({corner[0]->x, corner[1]->x, corner[2]->x, corner[3]->x});
+    const auto [y0, y1] = std::minmax({corner[0]->y, corner[1]->y, corner[2]->y, corner[3]->y});
+    low = {x0, y0};
+    high = {x1, y1};
+  }
+};
+
+/// A groove as one pixel sees it.
+struct SeenGroove {
+  double x0, y0, ex, ey, length, half_width, t_per_mm, a2, scale, tilt;
+};
+
+/// Sums over the points of a pixel.
+struct PointSums {
+  Vector3d others = Vector3d::Zero();       // light of everything that is not metal
+  double metal = 0, covered = 0;            // points on metal, and grooves over them
+  double groove_light = 0;                  // D G times geometry
+  double sum_u = 0, sum_v = 0, sum_uv = 0;  // of points that show the plain face
+  double plain = 0;
+};
+
+/// Light of the grooves at a point of the metal of which `bare` shows; whether the plain face shows there too.
+bool add_grooves(const std::vector<SeenGroove>& grooves, double px, double py, const Vector3d& h, double bare,
+                 bool last_rules, PointSums& sums) {
+  bool shows_plain = true;
+  for (std::size_t k = grooves.size(); k-- > 0;) {
+    const SeenGroove& g = grooves[k];
+    const double dx = px - g.x0, dy = py - g.y0;
+    const double across = dx * g.ey - dy * g.ex, along = dx * g.ex + dy * g.ey;
+    if (std::abs(across) > g.half_width || along < 0 || along > g.length) continue;
+    sums.covered += bare;
+    // The groove's normal (-2t, 0, 1 - t^2) / (1 + t^2) across it, along it, out of the face (docs/model.md 2.3).
+    const double t = g.t_per_mm * across;
+    const double h_across = (h.x() * g.ey - h.y() * g.ex - h.z() * g.tilt) / std::sqrt(1 - g.tilt * g.tilt);
+    const double n_h = (-2 * t * h_across + (1 - t * t) * h.z()) / (1 + t * t);
+    if (n_h > 0) {
+      const double q = n_h * n_h * (g.a2 - 1) + 1;
+      sums.groove_light += bare * g.scale / (q * q);
+    }
+    shows_plain = false;
+    if (last_rules) break;
+  }
+  return shows_plain;
+}
 
 }  // namespace
 
@@ -138,6 +196,12 @@ struct PointSampler::State {
   Vector3d pixel(std::span<const Corner> above, std::span<const Corner> below, int x, const Light& light,
                  const Vector3d& camera, std::uint64_t seed) const;
   void near_grooves(const Vector2d& low, const Vector2d& high, std::vector<int>& found) const;
+  Vector3d cloth_at(const PixelCorners& corners, const Light& light, double u, double v) const;
+  void see_grooves(const std::vector<int>& near, const PixelCorners& corners, const Vector3d& normal,
+                   std::vector<SeenGroove>& seen) const;
+  /// Adds the light of what lies above a point of the face; returns the share of the metal that nothing hides.
+  double add_things(const std::vector<int>& near, double px, double py, const Vector3d& normal, const Vector3d& wo,
+                    const Light& light, Vector3d& others) const;
 };
 
 PointSampler::PointSampler(const BenchTruth& truth, const Carved& grooves) : state_(std::make_unique<State>(truth)) {
@@ -223,77 +287,88 @@ void PointSampler::State::near_grooves(const Vector2d& low, const Vector2d& high
   found.erase(std::unique(found.begin(), found.end()), found.end());
 }
 
+Vector3d PointSampler::State::cloth_at(const PixelCorners& corners, const Light& light, double u, double v) const {
+  const double px = corners.at(&Corner::cloth_x, u, v), py = corners.at(&Corner::cloth_y, u, v);
+  const Arriving here = arriving(light, {px, py, truth.cloth.z_mm});
+  const Vector3d lit =
+      light.intensity * (std::max(0.0, here.wi.z()) * here.strength / std::numbers::pi) + truth.ambient;
+  return truth.cloth.albedo.cwiseProduct(lit) *
+         (truth.cloth.noise > 0 ? cloth_pattern(px, py, truth.cloth.noise, truth.seed) : 1.0);
+}
+
+void PointSampler::State::see_grooves(const std::vector<int>& near, const PixelCorners& corners, const Vector3d& normal,
+                                      std::vector<SeenGroove>& seen) const {
+  seen.clear();
+  for (const int i : near) {
+    const Groove& g = grooves[i];
+    const double a2 = g.alpha * g.alpha;
+    seen.push_back(
+        {g.x0, g.y0, g.ex, g.ey, g.length, g.half_width, g.t_per_mm, a2,
+         a2 / std::numbers::pi * smith_G(corners.mean(&Corner::cos_i), corners.mean(&Corner::cos_o), g.alpha),
+         normal.x() * g.ey - normal.y() * g.ex});
+  }
+}
+
+double PointSampler::State::add_things(const std::vector<int>& near, double px, double py, const Vector3d& normal,
+                                       const Vector3d& wo, const Light& light, Vector3d& others) const {
+  double bare = 1;
+  for (const int thing : near) {
+    const double z = things.z_mm(thing);
+    const double tx = px + z * wo.x() / wo.z(), ty = py + z * wo.y() / wo.z();
+    Coat coat;
+    if (!things.at(thing, tx, ty, coat)) continue;
+    const Arriving here = arriving(light, {tx, ty, z + height_mm(truth.surface, tx, ty)});
+    const double cos_i = std::max(0.0, normal.dot(here.wi));
+    Vector3d seen =
+        coat.albedo.cwiseProduct(light.intensity * (cos_i * here.strength / std::numbers::pi) + truth.ambient);
+    if (coat.gloss_f0 > 0) {
+      const Vector3d h = (here.wi + wo).normalized();
+      const double cos_o = normal.dot(wo);
+      if (cos_i > 0 && cos_o > 0)
+        seen += light.intensity * (ggx_D(normal.dot(h), coat.gloss_alpha) * smith_G(cos_i, cos_o, coat.gloss_alpha) *
+                                   schlick_F(h.dot(wo), coat.gloss_f0) * here.strength / (4 * cos_o));
+      seen += truth.ambient * coat.gloss_f0;
+    }
+    others += bare * coat.share * seen;
+    bare *= 1 - coat.share;
+    if (bare <= 0) break;
+  }
+  return bare;
+}
+
 Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<const Corner> below, int x,
                                     const Light& light, const Vector3d& camera, std::uint64_t seed) const {
-  // Corners in the order of (u, v) = (0, 0), (1, 0), (0, 1), (1, 1), v downwards.
-  const std::array<const Corner*, 4> corner{&above[x], &above[x + 1], &below[x], &below[x + 1]};
-  const auto mean = [&](double Corner::*field) {
-    return (corner[0]->*field + corner[1]->*field + corner[2]->*field + corner[3]->*field) / 4;
-  };
-  const auto between = [&](double Corner::*field, double u, double v) {
-    return (1 - v) * ((1 - u) * corner[0]->*field + u * corner[1]->*field) +
-           v * ((1 - u) * corner[2]->*field + u * corner[3]->*field);
-  };
-  if (!std::isfinite(mean(&Corner::cloth_x))) return Vector3d::Zero();  // beyond the horizon: nothing there
-
-  const auto cloth_at = [&](double u, double v) -> Vector3d {
-    const double px = between(&Corner::cloth_x, u, v), py = between(&Corner::cloth_y, u, v);
-    const Arriving here = arriving(light, {px, py, truth.cloth.z_mm});
-    const Vector3d lit =
-        light.intensity * (std::max(0.0, here.wi.z()) * here.strength / std::numbers::pi) + truth.ambient;
-    return truth.cloth.albedo.cwiseProduct(lit) *
-           (truth.cloth.noise > 0 ? cloth_pattern(px, py, truth.cloth.noise, truth.seed) : 1.0);
-  };
-
-  const bool on_plane = std::isfinite(mean(&Corner::x));
+  const PixelCorners corners{{&above[x], &above[x + 1], &below[x], &below[x + 1]}};
+  if (!std::isfinite(corners.mean(&Corner::cloth_x))) return Vector3d::Zero();  // beyond the horizon: nothing there
+  const bool on_plane = std::isfinite(corners.mean(&Corner::x));
   Vector2d low(1, 1), high(0, 0);
-  if (on_plane) {
-    const auto [x0, x1] = std::minmax({corner[0]->x, corner[1]->x, corner[2]->x, corner[3]->x});
-    const auto [y0, y1] = std::minmax({corner[0]->y, corner[1]->y, corner[2]->y, corner[3]->y});
-    low = {x0, y0};
-    high = {x1, y1};
-  }
+  if (on_plane) corners.box(low, high);
   const Vector2d size = truth.board.size_mm;
   constexpr double kEdge_mm = 1;  // paper above the face is seen over the board's edge
   const bool misses = !on_plane || high.x() < -kEdge_mm || high.y() < -kEdge_mm || low.x() > size.x() + kEdge_mm ||
                       low.y() > size.y() + kEdge_mm;
-  if (misses) return cloth_at(0.5, 0.5);  // nothing rests on how finely the cloth is seen
+  if (misses) return cloth_at(corners, light, 0.5, 0.5);  // nothing rests on how finely the cloth is seen
   const bool whole = low.x() >= 0 && low.y() >= 0 && high.x() <= size.x() && high.y() <= size.y();
 
   thread_local std::vector<int> near_things, near;
   things.near(low, high, near_things);
   near_grooves(low, high, near);
   const Vector3d f0 = truth.board.material.f0;
-  const Vector3d F = f0 + (Vector3d::Ones() - f0) * mean(&Corner::fresnel);
+  const Vector3d F = f0 + (Vector3d::Ones() - f0) * corners.mean(&Corner::fresnel);
   if (whole && near.empty() && near_things.empty())  // plain face, and smooth: nothing to sample
-    return light.intensity.cwiseProduct(F) * mean(&Corner::base) + truth.ambient.cwiseProduct(f0);
+    return light.intensity.cwiseProduct(F) * corners.mean(&Corner::base) + truth.ambient.cwiseProduct(f0);
   const int wanted = near.empty() ? truth.samples_plain : truth.samples;
   const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(wanted))));
 
-  // Each groove as this pixel sees it.
-  struct Candidate {
-    double x0, y0, ex, ey, length, half_width, t_per_mm, a2, scale, tilt;
-  };
-  thread_local std::vector<Candidate> candidates;
-  candidates.clear();
-  const double mean_x = mean(&Corner::x), mean_y = mean(&Corner::y);
+  const double mean_x = corners.mean(&Corner::x), mean_y = corners.mean(&Corner::y);
   const Vector3d normal = face_normal(truth.surface, mean_x, mean_y);
-  for (const int i : near) {
-    const Groove& g = grooves[i];
-    const double a2 = g.alpha * g.alpha;
-    candidates.push_back({g.x0, g.y0, g.ex, g.ey, g.length, g.half_width, g.t_per_mm, a2,
-                          a2 / std::numbers::pi * smith_G(mean(&Corner::cos_i), mean(&Corner::cos_o), g.alpha),
-                          normal.x() * g.ey - normal.y() * g.ex});
-  }
-  const double mean_hx = mean(&Corner::h_x), mean_hy = mean(&Corner::h_y), mean_hn = mean(&Corner::h_n);
+  thread_local std::vector<SeenGroove> seen_grooves;
+  see_grooves(near, corners, normal, seen_grooves);
+  const Vector3d mean_h(corners.mean(&Corner::h_x), corners.mean(&Corner::h_y), corners.mean(&Corner::h_n));
   // The camera's direction at the pixel, for things above the face.
   const Vector3d wo = (camera - Vector3d(mean_x, mean_y, 0)).normalized();
 
-  Vector3d others = Vector3d::Zero();       // light of everything that is not metal
-  double metal = 0, covered = 0;            // points on metal, and grooves over them
-  double groove_light = 0;                  // D G times geometry, summed
-  double sum_u = 0, sum_v = 0, sum_uv = 0;  // of points that show the plain face
-  double plain = 0;
+  PointSums sums;
   const double cell = 1.0 / side;
   std::uint64_t state = seed;
   for (int j = 0; j < side; ++j)
@@ -301,73 +376,37 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
       const std::uint64_t bits = scattered(state += 0x9e3779b97f4a7c15ULL);
       const double u = (i + static_cast<double>(bits >> 32) * 0x1.0p-32) * cell;
       const double v = (j + static_cast<double>(bits & 0xffffffffU) * 0x1.0p-32) * cell;
-      const double px = between(&Corner::x, u, v), py = between(&Corner::y, u, v);
-      double bare = 1;  // share of the metal that nothing hides
-      for (const int thing : near_things) {
-        const double z = things.z_mm(thing);
-        const double tx = px + z * wo.x() / wo.z(), ty = py + z * wo.y() / wo.z();
-        Coat coat;
-        if (!things.at(thing, tx, ty, coat)) continue;
-        const Arriving here = arriving(light, {tx, ty, z + height_mm(truth.surface, tx, ty)});
-        const double cos_i = std::max(0.0, normal.dot(here.wi));
-        Vector3d seen =
-            coat.albedo.cwiseProduct(light.intensity * (cos_i * here.strength / std::numbers::pi) + truth.ambient);
-        if (coat.gloss_f0 > 0) {
-          const Vector3d h = (here.wi + wo).normalized();
-          const double cos_o = normal.dot(wo);
-          if (cos_i > 0 && cos_o > 0)
-            seen +=
-                light.intensity * (ggx_D(normal.dot(h), coat.gloss_alpha) * smith_G(cos_i, cos_o, coat.gloss_alpha) *
-                                   schlick_F(h.dot(wo), coat.gloss_f0) * here.strength / (4 * cos_o));
-          seen += truth.ambient * coat.gloss_f0;
-        }
-        others += bare * coat.share * seen;
-        bare *= 1 - coat.share;
-        if (bare <= 0) break;
-      }
+      const double px = corners.at(&Corner::x, u, v), py = corners.at(&Corner::y, u, v);
+      const double bare = add_things(near_things, px, py, normal, wo, light, sums.others);
       if (bare <= 0) continue;
       if (!whole && (px < 0 || py < 0 || px > size.x() || py > size.y())) {
-        others += bare * cloth_at(u, v);
+        sums.others += bare * cloth_at(corners, light, u, v);
         continue;
       }
-      metal += bare;
-      const double h_x = truth.h_at_center ? mean_hx : between(&Corner::h_x, u, v);
-      const double h_y = truth.h_at_center ? mean_hy : between(&Corner::h_y, u, v);
-      const double h_n = truth.h_at_center ? mean_hn : between(&Corner::h_n, u, v);
-      bool shows_plain = true;
-      for (std::size_t k = candidates.size(); k-- > 0;) {
-        const Candidate& g = candidates[k];
-        const double dx = px - g.x0, dy = py - g.y0;
-        const double across = dx * g.ey - dy * g.ex, along = dx * g.ex + dy * g.ey;
-        if (std::abs(across) > g.half_width || along < 0 || along > g.length) continue;
-        covered += bare;
-        // The groove's normal (-2t, 0, 1 - t^2) / (1 + t^2) across it, along it, out of the face (docs/model.md 2.3).
-        const double t = g.t_per_mm * across;
-        const double h_across = (h_x * g.ey - h_y * g.ex - h_n * g.tilt) / std::sqrt(1 - g.tilt * g.tilt);
-        const double n_h = (-2 * t * h_across + (1 - t * t) * h_n) / (1 + t * t);
-        if (n_h > 0) {
-          const double q = n_h * n_h * (g.a2 - 1) + 1;
-          groove_light += bare * g.scale / (q * q);
-        }
-        shows_plain = false;
-        if (truth.last_rules) break;
-      }
+      sums.metal += bare;
+      const Vector3d h = truth.h_at_center ? mean_h
+                                           : Vector3d(corners.at(&Corner::h_x, u, v), corners.at(&Corner::h_y, u, v),
+                                                      corners.at(&Corner::h_n, u, v));
+      const bool shows_plain = add_grooves(seen_grooves, px, py, h, bare, truth.last_rules, sums);
       if (shows_plain || !truth.last_rules) {
-        plain += bare;
-        sum_u += bare * u;
-        sum_v += bare * v;
-        sum_uv += bare * u * v;
+        sums.plain += bare;
+        sums.sum_u += bare * u;
+        sums.sum_v += bare * v;
+        sums.sum_uv += bare * u * v;
       }
     }
 
   // Sum of the bilinear base light over the points that show it.
+  const auto& corner = corners.corner;
   double base_light = 0;
-  if (plain > 0)
-    base_light = corner[0]->base * (plain - sum_u - sum_v + sum_uv) + corner[1]->base * (sum_u - sum_uv) +
-                 corner[2]->base * (sum_v - sum_uv) + corner[3]->base * sum_uv;
-  if (!truth.last_rules && metal > 0) base_light *= 1 - std::min(1.0, covered / metal);
-  const double reflected = groove_light * mean(&Corner::geometry) + base_light;
-  const Vector3d sum = others + light.intensity.cwiseProduct(F) * reflected + metal * truth.ambient.cwiseProduct(f0);
+  if (sums.plain > 0)
+    base_light = corner[0]->base * (sums.plain - sums.sum_u - sums.sum_v + sums.sum_uv) +
+                 corner[1]->base * (sums.sum_u - sums.sum_uv) + corner[2]->base * (sums.sum_v - sums.sum_uv) +
+                 corner[3]->base * sums.sum_uv;
+  if (!truth.last_rules && sums.metal > 0) base_light *= 1 - std::min(1.0, sums.covered / sums.metal);
+  const double reflected = sums.groove_light * corners.mean(&Corner::geometry) + base_light;
+  const Vector3d sum =
+      sums.others + light.intensity.cwiseProduct(F) * reflected + sums.metal * truth.ambient.cwiseProduct(f0);
   return sum / (side * side);
 }
 

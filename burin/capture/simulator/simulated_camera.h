@@ -11,13 +11,14 @@
 #include <string>
 #include <vector>
 
-#include "burin/capture/finding.h"
 #include "burin/capture/simulator/bench_truth.h"
+#include "burin/render/finding.h"
 #include "burin/render/image.h"
 #include "burin/render/progress.h"
 
 namespace burin {
 
+/// What of a truth is carved and photographed.
 struct SimulateOptions {
   std::filesystem::path scratches;  ///< carve this design instead of the truth's own; empty: the truth's
   std::vector<std::string> views;   ///< photograph from these places only; empty: all

@@ -18,7 +18,7 @@ struct ThingsOnBoard::Thing {
   double cos_angle = 1, sin_angle = 0;
   double z_mm = 0;
   Coat coat;
-  // Of a tag: cells, row by row from the top; `coat` is the white paper.
+  // For a tag: its cells, row by row from the top; `coat` is the white paper.
   int cells = 0;
   double cell_mm = 0;
   std::vector<bool> black;

@@ -1,4 +1,5 @@
 #include "burin/capture/tags/tag_coverage.h"
+#include "burin/render/median.h"
 
 #include <algorithm>
 #include <array>
@@ -10,13 +11,6 @@
 
 namespace burin {
 namespace {
-
-double median_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 struct Points {
   std::vector<cv::Point3f> board;

@@ -14,6 +14,7 @@
 
 #include "burin/capture/tags/tag_family.h"
 #include "burin/render/error.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -96,8 +97,104 @@ struct Side {
 
 enum class SideFault { none, clipped, no_edge };
 
-// Fits  I(s, t) = (k0 + k1 t) + ((w0 + w1 t) - (k0 + k1 t)) Phi((s - offset - slope t) / blur)  to the pixels of the
-// strip by Gauss-Newton with Huber-like weights. t runs along the side, s across it.
+/// A pixel of the strip along a side: t along it, s across it, from its middle.
+struct StripPixel {
+  double s, t, value;
+};
+
+/// The edge as it is known so far: s = offset + slope t, blurred by a Gaussian of `blur` px.
+struct EdgeEstimate {
+  double offset = 0, slope = 0, blur = 0.8;
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of (offset, slope)
+};
+
+/// The pixels within `reach` along the side and `half_strip` across the edge; how many of them say nothing.
+std::vector<StripPixel> strip_pixels(const Gray& gray, std::span<const std::uint8_t> valid, const Side& side,
+                                     const EdgeEstimate& edge, double reach, double half_strip, int& unusable) {
+  std::vector<StripPixel> pixels;
+  unusable = 0;
+  const double rx = std::abs(side.along.x()) * reach + half_strip + 2,
+               ry = std::abs(side.along.y()) * reach + half_strip + 2;
+  const int x0 = std::max(0, static_cast<int>(std::floor(side.mid.x() - rx))),
+            x1 = std::min(gray.width - 1, static_cast<int>(std::ceil(side.mid.x() + rx)));
+  const int y0 = std::max(0, static_cast<int>(std::floor(side.mid.y() - ry))),
+            y1 = std::min(gray.height - 1, static_cast<int>(std::ceil(side.mid.y() + ry)));
+  for (int y = y0; y <= y1; ++y)
+    for (int x = x0; x <= x1; ++x) {
+      const Eigen::Vector2d d = Eigen::Vector2d(x, y) - side.mid;
+      const double t = d.dot(side.along), s = d.dot(side.across);
+      if (std::abs(t) > reach || std::abs(s - edge.offset - edge.slope * t) > half_strip) continue;
+      const std::size_t i = static_cast<std::size_t>(y) * gray.width + x;
+      if ((!valid.empty() && !valid[i]) || !std::isfinite(gray.value[i])) {
+        ++unusable;
+        continue;
+      }
+      pixels.push_back({s, t, gray.value[i]});
+    }
+  return pixels;
+}
+
+/// Fits  I(s, t) = (k0 + k1 t) + ((w0 + w1 t) - (k0 + k1 t)) Phi((s - offset - slope t) / blur)  to pixels by
+/// Gauss-Newton with Huber-like weights. False where there is no edge.
+bool fit_edge(const std::vector<StripPixel>& pixels, double reach, EdgeEstimate& edge) {
+  constexpr int kIterations = 10;
+  // Levels: seeded from the means of the two halves.
+  double sum[2] = {0, 0};
+  int count[2] = {0, 0};
+  for (const StripPixel& p : pixels) {
+    const int h = p.s - edge.offset - edge.slope * p.t > 0 ? 1 : 0;
+    sum[h] += p.value;
+    ++count[h];
+  }
+  if (count[0] < 6 || count[1] < 6) return false;
+  double k0 = sum[0] / count[0], w0 = sum[1] / count[1], k1 = 0, w1 = 0;
+  if (!(std::abs(w0 - k0) > 0.05 * std::max(std::abs(w0), std::abs(k0)))) return false;
+
+  double scale = 0.25 * std::abs(w0 - k0);  // of the residuals, for the weights
+  Eigen::Matrix<double, 7, 7> JtJ;
+  double chi2 = 0, weight_sum = 0;
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    JtJ.setZero();
+    Eigen::Matrix<double, 7, 1> Jtr = Eigen::Matrix<double, 7, 1>::Zero();
+    chi2 = weight_sum = 0;
+    std::vector<double> absolute;
+    absolute.reserve(pixels.size());
+    for (const StripPixel& p : pixels) {
+      const double u = (p.s - edge.offset - edge.slope * p.t) / edge.blur, tn = p.t / reach;
+      const double Phi = 0.5 * std::erfc(-u / std::sqrt(2.0)),
+                   phi = std::exp(-0.5 * u * u) / std::sqrt(2 * std::numbers::pi);
+      const double k = k0 + k1 * tn, w = w0 + w1 * tn, c = w - k;
+      const double r = p.value - (k + c * Phi);
+      Eigen::Matrix<double, 7, 1> J;
+      J << -c * phi / edge.blur, -c * phi / edge.blur * p.t, -c * phi * u, 1 - Phi, (1 - Phi) * tn, Phi, Phi * tn;
+      const double weight = std::abs(r) < 2 * scale ? 1 : 2 * scale / std::abs(r);
+      JtJ += weight * J * J.transpose();
+      Jtr += weight * r * J;
+      chi2 += weight * r * r;
+      weight_sum += weight;
+      absolute.push_back(std::abs(r));
+    }
+    const Eigen::Matrix<double, 7, 1> step = JtJ.ldlt().solve(Jtr);
+    if (!step.allFinite()) return false;
+    edge.offset += std::clamp(step[0], -0.7, 0.7);
+    edge.slope += std::clamp(step[1], -0.1, 0.1);
+    edge.blur = std::clamp(edge.blur + std::clamp(step[2], -0.4, 0.4), 0.25, 20.0);
+    k0 += step[3];
+    k1 += step[4];
+    w0 += step[5];
+    w1 += step[6];
+    auto mid = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
+    std::nth_element(absolute.begin(), mid, absolute.end());
+    scale = std::max(1.48 * *mid, 1e-4 * std::abs(w0 - k0));
+    if (iteration > 2 && std::abs(step[0]) < 1e-4 && std::abs(step[1]) * reach < 1e-4) break;
+  }
+  const double variance = chi2 / std::max(1.0, weight_sum - 7);
+  edge.covariance = (variance * JtJ.inverse()).topLeftCorner<2, 2>();
+  return true;
+}
+
+/// Measures the side from a to b: its edge is fitted in a strip that follows the line as it is found, so that pixels on
+/// both sides stay balanced.
 SideFault fit_side(const Gray& gray, std::span<const std::uint8_t> valid, const Eigen::Vector2d& a,
                    const Eigen::Vector2d& b, double modules_per_side, Side& side) {
   const double length = (b - a).norm(), module = length / modules_per_side;
@@ -106,100 +203,24 @@ SideFault fit_side(const Gray& gray, std::span<const std::uint8_t> valid, const 
   side.along = (b - a) / length;
   side.across = {-side.along.y(), side.along.x()};
 
-  // The strip follows the line as it is found, so that pixels on both sides stay balanced.
-  constexpr int kPasses = 3, kIterations = 10;
-  double offset = 0, slope = 0, blur = 0.8;
+  constexpr int kPasses = 3;
+  EdgeEstimate edge;
   const double widest = std::max(kMinStripPx, kStripModules * module), limit = std::max(3.0, kRoughSides * length);
   for (int pass = 0; pass < kPasses; ++pass) {
     const double half_strip =
-        std::clamp(pass == 0 ? kSeedStripPx : std::max(kMaxStripPx, kStripBlurs * blur), kMinStripPx, widest);
-    if (pass == 0) blur = std::max(0.8, half_strip / 5);
-    struct Sample {
-      double s, t, value;
-    };
-    std::vector<Sample> samples;
+        std::clamp(pass == 0 ? kSeedStripPx : std::max(kMaxStripPx, kStripBlurs * edge.blur), kMinStripPx, widest);
+    if (pass == 0) edge.blur = std::max(0.8, half_strip / 5);
     int unusable = 0;
-    const double rx = std::abs(side.along.x()) * reach + half_strip + 2,
-                 ry = std::abs(side.along.y()) * reach + half_strip + 2;
-    const int x0 = std::max(0, static_cast<int>(std::floor(side.mid.x() - rx))),
-              x1 = std::min(gray.width - 1, static_cast<int>(std::ceil(side.mid.x() + rx)));
-    const int y0 = std::max(0, static_cast<int>(std::floor(side.mid.y() - ry))),
-              y1 = std::min(gray.height - 1, static_cast<int>(std::ceil(side.mid.y() + ry)));
-    for (int y = y0; y <= y1; ++y)
-      for (int x = x0; x <= x1; ++x) {
-        const Eigen::Vector2d d = Eigen::Vector2d(x, y) - side.mid;
-        const double t = d.dot(side.along), s = d.dot(side.across);
-        if (std::abs(t) > reach || std::abs(s - offset - slope * t) > half_strip) continue;
-        const std::size_t i = static_cast<std::size_t>(y) * gray.width + x;
-        if ((!valid.empty() && !valid[i]) || !std::isfinite(gray.value[i])) {
-          ++unusable;
-          continue;
-        }
-        samples.push_back({s, t, gray.value[i]});
-      }
-    if (unusable > static_cast<int>(samples.size()) / 8) return SideFault::clipped;
-    if (samples.size() < 16) return SideFault::no_edge;
-
-    // Levels: seeded from the means of the two halves.
-    double sum[2] = {0, 0};
-    int count[2] = {0, 0};
-    for (const Sample& p : samples) {
-      const int h = p.s - offset - slope * p.t > 0 ? 1 : 0;
-      sum[h] += p.value;
-      ++count[h];
-    }
-    if (count[0] < 6 || count[1] < 6) return SideFault::no_edge;
-    double k0 = sum[0] / count[0], w0 = sum[1] / count[1], k1 = 0, w1 = 0;
-    if (!(std::abs(w0 - k0) > 0.05 * std::max(std::abs(w0), std::abs(k0)))) return SideFault::no_edge;
-
-    double scale = 0.25 * std::abs(w0 - k0);  // of the residuals, for the weights
-    Eigen::Matrix<double, 7, 7> JtJ;
-    double chi2 = 0, weight_sum = 0;
-    for (int iteration = 0; iteration < kIterations; ++iteration) {
-      JtJ.setZero();
-      Eigen::Matrix<double, 7, 1> Jtr = Eigen::Matrix<double, 7, 1>::Zero();
-      chi2 = weight_sum = 0;
-      std::vector<double> absolute;
-      absolute.reserve(samples.size());
-      for (const Sample& p : samples) {
-        const double u = (p.s - offset - slope * p.t) / blur, tn = p.t / reach;
-        const double Phi = 0.5 * std::erfc(-u / std::sqrt(2.0)),
-                     phi = std::exp(-0.5 * u * u) / std::sqrt(2 * std::numbers::pi);
-        const double k = k0 + k1 * tn, w = w0 + w1 * tn, c = w - k;
-        const double r = p.value - (k + c * Phi);
-        Eigen::Matrix<double, 7, 1> J;
-        J << -c * phi / blur, -c * phi / blur * p.t, -c * phi * u, 1 - Phi, (1 - Phi) * tn, Phi, Phi * tn;
-        const double weight = std::abs(r) < 2 * scale ? 1 : 2 * scale / std::abs(r);
-        JtJ += weight * J * J.transpose();
-        Jtr += weight * r * J;
-        chi2 += weight * r * r;
-        weight_sum += weight;
-        absolute.push_back(std::abs(r));
-      }
-      const Eigen::Matrix<double, 7, 1> step = JtJ.ldlt().solve(Jtr);
-      if (!step.allFinite()) return SideFault::no_edge;
-      offset += std::clamp(step[0], -0.7, 0.7);
-      slope += std::clamp(step[1], -0.1, 0.1);
-      blur = std::clamp(blur + std::clamp(step[2], -0.4, 0.4), 0.25, 20.0);
-      k0 += step[3];
-      k1 += step[4];
-      w0 += step[5];
-      w1 += step[6];
-      auto mid = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
-      std::nth_element(absolute.begin(), mid, absolute.end());
-      scale = std::max(1.48 * *mid, 1e-4 * std::abs(w0 - k0));
-      if (iteration > 2 && std::abs(step[0]) < 1e-4 && std::abs(step[1]) * reach < 1e-4) break;
-    }
-    if (std::abs(offset) > limit || std::abs(slope) > 0.3) return SideFault::no_edge;
-    if (pass == kPasses - 1) {
-      const double variance = chi2 / std::max(1.0, weight_sum - 7);
-      side.offset = offset;
-      side.slope = slope;
-      side.blur_px = blur;
-      side.covariance = (variance * JtJ.inverse()).topLeftCorner<2, 2>();
-      if (!side.covariance.allFinite()) return SideFault::no_edge;
-    }
+    const std::vector<StripPixel> pixels = strip_pixels(gray, valid, side, edge, reach, half_strip, unusable);
+    if (unusable > static_cast<int>(pixels.size()) / 8) return SideFault::clipped;
+    if (pixels.size() < 16 || !fit_edge(pixels, reach, edge)) return SideFault::no_edge;
+    if (std::abs(edge.offset) > limit || std::abs(edge.slope) > 0.3) return SideFault::no_edge;
   }
+  if (!edge.covariance.allFinite()) return SideFault::no_edge;
+  side.offset = edge.offset;
+  side.slope = edge.slope;
+  side.blur_px = edge.blur;
+  side.covariance = edge.covariance;
   return SideFault::none;
 }
 

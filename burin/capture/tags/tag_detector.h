@@ -39,11 +39,13 @@ struct RejectedTag {
   std::string reason;
 };
 
+/// Tags found in one photo, and those that were seen and not used.
 struct TagsInPhoto {
   std::vector<TagDetection> tags;  ///< sorted by id
   std::vector<RejectedTag> rejected;
 };
 
+/// When a tag is taken for one.
 struct TagDetectorOptions {
   int max_hamming = 1;
   double min_decision_margin = 20;

@@ -14,7 +14,7 @@
 
 namespace burin {
 
-/// What of one view does not depend on scratches, for every pixel with a footprint.
+/// The part of a view that does not depend on scratches, for every pixel with a footprint.
 struct ViewPixels {
   int channels = 1;
   std::vector<PixelShading> shading;  ///< width * height
@@ -54,7 +54,7 @@ class ExactView {
   const std::vector<double>& radiance() const { return radiance_; }
 
  private:
-  /// Of Dhat G, and of the area, by the scratch's x0 y0 x1 y1, width, depth, alpha.
+  /// Derivatives of Dhat G, and of the area, by the scratch's x0 y0 x1 y1, width, depth, alpha.
   struct PairJacobian {
     std::array<double, 7> light{};
     std::array<double, 6> area{};

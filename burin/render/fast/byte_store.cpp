@@ -33,9 +33,9 @@ std::byte* ByteStore::take(std::size_t bytes) {
     held_ += block.size;
     blocks_.push_back(std::move(block));
   }
-  std::byte* const room = blocks_[block_].bytes.get() + used_;
+  std::byte* const space = blocks_[block_].bytes.get() + used_;
   used_ += bytes;
-  return room;
+  return space;
 }
 
 }  // namespace burin

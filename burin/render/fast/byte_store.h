@@ -1,5 +1,5 @@
-// burin/render/fast/byte_store.h - room for arrays that live until the next clear(), handed out from a few large blocks
-// that are kept: what is rendered again and again then needs no memory of the heap.
+// burin/render/fast/byte_store.h - memory for arrays that live until the next clear(), handed out from a few large
+// blocks that are kept: what is rendered again and again then needs no memory of the heap.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ class ByteStore {
   /// All is free again. Not while others take().
   void clear();
 
-  /// `bytes` of room, aligned for any packet (64 bytes), or null where it would not fit. From any thread.
+  /// `bytes` of memory, aligned for any packet (64 bytes), or null where it would not fit. From any thread.
   std::byte* take(std::size_t bytes);
 
  private:
@@ -33,7 +33,7 @@ class ByteStore {
   std::mutex mutex_;
   std::vector<Block> blocks_;
   std::size_t held_ = 0;              // bytes in all blocks
-  std::size_t block_ = 0, used_ = 0;  // where the next room comes from
+  std::size_t block_ = 0, used_ = 0;  // where the next memory comes from
 };
 
 }  // namespace burin

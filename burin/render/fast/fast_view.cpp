@@ -10,7 +10,7 @@
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/grow.h"
 #include "burin/render/fast/machine_clones.h"
-#include "burin/render/fast/render_room.h"
+#include "burin/render/fast/render_workspace.h"
 #include "burin/render/groove.h"
 #include "burin/render/pixel_shading.h"
 
@@ -40,14 +40,14 @@ BURIN_MACHINE_CLONES void multiply(const float* a, const float* b, int n, float*
 
 }  // namespace
 
-std::shared_ptr<RenderRoom> make_render_room(std::size_t most_jacobian_bytes) {
-  return std::make_shared<RenderRoom>(most_jacobian_bytes);
+std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian_bytes) {
+  return std::make_shared<RenderWorkspace>(most_jacobian_bytes);
 }
 
 struct FastView::Data {
   const int channels;
   const TileKernels& kernels;
-  const std::shared_ptr<RenderRoom> room;
+  const std::shared_ptr<RenderWorkspace> workspace;
   const std::shared_ptr<const TiledGrid> grid;
   const double tool_width_um, shared_depth_um, shared_alpha;
 
@@ -59,24 +59,24 @@ struct FastView::Data {
   std::vector<std::uint8_t> visible;  // empty without ambient light
   std::array<float, 3> ambient{};
 
-  // Of the last forward().
+  // From the last forward().
   KernelMode mode = KernelMode::value;
   std::size_t pair_count = 0;
   std::vector<double> width_um, depth_um;  // one each, or one of all
   std::vector<float> per_mm, rim, alpha;   // the same
 
-  Data(const ViewScene& scene, int c, SimdWidth width, std::shared_ptr<RenderRoom> r)
+  Data(const ViewScene& scene, int c, SimdWidth width, std::shared_ptr<RenderWorkspace> r)
       : channels(c),
         kernels(tile_kernels(width)),
-        room(std::move(r)),
-        grid(room->tiles_of(scene.grid)),
+        workspace(std::move(r)),
+        grid(workspace->tiles_of(scene.grid)),
         tool_width_um(scene.tool_width_um),
         shared_depth_um(scene.material.depth_um),
         shared_alpha(scene.material.alpha) {}
 
   void shade(const ViewScene& scene, bool material);
   void sort_scratches(const Scratches& scratches);
-  TilePlaces evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderRoom::Work& w, TileJacobian& to);
+  TilePlaces evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderWorkspace::Work& w, TileJacobian& to);
   void render_tile(std::size_t t, Image& radiance);
   double differentiate_tile(std::size_t t, const Image& dE_dradiance);
   double width_of(std::size_t scratch) const { return width_um[width_um.size() == 1 ? 0 : scratch]; }
@@ -88,15 +88,15 @@ struct FastView::Data {
             grid->corners.empty() ? nullptr : &grid->corners[t],
             &shading[t],
             &base[t * kTilePixels],
-            room->runs.of(t),
-            room->runs.shapes(t),
-            room->runs.count(t),
+            workspace->runs.of(t),
+            workspace->runs.shapes(t),
+            workspace->runs.count(t),
             grid->index.blocks(tile),
             grid->index.valid_rows(t),
             mode,
             false,
-            room->most_runs,
-            room->most_pairs};
+            workspace->most_runs,
+            workspace->most_pairs};
   }
 
   /// visit(pixels, place in the tile and number in the picture of the first) for the rows of a tile.
@@ -161,37 +161,37 @@ void FastView::Data::sort_scratches(const Scratches& s) {
   alpha.resize(s.alpha.empty() ? 1 : s.alpha.size());
   for (std::size_t i = 0; i < alpha.size(); ++i)
     alpha[i] = static_cast<float>(std::min(1.0, s.alpha.empty() ? shared_alpha : s.alpha[i]));
-  room->sort(grid, {s.size(),
-                    s.x0_mm.data(),
-                    s.y0_mm.data(),
-                    s.x1_mm.data(),
-                    s.y1_mm.data(),
-                    {per_mm.data(), widths == 1},
-                    {rim.data(), widths == 1},
-                    {alpha.data(), s.alpha.empty()}});
+  workspace->sort(grid, {s.size(),
+                         s.x0_mm.data(),
+                         s.y0_mm.data(),
+                         s.x1_mm.data(),
+                         s.y1_mm.data(),
+                         {per_mm.data(), widths == 1},
+                         {rim.data(), widths == 1},
+                         {alpha.data(), s.alpha.empty()}});
 }
 
-/// Finds and evaluates a tile's pairs. `to` is their Jacobian: kept where that is asked for and there is room, else in
+/// Finds and evaluates a tile's pairs. `to` is their Jacobian: kept where that is asked for and there is space, else in
 /// `w` until the next tile.
-TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderRoom::Work& w,
+TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderWorkspace::Work& w,
                                          TileJacobian& to) {
-  const TilePlaces places = room->places_of(t, task, kernels, w.found);
+  const TilePlaces places = workspace->places_of(t, task, kernels, w.found);
   const std::size_t first = t * kTilePixels, count = places.begin[task.run_count];
-  if (keep) to = room->keep_jacobian(mode, count);
+  if (keep) to = workspace->keep_jacobian(mode, count);
   const TileJacobian kept = to;
-  if (to.shift == nullptr) to = RenderRoom::make_jacobian(mode, count, w);
+  if (to.shift == nullptr) to = RenderWorkspace::make_jacobian(mode, count, w);
   kernels.evaluate(task, places, w.tile, w.pairs, to);
   to.ends = w.pairs.ends.data();
   to.end_count = w.pairs.ends.size();
   const bool some_covered =
       lobes_of_pixels(w.tile.sums, &grid->inv_area[first], &base[first], w.open, w.lobes, w.covered_base);
   if (mode != KernelMode::value && some_covered) kernels.cover(task, places, w.covered_base, w.tile, to);
-  if (keep) room->keep_ends(t, kept, w.pairs.ends);
+  if (keep) workspace->keep_ends(t, kept, w.pairs.ends);
   return places;
 }
 
 void FastView::Data::render_tile(std::size_t t, Image& radiance) {
-  RenderRoom::Work& w = *room->work.local();
+  RenderWorkspace::Work& w = *workspace->work.local();
   const TileTask task = task_of(t);
   // Pixels are met in no order: have them near before the first is needed.
   const auto fetch = [](const auto* what) {
@@ -206,7 +206,7 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
     const std::size_t i = t * kTilePixels + place;
     const float *lobes = w.lobes + place, *f = &factor[i * channels];
     float* out = &radiance.data[pixel * channels];
-    if (with_slope) multiply(w.open + place, &base_slope[i], n, &room->open_slope[i]);
+    if (with_slope) multiply(w.open + place, &base_slope[i], n, &workspace->open_slope[i]);
     if (channels == 1) {
       multiply(f, lobes, n, out);
     } else {
@@ -219,15 +219,15 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
   });
 }
 
-/// Puts the gradients of the tile's runs into the room; returns dE / d base_alpha through the tile.
+/// Puts the gradients of the tile's runs into the workspace; returns dE / d base_alpha through the tile.
 double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradiance) {
-  RenderRoom::Work& w = *room->work.local();
+  RenderWorkspace::Work& w = *workspace->work.local();
   const TileTask task = task_of(t);
-  TileJacobian jacobian = room->jacobian[t];
+  TileJacobian jacobian = workspace->jacobian[t];
   TilePlaces places;
   if (jacobian.shift != nullptr) {
-    places = room->places_of(t, task, kernels, w.found);
-  } else {  // there was no room for it: once more
+    places = workspace->places_of(t, task, kernels, w.found);
+  } else {  // there was no space for it: once more
     places = evaluate_tile(t, task, false, w, jacobian);
   }
   const bool material = mode == KernelMode::material;
@@ -245,17 +245,17 @@ double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradian
     multiply(by_lobes, inv_area, n, w.weight + place);
     if (!material) return;
     float by_slope = 0;
-    for (int k = 0; k < n; ++k) by_slope += by_lobes[k] * room->open_slope[i + k];
+    for (int k = 0; k < n; ++k) by_slope += by_lobes[k] * workspace->open_slope[i + k];
     by_base_alpha += by_slope;
   });
   kernels.gather(task, places, w.weight, jacobian,
-                 &room->by_run[static_cast<std::size_t>(room->runs.begin(t)) * run_gradients(mode)]);
+                 &workspace->by_run[static_cast<std::size_t>(workspace->runs.begin(t)) * run_gradients(mode)]);
   return by_base_alpha;
 }
 
 FastView::FastView(const ViewScene& scene, int channels, bool material, SimdWidth width,
-                   std::shared_ptr<RenderRoom> room)
-    : data_(std::make_unique<Data>(scene, channels, width, std::move(room))) {
+                   std::shared_ptr<RenderWorkspace> workspace)
+    : data_(std::make_unique<Data>(scene, channels, width, std::move(workspace))) {
   data_->shade(scene, material);
 }
 
@@ -265,54 +265,54 @@ std::size_t FastView::pair_count() const { return data_->pair_count; }
 
 void FastView::forward(const Scratches& scratches, KernelMode mode, Image& radiance) {
   Data& d = *data_;
-  RenderRoom& room = *d.room;
+  RenderWorkspace& workspace = *d.workspace;
   d.mode = mode;
-  room.owner = this;
+  workspace.owner = this;
   if (radiance.width != d.grid->width || radiance.height != d.grid->height || radiance.channels != d.channels)
     radiance = Image(d.grid->width, d.grid->height, d.channels);
   const std::size_t tiles = d.grid->tiles();
-  if (room.jacobian.size() < tiles) room.jacobian.resize(tiles);
-  if (mode == KernelMode::material && room.open_slope.size() < tiles * kTilePixels)
-    room.open_slope.resize(tiles * kTilePixels);
-  room.jacobian_store.clear();
+  if (workspace.jacobian.size() < tiles) workspace.jacobian.resize(tiles);
+  if (mode == KernelMode::material && workspace.open_slope.size() < tiles * kTilePixels)
+    workspace.open_slope.resize(tiles * kTilePixels);
+  workspace.jacobian_store.clear();
   d.sort_scratches(scratches);
   tbb::parallel_for(std::size_t{0}, tiles, [&](std::size_t t) { d.render_tile(t, radiance); });
   d.pair_count = 0;
   for (std::size_t t = 0; t < tiles; ++t) {
-    d.pair_count += room.pair_count[t];
-    room.most_pairs = std::max<std::size_t>(room.most_pairs, room.pair_count[t]);
+    d.pair_count += workspace.pair_count[t];
+    workspace.most_pairs = std::max<std::size_t>(workspace.most_pairs, workspace.pair_count[t]);
   }
 }
 
 void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
   Data& d = *data_;
-  RenderRoom& room = *d.room;
+  RenderWorkspace& workspace = *d.workspace;
   if (d.mode == KernelMode::value)
     fail("ViewRenderer::backward", "there is no Jacobian", "call forward_with_jacobian() first");
-  if (room.owner != this)
-    fail("ViewRenderer::backward", "another view has been rendered in the same room since",
+  if (workspace.owner != this)
+    fail("ViewRenderer::backward", "another view has been rendered in the same workspace since",
          "call backward() before the next view's forward_with_jacobian()");
   const std::size_t tiles = d.grid->tiles();
   const bool material = d.mode == KernelMode::material;
-  const std::size_t numbers = run_gradients(d.mode), needed = room.runs.total() * numbers;
-  grow_to(room.by_run, needed + 1);
-  room.by_tile.resize(tiles);
+  const std::size_t numbers = run_gradients(d.mode), needed = workspace.runs.total() * numbers;
+  grow_to(workspace.by_run, needed + 1);
+  workspace.by_tile.resize(tiles);
   tbb::parallel_for(std::size_t{0}, tiles,
-                    [&](std::size_t t) { room.by_tile[t] = d.differentiate_tile(t, dE_dradiance); });
-  for (const double v : room.by_tile) gradients.shared_base_alpha += v;
+                    [&](std::size_t t) { workspace.by_tile[t] = d.differentiate_tile(t, dE_dradiance); });
+  for (const double v : workspace.by_tile) gradients.shared_base_alpha += v;
   // A scratch's runs are added up in tile order.
-  room.by_chunk.assign(room.runs.chunk_count(), Eigen::Array3d::Zero());
+  workspace.by_chunk.assign(workspace.runs.chunk_count(), Eigen::Array3d::Zero());
   const auto add = [&](std::size_t chunk, std::uint32_t s, std::span<const std::uint32_t> runs) {
     const auto sum_of = [&](std::size_t from) {
       std::array<double, 4> sum{};
       for (const std::uint32_t r : runs) {
-        const float* by = &room.by_run[r * numbers + from];
+        const float* by = &workspace.by_run[r * numbers + from];
         for (int i = 0; i < 4; ++i) sum[i] += by[i];
       }
       return sum;
     };
     const std::array<double, 4> sum = sum_of(0);
-    const StripDirection& x = room.runs.across(s);
+    const StripDirection& x = workspace.runs.across(s);
     const double at_second = sum[1] / x.length_mm, at_first = sum[0] - at_second, first = sum[2], second = sum[3];
     gradients.x0_mm[s] += x.x * at_first - x.y * first;
     gradients.y0_mm[s] += x.y * at_first + x.x * first;
@@ -328,10 +328,10 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
     gradients.depth_um[s] += by_depth;
     const double by_alpha = by_shape[2];
     gradients.alpha[s] += by_alpha;
-    room.by_chunk[chunk] += Eigen::Array3d(by_width, by_depth, by_alpha);
+    workspace.by_chunk[chunk] += Eigen::Array3d(by_width, by_depth, by_alpha);
   };
-  room.runs.each_scratch(add, [&](std::uint32_t run) { __builtin_prefetch(&room.by_run[run * numbers]); });
-  for (const Eigen::Array3d& v : room.by_chunk) {
+  workspace.runs.each_scratch(add, [&](std::uint32_t run) { __builtin_prefetch(&workspace.by_run[run * numbers]); });
+  for (const Eigen::Array3d& v : workspace.by_chunk) {
     gradients.shared_width_um += v[0];
     gradients.shared_depth_um += v[1];
     gradients.shared_alpha += v[2];
@@ -340,19 +340,19 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
 
 void FastView::add_contributions(std::vector<double>& contribution) const {
   const Data& d = *data_;
-  RenderRoom& room = *d.room;
-  if (room.owner != this)
-    fail("ViewRenderer::add_contributions", "another view has been rendered in the same room since",
+  RenderWorkspace& workspace = *d.workspace;
+  if (workspace.owner != this)
+    fail("ViewRenderer::add_contributions", "another view has been rendered in the same workspace since",
          "call add_contributions() before the next view's forward()");
   // Light is not kept pair by pair: it is found again, tile by tile.
-  std::vector<float>& by_run = room.by_run;
-  grow_to(by_run, room.runs.total());
+  std::vector<float>& by_run = workspace.by_run;
+  grow_to(by_run, workspace.runs.total());
   tbb::parallel_for(std::size_t{0}, d.grid->tiles(), [&](std::size_t t) {
-    RenderRoom::Work& w = *room.work.local();
+    RenderWorkspace::Work& w = *workspace.work.local();
     TileTask task = d.task_of(t);
     task.mode = KernelMode::value;
     task.keep_light = true;
-    const TilePlaces places = room.places_of(t, task, d.kernels, w.found);
+    const TilePlaces places = workspace.places_of(t, task, d.kernels, w.found);
     d.kernels.evaluate(task, places, w.tile, w.pairs, {});
     for (std::uint32_t r = 0; r < task.run_count; ++r) {
       double sum = 0;
@@ -362,10 +362,10 @@ void FastView::add_contributions(std::vector<double>& contribution) const {
         for (int c = 0; c < d.channels; ++c) weight += d.factor[i * d.channels + c];
         sum += weight / d.channels * d.grid->inv_area[i] * w.pairs.light[k];
       }
-      by_run[room.runs.begin(t) + r] = static_cast<float>(sum);
+      by_run[workspace.runs.begin(t) + r] = static_cast<float>(sum);
     }
   });
-  room.runs.each_scratch(
+  workspace.runs.each_scratch(
       [&](std::size_t, std::uint32_t s, std::span<const std::uint32_t> runs) {
         for (const std::uint32_t r : runs) contribution[s] += by_run[r];
       },

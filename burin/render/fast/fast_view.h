@@ -20,9 +20,10 @@ namespace burin {
 
 class FastView {
  public:
-  /// `scene` must have passed check_view(); it may go. `material`: whether forward() will be asked for it. `room` may
-  /// be shared by views that are worked on one after the other.
-  FastView(const ViewScene& scene, int channels, bool material, SimdWidth width, std::shared_ptr<RenderRoom> room);
+  /// `scene` must have passed check_view(); it may go. `material`: whether forward() will be asked for it. `workspace`
+  /// may be shared by views that are worked on one after the other.
+  FastView(const ViewScene& scene, int channels, bool material, SimdWidth width,
+           std::shared_ptr<RenderWorkspace> workspace);
   ~FastView();
   FastView(const FastView&) = delete;
   FastView& operator=(const FastView&) = delete;

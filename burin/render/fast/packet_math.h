@@ -16,7 +16,7 @@
 #include "burin/render/fast/tile.h"
 #include "burin/render/footprint/footprint_core.h"
 
-#ifdef __AVX2__
+#ifdef __SSE2__
 #include <immintrin.h>
 #endif
 
@@ -239,6 +239,13 @@ template <class P>
     const __m128 half = _mm_add_ps(_mm256_castps256_ps128(all), _mm256_extractf128_ps(all, 1));
     const __m128 pairs = _mm_hadd_ps(half, half);
     return _mm_cvtss_f32(_mm_hadd_ps(pairs, pairs));
+  }
+#endif
+#ifdef __SSE2__
+  if constexpr (P::size == 4) {
+    const __m128 all = v;
+    const __m128 pairs = _mm_add_ps(all, _mm_movehl_ps(all, all));
+    return _mm_cvtss_f32(_mm_add_ss(pairs, _mm_shuffle_ps(pairs, pairs, 1)));
   }
 #endif
   alignas(64) float lane[P::size];

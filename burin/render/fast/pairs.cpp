@@ -1,17 +1,15 @@
 #include "burin/render/fast/pairs.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <string>
 
 #include "burin/render/error.h"
+#include "burin/render/fast/strip_runs.h"
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/fast/tile_runs.h"
 #include "burin/render/groove.h"
@@ -334,7 +332,7 @@ void PixelIndex::find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d&
   for (int row = row0; row <= row1; ++row) {
     double from = x_low, to = x_high;
     if (row0 != row1) {
-      // What of the middle lies within the row of tiles, widened.
+      // The part of the middle line within this row of tiles, widened.
       const double top = std::clamp(row * kTile - pad.y(), std::min(y0, y1), std::max(y0, y1));
       const double bottom = std::clamp((row + 1) * kTile + pad.y(), std::min(y0, y1), std::max(y0, y1));
       if (slope != 0) {
@@ -351,63 +349,6 @@ void PixelIndex::find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d&
     }
   }
 }
-
-namespace {
-
-/// The task of finding a tile's pairs.
-TileTask finding(const PixelIndex& index, const TileRuns& runs, std::size_t t) {
-  TileTask task;
-  task.runs = runs.of(t);
-  task.shapes = runs.shapes(t);
-  task.run_count = runs.count(t);
-  task.blocks = index.blocks(index.tiles()[t]);
-  task.valid_rows = index.valid_rows(t);
-  return task;
-}
-
-/// Strips as lines with |t| <= 1 across them, sorted into tiles.
-class StripRuns {
- public:
-  StripRuns(const PixelIndex& index, std::span<const Strip> strips) : per_mm_(strips.size()) {
-    for (std::vector<double>* v : {&x0_, &y0_, &x1_, &y1_}) v->resize(strips.size());
-    for (std::size_t i = 0; i < strips.size(); ++i) {
-      x0_[i] = strips[i].p0_mm.x();
-      y0_[i] = strips[i].p0_mm.y();
-      x1_[i] = strips[i].p1_mm.x();
-      y1_[i] = strips[i].p1_mm.y();
-      per_mm_[i] = static_cast<float>(1 / strips[i].half_width_mm);
-      same_width_ = same_width_ && per_mm_[i] == per_mm_[0];
-    }
-    sort(index);
-  }
-  void sort(const PixelIndex& index) {
-    runs_.sort(
-        index,
-        {x0_.size(), x0_.data(), y0_.data(), x1_.data(), y1_.data(), {per_mm_.data(), same_width_}, {&one_}, {&one_}});
-  }
-  const TileRuns& runs() const { return runs_; }
-
-  /// visit(tile, its places), tiles side by side.
-  template <typename Visit>
-  void each_tile(const PixelIndex& index, SimdWidth simd, const Visit& visit) const {
-    const TileKernels& kernels = tile_kernels(simd);
-    tbb::parallel_for(std::size_t{0}, index.tiles().size(), [&](std::size_t t) {
-      if (runs_.count(t) == 0) return;
-      thread_local FoundPlaces found;
-      kernels.find(finding(index, runs_, t), found);
-      visit(t, found.places());
-    });
-  }
-
- private:
-  std::vector<double> x0_, y0_, x1_, y1_;
-  std::vector<float> per_mm_;
-  bool same_width_ = true;
-  const float one_ = 1;
-  TileRuns runs_;
-};
-
-}  // namespace
 
 void PixelIndex::find(const Strip& strip, std::vector<PixelSpan>& spans) const {
   const StripRuns one(*this, std::span(&strip, 1));
@@ -453,27 +394,6 @@ PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std:
         found.scratch[next[pixel_of(t, pairs.place[k])]++] = runs.scratch(t, r);
   });
   return found;
-}
-
-struct PairCounter::Data {
-  const PixelIndex& index;
-  StripRuns strips;
-  std::vector<std::size_t> count;
-};
-PairCounter::PairCounter(const PixelIndex& index, const std::vector<Strip>& strips)
-    : data_(std::make_unique<Data>(Data{index, StripRuns(index, strips), {}})) {}
-PairCounter::~PairCounter() = default;
-
-std::size_t PairCounter::count(SimdWidth simd) {
-  Data& d = *data_;
-  d.count.assign(d.index.tiles().size(), 0);
-  d.strips.sort(d.index);
-  d.strips.each_tile(d.index, simd, [&](std::size_t t, const TilePlaces& pairs) {
-    d.count[t] = pairs.begin[d.strips.runs().count(t)];
-  });
-  std::size_t sum = 0;
-  for (const std::size_t n : d.count) sum += n;
-  return sum;
 }
 
 void check_scratches(const Scratches& scratches) {

@@ -16,14 +16,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "burin/render/fast/tile.h"
 #include "burin/render/footprint_grid.h"
 #include "burin/render/scratches.h"
-#include "burin/render/simd_width.h"
 
 namespace burin {
 
@@ -101,19 +99,6 @@ struct PixelPairs {
   std::vector<std::uint32_t> scratch;
 };
 PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std::vector<Strip>& strips);
-
-/// Finds pairs as the fast path does, and only counts them: what finding alone costs (tests/bench). Its room is kept
-/// from one count() to the next.
-class PairCounter {
- public:
-  PairCounter(const PixelIndex& index, const std::vector<Strip>& strips);
-  ~PairCounter();
-  std::size_t count(SimdWidth simd = SimdWidth::best);
-
- private:
-  struct Data;
-  std::unique_ptr<Data> data_;
-};
 
 /// Throws Error naming the first scratch that has a coordinate that is not finite, or a width, depth or alpha that is
 /// not positive, or arrays whose sizes differ.

@@ -25,8 +25,8 @@ struct alignas(64) TileCorners {
   float at[kSide * kSide][2] = {};
 };
 
-/// What pairs need of how a tile's pixels are lit and seen: x and y of the half vector in the face's frame; tan^2 of wi
-/// and wo. Small enough, with the corners, to stay in a core's first cache.
+/// How a tile's pixels are lit and seen: x and y of the half vector in the face's frame; tan^2 of wi and wo. Small
+/// enough, with the corners, to stay in a core's first cache.
 struct alignas(64) TileShading {
   float at[kTilePixels][4] = {};
 };
@@ -37,11 +37,11 @@ struct TileRun {
   float across_x = 1, across_y = 0;     ///< unit vector across it
   float t_origin = 0;                   ///< t of the tile's origin
   float first_end = 0, second_end = 0;  ///< Y of its ends
-  /// What float leaves out of across_x, across_y and t_origin: pixels may be much larger than the groove.
+  /// across_x, across_y and t_origin less their values in float: pixels may be much larger than the groove.
   float across_x_rest = 0, across_y_rest = 0, t_origin_rest = 0;
 };
 
-/// What scratches mostly share.
+/// Width, rim and roughness of a run's groove. Most boards have one for all.
 struct RunShape {
   float per_mm = 1;  ///< 2 / wt
   float rim = 1;     ///< the groove reaches over |t| <= rim

@@ -48,7 +48,7 @@ struct TilePlaces {
   const std::uint16_t* place = nullptr;  ///< row * kTile + column; readable 16 beyond the last
 };
 
-/// The same with room that grows to the largest tile.
+/// The same in arrays that grow to the largest tile.
 struct FoundPlaces {
   std::vector<std::uint32_t> begin;
   std::vector<std::uint16_t> place;
@@ -57,7 +57,7 @@ struct FoundPlaces {
 };
 
 /// Derivatives of what pairs add to their pixels, light minus the plain face's light that they cover: by a shift of one
-/// unit of t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha. Arrays have room for a whole
+/// unit of t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha. Arrays reach a whole
 /// packet beyond the last pair, and hold numbers there.
 struct TileJacobian {
   float *shift = nullptr, *turn = nullptr, *width = nullptr, *rim = nullptr, *alpha = nullptr;
@@ -84,12 +84,13 @@ struct TileTask {
   const std::uint32_t* valid_rows = nullptr;  ///< a bit a pixel with a footprint; null where all have one
   KernelMode mode = KernelMode::value;
   bool keep_light = false;  ///< fills TilePairs::light
-  /// Of any tile so far: buffers that grow are made for so many, whatever tiles their thread has met.
+  /// The most of any tile so far. Buffers are made for so many, so that they need not grow when a thread comes to a
+  /// larger tile.
   std::size_t most_runs = 0, most_pairs = 0;
 };
 
-/// What pairs need of their scratch: how t and Y change over the tile's lattice, in the units of TileRun. Of a pixel
-/// (column, row) the middle is at t = mid + column * by column + row * by row.
+/// What pairs need to know of their scratch: how t and Y change over the tile's lattice, in the units of TileRun. The
+/// middle of pixel (column, row) is at t = mid + column * by column + row * by row.
 ///
 /// Pixels may be much larger than the groove; then t runs over hundreds within a tile, while an edge that lies within
 /// the groove must be known to 1e-6. So t is given in two parts. The `coarse` ones are multiples of one number, coarse
@@ -123,8 +124,14 @@ enum Line : std::uint8_t {
   kLineConstants
 };
 
-/// One thread's room for work.
-struct TileRoom {
+/// Pairs set aside: their numbers, and those of their runs among the live ones.
+struct PairsSetAside {
+  std::size_t count = 0;
+  std::vector<std::uint32_t> pair, line;
+};
+
+/// One thread's buffers.
+struct TileBuffers {
   static constexpr int kChunk = 128;  ///< pairs that go from stage to stage together
   static constexpr int kPieces = 512;
   static constexpr int kLines = 32;
@@ -140,17 +147,13 @@ struct TileRoom {
   /// Derivatives of area, as those of TileJacobian.
   std::vector<float> area_shift, area_turn, area_width, area_rim;
 
-  /// Pairs set aside: their numbers and their runs' among the live ones, those with corners only and those with ends.
-  struct Special {
-    std::size_t count = 0;
-    std::vector<std::uint32_t> pair, line;
-  } corners, ends;
+  PairsSetAside corners, ends;              ///< those with corners only, and those that an end meets
   int piece_count = 0;                      ///< pieces of those in work
   std::uint16_t piece_owner[kPieces + 16];  ///< the pair of each, as counted in the group
 
   std::vector<std::uint32_t> live;   ///< the runs that have pairs
   std::vector<std::uint8_t> starts;  ///< a bit a pair: it is the first of its run
-  /// Of the pairs of this chunk and of the next: the numbers of their runs among the live ones.
+  /// The run of each pair of this chunk and of the next, as its number among the live runs.
   std::uint32_t line_of[2][kChunk + 16];
   /// Constants of the live runs, two packets of them: those of number n are in column n % (2 lanes).
   alignas(64) float line[kLineConstants][kLines] = {};
@@ -175,11 +178,11 @@ constexpr int run_gradients(KernelMode mode) { return mode == KernelMode::materi
 struct TileKernels {
   /// Finds the pairs. Reads neither corners nor shading.
   void (*find)(const TileTask& task, FoundPlaces& found);
-  /// Fills room.sums, room.area_*, `pairs` and the arrays of `to` that the mode has, but not its ends.
-  void (*evaluate)(const TileTask& task, const TilePlaces& places, TileRoom& room, TilePairs& pairs,
+  /// Fills buffers.sums, buffers.area_*, `pairs` and the arrays of `to` that the mode has, but not its ends.
+  void (*evaluate)(const TileTask& task, const TilePlaces& places, TileBuffers& buffers, TilePairs& pairs,
                    const TileJacobian& to);
   /// After evaluate(): nothing is left of the plain face in pixels where `covered` is not 0 but task.base; kTilePixels.
-  void (*cover)(const TileTask& task, const TilePlaces& places, const float* covered, const TileRoom& room,
+  void (*cover)(const TileTask& task, const TilePlaces& places, const float* covered, const TileBuffers& buffers,
                 const TileJacobian& to);
   /// The backward pass: sums over each run's pairs of weight[place] times derivative, run_gradients() numbers a run.
   void (*gather)(const TileTask& task, const TilePlaces& places, const float* weight, const TileJacobian& jacobian,

@@ -3,6 +3,6 @@
 namespace burin {
 
 extern const TileKernels tile_kernels_avx2;
-const TileKernels tile_kernels_avx2 = TileKernel<xsimd::batch<float, xsimd::fma3<xsimd::avx2>>>::kernels();
+const TileKernels tile_kernels_avx2 = tile_kernels_of<xsimd::batch<float, xsimd::fma3<xsimd::avx2>>>();
 
 }  // namespace burin

@@ -3,6 +3,6 @@
 namespace burin {
 
 extern const TileKernels tile_kernels_avx512;
-const TileKernels tile_kernels_avx512 = TileKernel<xsimd::batch<float, xsimd::avx512bw>>::kernels();
+const TileKernels tile_kernels_avx512 = tile_kernels_of<xsimd::batch<float, xsimd::avx512bw>>();
 
 }  // namespace burin

@@ -3,6 +3,6 @@
 namespace burin {
 
 extern const TileKernels tile_kernels_generic;
-const TileKernels tile_kernels_generic = TileKernel<xsimd::batch<float>>::kernels();
+const TileKernels tile_kernels_generic = tile_kernels_of<xsimd::batch<float>>();
 
 }  // namespace burin

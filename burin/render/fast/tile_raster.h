@@ -35,7 +35,7 @@ struct TileRaster {
     Edge edge[4];
     alignas(64) Lanes row0, row1;  // first and last row touched
     alignas(64) Lanes e, e_row;    // widening, px
-    // Of thin strips, with v the axis along which they run further and u the other: u of the middle line at v,
+    // For thin strips, with v the axis along which they run further and u the other: u of the middle line at v,
     // u0 + slope (v - v0), how far the strip reaches in u from there, and the box around it; all widened.
     alignas(64) Lanes u0, v0, slope, reach, u_low, u_high, v_low, v_high;
     std::uint32_t empty, everything, thin, along_x;
@@ -260,7 +260,7 @@ struct TileRaster {
                                  std::vector<std::uint32_t>& begin, std::vector<std::uint16_t>& place) {
     grow(begin, count);
     std::size_t n = 0;
-    const auto room = [&] {
+    const auto next_place = [&] {
       grow(place, n + kTilePixels + 48);
       return place.data() + n;
     };
@@ -271,7 +271,7 @@ struct TileRaster {
         make(blocks[0], runs, shapes, first, runs_here, quads);
         for (int k = 0; k < runs_here; ++k) {
           begin[first + k] = static_cast<std::uint32_t>(n);
-          n = draw(blocks[0], quads, k, valid_rows, room()) - place.data();
+          n = draw(blocks[0], quads, k, valid_rows, next_place()) - place.data();
         }
       }
     } else {
@@ -279,12 +279,12 @@ struct TileRaster {
         begin[r] = static_cast<std::uint32_t>(n);
         for (const TileBlock& block : blocks) {
           make(block, runs, shapes, r, 1, quads);
-          n = draw(block, quads, 0, valid_rows, room()) - place.data();
+          n = draw(block, quads, 0, valid_rows, next_place()) - place.data();
         }
       }
     }
     begin[count] = static_cast<std::uint32_t>(n);
-    std::fill_n(room(), 16, std::uint16_t{0});
+    std::fill_n(next_place(), 16, std::uint16_t{0});
   }
 
  private:

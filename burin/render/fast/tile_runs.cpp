@@ -23,7 +23,7 @@ BURIN_MACHINE_CLONES void find_directions(const double* x0, const double* y0, co
   }
 }
 
-/// What boxes are made of: a block of scratches.
+/// A block of scratches, around which a box is laid.
 struct BlockLines {
   const double *x0, *y0, *x1, *y1;
   const StripDirection* across;

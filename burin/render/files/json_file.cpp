@@ -251,17 +251,20 @@ std::string read_text(const std::filesystem::path& file) {
   return text;
 }
 
-void check_format(JsonObject object, const std::string& format, int version) {
+int check_format(JsonObject object, const std::string& format, int version, int oldest) {
   const std::string found = object.text("format");
   if (found != format)
     object.fail_field("format", "is \"" + found + "\"", "a file with \"" + format + "\" is needed here");
   const int found_version = object.integer("version");
-  if (found_version != version)
+  const bool several = oldest > 0 && oldest < version;
+  if (found_version > version || found_version < (several ? oldest : version))
     object.fail_field("version", "is " + std::to_string(found_version),
-                      "this Burin reads version " + std::to_string(version));
+                      several ? "this Burin reads versions " + std::to_string(oldest) + " to " + std::to_string(version)
+                              : "this Burin reads version " + std::to_string(version));
+  return found_version;
 }
 
-Json read_json(const std::filesystem::path& file, const std::string& format, int version) {
+Json read_json(const std::filesystem::path& file, const std::string& format, int version, int oldest) {
   const std::string text = read_text(file);
   Json json;
   DuplicateKeyCheck check;
@@ -274,7 +277,7 @@ Json read_json(const std::filesystem::path& file, const std::string& format, int
   if (!check.duplicate.empty())
     fail(file.string() + ": " + check.duplicate, "the key appears twice in one object", "keep one of them");
 
-  check_format(JsonObject(json, file.string()), format, version);
+  check_format(JsonObject(json, file.string()), format, version, oldest);
   return json;
 }
 

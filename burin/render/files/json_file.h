@@ -56,12 +56,14 @@ class JsonObject {
   mutable std::set<std::string> asked_;
 };
 
-/// Throws Error where the object's "format" and "version" are not these.
-void check_format(JsonObject object, const std::string& format, int version);
+/// The object's "version". Throws Error where its "format" is not this, or its version is above `version` or below
+/// `oldest` (0: only `version` itself is read).
+int check_format(JsonObject object, const std::string& format, int version, int oldest = 0);
 
-/// Parses a JSON file and checks its "format" ("burin/board") and "version". Throws Error with line and column on
-/// broken JSON. The caller keeps the Json alive while reading its JsonObject (which already asked for both keys).
-Json read_json(const std::filesystem::path& file, const std::string& format, int version);
+/// Parses a JSON file and checks its "format" ("burin/board") and "version" (check_format). Throws Error with line and
+/// column on broken JSON. The caller keeps the Json alive while reading its JsonObject (which already asked for both
+/// keys).
+Json read_json(const std::filesystem::path& file, const std::string& format, int version, int oldest = 0);
 
 /// The whole of a file. Throws Error if it is missing, a folder or unreadable.
 std::string read_text(const std::filesystem::path& file);

@@ -51,8 +51,4 @@ FootprintValue footprint_integral(const GrooveSegment& groove, const Quad& corne
 FootprintGradient footprint_integral_gradient(const GrooveSegment& groove, const Quad& corners_mm,
                                               const Eigen::Vector3d& h_scratch);
 
-/// The same core in float.
-FootprintValue footprint_integral_float(const GrooveSegment& groove, const Quad& corners_mm,
-                                        const Eigen::Vector3d& h_scratch);
-
 }  // namespace burin

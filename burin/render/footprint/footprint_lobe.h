@@ -341,7 +341,7 @@ void blend(LobeMoments<kWhat, T>& to, const LobeMoments<kWhat, T>& from, const a
   }
 }
 
-// What few intervals need, kept out of the way of the many: the back lobe near its poles, which low half vectors reach.
+// Rarely needed, and kept away from the common way: the back lobe near its poles, which low half vectors reach.
 // Rewrites the lanes of `m` that are `near`.
 template <Parts kWhat, bool kMean, class T>
 [[gnu::noinline]] void lobe_back_near(LobeMoments<kWhat, T>& m, const T& p, const T& e, const T& r, const T& s2,

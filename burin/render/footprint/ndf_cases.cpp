@@ -2,17 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <limits>
-#include <map>
 #include <numbers>
-#include <string_view>
 
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
+#include "burin/render/files/table.h"
 
 namespace burin {
 namespace {
@@ -22,59 +19,21 @@ constexpr std::array<const char*, 15> kDerivatives = {"hx", "hy", "hz", "alpha",
                                                       "y0", "x1", "y1", "x2",    "y2",       "x3",       "y3"};
 constexpr int kFirstAreaDerivative = 4;  // the area knows nothing of h and alpha
 
-std::string_view trimmed(std::string_view s) {
-  const auto space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!s.empty() && space(s.front())) s.remove_prefix(1);
-  while (!s.empty() && space(s.back())) s.remove_suffix(1);
-  return s;
-}
-
-std::vector<std::string> split(std::string_view line) {
-  std::vector<std::string> cells;
-  for (;;) {
-    const auto comma = line.find(',');
-    cells.emplace_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
-  }
-}
-
-// One row with the names of its columns: gives numbers, or throws naming file, line and column.
+/// A row's numbers by the names of their columns.
 class Row {
  public:
-  Row(const std::map<std::string, std::size_t>& columns, std::vector<std::string> cells, std::string where)
-      : columns_(columns), cells_(std::move(cells)), where_(std::move(where)) {}
+  explicit Row(const TableReader& table) : table_(table) {}
 
-  bool has(const std::string& column) const { return columns_.contains(column); }
-  const std::string& text(const std::string& column) const { return cells_[columns_.at(column)]; }
-
-  double number(const std::string& column) const {
-    const std::string& cell = text(column);
-    double value = 0;
-    const char* begin = cell.data() + (cell.starts_with('+') ? 1 : 0);
-    const auto [end, error] = std::from_chars(begin, cell.data() + cell.size(), value);
-    // Values too small for a double are read as 0: tables are written with more digits than a double has.
-    if (error == std::errc::result_out_of_range && cell.find("e-") != std::string::npos) return 0;
-    if (error != std::errc() || end != cell.data() + cell.size() || !std::isfinite(value)) {
-      fail_at(column, "is '" + cell + "', not a finite number", "write a number such as 1.5e-3");
-    }
-    return value;
-  }
-
-  double positive(const std::string& column) const {
-    const double value = number(column);
-    if (!(value > 0)) fail_at(column, "is " + text(column) + ", expected > 0", "correct or remove this row");
-    return value;
-  }
-
-  [[noreturn]] void fail_at(const std::string& column, const std::string& what, const std::string& remedy) const {
-    fail(where_ + ": " + column, what, remedy);
-  }
+  bool has(const std::string& column) const { return table_.find(column).has_value(); }
+  std::string text(const std::string& column) const { return std::string(table_.text(at(column))); }
+  double number(const std::string& column) const { return table_.number(at(column)); }
+  double positive(const std::string& column) const { return table_.positive(at(column)); }
+  std::string where() const { return table_.where(); }
 
  private:
-  const std::map<std::string, std::size_t>& columns_;
-  std::vector<std::string> cells_;
-  std::string where_;
+  std::size_t at(const std::string& column) const { return *table_.find(column); }
+
+  const TableReader& table_;
 };
 
 // The derivatives of a gradient by place in kDerivatives, so that reading, comparing and printing are loops.
@@ -142,9 +101,11 @@ NdfCase read_case(const Row& row, std::size_t index) {
   c.id = row.has("id") ? row.text("id") : std::to_string(index);
   if (row.has("kind")) c.kind = row.text("kind");
   c.h_scratch = {row.number("hx"), row.number("hy"), row.number("hz")};
-  if (!(c.h_scratch.norm() > 0)) row.fail_at("hx, hy, hz", "the half vector has no length", "give a direction");
+  if (!(c.h_scratch.norm() > 0))
+    fail(row.where() + ": hx, hy, hz", "the half vector has no length", "give a direction");
   c.groove = {row.positive("width_um"), row.positive("depth_um"), row.positive("alpha"), row.positive("L_mm")};
-  if (c.groove.alpha > 1) row.fail_at("alpha", "is " + row.text("alpha") + ", expected at most 1", "correct this row");
+  if (c.groove.alpha > 1)
+    fail(row.where() + ": alpha", "is " + row.text("alpha") + ", expected at most 1", "correct this row");
   for (int i = 0; i < 4; ++i) {
     const std::string n = std::to_string(i);
     c.corners_mm[i] = {row.number("x" + n + "_mm"), row.number("y" + n + "_mm")};
@@ -193,36 +154,12 @@ std::string formatted(const char* format, auto... values) {
 }  // namespace
 
 std::vector<NdfCase> read_ndf_cases(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file)) {
-    fail(file.string(), "cannot be read", "give a CSV table of footprint integrals");
-  }
-  std::map<std::string, std::size_t> columns;
+  TableReader table(file, TableStyle::csv,
+                    {"hx", "hy", "hz", "alpha", "width_um", "depth_um", "L_mm", "x0_mm", "y0_mm", "x1_mm", "y1_mm",
+                     "x2_mm", "y2_mm", "x3_mm", "y3_mm", "Dhat_mm2"},
+                    "add it to the header");
   std::vector<NdfCase> cases;
-  std::string line;
-  for (std::size_t number = 1; std::getline(in, line); ++number) {
-    if (number == 1 && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // byte order mark
-    if (trimmed(line).empty()) continue;
-    const std::string where = file.string() + ":" + std::to_string(number);
-    std::vector<std::string> cells = split(line);
-    if (columns.empty()) {
-      for (std::size_t i = 0; i < cells.size(); ++i) {
-        if (!columns.emplace(cells[i], i).second) fail(where, "column '" + cells[i] + "' appears twice", "rename one");
-      }
-      for (const char* name : {"hx", "hy", "hz", "alpha", "width_um", "depth_um", "L_mm", "x0_mm", "y0_mm", "x1_mm",
-                               "y1_mm", "x2_mm", "y2_mm", "x3_mm", "y3_mm", "Dhat_mm2"}) {
-        if (!columns.contains(name))
-          fail(where, "column '" + std::string(name) + "' is missing", "add it to the header");
-      }
-      continue;
-    }
-    if (cells.size() != columns.size()) {
-      fail(where, formatted("has %zu values, the header names %zu columns", cells.size(), columns.size()),
-           "correct this row");
-    }
-    cases.push_back(read_case(Row(columns, std::move(cells), where), cases.size()));
-  }
-  if (in.bad()) fail(file.string(), "cannot be read to its end", "check the file");
+  while (table.next()) cases.push_back(read_case(Row(table), cases.size()));
   if (cases.empty()) fail(file.string(), "has no rows", "give a header line and at least one case");
   return cases;
 }

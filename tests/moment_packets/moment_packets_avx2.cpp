@@ -1,5 +1,5 @@
-// Compiled for AVX2 and FMA (render/CMakeLists.txt), and called only where the machine has them.
-#include "burin/render/fast/moment_packets_kernel.h"
+// Compiled for AVX2 and FMA (CMakeLists.txt beside it), and called only where the machine has them.
+#include "tests/moment_packets/moment_packets_kernel.h"
 
 namespace burin::footprint {
 

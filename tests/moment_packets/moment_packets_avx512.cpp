@@ -1,5 +1,5 @@
-// Compiled for AVX-512 F, CD, DQ, BW (render/CMakeLists.txt), and called only where the machine has them.
-#include "burin/render/fast/moment_packets_kernel.h"
+// Compiled for AVX-512 F, CD, DQ, BW (CMakeLists.txt beside it), and called only where the machine has them.
+#include "tests/moment_packets/moment_packets_kernel.h"
 
 namespace burin::footprint {
 

@@ -1,7 +1,8 @@
-// burin/render/fast/render_room.h - the buffers that views work in: runs, pairs with their Jacobian, and a thread's
-// room. They grow to the largest iteration and are kept. Views that are rendered and differentiated one after the other
-// may share one, so that memory grows with the pairs of one view and not of all. What several views have in common is
-// made once: a grid's tiles, and, while the scratches stay where they are, the runs and places of their pairs.
+// burin/render/fast/render_workspace.h - the buffers that views work in: runs, pairs with their Jacobian, and a
+// thread's own. They grow to the largest iteration and are kept. Views that are rendered and differentiated one after
+// the other may share one, so that memory grows with the pairs of one view and not of all. What several views have in
+// common is made once: a grid's tiles, and, while the scratches stay where they are, the runs and places of their
+// pairs.
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
@@ -20,10 +21,10 @@
 
 namespace burin {
 
-class RenderRoom {
+class RenderWorkspace {
  public:
-  /// Of a tile whose arrays would not fit into `most_jacobian_bytes` with all before it, nothing is kept.
-  explicit RenderRoom(std::size_t most_jacobian_bytes);
+  /// A tile whose arrays no longer fit into `most_jacobian_bytes` is not kept, and evaluated again on the way back.
+  explicit RenderWorkspace(std::size_t most_jacobian_bytes);
 
   /// The tiles of a grid; the same for the same grid as long as a view uses them.
   std::shared_ptr<const TiledGrid> tiles_of(const std::shared_ptr<const FootprintGrid>& grid);
@@ -34,13 +35,13 @@ class RenderRoom {
   /// The pairs of a tile: as kept, or found anew. `found` must outlive them.
   TilePlaces places_of(std::size_t tile, const TileTask& task, const TileKernels& kernels, FoundPlaces& found);
 
-  /// Room for the Jacobian of a tile's `count` pairs in the mode, where nothing is kept of any: `work` holds it until
+  /// Memory for the Jacobian of a tile's `count` pairs in the mode, where nothing is kept of any: `work` holds it until
   /// the next.
   struct Work;
   static TileJacobian make_jacobian(KernelMode mode, std::size_t count, Work& work);
-  /// The same where it is kept until the next forward(), or without arrays where no room is left.
+  /// The same where it is kept until the next forward(), or without arrays where no space is left.
   TileJacobian keep_jacobian(KernelMode mode, std::size_t count);
-  /// Completes what keep_jacobian() made with its ends and keeps it; with nothing where no room is left for those.
+  /// Completes what keep_jacobian() made with its ends and keeps it; with nothing where no space is left for those.
   void keep_ends(std::size_t tile, TileJacobian jacobian, const std::vector<EndPair>& ends);
 
   const void* owner = nullptr;  ///< the view whose Jacobian this is
@@ -56,10 +57,10 @@ class RenderRoom {
 
   /// A thread's own.
   struct Work {
-    TileRoom tile;
+    TileBuffers tile;
     FoundPlaces found;
     TilePairs pairs;
-    std::vector<float> jacobian;  // of a tile for which there is no room
+    std::vector<float> jacobian;  // of a tile for which there is no space
     float open[kTilePixels] = {}, lobes[kTilePixels] = {}, covered_base[kTilePixels] = {};
     float weight[kTilePixels] = {};
   };
@@ -70,7 +71,7 @@ class RenderRoom {
 
   std::weak_ptr<const FootprintGrid> grid_;
   std::weak_ptr<const TiledGrid> tiled_;
-  // What `runs` and places are of.
+  // The scratches and the grid that `runs` and places were made for.
   std::shared_ptr<const TiledGrid> sorted_grid_;
   std::array<std::vector<double>, 4> sorted_ends_mm_;
   std::array<std::vector<float>, 3> sorted_shape_;

@@ -1,4 +1,4 @@
-// burin/render/fast/moment_packets_kernel.h - the loop of moment_packets.h over packets of one instruction set.
+// tests/moment_packets/moment_packets_kernel.h - the loop of moment_packets.h over packets of one instruction set.
 // Included only by the source files that are compiled for it: each instantiates it for its own Arch, so no two files
 // share its code.
 #pragma once
@@ -7,8 +7,8 @@
 #include <array>
 #include <cstddef>
 
-#include "burin/render/fast/moment_packets.h"
 #include "burin/render/fast/packet_math.h"
+#include "tests/moment_packets/moment_packets.h"
 
 namespace burin::footprint {
 

@@ -1,9 +1,10 @@
-// burin/render/fast/moment_packets.h - the moments of footprint_core.h for many intervals at once, in float, as wide as
-// the machine allows.
+// tests/moment_packets/moment_packets.h - the moments of footprint_core.h for many intervals at once, in float, as wide
+// as the machine allows.
 //
-// One formula (footprint_core.h) over the packets of the fast path (burin/render/fast/packet_math.h), by which its
-// integral can be tested and timed alone. Intervals are arrays of the same length: entry i of each is interval i.
-// Precondition of every interval as in footprint_core.h: unit h, 0 < alpha <= 1, t1 <= t2, n.h >= 0 between them, |t|
+// For tests and benchmarks: one formula (footprint_core.h) over the packets of the fast path
+// (burin/render/fast/packet_math.h), by which its integral can be tested and timed alone. Intervals are arrays of the
+// same length: entry i of each is interval i. Precondition of every interval as in footprint_core.h: unit h, 0 < alpha
+// <= 1, t1 <= t2, n.h >= 0 between them, |t|
 // <= 1. docs/model.md 8.
 #pragma once
 

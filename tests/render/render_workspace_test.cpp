@@ -1,5 +1,5 @@
 // What views share, and what of the Jacobian is kept, never changes a bit of the results.
-#include "burin/render/fast/render_room.h"
+#include "burin/render/fast/render_workspace.h"
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ World wide_world() {
   return w;
 }
 
-TEST(RenderRoom, WhatIsNotKeptOfTheJacobianIsComputedAgain) {
+TEST(RenderWorkspace, WhatIsNotKeptOfTheJacobianIsComputedAgain) {
   const World w = wide_world();
   const Image weights = random_weights(w, 1, 3);
   for (const bool material : {true, false}) {
@@ -61,14 +61,14 @@ TEST(RenderRoom, WhatIsNotKeptOfTheJacobianIsComputedAgain) {
     ASSERT_GT(expected.pairs, 5000U);
     // Nothing, some tiles, the places alone.
     for (const std::size_t bytes : {0, 40'000, 60'000}) {
-      ViewRenderer renderer(w.scene, options, make_render_room(bytes));
+      ViewRenderer renderer(w.scene, options, make_render_workspace(bytes));
       for (int again = 0; again < 2; ++again)
         expect_same_bits(render(renderer, w.scratches, weights), expected, std::to_string(bytes) + " bytes");
     }
   }
 }
 
-TEST(RenderRoom, ViewsThatShareItGiveWhatEachGivesAlone) {
+TEST(RenderWorkspace, ViewsThatShareItGiveWhatEachGivesAlone) {
   World w = wide_world();
   const Image weights = random_weights(w, 1, 3);
   ViewScene other = w.scene;
@@ -77,8 +77,8 @@ TEST(RenderRoom, ViewsThatShareItGiveWhatEachGivesAlone) {
   ViewScene coarser = w.scene;  // another grid
   coarser.grid = share(board_grid({0, 0}, {20, 20}, 90, 70, {w.board.size_mm, {0, 0, 0}}));
   const Image fewer_weights(90, 70, 1, 0.5F);
-  const std::shared_ptr<RenderRoom> room = make_render_room();
-  ViewRenderer first(w.scene, {}, room), second(other, {}, room), third(coarser, {}, room);
+  const std::shared_ptr<RenderWorkspace> workspace = make_render_workspace();
+  ViewRenderer first(w.scene, {}, workspace), second(other, {}, workspace), third(coarser, {}, workspace);
   Scratches scratches = w.scratches;
   for (int iteration = 0; iteration < 4; ++iteration) {
     // Every kind of change that a design makes to its scratches, one at a time.
@@ -97,12 +97,12 @@ TEST(RenderRoom, ViewsThatShareItGiveWhatEachGivesAlone) {
   }
 }
 
-TEST(RenderRoom, AGridIsCutIntoTilesOnceForAllThatUseIt) {
-  RenderRoom room(1'000'000);
+TEST(RenderWorkspace, AGridIsCutIntoTilesOnceForAllThatUseIt) {
+  RenderWorkspace workspace(1'000'000);
   const auto grid = share(board_grid({0, 0}, {20, 20}, 50, 40, {{20, 20}, {0, 0, 0}}));
-  const auto tiles = room.tiles_of(grid);
-  EXPECT_EQ(room.tiles_of(grid), tiles);
-  EXPECT_NE(room.tiles_of(share(board_grid({0, 0}, {20, 20}, 50, 40, {{20, 20}, {0, 0, 0}}))), tiles);
+  const auto tiles = workspace.tiles_of(grid);
+  EXPECT_EQ(workspace.tiles_of(grid), tiles);
+  EXPECT_NE(workspace.tiles_of(share(board_grid({0, 0}, {20, 20}, 50, 40, {{20, 20}, {0, 0, 0}}))), tiles);
 }
 
 TEST(ByteStore, HandsOutRoomUpToItsLimitAndAllOfItAgain) {
@@ -110,10 +110,10 @@ TEST(ByteStore, HandsOutRoomUpToItsLimitAndAllOfItAgain) {
   for (int again = 0; again < 3; ++again) {
     std::size_t taken = 0;
     std::byte* last = nullptr;
-    while (std::byte* const room = store.take(900'001)) {
-      EXPECT_EQ(reinterpret_cast<std::uintptr_t>(room) % 64, 0U);
-      EXPECT_NE(room, last);
-      std::fill_n(last = room, 900'001, std::byte{1});
+    while (std::byte* const workspace = store.take(900'001)) {
+      EXPECT_EQ(reinterpret_cast<std::uintptr_t>(workspace) % 64, 0U);
+      EXPECT_NE(workspace, last);
+      std::fill_n(last = workspace, 900'001, std::byte{1});
       taken += 900'001;
     }
     // What is left over at the ends of blocks is lost.

@@ -1,8 +1,13 @@
-#include "burin/capture/finding.h"
+#include "burin/render/finding.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace burin {
+
+Finding make_warning(std::string what, std::string remedy) {
+  return {Finding::Severity::warning, {}, std::move(what), std::move(remedy)};
+}
 
 std::string sentence(const Finding& finding) {
   return (finding.file.empty() ? "" : finding.file.string() + ": ") + finding.what +
@@ -12,6 +17,10 @@ std::string sentence(const Finding& finding) {
 bool has_errors(const std::vector<Finding>& findings) {
   return std::any_of(findings.begin(), findings.end(),
                      [](const Finding& f) { return f.severity == Finding::Severity::error; });
+}
+
+void append(std::vector<Finding>& findings, const std::vector<Finding>& more) {
+  findings.insert(findings.end(), more.begin(), more.end());
 }
 
 }  // namespace burin

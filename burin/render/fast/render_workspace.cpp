@@ -1,4 +1,4 @@
-#include "burin/render/fast/render_room.h"
+#include "burin/render/fast/render_workspace.h"
 
 #include <algorithm>
 #include <cstring>
@@ -12,7 +12,7 @@ namespace {
 /// Places take 2 bytes a pair, derivatives by the ends 8.
 constexpr std::size_t kPlaceShare = 5;
 
-/// A multiple of 16 that leaves room for a whole packet beyond the last.
+/// A multiple of 16 that leaves space for a whole packet beyond the last.
 std::size_t padded(std::size_t count) { return (count + 31) / 16 * 16; }
 
 std::size_t jacobian_arrays(KernelMode mode) { return mode == KernelMode::material ? 5 : 2; }
@@ -34,11 +34,11 @@ std::size_t shape_size(const ScratchLines& lines, const Each<float>& of) { retur
 
 }  // namespace
 
-RenderRoom::RenderRoom(std::size_t most_jacobian_bytes)
+RenderWorkspace::RenderWorkspace(std::size_t most_jacobian_bytes)
     : jacobian_store(most_jacobian_bytes - most_jacobian_bytes / kPlaceShare),
       place_store_(most_jacobian_bytes / kPlaceShare) {}
 
-std::shared_ptr<const TiledGrid> RenderRoom::tiles_of(const std::shared_ptr<const FootprintGrid>& grid) {
+std::shared_ptr<const TiledGrid> RenderWorkspace::tiles_of(const std::shared_ptr<const FootprintGrid>& grid) {
   std::shared_ptr<const TiledGrid> tiled = tiled_.lock();
   if (tiled == nullptr || grid_.lock() != grid) {
     tiled = std::make_shared<const TiledGrid>(*grid);
@@ -48,7 +48,7 @@ std::shared_ptr<const TiledGrid> RenderRoom::tiles_of(const std::shared_ptr<cons
   return tiled;
 }
 
-bool RenderRoom::is_sorted(const TiledGrid* grid, const ScratchLines& lines) const {
+bool RenderWorkspace::is_sorted(const TiledGrid* grid, const ScratchLines& lines) const {
   if (sorted_grid_.get() != grid || sorted_ends_mm_[0].size() != lines.count) return false;
   const std::array<const double*, 4> ends{lines.x0_mm, lines.y0_mm, lines.x1_mm, lines.y1_mm};
   for (int i = 0; i < 4; ++i)
@@ -61,7 +61,7 @@ bool RenderRoom::is_sorted(const TiledGrid* grid, const ScratchLines& lines) con
   return true;
 }
 
-void RenderRoom::sort(const std::shared_ptr<const TiledGrid>& grid, const ScratchLines& lines) {
+void RenderWorkspace::sort(const std::shared_ptr<const TiledGrid>& grid, const ScratchLines& lines) {
   if (is_sorted(grid.get(), lines)) return;
   sorted_grid_ = grid;
   const std::array<const double*, 4> ends{lines.x0_mm, lines.y0_mm, lines.x1_mm, lines.y1_mm};
@@ -76,41 +76,41 @@ void RenderRoom::sort(const std::shared_ptr<const TiledGrid>& grid, const Scratc
   place_store_.clear();
 }
 
-TilePlaces RenderRoom::places_of(std::size_t tile, const TileTask& task, const TileKernels& kernels,
-                                 FoundPlaces& found) {
+TilePlaces RenderWorkspace::places_of(std::size_t tile, const TileTask& task, const TileKernels& kernels,
+                                      FoundPlaces& found) {
   if (places_[tile].begin != nullptr) return places_[tile];
   kernels.find(task, found);
   const std::size_t runs_here = task.run_count + 1, count = found.begin[task.run_count];
   pair_count[tile] = static_cast<std::uint32_t>(count);
   const std::size_t begin_bytes = runs_here * sizeof(std::uint32_t), place_bytes = (count + 16) * sizeof(std::uint16_t);
-  std::byte* const room = place_store_.take(begin_bytes + place_bytes);
-  if (room == nullptr) return found.places();
-  std::memcpy(room, found.begin.data(), begin_bytes);
-  std::memcpy(room + begin_bytes, found.place.data(), place_bytes);
-  places_[tile] = {reinterpret_cast<const std::uint32_t*>(room),
-                   reinterpret_cast<const std::uint16_t*>(room + begin_bytes)};
+  std::byte* const space = place_store_.take(begin_bytes + place_bytes);
+  if (space == nullptr) return found.places();
+  std::memcpy(space, found.begin.data(), begin_bytes);
+  std::memcpy(space + begin_bytes, found.place.data(), place_bytes);
+  places_[tile] = {reinterpret_cast<const std::uint32_t*>(space),
+                   reinterpret_cast<const std::uint16_t*>(space + begin_bytes)};
   return places_[tile];
 }
 
-TileJacobian RenderRoom::make_jacobian(KernelMode mode, std::size_t count, Work& work) {
+TileJacobian RenderWorkspace::make_jacobian(KernelMode mode, std::size_t count, Work& work) {
   if (mode == KernelMode::value) return {};
   grow_to(work.jacobian, jacobian_arrays(mode) * padded(count));
   return jacobian_at(work.jacobian.data(), mode, count);
 }
 
-TileJacobian RenderRoom::keep_jacobian(KernelMode mode, std::size_t count) {
-  std::byte* const room = jacobian_store.take(jacobian_arrays(mode) * padded(count) * sizeof(float));
-  return room == nullptr ? TileJacobian{} : jacobian_at(reinterpret_cast<float*>(room), mode, count);
+TileJacobian RenderWorkspace::keep_jacobian(KernelMode mode, std::size_t count) {
+  std::byte* const space = jacobian_store.take(jacobian_arrays(mode) * padded(count) * sizeof(float));
+  return space == nullptr ? TileJacobian{} : jacobian_at(reinterpret_cast<float*>(space), mode, count);
 }
 
-void RenderRoom::keep_ends(std::size_t tile, TileJacobian made, const std::vector<EndPair>& ends) {
+void RenderWorkspace::keep_ends(std::size_t tile, TileJacobian made, const std::vector<EndPair>& ends) {
   static_assert(std::is_trivially_copyable_v<EndPair>);
   jacobian[tile] = {};
   if (made.shift == nullptr) return;
-  std::byte* const room = jacobian_store.take(ends.size() * sizeof(EndPair));
-  if (room == nullptr) return;
-  if (!ends.empty()) std::memcpy(room, ends.data(), ends.size() * sizeof(EndPair));
-  made.ends = reinterpret_cast<EndPair*>(room);
+  std::byte* const space = jacobian_store.take(ends.size() * sizeof(EndPair));
+  if (space == nullptr) return;
+  if (!ends.empty()) std::memcpy(space, ends.data(), ends.size() * sizeof(EndPair));
+  made.ends = reinterpret_cast<EndPair*>(space);
   made.end_count = ends.size();
   jacobian[tile] = made;
 }

@@ -1,10 +1,10 @@
-#include "burin/render/fast/moment_packets.h"
+#include "tests/moment_packets/moment_packets.h"
 
 #include <algorithm>
 #include <string>
 
 #include "burin/render/error.h"
-#include "burin/render/fast/moment_packets_kernel.h"
+#include "tests/moment_packets/moment_packets_kernel.h"
 
 namespace burin::footprint {
 namespace {

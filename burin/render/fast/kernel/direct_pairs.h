@@ -1,0 +1,157 @@
+// burin/render/fast/kernel/direct_pairs.h - pairs of a single piece: the pixel has no corner on the groove, and an end
+// in it runs across the groove within it. Most pairs are such, and go straight through.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "burin/render/fast/kernel/crossing.h"
+#include "burin/render/fast/kernel/pieces.h"
+#include "burin/render/fast/kernel/shading.h"
+#include "burin/render/fast/kernel/work.h"
+
+namespace burin::kernel {
+
+/// Pairs that are not to be finished at once, as bits of the lanes.
+struct SetAside {
+  std::uint32_t corners, ends;
+};
+
+/// One packet of pairs whose pixels the groove crosses from side to side, or enters with an end square across it: a
+/// piece each, at `at`. The others become empty pieces: those to be set aside, and those that the groove does not
+/// meet at all.
+template <class P, KernelMode kMode, bool kOnLattice>
+BURIN_FLATTEN inline SetAside cross(const TileWork& work, const PairPacket& packet) {
+  const TileTask& task = work.task;
+  TileBuffers& buffers = work.buffers;
+  const std::size_t pair = packet.pair;
+  const int at = packet.at;
+  const std::uint16_t* place = &work.places.place[pair];
+  const packet::Picker<P> pick(packet.line);
+  const auto constant = [&](Line c) { return pick(buffers.line[c]); };
+  Crossing<P> e;
+  if constexpr (kOnLattice)
+    e = crossing_on_lattice<P>(place, constant);
+  else
+    e = crossing_of_corners<P>(task, place, constant);
+  const P alpha = constant(kAlpha);
+  const Shading<P> px = shade<P, kMode>(task, buffers, place, alpha, at);
+  const P across_x = constant(kAcrossX), across_y = constant(kAcrossY);
+  const P first = constant(kFirstEnd), second = constant(kSecondEnd), rim = constant(kRim);
+  const P hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
+  const MaskOf<P> apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
+  // At both ends of [a, b]: the pixel's edges, and whether one of the scratch's ends lies before them.
+  const P &a = e.a, &b = e.b;
+  P top1 = e.top1, top2 = e.top2, bottom1 = e.bottom1, bottom2 = e.bottom2;
+  const MaskOf<P> capped1 = top1 > second, capped2 = top2 > second, raised1 = bottom1 < first,
+                  raised2 = bottom2 < first;
+  top1 = xsimd::min(top1, second);
+  top2 = xsimd::min(top2, second);
+  bottom1 = xsimd::max(bottom1, first);
+  bottom2 = xsimd::max(bottom2, first);
+  const MaskOf<P> closed1 = top1 < bottom1, closed2 = top2 < bottom2;
+  const MaskOf<P> mixed = (capped1 != capped2) | (raised1 != raised2) | (closed1 != closed2);
+  // An end that lies in the pixel from a to b, or beside it, bounds a single piece as an edge does. So does a corner
+  // at a or b, unless one of the pixel's edges runs along the groove there.
+  const MaskOf<P> has_corner = b - a < rim + rim;
+  const MaskOf<P> corner_between = (e.inside > P(0.0F)) | (e.along & has_corner);
+  const MaskOf<P> in_reach = ((e.Y_min < first) | (e.Y_max > second)) & !apart;
+  const MaskOf<P> ends = in_reach & (corner_between | mixed);
+  const MaskOf<P> corners = corner_between & !(apart | in_reach);
+  const MaskOf<P> none = apart | ends | corners | (closed1 & closed2);
+  close_where(closed1, top1, bottom1);
+  close_where(closed2, top2, bottom2);
+  const P height1 = top1 - bottom1, height2 = top2 - bottom2;
+  const P unit = xsimd::select(none, P(0.0F), constant(kUnit));
+  // Where n.h > 0, between lo and hi: on a deep groove one wall is often partly turned away.
+  const auto limits = footprint::front_facing(hx, hz, rim);
+  const P lo = xsimd::max(limits.lo, a), hi = xsimd::min(limits.hi, b);
+  const MaskOf<P> dark = none | (lo >= hi);
+  const P length = b - a, per_length = inverse(length), at_lo = (lo - a) * per_length, at_hi = (hi - a) * per_length;
+  const P dtop = top2 - top1, dbottom = bottom2 - bottom1;
+  const Piece<P> p{
+      lo, hi, top1 + at_lo * dtop, top1 + at_hi * dtop, bottom1 + at_lo * dbottom, bottom1 + at_hi * dbottom};
+  const auto keep = [&](float* to, const P& v) { save(to + at, xsimd::select(dark, P(0.0F), v)); };
+  // Empty pieces are as long as their neighbors, but without height: short ones would be worked out in another way.
+  const MaskOf<P> away = limits.lo >= limits.hi;
+  save(buffers.t1 + at, xsimd::select(dark, xsimd::select(away, P(0.0F), limits.lo), p.t1));
+  save(buffers.t2 + at, xsimd::select(dark, xsimd::select(away, P(0.0F), limits.hi), p.t2));
+  keep(buffers.top1, p.top1);
+  keep(buffers.top2, p.top2);
+  keep(buffers.bottom1, p.bottom1);
+  keep(buffers.bottom2, p.bottom2);
+  save(buffers.hx + at, hx);
+  save(buffers.hy + at, hy);
+  save(buffers.hz + at, hz);
+  save(buffers.piece_alpha + at, alpha);
+  save(buffers.unit + at, unit);
+  save(buffers.area + at, P(0.5F) * unit * length * (height1 + height2));
+  if constexpr (kMode != KernelMode::value) {
+    // The limit moves as h turns (W is 1 there).
+    const P per_H = footprint::Arithmetic<P>::inverse_sqrt(hx * hx + hz * hz);
+    const P moving = xsimd::select(lo > a, (p.top1 - p.bottom1) * lo, P(0.0F)) +
+                     xsimd::select(hi < b, (p.top2 - p.bottom2) * hi, P(0.0F));
+    keep(buffers.moving_turn, -(hy * per_H * moving));
+    save(&buffers.area_shift[pair], unit * (height2 - height1));
+    const P on_first = xsimd::select(raised1 & !none, P(1.0F), P(0.0F)),
+            on_second = xsimd::select(capped1 & !none, P(1.0F), P(0.0F));
+    // An edge opposite an end turns alone.
+    const P alone = (on_second - on_first) * length * (a + b);
+    save(&buffers.area_turn[pair], P(0.5F) * unit * (alone + height1 * (top1 + bottom1) - height2 * (top2 + bottom2)));
+    save(buffers.on_first + at, on_first);
+    save(buffers.on_second + at, on_second);
+    save(buffers.a_first + at, unit * length);
+  }
+  if constexpr (kMode == KernelMode::material) {
+    const P area_rim = unit * (height1 + height2);
+    save(&buffers.area_rim[pair], area_rim);
+    save(&buffers.area_width[pair], rim * area_rim);
+    keep(buffers.rim_light, rim_light(hx, hy, hz, alpha, lo, hi, rim, height1, height2));
+  }
+  return {packet::bits_of<P>(corners), packet::bits_of<P>(ends)};
+}
+
+/// The factors of one packet of pairs that cross() began, what they add to their pixels, and their derivatives.
+template <class P, KernelMode kMode>
+BURIN_FLATTEN inline void finish_crossing(const TileWork& work, const PairPacket& packet) {
+  TileBuffers& buffers = work.buffers;
+  TilePairs& pairs = work.pairs;
+  const TileJacobian& to = work.jacobian;
+  const std::size_t pair = packet.pair;
+  const int at = packet.at;
+  const P gain = load<P>(buffers.unit + at) * load<P>(buffers.gain + at), V = load<P>(buffers.piece_V + at),
+          light = gain * V;
+  if (work.task.keep_light) save(&pairs.light[pair], light);
+  if constexpr (kMode != KernelMode::value) {
+    const P base = load<P>(buffers.base + at), first = load<P>(buffers.on_first + at),
+            second = load<P>(buffers.on_second + at);
+    // An edge opposite an end turns alone (between two edges this part cancels).
+    const P turn = load<P>(buffers.piece_turn + at) - (first - second) * load<P>(buffers.piece_first + at);
+    save(to.shift + pair, gain * load<P>(buffers.piece_shift + at) - base * load<P>(&buffers.area_shift[pair]));
+    save(to.turn + pair, gain * (turn + load<P>(buffers.moving_turn + at)) - base * load<P>(&buffers.area_turn[pair]));
+    std::uint32_t bits = packet::bits_of<P>(first + second > P(0.0F)) & lane_bits(packet.lanes);
+    if (bits != 0) {
+      const P area = load<P>(buffers.a_first + at), both = gain * load<P>(buffers.piece_mean + at) - base * area;
+      alignas(64) float out[4][kLanesOf<P>];
+      (-first * both).store_aligned(out[0]);
+      (second * both).store_aligned(out[1]);
+      (-first * area).store_aligned(out[2]);
+      (second * area).store_aligned(out[3]);
+      for (; bits != 0; bits &= bits - 1) {
+        const int k = std::countr_zero(bits);
+        pairs.ends.push_back({static_cast<std::uint32_t>(pair + k), buffers.live[packet.line[k]], out[0][k], out[1][k],
+                              out[2][k], out[3][k]});
+      }
+    }
+    if constexpr (kMode == KernelMode::material) {
+      const P alpha = load<P>(buffers.piece_alpha + at);
+      save(to.width + pair, gain * (V + load<P>(buffers.piece_width + at)) - base * load<P>(&buffers.area_width[pair]));
+      save(to.rim + pair, gain * load<P>(buffers.rim_light + at) - base * load<P>(&buffers.area_rim[pair]));
+      save(to.alpha + pair, gain * (V * load<P>(buffers.by_alpha + at) - alpha * load<P>(buffers.piece_radial + at)));
+    }
+  }
+  add_to_pixels(light, load<P>(buffers.area + at), &work.places.place[pair], packet.lanes, buffers.sums);
+}
+
+}  // namespace burin::kernel

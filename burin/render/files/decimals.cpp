@@ -1,0 +1,39 @@
+#include "burin/render/files/decimals.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace burin {
+namespace {
+
+constexpr std::size_t kLongest = 400;  // the largest double has 309 digits before its point
+
+}  // namespace
+
+std::string fixed(double value, int decimals) {
+  std::array<char, kLongest> digits;
+  std::string text(digits.data(),
+                   std::to_chars(digits.begin(), digits.end(), value, std::chars_format::fixed, decimals).ptr);
+  if (text[0] == '-' && text.find_first_not_of("-0.") == std::string::npos) text.erase(0, 1);
+  return text;
+}
+
+std::string shortest(double value) {
+  std::array<char, kLongest> digits;
+  return {digits.data(), std::to_chars(digits.begin(), digits.end(), value, std::chars_format::fixed).ptr};
+}
+
+std::string significant(double value, int digits) {
+  if (value == 0 || !std::isfinite(value)) return fixed(value, 0);
+  constexpr int kMostDecimals = 9;
+  const int decimals = digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
+  std::string text = fixed(value, std::clamp(decimals, 0, kMostDecimals));
+  if (text.find('.') == std::string::npos) return text;
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
+
+}  // namespace burin

@@ -1,0 +1,58 @@
+#include "burin/render/parameter_name.h"
+
+#include <array>
+#include <utility>
+
+namespace burin::parameter {
+namespace {
+
+constexpr const char *kPosePrefix = "pose.", *kLightPrefix = "light.";
+
+// The fields of a lamp, and what they are called.
+constexpr std::pair<const char*, const char*> kPosition{"position_mm", "position"},
+    kIntensity{"intensity", "intensity"}, kAxis{"axis", "axis"}, kFalloff{"falloff_exponent", "fall-off exponent"};
+constexpr std::array kOfLight{kPosition, kIntensity, kAxis, kFalloff};
+
+constexpr std::array<std::pair<const char*, const char*>, 14> kWords{{{kLens, "the lens"},
+                                                                      {kLensFocal, "the lens' focal length"},
+                                                                      {kLensCenter, "the lens' center"},
+                                                                      {kPoses, "the cameras' places"},
+                                                                      {kTags, "the tags' places"},
+                                                                      {kBow, "the board's bow"},
+                                                                      {kAlpha, "the grooves' roughness alpha"},
+                                                                      {kDepth, "the depth d"},
+                                                                      {kBaseAlpha, "the plain face's roughness"},
+                                                                      {kDepthField, "how the depth varies"},
+                                                                      {kMachine, "the machine's map"},
+                                                                      {kAmbient, "the ambient light"},
+                                                                      {kVignette, "the vignetting"},
+                                                                      {kBlur, "the blur"}}};
+
+std::string of_light(const std::string& id, const std::pair<const char*, const char*>& field) {
+  return kLightPrefix + id + "." + field.first;
+}
+
+}  // namespace
+
+std::string pose(const std::string& view) { return kPosePrefix + view; }
+std::string light_position(const std::string& id) { return of_light(id, kPosition); }
+std::string light_intensity(const std::string& id) { return of_light(id, kIntensity); }
+std::string light_axis(const std::string& id) { return of_light(id, kAxis); }
+std::string light_falloff(const std::string& id) { return of_light(id, kFalloff); }
+
+std::string in_words(const std::string& name) {
+  for (const auto& [known, words] : kWords)
+    if (name == known) return words;
+  const std::string view = kPosePrefix, light = kLightPrefix;
+  if (name.starts_with(view)) return "the camera's place in view " + name.substr(view.size());
+  if (name.starts_with(light))
+    for (const auto& [field, words] : kOfLight) {
+      const std::string end = std::string(".") + field;
+      if (name.ends_with(end) && name.size() > light.size() + end.size())
+        return std::string("the ") + words + " of lamp “" +
+               name.substr(light.size(), name.size() - light.size() - end.size()) + "”";
+    }
+  return name;
+}
+
+}  // namespace burin::parameter

@@ -1,0 +1,94 @@
+// Proves: tables are read by their columns' names whatever stands around them, numbers without a locale, and each fault
+// is named with its line. What the columns mean is proved by those who read them (scratches_test, ndf_cases_test).
+#include "burin/render/files/table.h"
+
+#include <gmock/gmock.h>
+
+#include <clocale>
+
+#include "burin/render/error.h"
+#include "tests/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Optional;
+using ::testing::ThrowsMessage;
+
+class Table : public ::testing::Test {
+ protected:
+  TableReader table(const std::string& text, TableStyle style, const std::vector<std::string>& required) {
+    folder_.write("table", text);
+    return {folder_ / "table", style, required, "write a header"};
+  }
+  TemporaryFolder folder_;
+};
+
+TEST(NumberIn, FiniteNumbersAndNothingElse) {
+  EXPECT_THAT(number_in("1.5"), Optional(1.5));
+  EXPECT_THAT(number_in("+2e-3"), Optional(2e-3));
+  EXPECT_THAT(number_in("-7"), Optional(-7.0));
+  EXPECT_THAT(number_in("1e-400"), Optional(0.0));
+  for (const char* text : {"", "+", "nan", "inf", "1e999", "1,5", "1.5mm", " 1", "one"})
+    EXPECT_EQ(number_in(text), std::nullopt) << text;
+}
+
+TEST(NumberIn, NoLocaleChangesThePoint) {
+  const std::string before = std::setlocale(LC_ALL, nullptr);
+  for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"})
+    if (std::setlocale(LC_ALL, name) != nullptr) break;
+  EXPECT_THAT(number_in("1.5"), Optional(1.5));
+  std::setlocale(LC_ALL, before.c_str());
+}
+
+TEST_F(Table, CsvByColumnNames) {
+  TableReader t = table("\xEF\xBB\xBF\r\n b , a\r\n1, 2\r\n\r\n3,4", TableStyle::csv, {"a"});
+  EXPECT_THAT(t.columns(), ElementsAre("b", "a"));
+  ASSERT_TRUE(t.next());
+  EXPECT_EQ(t.number(*t.find("a")), 2);
+  ASSERT_TRUE(t.next());
+  EXPECT_EQ(t.number(*t.find("a")), 4);
+  EXPECT_THAT(t.where(), HasSubstr("table:5"));
+  EXPECT_FALSE(t.next());
+  EXPECT_EQ(t.find("c"), std::nullopt);
+}
+
+TEST_F(Table, CsvFaultsAreNamed) {
+  const auto read = [&](const std::string& text) {
+    return [this, text] {
+      TableReader t = table(text, TableStyle::csv, {"a", "b"});
+      while (t.next()) t.positive(*t.find("b"));
+    };
+  };
+  EXPECT_THAT(read("a\n1\n"), ThrowsMessage<Error>(AllOf(HasSubstr("table:1"), HasSubstr("column b is missing"))));
+  EXPECT_THAT(read("a,b,a\n"), ThrowsMessage<Error>(HasSubstr("column a appears twice")));
+  EXPECT_THAT(read("a,b\n1,2\n1\n"), ThrowsMessage<Error>(AllOf(HasSubstr("table:3"), HasSubstr("1 values"))));
+  EXPECT_THAT(read("a,b\n1,2,3\n"), ThrowsMessage<Error>(HasSubstr("more than 2")));
+  EXPECT_THAT(read("a,b\n1,x\n"), ThrowsMessage<Error>(AllOf(HasSubstr("table:2"), HasSubstr("b is \"x\""))));
+  EXPECT_THAT(read("a,b\n1,0\n"), ThrowsMessage<Error>(HasSubstr("greater than 0")));
+  EXPECT_NO_THROW(read("")());
+}
+
+TEST_F(Table, VnlogTakesTheFirstLegendThatNamesWhatIsNeeded) {
+  TableReader t = table("## made by hand\n# a remark\n# view x\nv0 1.5\n# another\nv1 -\n\n#! no\nv2\n",
+                        TableStyle::vnlog, {"view", "x"});
+  ASSERT_TRUE(t.next());
+  EXPECT_EQ(t.text(0), "v0");
+  EXPECT_EQ(t.number(1), 1.5);
+  ASSERT_TRUE(t.next());
+  EXPECT_FALSE(t.has(1));
+  ASSERT_TRUE(t.next());
+  EXPECT_THAT([&] { t.number(1); }, ThrowsMessage<Error>(AllOf(HasSubstr("table:9"), HasSubstr("x is missing"))));
+  EXPECT_FALSE(t.next());
+}
+
+TEST_F(Table, VnlogWithoutALegendIsRefused) {
+  TableReader t = table("v0 1\n", TableStyle::vnlog, {"view", "x"});
+  EXPECT_THAT([&] { t.next(); }, ThrowsMessage<Error>(AllOf(HasSubstr("view, x"), HasSubstr("write a header"))));
+}
+
+}  // namespace
+}  // namespace burin
