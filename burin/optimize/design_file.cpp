@@ -79,6 +79,8 @@ void write_design(const DesignSpec& spec, const std::filesystem::path& file) {
     Json view;
     view["view"] = v.view;
     view["light"] = v.light;
+    if (v.target.image.width > 0 || v.target.mask_image.width > 0)
+      fail("view " + v.view, "has a target in memory, which a file cannot name", "write_picture() it, and name that");
     view["target"] = relative(v.target.picture);
     if (v.target.upright_in_view)
       view["rotation_deg"] = "viewer";

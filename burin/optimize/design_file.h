@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/image.h"
+
 namespace burin {
 
 /// How a picture of another shape is laid on the carve area: `cover` fills it and crops what is left over, `contain`
@@ -22,11 +24,13 @@ enum class Fit { cover, contain };
 /// A picture and how it lies on the board.
 struct TargetSpec {
   std::filesystem::path picture;
+  Image image{};  ///< the picture itself, if it has pixels: one channel or three, 0 to 1, sRGB-encoded as in a PNG
   double rotation_deg = 0;       ///< counter-clockwise as one looks at the board with x right and y up
   bool upright_in_view = false;  ///< "rotation_deg": "viewer": upright in that view's photo instead
   Fit fit = Fit::cover;
   std::optional<std::array<double, 2>> levels;  ///< gamma-encoded values that become black and white
   std::filesystem::path mask;                   ///< picture of what matters (white) and what does not; empty: all
+  Image mask_image{};                           ///< the mask itself, if it has pixels; as `image`
 };
 
 /// One picture that the board is to show.
@@ -37,6 +41,7 @@ struct DesignView {
   double weight = 1;  ///< of this view's loss
 };
 
+/// A design that is wanted (`design.json`).
 struct DesignSpec {
   std::filesystem::path board, bench;  ///< absolute, or relative to the working directory
   int scratches = 0;                   ///< how many to start with; weak ones are dropped at the end
@@ -46,7 +51,8 @@ struct DesignSpec {
 /// Reads `design.json`. Throws Error naming file and field for anything missing, unknown or out of range.
 DesignSpec read_design(const std::filesystem::path& file);
 
-/// Writes `design.json`, paths made relative to the file's folder; atomically.
+/// Writes `design.json`, paths made relative to the file's folder; atomically. Throws Error for a target that is only
+/// in memory.
 void write_design(const DesignSpec& spec, const std::filesystem::path& file);
 
 }  // namespace burin

@@ -36,6 +36,7 @@ enum class GcodeDialect {
   marlin,    ///< comments after ;, G4 S in seconds or P in milliseconds
 };
 
+/// What a machine reaches, mm in its own frame.
 struct MachineBounds {
   Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};
 };
@@ -51,6 +52,7 @@ struct MachineLimits {
   int max_grooves = 0;     ///< over one place
 };
 
+/// A carving machine: what its files look like, and how fast it moves.
 struct MachineProfile {
   std::string name = "grbl";
   GcodeDialect dialect = GcodeDialect::grbl;

@@ -11,18 +11,30 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-Image linear_luminance(const std::filesystem::path& file) {
-  Image picture = read_picture(file);
-  if (picture.width < 1 || picture.height < 1) fail(file.string(), "holds no pixels", "give another picture");
+// Of an image in memory (if it has pixels) or of a file. `name` is what errors call it.
+Image linear_luminance(const Image& in_memory, const std::filesystem::path& file, const std::string& name) {
+  Image picture = in_memory.width > 0 ? in_memory : read_picture(file);
+  if (picture.width < 1 || picture.height < 1) fail(name, "holds no pixels", "give another picture");
+  const std::size_t values =
+      static_cast<std::size_t>(picture.width) * picture.height * static_cast<std::size_t>(picture.channels);
+  if ((picture.channels != 1 && picture.channels != 3) || picture.data.size() != values)
+    fail(name,
+         "has " + std::to_string(picture.channels) + " channels and " + std::to_string(picture.data.size()) + " values",
+         "give width x height values for one channel or three");
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return std::tolower(c); });
-  const bool linear = extension == ".exr" || extension == ".hdr";
+  const bool linear = in_memory.width == 0 && (extension == ".exr" || extension == ".hdr");
   for (float& v : picture.data) {
-    if (!std::isfinite(v)) fail(file.string(), "holds values that are not finite", "repair the picture");
+    if (!std::isfinite(v)) fail(name, "holds values that are not finite", "repair the picture");
     if (!linear) v = srgb_to_linear(std::clamp(v, 0.0F, 1.0F));
   }
   return luminance(picture);
+}
+
+std::string name_of(const TargetSpec& spec) {
+  if (spec.image.width == 0) return spec.picture.string();
+  return spec.picture.empty() ? "the target in memory" : spec.picture.string() + " (in memory)";
 }
 
 // Bilinear, clamped at the picture's edge, `outside` beyond half a pixel from it.
@@ -79,11 +91,11 @@ Image lay_on_area(const Image& picture, double rotation_deg, Fit fit, const Eige
 }  // namespace
 
 Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm, int width, int height) {
-  const std::string where = spec.picture.string();
+  const std::string where = name_of(spec);
   Target target;
   double scale = 1;
-  target.picture =
-      lay_on_area(linear_luminance(spec.picture), rotation_deg, spec.fit, area_mm, width, height, 0.0F, scale);
+  target.picture = lay_on_area(linear_luminance(spec.image, spec.picture, where), rotation_deg, spec.fit, area_mm,
+                               width, height, 0.0F, scale);
   if (scale > 4)
     target.warnings.push_back(where + ": one of its pixels covers " + std::to_string(static_cast<int>(scale)) +
                               " of the design's; give a larger picture");
@@ -103,16 +115,17 @@ Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vec
          "choose another picture, crop or \"levels\"");
   if (mean < 0.08)
     target.warnings.push_back(where + ": is nearly black; the plain face will outshine it (\"levels\" can lift it)");
-  if (!spec.mask.empty()) {
+  if (!spec.mask.empty() || spec.mask_image.width > 0) {
+    const std::string mask = spec.mask_image.width > 0 ? "the mask in memory of " + where : spec.mask.string();
     double unused = 1;
-    target.mask =
-        lay_on_area(linear_luminance(spec.mask), rotation_deg, spec.fit, area_mm, width, height, 0.0F, unused);
+    target.mask = lay_on_area(linear_luminance(spec.mask_image, spec.mask, mask), rotation_deg, spec.fit, area_mm,
+                              width, height, 0.0F, unused);
     double weight = 0;
     for (float& v : target.mask.data) {
       v = std::clamp(v, 0.0F, 1.0F);
       weight += v;
     }
-    if (weight < 1) fail(spec.mask.string(), "masks everything", "paint white what matters");
+    if (weight < 1) fail(mask, "masks everything", "paint white what matters");
   }
   return target;
 }

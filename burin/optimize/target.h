@@ -18,14 +18,16 @@
 
 namespace burin {
 
+/// A picture laid on a design's grid.
 struct Target {
   Image picture;                      ///< one channel, 0..1, gamma-encoded
   Image mask;                         ///< one channel, 0..1; no pixels if everything matters
   std::vector<std::string> warnings;  ///< "nearly black", "much smaller than the grid", ...
 };
 
-/// Loads and lays a target on a grid of width x height pixels covering an area of area_mm. `rotation_deg` is the final
-/// angle (spec.rotation_deg, or viewer_rotation_deg). Throws Error for a file that is missing, broken or of one tone.
+/// Loads (from its file, or the image in memory) and lays a target on a grid of width x height pixels covering an area
+/// of area_mm. `rotation_deg` is the final angle (spec.rotation_deg, or viewer_rotation_deg). Throws Error for a file
+/// that is missing, broken or of one tone.
 Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm, int width, int height);
 
 /// How far a picture on the board must be turned, counter-clockwise, to stand upright in a view's photo when it lies

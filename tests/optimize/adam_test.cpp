@@ -5,6 +5,8 @@
 #include <tbb/global_control.h>
 
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "burin/render/error.h"
 
@@ -89,6 +91,35 @@ TEST(Adam, WrongSizeIsAnError) {
   Adam adam(2);
   std::vector<double> x{0};
   EXPECT_THROW(adam.step(x, std::vector<double>{1}, 1), Error);
+}
+
+TEST(Adam, HistoriesFollowTheirParametersIntoAnotherOrder) {
+  Adam forward(3), backward(3);
+  std::vector<double> p{1, 2, 3}, q = p;
+  forward.step(p, std::vector<double>{1, -2, 0.5}, 0.1);
+  backward.step(q, std::vector<double>{1, -2, 0.5}, 0.1);
+  const std::vector<std::size_t> turned{2, 0, 1};
+  backward.keep(turned);
+  q = {q[2], q[0], q[1]};
+  forward.step(p, std::vector<double>{3, 1, -1}, 0.1);
+  backward.step(q, std::vector<double>{-1, 3, 1}, 0.1);
+  EXPECT_EQ(q, (std::vector<double>{p[2], p[0], p[1]}));
+}
+
+TEST(Adam, ExchangesHistories) {
+  Adam a(1), b(1);
+  std::vector<double> p{1}, q{1};
+  a.step(p, std::vector<double>{5}, 0.1);
+  b.step(q, std::vector<double>{-1}, 0.1);
+  a.exchange(0, b);
+  std::swap(p, q);
+  Adam c(1);
+  std::vector<double> r{1};
+  c.step(r, std::vector<double>{-1}, 0.1);
+  a.step(p, std::vector<double>{2}, 0.1);
+  c.step(r, std::vector<double>{2}, 0.1);
+  EXPECT_EQ(p, r);
+  EXPECT_THROW(a.exchange(0, b), Error);  // b is a step behind
 }
 
 }  // namespace

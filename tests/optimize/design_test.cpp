@@ -13,24 +13,21 @@
 #include <filesystem>
 #include <string_view>
 
+#include "burin/optimize/carving/carving_order.h"
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 namespace {
 
 using testing::HasSubstr;
 
-// A folder of its own for each test.
 class DesignTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("burin-design-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
     // Two pictures with nothing in common: a disc, and a ramp with a bar.
     Image disc(64, 64, 1, 0.25F), ramp(64, 64, 1);
     for (int y = 0; y < 64; ++y)
@@ -38,8 +35,6 @@ class DesignTest : public testing::Test {
         if (std::hypot(x - 31.5, y - 31.5) < 20) disc.at(x, y) = 0.8F;
         ramp.at(x, y) = x > 40 && x < 50 ? 0.8F : 0.3F + 0.4F * y / 63;
       }
-    write_picture(disc, folder_ / "disc.png");
-    write_picture(ramp, folder_ / "ramp.png");
     board_.size_mm = {60, 60};
     board_.carve_min_mm = {5, 5};
     board_.carve_max_mm = {55, 55};
@@ -54,14 +49,12 @@ class DesignTest : public testing::Test {
     bench_.views = {view("left", {-180, -110, 600}), view("right", {240, -110, 600})};
     spec_.scratches = 2500;
     spec_.views = {{"left", "lamp", {}, 1}, {"right", "lamp", {}, 1}};
-    spec_.views[0].target.picture = folder_ / "disc.png";
-    spec_.views[1].target.picture = folder_ / "ramp.png";
+    spec_.views[0].target.image = disc;
+    spec_.views[1].target.image = ramp;
     options_.pixels = 64;
     options_.iterations = 40;
     options_.rate = 5e-3;  // the pixels are large
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   static View view(const std::string& name, const Eigen::Vector3d& center_mm) {
     View v;
     v.name = name;
@@ -82,7 +75,7 @@ class DesignTest : public testing::Test {
     return "";
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
   Board board_;
   Bench bench_;
   DesignSpec spec_;
@@ -118,7 +111,7 @@ TEST_F(DesignTest, BalanceTakesFromTheBetterViewForTheWorse) {
   Image tiles(64, 64, 1);
   for (int y = 0; y < 64; ++y)
     for (int x = 0; x < 64; ++x) tiles.at(x, y) = 0.2F + 0.1F * static_cast<float>((x / 5 * 7 + y / 5 * 5) % 8);
-  write_picture(tiles, folder_ / "ramp.png");
+  spec_.views[1].target.image = tiles;
   spec_.scratches = 1000;  // few, so that the views compete for them
   options_.rate = 0;
   const auto decibels = [&](double balance) {
@@ -193,9 +186,9 @@ TEST_F(DesignTest, RulesOfPairsCostLessThanDroppingWhatBreaksThem) {
 
 TEST_F(DesignTest, DropsByCountByLightOrByError) {
   options_.iterations = 5;
-  options_.drop_count = 0.4;
+  options_.drop_share = 0.4;
   EXPECT_EQ(design(spec_, board_, bench_, options_, {}).scratches.size(), 1500U);
-  options_.drop_count = 0;
+  options_.drop_share = 0;
   options_.drop_light = 0.03;
   const DesignResult result = design(spec_, board_, bench_, options_, {});
   EXPECT_GT(result.dropped, 0U);
@@ -331,6 +324,48 @@ TEST_F(DesignTest, FreeDepthIsReportedAndWritten) {
   EXPECT_EQ(result.scratches.depth_um.front(), *result.depth_um);
 }
 
+// The pictures of these scratches on the test's bench, without designing anything.
+std::vector<double> decibels_of(const Scratches& scratches, const DesignSpec& spec, const Board& board,
+                                const Bench& bench, DesignOptions options) {
+  options.from = scratches;
+  options.iterations = 0;
+  options.drop_error = 0;
+  std::vector<double> db;
+  for (const DesignedView& v : design(spec, board, bench, options, {}).views) db.push_back(v.psnr_db);
+  return db;
+}
+
+TEST_F(DesignTest, IsMadeForTheFieldsAndCrossingsThatTheBenchHas) {
+  bench_.material.depth_um = 9;  // grooves reach little farther than the half vectors lean
+  options_.iterations = 20;
+  options_.rate = 0;
+  Bench measured = bench_;
+  measured.depth_field.terms = {0.5, 0, 0, 0, 0, 0};
+  measured.alpha_field.terms = {0, -0.3, 0, 0, 0, 0};
+  measured.crossings = Crossings::last;
+  const DesignResult ignored = design(spec_, board_, bench_, options_, {});
+  const DesignResult known = design(spec_, board_, measured, options_, {});
+  const std::vector<double> lost = decibels_of(ignored.scratches, spec_, board_, measured, options_);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_GT(known.views[k].psnr_db, lost[k] + 0.5) << "view " << k;
+  // What it promised is what these scratches show there.
+  const std::vector<double> again = decibels_of(known.scratches, spec_, board_, measured, options_);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(known.views[k].psnr_db, again[k], 0.02) << "view " << k;
+}
+
+TEST_F(DesignTest, WhereTheOrderOfCarvingShowsItIsDesignedForAShortOne) {
+  options_.iterations = 20;
+  options_.rate = 0;
+  const auto air = [&](const Scratches& s, const std::vector<CarvingStep>& order) { return travel_mm(s, order); };
+  const DesignResult any = design(spec_, board_, bench_, options_, {});
+  EXPECT_GT(air(any.scratches, file_order(any.scratches)), 3 * air(any.scratches, carving_order(any.scratches)));
+  bench_.depth_field.terms[5] = 0.2;
+  const DesignResult worn = design(spec_, board_, bench_, options_, {});
+  // Short when it was settled, half way; since then scratches have moved and weak ones have gone.
+  EXPECT_LT(air(worn.scratches, file_order(worn.scratches)), 2 * air(worn.scratches, carving_order(worn.scratches)));
+  const std::vector<double> again = decibels_of(worn.scratches, spec_, board_, bench_, options_);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(worn.views[k].psnr_db, again[k], 0.02) << "view " << k;
+}
+
 TEST_F(DesignTest, WritesAllItsFiles) {
   options_.iterations = 3;
   const DesignResult result = design(spec_, board_, bench_, options_, {});
@@ -363,6 +398,7 @@ TEST_F(DesignTest, ViewOrLampThatTheBenchLacks) {
 }
 
 TEST_F(DesignTest, MissingOrBrokenTarget) {
+  spec_.views[0].target.image = {};
   spec_.views[0].target.picture = folder_ / "nothing.png";
   EXPECT_THAT(error_of(), HasSubstr("nothing.png"));
   write_text("not a picture", folder_ / "broken.png");

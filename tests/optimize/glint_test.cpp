@@ -15,6 +15,10 @@
 namespace burin {
 namespace {
 
+GrooveAt grooves(double depth_um, double alpha) {
+  return [=](const Eigen::Vector2d&) { return GrooveShape{depth_um, alpha}; };
+}
+
 using testing::HasSubstr;
 
 // Integral of D over the slope angle of a wall that ends at `steepest`; h leans by `lean`, turned by `turn` from the
@@ -65,10 +69,10 @@ GlintView at_azimuth(const std::string& name, double azimuth) {
 
 TEST(Glint, CollisionsModuloHalfATurnAreNamed) {
   const Eigen::Vector2d min{-20, -20}, max{20, 20};
-  const auto apart = check_glints({at_azimuth("a", 0), at_azimuth("b", 1.2)}, min, max, 400, 40, 0.04);
+  const auto apart = check_glints({at_azimuth("a", 0), at_azimuth("b", 1.2)}, min, max, 400, grooves(40, 0.04));
   EXPECT_TRUE(apart.empty());
   const auto opposite =
-      check_glints({at_azimuth("a", 0), at_azimuth("b", std::numbers::pi + 0.05)}, min, max, 400, 40, 0.04);
+      check_glints({at_azimuth("a", 0), at_azimuth("b", std::numbers::pi + 0.05)}, min, max, 400, grooves(40, 0.04));
   ASSERT_EQ(opposite.size(), 1U);
   EXPECT_THAT(opposite[0], AllOf(HasSubstr("a and b"), HasSubstr("2.9 degrees apart"), HasSubstr("collide")));
 }
@@ -77,7 +81,7 @@ TEST(Glint, TooShallowGroovesAreAnErrorThatNamesTheDepthNeeded) {
   const GlintView view = at_azimuth("a", 0);
   const Eigen::Vector2d min{-20, -20}, max{20, 20};
   try {
-    check_glints({view}, min, max, 400, 1, 0.04);
+    check_glints({view}, min, max, 400, grooves(1, 0.04));
     FAIL() << "no error";
   } catch (const Error& e) {
     EXPECT_THAT(e.what(),
@@ -85,14 +89,14 @@ TEST(Glint, TooShallowGroovesAreAnErrorThatNamesTheDepthNeeded) {
     // The remedy's own depth must pass.
     const std::string text = e.what();
     const double depth = std::stod(text.substr(text.find("at least ") + 9));
-    EXPECT_TRUE(check_glints({view}, min, max, 400, depth * 1.05, 0.04).empty());
+    EXPECT_TRUE(check_glints({view}, min, max, 400, grooves(depth * 1.05, 0.04)).empty());
   }
 }
 
 TEST(Glint, LampBehindTheBoard) {
   GlintView view = at_azimuth("a", 0);
   view.light_mm.z() = -5;
-  EXPECT_THROW(check_glints({view}, {0, 0}, {1, 1}, 400, 40, 0.04), Error);
+  EXPECT_THROW(check_glints({view}, {0, 0}, {1, 1}, 400, grooves(40, 0.04)), Error);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "burin/optimize/loss/adam.h"
+#include "burin/optimize/loss/gram_term.h"
 #include "burin/render/error.h"
 #include "tests/allocations.h"
 

@@ -13,34 +13,30 @@
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 namespace {
 
 using testing::HasSubstr;
 
+// Dark, with a bright quarter at the upper left.
+Image corner_image(int w = 32, int h = 32) {
+  Image image(w, h, 1, 0.2F);
+  for (int y = 0; y < h / 2; ++y)
+    for (int x = 0; x < w / 2; ++x) image.at(x, y) = 0.9F;
+  return image;
+}
+
+TargetSpec corner_picture(int w = 32, int h = 32) {
+  TargetSpec spec;
+  spec.image = corner_image(w, h);
+  return spec;
+}
+
 class TargetTest : public testing::Test {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("burin-target-" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  // Dark, with a bright quarter at the upper left.
-  TargetSpec corner_picture(int w = 32, int h = 32) {
-    Image image(w, h, 1, 0.2F);
-    for (int y = 0; y < h / 2; ++y)
-      for (int x = 0; x < w / 2; ++x) image.at(x, y) = 0.9F;
-    write_picture(image, folder_ / "corner.png");
-    TargetSpec spec;
-    spec.picture = folder_ / "corner.png";
-    return spec;
-  }
-
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 // The sRGB value as gamma 2.2 encodes the same light.
@@ -100,16 +96,37 @@ TEST_F(TargetTest, LinearAndDeepPicturesKeepTheirLight) {
 TEST_F(TargetTest, ColorBecomesLuminance) {
   Image image(16, 16, 3, 0.0F);
   for (int i = 0; i < 128; ++i) image.data[3 * i + 1] = 1;  // upper half green
-  write_picture(image, folder_ / "green.png");
   TargetSpec spec;
-  spec.picture = folder_ / "green.png";
+  spec.image = image;
   EXPECT_NEAR(load_target(spec, 0, {10, 10}, 16, 16).picture.at(3, 2), std::pow(0.7152, 1 / 2.2), 2e-3);
 }
 
+TEST_F(TargetTest, AnImageInMemoryIsWhatItsFileWouldBe) {
+  const Image mask(8, 8, 1, 1.0F);
+  write_picture(corner_image(), folder_ / "corner.png", 16);
+  write_picture(mask, folder_ / "mask.png", 16);
+  TargetSpec file, memory;
+  file.picture = folder_ / "corner.png";
+  file.mask = folder_ / "mask.png";
+  memory.image = corner_image();
+  memory.mask_image = mask;
+  const Target a = load_target(file, 30, {50, 40}, 25, 20), b = load_target(memory, 30, {50, 40}, 25, 20);
+  ASSERT_EQ(a.picture.data.size(), b.picture.data.size());
+  for (std::size_t i = 0; i < a.picture.data.size(); ++i) EXPECT_NEAR(a.picture.data[i], b.picture.data[i], 1e-4);
+  EXPECT_EQ(a.mask.data, b.mask.data);
+}
+
+TEST_F(TargetTest, AnImageInMemoryOfTheWrongSizeIsAnError) {
+  TargetSpec spec = corner_picture();
+  spec.image.data.pop_back();
+  EXPECT_THROW(load_target(spec, 0, {10, 10}, 16, 16), Error);
+  spec.image = Image(4, 4, 2, 0.5F);
+  EXPECT_THROW(load_target(spec, 0, {10, 10}, 16, 16), Error);
+}
+
 TEST_F(TargetTest, OneToneIsAnError) {
-  write_picture(Image(16, 16, 1, 0.5F), folder_ / "gray.png");
   TargetSpec spec;
-  spec.picture = folder_ / "gray.png";
+  spec.image = Image(16, 16, 1, 0.5F);
   EXPECT_THROW(load_target(spec, 0, {10, 10}, 16, 16), Error);
 }
 
@@ -140,10 +157,13 @@ TEST_F(TargetTest, DesignFileRoundTripsAndRefuses) {
   spec.bench = folder_ / "bench.json";
   spec.scratches = 10;
   spec.views.resize(2);
-  spec.views[0] = {"v00", "lamp", corner_picture(), 2};
+  write_picture(corner_image(), folder_ / "corner.png");
+  TargetSpec corner;
+  corner.picture = folder_ / "corner.png";
+  spec.views[0] = {"v00", "lamp", corner, 2};
   spec.views[0].target.levels = std::array<double, 2>{0.1, 0.9};
   spec.views[0].target.fit = Fit::contain;
-  spec.views[1] = {"v01", "lamp", corner_picture(), 1};
+  spec.views[1] = {"v01", "lamp", corner, 1};
   spec.views[1].target.upright_in_view = true;
   write_design(spec, folder_ / "design.json");
   const DesignSpec read = read_design(folder_ / "design.json");
@@ -153,6 +173,14 @@ TEST_F(TargetTest, DesignFileRoundTripsAndRefuses) {
   EXPECT_EQ(read.views[0].target.levels, spec.views[0].target.levels);
   EXPECT_TRUE(read.views[1].target.upright_in_view);
   EXPECT_TRUE(std::filesystem::equivalent(read.views[0].target.picture, spec.views[0].target.picture));
+
+  spec.views[1].target.image = corner_image();
+  try {
+    write_design(spec, folder_ / "memory.json");
+    FAIL() << "a file cannot name a picture in memory";
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), AllOf(HasSubstr("v01"), HasSubstr("in memory")));
+  }
 
   const auto error_with = [&](const std::string& views) {
     write_text(R"({"format": "burin/design", "version": 1, "board": "b.json", "bench": "c.json", "scratches": 5, )" +

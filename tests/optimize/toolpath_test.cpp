@@ -9,12 +9,14 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 #include <regex>
 #include <sstream>
 
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/render/error.h"
+#include "burin/render/parameter_name.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -188,7 +190,7 @@ TEST(Toolpath, DepthsAreCommandsNotMeasurements) {
   EXPECT_EQ(depths(), std::pair(0.020, 0.030));
   bench.material_sigma.depth_um = 0.5;
   EXPECT_EQ(depths(), std::pair(0.010, 0.015));
-  bench.verdict["depth_um"] = {false, "no photo straddles the cut-off"};
+  bench.verdict[parameter::kDepth].degree = Degree::not_determined;
   EXPECT_EQ(depths(), std::pair(0.020, 0.030));
 }
 
@@ -284,18 +286,6 @@ TEST(Toolpath, AHeadThatPressesInsteadOfPlunging) {
   EXPECT_TRUE(check_toolpath(replay.scratches, path.scratches, 1e-3).good());
 }
 
-TEST(Toolpath, Durations) {
-  EXPECT_EQ(duration_from_text("30min"), 1800);
-  EXPECT_EQ(duration_from_text("45s"), 45);
-  EXPECT_EQ(duration_from_text("1.5h"), 5400);
-  EXPECT_EQ(duration_from_text("1h30min"), 5400);
-  for (const char* wrong : {"", "30", "min", "-5min", "5 years", "0s", "nanmin"})
-    EXPECT_THAT([&] { duration_from_text(wrong); }, ThrowsMessage<Error>(HasSubstr("30min"))) << wrong;
-  EXPECT_EQ(duration_text(42.4), "42 s");
-  EXPECT_EQ(duration_text(720), "12 min");
-  EXPECT_EQ(duration_text(6.5 * 3600), "6 h 30 min");
-}
-
 TEST(Toolpath, WhatAnInterruptedFileLeftIsCarvedOnce) {
   const TemporaryFolder folder;
   const Scratches s = random_scratches(60);
@@ -371,6 +361,63 @@ TEST(Toolpath, InterruptionsThatLeaveNothingToDoAreRefused) {
   others.x0_mm[7] += 0.5;
   expect(others, 40, "rest.gcode", "carves a scratch that is not among those given");
   EXPECT_FALSE(std::filesystem::exists(folder / "rest.gcode"));
+}
+
+TEST(Toolpath, KeepsTheOrderWhereTheBenchSaysThatItShows) {
+  const Board board = board_200x100();
+  const Scratches s = random_scratches(200);
+  const MachineProfile machine = machine_profile("grbl");
+  const auto kept = [&](const Bench& bench, std::optional<bool> keep = {}) {
+    ToolpathOptions options;
+    options.keep_order = keep;
+    const Toolpath path = plan_toolpath(s, board, &bench, machine, options);
+    bool as_given = true;
+    for (std::size_t i = 0; i < s.size(); ++i) as_given &= path.order[i].scratch == i && !path.order[i].reversed;
+    EXPECT_EQ(path.kept_order, as_given);
+    return as_given;
+  };
+  Bench bench;
+  bench.material = board.material;
+  EXPECT_FALSE(kept(bench));
+  bench.depth_field.terms[0] = 0.1;  // over the board: the order does not show
+  EXPECT_FALSE(kept(bench));
+  bench.depth_field.terms[5] = 0.04;
+  EXPECT_TRUE(kept(bench));
+  EXPECT_FALSE(kept(bench, false));
+  bench.depth_field.terms[5] = 0;
+  bench.crossings = Crossings::last;
+  EXPECT_TRUE(kept(bench));
+  bench.crossings = Crossings::add;
+  EXPECT_TRUE(kept(bench, true));
+}
+
+TEST(Toolpath, WhatIsSentKeepsItsColumnsInCarvingOrder) {
+  const TemporaryFolder folder;
+  const Board board = board_200x100();
+  Scratches s = random_scratches(30);
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    s.depth_um.push_back(10 + 0.1 * static_cast<double>(i));
+    s.alpha.push_back(0.03 + 0.001 * static_cast<double>(i));
+    s.carved.push_back(i % 5 == 0 ? 1 : 0);
+  }
+  Bench bench;
+  bench.material = board.material;
+  bench.material.depth_um = 2 * board.material.depth_um;
+  bench.material.alpha = 0.5 * board.material.alpha;
+  bench.material_sigma.depth_um = 0.1;
+  bench.machine_affine << 1.002, 0, 0.1, 0, 0.999, -0.2;
+  const ToolpathReport report = write_toolpath(s, board, &bench, machine_profile("grbl"), {}, folder / "sent.csv");
+  const Scratches sent = read_scratches(folder / "sent.csv");
+  ASSERT_EQ(sent.size(), 24U);
+  EXPECT_TRUE(sent.carved.empty());
+  ASSERT_EQ(report.order.size(), sent.size());
+  for (std::size_t k = 0; k < sent.size(); ++k) {
+    const std::size_t i = report.order[k].scratch;
+    EXPECT_NEAR(sent.depth_um[k], s.depth_um[i] / 2, 1e-6);
+    EXPECT_NEAR(sent.alpha[k], 2 * s.alpha[i], 1e-6);
+    EXPECT_NEAR(1.002 * sent.x0_mm[k] + 0.1, (report.order[k].reversed ? s.x1_mm : s.x0_mm)[i], 2e-5);
+    EXPECT_NEAR(0.999 * sent.y1_mm[k] - 0.2, (report.order[k].reversed ? s.y0_mm : s.y1_mm)[i], 2e-5);
+  }
 }
 
 }  // namespace

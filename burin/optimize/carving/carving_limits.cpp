@@ -8,6 +8,7 @@
 #include <numeric>
 #include <set>
 
+#include "burin/optimize/carving/ends.h"
 #include "burin/optimize/carving/groove_pairs.h"
 #include "burin/render/error.h"
 #include "burin/render/groove.h"
@@ -32,18 +33,6 @@ std::string place_text(const Eigen::Vector2d& p) {
   char text[80];
   std::snprintf(text, sizeof text, "(%.3f, %.3f) mm", p.x(), p.y());
   return text;
-}
-
-struct Ends {
-  Eigen::Vector2d a, b;
-  double length() const { return (b - a).norm(); }
-};
-
-Ends ends_of(const Scratches& s, std::size_t i) { return {{s.x0_mm[i], s.y0_mm[i]}, {s.x1_mm[i], s.y1_mm[i]}}; }
-
-void set_ends(Scratches& s, std::size_t i, const Ends& ends) {
-  s.x0_mm[i] = ends.a.x(), s.y0_mm[i] = ends.a.y();
-  s.x1_mm[i] = ends.b.x(), s.y1_mm[i] = ends.b.y();
 }
 
 double half_width_mm(const Scratches& s, std::size_t i, const CarvingLimits& limits) {
@@ -228,6 +217,72 @@ std::optional<Rule> put_on_grid(Ends& ends, double half_width, const CarvingLimi
   return broken;
 }
 
+// Keeps scratches in their order, each moved to a place nearby, cut or dropped where it breaks a rule of pairs with
+// those kept before it and with what is carved.
+class PairKeeper {
+ public:
+  PairKeeper(Scratches& moved, const std::vector<std::size_t>& carved, const CarvingLimits& limits)
+      : moved_(moved),
+        limits_(limits),
+        grooves_(grooves_of(moved, limits)),
+        widest_(widest_of(grooves_)),
+        index_(index_for(moved, limits)),
+        lost_(grooves_.size(), 0.0) {
+    for (const std::size_t i : carved) index_.insert(static_cast<std::uint32_t>(i), grooves_[i]);
+  }
+
+  /// Nothing if the scratch is kept; else the rule that it broke where it came from.
+  std::optional<Rule> keep(std::size_t i) {
+    Meeting met;
+    const std::optional<Rule> broken = broken_by(i, met);
+    if (broken && !find_lawful_place(i, met)) return broken;
+    for (const auto& [other, area] : met.takes) {
+      lost_[other] += area;
+      lost_[i] += area;
+    }
+    index_.insert(static_cast<std::uint32_t>(i), grooves_[i]);
+    return std::nullopt;
+  }
+
+ private:
+  // The first rule of pairs that a scratch breaks among those kept; what it meets there.
+  std::optional<Rule> broken_by(std::size_t i, Meeting& met) const {
+    const MachineLimits& m = limits_.machine;
+    met = meet(i, grooves_, index_, widest_, m);
+    const auto spoils = [&](const auto& take) {
+      return !moved_.is_carved(take.first) &&
+             lost_[take.first] + take.second > m.max_overlap * grooves_[take.first].area_mm2();
+    };
+    if (m.distance_mm > 0 && met.nearest_mm < m.distance_mm) return Rule::distance;
+    if (m.max_overlap > 0 && (met.share > m.max_overlap || std::any_of(met.takes.begin(), met.takes.end(), spoils)))
+      return Rule::overlap;
+    if (m.max_grooves > 0 && met.grooves > m.max_grooves) return Rule::grooves;
+    return std::nullopt;
+  }
+
+  bool find_lawful_place(std::size_t i, Meeting& met) {
+    const Ends came = ends_of(moved_, i);
+    for (const Ends& near : nearby(came, std::max(limits_.machine.distance_mm, limits_.machine.step_mm))) {
+      Ends ends = near;
+      if (broken_alone(ends, grooves_[i].half_width_mm, limits_, 0) ||
+          put_on_grid(ends, grooves_[i].half_width_mm, limits_, A_inverse_))
+        continue;
+      set_ends(moved_, i, ends);
+      grooves_[i] = groove_of(moved_, i, limits_);
+      if (!broken_by(i, met)) return true;
+    }
+    return false;
+  }
+
+  Scratches& moved_;
+  const CarvingLimits& limits_;
+  Eigen::Matrix2d A_inverse_ = limits_.affine.leftCols<2>().inverse();
+  std::vector<Groove> grooves_;
+  double widest_;
+  GrooveIndex index_;
+  std::vector<double> lost_;  // area that others take from each
+};
+
 std::string keep_out_named(const Ends& e, double half_width, const CarvingLimits& limits) {
   for (const KeepOut& place : limits.keep_out) {
     const std::vector<LinePart> free = free_parts(e.a, e.b, {&place, 1}, half_width - kSlack_mm);
@@ -238,6 +293,111 @@ std::string keep_out_named(const Ends& e, double half_width, const CarvingLimits
   }
   return "a keep-out";
 }
+
+// Looks at scratches, and remembers what they break.
+struct Judge {
+  const Scratches& scratches;
+  const CarvingLimits& limits;
+  double edge_tolerance_mm;
+  LimitsCheck check{};
+  std::size_t first_row = scratches.size();
+  Eigen::Matrix2d A_inverse = limits.affine.leftCols<2>().inverse();
+
+  // `what` makes the sentence: only the first fault needs one.
+  template <typename What>
+  void broken(Rule rule, std::size_t row, const What& what, const std::string& remedy) {
+    ++check.broken[static_cast<std::size_t>(rule)];
+    if (row >= first_row) return;
+    first_row = row;
+    check.first = "scratch in row " + std::to_string(row + 1) + " " + what();
+    check.remedy = remedy;
+  }
+
+  std::string what_is_wrong(Rule rule, const Ends& e, double half_width) const {
+    const MachineLimits& m = limits.machine;
+    if (rule == Rule::area)
+      return "leaves the board's carve area at " + place_text(in_area(e.a, limits, edge_tolerance_mm) ? e.b : e.a);
+    if (rule == Rule::keep_out)
+      return "crosses a place that is kept free, " + keep_out_named(e, half_width, limits) + " (its groove is " +
+             millimetres(2 * half_width) + " wide)";
+    return "is " + millimetres(e.length()) + " long; the machine carves " +
+           (rule == Rule::shortest ? "no less than " + millimetres(m.shortest_mm)
+                                   : "no more than " + millimetres(m.longest_mm));
+  }
+
+  // The rules that concern one scratch.
+  void alone(std::size_t i) {
+    const Ends e = ends_of(scratches, i);
+    const double half_width = half_width_mm(scratches, i, limits), step_mm = limits.machine.step_mm;
+    if (!e.a.allFinite() || !e.b.allFinite())
+      fail("scratch in row " + std::to_string(i + 1), "has an end that is not a number", "remove it");
+    if (const std::optional<Rule> rule = broken_alone(e, half_width, limits, edge_tolerance_mm))
+      broken(
+          *rule, i, [&] { return what_is_wrong(*rule, e, half_width); },
+          *rule == Rule::area ? "move it, or correct carve_mm in board.json (now " + place_text(limits.min_mm) +
+                                    " to " + place_text(limits.max_mm) + ")"
+          : *rule == Rule::keep_out ? "move it, or correct keep_out and tags in board.json"
+                                    : "design for this machine, or correct its limits");
+    if (step_mm > 0 && (!on_step(e.a, limits, A_inverse) || !on_step(e.b, limits, A_inverse)))
+      broken(
+          Rule::step, i,
+          [&] {
+            return "does not lie on the machine's steps of " + millimetres(step_mm) + ": " + place_text(e.a) + " to " +
+                   place_text(e.b);
+          },
+          "design for this machine, or correct its step_mm");
+    if (limits.width_um > 0 && !scratches.width_um.empty() &&
+        std::abs(scratches.width_um[i] - limits.width_um) > 1e-6 * limits.width_um)
+      broken(
+          Rule::width, i,
+          [&] {
+            return "is " + std::to_string(scratches.width_um[i]) + " um wide, the board's tool " +
+                   std::to_string(limits.width_um);
+          },
+          "carve it with another tool (tool.width_um in board.json), or take its width away");
+  }
+
+  // The rules of pairs.
+  void pairs() {
+    const MachineLimits& m = limits.machine;
+    const std::vector<Groove> grooves = grooves_of(scratches, limits);
+    GrooveIndex index = index_for(scratches, limits);
+    for (std::size_t i = 0; i < grooves.size(); ++i) index.insert(static_cast<std::uint32_t>(i), grooves[i]);
+    const double widest = widest_of(grooves);
+    const std::string remedy =
+        "design for this machine, let `burin toolpath --mend` drop what is too much, or correct "
+        "the machine's limits";
+    for (std::size_t i = 0; i < grooves.size(); ++i) {
+      if (scratches.is_carved(i) || !(grooves[i].area_mm2() > 0)) continue;
+      const Meeting met = meet(i, grooves, index, widest, m);
+      if (m.distance_mm > 0 && met.nearest_mm < m.distance_mm - kSlack_mm)
+        broken(
+            Rule::distance, i,
+            [&] {
+              return "runs " + millimetres(met.nearest_mm) + " beside the one in row " +
+                     std::to_string(met.nearest + 1) + "; the machine needs " + millimetres(m.distance_mm);
+            },
+            remedy);
+      if (m.max_overlap > 0 && met.share > m.max_overlap * (1 + 1e-9))
+        broken(
+            Rule::overlap, i,
+            [&] {
+              return "loses " + std::to_string(std::lround(1000 * met.share) / 10.0).substr(0, 5) +
+                     " % of its groove to others; " + std::to_string(100 * m.max_overlap).substr(0, 5) +
+                     " % are allowed";
+            },
+            remedy);
+      if (m.max_grooves > 0 && met.grooves > m.max_grooves)
+        broken(
+            Rule::grooves, i,
+            [&] {
+              return "has a place where more than " + std::to_string(m.max_grooves) + " groove" +
+                     (m.max_grooves == 1 ? " lies" : "s lie");
+            },
+            remedy);
+    }
+  }
+};
 
 // Whether any groove in the area could touch the place: none is wider than the tool.
 bool reaches_into(const KeepOut& place, const CarvingLimits& limits) {
@@ -296,96 +456,11 @@ bool LimitsCheck::good() const {
 }
 
 LimitsCheck check_limits(const Scratches& scratches, const CarvingLimits& limits, double edge_tolerance_mm) {
-  LimitsCheck check;
-  const MachineLimits& m = limits.machine;
-  const Eigen::Matrix2d A_inverse = limits.affine.leftCols<2>().inverse();
-  std::size_t first_row = scratches.size();
-  const auto broken = [&](Rule rule, std::size_t row, const auto& what, const std::string& remedy) {
-    ++check.broken[static_cast<std::size_t>(rule)];
-    if (row >= first_row) return;
-    first_row = row;
-    check.first = "scratch in row " + std::to_string(row + 1) + " " + what();
-    check.remedy = remedy;
-  };
-  for (std::size_t i = 0; i < scratches.size(); ++i) {
-    if (scratches.is_carved(i)) continue;
-    const Ends e = ends_of(scratches, i);
-    const double half_width = half_width_mm(scratches, i, limits);
-    if (!e.a.allFinite() || !e.b.allFinite())
-      fail("scratch in row " + std::to_string(i + 1), "has an end that is not a number", "remove it");
-    if (const std::optional<Rule> rule = broken_alone(e, half_width, limits, edge_tolerance_mm)) {
-      const auto what = [&]() -> std::string {
-        if (*rule == Rule::area)
-          return "leaves the board's carve area at " + place_text(in_area(e.a, limits, edge_tolerance_mm) ? e.b : e.a);
-        if (*rule == Rule::keep_out)
-          return "crosses a place that is kept free, " + keep_out_named(e, half_width, limits) + " (its groove is " +
-                 millimetres(2 * half_width) + " wide)";
-        return "is " + millimetres(e.length()) + " long; the machine carves " +
-               (*rule == Rule::shortest ? "no less than " + millimetres(m.shortest_mm)
-                                        : "no more than " + millimetres(m.longest_mm));
-      };
-      broken(*rule, i, what,
-             *rule == Rule::area ? "move it, or correct carve_mm in board.json (now " + place_text(limits.min_mm) +
-                                       " to " + place_text(limits.max_mm) + ")"
-             : *rule == Rule::keep_out ? "move it, or correct keep_out and tags in board.json"
-                                       : "design for this machine, or correct its limits");
-    }
-    if (m.step_mm > 0 && (!on_step(e.a, limits, A_inverse) || !on_step(e.b, limits, A_inverse)))
-      broken(
-          Rule::step, i,
-          [&] {
-            return "does not lie on the machine's steps of " + millimetres(m.step_mm) + ": " + place_text(e.a) +
-                   " to " + place_text(e.b);
-          },
-          "design for this machine, or correct its step_mm");
-    if (limits.width_um > 0 && !scratches.width_um.empty() &&
-        std::abs(scratches.width_um[i] - limits.width_um) > 1e-6 * limits.width_um)
-      broken(
-          Rule::width, i,
-          [&] {
-            return "is " + std::to_string(scratches.width_um[i]) + " um wide, the board's tool " +
-                   std::to_string(limits.width_um);
-          },
-          "carve it with another tool (tool.width_um in board.json), or take its width away");
-  }
-  if (!has_pair_rules(m) || scratches.size() == 0) return check;
-
-  const std::vector<Groove> grooves = grooves_of(scratches, limits);
-  GrooveIndex index = index_for(scratches, limits);
-  for (std::size_t i = 0; i < grooves.size(); ++i) index.insert(static_cast<std::uint32_t>(i), grooves[i]);
-  const double widest = widest_of(grooves);
-  const std::string remedy =
-      "design for this machine, let `burin toolpath --mend` drop what is too much, or correct "
-      "the machine's limits";
-  for (std::size_t i = 0; i < grooves.size(); ++i) {
-    if (scratches.is_carved(i) || !(grooves[i].area_mm2() > 0)) continue;
-    const Meeting met = meet(i, grooves, index, widest, m);
-    if (m.distance_mm > 0 && met.nearest_mm < m.distance_mm - kSlack_mm)
-      broken(
-          Rule::distance, i,
-          [&] {
-            return "runs " + millimetres(met.nearest_mm) + " beside the one in row " + std::to_string(met.nearest + 1) +
-                   "; the machine needs " + millimetres(m.distance_mm);
-          },
-          remedy);
-    if (m.max_overlap > 0 && met.share > m.max_overlap * (1 + 1e-9))
-      broken(
-          Rule::overlap, i,
-          [&] {
-            return "loses " + std::to_string(std::lround(1000 * met.share) / 10.0).substr(0, 5) +
-                   " % of its groove to others; " + std::to_string(100 * m.max_overlap).substr(0, 5) + " % are allowed";
-          },
-          remedy);
-    if (m.max_grooves > 0 && met.grooves > m.max_grooves)
-      broken(
-          Rule::grooves, i,
-          [&] {
-            return "has a place where more than " + std::to_string(m.max_grooves) + " groove" +
-                   (m.max_grooves == 1 ? " lies" : "s lie");
-          },
-          remedy);
-  }
-  return check;
+  Judge judge{scratches, limits, edge_tolerance_mm};
+  for (std::size_t i = 0; i < scratches.size(); ++i)
+    if (!scratches.is_carved(i)) judge.alone(i);
+  if (has_pair_rules(limits.machine) && scratches.size() > 0) judge.pairs();
+  return judge.check;
 }
 
 void fail_unless_good(const LimitsCheck& check, const std::string& name) {
@@ -445,16 +520,14 @@ bool confine(Scratches& scratches, std::size_t index, const CarvingLimits& limit
 
 Mended mend(const Scratches& scratches, const CarvingLimits& limits, std::span<const double> worth) {
   Mended out;
-  const MachineLimits& m = limits.machine;
   const Eigen::Matrix2d A_inverse = limits.affine.leftCols<2>().inverse();
   Scratches moved = scratches;
-  std::vector<std::size_t> order;
+  std::vector<std::size_t> order, carved;
   out.broken.resize(scratches.size());
   const auto drop = [&](std::size_t i, Rule rule) {
     ++out.dropped[static_cast<std::size_t>(rule)];
     out.broken[i] = rule;
   };
-  std::vector<std::size_t> carved;
   for (std::size_t i = 0; i < scratches.size(); ++i) {
     if (scratches.is_carved(i)) {
       carved.push_back(i);
@@ -477,58 +550,16 @@ Mended mend(const Scratches& scratches, const CarvingLimits& limits, std::span<c
   }
   if (!worth.empty())
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return worth[a] > worth[b]; });
-
-  if (has_pair_rules(m)) {
-    std::vector<Groove> grooves = grooves_of(moved, limits);
-    const double widest = widest_of(grooves);
-    GrooveIndex index = index_for(moved, limits);
-    std::vector<double> lost(grooves.size(), 0.0);  // area that others take from each
-    for (const std::size_t i : carved) index.insert(static_cast<std::uint32_t>(i), grooves[i]);
-    // The first rule of pairs that a scratch breaks among those kept; what it meets there.
-    const auto broken_by = [&](std::size_t i, Meeting& met) -> std::optional<Rule> {
-      met = meet(i, grooves, index, widest, m);
-      const auto spoils = [&](const auto& take) {
-        return !scratches.is_carved(take.first) &&
-               lost[take.first] + take.second > m.max_overlap * grooves[take.first].area_mm2();
-      };
-      if (m.distance_mm > 0 && met.nearest_mm < m.distance_mm) return Rule::distance;
-      if (m.max_overlap > 0 && (met.share > m.max_overlap || std::any_of(met.takes.begin(), met.takes.end(), spoils)))
-        return Rule::overlap;
-      if (m.max_grooves > 0 && met.grooves > m.max_grooves) return Rule::grooves;
-      return std::nullopt;
-    };
-    std::vector<std::size_t> kept;
-    for (const std::size_t i : order) {
-      Meeting met;
-      const std::optional<Rule> broken = broken_by(i, met);
-      bool lawful = !broken;
-      if (broken) {
-        const Ends came = ends_of(moved, i);
-        for (const Ends& near : nearby(came, std::max(m.distance_mm, m.step_mm))) {
-          Ends ends = near;
-          if (broken_alone(ends, grooves[i].half_width_mm, limits, 0) ||
-              put_on_grid(ends, grooves[i].half_width_mm, limits, A_inverse))
-            continue;
-          set_ends(moved, i, ends);
-          grooves[i] = groove_of(moved, i, limits);
-          lawful = !broken_by(i, met);
-          if (lawful) break;
-        }
-      }
-      if (!lawful) {
-        drop(i, *broken);
-        continue;
-      }
-      for (const auto& [other, area] : met.takes) {
-        lost[other] += area;
-        lost[i] += area;
-      }
-      index.insert(static_cast<std::uint32_t>(i), grooves[i]);
-      kept.push_back(i);
-    }
-    order.swap(kept);
+  if (has_pair_rules(limits.machine)) {
+    PairKeeper keeper(moved, carved, limits);
+    for (const std::size_t i : order)
+      if (const std::optional<Rule> rule = keeper.keep(i))
+        drop(i, *rule);
+      else
+        out.rows.push_back(i);
+  } else {
+    out.rows = std::move(order);
   }
-  out.rows = std::move(order);
   out.rows.insert(out.rows.end(), carved.begin(), carved.end());
   std::sort(out.rows.begin(), out.rows.end());
   out.scratches = selected(moved, out.rows);

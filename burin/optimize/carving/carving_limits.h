@@ -28,6 +28,7 @@
 
 namespace burin {
 
+/// What a machine can carve on a board, in one place.
 struct CarvingLimits {
   Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};  ///< the carve area
   std::vector<KeepOut> keep_out;               ///< the tags' paper included; only what reaches into the area
@@ -53,11 +54,13 @@ inline constexpr std::size_t kRules = 9;
 /// A word for it: "keep-out", "shortest length".
 const char* rule_name(Rule rule);
 
+/// Whether scratches can be carved, and what to do if not.
 struct LimitsCheck {
   std::array<std::size_t, kRules> broken{};  ///< scratches that break each rule
   std::string first;                         ///< the first in the file: which row, what is wrong
   std::string remedy;
 
+  /// Whether no rule is broken.
   bool good() const;
 };
 

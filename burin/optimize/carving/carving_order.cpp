@@ -383,6 +383,10 @@ std::vector<CarvingStep> carving_order(const Scratches& scratches, const Carving
   return steps;
 }
 
+bool order_matters(const Bench& bench) {
+  return bench.crossings == Crossings::last || bench.depth_field.wear() != 0 || bench.alpha_field.wear() != 0;
+}
+
 std::vector<CarvingStep> file_order(const Scratches& scratches) {
   std::vector<CarvingStep> steps(scratches.size());
   for (std::size_t i = 0; i < steps.size(); ++i) steps[i].scratch = static_cast<std::uint32_t>(i);

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "burin/render/bench.h"
 #include "burin/render/progress.h"
 #include "burin/render/scratches.h"
 
@@ -25,6 +26,7 @@ struct CarvingStep {
   bool reversed = false;
 };
 
+/// Where the tool starts, and how hard a short way is looked for.
 struct CarvingOrderOptions {
   Eigen::Vector2d start_mm{0, 0};  ///< where the tool waits before the first scratch
   bool return_to_start = false;    ///< whether the way back counts
@@ -35,6 +37,10 @@ struct CarvingOrderOptions {
 /// The order to carve in: every scratch once.
 std::vector<CarvingStep> carving_order(const Scratches& scratches, const CarvingOrderOptions& options = {},
                                        const Progress& progress = {});
+
+/// Whether on this bench the order of carving shows: its tool wears, or the groove carved last rules where grooves
+/// cross. Then a board must be carved in the order that it was designed for.
+bool order_matters(const Bench& bench);
 
 /// The scratches as they are in the file: first to last, first end to second.
 std::vector<CarvingStep> file_order(const Scratches& scratches);

@@ -14,8 +14,8 @@
 #include <string_view>
 #include <vector>
 
+#include "burin/optimize/carving/planned_path.h"
 #include "burin/optimize/machine_profile.h"
-#include "burin/optimize/toolpath.h"
 
 namespace burin {
 

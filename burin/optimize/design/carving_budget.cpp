@@ -42,9 +42,10 @@ std::vector<std::size_t> spare_for_time(std::vector<StrokeView> views, const Str
 
 std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, std::size_t shown,
                                         const std::vector<double>& log_exposure, const StrokeRules& rules,
-                                        const Scratches& scratches, std::size_t movable, double depth_um,
+                                        const Scratches& scratches, std::size_t movable, const Metal& metal,
                                         const MachineProfile& machine) {
   constexpr int kPoints = 10;
+  const double depth_um = metal.bench.material.depth_um;
   std::vector<std::size_t> rows(movable);
   std::iota(rows.begin(), rows.end(), std::size_t{0});
   const std::vector<double> cost = carving_costs_s(selected(scratches, rows), depth_um, machine);
@@ -61,9 +62,10 @@ std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, std::size_
     const Scratches to_carve = selected(scratches, all_but(movable, gone));
     if (to_carve.size() == 0) break;
     CarvingPoint point{to_carve.size(), carving_time_s(to_carve, depth_um, machine) / 3600, {}, {}};
+    const Carved grooves = metal.carved(left);
     for (std::size_t v = 0; v < shown; ++v) {
       WorkView& view = views[v];
-      view.renderer.forward(in_metal(left), view.radiance);
+      view.renderer.forward(grooves, view.radiance);
       const double exposure = best_exposure(view.radiance, view.target.picture,
                                             std::exp(log_exposure[view.exposure_group]), view.target.mask);
       const Image picture = shown_picture(view.radiance, exposure);

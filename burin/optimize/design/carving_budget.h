@@ -10,6 +10,8 @@
 
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/design/stroke_search.h"
+#include "burin/optimize/design/to_metal.h"
+#include "burin/optimize/design_result.h"
 #include "burin/optimize/machine_profile.h"
 
 namespace burin {
@@ -29,7 +31,7 @@ std::vector<std::size_t> spare_for_time(std::vector<StrokeView> views, const Str
 /// their radiance is overwritten.
 std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, std::size_t shown,
                                         const std::vector<double>& log_exposure, const StrokeRules& rules,
-                                        const Scratches& scratches, std::size_t movable, double depth_um,
+                                        const Scratches& scratches, std::size_t movable, const Metal& metal,
                                         const MachineProfile& machine);
 
 /// Which of `count` stay, ascending, when these go.

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/design.h"
+#include "burin/optimize/design_result.h"
 
 namespace burin {
 

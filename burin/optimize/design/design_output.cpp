@@ -72,6 +72,62 @@ Image tolerance_map(const ViewTolerance& t) {
   return map;
 }
 
+// One view's pictures into the folder, and what the report says of it.
+Json write_view(const DesignResult& result, std::size_t k, const std::filesystem::path& folder) {
+  const DesignedView& v = result.views[k];
+  const std::string name = label(v, result.views);
+  Json json;
+  json["view"] = v.view;
+  json["light"] = v.light;
+  json["rotation_deg"] = v.rotation_deg;
+  json["preview"] = "preview-" + name + ".png";
+  json["start"] = "preview-" + name + "-start.png";
+  json["target"] = "target-" + name + ".png";
+  json["achievable"] = "achievable-" + name + ".png";
+  write_picture(v.shown, folder / json["preview"].get<std::string>());
+  write_picture(v.start, folder / json["start"].get<std::string>());
+  write_picture(v.target, folder / json["target"].get<std::string>());
+  write_picture(v.achievable, folder / json["achievable"].get<std::string>());
+  json["psnr_db"] = v.psnr_db;
+  json["ssim"] = v.ssim;
+  json["start_psnr_db"] = v.start_psnr_db;
+  json["start_ssim"] = v.start_ssim;
+  json["achievable_psnr_db"] = v.achievable_psnr_db;
+  json["loss"] = {{"total", v.loss.total}, {"perceptual", v.loss.perceptual}, {"l2", v.loss.l2}, {"gram", v.loss.gram}};
+  json["exposure"] = v.exposure;
+  json["best_exposure"] = v.best_exposure;
+  json["ghost"] = list(v.ghost);
+  json["target_correlation"] = list(v.target_correlation);
+  if (k < result.tolerance.size()) {
+    const ViewTolerance& t = result.tolerance[k];
+    const std::string map = "tolerance-" + name + ".png";
+    write_picture(tolerance_map(t), folder / map);
+    json["tolerance"] = {{"text", tolerance_text(v.view, t)}, {"psnr_db", t.psnr_db}, {"eye_mm", place_json(t.eye)},
+                         {"lamp_mm", place_json(t.lamp)},     {"map", map},           {"map_half_mm", t.map_half_mm}};
+    Json rows = Json::array();
+    for (int y = 0; y < t.lost_db.height; ++y) {
+      Json row = Json::array();
+      for (int x = 0; x < t.lost_db.width; ++x) row.push_back(t.lost_db.at(x, y));
+      rows.push_back(row);
+    }
+    json["tolerance"]["lost_db"] = rows;
+  }
+  return json;
+}
+
+// The view's row of the contact sheet.
+std::vector<Image> contact_row(const DesignResult& result, std::size_t k) {
+  const DesignedView& v = result.views[k];
+  std::vector<Image> row;
+  for (const ContactFrame& frame : result.frames) row.push_back(frame.pictures[k]);
+  row.push_back(v.target);
+  const double scale = std::min(1.0, 192.0 / std::max(v.target.width, v.target.height));
+  for (Image& image : row)
+    image = resized(image, std::max(1, static_cast<int>(std::lround(image.width * scale))),
+                    std::max(1, static_cast<int>(std::lround(image.height * scale))));
+  return row;
+}
+
 }  // namespace
 
 Image tiled(const std::vector<std::vector<Image>>& rows, int gap_px) {
@@ -105,55 +161,8 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
   Json views = Json::array();
   std::vector<std::vector<Image>> sheet;
   for (std::size_t k = 0; k < result.views.size(); ++k) {
-    const DesignedView& v = result.views[k];
-    const std::string name = label(v, result.views);
-    Json json;
-    json["view"] = v.view;
-    json["light"] = v.light;
-    json["rotation_deg"] = v.rotation_deg;
-    json["preview"] = "preview-" + name + ".png";
-    json["start"] = "preview-" + name + "-start.png";
-    json["target"] = "target-" + name + ".png";
-    json["achievable"] = "achievable-" + name + ".png";
-    write_picture(v.shown, folder / json["preview"].get<std::string>());
-    write_picture(v.start, folder / json["start"].get<std::string>());
-    write_picture(v.target, folder / json["target"].get<std::string>());
-    write_picture(v.achievable, folder / json["achievable"].get<std::string>());
-    json["psnr_db"] = v.psnr_db;
-    json["ssim"] = v.ssim;
-    json["start_psnr_db"] = v.start_psnr_db;
-    json["start_ssim"] = v.start_ssim;
-    json["achievable_psnr_db"] = v.achievable_psnr_db;
-    json["loss"] = {
-        {"total", v.loss.total}, {"perceptual", v.loss.perceptual}, {"l2", v.loss.l2}, {"gram", v.loss.gram}};
-    json["exposure"] = v.exposure;
-    json["best_exposure"] = v.best_exposure;
-    json["ghost"] = list(v.ghost);
-    json["target_correlation"] = list(v.target_correlation);
-    if (k < result.tolerance.size()) {
-      const ViewTolerance& t = result.tolerance[k];
-      const std::string map = "tolerance-" + name + ".png";
-      write_picture(tolerance_map(t), folder / map);
-      json["tolerance"] = {{"text", tolerance_text(v.view, t)}, {"psnr_db", t.psnr_db}, {"eye_mm", place_json(t.eye)},
-                           {"lamp_mm", place_json(t.lamp)},     {"map", map},           {"map_half_mm", t.map_half_mm}};
-      Json rows = Json::array();
-      for (int y = 0; y < t.lost_db.height; ++y) {
-        Json row = Json::array();
-        for (int x = 0; x < t.lost_db.width; ++x) row.push_back(t.lost_db.at(x, y));
-        rows.push_back(row);
-      }
-      json["tolerance"]["lost_db"] = rows;
-    }
-    views.push_back(json);
-
-    std::vector<Image> row;
-    for (const ContactFrame& frame : result.frames) row.push_back(frame.pictures[k]);
-    row.push_back(v.target);
-    const double scale = std::min(1.0, 192.0 / std::max(v.target.width, v.target.height));
-    for (Image& image : row)
-      image = resized(image, std::max(1, static_cast<int>(std::lround(image.width * scale))),
-                      std::max(1, static_cast<int>(std::lround(image.height * scale))));
-    sheet.push_back(std::move(row));
+    views.push_back(write_view(result, k, folder));
+    sheet.push_back(contact_row(result, k));
   }
   write_picture(tiled(sheet, 4), folder / "contact-sheet.png");
 

@@ -26,7 +26,10 @@
 
 #include <filesystem>
 
-#include "burin/optimize/design.h"
+#include "burin/optimize/design_file.h"
+#include "burin/optimize/design_result.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
 #include "burin/render/image.h"
 
 namespace burin {

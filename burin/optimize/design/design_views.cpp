@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "burin/optimize/design/glint.h"
+#include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
@@ -103,8 +104,11 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   std::vector<GlintView> glints;
   for (const DesignView& v : spec.views) glints.push_back(glint_of(v, bench));
   // Before any picture is loaded: a bench that cannot work is the first thing to know.
-  for (std::string& w : check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um,
-                                     bench.material.depth_um, bench.material.alpha))
+  const auto groove_at = [&](const Eigen::Vector2d& p_mm) {
+    return GrooveShape{at_place(bench.depth_field, bench.material.depth_um, board.size_mm, p_mm),
+                       std::min(1.0, at_place(bench.alpha_field, bench.material.alpha, board.size_mm, p_mm))};
+  };
+  for (std::string& w : check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um, groove_at))
     warnings.push_back(std::move(w));
   const Image free =
       carvable(limits, 1e-3 * half_width_um(board.tool_width_um, bench.material.depth_um), width, height);
@@ -114,7 +118,8 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                        "are not compared there");
   std::vector<WorkView> views;
   const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, options.pixels);
-  const std::shared_ptr<RenderRoom> room = make_render_room();  // one view's memory: they are worked on in turn
+  const std::shared_ptr<RenderWorkspace> workspace =
+      make_render_workspace();  // one view's memory: they are worked on in turn
   std::map<std::string, int> groups;
   const std::vector<double> sides = options.tolerance_mm > 0 ? std::vector<double>{0, 1, -1} : std::vector<double>{0};
   for (const double side : sides)
@@ -150,14 +155,18 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
       weights.gram *= v.weight * share;
       PictureLoss loss(with_gamma_offset(target.picture), target.mask, weights);
       RenderOptions render;
-      render.material_gradients = options.optimize_width || options.optimize_depth || options.optimize_alpha;
+      // Where depth or roughness vary over the board, a scratch's place moves them.
+      render.material_gradients = options.optimize_width || options.optimize_depth || options.optimize_alpha ||
+                                  !bench.depth_field.is_constant() || !bench.alpha_field.is_constant();
       views.push_back({v, std::move(glint), std::move(target), rotation, index, area.x() / width, k, share,
-                       ViewRenderer(design_scene(spec, k, board, bench, grid, moved, moved), render, room),
+                       ViewRenderer(design_scene(spec, k, board, bench, grid, moved, moved), render, workspace),
                        std::move(loss)});
     }
   for (WorkView& v : views) {
     v.renderer.forward({}, v.face);
-    v.unit = measure_units(v.renderer, v.glint, board.carve_min_mm, board.carve_max_mm);
+    v.unit = measure_units(v.renderer, v.glint, board.carve_min_mm, board.carve_max_mm, [&](const Scratches& tests) {
+      return Metal{bench, board}.carved_alone(tests);
+    });
   }
   return views;
 }
@@ -205,8 +214,7 @@ void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_
   for (WorkView& v : views) v.balance = std::clamp(std::exp(exponent * (log_error[v.of] - mean)), 1 / kMost, kMost);
 }
 
-void render_all(std::vector<WorkView>& views, const Scratches& scratches) {
-  const Carved carved = in_metal(scratches);
+void render_all(std::vector<WorkView>& views, const Carved& carved) {
   for (WorkView& v : views) v.renderer.forward(carved, v.radiance);
 }
 

@@ -8,13 +8,18 @@
 // times less. Errors seen from the three places count a third each.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "burin/optimize/carving/carving_limits.h"
-#include "burin/optimize/design.h"
 #include "burin/optimize/design/stroke_search.h"
+#include "burin/optimize/design_file.h"
+#include "burin/optimize/design_options.h"
 #include "burin/optimize/target.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {
@@ -68,7 +73,7 @@ std::vector<double> starting_exposures(const std::vector<WorkView>& views, std::
 void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_exposure, double exponent);
 
 /// Fills every view's radiance.
-void render_all(std::vector<WorkView>& views, const Scratches& scratches);
+void render_all(std::vector<WorkView>& views, const Carved& carved);
 
 /// Means of a gamma-encoded picture's light, and of an image.
 double mean_light(const Image& encoded);

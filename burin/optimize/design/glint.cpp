@@ -32,6 +32,38 @@ double orientation_difference(double a, double b) {
   return d;
 }
 
+// What the grooves of a board hold of a view's lobe.
+struct Reached {
+  double least_lean = kPiHalf, most_lean = 0;  // of h over the area
+  double shallowest = kPiHalf, steepest = 0;   // of the grooves' steepest walls
+  double best = 0;                             // part of the lobe, where it is most
+  double dark = 0;                             // share of the area where it is less than half
+};
+
+Reached reached_over(const GlintView& view, const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm,
+                     double width_um, const GrooveAt& groove_at) {
+  constexpr int kPoints = 9;  // a side: where the area is looked at
+  Reached out;
+  int dark = 0;
+  for (int j = 0; j < kPoints; ++j)
+    for (int i = 0; i < kPoints; ++i) {
+      const double fx = (i + 0.5) / kPoints, fy = (j + 0.5) / kPoints;
+      const Eigen::Vector2d p(min_mm.x() + fx * (max_mm.x() - min_mm.x()), min_mm.y() + fy * (max_mm.y() - min_mm.y()));
+      const double angle = lean_at(view, {p.x(), p.y(), 0}).angle;
+      const GrooveShape groove = groove_at(p);
+      const double steepest = 2 * std::atan(groove_rim(width_um, groove.depth_um));
+      const double part = reach(angle, steepest, groove.alpha);
+      out.least_lean = std::min(out.least_lean, angle);
+      out.most_lean = std::max(out.most_lean, angle);
+      out.shallowest = std::min(out.shallowest, steepest);
+      out.steepest = std::max(out.steepest, steepest);
+      out.best = std::max(out.best, part);
+      dark += part < 0.5 ? 1 : 0;
+    }
+  out.dark = static_cast<double>(dark) / (kPoints * kPoints);
+  return out;
+}
+
 }  // namespace
 
 double Lean::scratch_direction() const { return azimuth + kPiHalf; }
@@ -57,49 +89,38 @@ double reach(double lean, double steepest, double alpha) {
 }
 
 std::vector<std::string> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
-                                      const Eigen::Vector2d& max_mm, double width_um, double depth_um, double alpha) {
-  constexpr int kPoints = 9;         // a side: where the area is looked at
+                                      const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at) {
   constexpr double kNoGlint = 0.02;  // of the lobe: what is left 2 alpha beyond the cut-off
   constexpr double kGhost = 0.1;     // of a view's light that may show in another unmentioned
   std::vector<std::string> warnings;
-  const double steepest = 2 * std::atan(groove_rim(width_um, depth_um));
   std::vector<Lean> middle;
   const Eigen::Vector2d center = (min_mm + max_mm) / 2;
+  const double alpha = groove_at(center).alpha;
   for (const GlintView& view : views) {
     const std::string where = "view " + view.name;
     if (!(view.camera_mm.z() > 0) || !(view.light_mm.z() > 0))
       fail(where, std::string(view.camera_mm.z() > 0 ? "its lamp" : "its camera") + " lies behind the board's face",
            "the board frame has z out of the metal: check T_camera_board and position_mm in the bench");
-    int dark = 0;
-    double least = kPiHalf, most = 0;
-    for (int j = 0; j < kPoints; ++j)
-      for (int i = 0; i < kPoints; ++i) {
-        const double fx = (i + 0.5) / kPoints, fy = (j + 0.5) / kPoints;
-        const Eigen::Vector3d p(min_mm.x() + fx * (max_mm.x() - min_mm.x()),
-                                min_mm.y() + fy * (max_mm.y() - min_mm.y()), 0);
-        const double angle = lean_at(view, p).angle;
-        least = std::min(least, angle);
-        most = std::max(most, angle);
-        dark += reach(angle, steepest, alpha) < 0.5 ? 1 : 0;
-      }
+    const Reached reached = reached_over(view, min_mm, max_mm, width_um, groove_at);
     const Lean lean = lean_at(view, {center.x(), center.y(), 0});
     middle.push_back(lean);
     // The depth whose steepest normal reaches the largest lean: T = tan(most / 2) in docs/model.md 2.2.
-    const double rim = std::tan(most / 2);
+    const double rim = std::tan(reached.most_lean / 2);
     const std::string remedy = "carve at least " + number(-width_um / 2 * std::log1p(-std::min(0.99, rim * rim))) +
                                " um deep with this cutter, or bring lamp and eye closer to the mirror direction until "
                                "the half vector leans less than " +
-                               degrees(steepest) + " degrees";
-    if (reach(least, steepest, alpha) < kNoGlint)
+                               degrees(reached.shallowest) + " degrees";
+    if (reached.best < kNoGlint)
       fail(where,
-           "no groove can glint there: the half vector leans " + degrees(least) + " to " + degrees(most) +
-               " degrees from the board's normal, the steepest groove wall only " + degrees(steepest) + " (" +
-               degrees(least - steepest) + " degrees too little)",
+           "no groove can glint there: the half vector leans " + degrees(reached.least_lean) + " to " +
+               degrees(reached.most_lean) + " degrees from the board's normal, the steepest groove wall only " +
+               degrees(reached.steepest) + " (" + degrees(reached.least_lean - reached.steepest) +
+               " degrees too little)",
            remedy);
-    if (dark > 0)
-      warnings.push_back(where + ": on " + std::to_string((100 * dark + kPoints * kPoints / 2) / (kPoints * kPoints)) +
+    if (reached.dark > 0)
+      warnings.push_back(where + ": on " + std::to_string(std::lround(100 * reached.dark)) +
                          " % of the carve area the half vector leans beyond the grooves' steepest wall (" +
-                         degrees(steepest) + " degrees, up to " + degrees(most) +
+                         degrees(reached.shallowest) + " degrees, up to " + degrees(reached.most_lean) +
                          "), where scratches show less than half their light; " + remedy);
     if (std::sin(lean.angle) < 3 * alpha)
       warnings.push_back(where + ": lies near the mirror direction (the half vector leans " + degrees(lean.angle) +

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -40,10 +41,16 @@ double turn_for(double lean, double part, double alpha);
 /// Part of the lobe that a groove of steepest slope `steepest` (2 atan(T)) holds, 0..1.
 double reach(double lean, double steepest, double alpha);
 
+/// Of the groove that a scratch of a board becomes at a place.
+struct GrooveShape {
+  double depth_um = 0, alpha = 0;
+};
+using GrooveAt = std::function<GrooveShape(const Eigen::Vector2d& p_mm)>;
+
 /// Throws Error if a camera or lamp lies behind the face or no groove on the area min..max can glint for a view (by how
 /// many degrees, and the depth or lean that would do). Returns warnings: views that glint on part of the area only, and
 /// pairs of views that one scratch serves at once (collisions; orientation counts modulo 180 degrees) with how much.
 std::vector<std::string> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
-                                      const Eigen::Vector2d& max_mm, double width_um, double depth_um, double alpha);
+                                      const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at);
 
 }  // namespace burin

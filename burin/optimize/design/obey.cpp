@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "burin/optimize/carving/ends.h"
+
 namespace burin {
 namespace {
 
@@ -25,7 +27,7 @@ std::vector<std::size_t> rows_without(std::size_t count, const std::vector<std::
 }  // namespace
 
 Obeying obey(const Scratches& scratches, const CarvingLimits& limits, std::vector<WorkView>& views,
-             const std::vector<double>& log_exposure, const StrokeRules& rules, std::uint64_t seed,
+             const std::vector<double>& log_exposure, const StrokeRules& rules, const Metal& metal, std::uint64_t seed,
              const std::function<bool()>& stop) {
   std::vector<double> worth;
   if (has_pair_rules(limits.machine)) worth = worth_of(stroke_views(views, log_exposure, false), rules, scratches);
@@ -35,25 +37,20 @@ Obeying obey(const Scratches& scratches, const CarvingLimits& limits, std::vecto
   std::vector<char> placed(scratches.size(), 0);
   for (int round = 0; round < kRounds && out.rows.size() < scratches.size() && !(stop && stop()); ++round) {
     const std::vector<std::size_t> left_over = rows_without(scratches.size(), out.rows);
-    render_all(views, out.scratches);
+    render_all(views, metal.carved(out.scratches));
     std::vector<StrokeView> light = stroke_views(views, log_exposure, false);
     const std::vector<Stroke> strokes = place_strokes(light, rules, left_over.size(), seed + round, stop);
     if (strokes.empty()) break;
     // Those that are lawful come first, so that they stay as they are; the new ones follow by what they bring.
     Scratches all = scratches;
     std::vector<double> value(scratches.size(), 0.0);
-    const auto put = [&](std::size_t i, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-      all.x0_mm[i] = a.x(), all.y0_mm[i] = a.y();
-      all.x1_mm[i] = b.x(), all.y1_mm[i] = b.y();
-    };
     for (std::size_t k = 0; k < out.rows.size(); ++k) {
-      put(out.rows[k], {out.scratches.x0_mm[k], out.scratches.y0_mm[k]},
-          {out.scratches.x1_mm[k], out.scratches.y1_mm[k]});
+      set_ends(all, out.rows[k], ends_of(out.scratches, k));
       value[out.rows[k]] = std::numeric_limits<double>::infinity();
     }
     std::vector<std::size_t> tried = out.rows;
     for (std::size_t k = 0; k < std::min(strokes.size(), left_over.size()); ++k) {
-      put(left_over[k], strokes[k].a_mm, strokes[k].b_mm);
+      set_ends(all, left_over[k], {strokes[k].a_mm, strokes[k].b_mm});
       value[left_over[k]] = strokes[k].gain;
       placed[left_over[k]] = 1;
       tried.push_back(left_over[k]);

@@ -16,6 +16,7 @@
 #include "burin/optimize/carving/carving_limits.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/design/stroke_search.h"
+#include "burin/optimize/design/to_metal.h"
 #include "burin/render/scratches.h"
 
 namespace burin {
@@ -30,7 +31,7 @@ struct Obeying {
 /// `views` must be as rendered with these scratches; they are rendered anew if something is placed. What is in the
 /// metal already stays. Same seed, same bits. Once `stop` says so (as in stroke_search.h) nothing more is placed.
 Obeying obey(const Scratches& scratches, const CarvingLimits& limits, std::vector<WorkView>& views,
-             const std::vector<double>& log_exposure, const StrokeRules& rules, std::uint64_t seed,
+             const std::vector<double>& log_exposure, const StrokeRules& rules, const Metal& metal, std::uint64_t seed,
              const std::function<bool()>& stop = {});
 
 }  // namespace burin

@@ -13,16 +13,12 @@
 #include <random>
 #include <utility>
 
+#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/design/random.h"
 #include "burin/render/error.h"
 
 namespace burin {
 namespace {
-
-// Uniform in [0, 1), the same on every platform.
-double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
-
-// Roughly normal, of variance 1: enough for steps of a search.
-double bell(std::mt19937_64& random) { return 2 * (uniform(random) + uniform(random) + uniform(random) - 1.5); }
 
 // light^(1/2.2), clipped at white, from a table over the upper bits of a float: within 0.05 %.
 class GammaTable {
@@ -86,14 +82,14 @@ class Field {
   // Direction on the board (angle) in which a scratch at p shows `part` of its lobe, turned to the given side.
   double direction(const Eigen::Vector2d& p_mm, double part, double side) const {
     const Lean lean = lean_at(view_.glint, {p_mm.x(), p_mm.y(), 0});
-    return lean.scratch_direction() + side * turn_for(lean.angle, part, rules_.alpha);
+    return lean.scratch_direction() + side * turn_for(lean.angle, part, rules_.alpha_at(p_mm));
   }
 
   // h . u / alpha: where the lobe of a scratch of direction u stands at p.
   double lobe_place(const GlintView& glint, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const {
     const Eigen::Vector3d p(p_mm.x(), p_mm.y(), 0);
     const Eigen::Vector3d h = (glint.light_mm - p).normalized() + (glint.camera_mm - p).normalized();
-    return (h.x() * u.x() + h.y() * u.y()) / (h.norm() * rules_.alpha);
+    return (h.x() * u.x() + h.y() * u.y()) / (h.norm() * rules_.alpha_at(p_mm));
   }
 
   // The best stroke through a point in a direction.
@@ -310,12 +306,6 @@ class Field {
 // Strokes between two looks at whether to stop: some milliseconds.
 constexpr std::size_t kAskEvery = 16;
 
-struct Ends {
-  Eigen::Vector2d a, b;
-};
-
-Ends ends_of(const Scratches& s, std::size_t i) { return {{s.x0_mm[i], s.y0_mm[i]}, {s.x1_mm[i], s.y1_mm[i]}}; }
-
 std::uint64_t seed_of(std::uint64_t seed, std::size_t view) { return seed * 0x9E3779B97F4A7C15ULL + view; }
 
 // The view that each scratch is meant for: the one that it sends most of its lobe to.
@@ -329,7 +319,7 @@ std::vector<std::size_t> views_of(const std::vector<StrokeView>& views, const St
       double most = -1;
       for (std::size_t v = 0; v < views.size(); ++v) {
         const Lean lean = lean_at(views[v].glint, {m.x(), m.y(), 0});
-        const double part = lobe(lean.angle, std::atan2(d.y(), d.x()) - lean.scratch_direction(), rules.alpha);
+        const double part = lobe(lean.angle, std::atan2(d.y(), d.x()) - lean.scratch_direction(), rules.alpha_at(m));
         if (part <= most) continue;
         most = part;
         view[i] = v;
@@ -353,7 +343,7 @@ void change_strokes(std::vector<StrokeView>& views, const StrokeRules& rules, co
 }  // namespace
 
 Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen::Vector2d& min_mm,
-                    const Eigen::Vector2d& max_mm) {
+                    const Eigen::Vector2d& max_mm, const std::function<Carved(const Scratches&)>& carve) {
   constexpr int kLattice = 33;
   const int width = renderer.width(), height = renderer.height();
   const double length = 3 * std::max((max_mm.x() - min_mm.x()) / width, (max_mm.y() - min_mm.y()) / height);
@@ -372,7 +362,7 @@ Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen:
       tests.y1_mm.push_back(p.y() + half.y());
     }
   Image radiance;
-  renderer.forward_with_jacobian(in_metal(tests), radiance);
+  renderer.forward_with_jacobian(carve(tests), radiance);
   std::vector<double> light(tests.size(), 0.0);
   renderer.add_contributions(light);
   Image lattice(kLattice, kLattice, 1), unit(width, height, 1);
@@ -474,10 +464,7 @@ std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const S
       field.add(best.a_mm, best.b_mm, 1);
       if (!better) continue;
       changed[i] = 1;
-      scratches.x0_mm[i] = best.a_mm.x();
-      scratches.y0_mm[i] = best.a_mm.y();
-      scratches.x1_mm[i] = best.b_mm.x();
-      scratches.y1_mm[i] = best.b_mm.y();
+      set_ends(scratches, i, {best.a_mm, best.b_mm});
     }
   });
   std::vector<std::size_t> moved;

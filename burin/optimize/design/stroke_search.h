@@ -25,11 +25,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
 #include "burin/optimize/design/glint.h"
+#include "burin/optimize/design/to_metal.h"
+#include "burin/render/carve.h"
+#include "burin/render/groove_field.h"
 #include "burin/render/image.h"
 #include "burin/render/scratches.h"
 #include "burin/render/view_renderer.h"
@@ -59,9 +63,15 @@ inline constexpr std::size_t kMostAsides = 7;
 struct StrokeRules {
   Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};  ///< the carve area, on which the images lie
   double shortest_mm = 0, longest_mm = 0;      ///< of a stroke
-  double alpha = 0.04;
+  double alpha = 0.04;                         ///< where it does not vary
+  GrooveField alpha_field{};                   ///< how it does
+  Eigen::Vector2d board_size_mm{1, 1};
   double dimmest = 0.01;  ///< least part of the lobe a stroke is turned to
   int candidates = 24;    ///< a stroke is the best of
+
+  double alpha_at(const Eigen::Vector2d& p_mm) const {
+    return alpha_field.is_constant() ? alpha : std::min(1.0, at_place(alpha_field, alpha, board_size_mm, p_mm));
+  }
 };
 
 /// A stroke and by how much it lowers the squared error.
@@ -71,9 +81,11 @@ struct Stroke {
 };
 
 /// Light per mm of length, summed over pixels, that a scratch of the best direction sends to the view of `renderer`,
-/// measured on a lattice of test scratches and interpolated to every pixel; in radiance times pixels per mm.
+/// measured on a lattice of test scratches and interpolated to every pixel; in radiance times pixels per mm. `carve`
+/// says what becomes of the test scratches, so that depths and roughnesses that vary over the board, and with them how
+/// far the walls reach, are in it.
 Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen::Vector2d& min_mm,
-                    const Eigen::Vector2d& max_mm);
+                    const Eigen::Vector2d& max_mm, const std::function<Carved(const Scratches&)>& carve = in_metal);
 
 /// Places up to `count` strokes, shared among the views so that the last ones gain about as much everywhere; fewer when
 /// no candidate in many tries gains anything, or once `stop` (asked now and then) says so. Adds their light to `views`.

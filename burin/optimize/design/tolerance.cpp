@@ -7,6 +7,7 @@
 
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/loss/picture_metrics.h"
+#include "burin/render/carve.h"
 
 namespace burin {
 namespace {
@@ -17,13 +18,13 @@ constexpr int kMapPixels = 128, kMapPlaces = 9;
 class MovedView {
  public:
   MovedView(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench,
-            const ToleranceTarget& target, int pixels, const Scratches& scratches)
+            const ToleranceTarget& target, int pixels, const Carved& grooves)
       : spec_(spec),
         index_(index),
         board_(board),
         bench_(bench),
         exposure_(target.exposure),
-        scratches_(scratches),
+        grooves_(grooves),
         target_(target.target),
         mask_(target.mask) {
     const int longer = std::max(target_.width, target_.height);
@@ -36,7 +37,7 @@ class MovedView {
   double psnr(const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm) const {
     ViewRenderer renderer(scene(eye_moved_mm, lamp_moved_mm));
     Image radiance;
-    renderer.forward(in_metal(scratches_), radiance);
+    renderer.forward(grooves_, radiance);
     const double exposure = best_exposure(radiance, target_, exposure_, mask_);
     return psnr_db(shown_picture(radiance, exposure), target_, mask_);
   }
@@ -51,7 +52,7 @@ class MovedView {
   const Board& board_;
   const Bench& bench_;
   double exposure_;
-  const Scratches& scratches_;
+  const Carved& grooves_;
   std::shared_ptr<const FootprintGrid> grid_;
   Image target_, mask_;
 };
@@ -118,10 +119,11 @@ std::string mm(double value) {
 std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board& board, const Bench& bench,
                                              const std::vector<ToleranceTarget>& targets, const Scratches& scratches,
                                              const Progress& progress) {
+  const Carved grooves = carve(Designed(scratches), bench, board);
   std::vector<ViewTolerance> out(spec.views.size());
   for (std::size_t k = 0; k < spec.views.size(); ++k) {
     ViewTolerance& t = out[k];
-    const MovedView moved(spec, k, board, bench, targets[k], kTolerancePixels, scratches);
+    const MovedView moved(spec, k, board, bench, targets[k], kTolerancePixels, grooves);
     const Eigen::Vector3d still(0, 0, 0);
     t.psnr_db = moved.psnr(still, still);
     int done = 0;
@@ -152,7 +154,7 @@ std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board
               range(lamp.depth, lamp.distance_mm, true)};
     tell();
     // The map shows the whole of the eye's range and as much again.
-    const MovedView small(spec, k, board, bench, targets[k], kMapPixels, scratches);
+    const MovedView small(spec, k, board, bench, targets[k], kMapPixels, grooves);
     const double here = small.psnr(still, still);
     t.map_half_mm = 2 * std::min(t.eye.sideways.least(), t.eye.up.least());
     t.lost_db = Image(kMapPlaces, kMapPlaces, 1);

@@ -27,13 +27,16 @@ inline constexpr int kTolerancePixels = 256;
 /// Distances to both sides at which a view is lost; never more than half the distance to the board.
 struct MoveRange {
   double minus_mm = 0, plus_mm = 0;
+  /// The smaller of both ways.
   double least() const { return std::min(minus_mm, plus_mm); }
 };
 
+/// How far an eye or a lamp may move from its place, mm.
 struct PlaceTolerance {
   MoveRange sideways, up, depth;  ///< plus: to the right as seen from there, upwards, away from the board
 };
 
+/// How much of a view is lost when eye or lamp move.
 struct ViewTolerance {
   double psnr_db = 0;  ///< with eye and lamp in their places, on the grid that this was measured on
   PlaceTolerance eye, lamp;

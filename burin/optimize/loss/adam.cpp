@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "burin/render/error.h"
 #include "burin/render/fast/machine_clones.h"
@@ -60,14 +61,21 @@ void Adam::restart(std::size_t index) {
 }
 
 void Adam::keep(std::span<const std::size_t> kept) {
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    mean_[i] = mean_[kept[i]];
-    square_[i] = square_[kept[i]];
-    age_[i] = age_[kept[i]];
-  }
-  mean_.resize(kept.size());
-  square_.resize(kept.size());
-  age_.resize(kept.size());
+  const auto keep_in = [&](auto& values) {
+    auto old = values;
+    values.resize(kept.size());
+    for (std::size_t i = 0; i < kept.size(); ++i) values[i] = old[kept[i]];
+  };
+  keep_in(mean_);
+  keep_in(square_);
+  keep_in(age_);
+}
+
+void Adam::exchange(std::size_t index, Adam& other) {
+  if (steps_ != other.steps_) fail("adam", "histories of different lengths cannot be exchanged", "step both alike");
+  std::swap(mean_[index], other.mean_[index]);
+  std::swap(square_[index], other.square_[index]);
+  std::swap(age_[index], other.age_[index]);
 }
 
 }  // namespace burin

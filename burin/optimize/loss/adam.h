@@ -11,14 +11,17 @@
 
 namespace burin {
 
+/// Constants of Adam; the defaults are its paper's, but for epsilon.
 struct AdamOptions {
   double beta1 = 0.9;      ///< decay of the mean gradient
   double beta2 = 0.999;    ///< decay of the mean square
   double epsilon = 1e-12;  ///< in the gradient's unit: gradients far below it hardly move a parameter
 };
 
+/// Adam (Kingma and Ba 2015) over a vector of parameters, each with its own mean gradient, mean square and age.
 class Adam {
  public:
+  /// No history yet.
   explicit Adam(std::size_t parameter_count, const AdamOptions& options = {});
 
   /// parameters -= rate * mean / (sqrt(mean square) + epsilon), each corrected for its age. A gradient that is exactly
@@ -29,8 +32,11 @@ class Adam {
   /// Forgets the history of one parameter.
   void restart(std::size_t index);
 
-  /// Keeps the parameters at `kept` (ascending), in that order: after others were dropped.
+  /// Keeps the parameters at `kept`, in that order: after others were dropped, or all were put in another order.
   void keep(std::span<const std::size_t> kept);
+
+  /// Exchanges the histories of one parameter here and in an optimizer that has made as many steps.
+  void exchange(std::size_t index, Adam& other);
 
   std::size_t size() const { return mean_.size(); }
 

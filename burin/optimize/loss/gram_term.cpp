@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "burin/optimize/loss/bands.h"
-#include "burin/optimize/loss/loss.h"
 #include "burin/render/fast/machine_clones.h"
 
 namespace burin {

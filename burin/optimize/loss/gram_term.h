@@ -14,6 +14,10 @@
 
 namespace burin {
 
+inline constexpr int kGramScales = 3;     ///< full size, half, quarter
+inline constexpr int kGramTilePx = 32;    ///< side of a tile on every scale
+inline constexpr double kGramUnit = 100;  ///< with weight 0.01, white noise of 0.13 costs as much here as in E_p
+
 class GramTerm {
  public:
   /// One channel.

@@ -24,15 +24,12 @@
 
 namespace burin {
 
+/// Weights of the loss' terms: docs/model.md 6.
 struct LossWeights {
   double perceptual = 1;  ///< the paper's lambda_p
   double l2 = 0;          ///< plain squared differences
-  double gram = 0.01;     ///< the paper's lambda_g, in units of kGramUnit
+  double gram = 0.01;     ///< the paper's lambda_g, in units of kGramUnit (gram_term.h)
 };
-
-inline constexpr int kGramScales = 3;     ///< full size, half, quarter
-inline constexpr int kGramTilePx = 32;    ///< side of a tile on every scale
-inline constexpr double kGramUnit = 100;  ///< with weight 0.01, white noise of 0.13 costs as much here as in E_p
 
 /// The terms before weighting, and their weighted sum.
 struct LossValue {
@@ -51,6 +48,7 @@ class PictureLoss {
   PictureLoss(PictureLoss&&) noexcept;
   PictureLoss& operator=(PictureLoss&&) noexcept;
 
+  /// The picture that it compares with.
   const Image& target() const;
 
   /// Loss of a picture of the target's size; dE_dpicture is resized and overwritten. Terms of weight 0 are not

@@ -1,0 +1,28 @@
+// burin/optimize/carving/gcode.h - a planned path as files of G-code, by the blocks of the machine's profile.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "burin/optimize/carving/planned_path.h"
+#include "burin/optimize/machine_profile.h"
+
+namespace burin {
+
+/// One file of G-code: it sets up units and modes and lifts the tool before it moves, so that carving may begin with
+/// any part.
+struct GcodePart {
+  std::string text;
+  std::size_t first = 0, count = 0;  ///< which of Toolpath::scratches it carves
+  double duration_s = 0;             ///< by replaying it (burin/optimize/carving/toolpath_check.h)
+};
+
+/// Files of at most about part_s each (0: as few as the profile's max_lines allows), each replayed and found to carve
+/// its scratches once. Throws Error for a block of the profile with a placeholder that nobody knows.
+std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& machine, double part_s = 0);
+
+/// A way round all scratches at safe height, at the carving feed.
+std::string frame_gcode(const Toolpath& path, const MachineProfile& machine);
+
+}  // namespace burin

@@ -1,0 +1,195 @@
+#include "burin/optimize/carving/toolpath_plan.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/carving/number_text.h"
+#include "burin/optimize/carving/toolpath_check.h"
+#include "burin/render/error.h"
+#include "burin/render/parameter_name.h"
+
+namespace burin {
+namespace {
+
+constexpr double kEdgeTolerance_mm = 1e-3;  // files are rounded to 1e-5 mm or, by others, to 1e-3
+
+std::string point_text(const Eigen::Vector2d& p) { return "(" + fixed(p.x(), 3) + ", " + fixed(p.y(), 3) + ") mm"; }
+
+/// believed / measured depth: what a depth to be carved must be multiplied with to become the machine's command.
+double depth_command_factor(const Board& board, const Bench* measured) {
+  if (measured == nullptr || !measured->material_sigma.depth_um) return 1;
+  const Verdict* verdict = find_verdict(*measured, parameter::kDepth);
+  if (verdict != nullptr && !verdict->determined()) return 1;
+  return board.material.depth_um / measured->material.depth_um;
+}
+
+// Scratches as the machine is told them, and as it will carve them.
+struct Told {
+  Scratches sent, carved;
+};
+
+Told told_to_machine(const Scratches& scratches, const Affine2& carves, double step_mm, Toolpath& path) {
+  const Eigen::Matrix2d A_inverse = carves.leftCols<2>().inverse();
+  const auto told = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
+    return path.compensated ? Eigen::Vector2d(A_inverse * (p - carves.col(2))) : p;
+  };
+  const auto lies_mm = [&](Eigen::Vector2d& q, Eigen::Vector2d& p) {
+    const Eigen::Vector2d wanted = p;
+    q = told(wanted);
+    if (step_mm <= 0) return;
+    // The machine goes to its steps whatever it is told: tell it so, and judge what it will carve.
+    q = (q / step_mm).array().round() * step_mm;
+    const Eigen::Vector2d lies = carves.leftCols<2>() * q + carves.col(2);
+    if ((lies - wanted).norm() > kOnStep_mm) p = lies;
+    path.stepped_mm = std::max(path.stepped_mm, (lies - wanted).norm());
+  };
+  Told out{scratches, scratches};
+  for (std::size_t i = 0; i < scratches.size(); ++i) {
+    if (scratches.is_carved(i)) {
+      ++path.already_carved;
+      continue;
+    }
+    Ends sent = ends_of(scratches, i), carved = sent;
+    lies_mm(sent.a, carved.a);
+    lies_mm(sent.b, carved.b);
+    set_ends(out.sent, i, sent);
+    set_ends(out.carved, i, carved);
+  }
+  return out;
+}
+
+// Depths and roughnesses of scratches that have their own, as the machine is told them: for a board of the material
+// that board.json believes in.
+void tell_depth_and_alpha(Scratches& sent, const Board& board, const Bench* measured) {
+  sent.carved.clear();
+  const double factor = depth_command_factor(board, measured);
+  for (double& depth : sent.depth_um) depth *= factor;
+  if (measured != nullptr)
+    for (double& alpha : sent.alpha) alpha = std::min(1.0, alpha * board.material.alpha / measured->material.alpha);
+}
+
+void check_travel(const Scratches& sent, const MachineProfile& machine, bool compensated) {
+  if (!machine.travel) return;
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    if (sent.is_carved(i)) continue;
+    const Ends e = ends_of(sent, i);
+    for (const Eigen::Vector2d& p : {e.a, e.b})
+      if ((p.array() < machine.travel->min_mm.array()).any() || (p.array() > machine.travel->max_mm.array()).any())
+        fail("scratch in row " + std::to_string(i + 1),
+             std::string(compensated ? "compensated for the machine's error it" : "it") + " leaves the travel of " +
+                 machine.name + " at " + point_text(p),
+             "place the board elsewhere, or correct travel_mm (now " + point_text(machine.travel->min_mm) + " to " +
+                 point_text(machine.travel->max_mm) + ")");
+  }
+}
+
+// One more scratch at the path's end: what it covers, its ways and its time.
+void append(Toolpath& path, const PlannedScratch& s, const MachineProfile& machine) {
+  if (path.scratches.empty()) {
+    path.min_mm.setConstant(std::numeric_limits<double>::infinity());
+    path.max_mm = -path.min_mm;
+  }
+  const Eigen::Vector2d at = path.scratches.empty() ? Eigen::Vector2d(0, 0) : path.scratches.back().to_mm;
+  path.min_mm = path.min_mm.cwiseMin(s.from_mm).cwiseMin(s.to_mm);
+  path.max_mm = path.max_mm.cwiseMax(s.from_mm).cwiseMax(s.to_mm);
+  path.carve_mm += (s.to_mm - s.from_mm).norm();
+  path.duration_s += scratch_time(at, s.from_mm, s.to_mm, s.depth_mm, machine).total_s();
+  path.scratches.push_back(s);
+}
+
+}  // namespace
+
+CarvingLimits toolpath_limits(const Board& board, const Bench* measured, const MachineProfile& machine) {
+  if (measured == nullptr)
+    return carving_limits(board, machine.limits, board.material.depth_um, CarvingLimits().affine);
+  return carving_limits(board, machine.limits, measured->material.depth_um, measured->machine_affine);
+}
+
+Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
+                       const MachineProfile& machine, const ToolpathOptions& options, const Progress& progress) {
+  if (scratches.size() == 0) fail("tool path", "there is no scratch to carve", "design some first");
+  const CarvingLimits limits = toolpath_limits(board, measured, machine);
+  Toolpath path;
+  path.compensated = !limits.affine.isApprox(CarvingLimits().affine, 1e-12);
+  const auto [sent, carved] = told_to_machine(scratches, limits.affine, machine.limits.step_mm, path);
+  if (path.already_carved == scratches.size())
+    fail("tool path", "all " + std::to_string(scratches.size()) + " scratches are carved already",
+         "design some more, or take the column carved away to carve all again");
+  fail_unless_good(check_limits(carved, limits, kEdgeTolerance_mm), "tool path");
+  check_travel(sent, machine, path.compensated);
+
+  std::vector<std::size_t> rows;  // what is to be carved
+  for (std::size_t i = 0; i < sent.size(); ++i)
+    if (!sent.is_carved(i)) rows.push_back(i);
+  const Scratches to_carve = selected(sent, rows);
+  path.kept_order = options.keep_order.value_or(measured != nullptr && order_matters(*measured));
+  path.order = path.kept_order ? file_order(to_carve) : carving_order(to_carve, {}, progress);
+  path.sent = Sent(in_carving_order(to_carve, path.order));
+  path.travel_mm = travel_mm(to_carve, path.order);
+  path.file_order_travel_mm = travel_mm(to_carve, file_order(to_carve));
+  for (CarvingStep& step : path.order) step.scratch = static_cast<std::uint32_t>(rows[step.scratch]);
+  tell_depth_and_alpha(path.sent.scratches, board, measured);
+  path.scratches.reserve(rows.size());
+  for (std::size_t k = 0; k < path.order.size(); ++k) {
+    const Scratches& sent_rows = path.sent.scratches;
+    const Ends e = ends_of(sent_rows, k);
+    const double depth_um = sent_rows.depth_um.empty() ? board.material.depth_um : sent_rows.depth_um[k];
+    append(path, {path.order[k].scratch, e.a, e.b, 1e-3 * depth_um}, machine);
+  }
+  return path;
+}
+
+Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std::string_view text, std::size_t line,
+                    const std::string& name) {
+  const Replay replay = replay_gcode(text, machine, name);
+  if (line < 1 || line > replay.lines)
+    fail(name + ": line " + std::to_string(line), "is not in the file, which has " + std::to_string(replay.lines),
+         "give the line at which the machine stopped");
+  const double tolerance_mm = 1e-3;  // of coordinates with the fewest decimals that make sense
+  const std::vector<std::ptrdiff_t> found = find_planned(replay.scratches, planned.scratches, tolerance_mm);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (found[k] < 0)
+      fail(name + ":" + std::to_string(replay.scratches[k].line),
+           "carves a scratch that is not among those given, " + point_text(replay.scratches[k].from_mm) + " to " +
+               point_text(replay.scratches[k].to_mm),
+           "give the scratches, board, bench and machine that the file was made with");
+  // A scratch is done once the line that carves it lies behind the machine.
+  const auto first = std::find_if(replay.scratches.begin(), replay.scratches.end(),
+                                  [&](const ReplayedScratch& s) { return s.line >= line; });
+  if (first == replay.scratches.begin())
+    fail(name, "has carved nothing before line " + std::to_string(line), "start it again from its beginning");
+  if (first == replay.scratches.end())
+    fail(name, "has carved all its scratches before line " + std::to_string(line), "go on with the next file");
+
+  Toolpath left;
+  left.done_before = static_cast<std::size_t>(first - replay.scratches.begin());
+  left.compensated = planned.compensated;
+  left.kept_order = planned.kept_order;
+  left.already_carved = planned.already_carved;
+  left.stepped_mm = planned.stepped_mm;
+  std::vector<CarvingStep> rows;  // of what was planned
+  for (std::size_t k = left.done_before; k < found.size(); ++k) {
+    const auto i = static_cast<std::size_t>(found[k]);
+    PlannedScratch s = planned.scratches[i];
+    CarvingStep step = planned.order[i];
+    if ((s.from_mm - replay.scratches[k].from_mm).norm() > tolerance_mm) {
+      std::swap(s.from_mm, s.to_mm);
+      step.reversed = !step.reversed;
+    }
+    left.travel_mm +=
+        (s.from_mm - (left.scratches.empty() ? Eigen::Vector2d(0, 0) : left.scratches.back().to_mm)).norm();
+    left.order.push_back(step);
+    rows.push_back({static_cast<std::uint32_t>(i), step.reversed != planned.order[i].reversed});
+    append(left, s, machine);
+  }
+  left.file_order_travel_mm = left.travel_mm;
+  left.sent = Sent(in_carving_order(planned.sent.scratches, rows));
+  return left;
+}
+
+}  // namespace burin

@@ -1,0 +1,39 @@
+// burin/optimize/design/deadline.h - when a design ends: at its one time limit, which counts from the design's first
+// line on, or when somebody wishes it to.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <utility>
+
+namespace burin {
+
+class Deadline {
+ public:
+  /// `limit_s` 0: no limit. `stop`: as in DesignOptions; may be empty.
+  Deadline(double limit_s, std::function<bool()> stop) : limit_s_(limit_s), stop_(std::move(stop)) {}
+
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
+
+  /// Whether somebody wished the work to end. May be asked by several threads at once; a wish holds.
+  bool wished() {
+    if (!wished_ && stop_ && stop_()) wished_ = true;
+    return wished_.load();
+  }
+
+  /// Whether this share of the time is used up once `ahead_s` more have passed.
+  bool used(double share, double ahead_s = 0) const { return limit_s_ > 0 && seconds() + ahead_s > share * limit_s_; }
+
+  bool wished_or_used(double share, double ahead_s = 0) { return wished() || used(share, ahead_s); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  Clock::time_point began_ = Clock::now();
+  double limit_s_;
+  std::function<bool()> stop_;
+  std::atomic<bool> wished_{false};
+};
+
+}  // namespace burin

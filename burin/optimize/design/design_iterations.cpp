@@ -1,0 +1,261 @@
+// The iterations of a DesignRun: Adam's steps, searches in between, and scratches that go.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <string>
+
+#include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/design/carving_budget.h"
+#include "burin/optimize/design/design_run.h"
+#include "burin/optimize/design/relocate.h"
+#include "burin/optimize/design/weak_scratches.h"
+#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/render/brdf.h"
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+constexpr int kBudgetSteps = 6;  // in which scratches go, so that those that stay can make up for the others
+
+// The iterations kept for the contact sheet: dense at first, where most happens.
+std::vector<int> contact_iterations(int iterations, int frames) {
+  std::vector<int> kept;
+  for (int f = 0; f < frames; ++f) {
+    const double t = frames > 1 ? static_cast<double>(f) / (frames - 1) : 1;
+    kept.push_back(static_cast<int>(std::lround(iterations * t * t)));
+  }
+  return kept;
+}
+
+}  // namespace
+
+void DesignRun::iterate() {
+  log_shared_ = {std::log(board_.tool_width_um), std::log(bench_.material.depth_um), std::log(bench_.material.alpha)};
+  spread_shared();
+  momenta_ = {Adam(count()), Adam(count()), Adam(count()), Adam(count()), Adam(log_exposure_.size()), Adam(3)};
+  contact_ = contact_iterations(options_.iterations, options_.contact_frames);
+  iterations_began_s_ = deadline_.seconds();
+  // Weak scratches go before the end, so that the last iterations make up for them.
+  drop_at_ = static_cast<int>(std::lround(options_.drop_at * options_.iterations));
+  if (options_.carve_hours > 0)
+    full_carving_s_ = carving_time_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
+  // A design that starts where it should be is only set right; a random one has a way to go.
+  first_rate_ = options_.rate > 0 ? options_.rate : starts_at_random() ? 1e-3 : 0.3 / options_.pixels;
+  last_rate_ = options_.final_rate > 0 ? options_.final_rate : starts_at_random() ? 1e-4 : 0.0125 / options_.pixels;
+  for (iteration_ = 0;; ++iteration_) {
+    const bool last = iteration_ == options_.iterations || result_.stopped_early;
+    look(last);
+    record(last);
+    if (last) break;
+    move_ends();
+    if (searches_are_over())
+      settle_order();
+    else
+      relocate_some();
+    if (iteration_ == drop_at_ && iteration_ > 0) drop_weak();
+    keep_to_part_of_budget();
+    if (options_.exposure_rate > 0) momenta_.exposure.step(log_exposure_, d_log_exposure_, options_.exposure_rate);
+    move_shared();
+    if (time_to_end()) result_.stopped_early = true;
+  }
+  result_.iteration_seconds = deadline_.seconds() - iterations_began_s_;
+  if (!weak_dropped_ && !result_.stopped_early) drop_weak();
+  if (options_.carve_hours > 0) keep_to_budget(3600 * options_.carve_hours);
+  if (options_.iterations > 0) settle_order();  // a design of no iterations measures what there is, as it is
+}
+
+// Room for the last look, dropping and the figures, which cost about two more.
+bool DesignRun::time_to_end() { return deadline_.wished_or_used(1, 3 * look_s_); }
+
+Scratches DesignRun::new_ones() const {
+  std::vector<std::size_t> rows(movable_);
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  return selected(scratches_, rows);
+}
+
+// Every view's picture and loss and, unless it is the last look, the gradient.
+void DesignRun::look(bool last) {
+  const double began_s = deadline_.seconds();
+  const Carved grooves = in_the_metal();
+  by_carved_.resize(grooves.size());
+  d_log_exposure_.assign(log_exposure_.size(), 0.0);
+  DesignIteration now;
+  now.view_loss.assign(shown_, 0.0);
+  result_.pairs = 0;
+  for (WorkView& v : views_) {
+    const double exposure = std::exp(log_exposure_[v.exposure_group]);
+    v.renderer.forward_with_jacobian(grooves, v.radiance);
+    picture_from_radiance(v.radiance, exposure, v.picture);
+    v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
+    now.loss += v.value.total;
+    now.view_loss[v.of] += v.value.total;
+    result_.pairs += v.renderer.pair_count();
+    if (last) continue;
+    d_log_exposure_[v.exposure_group] +=
+        radiance_gradient(v.radiance, exposure, v.picture, v.dE_dpicture, v.dE_dradiance);
+    v.renderer.backward(v.dE_dradiance, by_carved_);
+  }
+  if (!last) {
+    gradients_ = pull_back(grooves, designed_, bench_, board_, by_carved_);
+    for (auto* g : {&gradients_.x0_mm, &gradients_.y0_mm, &gradients_.x1_mm, &gradients_.y1_mm})
+      std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable_), g->end(), 0.0);  // what is carved stays
+  }
+  look_s_ = deadline_.seconds() - began_s;
+  now.seconds = deadline_.seconds() - iterations_began_s_;
+  result_.history.push_back(std::move(now));
+  if (!std::isfinite(result_.history.back().loss))
+    fail("design", "the loss is not finite at iteration " + std::to_string(iteration_),
+         "check the bench's numbers; report this if they are sound");
+}
+
+// What people see of the last look.
+void DesignRun::record(bool last) {
+  if (iteration_ == 0) record_start();
+  if (last || std::find(contact_.begin(), contact_.end(), iteration_) != contact_.end()) {
+    ContactFrame frame{iteration_, {}};
+    for (const WorkView& v : shown_views()) {
+      frame.pictures.push_back(v.picture);
+      for (float& p : frame.pictures.back().data) p = std::min(1.0F, p);
+    }
+    result_.frames.push_back(std::move(frame));
+  }
+  if (options_.watch) {
+    const DesignIteration& now = result_.history.back();
+    DesignFrame frame{iteration_, now.loss, now.view_loss, {}};
+    for (const WorkView& v : shown_views()) frame.pictures.push_back(&v.picture);
+    options_.watch(frame);
+  }
+  report("designing", options_.iterations > 0 ? static_cast<double>(iteration_) / options_.iterations : 1);
+}
+
+void DesignRun::record_start() {
+  for (const WorkView& v : shown_views()) {
+    DesignedView out;
+    const double exposure =
+        best_exposure(v.radiance, v.target.picture, std::exp(log_exposure_[v.exposure_group]), v.target.mask);
+    out.start = shown_picture(v.radiance, exposure);
+    out.start_psnr_db = psnr_db(out.start, v.target.picture, v.target.mask);
+    out.start_ssim = ssim(out.start, v.target.picture, v.target.mask);
+    result_.views.push_back(std::move(out));
+  }
+}
+
+void DesignRun::move_ends() {
+  const double t = static_cast<double>(iteration_) / std::max(1, options_.iterations - 1);
+  const double rate = last_rate_ + (first_rate_ - last_rate_) * 0.5 * (1 + std::cos(std::numbers::pi * t));
+  const Scratches before = scratches_;
+  momenta_.x0.step(scratches_.x0_mm, gradients_.x0_mm, rate * board_.size_mm.x());
+  momenta_.y0.step(scratches_.y0_mm, gradients_.y0_mm, rate * board_.size_mm.y());
+  momenta_.x1.step(scratches_.x1_mm, gradients_.x1_mm, rate * board_.size_mm.x());
+  momenta_.y1.step(scratches_.y1_mm, gradients_.y1_mm, rate * board_.size_mm.y());
+  for (std::size_t i = 0; i < movable_; ++i) {
+    const Ends e = ends_of(before, i);
+    confine(scratches_, i, limits_, e.a, e.b);
+  }
+}
+
+bool DesignRun::searches_are_over() const {
+  // A new order changes which groove rules where two cross. The second half of the iterations makes up for that: less
+  // is not enough (measured: 0.5 dB), and strokes searched after it would stand in an order that is no short way.
+  constexpr double kSettledFrom = 0.5;
+  const double until =
+      order_matters(bench_) ? std::min(options_.relocate_until, kSettledFrom) : options_.relocate_until;
+  const double t = static_cast<double>(iteration_) / std::max(1, options_.iterations - 1);
+  return t >= until || deadline_.used(until);
+}
+
+// The order that the board is carved in, once no scratch is searched another place any more.
+void DesignRun::settle_order() {
+  if (in_last_order_ || !order_matters(bench_)) return;
+  report("ordering scratches", 0);
+  put_in_carving_order(true);
+  in_last_order_ = true;
+}
+
+void DesignRun::relocate_some() {
+  if (options_.relocate_every <= 0 || iteration_ == 0 || iteration_ % options_.relocate_every != 0) return;
+  render_all(views_, in_the_metal());
+  balance_views(views_, log_exposure_, options_.balance);
+  const std::vector<std::size_t> moved =
+      relocate(scratches_, views_, log_exposure_, limits_, rules_, movable_, options_.relocate_share,
+               options_.seed + 1000 + iteration_, [this] { return time_to_end(); });
+  for (const std::size_t i : moved) momenta_.each_end([i](Adam& adam) { adam.restart(i); });
+  result_.relocated += moved.size();
+}
+
+void DesignRun::keep_only(const std::vector<std::size_t>& kept) {  // new ones first, as ever
+  if (kept.size() == count()) return;
+  if (result_.loss_before_drop == 0) result_.loss_before_drop = result_.history.back().loss;
+  movable_ -= count() - kept.size();
+  scratches_ = selected(scratches_, kept);
+  momenta_.each_end([&](Adam& adam) { adam.keep(kept); });
+}
+
+void DesignRun::drop_weak() {
+  weak_dropped_ = true;
+  if (!(options_.drop_share > 0 || options_.drop_light > 0 || options_.drop_error > 0)) return;
+  report("dropping weak scratches", 0);
+  const Carved grooves = in_the_metal();
+  std::vector<double> light_sum(count(), 0.0);
+  for (WorkView& v : views_) {
+    std::vector<double> of_groove(grooves.size(), 0.0);
+    v.renderer.forward(grooves, v.radiance);
+    v.renderer.add_contributions(of_groove);
+    const std::vector<double> light = by_design(grooves, of_groove, count());
+    for (std::size_t i = 0; i < count(); ++i) light_sum[i] += std::exp(log_exposure_[v.exposure_group]) * light[i];
+  }
+  const std::vector<std::size_t> weak =
+      weak_scratches(stroke_views(views_, log_exposure_, false), rules_, scratches_, movable_, light_sum, options_);
+  result_.dropped += weak.size();
+  keep_only(all_but(count(), weak));
+}
+
+// Down to the time there is, the least worthy for what they cost first. What is carved already takes none.
+void DesignRun::keep_to_budget(double allowed_s) {
+  constexpr int kRounds = 8;  // the air is shared anew after each round; a few meet the time
+  for (int round = 0; round < kRounds && movable_ > 1; ++round) {
+    const std::vector<double> cost = carving_costs_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
+    const double now_s = std::accumulate(cost.begin(), cost.end(), 0.0);
+    if (now_s <= allowed_s) return;
+    report("keeping to the carving time", 0);
+    render_all(views_, in_the_metal());
+    const std::vector<std::size_t> spared = spare_for_time(stroke_views(views_, log_exposure_, false), rules_,
+                                                           scratches_, movable_, cost, now_s - allowed_s);
+    result_.dropped += spared.size();
+    keep_only(all_but(count(), spared));
+    // Fewer have to be brighter.
+    render_all(views_, in_the_metal());
+    log_exposure_ = fitting_exposures(views_, log_exposure_);
+  }
+}
+
+void DesignRun::keep_to_part_of_budget() {
+  const double budget_s = 3600 * options_.carve_hours;
+  if (!(budget_s > 0 && full_carving_s_ > budget_s) || drop_at_ < kBudgetSteps) return;
+  if (iteration_ == 0 || iteration_ > drop_at_ || iteration_ % (drop_at_ / kBudgetSteps) != 0) return;
+  const double part = std::min(1.0, static_cast<double>(iteration_) / drop_at_);
+  keep_to_budget(full_carving_s_ * std::pow(budget_s / full_carving_s_, part));
+}
+
+// Width, depth and alpha that all scratches share, in logarithms: d/dlog p = p d/dp, summed over the scratches.
+void DesignRun::move_shared() {
+  if (!optimizes_shared()) return;
+  const auto sum = [](const std::vector<double>& g) { return std::accumulate(g.begin(), g.end(), 0.0); };
+  const std::vector<double> d_log{options_.optimize_width ? std::exp(log_shared_[0]) * sum(gradients_.width_um) : 0.0,
+                                  options_.optimize_depth ? std::exp(log_shared_[1]) * sum(gradients_.depth_um) : 0.0,
+                                  options_.optimize_alpha ? std::exp(log_shared_[2]) * sum(gradients_.alpha) : 0.0};
+  momenta_.shared.step(log_shared_, d_log, options_.log_rate);
+  log_shared_[2] = std::min(log_shared_[2], 0.0);
+  spread_shared();
+}
+
+void DesignRun::spread_shared() {
+  if (options_.optimize_width) scratches_.width_um.assign(count(), std::exp(log_shared_[0]));
+  if (options_.optimize_depth) scratches_.depth_um.assign(count(), std::exp(log_shared_[1]));
+  if (options_.optimize_alpha) scratches_.alpha.assign(count(), std::exp(log_shared_[2]));
+}
+
+}  // namespace burin

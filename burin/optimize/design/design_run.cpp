@@ -1,0 +1,288 @@
+#include "burin/optimize/design/design_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "burin/optimize/carving/carving_order.h"
+#include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/design/carving_budget.h"
+#include "burin/optimize/design/design_start.h"
+#include "burin/optimize/design/obey.h"
+#include "burin/optimize/design/relocate.h"
+#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/optimize/target.h"
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+constexpr double kStartShare = 0.4;  // of the time limit: iterations gain more than a better start
+
+// What is to be designed, when going on, and what is in the metal already.
+std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, const Board& board, const Bench& bench) {
+  if (options.carved.size() > 0 && (options.optimize_width || options.optimize_depth || options.optimize_alpha))
+    fail("design", "the groove of what is carved already cannot be chosen any more",
+         "leave out --free-width, --free-depth and --free-alpha, or --carved");
+  if (!options.from) return {{}, options.carved};
+  std::vector<std::size_t> fresh, done;
+  for (std::size_t i = 0; i < options.from->size(); ++i) (options.from->is_carved(i) ? done : fresh).push_back(i);
+  Scratches carved = selected(*options.from, done), from = selected(*options.from, fresh);
+  carved.carved.clear();
+  from.carved.clear();
+  return {from, joined(carved, options.carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha)};
+}
+
+}  // namespace
+
+DesignRun::DesignRun(const DesignSpec& spec, const Board& board, const Bench& bench, const DesignOptions& options,
+                     const Progress& progress)
+    : spec_(spec),
+      board_(board),
+      bench_(bench),
+      options_(options),
+      progress_(progress),
+      deadline_(options.time_limit_s, options.stop) {
+  check_options(options, board);
+  if (spec.scratches < 1 || spec.views.empty())
+    fail("design", "no scratches or no views were asked for", "ask for at least one of each");
+}
+
+DesignResult DesignRun::run() {
+  read_targets();
+  take_stock();
+  place();
+  expose();
+  improve_start();
+  iterate();
+  obey_all_rules();
+  measure();
+  result_.total_seconds = deadline_.seconds();
+  return std::move(result_);
+}
+
+void DesignRun::read_targets() {
+  report("reading targets", 0);
+  limits_ = design_limits(board_, bench_, options_);
+  views_ = prepare_views(spec_, board_, bench_, options_, limits_, result_.warnings);
+  shown_ = spec_.views.size();
+  const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
+                           return a.exposure_group < b.exposure_group;
+                         })->exposure_group;
+  log_exposure_.assign(static_cast<std::size_t>(last_group) + 1, 0.0);
+}
+
+void DesignRun::take_stock() {
+  std::tie(from_, carved_) = new_and_carved(options_, board_, bench_);
+  result_.carved = carved_.size();
+  if (options_.from && from_.size() == 0)
+    fail("design", "there are no scratches to go on from", "give a scratches.csv that holds some");
+  if (!options_.from && carved_.size() >= static_cast<std::size_t>(spec_.scratches))
+    fail("design",
+         std::to_string(spec_.scratches) + " scratches are asked for, and " + std::to_string(carved_.size()) +
+             " are carved already",
+         "ask for more: the number counts what is carved");
+  movable_ = options_.from ? from_.size() : static_cast<std::size_t>(spec_.scratches) - carved_.size();
+  if (carved_.size() == 0) return;
+  Scratches lying = carved_;
+  lying.carved.assign(lying.size(), 1);
+  const Carved grooves = metal_.carved(lying);
+  for (WorkView& v : views_) v.renderer.forward(grooves, v.face);  // what cannot be undone: the face and what is in it
+}
+
+void DesignRun::place() {
+  do {
+    choose_stroke_rules();
+    start_strokes();
+    settle(scratches_, limits_, mean_length_mm_, options_.seed + 2);
+  } while (start_with_fewer());
+  result_.started_with = movable_;
+  join_carved();
+  if (!options_.from) put_in_carving_order(false);
+}
+
+void DesignRun::choose_stroke_rules() {
+  const Eigen::Vector2d area = limits_.max_mm - limits_.min_mm;
+  // Guided: the search chooses every length itself; this bounds them. Scratches of a view of this length, laid end to
+  // end, would cover 0.8 of its pixels.
+  const double pixel_mm = views_.front().pitch_mm;
+  const std::size_t all = movable_ + carved_.size();
+  const double covering =
+      std::clamp(0.8 * area.x() * area.y() * static_cast<double>(shown_) / (static_cast<double>(all) * pixel_mm),
+                 3 * pixel_mm, 0.2 * area.minCoeff());
+  mean_length_mm_ = options_.start_length_mm > 0      ? options_.start_length_mm
+                    : options_.start == Start::guided ? covering
+                                                      : 0.03 * area.maxCoeff();
+  rules_ = stroke_rules(limits_, mean_length_mm_, bench_, board_, options_.candidates);
+}
+
+void DesignRun::start_strokes() {
+  if (options_.from) {
+    scratches_ = from_;
+    return;
+  }
+  if (options_.start == Start::random) {
+    scratches_ = random_start(movable_, limits_, mean_length_mm_, options_.seed);
+    return;
+  }
+  // Later on exposures hardly change any more: the strokes that stand are of the right brightness for them.
+  log_exposure_ = starting_exposures(views_, log_exposure_.size(), options_.start_light);
+  report("placing scratches", 0);
+  const auto enough = [this] { return deadline_.wished_or_used(kStartShare); };
+  std::vector<StrokeView> light = stroke_views(views_, log_exposure_, true);
+  scratches_ = scratches_of(place_strokes(light, rules_, movable_, options_.seed, enough));
+  if (scratches_.size() < movable_ && enough())
+    result_.warnings.push_back("the start was ended early: " + std::to_string(scratches_.size()) + " of " +
+                               std::to_string(movable_) +
+                               " scratches begin where the pictures want them, the rest anywhere");
+  // Where the model finds no more to gain, the rest start anywhere: relocation may yet find them a place.
+  scratches_ =
+      joined(scratches_, random_start(movable_ - scratches_.size(), limits_, mean_length_mm_, options_.seed + 1),
+             board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
+}
+
+// A quarter more than can be carved in time may start and be weeded out. More would only teach the rest to be dim: then
+// the start is made anew.
+bool DesignRun::start_with_fewer() {
+  constexpr double kMore = 1.25;
+  if (!(options_.carve_hours > 0) || options_.from) return false;
+  const double hours = carving_time_s(scratches_, bench_.material.depth_um, options_.carve_machine) / 3600;
+  const auto fewer = static_cast<std::size_t>(kMore * options_.carve_hours / hours * static_cast<double>(movable_));
+  if (!(hours > 1.1 * kMore * options_.carve_hours) || fewer == 0) return false;
+  char words[160];
+  std::snprintf(words, sizeof words,
+                "%zu scratches would take %.1f hours to carve: began with %zu for the %.1f there are", movable_, hours,
+                fewer, options_.carve_hours);
+  result_.warnings.emplace_back(words);
+  movable_ = fewer;
+  return true;
+}
+
+void DesignRun::join_carved() {
+  if (carved_.size() == 0) return;
+  scratches_ = joined(scratches_, carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
+  scratches_.carved.assign(movable_, 0);
+  scratches_.carved.resize(movable_ + carved_.size(), 1);
+}
+
+void DesignRun::put_in_carving_order(bool thoroughly) {
+  if (!order_matters(bench_)) return;
+  CarvingOrderOptions options;
+  if (!thoroughly) options.kicks_per_scratch = 0;
+  std::vector<CarvingStep> order = carving_order(new_ones(), options);
+  for (std::size_t i = movable_; i < count(); ++i) order.push_back({static_cast<std::uint32_t>(i), false});
+  scratches_ = in_carving_order(scratches_, order);
+  if (momenta_.x0.size() != count()) return;  // before the iterations
+  std::vector<std::size_t> rows;
+  rows.reserve(order.size());
+  for (const CarvingStep& step : order) rows.push_back(step.scratch);
+  momenta_.each_end([&](Adam& adam) { adam.keep(rows); });
+  for (std::size_t i = 0; i < movable_; ++i)
+    if (order[i].reversed) {
+      momenta_.x0.exchange(i, momenta_.x1);
+      momenta_.y0.exchange(i, momenta_.y1);
+    }
+}
+
+void DesignRun::expose() {
+  render_all(views_, in_the_metal());
+  std::vector<double> wanted(log_exposure_.size(), 0.0), given(log_exposure_.size(), 0.0);
+  for (const WorkView& v : views_) {
+    const double mean = mean_value(v.radiance);
+    if (!(mean > 0)) fail("view " + v.spec.view, "is black", "check the lamp's intensity and position in the bench");
+    wanted[v.exposure_group] += mean_light(v.target.picture);
+    given[v.exposure_group] += mean;
+  }
+  const double start = starts_at_random() ? options_.start_exposure : 1;
+  for (std::size_t g = 0; g < log_exposure_.size(); ++g) log_exposure_[g] = std::log(start * wanted[g] / given[g]);
+  if (!starts_at_random()) log_exposure_ = fitting_exposures(views_, log_exposure_);
+}
+
+void DesignRun::improve_start() {
+  if (options_.from || options_.start != Start::guided) return;
+  const auto enough = [this] { return deadline_.wished_or_used(kStartShare); };
+  for (int k = 0; k < options_.start_sweeps && !enough(); ++k) {
+    report("searching places", static_cast<double>(k) / options_.start_sweeps);
+    relocate(scratches_, views_, log_exposure_, limits_, rules_, movable_, 0, options_.seed + 100 + k, enough);
+    render_all(views_, in_the_metal());
+    log_exposure_ = fitting_exposures(views_, log_exposure_);
+  }
+}
+
+// What cannot obey is placed anew or dropped.
+void DesignRun::obey_all_rules() {
+  if (options_.optimize_width) limits_.width_um = std::exp(log_shared_[0]);
+  Obeying obeying = obey(scratches_, limits_, views_, log_exposure_, rules_, metal_, options_.seed + 2000,
+                         [this] { return deadline_.wished_or_used(1); });
+  for (std::size_t r = 0; r < kRules; ++r) result_.dropped_by_rule[r] += obeying.dropped[r];
+  if (obeying.rows.size() == result_.carved)
+    fail("design", "no scratch can obey the machine's limits (" + dropped_text(obeying.dropped) + " were dropped)",
+         "loosen them, or make the board's keep-outs smaller");
+  scratches_ = std::move(obeying.scratches);
+  fail_unless_good(check_limits(scratches_, limits_), "design");
+  movable_ = count() - result_.carved;
+}
+
+void DesignRun::measure() {
+  measure_pictures();
+  if (options_.report_tolerance || options_.tolerance_mm > 0) {
+    std::vector<ToleranceTarget> targets;
+    for (std::size_t k = 0; k < shown_; ++k)
+      targets.push_back({result_.views[k].target, views_[k].target.mask, result_.views[k].best_exposure});
+    result_.tolerance = measure_tolerance(spec_, board_, bench_, targets, scratches_, progress_);
+  }
+  measure_ghosts();
+  if (options_.carve_curve || options_.carve_hours > 0) {
+    report("measuring the curve over carving time", 0);
+    result_.curve =
+        carving_curve(views_, shown_, log_exposure_, rules_, scratches_, movable_, metal_, options_.carve_machine);
+  }
+  if (options_.optimize_width) result_.width_um = std::exp(log_shared_[0]);
+  if (options_.optimize_depth) result_.depth_um = std::exp(log_shared_[1]);
+  if (options_.optimize_alpha) result_.alpha = std::exp(log_shared_[2]);
+  result_.scratches = std::move(scratches_);
+}
+
+void DesignRun::measure_pictures() {
+  const Carved grooves = in_the_metal();
+  for (WorkView& v : views_) {
+    v.renderer.forward(grooves, v.radiance);
+    picture_from_radiance(v.radiance, std::exp(log_exposure_[v.exposure_group]), v.picture);
+    v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
+    result_.final_loss += v.value.total;
+  }
+  for (std::size_t k = 0; k < shown_; ++k) {
+    const WorkView& v = views_[k];
+    DesignedView& out = result_.views[k];
+    out.view = v.spec.view;
+    out.light = v.spec.light;
+    out.rotation_deg = v.rotation_deg;
+    out.exposure = std::exp(log_exposure_[v.exposure_group]);
+    out.loss = v.value;
+    out.target = v.target.picture;
+    out.best_exposure = best_exposure(v.radiance, out.target, out.exposure, v.target.mask);
+    out.shown = shown_picture(v.radiance, out.best_exposure);
+    out.psnr_db = psnr_db(out.shown, out.target, v.target.mask);
+    out.ssim = ssim(out.shown, out.target, v.target.mask);
+    // The plain face alone, at the same exposure: nothing can be darker.
+    Image face = v.face;
+    for (float& f : face.data) f *= static_cast<float>(out.best_exposure);
+    out.achievable = within_contrast(out.target, face);
+    out.achievable_psnr_db = psnr_db(out.achievable, out.target, v.target.mask);
+    report("measuring", static_cast<double>(k + 1) / static_cast<double>(shown_));
+  }
+}
+
+void DesignRun::measure_ghosts() {
+  for (std::size_t k = 0; k < shown_; ++k)
+    for (const DesignedView& other : result_.views) {
+      DesignedView& out = result_.views[k];
+      out.ghost.push_back(correlation(out.shown, other.target, views_[k].target.mask));
+      out.target_correlation.push_back(correlation(out.target, other.target, views_[k].target.mask));
+    }
+}
+
+}  // namespace burin

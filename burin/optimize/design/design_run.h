@@ -1,0 +1,144 @@
+// burin/optimize/design/design_run.h - one design from its first line to its last: the stages that design() goes
+// through, in their order, and what they hand on to one another. docs/model.md 6.
+//
+// Scratches are moved where they are wanted; in every look they are carried to the metal (carve), rendered there, and
+// the gradient is brought back (pull_back). So a design is made for all that the bench says of its machine: fields,
+// wear, crossings. Where the order of carving shows, the scratches are put into a short one before the last iterations,
+// and stay in it.
+//
+// Everything that a stage needs stands in this class; what a stage does in detail stands in the files that it calls
+// (design_views, design_start, relocate, weak_scratches, carving_budget, obey). One deadline counts for all stages.
+// Frame: board, mm. Same seed, same bits, for any number of threads.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/design/deadline.h"
+#include "burin/optimize/design/design_views.h"
+#include "burin/optimize/design/stroke_search.h"
+#include "burin/optimize/design/to_metal.h"
+#include "burin/optimize/design_file.h"
+#include "burin/optimize/design_options.h"
+#include "burin/optimize/design_result.h"
+#include "burin/optimize/loss/adam.h"
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/carve.h"
+#include "burin/render/progress.h"
+#include "burin/render/scratches.h"
+#include "burin/render/view_renderer.h"
+
+namespace burin {
+
+class DesignRun {
+ public:
+  DesignRun(const DesignRun&) = delete;
+  DesignRun& operator=(const DesignRun&) = delete;
+
+  /// All arguments must outlive it. Throws Error for options out of range.
+  DesignRun(const DesignSpec& spec, const Board& board, const Bench& bench, const DesignOptions& options,
+            const Progress& progress);
+
+  /// All stages; to be called once.
+  DesignResult run();
+
+ private:
+  // The stages.
+  void read_targets();    // views and their pictures; what cannot work is said here
+  void take_stock();      // what is gone on from, and what is in the metal already
+  void place();           // scratches to start from; with fewer, if so many could not be carved in time
+  void expose();          // brightnesses that suit the start
+  void improve_start();   // each scratch searched a better place
+  void iterate();         // Adam, searches, and scratches that go (design_iterations.cpp)
+  void obey_all_rules();  // the last word: ends on steps, pairs apart
+  void measure();         // what each view will show
+
+  // Parts of place().
+  void choose_stroke_rules();
+  void start_strokes();
+  bool start_with_fewer();
+  void join_carved();
+
+  // The new scratches in a short carving order, their histories with them, on benches where the order shows.
+  void put_in_carving_order(bool thoroughly);
+
+  // Parts of iterate().
+  void look(bool last);
+  void record(bool last);
+  void record_start();
+  void move_ends();
+  bool searches_are_over() const;
+  void settle_order();
+  void relocate_some();
+  void drop_weak();
+  void keep_to_budget(double allowed_s);
+  void keep_to_part_of_budget();
+  void move_shared();
+  void spread_shared();
+  void keep_only(const std::vector<std::size_t>& kept);
+  Scratches new_ones() const;
+  bool time_to_end();
+
+  // Parts of measure().
+  void measure_pictures();
+  void measure_ghosts();
+
+  void report(const char* stage, double fraction) const {
+    if (progress_) progress_(stage, fraction);
+  }
+  std::span<WorkView> shown_views() { return {views_.data(), shown_}; }
+  bool starts_at_random() const { return !options_.from && options_.start == Start::random; }
+  bool optimizes_shared() const {
+    return options_.optimize_width || options_.optimize_depth || options_.optimize_alpha;
+  }
+
+  const DesignSpec& spec_;
+  const Board& board_;
+  const Bench& bench_;
+  const DesignOptions& options_;
+  const Progress& progress_;
+  const Metal metal_{bench_, board_};
+  Deadline deadline_;
+  CarvingLimits limits_;
+  DesignResult result_;
+
+  std::vector<WorkView> views_;  // the first `shown_` are the spec's; the rest stand aside of these
+  std::size_t shown_ = 0;
+  std::vector<double> log_exposure_;  // one a group
+  StrokeRules rules_;
+  double mean_length_mm_ = 0;
+
+  // The new ones come first, `movable_` of them; then those that are carved already, which never change.
+  Scratches from_, carved_;
+  Designed designed_;
+  Scratches& scratches_ = designed_.scratches;
+  std::size_t movable_ = 0;
+  std::size_t count() const { return scratches_.size(); }
+  Carved in_the_metal() const { return carve(designed_, bench_, board_); }
+
+  // What iterate() carries from step to step.
+  struct Momenta {
+    Adam x0, y0, x1, y1, exposure, shared;
+    template <typename Do>
+    void each_end(const Do& f) {
+      for (Adam* adam : {&x0, &y0, &x1, &y1}) f(*adam);
+    }
+  };
+  std::vector<double> log_shared_;  // width, depth, alpha
+  Momenta momenta_{Adam(0), Adam(0), Adam(0), Adam(0), Adam(0), Adam(0)};
+  ScratchGradients gradients_, by_carved_;  // by the designed rows, and by the grooves in the metal
+  std::vector<double> d_log_exposure_;
+  std::vector<int> contact_;  // iterations kept for the contact sheet
+  int iteration_ = 0, drop_at_ = 0;
+  double first_rate_ = 0, last_rate_ = 0;
+  double full_carving_s_ = 0;  // what it would take to carve all that the iterations began with
+  double iterations_began_s_ = 0;
+  double look_s_ = 0;  // what all views' pictures and gradients took last
+  bool weak_dropped_ = false;
+  bool in_last_order_ = false;  // nothing is searched any more that would leave the carving order
+};
+
+}  // namespace burin

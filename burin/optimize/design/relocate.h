@@ -1,0 +1,24 @@
+// burin/optimize/design/relocate.h - scratches that leave where they are worth least for where the pictures miss most.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/design/design_views.h"
+#include "burin/optimize/design/stroke_search.h"
+#include "burin/render/scratches.h"
+
+namespace burin {
+
+/// Moves the scratches whose absence costs least (at most this share of the first `movable`) to where the pictures of
+/// all views miss most, as far as that pays, then searches a better place for each, until `stop` says so. The views
+/// must be as rendered. Returns the moved ones, ascending. Same seed, same bits.
+std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkView>& views,
+                                  const std::vector<double>& log_exposure, const CarvingLimits& limits,
+                                  const StrokeRules& rules, std::size_t movable, double share, std::uint64_t seed,
+                                  const std::function<bool()>& stop);
+
+}  // namespace burin

@@ -1,0 +1,37 @@
+// burin/optimize/design/to_metal.h - the bench on which a design will be carved, and its scratches as they will lie
+// there. Frame: board, mm. docs/model.md 7.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/carve.h"
+#include "burin/render/groove_field.h"
+#include "burin/render/scratches.h"
+
+namespace burin {
+
+/// A depth or roughness that the field gives at a place, halfway through the carving.
+inline double at_place(const GrooveField& field, double shared, const Eigen::Vector2d& board_size_mm,
+                       const Eigen::Vector2d& p_mm) {
+  return shared * field_over_board(field.terms, p_mm.x() / board_size_mm.x(), p_mm.y() / board_size_mm.y());
+}
+
+/// Where a design is carved; both must outlive it.
+struct Metal {
+  const Bench& bench;
+  const Board& board;
+
+  Carved carved(const Scratches& designed) const { return carve(Designed(designed), bench, board); }
+
+  /// Scratches of the middle age, one by one: their depth and roughness follow the place only. What a search sees.
+  Carved carved_alone(const Scratches& designed) const;
+};
+
+/// A number for each groove, such as its light, added up for each designed row that grooves are pieces of.
+std::vector<double> by_design(const Carved& carved, const std::vector<double>& by_groove, std::size_t rows);
+
+}  // namespace burin
