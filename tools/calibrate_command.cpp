@@ -24,7 +24,7 @@ void add_calibrate_command(CLI::App& burin) {
       ->required();
   auto* camera = command->add_option("--camera", options->camera,
                                      "A lens that is known (.cameramodel, splined ones too): it is not solved for");
-  command->add_flag("--camera-as-seed", options->seed_only, "Start from --camera and solve for the lens all the same")
+  command->add_flag("--camera-as-seed", options->seed_only, "Start from the lens of --camera, but solve for it too")
       ->needs(camera);
   command
       ->add_option("--lens-model", options->lens_model,
@@ -34,7 +34,7 @@ void add_calibrate_command(CLI::App& burin) {
       command
           ->add_option("--hold-out", options->hold_out,
                        "Solve again without some photos and predict them: names of views (v03,v07), a share (0.25), a "
-                       "number of folds (5), all (one at a time), or nothing (four folds)")
+                       "number of folds (5), all (one at a time), or no value (four folds)")
           ->expected(0, 1);
   command->footer(example("burin calibrate session/session.json --out bench --hold-out"));
   command->callback([options, hold_out] {
@@ -84,7 +84,8 @@ void add_calibrate_command(CLI::App& burin) {
       fmt::print("\n");
     }
     const std::string bench = (options->out / "bench.json").string();
-    fmt::print("Wrote {}; next: burin refine {} --bench {}\n", bench, options->session.string(), bench);
+    fmt::print("Wrote {}; next: burin refine {} --bench {}\n", bench, shell_word(options->session.string()),
+               shell_word(bench));
   });
 }
 

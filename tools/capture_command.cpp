@@ -37,9 +37,10 @@ void add_capture_command(CLI::App& burin) {
     if (result.written.empty())
       fail(options->photos.string(),
            fmt::format("{} error{} found, no session was written", errors, errors == 1 ? " was" : "s were"),
-           "mend or take away the photos named above");
-    fmt::print("Wrote {}: {} photos of {} view{}; next: burin calibrate {} --out DIR\n", result.written.string(),
-               result.session.photos.size(), result.views, result.views == 1 ? "" : "s", result.written.string());
+           "correct or remove the photos named above");
+    fmt::print("Wrote {}: {} photos of {} view{}; next: burin calibrate {} --out {}\n", result.written.string(),
+               result.session.photos.size(), result.views, result.views == 1 ? "" : "s",
+               shell_word(result.written.string()), shell_word(options->out.string()));
   });
 }
 

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "burin/render/error.h"
+#include "burin/render/threads.h"
 #include "tools/commands.h"
 
 namespace burin {
@@ -23,6 +24,17 @@ std::unique_ptr<CLI::App> make_app() {
   burin->set_version_flag("--version", "burin " BURIN_VERSION);
   burin->footer("`burin COMMAND --help` shows a command's options and an example.");
   burin->require_subcommand(1);
+  // Read before any command's work begins; the limit lives as long as the app, and so while the command runs.
+  const auto limit = std::make_shared<std::unique_ptr<ThreadLimit>>();
+  burin
+      ->add_option_function<int>(
+          "--threads",
+          [limit](int most_threads) {
+            if (most_threads < 1) throw CLI::ValidationError("--threads", "no work is done by fewer than 1 thread");
+            *limit = std::make_unique<ThreadLimit>(most_threads);
+          },
+          "Use at most so many threads (all cores unless given); stands before COMMAND")
+      ->type_name("N");
   add_simulate_command(*burin);
   add_plan_command(*burin);
   add_capture_command(*burin);
@@ -38,17 +50,25 @@ std::unique_ptr<CLI::App> make_app() {
   return burin;
 }
 
+/// Behind `--threads N` or `--threads=N`, where it is given.
+std::size_t place_of_command(const std::vector<std::string>& arguments) {
+  if (arguments.empty()) return 0;
+  if (arguments[0] == "--threads") return 2;
+  return arguments[0].starts_with("--threads=") ? 1 : 0;
+}
+
 void parse(CLI::App& app, const std::vector<std::string>& arguments) {
   // CLI11 would say only that a command is missing.
-  if (!arguments.empty() && !arguments[0].starts_with('-')) {
+  const std::size_t at = place_of_command(arguments);
+  if (at < arguments.size() && !arguments[at].starts_with('-')) {
     std::string names;
     bool known = false;
     for (const CLI::App* command : app.get_subcommands({})) {
-      known = known || command->get_name() == arguments[0];
+      known = known || command->get_name() == arguments[at];
       names += (names.empty() ? "" : ", ") + command->get_name();
     }
     if (!known)
-      throw CLI::ExtrasError(fmt::format("there is no command '{}'; there are: {}", arguments[0], names),
+      throw CLI::ExtrasError(fmt::format("there is no command '{}'; there are: {}", arguments[at], names),
                              CLI::ExitCodes::ExtrasError);
   }
   // CLI11 takes the arguments as a stack, the first on top.

@@ -23,7 +23,8 @@
 // - Work that cannot be done throws burin::Error from the callback; main prints the sentence and exits with 1.
 //   Do not use CLI11's file validators: a missing file is work that cannot be done (1), not a wrong command line (2),
 //   and the library's own message says what to do about it. Contradictory options throw CLI::ValidationError: exit 2.
-// - Results go to stdout and end in one line that says what was made and what to do next. Findings that do not stop
+// - Results go to stdout and end in one line that says what was made and what to do next: a command that can be pasted,
+//   with all options that it needs (shell_word), capitals where only the person knows. Findings that do not stop
 //   the work ("note: ...") go to stderr through note(). Nothing else is printed.
 // - Outputs are written only when they are complete (write_atomically), folders made with make_output_folder.
 // - `--help` ends with an example that works on the files it names.
@@ -51,6 +52,17 @@ void add_check_command(CLI::App& burin);
 
 /// The footer of a command's `--help`: a working command line (or several, one a line).
 inline std::string example(const std::string& command_lines) { return "Example:\n  " + command_lines; }
+
+/// A file or an option's value as it stands in a command line that can be pasted: quoted where a shell would split it.
+inline std::string shell_word(const std::string& word) {
+  const bool plain = !word.empty() && word.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-+=.,:/@%") == std::string::npos;
+  if (plain) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
 
 /// Tells the person about something that does not stop the work: a photo left out, a value assumed. To stderr.
 inline void note(const std::string& sentence) { fmt::print(stderr, "note: {}\n", sentence); }

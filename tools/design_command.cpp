@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -12,6 +11,7 @@
 
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_output.h"
+#include "burin/optimize/duration.h"
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
@@ -42,15 +42,13 @@ class StopOnInterrupt {
   void (*before_)(int);
 };
 
-// "30", "30s", "5min", "1.5h" in seconds.
-double seconds_of(const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  const std::string unit = end;
-  const double factor = unit.empty() || unit == "s" ? 1 : unit == "min" || unit == "m" ? 60 : unit == "h" ? 3600 : 0;
-  if (end == text.c_str() || factor == 0 || !(value > 0) || !std::isfinite(value))
-    throw CLI::ValidationError("--time", "\"" + text + "\" is no time; give 30s, 5min or 1h");
-  return value * factor;
+// A wrong command line if it is no duration.
+double seconds_of(const char* option, const std::string& text, double unit_s) {
+  try {
+    return duration_from_text(text, unit_s);
+  } catch (const Error& e) {
+    throw CLI::ValidationError(option, e.what());
+  }
 }
 
 // All views side by side, targets below: one picture that is refreshed while the work runs.
@@ -79,7 +77,7 @@ struct Options {
   std::filesystem::path spec, out, bench, board, from;
   std::vector<std::filesystem::path> carved;
   int scratches = 0;
-  std::string start = "guided", exposure = "view", time, machine;
+  std::string start = "guided", exposure = "view", time, carve_time, machine;
   DesignOptions design;
   bool live = false;
 };
@@ -91,17 +89,21 @@ void run(const Options& o) {
   if (o.scratches > 0) spec.scratches = o.scratches;
   const Board board = read_board(spec.board);
   const Bench bench = read_bench(spec.bench);
+  for (const Finding& finding : bench.findings) note(sentence(finding));
   DesignOptions options = o.design;
   options.start = o.start == "guided" ? Start::guided : Start::random;
   options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
-  if (!o.time.empty()) options.time_limit_s = seconds_of(o.time);
+  if (!o.time.empty()) options.time_limit_s = seconds_of("--time", o.time, 1);
+  if (!o.carve_time.empty()) options.carve_hours = seconds_of("--carve-hours", o.carve_time, 3600) / 3600;
   if (!o.from.empty()) options.from = read_scratches(o.from);
   if (!o.machine.empty()) {
     options.carve_machine = machine_profile(o.machine);
     options.machine = options.carve_machine.limits;
   }
+  Bench whole = bench;  // what crosses what shows once all rows are together
+  whole.crossings = Crossings::add;
   for (const std::filesystem::path& file : o.carved) {
-    const Scratches carved = carve(Sent(read_scratches(file)), bench, board).scratches;
+    const Scratches carved = carve(Sent(read_scratches(file)), whole, board).scratches;
     options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
   make_output_folder(o.out);
@@ -170,7 +172,7 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--scratches", o->scratches, "How many to start with, instead of DESIGN.json's")
       ->check(CLI::Range(1, 2000000));
   c->add_option("--iterations", o->design.iterations, "Steps of the optimizer")->capture_default_str();
-  c->add_option("--time", o->time, "Stop after about this long: 30s, 5min, 1h");
+  c->add_option("--time", o->time, "Stop after about this long: 30s, 5min, 1h30min (a bare number: seconds)");
   c->add_option("--pixels", o->design.pixels, "Pixels along the longer side of the carve area")->capture_default_str();
   c->add_option("--seed", o->design.seed, "Of the random start")->capture_default_str();
   c->add_option("--start", o->start, "Where scratches begin: where the pictures want them, or anywhere")
@@ -213,8 +215,8 @@ void add_design_command(CLI::App& burin) {
       ->capture_default_str();
   c->add_option("--tolerance-mm", o->design.tolerance_mm,
                 "How far eye and lamp may stand aside: designs for it, and reports how far they really may");
-  c->add_option("--carve-hours", o->design.carve_hours,
-                "The time there is to carve: scratches go during the design until they fit");
+  c->add_option("--carve-hours", o->carve_time,
+                "The time there is to carve (hours, or 6h30min): scratches go during the design until they fit");
   c->add_flag("--carve-curve", o->design.carve_curve, "Report quality over carving time (always with --carve-hours)");
   c->add_flag("--report-tolerance", o->design.report_tolerance, "Report how far they may, without designing for it");
   c->add_flag("--free-width", o->design.optimize_width, "Optimize the cutter's width too (one for all)");
@@ -227,7 +229,7 @@ void add_design_command(CLI::App& burin) {
                 "Drop the least worthy scratches that lower the squared error by this share")
       ->capture_default_str();
   c->add_option("--drop-light", o->design.drop_light, "Or those that carry this share of the light");
-  c->add_option("--drop-count", o->design.drop_count, "Or this share of the scratches");
+  c->add_option("--drop-share,--drop-count", o->design.drop_share, "Or this share of the scratches");
   c->add_flag("--live", o->live, "Refresh OUT/live.png while it runs");
   c->footer(example("burin design design.json --out round-01"));
   c->callback([o] { run(*o); });

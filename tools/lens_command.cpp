@@ -14,6 +14,7 @@
 #include "burin/calib/geometry/lens_solver.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/image.h"
+#include "burin/render/median.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 
@@ -66,16 +67,92 @@ int parts_covered(const std::vector<TargetView>& views, int width, int height) {
   return static_cast<int>(std::count(seen.begin(), seen.end(), true));
 }
 
+struct Options {
+  std::filesystem::path input, out;
+  std::string chessboard = "9x6", model, image_size;
+  double square_mm = 0;
+  int window_px = kCornerWindow_px;
+  bool bow = false;
+};
+
+ChessboardViews read_views(const Options& options, const Chessboard& board) {
+  if (std::filesystem::is_directory(options.input)) {
+    ProgressBar bar;
+    return find_chessboards(options.input, board, options.window_px, bar.progress());
+  }
+  if (options.image_size.empty())
+    throw CLI::ValidationError("--image-size", "a table of corners does not say it: give WIDTHxHEIGHT in pixels");
+  const auto [width, height] = pair_of(options.image_size, "--image-size");
+  return read_corners(options.input, board, width, height);
+}
+
+// A photo that contradicts the others by far is no photo of this board, or was moved: the lens is solved without it.
+LensSolution solve_without_strays(ChessboardViews& found, const Chessboard& board, const LensSolverOptions& solver) {
+  constexpr double kFarFactor = 5, kFar_px = 2;
+  while (true) {
+    LensSolution s = solve_lens(found.views, found.width, found.height, board.size_mm(), solver);
+    std::vector<double> rms = s.view_rms_point_px;
+    std::nth_element(rms.begin(), rms.begin() + static_cast<std::ptrdiff_t>(rms.size() / 2), rms.end());
+    const double usual = rms[rms.size() / 2];
+    const auto worst = std::max_element(s.view_rms_point_px.begin(), s.view_rms_point_px.end());
+    if (!(*worst > kFar_px && *worst > kFarFactor * usual) || found.views.size() <= 3) return s;
+    const auto at = found.views.begin() + (worst - s.view_rms_point_px.begin());
+    found.findings.push_back(
+        {Finding::Severity::warning, at->name,
+         fmt::format("is left out: its corners miss by {:.2f} px RMS, the others' by {:.2f} px", *worst, usual),
+         "it was moved while it was exposed, or shows another board"});
+    found.views.erase(at);
+  }
+}
+
+void print_lens(const ChessboardViews& found, const LensSolution& s, bool bow) {
+  for (std::size_t v = 0; v < found.views.size(); ++v)
+    fmt::print("{:<24} {:4} corners, {:.3f} px RMS\n", found.views[v].name, found.views[v].q_px.size(),
+               s.view_rms_point_px[v]);
+  const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, s.covariance(i, i))); };
+  fmt::print("lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, center {:.2f}, {:.2f} px\n",
+             s.lens.model, s.lens.intrinsics[0], sigma(0), s.lens.intrinsics[1], sigma(1), s.lens.intrinsics[2],
+             s.lens.intrinsics[3]);
+  fmt::print("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {} photos\n", s.rms_point_px, s.rms_px,
+             found.views.size());
+  if (bow) fmt::print("board    bow {:.3f}, {:.3f}, {:.3f} mm\n", s.bow_mm[0], s.bow_mm[1], s.bow_mm[2]);
+  fmt::print("check    mrcal's own solver moves corners by {:.5f} px\n", s.check.max_shift_px);
+}
+
+void run(const Options& options) {
+  Chessboard board;
+  std::tie(board.columns, board.rows) = pair_of(options.chessboard, "--chessboard");
+  board.square_mm = options.square_mm;
+  ChessboardViews found = read_views(options, board);
+  for (const Finding& finding : found.findings) note(sentence(finding));  // first: why too few photos are left
+  found.findings.clear();
+  LensSolverOptions solver;
+  solver.model = options.model;
+  solver.solve_bow = options.bow;
+  const LensSolution s = solve_without_strays(found, board, solver);
+
+  if (options.out.has_parent_path()) make_output_folder(options.out.parent_path());
+  std::filesystem::path picture = options.out;
+  picture.replace_extension(".coverage.png");
+  write_picture(coverage_picture(found.views, s), picture);
+  write_cameramodel(s.lens, options.out);
+
+  for (const Finding& finding : found.findings) note(sentence(finding));
+  print_lens(found, s, options.bow);
+  const int parts = parts_covered(found.views, found.width, found.height);
+  fmt::print("coverage {} of 12 parts of the frame; {} shows every corner\n", parts, picture.string());
+  constexpr int kFewParts = 10;
+  if (parts < kFewParts)
+    note("the corners of the frame are not covered: the lens is a guess there; add photos with the board in them");
+  for (const std::string& name : s.not_determined)
+    note(name + " is hardly determined; add photos with the board tilted, in different directions");
+  fmt::print("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options.out.string(),
+             shell_word(options.out.string()));
+}
+
 }  // namespace
 
 void add_lens_command(CLI::App& burin) {
-  struct Options {
-    std::filesystem::path input, out;
-    std::string chessboard = "9x6", model, image_size;
-    double square_mm = 0;
-    int window_px = kCornerWindow_px;
-    bool bow = false;
-  };
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand("lens", "Calibrate a lens from photos of a chessboard");
   command
@@ -83,7 +160,7 @@ void add_lens_command(CLI::App& burin) {
                    "A folder of photos of a chessboard, or a corners.vnl as mrcal's tools read it")
       ->required();
   command->add_option("--chessboard", options->chessboard, "Inner corners along and across, COLUMNSxROWS")->required();
-  command->add_option("--square-mm", options->square_mm, "The side of a square")
+  command->add_option("--square-mm", options->square_mm, "The side of a square, mm")
       ->required()
       ->check(CLI::PositiveNumber);
   command->add_option("--out", options->out, "The .cameramodel to write; a picture of the coverage goes beside it")
@@ -93,76 +170,12 @@ void add_lens_command(CLI::App& burin) {
   command->add_option("--image-size", options->image_size, "WIDTHxHEIGHT of the photos behind a corners.vnl");
   command
       ->add_option("--corner-window", options->window_px,
-                   "Half the window in which corners are refined, pixels; 0: as the squares allow; 11 unless given")
-      ->check(CLI::NonNegativeNumber);
+                   "Half the window in which corners are refined, pixels; 0: as large as the squares allow")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   command->add_flag("--bow", options->bow, "Solve for a bow of the chessboard (three quadratic terms)");
   command->footer(example("burin lens chessboard-photos --chessboard 9x6 --square-mm 25 --out camera.cameramodel"));
-  command->callback([options] {
-    Chessboard board;
-    std::tie(board.columns, board.rows) = pair_of(options->chessboard, "--chessboard");
-    board.square_mm = options->square_mm;
-    ProgressBar bar;
-    ChessboardViews found;
-    if (std::filesystem::is_directory(options->input)) {
-      found = find_chessboards(options->input, board, options->window_px, bar.progress());
-    } else {
-      if (options->image_size.empty())
-        throw CLI::ValidationError("--image-size", "a table of corners does not say it: give WIDTHxHEIGHT in pixels");
-      const auto [width, height] = pair_of(options->image_size, "--image-size");
-      found = read_corners(options->input, board, width, height);
-    }
-    bar.clear();
-    for (const Finding& finding : found.findings) note(sentence(finding));  // first: why too few photos are left
-    found.findings.clear();
-    LensSolverOptions solver;
-    solver.model = options->model;
-    solver.solve_bow = options->bow;
-    LensSolution s = solve_lens(found.views, found.width, found.height, board.size_mm(), solver);
-
-    // A photo that contradicts the others by far is no photo of this board, or was moved.
-    constexpr double kFarFactor = 5, kFar_px = 2;
-    while (true) {
-      std::vector<double> rms = s.view_rms_point_px;
-      std::nth_element(rms.begin(), rms.begin() + static_cast<std::ptrdiff_t>(rms.size() / 2), rms.end());
-      const double usual = rms[rms.size() / 2];
-      const auto worst = std::max_element(s.view_rms_point_px.begin(), s.view_rms_point_px.end());
-      if (!(*worst > kFar_px && *worst > kFarFactor * usual) || found.views.size() <= 3) break;
-      const auto at = found.views.begin() + (worst - s.view_rms_point_px.begin());
-      found.findings.push_back(
-          {Finding::Severity::warning, at->name,
-           fmt::format("is left out: its corners miss by {:.2f} px RMS, the others' by {:.2f} px", *worst, usual),
-           "it was moved while it was exposed, or shows another board"});
-      found.views.erase(at);
-      s = solve_lens(found.views, found.width, found.height, board.size_mm(), solver);
-    }
-    if (options->out.has_parent_path()) make_output_folder(options->out.parent_path());
-    std::filesystem::path picture = options->out;
-    picture.replace_extension(".coverage.png");
-    write_picture(coverage_picture(found.views, s), picture);
-    write_cameramodel(s.lens, options->out);
-
-    for (const Finding& finding : found.findings) note(sentence(finding));
-    for (std::size_t v = 0; v < found.views.size(); ++v)
-      fmt::print("{:<24} {:4} corners, {:.3f} px RMS\n", found.views[v].name, found.views[v].q_px.size(),
-                 s.view_rms_point_px[v]);
-    const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, s.covariance(i, i))); };
-    fmt::print("lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, center {:.2f}, {:.2f} px\n",
-               s.lens.model, s.lens.intrinsics[0], sigma(0), s.lens.intrinsics[1], sigma(1), s.lens.intrinsics[2],
-               s.lens.intrinsics[3]);
-    fmt::print("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {} photos\n", s.rms_point_px, s.rms_px,
-               found.views.size());
-    if (options->bow) fmt::print("board    bow {:.3f}, {:.3f}, {:.3f} mm\n", s.bow_mm[0], s.bow_mm[1], s.bow_mm[2]);
-    fmt::print("check    mrcal's own solver moves corners by {:.5f} px\n", s.check.max_shift_px);
-    const int parts = parts_covered(found.views, found.width, found.height);
-    fmt::print("coverage {} of 12 parts of the frame; {} shows every corner\n", parts, picture.string());
-    constexpr int kFewParts = 10;
-    if (parts < kFewParts)
-      note("the corners of the frame are not covered: the lens is a guess there; add photos with the board in them");
-    for (const std::string& name : s.not_determined)
-      note(name + " is hardly determined; add photos with the board tilted, in different directions");
-    fmt::print("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options->out.string(),
-               options->out.string());
-  });
+  command->callback([options] { run(*options); });
 }
 
 }  // namespace burin

@@ -8,7 +8,8 @@
 //   round-NN/design/              `burin design`: previews, design-report.json
 //   round-NN/scratches.csv        as designed
 //   round-NN/board.gcode, .svg    `burin toolpath`: compensated by the machine's measured map
-//   round-NN/sent.csv             the same path in board coordinates, as the machine is told it, in carving order
+//   round-NN/ordered.csv          the scratches as designed, in carving order
+//   round-NN/sent.csv             the same as the machine is told them: compensated, with width, depth and alpha
 //   round-NN/board.json           the board to be photographed: its scratches are sent.csv
 //   round-NN/photos/              a person's; or, where the project holds a truth.json, the simulated camera's
 //   round-NN/session.json         `burin capture`
@@ -17,6 +18,7 @@
 //
 // truth.json stands for the workshop: it is read by `burin simulate` alone, to carve and to photograph.
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -27,6 +29,7 @@
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/scratches.h"
@@ -68,7 +71,7 @@ class Steps {
 
 void run_step(const std::vector<std::string>& arguments) {
   std::string line = "burin";
-  for (const std::string& a : arguments) line += " " + a;
+  for (const std::string& a : arguments) line += " " + shell_word(a);
   fmt::print("> {}\n", line);
   std::fflush(stdout);
   run_command(arguments);
@@ -107,23 +110,37 @@ void write_round_design(const Project& project, int number, const fs::path& file
   write_design(spec, file);
 }
 
-// What the machine was told, read back from the file that it is given.
-void write_sent_scratches(const Loop& loop, const fs::path& round) {
+// What the machine is told, in its order: ends and depths read back from the files that it is given, width and
+// roughness as designed.
+void write_sent_scratches(const Loop& loop, int number, const fs::path& ordered) {
+  const fs::path round = loop.project.round(number);
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(round)) {
     const std::string name = entry.path().filename().string();
     if (name.starts_with("board") && entry.path().extension() == ".gcode") files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end());
-  Scratches sent;
   const MachineProfile machine = machine_profile(loop.machine);
-  for (const fs::path& file : files)
-    for (const ReplayedScratch& s : replay_gcode(read_text(file), machine, file.string()).scratches) {
-      sent.x0_mm.push_back(s.from_mm.x());
-      sent.y0_mm.push_back(s.from_mm.y());
-      sent.x1_mm.push_back(s.to_mm.x());
-      sent.y1_mm.push_back(s.to_mm.y());
-    }
+  std::vector<ReplayedScratch> told;
+  for (const fs::path& file : files) {
+    const Replay replay = replay_gcode(read_text(file), machine, file.string());
+    told.insert(told.end(), replay.scratches.begin(), replay.scratches.end());
+  }
+  const Board board = read_board(loop.project.folder / "board.json");
+  Scratches sent =
+      compensated(Designed(read_scratches(ordered)), read_bench(loop.project.bench_before(number)), board).scratches;
+  sent.carved.clear();
+  if (sent.size() != told.size())
+    fail(round.string(), fmt::format("its G-code carves {} scratches of {}", told.size(), sent.size()),
+         "delete its board.json and run burin loop again");
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    sent.x0_mm[i] = told[i].from_mm.x();
+    sent.y0_mm[i] = told[i].from_mm.y();
+    sent.x1_mm[i] = told[i].to_mm.x();
+    sent.y1_mm[i] = told[i].to_mm.y();
+    // A head that presses is told a force instead.
+    if (!sent.depth_um.empty() && std::isfinite(told[i].depth_mm)) sent.depth_um[i] = 1e3 * told[i].depth_mm;
+  }
   write_scratches(sent, round / "sent.csv");
 }
 
@@ -147,11 +164,12 @@ void design_round(const Loop& loop, int number, Steps& steps) {
     copy_atomically(round / "design" / "scratches.csv", round / "scratches.csv");
   }
   if (steps.needed(round / "board.json", name + ": tool path")) {
+    const fs::path ordered = round / "ordered.csv";
     for (const char* file : {"board.svg", "board.gcode"})
       run_step({"toolpath", (round / "scratches.csv").string(), "--board", (project.folder / "board.json").string(),
-                "--bench", project.bench_before(number).string(), "--machine", loop.machine, "--out",
-                (round / file).string()});
-    write_sent_scratches(loop, round);
+                "--bench", project.bench_before(number).string(), "--machine", loop.machine, "--ordered",
+                ordered.string(), "--out", (round / file).string()});
+    write_sent_scratches(loop, number, ordered);
     write_round_board(project, round);
   }
 }
@@ -200,7 +218,15 @@ void measure_round(const Loop& loop, int number, Steps& steps) {
   if (steps.needed(round / "report.html", name + ": report")) run_step({"report", round.string()});
 }
 
-void say_what_to_do(const Project& project, int number) {
+// The command that turns this loop on.
+std::string loop_line(const Loop& loop) {
+  std::string line = "burin loop " + shell_word(loop.project.folder.string());
+  if (loop.machine != Loop().machine) line += " --machine " + shell_word(loop.machine);
+  return line;
+}
+
+void say_what_to_do(const Loop& loop, int number) {
+  const Project& project = loop.project;
   const fs::path round = project.round(number);
   const DesignSpec spec = read_design(round / "design.json");
   std::string views;
@@ -214,9 +240,9 @@ void say_what_to_do(const Project& project, int number) {
       "     the camera tilted and the board in other parts of the frame. Two exposures each, three stops apart; keep\n"
       "     focus and zoom as they are. Some views must hardly glint: only half vectors on both sides of the grooves'\n"
       "     cut-off angle tell how deep they are.\n"
-      "  3. Put the photos into {} and run `burin loop {}` again.\n\n",
+      "  3. Put the photos into {}; then: {}\n\n",
       (round / "board.gcode").string(), (project.folder / "board.json").string(), views, (round / "photos").string(),
-      project.folder.string());
+      loop_line(loop));
 }
 
 void run_loop(const Loop& loop) {
@@ -235,9 +261,11 @@ void run_loop(const Loop& loop) {
   // The last round is designed and not yet carved: for the bench as it is, if any board was photographed.
   fmt::print("\n== report\n");
   run_step({"report", project.folder.string()});
-  if (!fs::exists(project.folder / "truth.json")) say_what_to_do(project, number);
-  fmt::print("The loop has turned {} time{}; the next board to carve is {}.\n", number - 1, number == 2 ? "" : "s",
-             (project.round(number) / "board.gcode").string());
+  const bool simulated = fs::exists(project.folder / "truth.json");
+  if (!simulated) say_what_to_do(loop, number);
+  fmt::print("The loop has turned {} time{}; the next board to carve is {}.{}\n", number - 1, number == 2 ? "" : "s",
+             (project.round(number) / "board.gcode").string(),
+             simulated ? fmt::format(" To simulate that too: {} --rounds {}", loop_line(loop), number) : "");
 }
 
 }  // namespace
@@ -253,7 +281,7 @@ void add_loop_command(CLI::App& burin) {
   command->add_option("--rounds", loop->simulated_rounds, "With a truth.json: how many boards to carve and photograph")
       ->check(CLI::Range(1, 99))
       ->capture_default_str();
-  command->add_option("--machine", loop->machine, "grbl, linuxcnc, marlin, or a burin/machine JSON file")
+  command->add_option("--machine", loop->machine, "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML")
       ->capture_default_str();
   command->footer(example("burin loop samples/small-bench"));
   command->callback([loop] { run_loop(*loop); });

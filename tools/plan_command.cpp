@@ -44,7 +44,8 @@ Json plan_json(const Plan& plan, const Board& board) {
   json["straddles_cut_off"] = plan.straddles;
   json["parameters"] = Json::array();
   for (const PlanParameter& p : plan.parameters)
-    json["parameters"].push_back({{"name", p.name}, {"unit", p.unit}, {"goal", p.goal}, {"before", p.before}});
+    json["parameters"].push_back(
+        {{"name", p.name}, {"unit", in_words(p.unit)}, {"goal", p.goal}, {"before", p.before}});
   json["shots"] = Json::array();
   for (std::size_t i = 0; i < plan.shots.size(); ++i) {
     const PlannedShot& shot = plan.shots[i];
@@ -93,7 +94,7 @@ void print_plan(const Plan& plan, const Board& board) {
   for (std::size_t p = 0; p < plan.parameters.size(); ++p) {
     const PlanParameter& parameter = plan.parameters[p];
     const std::string name =
-        parameter.unit.empty() ? parameter.name : fmt::format("{}, {}", parameter.name, parameter.unit);
+        parameter.unit == Unit::none ? parameter.name : fmt::format("{}, {}", parameter.name, in_words(parameter.unit));
     fmt::print("  {:<26}{:>6.3g}", name, parameter.before);
     for (const std::size_t c : columns) fmt::print("{:>9.2g}", plan.shots[c].sigma[p]);
     fmt::print("{:>12.2g}\n", parameter.goal);
@@ -143,13 +144,15 @@ void add_plan_command(CLI::App& burin) {
                       "The scratches on it, if not those that the board names; without any, test strokes");
   auto* camera = command->add_option("--camera", options->camera,
                                      "The lens (.cameramodel), instead of the bench's; it counts as known");
-  command->add_flag("--camera-as-seed", options->camera_as_seed, "The lens of --camera is solved for all the same")
+  command->add_flag("--camera-as-seed", options->camera_as_seed, "Plan as if the lens of --camera were solved for too")
       ->needs(camera);
-  command->add_option("--lamp", options->lamps, "Where a lamp stands, X Y Z in mm, instead of the bench's; once a lamp")
+  command
+      ->add_option("--lamp", options->lamps,
+                   "Where a lamp stands, X Y Z in mm, instead of the bench's; once for each lamp")
       ->type_size(3);
   command
       ->add_option("--lamp-places", options->plan.lamp_places,
-                   "At how many places lamps may stand in all: those beyond the lamps given are proposed")
+                   "At how many places lamps may stand in all; places beyond the given lamps are proposed")
       ->capture_default_str()
       ->check(CLI::Range(1, 12));
   command->add_option("--shots", options->plan.shots, "How many to plan")
@@ -200,9 +203,11 @@ void add_plan_command(CLI::App& burin) {
     const Plan plan = plan_shots(board, bench, sent, plan_options, bar.progress());
     bar.clear();
     print_plan(plan, board);
-    const std::string next = "take these photos, then burin capture PHOTOS_DIR --board " + options->board.string();
+    const std::string next = "take these photos, then burin capture PHOTOS_DIR --board " +
+                             shell_word(options->board.string()) + " --out DIR";
     if (options->out.empty()) {
-      fmt::print("Planned {} shots; next: {} (--out DIR keeps the plan and draws it)\n", plan.shots.size(), next);
+      fmt::print("Planned {} shots; next: {} (burin plan --out DIR keeps the plan and draws it)\n", plan.shots.size(),
+                 next);
       return;
     }
     make_output_folder(options->out);

@@ -9,6 +9,8 @@
 #include <set>
 #include <vector>
 
+#include "burin/render/files/svg.h"
+
 namespace burin {
 namespace {
 
@@ -18,7 +20,7 @@ constexpr const char* kSoft = "#6e7781";
 constexpr const char* kLamp = "#bf8700";
 constexpr const char* kCamera = "#0969da";
 
-// One of the two views: millimetres (right, up) to the page.
+// One of the two views: millimeters (right, up) to the page.
 struct Frame {
   Eigen::Vector2d low, high;  // mm
   double scale = 1, top = 0;
@@ -30,23 +32,22 @@ struct Frame {
 };
 
 std::string text(const Eigen::Vector2d& p, const std::string& what, const char* color, const char* anchor, int size) {
-  return fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"{}\" text-anchor=\"{}\" font-size=\"{}\">{}</text>\n",
-                     p.x(), p.y(), color, anchor, size, what);
+  return svg_words(p, what, anchor, fmt::format("fill=\"{}\" font-size=\"{}\"", color, size));
 }
 
 std::string line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const char* color, double width, bool dashed) {
-  return fmt::format(
-      "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"{}\"{}/>\n", a.x(),
-      a.y(), b.x(), b.y(), color, width, dashed ? " stroke-dasharray=\"5 4\"" : "");
+  return svg_line(
+      a, b,
+      fmt::format("stroke=\"{}\" stroke-width=\"{}\"{}", color, width, dashed ? " stroke-dasharray=\"5 4\"" : ""));
 }
 
 std::string star(const Eigen::Vector2d& c, double radius) {
-  std::string points;
+  std::vector<Eigen::Vector2d> points;
   for (int i = 0; i < 16; ++i) {
     const double r = i % 2 == 0 ? radius : 0.45 * radius, a = i * std::numbers::pi / 8;
-    points += fmt::format("{:.1f},{:.1f} ", c.x() + r * std::cos(a), c.y() + r * std::sin(a));
+    points.emplace_back(c.x() + r * std::cos(a), c.y() + r * std::sin(a));
   }
-  return fmt::format("<polygon points=\"{}\" fill=\"{}\"/>\n", points, kLamp);
+  return svg_polygon(points, fmt::format("fill=\"{}\"", kLamp));
 }
 
 // A length of 1, 2 or 5 times a power of ten, about a sixth of the page.
@@ -78,12 +79,9 @@ std::string plan_drawing(const Plan& plan, const Board& board) {
   Frame above{low.head<2>(), high.head<2>(), scale, kMargin + 14};
   Frame side{{low.x(), std::min(low.z(), 0.0)}, {high.x(), high.z()}, scale, 0};
   side.top = above.top + above.height() + 56;
-  const double page_height = side.top + side.height() + kMargin;
+  const double page_height = std::round(side.top + side.height() + kMargin);
 
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" "
-      "font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
-      kPage, page_height);
+  std::string svg = "<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
   svg += text({kMargin, 30}, "From above: the board's lower edge is towards you", kInk, "start", 17);
   svg += text({kMargin, side.top - 14}, "From the lower edge: heights above the face", kInk, "start", 17);
 
@@ -93,12 +91,9 @@ std::string plan_drawing(const Plan& plan, const Board& board) {
       "<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" fill=\"#eaeef2\" stroke=\"{}\"/>\n",
       corner.x(), corner.y(), board.size_mm.x() * scale, board.size_mm.y() * scale, kInk);
   for (const Tag& tag : board.tags.list) {
-    std::string points;
-    for (const Eigen::Vector2d& p : tag_corners_mm(tag)) {
-      const Eigen::Vector2d q = above.at(p);
-      points += fmt::format("{:.1f},{:.1f} ", q.x(), q.y());
-    }
-    svg += fmt::format("<polygon points=\"{}\" fill=\"#8c959f\"/>\n", points);
+    std::vector<Eigen::Vector2d> corners;
+    for (const Eigen::Vector2d& p : tag_corners_mm(tag)) corners.push_back(above.at(p));
+    svg += svg_polygon(corners, "fill=\"#8c959f\"");
   }
   svg += line(side.at({0, 0}), side.at({board.size_mm.x(), 0}), kInk, 5, false);
 
@@ -111,9 +106,7 @@ std::string plan_drawing(const Plan& plan, const Board& board) {
     const Light& light = plan.bench.lights[lamp];
     for (const Eigen::Vector2d& p : both(light.position_mm)) {
       svg += star(p, 12);
-      std::string name;
-      for (const char c : light.id) name += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
-      svg += text(p + Eigen::Vector2d(0, -16), name, kLamp, "middle", 13);
+      svg += text(p + Eigen::Vector2d(0, -16), light.id, kLamp, "middle", 13);
     }
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {
@@ -130,7 +123,9 @@ std::string plan_drawing(const Plan& plan, const Board& board) {
   const Eigen::Vector2d end(kPage - kMargin, above.top + above.height() + 6);
   svg += line(end - Eigen::Vector2d(ruler * scale, 0), end, kSoft, 3, false);
   svg += text(end + Eigen::Vector2d(0, 17), fmt::format("{:.0f} mm", ruler), kSoft, "end", 13);
-  return svg + "</svg>\n";
+  return svg_drawing({kPage, page_height},
+                     fmt::format("width=\"{:.0f}\" height=\"{:.0f}\" font-family=\"sans-serif\"", kPage, page_height),
+                     svg);
 }
 
 }  // namespace burin

@@ -2,13 +2,14 @@
 #include <CLI/Validators.hpp>
 #include <array>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <string>
 
 #include "burin/calib/refine.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/groove.h"
+#include "burin/render/parameter_name.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"
@@ -17,16 +18,14 @@ namespace burin {
 namespace {
 
 // "0.0800 +- 0.0003", or with the reason why it is not known.
-std::string with_sigma(const Bench& bench, const std::string& name, double value, const std::optional<double>& sigma,
-                       int digits) {
-  const auto verdict = bench.verdict.find(name);
-  const bool determined = verdict != bench.verdict.end() && verdict->second.determined;
-  if (sigma && !determined && verdict != bench.verdict.end() && verdict->second.weakly)
-    return fmt::format("{:.{}f} +- {:.{}f}, weakly: {}", value, digits, *sigma, digits + 1, verdict->second.reason);
-  if (!determined || !sigma)
-    return fmt::format("not determined (left at {:.{}f}): {}", value, digits,
-                       verdict == bench.verdict.end() ? "not fitted" : verdict->second.reason);
-  return fmt::format("{:.{}f} +- {:.{}f}", value, digits, *sigma, digits + 1);
+std::string measured(const Bench& bench, const std::string& name, double value, const std::optional<double>& sigma,
+                     int digits, const std::string& unit = "") {
+  const Verdict* verdict = find_verdict(bench, name);
+  if (verdict == nullptr) return fmt::format("{:.{}f}{}, not fitted", value, digits, unit);
+  if (!sigma || !verdict->known())
+    return fmt::format("not determined ({:.{}f}{} is kept): {}", value, digits, unit, sentence(*verdict));
+  const std::string known = fmt::format("{:.{}f} +- {:.{}f}{}", value, digits, *sigma, digits + 1, unit);
+  return verdict->determined() ? known : fmt::format("{}, only weakly: {}", known, sentence(*verdict));
 }
 
 void print_field(const std::string& name, const GrooveField& field) {
@@ -42,15 +41,16 @@ void print_field(const std::string& name, const GrooveField& field) {
 
 void print_result(const Refinement& r, const Board& board) {
   const Bench& b = r.bench;
-  fmt::print("alpha    {}\n", with_sigma(b, "alpha", b.material.alpha, b.material_sigma.alpha, 4));
+  fmt::print("alpha    {}\n", measured(b, parameter::kAlpha, b.material.alpha, b.material_sigma.alpha, 4));
   print_field("alpha", b.alpha_field);
-  fmt::print("depth    {} um", with_sigma(b, "depth_um", b.material.depth_um, b.material_sigma.depth_um, 2));
-  fmt::print("; half-width {:.1f} um\n", half_width_um(board.tool_width_um, b.material.depth_um));
+  fmt::print("depth    {}\n", measured(b, parameter::kDepth, b.material.depth_um, b.material_sigma.depth_um, 2, " um"));
+  fmt::print("         half-width of the grooves {:.1f} um, from the depth and the tool\n",
+             half_width_um(board.tool_width_um, b.material.depth_um));
   print_field("depth", b.depth_field);
   fmt::print("grooves  differ from one another by {:.1f} % in alpha and {:.1f} % in depth\n", 100 * r.alpha_jitter,
              100 * r.depth_jitter);
   fmt::print("face     base_alpha {}\n",
-             with_sigma(b, "base_alpha", b.material.base_alpha, b.material_sigma.base_alpha, 4));
+             measured(b, parameter::kBaseAlpha, b.material.base_alpha, b.material_sigma.base_alpha, 4));
   for (const Light& light : b.lights) {
     fmt::print("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
                light.position_mm.z());
@@ -66,20 +66,21 @@ void print_result(const Refinement& r, const Board& board) {
       const Eigen::Vector2d moved = b.machine_affine * Eigen::Vector3d(x, y, 1) - Eigen::Vector2d(x, y);
       worst = std::max(worst, moved.norm());
     }
+  const Verdict* machine = find_verdict(b, parameter::kMachine);
   fmt::print("machine  off by at most {:.3f} mm over the carve area; {}\n", worst,
-             b.verdict.count("machine.affine") ? b.verdict.at("machine.affine").reason : "");
-  fmt::print("bound   ");
-  for (std::size_t i = 0; i < r.noise_bounds.size(); ++i)
-    fmt::print("{} {} {:.2g}{}, x{:.1f}", i ? ";" : "", r.noise_bounds[i].name, r.noise_bounds[i].bound,
-               r.noise_bounds[i].unit, r.noise_bounds[i].sigma / r.noise_bounds[i].bound);
-  fmt::print("\n         what the camera's noise alone would allow, and how many times above it the sigmas stand\n");
+             machine != nullptr ? sentence(*machine) : "");
+  if (!r.noise_bounds.empty()) fmt::print("noise    the camera's noise alone would allow these sigmas:\n");
+  for (const auto& [name, sigma, bound, unit] : r.noise_bounds)
+    fmt::print("         {:<24} {} {}; its sigma is {} times that\n", name, significant(bound), in_words(unit),
+               significant(sigma / bound));
   fmt::print("photos   {:>10} {:>9} {:>13} {:>12} {:>9}\n", "view", "pixels", "residual", "/ its noise", "outliers");
   for (const PhotoFit& photo : r.photos)
     fmt::print("         {:>10} {:>9} {:>11.2f} % {:>12.2f} {:>7.1f} %\n", photo.view, photo.pixels,
                100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
-  fmt::print(
-      "         1 is a perfect model; beyond noise it misses {:.1f} % of a pixel's light; crossing scratches: {}\n",
-      100 * r.model_error, r.bench.crossings == Crossings::last ? "the last one carved is seen" : "their light adds");
+  fmt::print("         residual / its noise: 1 is a perfect model; this one misses {:.1f} % of a pixel's light\n",
+             100 * r.model_error);
+  fmt::print("crossing scratches: {}\n",
+             r.bench.crossings == Crossings::last ? "the one carved last is seen" : "their light adds");
 }
 
 }  // namespace
@@ -107,7 +108,7 @@ void add_refine_command(CLI::App& burin) {
       command
           ->add_option("--hold-out", options->hold_out,
                        "Fit again without some photos and predict their pixels: names of views (v03,v07), a share, a "
-                       "number of folds (each takes as long again), or nothing (a quarter of the views)")
+                       "number of folds (each takes as long again), or no value (a quarter of the views)")
           ->expected(0, 1);
   command
       ->add_option("--pixel-mm", options->pixel_mm,
@@ -144,10 +145,11 @@ void add_refine_command(CLI::App& burin) {
       write_hold_out(held, folder);
     }
     bar.clear();
-    for (const std::string& finding : result.findings) note(finding);
+    for (const Finding& finding : result.findings) note(sentence(finding));
     print_result(result, board);
     if (!held.pixels.empty()) fmt::print("{}", pixels_in_words(held.pixels));
-    fmt::print("Completed {}; next: burin design design.json --out DIR, with this bench\n", options->bench.string());
+    const std::string bench = options->bench.string();
+    fmt::print("Completed {}; next: burin design DESIGN.json --bench {} --out DIR\n", bench, shell_word(bench));
   });
 }
 

@@ -45,6 +45,7 @@ double automatic_exposure(const Image& radiance) {
 void run(const Options& o) {
   Board board = read_board(o.board);
   const Bench bench = read_bench(o.bench);
+  for (const Finding& finding : bench.findings) note(sentence(finding));
   if (bench.lights.empty()) fail(o.bench.string(), "has no lights", "add one, or calibrate the bench");
   if (!o.scratches.empty()) board.scratches = o.scratches;
   if (board.scratches.empty())

@@ -30,13 +30,14 @@ void add_simulate_command(CLI::App& burin) {
     if (options->samples > 0) options->simulate.samples = options->samples;
     simulate(options->truth, options->out, options->simulate, bar.progress());
     bar.clear();
-    const std::string out = options->out.string();
+    const auto in_out = [&](const char* name) { return shell_word((options->out / name).string()); };
+    const std::string out = shell_word(options->out.string());
     if (std::filesystem::exists(options->out / "session.json"))
-      fmt::print("Wrote {0}: photos, board.json, session.json; next: burin calibrate {0}/session.json --out DIR\n",
-                 out);
+      fmt::print("Wrote {}: photos, board.json, session.json; next: burin calibrate {} --out {}\n",
+                 options->out.string(), in_out("session.json"), out);
     else
-      fmt::print("Wrote {0}: photos and board.json; next: burin capture {0}/photos --board {0}/board.json --out {0}\n",
-                 out);
+      fmt::print("Wrote {}: photos and board.json; next: burin capture {} --board {} --out {}\n", options->out.string(),
+                 in_out("photos"), in_out("board.json"), out);
   });
 }
 

@@ -7,6 +7,7 @@
 
 #include "burin/optimize/carving/carving_limits.h"
 #include "burin/optimize/carving/toolpath_check.h"
+#include "burin/optimize/duration.h"
 #include "burin/optimize/toolpath.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
@@ -20,9 +21,9 @@ namespace burin {
 namespace {
 
 struct Options {
-  std::filesystem::path scratches, board, bench, out, ordered, resume;
+  std::filesystem::path scratches, board, bench, out, ordered, sent, resume;
   std::vector<std::filesystem::path> replay;
-  std::string machine = "grbl", part;
+  std::string machine = "grbl", part, order;
   bool keep_order = false, frame = false, mend = false;
   int decimals = 0, max_lines = -1;
   std::size_t at_line = 0;
@@ -53,7 +54,8 @@ void write(const Options& options) {
   if (!options.bench.empty()) bench = read_bench(options.bench);
   const Scratches scratches = scratches_of(options, board, bench ? &*bench : nullptr, machine);
   ToolpathOptions settings;
-  settings.keep_order = options.keep_order;
+  if (options.keep_order || options.order == "keep") settings.keep_order = true;
+  if (options.order == "short") settings.keep_order = false;
   settings.frame = options.frame;
   if (!options.part.empty()) settings.part_s = duration_from_text(options.part);
   if (!options.resume.empty()) settings.after = Interruption{options.resume, options.at_line};
@@ -63,6 +65,7 @@ void write(const Options& options) {
       write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
   bar.clear();
   if (!options.ordered.empty()) write_scratches(in_carving_order(scratches, report.order), options.ordered);
+  if (!options.sent.empty()) write_scratches(report.sent.scratches, options.sent);
 
   for (std::size_t i = 0; i < report.files.size(); ++i)
     fmt::print("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));
@@ -76,6 +79,12 @@ void write(const Options& options) {
                report.stepped_mm);
   fmt::print("carves {:.1f} m, travels {:.1f} m in the air ({:.1f} m in the file's own order)\n",
              report.carve_mm / 1000, report.travel_mm / 1000, report.file_order_travel_mm / 1000);
+  if (report.kept_order && settings.after == std::nullopt)
+    fmt::print("in the file's order{}\n",
+               settings.keep_order.has_value()
+                   ? ""
+                   : ", which the board is designed for: on this bench it shows (wear, or the "
+                     "groove carved last rules at crossings)");
   if (!options.resume.empty()) {
     const CarvingStep& next = report.order.front();
     fmt::print(
@@ -131,8 +140,10 @@ void add_toolpath_command(CLI::App& burin) {
   command->add_option("--bench", options->bench, "A measured bench.json: its machine.affine is compensated");
   command->add_option("--machine", options->machine, "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML")
       ->capture_default_str();
-  CLI::Option* out = command->add_option("--out", options->out, "Where to write: .gcode, .nc, .ngc, .svg or .dxf");
-  command->add_option("--chunks", options->part, "Split G-code into files of about this long, such as 30min");
+  CLI::Option* out =
+      command->add_option("--out", options->out, "Where to write: .gcode, .nc, .ngc, .svg, .dxf or .csv");
+  command->add_option("--chunks", options->part,
+                      "Split G-code into files of about this long, such as 30min (a bare number: seconds)");
   command
       ->add_option("--decimals", options->decimals,
                    "Of coordinates, instead of the profile's: fewer make shorter lines")
@@ -144,9 +155,17 @@ void add_toolpath_command(CLI::App& burin) {
   command->add_flag(
       "--mend", options->mend,
       "Move to the machine's steps and lengths, and leave out, what breaks its limits, instead of refusing");
-  command->add_flag("--keep-order", options->keep_order, "Carve in the file's order, not the shortest way");
+  CLI::Option* order =
+      command
+          ->add_option("--order", options->order,
+                       "keep the file's order, or the shortest (short); unsaid: keep it where the bench says that it "
+                       "shows, by wear or where grooves cross")
+          ->check(CLI::IsMember({"keep", "short"}));
+  command->add_flag("--keep-order", options->keep_order, "The same as --order keep")->excludes(order);
   command->add_flag("--frame", options->frame, "Also write a file that moves round the scratches in the air");
   command->add_option("--ordered", options->ordered, "Also write the scratches in the order they are carved, a CSV");
+  command->add_option("--sent", options->sent,
+                      "Also write the scratches as the machine is told them, in carving order: the board's sent.csv");
   CLI::Option* resume = command->add_option(
       "--resume", options->resume, "Write what this interrupted G-code file left, in its order (with --at-line)");
   resume->needs(command

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/tools/program.h"
+#include "tools/commands.h"
 
 namespace burin {
 namespace {
@@ -34,8 +35,36 @@ TEST_P(Command, RefusesAnOptionThatItDoesNotKnow) {
   EXPECT_EQ(folder.file_count(), 0U);
 }
 
-INSTANTIATE_TEST_SUITE_P(Burin, Command, ::testing::Values("capture", "simulate", "report", "check"),
+INSTANTIATE_TEST_SUITE_P(Burin, Command,
+                         ::testing::Values("simulate", "plan", "capture", "calibrate", "lens", "refine", "design",
+                                           "render", "toolpath", "report", "loop", "check"),
                          [](const auto& info) { return std::string(info.param); });
+
+// The oracle is a shell: it reads the word back.
+TEST(CommandLine, WordsThatAreToBePastedSurviveAShell) {
+  const TemporaryFolder folder;
+  for (const std::string word :
+       {"bench/session.json", "my bench/session.json", "it's", "a&b;c", "$HOME", "*", "", "x\\y", "\"quoted\""})
+    EXPECT_EQ(run_shell(folder, "printf %s " + shell_word(word)).out, word) << shell_word(word);
+  EXPECT_EQ(shell_word("bench/session.json"), "bench/session.json") << "no quotes where none are needed";
+}
+
+TEST(CommandLine, TheNextCommandCanBePastedAsItStands) {
+  const TemporaryFolder folder;
+  std::filesystem::copy(places::source() + "/samples/small-bench", folder / "my bench",
+                        std::filesystem::copy_options::recursive);
+  folder.write("scratches.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n30,30,34,33\n50,40,52,44\n");
+  const Outcome run = run_burin(folder, {"simulate", "my bench/truth.json", "--scratches", "scratches.csv", "--views",
+                                         "d0", "d1", "c3", "--samples", "1", "--out", "its photos"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto at = run.out.rfind("next: burin ");
+  ASSERT_NE(at, std::string::npos) << run.out;
+  const std::string next = run.out.substr(at + std::string("next: burin ").size());
+  const Outcome pasted = run_shell(folder, "cd " + quoted(folder.path().string()) + " && " + quoted(places::program()) +
+                                               " " + next.substr(0, next.find('\n')));
+  EXPECT_EQ(pasted.exit_code, 0) << next << pasted.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "its photos" / "session.json"));
+}
 
 TEST(CommandLine, VersionAndHelpAreDone) {
   const TemporaryFolder folder;
@@ -43,6 +72,11 @@ TEST(CommandLine, VersionAndHelpAreDone) {
   const Outcome help = run_burin(folder, {"--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_THAT(help.out, HasSubstr("calibrate"));
+}
+
+TEST(CommandLine, MachinesOfTheLoopMayBeToml) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(run_burin(folder, {"loop", "--help"}).out, HasSubstr("TOML"));
 }
 
 TEST(CommandLine, AnUnknownCommandIsNamed) {

@@ -24,7 +24,13 @@ TEST(Install, AnotherProjectFindsBurinAndUsesIt) {
       folder, quoted(build + "/consumer") + " " + quoted(places::source() + "/samples/small-bench/board.json"));
   EXPECT_EQ(consumer.exit_code, 0) << consumer.err;
   // w of a groove with wt = 400 um, d = 11 um: 200 sqrt(1 - exp(-0.055)).
-  EXPECT_EQ(consumer.out, "tags=16 half_width_um=46.267 factor=0.000100 adam=3\n");
+  EXPECT_EQ(consumer.out, "tags=16 half_width_um=46.267 factor=0.000100 adam=3 threads=2\n");
+  // What is the house's own business stays there.
+  for (const char* folder_within : {"render/fast", "render/exact", "render/files"})
+    EXPECT_FALSE(std::filesystem::exists(prefix + "/include/burin/" + folder_within)) << folder_within;
+  EXPECT_TRUE(std::filesystem::exists(prefix + "/share/burin/samples/small-bench/board.json"));
+  EXPECT_TRUE(std::filesystem::exists(prefix + "/share/doc/burin/LICENSE"));
+  EXPECT_TRUE(std::filesystem::exists(prefix + "/share/doc/burin/design.md"));
   const Outcome program = run_shell(folder, quoted(prefix + "/bin/burin") + " --version");
   EXPECT_EQ(program.exit_code, 0) << program.err;
 }

@@ -97,9 +97,8 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
       "</p>\n" +
       pictures;
   out.body += fmt::format(
-      "<h3>How it got there</h3>\n<p>{} scratches to begin with, {} dropped because they hardly gave light; {:.1f} m "
-      "of "
-      "scratches in all, {:.1f} mm each on average. {:.1f} s.</p>\n",
+      "<h3>How it got there</h3>\n<p>It began with {} scratches; {} were dropped because the pictures hardly need "
+      "them. {:.1f} m of scratches in all, {:.1f} mm each on average. Designed in {:.1f} s.</p>\n",
       report.integer("started_with"), report.integer("dropped"), length.number("total") / 1000, length.number("mean"),
       seconds.number("total"));
   out.body += chart(curves, "iteration", "loss");

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "burin/render/error.h"
+#include "burin/render/files/svg.h"
 
 namespace burin {
 namespace {
@@ -54,29 +55,7 @@ constexpr const char* kCurveColors[] = {"#8a4b12", "#1f5f8b", "#22683a", "#7a2a7
 
 }  // namespace
 
-std::string html(std::string_view text) {
-  std::string out;
-  out.reserve(text.size());
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
+std::string html(std::string_view text) { return xml_text(text); }
 
 std::string data_address(const Image& shown, PictureKind kind) {
   const char* extension = kind == PictureKind::jpeg ? "jpg" : "png";
@@ -148,38 +127,34 @@ std::string chart(std::span<const Curve> curves, const std::string& x_label, con
     return kTop + (kHeight - kTop - kBottom) * (1 - (scaled(v) - bottom) / (top - bottom));
   };
 
-  std::string out = fmt::format(
-      "<svg class=\"chart\" viewBox=\"0 0 {} {}\" role=\"img\" aria-label=\"{} over {}\" font-size=\"12\" "
-      "fill=\"#5b6570\">\n",
-      kWidth, kHeight, html(y_label), html(x_label));
+  std::string out;
   constexpr int kTicks = 4;
   for (int i = 0; i <= kTicks; ++i) {
-    const double s = bottom + (top - bottom) * i / kTicks;
-    const double v = logarithmic ? std::pow(10, s) : s;
-    out += fmt::format(
-        "<line x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" stroke=\"#d9dde2\"/>"
-        "<text x=\"{3}\" y=\"{4:.1f}\" text-anchor=\"end\">{5:.3g}</text>\n",
-        kLeft, kWidth - kRight, y_of(v), kLeft - 8, y_of(v) + 4, v);
+    const double at = bottom + (top - bottom) * i / kTicks;
+    const double v = logarithmic ? std::pow(10, at) : at;
+    out += svg_line({kLeft, y_of(v)}, {kWidth - kRight, y_of(v)}, "stroke=\"#d9dde2\"");
+    out += svg_words({kLeft - 8, y_of(v) + 4}, fmt::format("{:.3g}", v), "end");
   }
-  out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"start\">0</text>", kLeft, kHeight - kBottom + 18);
-  out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"end\">{}</text>", kWidth - kRight, kHeight - kBottom + 18,
-                     count - 1);
-  out += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">{}</text>\n", (kLeft + kWidth - kRight) / 2,
-                     kHeight - 6, html(x_label));
+  out += svg_words({kLeft, kHeight - kBottom + 18}, "0", "start");
+  out += svg_words({kWidth - kRight, kHeight - kBottom + 18}, std::to_string(count - 1), "end");
+  out += svg_words({(kLeft + kWidth - kRight) / 2, kHeight - 6}, x_label, "middle");
   double label_y = kTop + 8;
   for (std::size_t c = 0; c < curves.size(); ++c) {
     const char* color = kCurveColors[c % std::size(kCurveColors)];
-    std::string points;
+    std::vector<Eigen::Vector2d> points;
     for (std::size_t i = 0; i < curves[c].values.size(); ++i) {
       const double v = curves[c].values[i];
-      if (std::isfinite(v)) points += fmt::format("{:.1f},{:.1f} ", x_of(static_cast<double>(i)), y_of(v));
+      if (std::isfinite(v)) points.emplace_back(x_of(static_cast<double>(i)), y_of(v));
     }
-    out += fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>", points, color);
-    out += fmt::format("<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>\n", kWidth - kRight + 10, label_y, color,
-                       html(curves[c].name));
+    out += svg_polyline(points, fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"2\"", color));
+    out += svg_words({kWidth - kRight + 10, label_y}, curves[c].name, "start", fmt::format("fill=\"{}\"", color));
     label_y += 18;
   }
-  return out + "</svg>\n";
+  return svg_drawing({kWidth, kHeight},
+                     fmt::format("class=\"chart\" role=\"img\" aria-label=\"{} over {}\" font-size=\"12\" "
+                                 "fill=\"#5b6570\"",
+                                 html(y_label), html(x_label)),
+                     out);
 }
 
 std::string page(const std::string& title, const std::string& outcome_html, const std::string& body_html) {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "burin/capture/photo.h"
@@ -32,6 +34,8 @@ constexpr int kSidePx = 360;
 struct Shown {
   Image picture;  // gamma-encoded; no pixels where there is none
   double psnr_db = 0;
+
+  bool there() const { return !picture.data.empty(); }
 };
 
 // Linear values of one exposure beside a gamma-encoded target, at the exposure that comes nearest.
@@ -80,116 +84,170 @@ Shown promised(const fs::path& scratches, const Board& board, const Bench& bench
       target);
 }
 
-std::string decibels(const Shown& shown) {
-  return shown.picture.data.empty() ? "" : fmt::format("{:.1f} dB", shown.psnr_db);
+// The project as its rounds left it.
+struct Rounds {
+  Project project;
+  int count = 0, measured = 0;  // designed ones, and those of them whose board was photographed and measured
+  DesignSpec spec;
+  Board board;
+  Bench nominal;
+  BoardFrame frame;
+};
+
+// One view in one round: what the board was to show there, and what a photo of it shows.
+struct ViewInRound {
+  Shown promised, photographed;
+  std::string photo;  // name of the photographed view
+};
+
+// One view, round after round.
+struct ViewHistory {
+  std::string view;
+  Image target;
+  std::vector<ViewInRound> rounds;
+};
+
+ViewHistory history_of(const Rounds& in, const DesignView& designed) {
+  const View& nominal = find_view(in.nominal, designed.view, (in.project.folder / "design.json").string());
+  const double rotation = designed.target.upright_in_view
+                              ? viewer_rotation_deg(nominal, (in.board.carve_min_mm + in.board.carve_max_mm) / 2)
+                              : designed.target.rotation_deg;
+  ViewHistory out{designed.view, {}, {}};
+  out.target = load_target(designed.target, rotation, in.board.carve_max_mm - in.board.carve_min_mm, in.frame.width,
+                           in.frame.height)
+                   .picture;
+  for (int r = 1; r <= in.count; ++r) {
+    const fs::path round = in.project.round(r);
+    ViewInRound& now = out.rounds.emplace_back();
+    const Bench known = read_bench(in.project.bench_before(r));
+    if (const View* from = r == 1 ? &nominal : measured_view(known, nominal, in.board))
+      now.promised = promised(round / "scratches.csv", in.board, known, *from, designed.light, out.target);
+    if (r > in.measured) continue;
+    const Bench measured = read_bench(round / "bench.json");
+    const View* taken = measured_view(measured, nominal, in.board);
+    if (!taken) continue;
+    now.photographed = photographed(round, *taken, measured, designed.light, out.target);
+    now.photo = taken->name;
+  }
+  return out;
+}
+
+std::string decibels(const Shown& shown) { return shown.there() ? fmt::format("{:.1f} dB", shown.psnr_db) : ""; }
+
+// Target, and what each round promised and showed, side by side.
+std::string pictures_of(const ViewHistory& view) {
+  std::vector<std::string> row{figure(view.target, "<b>Target</b>")};
+  for (std::size_t i = 0; i < view.rounds.size(); ++i) {
+    const ViewInRound& round = view.rounds[i];
+    if (round.promised.there())
+      row.push_back(
+          figure(round.promised.picture, fmt::format("<b>Round {}, promised</b> by the {} bench: {}", i + 1,
+                                                     i == 0 ? "believed" : "measured", decibels(round.promised))));
+    if (round.photographed.there())
+      row.push_back(figure(round.photographed.picture, fmt::format("<b>Round {}, photographed</b> (as {}): {}", i + 1,
+                                                                   html(round.photo), decibels(round.photographed))));
+  }
+  return fmt::format("<h3>View {}</h3>\n", html(view.view)) + figure_row(row);
+}
+
+std::string table_of(const Rounds& in, const std::vector<ViewHistory>& views) {
+  Table out;
+  out.header = {"View"};
+  for (int r = 1; r <= in.count; ++r) {
+    out.header.push_back(fmt::format("Round {}: promised", r));
+    if (r <= in.measured) out.header.push_back(fmt::format("Round {}: photographed", r));
+  }
+  for (const ViewHistory& view : views) {
+    std::vector<std::string> cells{html(view.view)};
+    for (int r = 0; r < in.count; ++r) {
+      cells.push_back(decibels(view.rounds[static_cast<std::size_t>(r)].promised));
+      if (r < in.measured) cells.push_back(decibels(view.rounds[static_cast<std::size_t>(r)].photographed));
+    }
+    out.rows.push_back(std::move(cells));
+  }
+  return table(out);
+}
+
+// The mean over those views whose first board was photographed, and which have a picture of that kind; empty if none.
+std::string mean_decibels(const std::vector<ViewHistory>& views, int round, Shown ViewInRound::*which) {
+  double sum = 0;
+  int count = 0;
+  for (const ViewHistory& view : views) {
+    const Shown& shown = view.rounds[static_cast<std::size_t>(round - 1)].*which;
+    if (!view.rounds.front().photographed.there() || !shown.there()) continue;
+    sum += shown.psnr_db;
+    ++count;
+  }
+  return count == 0 ? "" : fmt::format("{:.1f} dB", sum / count);
+}
+
+std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) {
+  if (in.measured == 0)
+    return "The first board is designed for the bench as it is believed to be, and has not been photographed yet.";
+  std::string out = fmt::format("The loop has turned {} time{}.", in.measured, in.measured == 1 ? "" : "s");
+  const std::string first = mean_decibels(views, 1, &ViewInRound::photographed);
+  if (!first.empty()) {
+    out += fmt::format(
+        " The board designed for the believed bench should have shown its pictures at {} on average, and was "
+        "photographed at {}",
+        mean_decibels(views, 1, &ViewInRound::promised), first);
+    const std::string last = mean_decibels(views, in.measured, &ViewInRound::photographed);
+    if (in.measured > 1 && !last.empty()) out += fmt::format("; the board of round {} at {}", in.measured, last);
+    if (in.count > in.measured) {
+      const std::string next = mean_decibels(views, in.measured + 1, &ViewInRound::promised);
+      if (!next.empty()) out += fmt::format("; the next, designed for the bench as measured, promises {}", next);
+    }
+    out += ".";
+  }
+  std::vector<RerunView> reruns;  // the first board as photographed, and the second as promised or photographed
+  for (const ViewHistory& view : views) {
+    if (in.count < 2 || !view.rounds[0].photographed.there() || !view.rounds[1].promised.there()) continue;
+    const ViewInRound &before = view.rounds[0], &after = view.rounds[1];
+    reruns.push_back(
+        {view.view, before.promised.psnr_db, before.photographed.psnr_db, after.promised.psnr_db, std::nullopt});
+    if (after.photographed.there()) reruns.back().seen_after_db = after.photographed.psnr_db;
+  }
+  return reruns.empty() ? out : out + " " + rerun_sentence(reruns);
 }
 
 }  // namespace
 
 std::optional<Section> project_section(const fs::path& folder, const Progress& progress) {
-  const Project project{folder};
-  const int rounds = project.rounds();
-  if (rounds == 0 || !fs::exists(folder / "design.json")) return std::nullopt;
-  const DesignSpec spec = read_design(folder / "design.json");
-  const Board board = read_board(spec.board);
-  const Bench nominal = read_bench(spec.bench);
-  const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
-  const BoardFrame frame = board_frame(board.carve_min_mm, board.carve_max_mm, kSidePx);
+  Rounds in;
+  in.project.folder = folder;
+  in.count = in.project.rounds();
+  while (in.count > 0 && !fs::exists(in.project.round(in.count) / "scratches.csv")) --in.count;  // not designed yet
+  if (in.count == 0 || !fs::exists(folder / "design.json")) return std::nullopt;
+  while (in.measured < in.count && fs::exists(in.project.round(in.measured + 1) / "bench.json")) ++in.measured;
+  in.spec = read_design(folder / "design.json");
+  in.board = read_board(in.spec.board);
+  in.nominal = read_bench(in.spec.bench);
+  in.frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, kSidePx);
 
+  std::vector<ViewHistory> views;
+  for (const DesignView& designed : in.spec.views) {
+    if (progress)
+      progress("comparing rounds", static_cast<double>(views.size()) / static_cast<double>(in.spec.views.size()));
+    views.push_back(history_of(in, designed));
+  }
   Section out;
-  Table results;
-  results.header = {"View"};
-  for (int r = 1; r <= rounds; ++r) {
-    results.header.push_back(fmt::format("Round {}: promised", r));
-    if (fs::exists(project.round(r) / "bench.json")) results.header.push_back(fmt::format("Round {}: photographed", r));
-  }
-  std::string pictures;
-  double first_promise_sum = 0, first_photo_sum = 0, next_promise_sum = 0, last_photo_sum = 0;
-  int measured_rounds = 0, compared = 0;
-  std::vector<RerunView> reruns;  // the first board as photographed, and the second as promised or photographed
-  while (measured_rounds < rounds && fs::exists(project.round(measured_rounds + 1) / "bench.json")) ++measured_rounds;
-
-  for (std::size_t k = 0; k < spec.views.size(); ++k) {
-    if (progress) progress("comparing rounds", static_cast<double>(k) / static_cast<double>(spec.views.size()));
-    const DesignView& designed = spec.views[k];
-    const View& nominal_view = find_view(nominal, designed.view, (folder / "design.json").string());
-    const double rotation = designed.target.upright_in_view
-                                ? viewer_rotation_deg(nominal_view, (board.carve_min_mm + board.carve_max_mm) / 2)
-                                : designed.target.rotation_deg;
-    const Image target = load_target(designed.target, rotation, area, frame.width, frame.height).picture;
-    std::vector<std::string> row, cells = {html(designed.view)};
-    row.push_back(figure(target, "<b>Target</b>"));
-    RerunView rerun{designed.view, 0, 0, 0, {}};
-    for (int r = 1; r <= rounds; ++r) {
-      const fs::path round = project.round(r);
-      if (!fs::exists(round / "scratches.csv")) continue;
-      const Bench known = read_bench(project.bench_before(r));
-      const View* from = r == 1 ? &nominal_view : measured_view(known, nominal_view, board);
-      const Shown promise =
-          from ? promised(round / "scratches.csv", board, known, *from, designed.light, target) : Shown{};
-      cells.push_back(decibels(promise));
-      if (!promise.picture.data.empty())
-        row.push_back(figure(promise.picture, fmt::format("<b>Round {}, promised</b> by the {} bench: {}", r,
-                                                          r == 1 ? "believed" : "measured", decibels(promise))));
-      if (r == measured_rounds + 1) next_promise_sum += promise.psnr_db;
-      if (r == 1) first_promise_sum += promise.psnr_db;
-      if (r <= 2) (r == 1 ? rerun.promised_before_db : rerun.promised_after_db) = promise.psnr_db;
-      if (!fs::exists(round / "bench.json")) continue;
-      const Bench measured = read_bench(round / "bench.json");
-      const View* taken = measured_view(measured, nominal_view, board);
-      const Shown photo = taken ? photographed(round, *taken, measured, designed.light, target) : Shown{};
-      cells.push_back(decibels(photo));
-      if (photo.picture.data.empty()) continue;
-      row.push_back(figure(photo.picture, fmt::format("<b>Round {}, photographed</b> (as {}): {}", r, html(taken->name),
-                                                      decibels(photo))));
-      if (r == 1) {
-        first_photo_sum += photo.psnr_db;
-        rerun.seen_before_db = photo.psnr_db;
-        ++compared;
-      }
-      if (r == 2) rerun.seen_after_db = photo.psnr_db;
-      if (r == measured_rounds) last_photo_sum += photo.psnr_db;
-    }
-    pictures += fmt::format("<h3>View {}</h3>\n", html(designed.view)) + figure_row(row);
-    results.rows.push_back(cells);
-    if (rerun.seen_before_db > 0 && rerun.promised_after_db > 0) reruns.push_back(std::move(rerun));
-  }
-
-  if (measured_rounds == 0) {
-    out.outcome =
-        "The first board is designed for the bench as it is believed to be, and has not been photographed yet.";
-  } else {
-    out.outcome = fmt::format("The loop has turned {} time{}.", measured_rounds, measured_rounds == 1 ? "" : "s");
-    if (compared > 0) {
-      out.outcome += fmt::format(
-          " The board designed for the believed bench should have shown its pictures at {:.1f} dB, and was "
-          "photographed at "
-          "{:.1f} dB",
-          first_promise_sum / compared, first_photo_sum / compared);
-      if (measured_rounds > 1)
-        out.outcome += fmt::format("; the board of round {} at {:.1f} dB", measured_rounds, last_photo_sum / compared);
-      if (rounds > measured_rounds)
-        out.outcome += fmt::format("; the next, designed for the bench as measured, promises {:.1f} dB",
-                                   next_promise_sum / compared);
-      out.outcome += ".";
-    }
-    if (!reruns.empty()) out.outcome += " " + rerun_sentence(reruns);
-  }
+  out.outcome = outcome_of(in, views);
   out.body =
-      "<h2>Round after round</h2>\n<p>Promised: the photo that the bench it was designed for would "
-      "give. Photographed: the photo taken from there. All are laid flat on the carve area, at the one exposure that "
-      "comes nearest to the target. Each is compared with the target after gamma 1/2.2, as PSNR. A camera blurs the "
-      "hatching that a design's own figures count, all its pixels one by one: these here are higher.</p>\n" +
-      table(results) + pictures;
+      "<h2>Round after round</h2>\n<p>Promised: the photo that the bench would give for which the board was designed. "
+      "Photographed: the photo taken from there. All are laid flat on the carve area, each at the one exposure that "
+      "comes nearest to the target, and compared with it after gamma 1/2.2, as PSNR. A camera blurs the hatching; a "
+      "design's own figures count it pixel by pixel, and so are lower than these.</p>\n" +
+      table_of(in, views);
+  for (const ViewHistory& view : views) out.body += pictures_of(view);
   // The whole of the newest: the measured bench, and the design made for it.
-  if (measured_rounds > 0) {
-    const auto session = session_section(project.round(measured_rounds), {}, progress);
+  if (in.measured > 0) {
+    const auto session = session_section(in.project.round(in.measured), {}, progress);
     if (session) {
       out.outcome += " " + session->outcome;
       out.body += session->body;
     }
   }
-  if (const auto design = design_section(project.round(rounds))) out.body += design->body;
+  if (const auto design = design_section(in.project.round(in.count))) out.body += design->body;
   return out;
 }
 

@@ -23,11 +23,11 @@ struct RerunView {
   double after_db() const { return seen_after_db.value_or(promised_after_db); }
 };
 
-/// What a rerun must gain in every view to be worth a board.
-inline constexpr double kRerunGain_db = 4;
+/// Differences below this are hardly seen, in dB.
+inline constexpr double kHardlySeen_db = 1;
 
-/// HTML: by how much each view gained, and for each that gained less than kRerunGain_db, why: what the wrong bench cost
-/// it, and what the second design still loses.
+/// HTML: by how much the views gained. Why those gained little that regained less than half of what the wrong bench
+/// cost them, and what the second design still loses.
 std::string rerun_sentence(std::span<const RerunView> views);
 
 /// Two folders of `burin design`, the bench under which both are looked at, and the board. What each tool path

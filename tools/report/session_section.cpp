@@ -15,8 +15,11 @@
 #include "burin/render/board.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
+#include "burin/render/files/svg.h"
 #include "burin/render/footprint_grid.h"
 #include "burin/render/groove.h"
+#include "burin/render/parameter_name.h"
 #include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
 #include "tools/hold_out_file.h"
@@ -47,16 +50,6 @@ struct Loaded {
 Surface surface_of(const Loaded& in) { return {in.board.size_mm, in.bench.bow_mm}; }
 
 Eigen::Vector3d board_center_mm(const Board& board) { return {board.size_mm.x() / 2, board.size_mm.y() / 2, 0}; }
-
-const View* view_named(const Bench& bench, const std::string& name) {
-  const auto it = std::find_if(bench.views.begin(), bench.views.end(), [&](const View& v) { return v.name == name; });
-  return it == bench.views.end() ? nullptr : &*it;
-}
-
-const Light* light_named(const Bench& bench, const std::string& id) {
-  const auto it = std::find_if(bench.lights.begin(), bench.lights.end(), [&](const Light& l) { return l.id == id; });
-  return it == bench.lights.end() ? nullptr : &*it;
-}
 
 // Clipped in every exposure: brighter than anything that is known, and compared with nothing.
 Image with_clipped_infinite(const MergedView& merged) {
@@ -134,10 +127,8 @@ std::string tag_outlines(const Loaded& in, const View& view, const Eigen::Vector
     if (std::any_of(p_camera.begin(), p_camera.end(), [](const auto& p) { return !(p.z() > 0); })) continue;
     std::vector<Eigen::Vector2d> q_px(p_camera.size());
     project(in.bench.lens, p_camera, q_px);
-    std::string points;
-    for (const Eigen::Vector2d& q : q_px)
-      points += fmt::format("{:.1f},{:.1f} ", (q.x() - corner_px.x()) * scale, (q.y() - corner_px.y()) * scale);
-    svg += fmt::format("<polygon points=\"{}\" fill=\"none\" stroke=\"#19c3ff\" stroke-width=\"1.2\"/>", points);
+    for (Eigen::Vector2d& q : q_px) q = (q - corner_px) * scale;
+    svg += svg_polygon(q_px, "fill=\"none\" stroke=\"#19c3ff\" stroke-width=\"1.2\"");
   }
   return svg;
 }
@@ -168,55 +159,28 @@ std::string residual_photo(const Loaded& in, const MergedView& merged, const Vie
   for (const ShownResidual& r : in.residuals.corners) {
     if (r.view != view.name) continue;
     const Eigen::Vector2d from = (r.q_px - corner) * scale, to = from + r.residual_px * factor * scale;
-    svg += fmt::format(
-        "<line x1=\"{:.1f}\" y1=\"{:.1f}\" x2=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"{}\" stroke-width=\"1.6\"/>", from.x(),
-        from.y(), to.x(), to.y(), r.left_out ? "#ff3b30" : "#ffcf33");
+    svg += svg_line(from, to,
+                    r.left_out ? "stroke=\"#ff3b30\" stroke-width=\"1.6\"" : "stroke=\"#ffcf33\" stroke-width=\"1.6\"");
   }
   std::string caption = fmt::format("<b>{}</b>", html(view.name));
   if (view.tags) caption += fmt::format(", {} tags", *view.tags);
-  if (view.reprojection_rms_px) caption += fmt::format(", {:.3f} px RMS an axis", *view.reprojection_rms_px);
+  if (view.reprojection_rms_px) caption += fmt::format(", {:.3f} px RMS per axis", *view.reprojection_rms_px);
   return figure(shown(small, percentile(small, 0.98)), caption, PictureKind::jpeg, svg);
 }
 
 // --- numbers ---------------------------------------------------------------------------------------------------------
 
-// "light.lamp.position_mm" in words.
-std::string parameter_name(const std::string& key) {
-  if (key == "depth_um") return "the depth d";
-  if (key == "base_alpha") return "the plain face's roughness";
-  if (key == "board.bow_mm") return "the board's bow";
-  if (key == "board.tags") return "the tags' places";
-  if (key == "poses") return "the cameras' places";
-  if (key.starts_with("pose.")) return "the camera's place in view " + html(key.substr(5));
-  if (key == "sensor.vignette") return "the vignetting";
-  if (key == "sensor.psf_sigma_px") return "the blur";
-  if (key == "ambient") return "the ambient light";
-  if (key == "machine.affine" || key == "machine_affine") return "the machine's map";
-  if (key.starts_with("light.")) {
-    const auto dot = key.rfind('.');
-    const std::string id = key.substr(6, dot - 6), field = key.substr(dot + 1);
-    const std::string what = field == "position_mm" ? "position" : field == "intensity" ? "intensity" : field;
-    return fmt::format("the {} of lamp “{}”", html(what), html(id));
-  }
-  return html(key);
-}
-
-const char* degree_of(const Verdict& verdict) {
-  return verdict.determined ? "determined" : verdict.weakly ? "weakly" : "not determined";
-}
-
 std::string verdict_cell(const Bench& bench, const std::string& parameter, bool measured) {
-  const auto it = bench.verdict.find(parameter);
-  if (it == bench.verdict.end())
+  const Verdict* verdict = find_verdict(bench, parameter);
+  if (verdict == nullptr)
     return measured ? "<span class=\"good\">determined</span>" : "<span class=\"unknown\">assumed</span>";
-  const Verdict& verdict = it->second;
   return fmt::format("<span class=\"{}\">{}</span><br><span class=\"soft\">{}</span>",
-                     verdict.determined ? "good" : "bad", degree_of(verdict), html(verdict.reason));
+                     verdict->determined() ? "good" : "bad", in_words(verdict->degree), html(sentence(*verdict)));
 }
 
 bool is_determined(const Bench& bench, const std::string& parameter) {
-  const auto it = bench.verdict.find(parameter);
-  return it == bench.verdict.end() || it->second.determined || it->second.weakly;
+  const Verdict* verdict = find_verdict(bench, parameter);
+  return verdict == nullptr || verdict->known();
 }
 
 // A value that the photos did not determine is never printed as if they had.
@@ -247,25 +211,26 @@ std::string numbers(const Loaded& in) {
     out.rows.push_back({name, value_cell(bench, key, value, s, unit), number(before) + (*unit ? " " : "") + unit,
                         verdict_cell(bench, key, s.has_value()), normal});
   };
-  material_row("Roughness of the grooves, alpha", "alpha", material.alpha, sigma.alpha, believed.alpha, "",
+  material_row("Roughness of the grooves, alpha", parameter::kAlpha, material.alpha, sigma.alpha, believed.alpha, "",
                "0.02 (polished) to 0.12");
-  material_row("Depth of the grooves, d", "depth_um", material.depth_um, sigma.depth_um, believed.depth_um, "µm",
+  material_row("Depth of the grooves, d", parameter::kDepth, material.depth_um, sigma.depth_um, believed.depth_um, "µm",
                "5 to 30 µm; needs photos whose half vectors straddle the cut-off");
   const double rim = groove_rim(in.board.tool_width_um, material.depth_um);
   out.rows.push_back({"Half-width of the grooves, w (from d)",
-                      is_determined(bench, "depth_um") ? fmt::format("{:.1f} µm", in.board.tool_width_um / 2 * rim)
-                                                       : "<span class=\"unknown\">unknown, as d is</span>",
+                      is_determined(bench, parameter::kDepth)
+                          ? fmt::format("{:.1f} µm", in.board.tool_width_um / 2 * rim)
+                          : "<span class=\"unknown\">unknown, as d is</span>",
                       fmt::format("{:.1f} µm", half_width_um(in.board.tool_width_um, believed.depth_um)), "", ""});
   out.rows.push_back(
       {"Cut-off angle, 2 atan(2w / wt)",
-       is_determined(bench, "depth_um") ? fmt::format("{:.1f}°", 2 * std::atan(rim) * kDegrees)
-                                        : "<span class=\"unknown\">unknown, as d is</span>",
+       is_determined(bench, parameter::kDepth) ? fmt::format("{:.1f}°", 2 * std::atan(rim) * kDegrees)
+                                               : "<span class=\"unknown\">unknown, as d is</span>",
        fmt::format("{:.1f}°", 2 * std::atan(groove_rim(in.board.tool_width_um, believed.depth_um)) * kDegrees), "",
        "half vectors that lean further give no glint"});
-  material_row("Roughness of the plain face", "base_alpha", material.base_alpha, sigma.base_alpha, believed.base_alpha,
-               "", "0.05 (mirror-like) to 0.3 (brushed)");
+  material_row("Roughness of the plain face", parameter::kBaseAlpha, material.base_alpha, sigma.base_alpha,
+               believed.base_alpha, "", "0.05 (mirror-like) to 0.3 (brushed)");
   for (const Light& light : bench.lights) {
-    const std::string key = "light." + light.id + ".position_mm";
+    const std::string key = parameter::light_position(light.id);
     out.rows.push_back({fmt::format("Lamp “{}”: position", html(light.id)),
                         is_determined(bench, key) ? position_cell(light.position_mm, light.position_sigma_mm)
                                                   : "<span class=\"unknown\">unknown</span>",
@@ -276,12 +241,12 @@ std::string numbers(const Loaded& in) {
           {fmt::format("Lamp “{}”: fall-off exponent", html(light.id)),
            light.falloff_exponent_sigma ? with_sigma(light.falloff_exponent, *light.falloff_exponent_sigma)
                                         : number(light.falloff_exponent),
-           "", verdict_cell(bench, "light." + light.id + ".falloff_exponent", light.falloff_exponent_sigma.has_value()),
+           "", verdict_cell(bench, parameter::light_falloff(light.id), light.falloff_exponent_sigma.has_value()),
            "0 is a bare lamp; a spot has 2 to 40"});
   }
   out.rows.push_back({"Bow of the board",
                       fmt::format("{:.3f}, {:.3f}, {:.3f} mm", bench.bow_mm[0], bench.bow_mm[1], bench.bow_mm[2]),
-                      "flat", verdict_cell(bench, "board.bow_mm", bench.bow_mm.norm() > 0), "below 0.2 mm"});
+                      "flat", verdict_cell(bench, parameter::kBow, bench.bow_mm.norm() > 0), "below 0.2 mm"});
   return table(out);
 }
 
@@ -292,10 +257,11 @@ std::string verdicts(const Loaded& in) {
   out.header = {"Parameter", "From the photos?", "One sigma", "Why", "The photo that would help most"};
   for (const auto& [name, verdict] : in.bench.verdict) {
     out.rows.push_back(
-        {parameter_name(name),
-         fmt::format("<span class=\"{}\">{}</span>", verdict.determined ? "good" : "bad", degree_of(verdict)),
-         verdict.sigma ? fmt::format("{:.2g} {}", *verdict.sigma, verdict.unit) : "",
-         fmt::format("<span class=\"soft\">{}</span>", html(verdict.reason)), html(verdict.next_photo)});
+        {html(parameter::in_words(name)),
+         fmt::format("<span class=\"{}\">{}</span>", verdict.determined() ? "good" : "bad", in_words(verdict.degree)),
+         verdict.sigma ? significant(*verdict.sigma) + " " + in_words(verdict.unit) : "",
+         fmt::format("<span class=\"soft\">{}</span>", html(sentence(verdict))),
+         verdict.next_photo ? html(sentence(*verdict.next_photo, verdict.unit)) : ""});
   }
   return "<h2>What the photos determine</h2>\n<p>Each sigma was tested by solving for halves of the photos "
          "separately; where they contradict each other it was made larger, and the table says so.</p>\n" +
@@ -371,7 +337,7 @@ std::string machine_numbers(const Loaded& in) {
 std::string view_numbers(const Loaded& in) {
   Table out;
   out.header = {
-      "View", "Tags", "Residual an axis", "on the board", "Camera's center", "Distance", "Half vector's lean"};
+      "View", "Tags", "Residual per axis", "on the board", "Camera's center", "Distance", "Half vector's lean"};
   const Eigen::Vector3d center = board_center_mm(in.board);
   for (const View& view : in.bench.views) {
     const Eigen::Vector3d eye = view.T_camera_board.inverse().translation();
@@ -390,7 +356,7 @@ std::string view_numbers(const Loaded& in) {
                         position_cell(eye, view.center_sigma_mm), fmt::format("{:.0f} mm", distance), lean});
   }
   return table(out) +
-         "<p class=\"soft\">Normal: 0.02 to 0.1 px an axis for sharp photos with tags of 40 px or more; above 0.3 px "
+         "<p class=\"soft\">Normal: 0.02 to 0.1 px per axis for sharp photos with tags of 40 px or more; above 0.3 px "
          "something moved, is out of focus, or lies elsewhere than <code>board.json</code> says.</p>";
 }
 
@@ -412,15 +378,15 @@ std::string outcome_of(const Loaded& in) {
   std::vector<std::string> known, unknown;
   for (const Light& light : bench.lights) {
     if (!light.position_sigma_mm) continue;
-    if (is_determined(bench, "light." + light.id + ".position_mm"))
+    if (is_determined(bench, parameter::light_position(light.id)))
       known.push_back(fmt::format("the lamp “{}” to ±{:.1f} mm", html(light.id), light.position_sigma_mm->norm()));
   }
-  if (bench.material_sigma.alpha && is_determined(bench, "alpha"))
+  if (bench.material_sigma.alpha && is_determined(bench, parameter::kAlpha))
     known.push_back("alpha = " + with_sigma(bench.material.alpha, *bench.material_sigma.alpha));
-  if (bench.material_sigma.depth_um && is_determined(bench, "depth_um"))
+  if (bench.material_sigma.depth_um && is_determined(bench, parameter::kDepth))
     known.push_back("depth d = " + with_sigma(bench.material.depth_um, *bench.material_sigma.depth_um) + " µm");
   for (const auto& [name, verdict] : bench.verdict)
-    if (!verdict.determined) unknown.push_back(parameter_name(name));
+    if (!verdict.determined()) unknown.push_back(html(parameter::in_words(name)));
   const auto joined = [](const std::vector<std::string>& parts) {
     std::string text;
     for (std::size_t i = 0; i < parts.size(); ++i)
@@ -457,18 +423,17 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   out.body += "<h2>The numbers</h2>\n" + numbers(in) + machine_numbers(in) + verdicts(in) + held_out(in);
   out.body +=
       "<h2>Photo beside prediction</h2>\n<p>Each view as the measured bench predicts it and as it was photographed, "
-      "laid "
-      "flat on the carve area (x right, y up). Both are shown with one exposure, chosen for that view.</p>\n";
+      "laid flat on the carve area (x right, y up). Both are shown with one exposure, chosen for that view.</p>\n";
   std::vector<std::string> photos;
   const double factor = arrow_factor(in.residuals);
   for (std::size_t i = 0; i < in.merged.size(); ++i) {
     if (progress) progress("drawing views", static_cast<double>(i) / static_cast<double>(in.merged.size()));
     const MergedView& merged = in.merged[i];
-    const View* view = view_named(in.bench, merged.view);
-    const Light* light = light_named(in.bench, merged.light);
+    const auto view = std::ranges::find(in.bench.views, merged.view, &View::name);
+    const auto light = std::ranges::find(in.bench.lights, merged.light, &Light::id);
     out.body += fmt::format("<h3>View {}{}</h3>\n", html(merged.view),
                             in.bench.lights.size() > 1 ? ", lamp “" + html(merged.light) + "”" : "");
-    if (!view || !light) {
+    if (view == in.bench.views.end() || light == in.bench.lights.end()) {
       out.body += "<p>This view was left out of the calibration: it has no pose or no lamp in bench.json.</p>\n";
       continue;
     }

@@ -1,0 +1,85 @@
+// Proves: every example of docs/file-formats.md is a file that Burin accepts, and together they are a bench that can be
+// designed for, rendered and carved. The page is read as it stands.
+#include <gmock/gmock.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "burin/capture/session.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/render/scratches.h"
+#include "tests/places.h"
+#include "tests/tools/program.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Example {
+  std::string kind, text;  ///< kind: "burin/board", ..., or the language of a block without a format
+};
+
+/// The blocks between fences. JSON is named by its "format".
+std::vector<Example> examples_of(const std::string& page) {
+  const std::string fence = "```";
+  std::vector<Example> out;
+  for (std::size_t at = page.find(fence); at != std::string::npos; at = page.find(fence, at)) {
+    const std::size_t line_end = page.find('\n', at), end = page.find(fence, line_end);
+    const std::string language = page.substr(at + fence.size(), line_end - at - fence.size());
+    const std::string text = page.substr(line_end + 1, end - line_end - 1);
+    out.push_back({language == "json" ? nlohmann::json::parse(text).at("format").get<std::string>() : language, text});
+    at = end + fence.size();
+  }
+  return out;
+}
+
+class FileFormats : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const Example& e : examples_of(file_text(fs::path(places::source()) / "docs" / "file-formats.md"))) {
+      const std::string kind = e.kind.starts_with("burin/") ? e.kind.substr(6) : e.kind;
+      kinds_.push_back(kind);
+      const bool plain = kind == "csv" || kind == "toml";
+      folder_.write(plain ? (kind == "csv" ? "scratches.csv" : "machine.toml") : kind + ".json", e.text);
+    }
+    const fs::path sample = fs::path(places::source()) / "samples" / "small-bench";
+    fs::copy_file(sample / "camera.cameramodel", folder_ / "camera.cameramodel");
+    fs::copy_file(sample / "targets" / "moon.png", folder_ / "cat.png");
+    fs::create_directory(folder_ / "photos");  // any picture: it is not looked at
+    fs::copy_file(sample / "targets" / "moon.png", folder_ / "photos" / "v00_a.png");
+  }
+
+  TemporaryFolder folder_;
+  std::vector<std::string> kinds_;
+};
+
+TEST_F(FileFormats, PageHasAnExampleOfEachFile) {
+  EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("board", "csv", "machine", "toml", "session", "bench", "design"));
+}
+
+TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
+  EXPECT_EQ(read_scratches(folder_ / "scratches.csv").size(), 2U);
+  EXPECT_EQ(read_session(folder_ / "session.json").photos.size(), 1U);
+  EXPECT_EQ(read_machine_profile(folder_ / "machine.json").limits.max_grooves, 3);
+  EXPECT_EQ(read_machine_profile(folder_ / "machine.toml").limits.max_overlap, 0.3);
+}
+
+TEST_F(FileFormats, BenchIsDesignedForRenderedAndCarved) {
+  const Outcome design = run_burin(folder_, {"design", "design.json", "--scratches", "40", "--pixels", "32",
+                                             "--iterations", "1", "--out", "design"});
+  ASSERT_EQ(design.exit_code, 0) << design.err;
+  const Outcome render =
+      run_burin(folder_, {"render", "board.json", "--bench", "bench.json", "--view", "v00", "--out", "v00.exr"});
+  EXPECT_EQ(render.exit_code, 0) << render.err;
+  for (const char* machine : {"machine.json", "machine.toml"}) {
+    const Outcome toolpath = run_burin(folder_, {"toolpath", "scratches.csv", "--board", "board.json", "--bench",
+                                                 "bench.json", "--machine", machine, "--mend", "--out", "board.gcode"});
+    EXPECT_EQ(toolpath.exit_code, 0) << machine << ": " << toolpath.err;
+  }
+}
+
+}  // namespace
+}  // namespace burin
