@@ -1,0 +1,49 @@
+// Photos of a board become a calibrated bench: lens, camera places and lamp, each with its uncertainty. The photos are
+// simulated here, so that the truth is known: 02-calibrate-session truth.json FOLDER
+// Ends with 0 if cameras and lamp are where they were.
+#include <burin/calib/calibrate.h>
+#include <burin/capture/folder_session.h>
+#include <burin/capture/simulator/simulated_camera.h>
+#include <burin/render/error.h>
+
+#include <algorithm>
+#include <cstdio>
+
+int main(int argc, char** argv) {
+  using namespace burin;
+  if (argc != 3) {
+    std::fprintf(stderr, "usage: %s truth.json FOLDER\n", argv[0]);
+    return 2;
+  }
+  try {
+    const std::filesystem::path folder = argv[2];
+    SimulateOptions few;
+    few.samples = 4;  // points a pixel with grooves: tags and their paper need no more
+    simulate(argv[1], folder, few);
+
+    // With photos of your own it begins here: which belong together, and how was each exposed?
+    const CaptureResult captured = capture_folder(folder / "photos", folder / "board.json", folder / "captured");
+    const Calibration calibration = calibrate(captured.session, read_board(folder / "board.json"));
+    write_calibration(calibration, folder / "measured");  // bench.json, camera.cameramodel, residuals.vnl
+
+    const Bench& bench = calibration.bench;
+    const BenchTruth truth = read_bench_truth(argv[1]);
+    double worst_mm = 0;
+    for (const View& view : bench.views) {
+      double error_mm = 1e9;  // to the nearest true place: photos do not know what the truth calls it
+      for (const TruthView& known : truth.views)
+        error_mm = std::min(
+            error_mm,
+            (view.T_camera_board.inverse().translation() - known.T_camera_board.inverse().translation()).norm());
+      std::printf("%s: %.3f px RMS, camera %.2f mm from the truth (sigma %.2f mm)\n", view.name.c_str(),
+                  view.reprojection_rms_px.value_or(0), error_mm, view.center_sigma_mm.value().norm());
+      worst_mm = std::max(worst_mm, error_mm);
+    }
+    const double lamp_mm = (bench.lights.front().position_mm - truth.lights.front().position_mm).norm();
+    std::printf("lens %s; lamp %.2f mm from the truth\n", bench.lens.model.c_str(), lamp_mm);
+    return bench.views.size() == truth.views.size() && worst_mm < 2 && lamp_mm < 10 ? 0 : 1;
+  } catch (const Error& error) {  // a sentence for a person: what is wrong, where, and what to do
+    std::fprintf(stderr, "%s\n", error.what());
+    return 1;
+  }
+}
