@@ -25,6 +25,19 @@ struct CutPacket {
   P hx, hy, hz;  ///< the half vector in the scratch's frame
 };
 
+/// Where n.h > 0: between lo and hi, nowhere in dark lanes, and over the whole groove in all lanes unless `partly`.
+template <class P>
+struct Facing {
+  P lo, hi;
+  MaskOf<P> dark;
+  bool partly;
+};
+template <class P>
+[[gnu::always_inline]] inline Facing<P> facing_of(const CutPacket<P>& c) {
+  const auto limits = footprint::front_facing(c.hx, c.hz, c.rim);
+  return {limits.lo, limits.hi, limits.lo >= limits.hi, xsimd::any((limits.lo > -c.rim) | (limits.hi < c.rim))};
+}
+
 template <class P, KernelMode kMode>
 [[gnu::always_inline]] inline CutPacket<P> cut_packet(const TileWork& work, const ScatteredPacket& packet) {
   TileBuffers& buffers = work.buffers;
@@ -175,8 +188,9 @@ template <class P>
 
 /// Keeps what does not depend on the pieces' light: areas, and the derivatives by limits that move.
 template <class P, KernelMode kMode, int kCount>
-[[gnu::always_inline]] inline void store_areas(TileBuffers& buffers, const CutPacket<P>& c, const CutArea<P>& sum,
-                                               const P (&top)[kCount], const P (&bottom)[kCount], int from) {
+[[gnu::always_inline]] inline void store_areas(TileBuffers& buffers, const CutPacket<P>& c, const Facing<P>& facing,
+                                               const CutArea<P>& sum, const P (&top)[kCount], const P (&bottom)[kCount],
+                                               int from) {
   constexpr int kLast = kCount - 1;
   const P height0 = top[0] - bottom[0], height1 = top[kLast] - bottom[kLast];
   const P shift = height1 - height0;
@@ -187,15 +201,12 @@ template <class P, KernelMode kMode, int kCount>
                  c.origin_Y * shift));
   save(buffers.a_first + from, c.unit * sum.by_first);
   save(buffers.a_second + from, c.unit * sum.by_second);
-  const auto limits = footprint::front_facing(c.hx, c.hz, c.rim);
-  const MaskOf<P> dark = limits.lo >= limits.hi;
   P turn(0.0F);
-  if (xsimd::any((limits.lo > -c.rim) | (limits.hi < c.rim)))
-    turn = xsimd::select(dark, P(0.0F), cut_turn(c, limits.lo, limits.hi));
+  if (facing.partly) turn = xsimd::select(facing.dark, P(0.0F), cut_turn(c, facing.lo, facing.hi));
   save(buffers.moving_turn + from, turn);
   if constexpr (kMode == KernelMode::material) {
-    const P rims = rim_light(c.hx, c.hy, c.hz, c.alpha, limits.lo, limits.hi, c.rim, height0, height1);
-    save(buffers.rim_light + from, xsimd::select(dark, P(0.0F), rims));
+    const P rims = rim_light(c.hx, c.hy, c.hz, c.alpha, facing.lo, facing.hi, c.rim, height0, height1);
+    save(buffers.rim_light + from, xsimd::select(facing.dark, P(0.0F), rims));
     save(buffers.a_rim + from, c.unit * (height0 + height1));
     save(buffers.rim + from, c.rim);
   }
@@ -211,9 +222,7 @@ BURIN_FLATTEN inline void cut(const TileWork& work, const ScatteredPacket& packe
   P t[kBreaks<kEnds>], top[kBreaks<kEnds>], bottom[kBreaks<kEnds>];
   breakpoints<P, kEnds>(c, t);
   levels_at(c, t, top, bottom);
-  const auto limits = footprint::front_facing(c.hx, c.hz, c.rim);
-  const MaskOf<P> dark = limits.lo >= limits.hi;
-  const bool any_cut = xsimd::any((limits.lo > -c.rim) | (limits.hi < c.rim));
+  const Facing<P> facing = facing_of(c);
   CutArea<P> sum{P(0.0F), P(0.0F), P(0.0F), P(0.0F)};
 #pragma GCC unroll 7
   for (int k = 0; k + 1 < kBreaks<kEnds>; ++k) {
@@ -228,8 +237,8 @@ BURIN_FLATTEN inline void cut(const TileWork& work, const ScatteredPacket& packe
       sum.by_second += on.second * length;
       sum.alone -= (on.first - on.second) * length * P(0.5F) * (p.t1 + p.t2);
     }
-    MaskOf<P> nothing = dark | !tall;
-    if (any_cut) nothing = nothing | clip(p, limits.lo, limits.hi);
+    MaskOf<P> nothing = facing.dark | !tall;
+    if (facing.partly) nothing = nothing | clip(p, facing.lo, facing.hi);
     MaskOf<P> keep = !nothing;
     if constexpr (kMode == KernelMode::value)
       keep = keep & (p.t2 > p.t1);
@@ -241,7 +250,7 @@ BURIN_FLATTEN inline void cut(const TileWork& work, const ScatteredPacket& packe
   save(buffers.area + from, c.unit * sum.area);
   save(buffers.alpha + from, c.alpha);
   save(buffers.unit + from, c.unit);
-  if constexpr (kMode != KernelMode::value) store_areas<P, kMode>(buffers, c, sum, top, bottom, from);
+  if constexpr (kMode != KernelMode::value) store_areas<P, kMode>(buffers, c, facing, sum, top, bottom, from);
 }
 
 /// Evaluates the pieces that cut() made and adds what they give to their pairs.

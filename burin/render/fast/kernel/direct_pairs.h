@@ -22,7 +22,7 @@ struct SetAside {
 /// piece each, at `at`. The others become empty pieces: those to be set aside, and those that the groove does not
 /// meet at all.
 template <class P, KernelMode kMode, bool kOnLattice>
-BURIN_FLATTEN inline SetAside cross(const TileWork& work, const PairPacket& packet) {
+[[gnu::always_inline]] BURIN_FLATTEN inline SetAside cross(const TileWork& work, const PairPacket& packet) {
   const TileTask& task = work.task;
   TileBuffers& buffers = work.buffers;
   const std::size_t pair = packet.pair;
@@ -114,7 +114,7 @@ BURIN_FLATTEN inline SetAside cross(const TileWork& work, const PairPacket& pack
 
 /// The factors of one packet of pairs that cross() began, what they add to their pixels, and their derivatives.
 template <class P, KernelMode kMode>
-BURIN_FLATTEN inline void finish_crossing(const TileWork& work, const PairPacket& packet) {
+[[gnu::always_inline]] BURIN_FLATTEN inline void finish_crossing(const TileWork& work, const PairPacket& packet) {
   TileBuffers& buffers = work.buffers;
   TilePairs& pairs = work.pairs;
   const TileJacobian& to = work.jacobian;
