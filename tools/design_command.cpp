@@ -127,7 +127,7 @@ void run(const Options& o) {
   write_design_result(result, spec, board, bench, o.out);
   bar.clear();
 
-  for (const std::string& warning : result.warnings) note(warning);
+  for (const Finding& finding : result.findings) note(sentence(finding));
   fmt::print("view        PSNR dB   SSIM    face allows   own / highest other target's correlation\n");
   for (std::size_t k = 0; k < result.views.size(); ++k) {
     const DesignedView& v = result.views[k];

@@ -18,7 +18,7 @@
 namespace burin {
 
 /// Designs a board. Throws Error for a view or lamp the bench does not have, targets that cannot be used, a bench on
-/// which no groove can glint, options out of range. Collisions of views and the like are warnings in the result.
+/// which no groove can glint, options out of range. Collisions of views and the like are findings in the result.
 /// `progress` may throw to stop the work.
 DesignResult design(const DesignSpec& spec, const Board& board, const Bench& bench, const DesignOptions& options,
                     const Progress& progress);

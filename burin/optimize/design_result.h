@@ -11,6 +11,7 @@
 #include "burin/optimize/carving/carving_limits.h"
 #include "burin/optimize/design/tolerance.h"
 #include "burin/optimize/loss/loss.h"
+#include "burin/render/finding.h"
 #include "burin/render/image.h"
 #include "burin/render/scratches.h"
 
@@ -60,9 +61,9 @@ struct DesignResult {
   std::vector<CarvingPoint> curve;       ///< from all scratches on down, if it was asked for
   std::vector<DesignIteration> history;  ///< loss before each iteration's step
   std::vector<ContactFrame> frames;
-  std::vector<std::string> warnings;
-  double final_loss = 0;        ///< of the scratches as returned, at the optimized exposures
-  double loss_before_drop = 0;  ///< when the weak ones were dropped; 0 if none were
+  std::vector<Finding> findings;  ///< of bench, pictures and the run: what to mind
+  double final_loss = 0;          ///< of the scratches as returned, at the optimized exposures
+  double loss_before_drop = 0;    ///< when the weak ones were dropped; 0 if none were
   std::size_t started_with = 0, dropped = 0, relocated = 0;  ///< of the new ones
   std::size_t carved = 0;                                    ///< of the scratches: in the metal already
   std::array<std::size_t, kRules> dropped_by_rule{};         ///< those that could not obey a limit, on top of `dropped`

@@ -97,8 +97,9 @@ Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vec
   target.picture = lay_on_area(linear_luminance(spec.image, spec.picture, where), rotation_deg, spec.fit, area_mm,
                                width, height, 0.0F, scale);
   if (scale > 4)
-    target.warnings.push_back(where + ": one of its pixels covers " + std::to_string(static_cast<int>(scale)) +
-                              " of the design's; give a larger picture");
+    target.findings.push_back(make_warning(
+        where + ": one of its pixels covers " + std::to_string(static_cast<int>(scale)) + " of the design's",
+        "give a larger picture"));
   float low = 1, high = 0;
   double mean = 0;
   for (float& v : target.picture.data) {
@@ -114,7 +115,8 @@ Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vec
     fail(where, "is of one tone on the carve area, so there is nothing to show",
          "choose another picture, crop or \"levels\"");
   if (mean < 0.08)
-    target.warnings.push_back(where + ": is nearly black; the plain face will outshine it (\"levels\" can lift it)");
+    target.findings.push_back(
+        make_warning(where + ": is nearly black", "the plain face will outshine it (\"levels\" can lift it)"));
   if (!spec.mask.empty() || spec.mask_image.width > 0) {
     const std::string mask = spec.mask_image.width > 0 ? "the mask in memory of " + where : spec.mask.string();
     double unused = 1;

@@ -14,15 +14,16 @@
 
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench.h"
+#include "burin/render/finding.h"
 #include "burin/render/image.h"
 
 namespace burin {
 
 /// A picture laid on a design's grid.
 struct Target {
-  Image picture;                      ///< one channel, 0..1, gamma-encoded
-  Image mask;                         ///< one channel, 0..1; no pixels if everything matters
-  std::vector<std::string> warnings;  ///< "nearly black", "much smaller than the grid", ...
+  Image picture;                  ///< one channel, 0..1, gamma-encoded
+  Image mask;                     ///< one channel, 0..1; no pixels if everything matters
+  std::vector<Finding> findings;  ///< "nearly black", "much smaller than the grid", ...
 };
 
 /// Loads (from its file, or the image in memory) and lays a target on a grid of width x height pixels covering an area

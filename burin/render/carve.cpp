@@ -210,20 +210,22 @@ Carved in_metal(Scratches grooves) {
 }
 
 ScratchGradients pull_back(const Carved& carved, const Designed& designed, const Bench& bench, const Board& board,
-                           const ScratchGradients& by_carved) {
+                           ScratchGradients by_carved) {
   if (by_carved.x0_mm.size() != carved.size())
     fail("pull_back", "the gradient is for another number of grooves",
          "give the gradient of the grooves that carve() made of this design");
   ScratchGradients out;
+  const bool fields = !bench.depth_field.is_constant() || !bench.alpha_field.is_constant();
+  const std::vector<double> age = fields ? ages_of(designed.scratches) : std::vector<double>{};
   if (carved.source.empty()) {
-    out = by_carved;
+    out = std::move(by_carved);
   } else {
     out.resize(designed.size());
     out.shared_base_alpha = by_carved.shared_base_alpha;
     // Sides of grooves follow their depth in the metal.
     Scratches placed = designed.scratches;
     if (!bench.depth_field.is_constant())
-      apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, ages_of(placed), placed,
+      apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, placed,
                   placed.depth_um);
     EndGradients ends(out);
     for (std::size_t k = 0; k < carved.size(); ++k) {
@@ -235,8 +237,7 @@ ScratchGradients pull_back(const Carved& carved, const Designed& designed, const
       out.alpha[i] += by_carved.alpha[k];
     }
   }
-  if (!bench.depth_field.is_constant() || !bench.alpha_field.is_constant()) {
-    const std::vector<double> age = ages_of(designed.scratches);
+  if (fields) {
     EndGradients ends(out);
     pull_back_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, designed.scratches,
                     designed.scratches.depth_um, out.depth_um, ends);

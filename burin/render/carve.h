@@ -81,6 +81,6 @@ Carved in_metal(Scratches grooves);
 /// derivatives too; whoever moves the rows leaves those where they are. Crossings that come or go as scratches move
 /// have no derivative.
 ScratchGradients pull_back(const Carved& carved, const Designed& designed, const Bench& bench, const Board& board,
-                           const ScratchGradients& by_carved);
+                           ScratchGradients by_carved);
 
 }  // namespace burin

@@ -45,8 +45,4 @@ float encoded(float linear_value, Encoding encoding) {
   return encoding == Encoding::srgb ? linear_to_srgb(linear_value) : linear_value;
 }
 
-float decoded(float stored_value, Encoding encoding) {
-  return encoding == Encoding::srgb ? srgb_to_linear(stored_value) : stored_value;
-}
-
 }  // namespace burin

@@ -46,8 +46,7 @@ std::vector<float> blur_taps(double psf_sigma_px, int bin = 1);
 Image blurred(const Image& image, const std::vector<float>& taps);
 Image blurred(const Image& image, double psf_sigma_px);
 
-/// A linear value from 0 to 1 as it is encoded (raw values are linear), and back.
+/// A linear value from 0 to 1 as it is encoded (raw values are linear).
 float encoded(float linear_value, Encoding encoding);
-float decoded(float stored_value, Encoding encoding);
 
 }  // namespace burin

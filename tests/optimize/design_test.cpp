@@ -303,7 +303,8 @@ TEST_F(DesignTest, AWishToStopIsHeardWithinTheStartAndWithinASweep) {
   options_.start_sweeps = 1;
   const DesignResult placing = stopped_in("placing scratches");
   EXPECT_EQ(placing.history.size(), 2U);
-  EXPECT_THAT(placing.warnings, testing::Contains(HasSubstr("the start was ended early")));
+  EXPECT_THAT(placing.findings,
+              testing::Contains(testing::Field(&Finding::what, HasSubstr("the start was ended early"))));
   const DesignResult searching = stopped_in("searching places");
   EXPECT_EQ(searching.history.size(), 2U);
   EXPECT_EQ(searching.relocated, 0U);

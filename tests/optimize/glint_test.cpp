@@ -74,7 +74,7 @@ TEST(Glint, CollisionsModuloHalfATurnAreNamed) {
   const auto opposite =
       check_glints({at_azimuth("a", 0), at_azimuth("b", std::numbers::pi + 0.05)}, min, max, 400, grooves(40, 0.04));
   ASSERT_EQ(opposite.size(), 1U);
-  EXPECT_THAT(opposite[0], AllOf(HasSubstr("a and b"), HasSubstr("2.9 degrees apart"), HasSubstr("collide")));
+  EXPECT_THAT(sentence(opposite[0]), AllOf(HasSubstr("a and b"), HasSubstr("2.9 degrees apart"), HasSubstr("collide")));
 }
 
 TEST(Glint, TooShallowGroovesAreAnErrorThatNamesTheDepthNeeded) {

@@ -18,6 +18,7 @@
 #include "burin/capture/simulator/point_sampler.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/sensor.h"
 
 namespace burin {
 namespace {
@@ -159,7 +160,7 @@ void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& 
     if (srgb) {
       std::vector<std::uint8_t> stored(value.data.size());
       std::transform(value.data.begin(), value.data.end(), stored.begin(),
-                     [](float v) { return static_cast<std::uint8_t>(std::lround(255 * linear_to_srgb(v))); });
+                     [](float v) { return static_cast<std::uint8_t>(std::lround(255 * encoded(v, Encoding::srgb))); });
       done = out->write_image(OIIO::TypeDesc::UINT8, stored.data());
     } else {
       const int shift = 16 - truth.sensor.bits;

@@ -80,6 +80,7 @@ Scratches DesignRun::new_ones() const {
 void DesignRun::look(bool last) {
   const double began_s = deadline_.seconds();
   const Carved grooves = in_the_metal();
+  by_carved_ = std::move(gradients_);  // its memory: the step has been made
   by_carved_.resize(grooves.size());
   d_log_exposure_.assign(log_exposure_.size(), 0.0);
   DesignIteration now;
@@ -99,7 +100,7 @@ void DesignRun::look(bool last) {
     v.renderer.backward(v.dE_dradiance, by_carved_);
   }
   if (!last) {
-    gradients_ = pull_back(grooves, designed_, bench_, board_, by_carved_);
+    gradients_ = pull_back(grooves, designed_, bench_, board_, std::move(by_carved_));
     for (auto* g : {&gradients_.x0_mm, &gradients_.y0_mm, &gradients_.x1_mm, &gradients_.y1_mm})
       std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable_), g->end(), 0.0);  // what is carved stays
   }

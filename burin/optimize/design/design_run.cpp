@@ -67,7 +67,7 @@ DesignResult DesignRun::run() {
 void DesignRun::read_targets() {
   report("reading targets", 0);
   limits_ = design_limits(board_, bench_, options_);
-  views_ = prepare_views(spec_, board_, bench_, options_, limits_, result_.warnings);
+  views_ = prepare_views(spec_, board_, bench_, options_, limits_, result_.findings);
   shown_ = spec_.views.size();
   const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
                            return a.exposure_group < b.exposure_group;
@@ -135,9 +135,9 @@ void DesignRun::start_strokes() {
   std::vector<StrokeView> light = stroke_views(views_, log_exposure_, true);
   scratches_ = scratches_of(place_strokes(light, rules_, movable_, options_.seed, enough));
   if (scratches_.size() < movable_ && enough())
-    result_.warnings.push_back("the start was ended early: " + std::to_string(scratches_.size()) + " of " +
-                               std::to_string(movable_) +
-                               " scratches begin where the pictures want them, the rest anywhere");
+    result_.findings.push_back(make_warning("the start was ended early: " + std::to_string(scratches_.size()) + " of " +
+                                            std::to_string(movable_) +
+                                            " scratches begin where the pictures want them, the rest anywhere"));
   // Where the model finds no more to gain, the rest start anywhere: relocation may yet find them a place.
   scratches_ =
       joined(scratches_, random_start(movable_ - scratches_.size(), limits_, mean_length_mm_, options_.seed + 1),
@@ -156,7 +156,7 @@ bool DesignRun::start_with_fewer() {
   std::snprintf(words, sizeof words,
                 "%zu scratches would take %.1f hours to carve: began with %zu for the %.1f there are", movable_, hours,
                 fewer, options_.carve_hours);
-  result_.warnings.emplace_back(words);
+  result_.findings.push_back(make_warning(words));
   movable_ = fewer;
   return true;
 }

@@ -97,7 +97,7 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
 
 std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, const Bench& bench,
                                     const DesignOptions& options, const CarvingLimits& limits,
-                                    std::vector<std::string>& warnings) {
+                                    std::vector<Finding>& findings) {
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
   const auto [width, height] = grid_size(board, options.pixels);
@@ -108,14 +108,14 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
     return GrooveShape{at_place(bench.depth_field, bench.material.depth_um, board.size_mm, p_mm),
                        std::min(1.0, at_place(bench.alpha_field, bench.material.alpha, board.size_mm, p_mm))};
   };
-  for (std::string& w : check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um, groove_at))
-    warnings.push_back(std::move(w));
+  append(findings, check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um, groove_at));
   const Image free =
       carvable(limits, 1e-3 * half_width_um(board.tool_width_um, bench.material.depth_um), width, height);
   if (!free.data.empty())
-    warnings.push_back(percent_text(1 - mean_value(free)) +
-                       " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
-                       "are not compared there");
+    findings.push_back(
+        make_warning(percent_text(1 - mean_value(free)) +
+                     " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
+                     "are not compared there"));
   std::vector<WorkView> views;
   const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, options.pixels);
   const std::shared_ptr<RenderWorkspace> workspace =
@@ -131,7 +131,7 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
         rotation = v.target.upright_in_view ? viewer_rotation_deg(find_view(bench, v.view, "design"), middle)
                                             : v.target.rotation_deg;
         target = load_target(v.target, rotation, area, width, height);
-        for (std::string& w : target.warnings) warnings.push_back(std::move(w));
+        append(findings, target.findings);
         if (!free.data.empty()) {
           if (target.mask.data.empty()) target.mask = Image(width, height, 1, 1.0F);
           for (std::size_t i = 0; i < free.data.size(); ++i) target.mask.data[i] *= free.data[i];

@@ -20,6 +20,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
+#include "burin/render/finding.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {
@@ -54,7 +55,7 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
 /// bench does not have, pictures that cannot be used and views in which nothing can glint.
 std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, const Bench& bench,
                                     const DesignOptions& options, const CarvingLimits& limits,
-                                    std::vector<std::string>& warnings);
+                                    std::vector<Finding>& findings);
 
 /// What the search sees at these exposures: the face alone, or all that was rendered last.
 std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,

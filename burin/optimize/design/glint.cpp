@@ -88,11 +88,11 @@ double reach(double lean, double steepest, double alpha) {
   return 0.5 + (std::atan(x) + x / (1 + x * x)) / std::numbers::pi;
 }
 
-std::vector<std::string> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
-                                      const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at) {
+std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
+                                  const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at) {
   constexpr double kNoGlint = 0.02;  // of the lobe: what is left 2 alpha beyond the cut-off
   constexpr double kGhost = 0.1;     // of a view's light that may show in another unmentioned
-  std::vector<std::string> warnings;
+  std::vector<Finding> findings;
   std::vector<Lean> middle;
   const Eigen::Vector2d center = (min_mm + max_mm) / 2;
   const double alpha = groove_at(center).alpha;
@@ -118,14 +118,17 @@ std::vector<std::string> check_glints(const std::vector<GlintView>& views, const
                " degrees too little)",
            remedy);
     if (reached.dark > 0)
-      warnings.push_back(where + ": on " + std::to_string(std::lround(100 * reached.dark)) +
-                         " % of the carve area the half vector leans beyond the grooves' steepest wall (" +
-                         degrees(reached.shallowest) + " degrees, up to " + degrees(reached.most_lean) +
-                         "), where scratches show less than half their light; " + remedy);
+      findings.push_back(
+          make_warning(where + ": on " + std::to_string(std::lround(100 * reached.dark)) +
+                           " % of the carve area the half vector leans beyond the grooves' steepest wall (" +
+                           degrees(reached.shallowest) + " degrees, up to " + degrees(reached.most_lean) +
+                           "), where scratches show less than half their light",
+                       remedy));
     if (std::sin(lean.angle) < 3 * alpha)
-      warnings.push_back(where + ": lies near the mirror direction (the half vector leans " + degrees(lean.angle) +
-                         " degrees), where scratches of any direction glint and the plain face shines; move the lamp "
-                         "or the eye");
+      findings.push_back(make_warning(where + ": lies near the mirror direction (the half vector leans " +
+                                          degrees(lean.angle) +
+                                          " degrees), where scratches of any direction glint and the plain face shines",
+                                      "move the lamp or the eye"));
   }
   for (std::size_t a = 0; a < views.size(); ++a)
     for (std::size_t b = a + 1; b < views.size(); ++b) {
@@ -134,13 +137,13 @@ std::vector<std::string> check_glints(const std::vector<GlintView>& views, const
       if (ghost < kGhost) continue;
       const double needed =
           std::max(turn_for(middle[a].angle, kGhost, alpha), turn_for(middle[b].angle, kGhost, alpha));
-      warnings.push_back(
+      findings.push_back(make_warning(
           "views " + views[a].name + " and " + views[b].name + ": collide: their scratches run only " + degrees(apart) +
-          " degrees apart (a scratch counts modulo 180 degrees), so one made for one shows " +
-          std::to_string(static_cast<int>(std::lround(100 * ghost))) + " % of its light in the other; " +
-          degrees(needed) + " degrees would bring that down to 10 %: move a view or its lamp around the board");
+              " degrees apart (a scratch counts modulo 180 degrees), so one made for one shows " +
+              std::to_string(static_cast<int>(std::lround(100 * ghost))) + " % of its light in the other",
+          degrees(needed) + " degrees would bring that down to 10 %: move a view or its lamp around the board"));
     }
-  return warnings;
+  return findings;
 }
 
 }  // namespace burin

@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/finding.h"
+
 namespace burin {
 
 /// Camera and lamp of one view: what h depends on.
@@ -48,9 +50,9 @@ struct GrooveShape {
 using GrooveAt = std::function<GrooveShape(const Eigen::Vector2d& p_mm)>;
 
 /// Throws Error if a camera or lamp lies behind the face or no groove on the area min..max can glint for a view (by how
-/// many degrees, and the depth or lean that would do). Returns warnings: views that glint on part of the area only, and
+/// many degrees, and the depth or lean that would do). Finds views that glint on part of the area only, and
 /// pairs of views that one scratch serves at once (collisions; orientation counts modulo 180 degrees) with how much.
-std::vector<std::string> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
-                                      const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at);
+std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
+                                  const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at);
 
 }  // namespace burin
