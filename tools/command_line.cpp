@@ -44,6 +44,7 @@ std::unique_ptr<CLI::App> make_app() {
   add_design_command(*burin);
   add_render_command(*burin);
   add_toolpath_command(*burin);
+  add_probe_command(*burin);
   add_report_command(*burin);
   add_loop_command(*burin);
   add_check_command(*burin);

@@ -46,6 +46,7 @@ void add_refine_command(CLI::App& burin);
 void add_design_command(CLI::App& burin);
 void add_render_command(CLI::App& burin);
 void add_toolpath_command(CLI::App& burin);
+void add_probe_command(CLI::App& burin);
 void add_report_command(CLI::App& burin);
 void add_loop_command(CLI::App& burin);
 void add_check_command(CLI::App& burin);

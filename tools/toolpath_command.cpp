@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/carving/height_map.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/optimize/duration.h"
 #include "burin/optimize/toolpath.h"
@@ -21,10 +22,10 @@ namespace burin {
 namespace {
 
 struct Options {
-  std::filesystem::path scratches, board, bench, out, ordered, sent, resume;
+  std::filesystem::path scratches, board, bench, out, ordered, sent, resume, heights;
   std::vector<std::filesystem::path> replay;
   std::string machine = "grbl", part, order;
-  bool keep_order = false, frame = false, mend = false;
+  bool keep_order = false, frame = false, mend = false, follow_bow = false;
   int decimals = 0, max_lines = -1;
   std::size_t at_line = 0;
 };
@@ -47,6 +48,23 @@ Scratches scratches_of(const Options& options, const Board& board, const Bench* 
   return std::move(mended.scratches);
 }
 
+// The face that depths follow, as a person says.
+void set_face(const Options& options, ToolpathOptions& settings) {
+  if (!options.heights.empty()) settings.heights = read_heights(options.heights);
+  settings.follow_bow = options.follow_bow;
+}
+
+// How Z is to be set before carving, and what the depths rest on.
+std::string zero_text(const MachineProfile& machine, const ToolpathReport& report) {
+  if (machine.depth_by == DepthBy::servo) return "set work zero at the board's lower left corner, and carve";
+  const std::string where = report.follows_face ? fmt::format("where the tool touches the face at X{:.2f} Y{:.2f}",
+                                                              report.z_zero_mm.x(), report.z_zero_mm.y())
+                                                : "on its face";
+  return fmt::format(
+      "set work zero at the board's lower left corner, Z {}, and carve",
+      by_preload(machine.depth_by) && !report.follows_face ? "where the tool first touches the face" : where);
+}
+
 void write(const Options& options) {
   const MachineProfile machine = machine_of(options);
   const Board board = read_board(options.board);
@@ -54,6 +72,7 @@ void write(const Options& options) {
   if (!options.bench.empty()) bench = read_bench(options.bench);
   const Scratches scratches = scratches_of(options, board, bench ? &*bench : nullptr, machine);
   ToolpathOptions settings;
+  set_face(options, settings);
   if (options.keep_order || options.order == "keep") settings.keep_order = true;
   if (options.order == "short") settings.keep_order = false;
   settings.frame = options.frame;
@@ -64,6 +83,7 @@ void write(const Options& options) {
   const ToolpathReport report =
       write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
   bar.clear();
+  for (const Finding& finding : report.findings) note(sentence(finding));
   if (!options.ordered.empty()) write_scratches(in_carving_order(scratches, report.order), options.ordered);
   if (!options.sent.empty()) write_scratches(report.sent.scratches, options.sent);
 
@@ -98,17 +118,25 @@ void write(const Options& options) {
         options.frame ? " (the frame first: it goes round them in the air)" : "");
     return;
   }
-  fmt::print(
-      "Wrote {} scratches for {}, about {}: set work zero at the board's lower left corner, on its face, and carve.\n",
-      report.scratch_count, machine.name, duration_text(report.duration_s));
+  fmt::print("Wrote {} scratches for {}, about {}: {}.\n", report.scratch_count, machine.name,
+             duration_text(report.duration_s), zero_text(machine, report));
 }
 
 void replay(const Options& options) {
   const MachineProfile machine = machine_of(options);
+  const Board board = read_board(options.board);
+  std::optional<Bench> bench;
+  if (!options.bench.empty()) bench = read_bench(options.bench);
+  ToolpathOptions settings;
+  settings.keep_order = true;
+  set_face(options, settings);
+  const Bench* const measured = bench ? &*bench : nullptr;
+  const Toolpath planned =
+      plan_toolpath(scratches_of(options, board, measured, machine), board, measured, machine, settings);
   std::vector<ReplayedScratch> carved;
   double duration_s = 0;
   for (const std::filesystem::path& file : options.replay) {
-    const Replay done = replay_gcode(read_text(file), machine, file.string());
+    const Replay done = replay_gcode(read_text(file), machine, file.string(), &planned.face);
     carved.insert(carved.end(), done.scratches.begin(), done.scratches.end());
     duration_s += done.duration_s;
     fmt::print("{}: {} lines, {} scratches, {:.1f} m in the metal, {:.1f} m in the air, {}\n", file.string(),
@@ -117,15 +145,8 @@ void replay(const Options& options) {
     fmt::print("  X {:.3f} to {:.3f}, Y {:.3f} to {:.3f}, Z {:.3f} to {:.3f} mm\n", done.min_mm.x(), done.max_mm.x(),
                done.min_mm.y(), done.max_mm.y(), done.min_mm.z(), done.max_mm.z());
   }
-  std::optional<Bench> bench;
-  if (!options.bench.empty()) bench = read_bench(options.bench);
-  ToolpathOptions settings;
-  settings.keep_order = true;
-  const Board board = read_board(options.board);
-  const Bench* const measured = bench ? &*bench : nullptr;
-  const Toolpath planned =
-      plan_toolpath(scratches_of(options, board, measured, machine), board, measured, machine, settings);
-  fail_unless_good(check_toolpath(carved, planned.scratches, 1e-3), options.replay.front().string());
+  fail_unless_good(check_toolpath(carved, planned.scratches, 1e-3, depth_share(planned.face)),
+                   options.replay.front().string());
   fmt::print("Replayed: all {} scratches are carved once and as planned, in about {} on {}.\n", carved.size(),
              duration_text(duration_s), machine.name);
 }
@@ -138,8 +159,15 @@ void add_toolpath_command(CLI::App& burin) {
   command->add_option("SCRATCHES.csv", options->scratches, "The scratches to carve")->required();
   command->add_option("--board", options->board, "board.json: size, carve area, depth")->required();
   command->add_option("--bench", options->bench, "A measured bench.json: its machine.affine is compensated");
-  command->add_option("--machine", options->machine, "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML")
+  command->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
       ->capture_default_str();
+  CLI::Option* heights = command->add_option(
+      "--heights", options->heights, "heights.json of the sheet as it lies on the machine (burin probe): Z follows it");
+  command
+      ->add_flag("--follow-bow", options->follow_bow,
+                 "Z follows the bench's measured bow: only where the very sheet that was photographed lies as it did")
+      ->needs("--bench")
+      ->excludes(heights);
   CLI::Option* out =
       command->add_option("--out", options->out, "Where to write: .gcode, .nc, .ngc, .svg, .dxf or .csv");
   command->add_option("--chunks", options->part,
@@ -179,6 +207,7 @@ void add_toolpath_command(CLI::App& burin) {
   resume->excludes(check);
   command->footer(example(
       "burin toolpath scratches.csv --board board.json --bench bench.json --machine grbl --out board.gcode\n"
+      "  burin toolpath scratches.csv --board board.json --heights heights.json --machine grbl --out board.gcode\n"
       "  burin toolpath scratches.csv --board board.json --bench bench.json --replay board.gcode\n"
       "  burin toolpath scratches.csv --board board.json --bench bench.json --resume board-03.gcode --at-line 812 "
       "--out rest.gcode"));

@@ -1,5 +1,6 @@
 #include "burin/optimize/machine_profile.h"
 
+#include <array>
 #include <cmath>
 
 #include "burin/optimize/carving/toml_file.h"
@@ -42,11 +43,113 @@ MachineProfile marlin() {
   return machine;
 }
 
+// A spring-loaded tool in grbl's machine. Its table is nobody's measurement: of the order of common spring-loaded
+// diamond points in aluminum.
+MachineProfile grbl_spring() {
+  MachineProfile machine = grbl();
+  machine.name = "grbl-spring";
+  machine.depth_by = DepthBy::spring;
+  machine.depth_table = {{{4, 0.2}, {8, 0.4}, {14, 0.8}, {20, 1.3}, {26, 1.9}}, true};
+  machine.decimals = 3;
+  return machine;
+}
+
+// A laser engraver whose Z axis carries a tool instead: the beam stays off, in laser mode ($32=1) and out of it.
+MachineProfile laser_z() {
+  MachineProfile machine = grbl();
+  machine.name = "laser-z";
+  machine.laser = true;
+  machine.start = {"M5 S0", "G21 G90 G17 G94 G54", "G0 Z{z_safe}"};
+  machine.end = {"M5 S0", "G0 Z{z_safe}", "M2"};
+  return machine;
+}
+
+using MakeProfile = MachineProfile (*)();
+constexpr std::array<std::pair<const char*, MakeProfile>, 5> kBuiltIn{
+    {{"grbl", grbl}, {"grbl-spring", grbl_spring}, {"linuxcnc", linuxcnc}, {"marlin", marlin}, {"laser-z", laser_z}}};
+
 std::optional<MachineProfile> built_in(const std::string& name) {
-  if (name == "grbl") return grbl();
-  if (name == "linuxcnc") return linuxcnc();
-  if (name == "marlin") return marlin();
+  for (const auto& [known, make] : kBuiltIn)
+    if (name == known) return make();
   return std::nullopt;
+}
+
+// The blocks of a head that a servo presses: S comes and goes, Z stays.
+void press_by_servo(MachineProfile& machine) {
+  const bool marlin = machine.dialect == GcodeDialect::marlin;
+  const std::string dwell = marlin ? "G4 S{dwell_s}" : "G4 P{dwell_s}";
+  machine.start.emplace_back("M3 S{servo_up}");
+  machine.per_scratch = {marlin ? "G0 X{x0} Y{y0} F{rapid}" : "G0 X{x0} Y{y0}",
+                         "M3 S{servo}",
+                         dwell,
+                         "G1 X{x1} Y{y1} F{feed}",
+                         "M3 S{servo_up}",
+                         dwell};
+  machine.end.insert(machine.end.begin(), "M3 S{servo_up}");
+}
+
+void read_depth_table(JsonObject& json, MachineProfile& machine) {
+  machine.depth_table = {};
+  const Json& rows = json.raw("depth_table");
+  const auto wrong = [&](const std::string& what) {
+    json.fail_field("depth_table", what,
+                    machine.depth_by == DepthBy::servo
+                        ? "write [[depth in um, S], ...], shallowest first"
+                        : "write [[depth in um, mm below contact], ...], shallowest first");
+  };
+  if (!rows.is_array() || rows.size() < 2) wrong("is no list of at least two rows");
+  for (const Json& row : rows) {
+    const auto finite = [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); };
+    if (!row.is_array() || row.size() != 2 || !finite(row[0]) || !finite(row[1])) wrong("has a row " + row.dump());
+    const DepthStep step{row[0].get<double>(), row[1].get<double>()};
+    if (!(step.depth_um > 0)) wrong("has a depth of " + row[0].dump() + " um");
+    std::vector<DepthStep>& done = machine.depth_table.rows;
+    if (!done.empty() && !(step.depth_um > done.back().depth_um)) wrong("has depths that do not rise at " + row.dump());
+    if (machine.depth_by != DepthBy::servo && !(step.command > (done.empty() ? 0 : done.back().command)))
+      wrong("has a preload that does not rise at " + row.dump());
+    if (!done.empty() && step.command == done.back().command) wrong("has the same command twice, at " + row.dump());
+    if (done.size() > 1 && (step.command > done.back().command) != (done[1].command > done[0].command))
+      wrong("has commands that turn back at " + row.dump());
+    done.push_back(step);
+  }
+}
+
+void read_depth_by(JsonObject& json, MachineProfile& machine) {
+  if (json.has("depth_by")) {
+    const std::string name = json.text("depth_by");
+    bool known = false;
+    for (const DepthBy by : {DepthBy::fixed_z, DepthBy::spring, DepthBy::drag, DepthBy::servo})
+      if (name == depth_by_name(by)) machine.depth_by = by, known = true;
+    if (!known) json.fail_field("depth_by", "is \"" + name + "\"", "write fixed-z, spring, drag or servo");
+    if (machine.depth_by == DepthBy::fixed_z) machine.depth_table = {};
+  }
+  machine.laser = json.boolean("laser", machine.laser);
+  machine.servo_up = json.number("servo_up", machine.servo_up);
+  if (machine.depth_by == DepthBy::fixed_z) {
+    if (json.has("depth_table"))
+      json.fail_field("depth_table", "is for heads that are pressed", "add \"depth_by\": spring, drag or servo");
+    return;
+  }
+  if (json.has("depth_table")) read_depth_table(json, machine);
+  const std::string by = depth_by_name(machine.depth_by);
+  if (machine.depth_table.rows.empty())
+    json.fail_field("depth_table", "is missing, and a depth by " + by + " needs it",
+                    machine.depth_by == DepthBy::servo
+                        ? "write [[depth in um, S], ...], shallowest first"
+                        : "write [[depth in um, mm below contact], ...], shallowest first");
+  if (machine.depth_by != DepthBy::servo) return;
+  if (machine.depth_table.assumed)
+    json.fail_field("depth_table", "is missing: preloads are no S values", "write [[depth in um, S], ...]");
+  if (!(machine.dwell_s > 0))
+    json.fail_field("dwell_s", "is missing: a servo needs time to go down", "write a time in seconds, such as 0.2");
+  const std::vector<DepthStep>& rows = machine.depth_table.rows;
+  const double low = std::min(rows.front().command, rows.back().command),
+               high = std::max(rows.front().command, rows.back().command);
+  if (machine.servo_up >= low && machine.servo_up <= high)
+    json.fail_field("servo_up", "is " + Json(machine.servo_up).dump() + ", which depth_table has as a depth",
+                    "write the S that lifts the head");
+  if (machine.laser) json.fail_field("laser", "stays off, and a servo needs S", "take one of them away");
+  press_by_servo(machine);
 }
 
 void read_block(JsonObject& json, const std::string& key, std::vector<std::string>& block) {
@@ -93,7 +196,7 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
   JsonObject json(content, file.string());
   const std::string base = json.text("based_on", "grbl");
   const std::optional<MachineProfile> known = built_in(base);
-  if (!known) json.fail_field("based_on", "is \"" + base + "\"", "write grbl, linuxcnc or marlin");
+  if (!known) json.fail_field("based_on", "is \"" + base + "\"", "write " + built_in_machines());
   MachineProfile machine = *known;
   machine.name = json.text("name", file.stem().string());
   machine.carve_feed_mm_min = json.positive("carve_feed_mm_min", machine.carve_feed_mm_min);
@@ -119,6 +222,7 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
     if (!(machine.travel->min_mm.array() < machine.travel->max_mm.array()).all())
       json.fail_field("travel_mm", "is " + to_json(travel).dump(), "write the lower-left, then the upper-right corner");
   }
+  read_depth_by(json, machine);
   read_block(json, "start", machine.start);
   read_block(json, "per_scratch", machine.per_scratch);
   read_block(json, "end", machine.end);
@@ -127,6 +231,38 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
 }
 
 }  // namespace
+
+const char* depth_by_name(DepthBy depth_by) {
+  switch (depth_by) {
+    case DepthBy::fixed_z:
+      return "fixed-z";
+    case DepthBy::spring:
+      return "spring";
+    case DepthBy::drag:
+      return "drag";
+    case DepthBy::servo:
+      return "servo";
+  }
+  return "";
+}
+
+std::string built_in_machines() {
+  std::string names;
+  for (std::size_t i = 0; i < kBuiltIn.size(); ++i)
+    names += (i == 0 ? "" : i + 1 < kBuiltIn.size() ? ", " : " or ") + std::string(kBuiltIn[i].first);
+  return names;
+}
+
+double plunge_mm(const MachineProfile& machine, double depth_mm) {
+  if (machine.depth_by == DepthBy::servo) return 0;
+  if (!by_preload(machine.depth_by)) return depth_mm;
+  return command_for_depth(machine.depth_table, 1e3 * depth_mm, "machine profile \"" + machine.name + "\"");
+}
+
+double depth_of_plunge_mm(const MachineProfile& machine, double below_mm) {
+  if (!by_preload(machine.depth_by)) return below_mm;
+  return 1e-3 * depth_for_command(machine.depth_table, below_mm, true);
+}
 
 MachineProfile read_machine_profile(const std::filesystem::path& file) {
   if (file.extension() != ".toml") return read_profile(read_json(file, "burin/machine", 1), file);
@@ -140,7 +276,7 @@ MachineProfile machine_profile(const std::string& name_or_file) {
   if (const std::optional<MachineProfile> known = built_in(name_or_file)) return *known;
   if (!std::filesystem::exists(name_or_file))
     fail("machine \"" + name_or_file + "\"", "is neither a built-in profile nor a file",
-         "choose grbl, linuxcnc or marlin, or name a burin/machine file");
+         "choose " + built_in_machines() + ", or name a burin/machine file");
   return read_machine_profile(name_or_file);
 }
 

@@ -1,9 +1,9 @@
 // burin/optimize/machine_profile.h - what a carving machine understands and how fast it moves.
 //
 // Machine coordinates are the board's: work zero at the lower-left corner of the carved face, x right, y up, z out of
-// the metal, mm; the face is z = 0. Built-in: "grbl", "linuxcnc", "marlin". A person's own machine is a file in
-// JSON or, if its name ends in .toml, in TOML, format "burin/machine", that says what differs from the built-in profile
-// it is `based_on`:
+// the metal, mm; the face is z = 0 where Z was set to zero. Built-in: "grbl", "grbl-spring", "linuxcnc", "marlin" and
+// "laser-z". A person's own machine is a file in JSON or, if its name ends in .toml, in TOML, format "burin/machine",
+// that says what differs from the built-in profile it is `based_on`:
 //
 //   { "format": "burin/machine", "version": 1, "name": "my router", "based_on": "grbl",
 //     "carve_feed_mm_min": 900, "plunge_feed_mm_min": 200, "rapid_mm_min": 3000, "rapid_z_mm_min": 800,
@@ -11,14 +11,22 @@
 //     "decimals": 3, "max_lines": 90000, "travel_mm": [[-10, -10], [400, 300]], "force": 350,
 //     "limits": { "step_mm": 0.0125, "shortest_mm": 0.5, "longest_mm": 40, "min_distance_mm": 0.05,
 //                 "max_overlap": 0.3, "max_grooves": 3 },
+//     "depth_by": "spring", "depth_table": [[5, 0.25], [12, 0.6], [20, 1.2]],
 //     "start": ["G21", "G90", "M3 S{force}"], "per_scratch": ["G0 X{x0} Y{y0}", ...], "end": ["M5", "M2"] }
 //
 // In TOML the same keys stand before `=`, and `limits` is a table of its own.
 //
 // Blocks are lines in which {name} is replaced: {z_safe} {feed} {plunge_feed} {rapid} {rapid_z} {force} everywhere, and
-// in `per_scratch` also {x0} {y0} {x1} {y1} {z_carve} (below the face, so negative) {depth_um} {number}. Heads that
-// press with a force instead of going to a depth put {force} or {depth_um} where they need it. A line that holds
-// {dwell_s} or {dwell_ms} is left out where the profile has no dwell.
+// in `per_scratch` also {x0} {y0} {x1} {y1} {z_carve} (below the face, so negative) {z1} (the same at the other end,
+// where the face's height is followed) {servo} {depth_um} {number}; {servo_up} everywhere. Heads that press with a
+// force instead of going to a depth put {force} or {depth_um} where they need it. A line that holds {dwell_s} or
+// {dwell_ms} is left out where the profile has no dwell.
+//
+// `depth_by` says how a depth comes about:
+//   "fixed-z"  Z goes to the depth itself, so the face must be as even as a part of that, or be followed (a height map)
+//   "spring"   the tool is pressed by going below the first contact, as far as depth_table says ([depth um, mm])
+//   "drag"     the same, by a drag bit's own spring
+//   "servo"    an S value presses the head ([depth um, S]); Z stays at the safe height
 #pragma once
 
 #include <Eigen/Core>
@@ -26,6 +34,8 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "burin/optimize/depth_table.h"
 
 namespace burin {
 
@@ -35,6 +45,15 @@ enum class GcodeDialect {
   linuxcnc,  ///< the same
   marlin,    ///< comments after ;, G4 S in seconds or P in milliseconds
 };
+
+/// How a depth comes about (see above).
+enum class DepthBy { fixed_z, spring, drag, servo };
+
+/// "fixed-z", "spring", "drag" or "servo".
+const char* depth_by_name(DepthBy depth_by);
+
+/// Whether Z goes below the first contact by the machine's table.
+inline bool by_preload(DepthBy depth_by) { return depth_by == DepthBy::spring || depth_by == DepthBy::drag; }
 
 /// What a machine reaches, mm in its own frame.
 struct MachineBounds {
@@ -67,13 +86,27 @@ struct MachineProfile {
   int decimals = 4;                   ///< of coordinates; 4 keeps a 1 mm scratch's direction to 0.004 degrees
   int max_lines = 95000;              ///< a file; longer jobs are split. 0: no limit
   double force = 0;                   ///< of heads that press, in the unit that {force} has in the blocks
+  DepthBy depth_by = DepthBy::fixed_z;
+  DepthTable depth_table;  ///< of spring, drag and servo
+  double servo_up = 0;     ///< S that lifts a servo's head
+  bool laser = false;      ///< the tool sits on a laser's axis: no file may turn the beam on
   MachineLimits limits;
   std::optional<MachineBounds> travel;  ///< where the tool can go; nothing is checked if not known
   std::vector<std::string> start, per_scratch, end;
 };
 
-/// "grbl", "linuxcnc" or "marlin", or the path of a "burin/machine" file. Throws Error naming what there is.
+/// The names of the built-in profiles, as a sentence lists them: "grbl, grbl-spring, ... or laser-z".
+std::string built_in_machines();
+
+/// A built-in profile by its name, or the path of a "burin/machine" file. Throws Error naming what there is.
 MachineProfile machine_profile(const std::string& name_or_file);
+
+/// How far below the face Z goes for a depth, mm: the depth itself, or the preload that makes it; 0 for servos. Throws
+/// Error for a depth beyond the machine's table.
+double plunge_mm(const MachineProfile& machine, double depth_mm);
+
+/// The other way: the depth that Z so far below the face makes, mm; NaN beyond the table.
+double depth_of_plunge_mm(const MachineProfile& machine, double below_mm);
 
 /// Throws Error naming file, field, value and remedy, and of a TOML file the line.
 MachineProfile read_machine_profile(const std::filesystem::path& file);

@@ -5,6 +5,7 @@
 #include <string>
 #include <system_error>
 
+#include "burin/optimize/carving/sheet.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
@@ -90,6 +91,8 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   report.compensated = path.compensated;
   report.already_carved = path.already_carved;
   report.stepped_mm = path.stepped_mm;
+  report.follows_face = path.face.followed();
+  report.z_zero_mm = path.face.zero_mm;
   if (!is_gcode) {
     if (extension == ".csv")
       write_scratches(path.sent.scratches, out);
@@ -99,6 +102,9 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
     report.file_duration_s = {path.duration_s};
     return report;
   }
+  report.findings = sheet_findings(path, board, measured, machine);
+  for (const Finding& finding : report.findings)
+    if (finding.severity == Finding::Severity::error) fail("tool path", finding.what, finding.remedy);
   const std::vector<GcodePart> parts = gcode_parts(path, machine, options.part_s);
   report.duration_s = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -112,7 +118,7 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
     const std::string frame = frame_gcode(path, machine);
     report.files.push_back(out.parent_path() / (out.stem().string() + "-frame" + out.extension().string()));
     write_text(frame, report.files.back());
-    report.file_duration_s.push_back(replay_gcode(frame, machine, report.files.back().string()).duration_s);
+    report.file_duration_s.push_back(replay_gcode(frame, machine, report.files.back().string(), &path.face).duration_s);
   }
   if (!options.after) remove_stale_parts(out, report.files);
   return report;

@@ -16,6 +16,7 @@
 #include "burin/optimize/carving/drawing.h"
 #include "burin/optimize/carving/gcode.h"
 #include "burin/optimize/carving/toolpath_plan.h"
+#include "burin/render/finding.h"
 
 namespace burin {
 
@@ -33,13 +34,17 @@ struct ToolpathReport {
   std::size_t already_carved = 0;
   double stepped_mm = 0;
   std::size_t done_before = 0;
+  bool follows_face = false;        ///< whether Z follows a height map or a bow
+  Eigen::Vector2d z_zero_mm{0, 0};  ///< where Z is then to be set to zero
+  std::vector<Finding> findings;    ///< of G-code: what a person should know of its depths on this sheet
 };
 
 /// Plans and writes `out` by its extension: .gcode, .nc, .ngc, .svg, .dxf or .csv (the
 /// scratches as sent, in carving order, with their width, depth and alpha). G-code of several parts becomes
 /// out-01.gcode, out-02.gcode, ...; parts that an earlier, longer run left behind are removed. G-code is replayed
-/// before it is written: a scratch lost, doubled or mirrored is an Error and nothing is written. After an interruption
-/// no other file is removed, and `out` may not be the interrupted one.
+/// before it is written: a scratch lost, doubled, mirrored or too deep is an Error and nothing is written; so is G-code
+/// that goes to a fixed Z on a sheet that is known to be less even than that depth (carving/sheet.h). After an
+/// interruption no other file is removed, and `out` may not be the interrupted one.
 ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                               const MachineProfile& machine, const ToolpathOptions& options,
                               const std::filesystem::path& out, const Progress& progress = {});

@@ -187,6 +187,12 @@ Board read_board(const std::filesystem::path& file) {
     board.material = read_material(material);
     material.finish();
   }
+  if (json.has("flatness_um")) {
+    board.flatness_um = json.number("flatness_um");
+    if (*board.flatness_um < 0)
+      json.fail_field("flatness_um", "is negative",
+                      "write how far the face's highest place lies above its lowest, in um");
+  }
   if (json.has("mesh")) board.mesh = resolve_path(file, json.text("mesh"));
   json.finish();
   return board;
@@ -228,6 +234,7 @@ void write_board(const Board& board, const std::filesystem::path& file) {
                       {"depth_um", board.material.depth_um},
                       {"base_alpha", board.material.base_alpha},
                       {"f0", to_json(board.material.f0)}};
+  if (board.flatness_um) json["flatness_um"] = *board.flatness_um;
   if (!board.mesh.empty()) json["mesh"] = path_beside(file, board.mesh);
   write_json(json, file);
 }

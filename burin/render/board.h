@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,9 @@ struct Board {
   std::filesystem::path scratches;  ///< absolute or relative to the working directory; empty if the file names none
   double tool_width_um = 400;       ///< w-tilde in Eqn. 2, fixed by the cutter's tip
   Material material;
+  /// How uneven the face is as it lies on the machine: its highest less its lowest place over the carve area, um, as a
+  /// person measured or believes it. Nothing: nobody knows.
+  std::optional<double> flatness_um;
   std::filesystem::path mesh;  ///< optional OBJ with uv for a board that is neither flat nor bowed; empty if none
 };
 

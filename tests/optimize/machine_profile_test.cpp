@@ -18,9 +18,11 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 TEST(MachineProfile, BuiltInOnesAreFoundAndOthersNamed) {
-  for (const char* name : {"grbl", "linuxcnc", "marlin"}) EXPECT_EQ(machine_profile(name).name, name);
+  for (const char* name : {"grbl", "grbl-spring", "linuxcnc", "marlin", "laser-z"})
+    EXPECT_EQ(machine_profile(name).name, name);
   EXPECT_THAT([] { machine_profile("shapeoko"); },
-              ThrowsMessage<Error>(AllOf(HasSubstr("\"shapeoko\""), HasSubstr("grbl, linuxcnc or marlin"))));
+              ThrowsMessage<Error>(
+                  AllOf(HasSubstr("\"shapeoko\""), HasSubstr("grbl, grbl-spring, linuxcnc, marlin or laser-z"))));
 }
 
 TEST(MachineProfile, APersonsFileSaysWhatDiffers) {
@@ -49,7 +51,7 @@ TEST(MachineProfile, WrongValuesAreNamed) {
   expect(R"("carve_feed_mm_min": 0)", "carve_feed_mm_min: is 0");
   expect(R"("acceleration_mm_s2": -1)", "greater than 0");
   expect(R"("feed_mm_min": 100)", "feed_mm_min: unknown key; did you mean \"carve_feed_mm_min\"?");
-  expect(R"("based_on": "mach3")", "grbl, linuxcnc or marlin");
+  expect(R"("based_on": "mach3")", "grbl, grbl-spring, linuxcnc, marlin or laser-z");
   expect(R"("decimals": 9)", "2 to 6");
   expect(R"("max_lines": 5)", "at least 100");
   expect(R"("dwell_s": -0.1)", "dwell_s: is negative");

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "burin/capture/session.h"
+#include "burin/optimize/carving/height_map.h"
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/scratches.h"
 #include "tests/places.h"
@@ -57,14 +58,16 @@ class FileFormats : public ::testing::Test {
 };
 
 TEST_F(FileFormats, PageHasAnExampleOfEachFile) {
-  EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("board", "csv", "machine", "toml", "session", "bench", "design"));
+  EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("board", "csv", "machine", "toml", "session", "bench", "design", "heights"));
 }
 
 TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
   EXPECT_EQ(read_scratches(folder_ / "scratches.csv").size(), 2U);
   EXPECT_EQ(read_session(folder_ / "session.json").photos.size(), 1U);
   EXPECT_EQ(read_machine_profile(folder_ / "machine.json").limits.max_grooves, 3);
+  EXPECT_EQ(read_machine_profile(folder_ / "machine.json").depth_by, DepthBy::drag);
   EXPECT_EQ(read_machine_profile(folder_ / "machine.toml").limits.max_overlap, 0.3);
+  EXPECT_EQ(read_heights(folder_ / "heights.json").columns, 3);
 }
 
 TEST_F(FileFormats, BenchIsDesignedForRenderedAndCarved) {

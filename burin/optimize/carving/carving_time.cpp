@@ -6,10 +6,14 @@ namespace burin {
 
 CarvingTime scratch_time(const Eigen::Vector2d& at_mm, const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm,
                          double depth_mm, const MachineProfile& machine) {
-  const double z_mm = machine.safe_z_mm + depth_mm;
   CarvingTime time;
   time.metal_s = move_time_s((to_mm - from_mm).norm(), machine.carve_feed_mm_min, machine.acceleration_mm_s2);
   time.air_s = move_time_s((from_mm - at_mm).norm(), machine.rapid_mm_min, machine.acceleration_mm_s2);
+  if (machine.depth_by == DepthBy::servo) {
+    time.down_s = 2 * machine.dwell_s;
+    return time;
+  }
+  const double z_mm = machine.safe_z_mm + plunge_mm(machine, depth_mm);
   time.down_s = move_time_s(z_mm, machine.plunge_feed_mm_min, machine.acceleration_z_mm_s2) + machine.dwell_s +
                 move_time_s(z_mm, machine.rapid_z_mm_min, machine.acceleration_z_mm_s2);
   return time;

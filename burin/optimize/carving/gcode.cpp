@@ -21,94 +21,158 @@ struct BlockValues {
   const MachineProfile& machine;
   const PlannedScratch* scratch = nullptr;
   std::size_t number = 0;
+  const Face* face = nullptr;  ///< that depths follow
+  double highest_mm = 0;       ///< of the face: travel clears it
+  double until = 1;            ///< how far along the scratch this line goes
+
+  BlockValues(const MachineProfile& profile, const Toolpath& path)
+      : machine(profile), face(&path.face), highest_mm(path.highest_mm) {}
 };
+
+Eigen::Vector2d along(const PlannedScratch& s, double t) { return s.from_mm + t * (s.to_mm - s.from_mm); }
+
+/// Z of the tool in the metal of a scratch, at a part of its length.
+double carving_z(const BlockValues& values, double t) {
+  const PlannedScratch& s = *values.scratch;
+  return height_mm(*values.face, along(s, t)) - plunge_mm(values.machine, s.depth_mm);
+}
+
+/// Where a scratch bends to follow the face: its depth then stays well within what the replay allows.
+std::vector<double> bends(const Face& face, const PlannedScratch& s) {
+  return bends(face, s.from_mm, s.to_mm, kFollowShare / 4 * s.depth_mm);
+}
 
 /// The text of one placeholder; nothing for the dwell of a machine that needs none (its line is then left out).
 std::optional<std::string> placeholder(const std::string& name, const BlockValues& values) {
   const MachineProfile& m = values.machine;
   const PlannedScratch* s = values.scratch;
-  if (name == "z_safe") return fixed(m.safe_z_mm, m.decimals);
+  if (name == "z_safe") return fixed(m.safe_z_mm + values.highest_mm, m.decimals);
   if (name == "feed") return shortest(m.carve_feed_mm_min);
   if (name == "plunge_feed") return shortest(m.plunge_feed_mm_min);
   if (name == "rapid") return shortest(m.rapid_mm_min);
   if (name == "force" && m.force != 0) return shortest(m.force);
   if (name == "rapid_z") return shortest(m.rapid_z_mm_min);
+  if (name == "servo_up") return shortest(m.servo_up);
   if (name == "dwell_s") return m.dwell_s > 0 ? std::optional(fixed(m.dwell_s, 3)) : std::nullopt;
   if (name == "dwell_ms") return m.dwell_s > 0 ? std::optional(fixed(m.dwell_s * 1e3, 0)) : std::nullopt;
   if (s != nullptr) {
     if (name == "x0") return fixed(s->from_mm.x(), m.decimals);
     if (name == "y0") return fixed(s->from_mm.y(), m.decimals);
-    if (name == "x1") return fixed(s->to_mm.x(), m.decimals);
-    if (name == "y1") return fixed(s->to_mm.y(), m.decimals);
-    if (name == "z_carve") return fixed(-s->depth_mm, m.decimals);
+    if (name == "x1") return fixed(along(*s, values.until).x(), m.decimals);
+    if (name == "y1") return fixed(along(*s, values.until).y(), m.decimals);
+    if (name == "z_carve") return fixed(carving_z(values, 0), m.decimals);
+    if (name == "z1") return fixed(carving_z(values, values.until), m.decimals);
+    if (name == "servo" && m.depth_by == DepthBy::servo)
+      return fixed(command_for_depth(m.depth_table, 1e3 * s->depth_mm, "machine profile \"" + m.name + "\""), 2);
     if (name == "depth_um") return fixed(s->depth_mm * 1e3, 2);
     if (name == "number") return std::to_string(values.number);
   }
+  if (name == "servo")
+    fail("machine profile \"" + m.name + "\"", "its blocks ask for {servo}, but it is none",
+         "add \"depth_by\": \"servo\" and a depth_table");
   if (name == "force")
     fail("machine profile \"" + m.name + "\"", "its blocks ask for {force}, but it says none", "add \"force\": 350");
   fail("machine profile \"" + m.name + "\"", "its blocks ask for {" + name + "}, which is not known there",
-       "use z_safe, feed, plunge_feed, rapid, rapid_z, force, dwell_s, dwell_ms and, in per_scratch, x0, y0, x1, y1, "
-       "z_carve, "
-       "depth_um, number");
+       "use z_safe, feed, plunge_feed, rapid, rapid_z, force, servo_up, dwell_s, dwell_ms and, in per_scratch, x0, y0, "
+       "x1, y1, z_carve, z1, servo, depth_um, number");
 }
 
-/// Appends a block's lines; returns how many.
-std::size_t append_block(std::string& text, const std::vector<std::string>& block, const BlockValues& values) {
-  std::size_t lines = 0;
-  for (const std::string& line : block) {
-    const std::size_t line_start = text.size();
-    bool wanted = true;
-    for (std::size_t i = 0; i < line.size() && wanted;) {
-      const std::size_t open = line.find('{', i), close = open == std::string::npos ? open : line.find('}', open);
-      if (close == std::string::npos) {
-        text.append(line, i);
-        break;
-      }
-      text.append(line, i, open - i);
-      const std::optional<std::string> value = placeholder(line.substr(open + 1, close - open - 1), values);
-      wanted = value.has_value();
-      if (wanted) text += *value;
-      i = close + 1;
+/// Appends a line, unless it asks for a dwell that there is none of.
+void append_line(std::string& text, const std::string& line, const BlockValues& values) {
+  const std::size_t line_start = text.size();
+  for (std::size_t i = 0; i < line.size();) {
+    const std::size_t open = line.find('{', i), close = open == std::string::npos ? open : line.find('}', open);
+    if (close == std::string::npos) {
+      text.append(line, i);
+      break;
     }
-    if (wanted) {
-      text += '\n';
-      ++lines;
-    } else {
+    text.append(line, i, open - i);
+    const std::optional<std::string> value = placeholder(line.substr(open + 1, close - open - 1), values);
+    if (!value) {
       text.resize(line_start);
+      return;
     }
+    text += *value;
+    i = close + 1;
   }
-  return lines;
+  text += '\n';
+}
+
+void append_block(std::string& text, const std::vector<std::string>& block, const BlockValues& values) {
+  for (const std::string& line : block) append_line(text, line, values);
+}
+
+/// Whether a line of the block takes the tool along the scratch.
+bool goes_along(const std::string& line) {
+  return line.find("{x1}") != std::string::npos || line.find("{y1}") != std::string::npos;
+}
+
+/// Appends a scratch. Where the face is followed, the line along it says Z as well, and comes once for each bend.
+void append_scratch(std::string& text, const MachineProfile& machine, const Toolpath& path, std::size_t i) {
+  BlockValues values(machine, path);
+  values.scratch = &path.scratches[i];
+  values.number = i + 1;
+  const bool follows = path.face.followed() && machine.depth_by != DepthBy::servo;
+  for (std::string line : machine.per_scratch) {
+    if (!follows || !goes_along(line)) {
+      append_line(text, line, values);
+      continue;
+    }
+    if (line.find("{z1}") == std::string::npos) {
+      const std::size_t x = line.find("{x1}"), y = line.find("{y1}");
+      const std::size_t last = y == std::string::npos || (x != std::string::npos && x > y) ? x : y;
+      line.insert(last + 4, " Z{z1}");
+    }
+    for (const double t : bends(path.face, path.scratches[i])) {
+      values.until = t;
+      append_line(text, line, values);
+    }
+    values.until = 1;
+  }
 }
 
 void append_comment(std::string& text, const MachineProfile& machine, const std::string& comment) {
   text += machine.dialect == GcodeDialect::marlin ? "; " + comment + "\n" : "(" + comment + ")\n";
 }
 
+/// What a person at the machine has to know of its depths.
+void append_notes(std::string& text, const MachineProfile& machine, const Toolpath& path) {
+  if (path.face.followed())
+    append_comment(text, machine,
+                   "Z zero: the face at X" + fixed(path.face.zero_mm.x(), 3) + " Y" + fixed(path.face.zero_mm.y(), 3) +
+                       "; Z follows the face");
+  if (by_preload(machine.depth_by)) append_comment(text, machine, "Z zero: where the tool touches, not yet pressed");
+  if (machine.laser) append_comment(text, machine, "the beam stays off: M5 S0, with $32=1 and with $32=0");
+}
+
 /// Scratches [first, first + count) of the path for each file: as many as its time and lines allow.
 std::vector<std::pair<std::size_t, std::size_t>> split(const Toolpath& path, const MachineProfile& machine,
                                                        double part_s) {
-  constexpr std::size_t kCommentLines = 8;
+  constexpr std::size_t kCommentLines = 10;
   const std::size_t fixed_lines = machine.start.size() + machine.end.size() + kCommentLines;
   const std::size_t room = machine.max_lines == 0 ? std::numeric_limits<std::size_t>::max()
                            : static_cast<std::size_t>(machine.max_lines) > fixed_lines
                                ? static_cast<std::size_t>(machine.max_lines) - fixed_lines
                                : 0;
   const std::size_t lines_each = std::max<std::size_t>(1, machine.per_scratch.size());
-  const std::size_t most = std::max<std::size_t>(1, room / lines_each);
   std::vector<std::pair<std::size_t, std::size_t>> parts;
   Eigen::Vector2d at(0, 0);
   double elapsed_s = 0;
+  std::size_t lines = 0;
   for (std::size_t i = 0; i < path.scratches.size(); ++i) {
     const PlannedScratch& scratch = path.scratches[i];
     const double s = scratch_time(at, scratch.from_mm, scratch.to_mm, scratch.depth_mm, machine).total_s();
     at = scratch.to_mm;
-    const bool full = !parts.empty() && (parts.back().second >= most || (part_s > 0 && elapsed_s + s > part_s));
+    const std::size_t more = lines_each * (path.face.followed() ? bends(path.face, scratch).size() : 1);
+    const bool full = !parts.empty() && (more > room - std::min(room, lines) || (part_s > 0 && elapsed_s + s > part_s));
     if (parts.empty() || full) {
       parts.emplace_back(i, 0);
       elapsed_s = 0;
+      lines = 0;
     }
     ++parts.back().second;
     elapsed_s += s;
+    lines += more;
   }
   return parts;
 }
@@ -121,14 +185,13 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
   for (std::size_t k = 0; k < parts.size(); ++k) {
     GcodePart part{{}, parts[k].first, parts[k].second, 0};
     std::string body;
-    append_block(body, machine.start, {machine});
-    for (std::size_t i = part.first; i < part.first + part.count; ++i)
-      append_block(body, machine.per_scratch, {machine, &path.scratches[i], i + 1});
-    append_block(body, machine.end, {machine});
-    const Replay replay = replay_gcode(body, machine, "tool path, part " + std::to_string(k + 1));
+    append_block(body, machine.start, {machine, path});
+    for (std::size_t i = part.first; i < part.first + part.count; ++i) append_scratch(body, machine, path, i);
+    append_block(body, machine.end, {machine, path});
+    const Replay replay = replay_gcode(body, machine, "tool path, part " + std::to_string(k + 1), &path.face);
     part.duration_s = replay.duration_s;
     fail_unless_good(check_toolpath(replay.scratches, std::span(path.scratches).subspan(part.first, part.count),
-                                    2 * std::pow(10.0, -machine.decimals)),
+                                    2 * std::pow(10.0, -machine.decimals), depth_share(path.face)),
                      "tool path, part " + std::to_string(k + 1));
 
     // Short lines: grbl reads at most 80 characters.
@@ -141,6 +204,7 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
                    "X " + fixed(path.min_mm.x(), 3) + " to " + fixed(path.max_mm.x(), 3) + ", Y " +
                        fixed(path.min_mm.y(), 3) + " to " + fixed(path.max_mm.y(), 3));
     append_comment(part.text, machine, "zero: lower left corner of the board, its face");
+    append_notes(part.text, machine, path);
     append_comment(part.text, machine, "about " + duration_text(part.duration_s));
     part.text += body;
     list.push_back(std::move(part));
@@ -151,7 +215,7 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
 std::string frame_gcode(const Toolpath& path, const MachineProfile& machine) {
   std::string text;
   append_comment(text, machine, "Burin frame for " + machine.name + ", mm: round the scratches, in the air");
-  append_block(text, machine.start, {machine});
+  append_block(text, machine.start, {machine, path});
   const auto go = [&](const std::string& how, double x, double y) {
     text += how + " X" + fixed(x, machine.decimals) + " Y" + fixed(y, machine.decimals) + " F" +
             shortest(machine.carve_feed_mm_min) + "\n";
@@ -161,7 +225,7 @@ std::string frame_gcode(const Toolpath& path, const MachineProfile& machine) {
   go("G1", path.max_mm.x(), path.max_mm.y());
   go("G1", path.min_mm.x(), path.max_mm.y());
   go("G1", path.min_mm.x(), path.min_mm.y());
-  append_block(text, machine.end, {machine});
+  append_block(text, machine.end, {machine, path});
   return text;
 }
 

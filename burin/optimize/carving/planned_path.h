@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "burin/optimize/carving/carving_order.h"
+#include "burin/optimize/carving/face.h"
 #include "burin/render/carve.h"
 
 namespace burin {
@@ -26,6 +27,8 @@ struct Toolpath {
   Eigen::Vector2d min_mm, max_mm;         ///< what the tool's tip covers while carving
   double carve_mm = 0, travel_mm = 0;     ///< ways in the metal and in the air (from work zero)
   double file_order_travel_mm = 0;        ///< what the travel would be in the order of the scratches given
+  Face face;                              ///< that the depths follow
+  double highest_mm = 0;                  ///< of the face, where the path goes: what the tool's travel must clear
   double duration_s = 0;                  ///< estimate, with acceleration, for the built-in way to carve a scratch
   bool kept_order = false;                ///< whether the order is that of the scratches given
   bool compensated = false;               ///< whether a measured affine map other than none was undone

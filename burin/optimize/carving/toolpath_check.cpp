@@ -17,7 +17,7 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 /// One line's words, by letter; a letter may come several times only if it is G or M.
 struct Words {
-  std::vector<double> g;
+  std::vector<double> g, m;
   std::array<double, 26> value;
   std::array<bool, 26> given{};
 
@@ -27,19 +27,22 @@ struct Words {
 
 class Machine {
  public:
-  Machine(const MachineProfile& profile, std::string name) : profile_(profile), name_(std::move(name)) {
+  Machine(const MachineProfile& profile, std::string name, const Face* face)
+      : profile_(profile), name_(std::move(name)), face_(face != nullptr && face->followed() ? face : nullptr) {
     replay_.min_mm.setConstant(kUnknown);
     replay_.max_mm.setConstant(kUnknown);
     // A head that never goes below the face presses: its feed moves are its scratches.
+    by_servo_ = profile.depth_by == DepthBy::servo;
     carves_below_face_ =
-        std::any_of(profile.per_scratch.begin(), profile.per_scratch.end(),
-                    [](const std::string& line) { return line.find("{z_carve}") != std::string::npos; });
+        !by_servo_ && std::any_of(profile.per_scratch.begin(), profile.per_scratch.end(),
+                                  [](const std::string& line) { return line.find("{z_carve}") != std::string::npos; });
   }
 
   void line(std::string_view text) {
     ++replay_.lines;
     const Words words = parse(text);
     for (const double g : words.g) modal(g);
+    spindle(words);
     if (words.has('F')) feed_mm_min_ = words['F'] * unit_mm_;
     if (elsewhere_) {
       go_elsewhere(words);
@@ -51,7 +54,9 @@ class Machine {
   }
 
   Replay finish() {
-    if (carves_below_face_ && at_.z() < 0) error("the file ends with the tool in the metal", "lift it at the end");
+    if (carves_below_face_ && clearance_mm(at_) < 0)
+      error("the file ends with the tool in the metal", "lift it at the end");
+    if (by_servo_ && head_depth_mm_ > 0) error("the file ends with the head pressed down", "lift it at the end");
     return std::move(replay_);
   }
 
@@ -87,6 +92,7 @@ class Machine {
         if (c == 'G') {
           words.g.push_back(value);
         } else if (c == 'M') {
+          words.m.push_back(value);
           message = true;  // M117 and its like are followed by text
         } else {
           if (words.has(c)) error(std::string(1, c) + " stands twice in a line", "keep one of them");
@@ -146,6 +152,36 @@ class Machine {
     }
   }
 
+  /// What turns a spindle, a beam or a servo. S in other lines is a dwell's or a firmware's setting.
+  void spindle(const Words& words) {
+    bool on = false, off = false, set = false;
+    double command = 0;
+    for (const double m : words.m) {
+      const int code = static_cast<int>(std::lround(m));
+      on = on || code == 3 || code == 4;
+      off = off || code == 5;
+      set = set || code == 67 || code == 68 || code == 280;
+      if (code == 67 || code == 68) command = words.has('Q') ? words['Q'] : 0;
+      if (code == 280) command = words.has('S') ? words['S'] : 0;
+    }
+    if ((on || off || words.m.empty()) && words.has('S') && !dwelling_) spindle_s_ = words['S'];
+    if (on || off) spindle_on_ = on;
+    if (profile_.laser && (on || (set && command != 0) || (spindle_s_ != 0 && !std::isnan(spindle_s_))))
+      error("turns the laser on", "take M3, M4 and S away: the tool on its axis carves with the beam off");
+    if (!by_servo_ || !(on || off || set || (spindle_on_ && words.has('S')))) return;
+    if (!set) command = spindle_on_ ? spindle_s_ : profile_.servo_up;
+    const double depth_um = depth_for_command(profile_.depth_table, command, false);
+    if (std::isnan(depth_um) && !(std::abs(command - profile_.servo_up) < 1e-9))
+      error("sets the servo to S" + std::to_string(command) + ", which neither lifts it nor is a depth",
+            "correct it, or depth_table and servo_up of the machine profile");
+    head_depth_mm_ = std::isnan(depth_um) ? 0 : 1e-3 * depth_um;
+  }
+
+  /// How far a place lies above the face.
+  double clearance_mm(const Eigen::Vector3d& p) const {
+    return face_ == nullptr || !p.allFinite() ? p.z() : p.z() - height_mm(*face_, p.head<2>());
+  }
+
   /// Home, or a place in the machine's own coordinates: where that is the file does not tell.
   void go_elsewhere(const Words& words) {
     elsewhere_ = false;
@@ -175,6 +211,10 @@ class Machine {
     const bool along_board = words.has('X') || words.has('Y');
     if (along_board && std::isnan(at_.z()) && carves_below_face_)
       error("moves along the board before the tool was lifted", "go to a safe height first");
+    if (along_board && by_servo_ && std::isnan(head_depth_mm_))
+      error("moves along the board before the head was lifted", "lift it first");
+    if (along_board && by_servo_ && head_depth_mm_ > 0 && !along.allFinite())
+      error("carves from a place that the file does not tell", "go to its beginning first, lifted");
     for (int axis = 0; axis < 3; ++axis) {
       if (std::isnan(to[axis])) continue;
       replay_.min_mm[axis] = std::fmin(replay_.min_mm[axis], to[axis]);
@@ -184,23 +224,86 @@ class Machine {
     // From an unknown place the length of the way is not known: it is left out.
     const double along_mm = along.allFinite() ? along.norm() : 0;
     const double up_mm = std::isnan(to.z() - at_.z()) ? 0 : std::abs(to.z() - at_.z());
-    const bool in_metal =
-        carves_below_face_ ? (along_mm > 0 && std::max(at_.z(), to.z()) < 0) : (along_mm > 0 && !rapid_);
-    if (carves_below_face_ && along_mm > 0 && std::min(at_.z(), to.z()) < 0) {
-      if (!in_metal) error("goes into or out of the metal at a slant", "plunge and lift straight");
-      if (rapid_) error("moves with G0 through the metal", "carve with G1");
-      if (up_mm > 0) error("changes depth within a scratch", "carve at one depth");
-    }
+    const bool in_metal = along_mm > 0 && goes_through_metal(to, up_mm);
     if (!rapid_ && feed_mm_min_ <= 0) error("a G1 without a feed rate", "add F");
     replay_.duration_s += duration_s(along_mm, up_mm);
-    if (in_metal) {
-      replay_.scratches.push_back(
-          {at_.head<2>(), to.head<2>(), carves_below_face_ ? -to.z() : kUnknown, replay_.lines});
-      replay_.carve_mm += along_mm;
-    } else {
-      replay_.travel_mm += along_mm;
-    }
+    if (in_metal)
+      carve(to, along_mm);
+    else
+      travel(to, along_mm);
+    goes_on_ = in_metal;
     at_ = to;
+  }
+
+  /// Whether a move along the board carves. Throws for one that must not be.
+  bool goes_through_metal(const Eigen::Vector3d& to, double up_mm) const {
+    if (by_servo_) {
+      if (head_depth_mm_ > 0 && rapid_) error("moves with G0 through the metal", "carve with G1");
+      return head_depth_mm_ > 0;
+    }
+    if (!carves_below_face_) return !rapid_;
+    const double from_mm = clearance_mm(at_), to_mm = clearance_mm(to);
+    if (std::max(from_mm, to_mm) >= 0) {
+      if (std::min(from_mm, to_mm) < 0) error("goes into or out of the metal at a slant", "plunge and lift straight");
+      if (face_ != nullptr && depth_along(to).second > 0)
+        error("goes through a high place of the face", "travel higher: raise safe_z_mm");
+      return false;
+    }
+    if (rapid_) error("moves with G0 through the metal", "carve with G1");
+    if (up_mm > 0 && face_ == nullptr) error("changes depth within a scratch", "carve at one depth");
+    return true;
+  }
+
+  /// How far below the face the tool comes on its way from here, least and most.
+  std::pair<double, double> depth_along(const Eigen::Vector3d& to) const {
+    constexpr int kLooks = 32;
+    double least = -clearance_mm(at_), most = least;
+    for (int k = 1; k <= kLooks && face_ != nullptr; ++k) {
+      const double below = -clearance_mm(at_ + k * (to - at_) / kLooks);
+      least = std::min(least, below);
+      most = std::max(most, below);
+    }
+    return {least, most};
+  }
+
+  void travel(const Eigen::Vector3d& to, double along_mm) {
+    replay_.travel_mm += along_mm;
+    if (along_mm > 0 && to.allFinite() && at_.allFinite())
+      replay_.lowest_travel_mm = std::min(replay_.lowest_travel_mm, -depth_along(to).second);
+  }
+
+  void carve(const Eigen::Vector3d& to, double along_mm) {
+    replay_.carve_mm += along_mm;
+    ReplayedScratch s{at_.head<2>(), to.head<2>(), by_servo_ ? head_depth_mm_ : kUnknown, replay_.lines};
+    if (carves_below_face_) {
+      const auto [least_mm, most_mm] = depth_along(to);
+      const double least = depth_of_plunge_mm(profile_, least_mm), most = depth_of_plunge_mm(profile_, most_mm);
+      if (std::isnan(most))
+        error("presses harder than the machine's depth_table tells", "correct the file or the table");
+      s.depth_mm = (least + most) / 2;
+      s.depth_spread_mm = (most - least) / 2;
+    }
+    if (face_ == nullptr || !goes_on_ || !in_line(replay_.scratches.back(), s)) {
+      replay_.scratches.push_back(s);
+      return;
+    }
+    // A scratch that follows the face bends on its way.
+    ReplayedScratch& whole = replay_.scratches.back();
+    const double least = std::min(whole.depth_mm - whole.depth_spread_mm, s.depth_mm - s.depth_spread_mm);
+    const double most = std::max(whole.depth_mm + whole.depth_spread_mm, s.depth_mm + s.depth_spread_mm);
+    whole.to_mm = s.to_mm;
+    whole.line = s.line;
+    whole.depth_mm = (least + most) / 2;
+    whole.depth_spread_mm = (most - least) / 2;
+  }
+
+  /// Whether one stroke goes straight on from another: as straight as a file's decimals are.
+  static bool in_line(const ReplayedScratch& before, const ReplayedScratch& after) {
+    const Eigen::Vector2d u = (after.to_mm - before.from_mm).normalized();
+    const Eigen::Vector2d bend = after.from_mm - before.from_mm;
+    constexpr double kStraight_mm = 0.02;
+    return std::abs(u.x() * bend.y() - u.y() * bend.x()) < kStraight_mm &&
+           (after.to_mm - after.from_mm).dot(before.to_mm - before.from_mm) > 0;
   }
 
   double duration_s(double along_mm, double up_mm) const {
@@ -216,8 +319,12 @@ class Machine {
 
   const MachineProfile& profile_;
   std::string name_;
+  const Face* face_;  ///< null where it is even
   Replay replay_;
-  bool carves_below_face_ = true;
+  bool carves_below_face_ = true, by_servo_ = false;
+  bool goes_on_ = false;  ///< the move before carved
+  bool spindle_on_ = false;
+  double spindle_s_ = kUnknown, head_depth_mm_ = kUnknown;
   bool rapid_ = true, moving_ = false, absolute_ = false, dwelling_ = false, elsewhere_ = false;
   double unit_mm_ = 0, feed_mm_min_ = 0;
   Eigen::Vector3d at_ = Eigen::Vector3d::Constant(kUnknown);
@@ -226,23 +333,26 @@ class Machine {
 /// Strokes by the place of their middle, for looking up within a tolerance.
 class StrokeIndex {
  public:
-  StrokeIndex(std::span<const PlannedScratch> planned, double tolerance_mm)
-      : planned_(planned), tolerance_mm_(tolerance_mm), cell_mm_(4 * tolerance_mm), hits_(planned.size(), 0) {
+  StrokeIndex(std::span<const PlannedScratch> planned, double tolerance_mm, double depth_share)
+      : planned_(planned),
+        tolerance_mm_(tolerance_mm),
+        depth_share_(depth_share),
+        cell_mm_(4 * tolerance_mm),
+        hits_(planned.size(), 0) {
     for (std::size_t i = 0; i < planned.size(); ++i)
       cells_[key(cell(planned[i].from_mm + planned[i].to_mm))].push_back(i);
   }
 
   /// The planned stroke with these ends and depth that was hit least often so far, and counts the hit; -1 if none.
-  std::ptrdiff_t hit(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double depth_mm) {
+  std::ptrdiff_t hit(const ReplayedScratch& s) {
     std::ptrdiff_t best = -1;
-    const auto [column, row] = cell(from + to);
+    const auto [column, row] = cell(s.from_mm + s.to_mm);
     for (std::int64_t c = column - 1; c <= column + 1; ++c)
       for (std::int64_t r = row - 1; r <= row + 1; ++r) {
         const auto found = cells_.find(key({c, r}));
         if (found == cells_.end()) continue;
         for (const std::size_t i : found->second)
-          if (same(planned_[i], from, to, depth_mm) && (best < 0 || hits_[i] < hits_[best]))
-            best = static_cast<std::ptrdiff_t>(i);
+          if (same(planned_[i], s) && (best < 0 || hits_[i] < hits_[best])) best = static_cast<std::ptrdiff_t>(i);
       }
     if (best >= 0) ++hits_[best];
     return best;
@@ -253,12 +363,14 @@ class StrokeIndex {
  private:
   using Cell = std::pair<std::int64_t, std::int64_t>;
 
-  bool same(const PlannedScratch& p, const Eigen::Vector2d& from, const Eigen::Vector2d& to, double depth_mm) const {
+  bool same(const PlannedScratch& p, const ReplayedScratch& s) const {
     const auto near = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
       return (a - b).norm() <= tolerance_mm_;
     };
-    return (std::isnan(depth_mm) || std::abs(p.depth_mm - depth_mm) <= tolerance_mm_) &&
-           ((near(p.from_mm, from) && near(p.to_mm, to)) || (near(p.from_mm, to) && near(p.to_mm, from)));
+    const double depth_tolerance_mm = tolerance_mm_ + depth_share_ * p.depth_mm;
+    return (std::isnan(s.depth_mm) || std::abs(p.depth_mm - s.depth_mm) + s.depth_spread_mm <= depth_tolerance_mm) &&
+           ((near(p.from_mm, s.from_mm) && near(p.to_mm, s.to_mm)) ||
+            (near(p.from_mm, s.to_mm) && near(p.to_mm, s.from_mm)));
   }
   Cell cell(const Eigen::Vector2d& sum_of_ends) const {  // ends within the tolerance move their sum by at most twice it
     return {static_cast<std::int64_t>(std::floor(sum_of_ends.x() / cell_mm_)),
@@ -267,14 +379,14 @@ class StrokeIndex {
   static std::int64_t key(const Cell& cell) { return cell.first * 0x1000003 + cell.second; }
 
   std::span<const PlannedScratch> planned_;
-  double tolerance_mm_, cell_mm_;
+  double tolerance_mm_, depth_share_, cell_mm_;
   std::vector<std::size_t> hits_;
   std::unordered_map<std::int64_t, std::vector<std::size_t>> cells_;
 };
 
 /// How many of the carved strokes are planned ones once x (or y) is turned round about the middle of what they cover.
 std::size_t found_when_mirrored(std::span<const ReplayedScratch> carved, std::span<const PlannedScratch> planned,
-                                int axis, double tolerance_mm) {
+                                int axis, double tolerance_mm, double depth_share) {
   const auto middle = [axis](const auto& strokes) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const auto& s : strokes) {
@@ -284,12 +396,12 @@ std::size_t found_when_mirrored(std::span<const ReplayedScratch> carved, std::sp
     return (low + high) / 2;
   };
   const double from_middle = middle(carved), to_middle = middle(planned);
-  StrokeIndex index(planned, 4 * tolerance_mm);
+  StrokeIndex index(planned, 4 * tolerance_mm, depth_share);
   std::size_t count = 0;
   for (ReplayedScratch s : carved) {
     s.from_mm[axis] = to_middle + (from_middle - s.from_mm[axis]);
     s.to_mm[axis] = to_middle + (from_middle - s.to_mm[axis]);
-    const std::ptrdiff_t i = index.hit(s.from_mm, s.to_mm, s.depth_mm);
+    const std::ptrdiff_t i = index.hit(s);
     if (i >= 0 && index.hits()[i] == 1) ++count;
   }
   return count;
@@ -297,8 +409,8 @@ std::size_t found_when_mirrored(std::span<const ReplayedScratch> carved, std::sp
 
 }  // namespace
 
-Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name) {
-  Machine replayed(machine, name);
+Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name, const Face* face) {
+  Machine replayed(machine, name, face);
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
     replayed.line(text.substr(0, end));
@@ -308,29 +420,29 @@ Replay replay_gcode(std::string_view text, const MachineProfile& machine, const 
 }
 
 ToolpathCheck check_toolpath(std::span<const ReplayedScratch> carved, std::span<const PlannedScratch> planned,
-                             double tolerance_mm) {
+                             double tolerance_mm, double depth_share) {
   ToolpathCheck check;
-  StrokeIndex index(planned, tolerance_mm);
+  StrokeIndex index(planned, tolerance_mm, depth_share);
   for (const ReplayedScratch& stroke : carved)
-    if (index.hit(stroke.from_mm, stroke.to_mm, stroke.depth_mm) < 0 && check.foreign++ == 0)
-      check.first_foreign_line = stroke.line;
+    if (index.hit(stroke) < 0 && check.foreign++ == 0) check.first_foreign_line = stroke.line;
   for (std::size_t i = 0; i < planned.size(); ++i) {
     const std::size_t hits = index.hits()[i];
     if (hits == 0 && check.lost++ == 0) check.first_lost = planned[i].scratch;
     if (hits > 1) ++check.doubled;
   }
   if (check.lost > 0 && check.foreign > 0)
-    check.mirrored = std::min(check.lost, std::max(found_when_mirrored(carved, planned, 0, tolerance_mm),
-                                                   found_when_mirrored(carved, planned, 1, tolerance_mm)));
+    check.mirrored = std::min(check.lost, std::max(found_when_mirrored(carved, planned, 0, tolerance_mm, depth_share),
+                                                   found_when_mirrored(carved, planned, 1, tolerance_mm, depth_share)));
   return check;
 }
 
 std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved,
-                                         std::span<const PlannedScratch> planned, double tolerance_mm) {
-  StrokeIndex index(planned, tolerance_mm);
+                                         std::span<const PlannedScratch> planned, double tolerance_mm,
+                                         double depth_share) {
+  StrokeIndex index(planned, tolerance_mm, depth_share);
   std::vector<std::ptrdiff_t> found;
   found.reserve(carved.size());
-  for (const ReplayedScratch& s : carved) found.push_back(index.hit(s.from_mm, s.to_mm, s.depth_mm));
+  for (const ReplayedScratch& s : carved) found.push_back(index.hit(s));
   return found;
 }
 

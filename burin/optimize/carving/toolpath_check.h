@@ -4,11 +4,15 @@
 // line numbers, % and block-delete lines. What does not move anything (M, S, T, G17, G40, G43, G49, G54-G59, G61, G64,
 // G80, G94, ...) is passed over; G28, G30 and G53 go somewhere that the file does not tell. Everything that would make
 // the replay wrong instead is an error that names the line: arcs, relative coordinates, offsets, unknown codes.
-// Machine coordinates (burin/optimize/machine_profile.h), mm.
+// Depths are told from Z, from the machine's table where it presses (a preload, a servo's S by M3, M4, M67, M68 or
+// M280), and from the face's height where a path follows one: strokes that go on without a lift in a straight line are
+// then one scratch. A laser's axis must never see its beam turned on. Machine coordinates
+// (burin/optimize/machine_profile.h), mm.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -22,22 +26,27 @@ namespace burin {
 /// One stroke in the metal: a straight move along the board below its face.
 struct ReplayedScratch {
   Eigen::Vector2d from_mm, to_mm;
-  double depth_mm = 0;   ///< NaN for a head that presses instead of plunging: the file does not tell
-  std::size_t line = 0;  ///< of the file, from 1
+  double depth_mm = 0;         ///< NaN for a head that presses instead of plunging: the file does not tell
+  std::size_t line = 0;        ///< of the file, from 1: the last line of its stroke
+  double depth_spread_mm = 0;  ///< by how much the depth leaves depth_mm, up or down, along the scratch
 };
 
 struct Replay {
   std::vector<ReplayedScratch> scratches;
   Eigen::Vector3d min_mm, max_mm;      ///< of all places the tool was sent to; NaN for an axis never named
   double carve_mm = 0, travel_mm = 0;  ///< along the board, in the metal and above it
+  /// Least height above the face of a way along the board in the air; infinite where there is none or it is not told.
+  double lowest_travel_mm = std::numeric_limits<double>::infinity();
   double duration_s = 0;  ///< each move from rest to rest, with the profile's accelerations; dwells included
   std::size_t lines = 0;
 };
 
 /// Replays a file. `name` is what errors call it. Throws Error for what cannot be followed, for a move before units
 /// (G20 or G21) and absolute coordinates (G90) are set, for a move along the board before the tool was lifted or
-/// placed, for a rapid move (G0) through the metal, and for an end below the face.
-Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name);
+/// placed, for a rapid move (G0) through the metal, for an end below the face, and for a beam turned on. `face`: that
+/// the file follows; without one it is even.
+Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name,
+                    const Face* face = nullptr);
 
 /// What a replay did against what was planned.
 struct ToolpathCheck {
@@ -50,14 +59,16 @@ struct ToolpathCheck {
   bool good() const { return lost == 0 && doubled == 0 && foreign == 0; }
 };
 
-/// Compares ends (in either order) and depths within the tolerance.
+/// Compares ends (in either order) and depths within the tolerance; depths may leave what was planned by `depth_share`
+/// of it more (depth_share(face)).
 ToolpathCheck check_toolpath(std::span<const ReplayedScratch> carved, std::span<const PlannedScratch> planned,
-                             double tolerance_mm);
+                             double tolerance_mm, double depth_share = 0);
 
 /// For each carved stroke which of the planned ones it is (ends in either order, and depths, within the tolerance),
 /// different ones for strokes planned several times; -1 for one that was not planned.
 std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved,
-                                         std::span<const PlannedScratch> planned, double tolerance_mm);
+                                         std::span<const PlannedScratch> planned, double tolerance_mm,
+                                         double depth_share = 0);
 
 /// Throws Error saying what is wrong, unless the check is good.
 void fail_unless_good(const ToolpathCheck& check, const std::string& name);

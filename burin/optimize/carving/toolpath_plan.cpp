@@ -1,6 +1,5 @@
 #include "burin/optimize/carving/toolpath_plan.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -20,12 +19,14 @@ constexpr double kEdgeTolerance_mm = 1e-3;  // files are rounded to 1e-5 mm or, 
 
 std::string point_text(const Eigen::Vector2d& p) { return "(" + fixed(p.x(), 3) + ", " + fixed(p.y(), 3) + ") mm"; }
 
-/// believed / measured depth: what a depth to be carved must be multiplied with to become the machine's command.
-double depth_command_factor(const Board& board, const Bench* measured) {
-  if (measured == nullptr || !measured->material_sigma.depth_um) return 1;
-  const Verdict* verdict = find_verdict(*measured, parameter::kDepth);
-  if (verdict != nullptr && !verdict->determined()) return 1;
-  return board.material.depth_um / measured->material.depth_um;
+/// What the machine is to be told on this bench: a depth that nobody measured is what it was told before.
+Sent sent_to(const Scratches& scratches, const Board& board, const Bench* measured) {
+  if (measured == nullptr) return Sent(scratches);
+  Bench bench = *measured;
+  const Verdict* verdict = find_verdict(bench, parameter::kDepth);
+  if (!bench.material_sigma.depth_um || (verdict != nullptr && !verdict->determined()))
+    bench.material.depth_um = board.material.depth_um;
+  return compensated(Designed(scratches), bench, board);
 }
 
 // Scratches as the machine is told them, and as it will carve them.
@@ -33,44 +34,30 @@ struct Told {
   Scratches sent, carved;
 };
 
-Told told_to_machine(const Scratches& scratches, const Affine2& carves, double step_mm, Toolpath& path) {
-  const Eigen::Matrix2d A_inverse = carves.leftCols<2>().inverse();
-  const auto told = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
-    return path.compensated ? Eigen::Vector2d(A_inverse * (p - carves.col(2))) : p;
-  };
+Told told_to_machine(const Scratches& scratches, Sent sent_as_wanted, const Affine2& carves, double step_mm,
+                     Toolpath& path) {
   const auto lies_mm = [&](Eigen::Vector2d& q, Eigen::Vector2d& p) {
-    const Eigen::Vector2d wanted = p;
-    q = told(wanted);
     if (step_mm <= 0) return;
     // The machine goes to its steps whatever it is told: tell it so, and judge what it will carve.
+    const Eigen::Vector2d wanted = p;
     q = (q / step_mm).array().round() * step_mm;
     const Eigen::Vector2d lies = carves.leftCols<2>() * q + carves.col(2);
     if ((lies - wanted).norm() > kOnStep_mm) p = lies;
     path.stepped_mm = std::max(path.stepped_mm, (lies - wanted).norm());
   };
-  Told out{scratches, scratches};
+  Told out{std::move(sent_as_wanted.scratches), scratches};
   for (std::size_t i = 0; i < scratches.size(); ++i) {
     if (scratches.is_carved(i)) {
       ++path.already_carved;
       continue;
     }
-    Ends sent = ends_of(scratches, i), carved = sent;
+    Ends sent = ends_of(out.sent, i), carved = ends_of(scratches, i);
     lies_mm(sent.a, carved.a);
     lies_mm(sent.b, carved.b);
     set_ends(out.sent, i, sent);
     set_ends(out.carved, i, carved);
   }
   return out;
-}
-
-// Depths and roughnesses of scratches that have their own, as the machine is told them: for a board of the material
-// that board.json believes in.
-void tell_depth_and_alpha(Scratches& sent, const Board& board, const Bench* measured) {
-  sent.carved.clear();
-  const double factor = depth_command_factor(board, measured);
-  for (double& depth : sent.depth_um) depth *= factor;
-  if (measured != nullptr)
-    for (double& alpha : sent.alpha) alpha = std::min(1.0, alpha * board.material.alpha / measured->material.alpha);
 }
 
 void check_travel(const Scratches& sent, const MachineProfile& machine, bool compensated) {
@@ -88,6 +75,29 @@ void check_travel(const Scratches& sent, const MachineProfile& machine, bool com
   }
 }
 
+// The face that depths are to follow, as the options say.
+Face face_of(const Board& board, const Bench* measured, const ToolpathOptions& options, const Affine2& carves) {
+  Face face;
+  face.map = options.heights;
+  face.carves = carves;
+  if (options.follow_bow) {
+    if (measured == nullptr || measured->bow_mm.isZero())
+      fail("tool path", "there is no measured bow to follow", "give the bench.json that photos of this sheet measured");
+    face.bow = Surface{board.size_mm, measured->bow_mm};
+  }
+  face.zero_mm = face.map ? face.map->zero_mm : board.carve_min_mm;
+  return face;
+}
+
+// A map tells nothing of the face far beyond its points.
+void check_within(const HeightMap& map, const PlannedScratch& s) {
+  for (const Eigen::Vector2d& p : {s.from_mm, s.to_mm})
+    if (beyond_mm(map, p) > map.step_mm.minCoeff())
+      fail("scratch in row " + std::to_string(s.scratch + 1),
+           "lies " + fixed(beyond_mm(map, p), 1) + " mm beyond the height map, at " + point_text(p),
+           "probe the whole carve area (burin probe)");
+}
+
 // One more scratch at the path's end: what it covers, its ways and its time.
 void append(Toolpath& path, const PlannedScratch& s, const MachineProfile& machine) {
   if (path.scratches.empty()) {
@@ -98,6 +108,10 @@ void append(Toolpath& path, const PlannedScratch& s, const MachineProfile& machi
   path.min_mm = path.min_mm.cwiseMin(s.from_mm).cwiseMin(s.to_mm);
   path.max_mm = path.max_mm.cwiseMax(s.from_mm).cwiseMax(s.to_mm);
   path.carve_mm += (s.to_mm - s.from_mm).norm();
+  if (path.face.map) check_within(*path.face.map, s);
+  constexpr int kLooks = 4;
+  for (int k = 0; k <= kLooks && path.face.followed(); ++k)
+    path.highest_mm = std::max(path.highest_mm, height_mm(path.face, s.from_mm + k * (s.to_mm - s.from_mm) / kLooks));
   path.duration_s += scratch_time(at, s.from_mm, s.to_mm, s.depth_mm, machine).total_s();
   path.scratches.push_back(s);
 }
@@ -115,8 +129,10 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
   if (scratches.size() == 0) fail("tool path", "there is no scratch to carve", "design some first");
   const CarvingLimits limits = toolpath_limits(board, measured, machine);
   Toolpath path;
+  path.face = face_of(board, measured, options, limits.affine);
   path.compensated = !limits.affine.isApprox(CarvingLimits().affine, 1e-12);
-  const auto [sent, carved] = told_to_machine(scratches, limits.affine, machine.limits.step_mm, path);
+  const auto [sent, carved] =
+      told_to_machine(scratches, sent_to(scratches, board, measured), limits.affine, machine.limits.step_mm, path);
   if (path.already_carved == scratches.size())
     fail("tool path", "all " + std::to_string(scratches.size()) + " scratches are carved already",
          "design some more, or take the column carved away to carve all again");
@@ -133,7 +149,7 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
   path.travel_mm = travel_mm(to_carve, path.order);
   path.file_order_travel_mm = travel_mm(to_carve, file_order(to_carve));
   for (CarvingStep& step : path.order) step.scratch = static_cast<std::uint32_t>(rows[step.scratch]);
-  tell_depth_and_alpha(path.sent.scratches, board, measured);
+  path.sent.scratches.carved.clear();
   path.scratches.reserve(rows.size());
   for (std::size_t k = 0; k < path.order.size(); ++k) {
     const Scratches& sent_rows = path.sent.scratches;
@@ -146,12 +162,13 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
 
 Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std::string_view text, std::size_t line,
                     const std::string& name) {
-  const Replay replay = replay_gcode(text, machine, name);
+  const Replay replay = replay_gcode(text, machine, name, &planned.face);
   if (line < 1 || line > replay.lines)
     fail(name + ": line " + std::to_string(line), "is not in the file, which has " + std::to_string(replay.lines),
          "give the line at which the machine stopped");
   const double tolerance_mm = 1e-3;  // of coordinates with the fewest decimals that make sense
-  const std::vector<std::ptrdiff_t> found = find_planned(replay.scratches, planned.scratches, tolerance_mm);
+  const std::vector<std::ptrdiff_t> found =
+      find_planned(replay.scratches, planned.scratches, tolerance_mm, depth_share(planned.face));
   for (std::size_t k = 0; k < found.size(); ++k)
     if (found[k] < 0)
       fail(name + ":" + std::to_string(replay.scratches[k].line),
@@ -168,6 +185,7 @@ Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std:
 
   Toolpath left;
   left.done_before = static_cast<std::size_t>(first - replay.scratches.begin());
+  left.face = planned.face;
   left.compensated = planned.compensated;
   left.kept_order = planned.kept_order;
   left.already_carved = planned.already_carved;

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/carving/height_map.h"
 #include "burin/optimize/carving/planned_path.h"
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/bench.h"
@@ -31,7 +32,9 @@ struct ToolpathOptions {
   std::optional<bool> keep_order{};
   double part_s = 0;  ///< split G-code into files of at most about this long; 0: as few files as max_lines allows
   std::optional<Interruption> after{};  ///< carve only what this file left, in its order
-  bool frame = false;  ///< G-code: also a file that moves round the scratches at safe height, to see that they fit
+  std::optional<HeightMap> heights{};   ///< of the face as it lies on the machine: depths follow it
+  bool follow_bow = false;  ///< depths follow the bench's measured bow: the same sheet, lying as it was photographed
+  bool frame = false;       ///< G-code: also a file that moves round the scratches at safe height, to see that they fit
 };
 
 /// The rules that a tool path obeys. `measured` may be null.
@@ -40,7 +43,8 @@ CarvingLimits toolpath_limits(const Board& board, const Bench* measured, const M
 /// Orders and compensates what is not carved yet. `measured` may be null. Throws Error when there is nothing to carve,
 /// for a scratch that breaks the rules of the board and the machine (burin/optimize/carving/carving_limits.h; judged as
 /// the machine will carve it, on its steps), and for one whose compensated ends the machine cannot reach; each is named
-/// by its row.
+/// by its row. Depths count from the face that is to be followed, else from z = 0; a scratch that leaves the height
+/// map, and a depth beyond the machine's table, are Errors too.
 Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                        const MachineProfile& machine, const ToolpathOptions& options = {},
                        const Progress& progress = {});

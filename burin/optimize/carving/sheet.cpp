@@ -1,0 +1,136 @@
+#include "burin/optimize/carving/sheet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "burin/render/files/decimals.h"
+#include "burin/render/surface.h"
+
+namespace burin {
+namespace {
+
+constexpr double kSpoiled = 0.5, kNoticed = 0.1;  // of the depth
+
+std::string um(double mm) { return significant(1e3 * mm, 2) + " um"; }
+
+const char* remedy(const MachineProfile& machine) {
+  return machine.dialect == GcodeDialect::marlin
+             ? "use a tool that is pressed by a spring (a profile with \"depth_by\": \"spring\")"
+             : "probe the sheet as it lies on the machine (burin probe write) and give --heights, use a tool that is "
+               "pressed by a spring (--machine grbl-spring, or \"depth_by\" in a profile), or, where it is the very "
+               "sheet "
+               "that was photographed and lies as it lay then, --follow-bow";
+}
+
+void add(std::vector<Finding>& findings, Finding::Severity severity, std::string what, std::string remedy) {
+  findings.push_back({severity, {}, std::move(what), std::move(remedy)});
+}
+
+void judge_even_z(const DepthRange& depth, const std::optional<Unevenness>& known, const MachineProfile& machine,
+                  std::vector<Finding>& findings) {
+  if (!known) {
+    add(findings, Finding::Severity::warning,
+        "nobody knows how even this sheet is: Z goes to -" + fixed(depth.least_mm, 4) +
+            " mm everywhere, which on a sheet that is not flat to " + um(kNoticed * depth.least_mm) +
+            " carves air in one place and too deep in another",
+        std::string(remedy(machine)) + "; or write \"flatness_um\" into board.json once it is known");
+    return;
+  }
+  const double error = known->mm;
+  if (error <= kNoticed * depth.least_mm) return;
+  const bool spoiled = error > kSpoiled * depth.least_mm;
+  add(findings, spoiled ? Finding::Severity::error : Finding::Severity::warning,
+      "the face lies " + um(error) + " higher in one place than in another (" + known->source +
+          "), and a fixed Z is to carve " + um(depth.least_mm) + " deep: the depth would differ by " +
+          fixed(100 * error / depth.least_mm, 0) + " %" +
+          (spoiled ? ", and some scratches may not touch the metal" : ""),
+      remedy(machine));
+}
+
+void judge_preload(const DepthRange& depth, const std::optional<Unevenness>& known, const MachineProfile& machine,
+                   std::vector<Finding>& findings) {
+  const double probe_mm = known ? known->mm : 0.1;
+  const double error = depth_error_mm(machine, depth.least_mm, probe_mm);
+  const std::string head = machine.depth_by == DepthBy::spring ? "the spring" : "the drag bit";
+  if (!known) {
+    add(findings, Finding::Severity::note,
+        "nobody knows how even this sheet is; " + head + " turns each 0.1 mm of unevenness into " + um(error) +
+            " of depth",
+        "");
+  } else if (error > kNoticed * depth.least_mm) {
+    add(findings, error > kSpoiled * depth.least_mm ? Finding::Severity::error : Finding::Severity::warning,
+        "the face lies " + um(probe_mm) + " higher in one place than in another (" + known->source + "), of which " +
+            head + " makes " + um(error) + " of the depth of " + um(depth.least_mm),
+        "clamp the sheet flatter, use a softer spring, or probe it (burin probe write) and give --heights");
+  } else {
+    add(findings, Finding::Severity::note,
+        head + " makes " + um(error) + " of depth of the face's " + um(probe_mm) + " (" + known->source + ")", "");
+  }
+}
+
+}  // namespace
+
+std::optional<Unevenness> known_unevenness(const Board& board, const Bench* measured) {
+  std::optional<Unevenness> out;
+  if (board.flatness_um) out = Unevenness{1e-3 * *board.flatness_um, "board.json's flatness_um"};
+  if (measured == nullptr || measured->bow_mm.isZero()) return out;
+  const double bow = range_mm(Surface{board.size_mm, measured->bow_mm}, board.carve_min_mm, board.carve_max_mm);
+  if (!out || bow > out->mm) out = Unevenness{bow, "the bow that photos measured"};
+  return out;
+}
+
+DepthRange depth_range(const Toolpath& path) {
+  DepthRange range{std::numeric_limits<double>::infinity(), 0};
+  for (const PlannedScratch& s : path.scratches) {
+    range.least_mm = std::min(range.least_mm, s.depth_mm);
+    range.most_mm = std::max(range.most_mm, s.depth_mm);
+  }
+  return range;
+}
+
+double depth_error_mm(const MachineProfile& machine, double depth_mm, double unevenness_mm) {
+  if (machine.depth_by == DepthBy::servo) return 0;
+  if (!by_preload(machine.depth_by)) return unevenness_mm;
+  // Set at the highest place, the tool is pressed less at the lowest.
+  const double preload_mm = plunge_mm(machine, depth_mm) - unevenness_mm;
+  return depth_mm - (preload_mm > 0 ? depth_of_plunge_mm(machine, preload_mm) : 0);
+}
+
+std::vector<Finding> sheet_findings(const Toolpath& path, const Board& board, const Bench* measured,
+                                    const MachineProfile& machine) {
+  std::vector<Finding> findings;
+  const DepthRange depth = depth_range(path);
+  const double rounding_mm = 0.5 * std::pow(10.0, -machine.decimals);
+  if (depth_error_mm(machine, depth.least_mm, rounding_mm) > kNoticed * depth.least_mm)
+    add(findings, Finding::Severity::warning,
+        "coordinates with " + std::to_string(machine.decimals) + " decimals round a depth of " + um(depth.least_mm) +
+            " by up to " + um(rounding_mm),
+        "write more decimals (--decimals, or the profile's)");
+  if (machine.depth_table.assumed)
+    add(findings, Finding::Severity::warning,
+        "nobody measured what depth a preload makes on " + machine.name + ": its table is a guess",
+        "carve test scratches and write a profile with depth_table, or let photos of the first board measure the "
+        "depth");
+  // A wire or a flat spring presses alike at every height.
+  if (machine.depth_by == DepthBy::servo) return findings;
+  if (path.face.map) {
+    add(findings, Finding::Severity::note,
+        "Z follows the height map, " + um(range_mm(*path.face.map)) + " from its lowest to its highest point", "");
+    return findings;
+  }
+  if (path.face.bow) {
+    add(findings, Finding::Severity::warning,
+        "Z follows the bow that photos measured: right only for that sheet, lying as it lay then", "");
+    return findings;
+  }
+  const std::optional<Unevenness> known = known_unevenness(board, measured);
+  if (by_preload(machine.depth_by))
+    judge_preload(depth, known, machine, findings);
+  else if (std::any_of(machine.per_scratch.begin(), machine.per_scratch.end(),
+                       [](const std::string& line) { return line.find("{z_carve}") != std::string::npos; }))
+    judge_even_z(depth, known, machine, findings);
+  return findings;
+}
+
+}  // namespace burin

@@ -1,0 +1,78 @@
+// burin probe - the face as it lies on the machine: G-code that touches it, and what the controller said as a height
+// map. The work is in burin/optimize/carving/probe.h.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "burin/optimize/carving/probe.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "tools/commands.h"
+
+namespace burin {
+namespace {
+
+struct Options {
+  std::filesystem::path board, log, probed, out;
+  std::string machine = "grbl";
+  double spacing_mm = 15;
+};
+
+void write_probing(const Options& options) {
+  const MachineProfile machine = machine_profile(options.machine);
+  const Board board = read_board(options.board);
+  const ProbePlan plan = probe_plan(board, options.spacing_mm);
+  write_text(probe_gcode(plan, machine), options.out);
+  const Eigen::Vector2d& first = plan.points_mm.front();
+  fmt::print("touches the face at {} points, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
+             plan.points_mm.size() - 1, first.x(), first.y());
+  const bool linuxcnc = machine.dialect == GcodeDialect::linuxcnc;
+  fmt::print("Wrote {}: try the probe's contact by hand, run it, {}; then: burin probe read {} --probed {} --out {}\n",
+             options.out.string(),
+             linuxcnc ? "and fetch burin-probe.txt, which LinuxCNC writes into the folder of its configuration"
+                      : "and save the whole serial log",
+             linuxcnc ? "burin-probe.txt" : "SERIAL_LOG", shell_word(options.out.string()),
+             shell_word((options.out.parent_path() / "heights.json").string()));
+}
+
+void read_heights_of(const Options& options) {
+  const ProbedHeights probed =
+      read_probe_log(read_text(options.log), options.log, read_text(options.probed), options.probed);
+  for (const Finding& finding : probed.findings) note(sentence(finding));
+  write_heights(probed.map, options.out);
+  const auto points = std::count(probed.map.probed.begin(), probed.map.probed.end(), true);
+  fmt::print("{} points, {:.1f} um from the lowest to the highest; the zero moved by {:.1f} um meanwhile\n", points,
+             1e3 * range_mm(probed.map), 1e3 * probed.map.drift_mm);
+  fmt::print(
+      "Wrote {}: keep Z zero as it is; then: burin toolpath SCRATCHES.csv --board BOARD.json --heights {} --out "
+      "board.gcode\n",
+      options.out.string(), shell_word(options.out.string()));
+}
+
+}  // namespace
+
+void add_probe_command(CLI::App& burin) {
+  CLI::App* probe = burin.add_subcommand("probe", "Measure how even the sheet lies on the machine: a height map");
+  probe->require_subcommand(1);
+  probe->footer(example("burin probe write board.json --machine grbl --out probe.gcode"));
+  auto options = std::make_shared<Options>();
+  CLI::App* write = probe->add_subcommand(
+      "write", "Write G-code that touches the face on a grid over the carve area, clear of tags and keep-outs");
+  write->add_option("BOARD.json", options->board, "Carve area, tags, keep-outs")->required();
+  write->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
+      ->capture_default_str();
+  write->add_option("--spacing", options->spacing_mm, "About how far the points lie apart, mm")->capture_default_str();
+  write->add_option("--out", options->out, "The G-code file")->required();
+  write->footer(example("burin probe write board.json --machine grbl --out probe.gcode"));
+  write->callback([options] { write_probing(*options); });
+  CLI::App* read =
+      probe->add_subcommand("read", "Turn what the controller logged meanwhile into a height map, heights.json");
+  read->add_option("LOG", options->log, "grbl's serial log, or the file that LinuxCNC's PROBEOPEN wrote")->required();
+  read->add_option("--probed", options->probed, "The probing file that the machine ran")->required();
+  read->add_option("--out", options->out, "The height map: heights.json")->required();
+  read->footer(example("burin probe read serial.log --probed probe.gcode --out heights.json"));
+  read->callback([options] { read_heights_of(*options); });
+}
+
+}  // namespace burin
