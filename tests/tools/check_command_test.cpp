@@ -1,10 +1,14 @@
+// burin check carve writes its page and ends with 1 where there is a red line (what is one, tests/optimize proves).
 // burin check ndf, as a person runs it: a line of value and error and a line of gradient for each row, a summary, and
 // an exit code that says whether all rows are within their tolerance. That the values are right is
 // footprint_integral_test's.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
+#include "tests/places.h"
 #include "tests/tools/program.h"
 
 namespace burin {
@@ -50,6 +54,76 @@ TEST(CheckNdf, ABrokenTableIsNamed) {
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, HasSubstr("cases.csv:3: Dhat_mm2"));
   EXPECT_EQ(run.out, "");
+}
+
+constexpr const char* kBoard = R"({"format": "burin/board", "version": 1, "size_mm": [100, 80],
+  "tags": {"list": [{"id": 2, "center_mm": [50, 40], "size_mm": 8}]}})";
+constexpr const char* kScratches = "x0_mm,y0_mm,x1_mm,y1_mm\n10,10,14,12\n90,70,85,70\n14,13,15,19\n";
+
+TEST(CheckCarve, OnePageAndOneQuestion) {
+  const TemporaryFolder folder;
+  folder.write("board.json", kBoard);
+  folder.write("scratches.csv", kScratches);
+  ASSERT_EQ(run_burin(folder, {"toolpath", "scratches.csv", "--board", "board.json", "--frame", "--out", "a.gcode"})
+                .exit_code,
+            0);
+  const std::vector<std::string> command{"check", "carve",   "scratches.csv", "--board", "board.json",
+                                         "--out", "my.html", "--gcode",       "a.gcode", "a-frame.gcode"};
+  const Outcome good = run_burin(folder, command);
+  EXPECT_EQ(good.exit_code, 0) << good.err;
+  EXPECT_THAT(good.out, AllOf(HasSubstr("mind  nobody knows how even"), HasSubstr("a.gcode  3 scratches"),
+                              HasSubstr("a-frame.gcode  carves nothing"), HasSubstr("Z -0.0100 to 1.0000 mm"),
+                              HasSubstr("Is the sheet clamped"), HasSubstr("Wrote my.html")));
+  const std::string page = file_text(folder / "my.html");
+  EXPECT_THAT(page, AllOf(HasSubstr("No red line"), HasSubstr("Is the sheet clamped"), HasSubstr("</html>")));
+  EXPECT_EQ(page.find("src=\"http"), std::string::npos);
+
+  // A person's hand in the file: the second scratch over the tag.
+  std::string gcode = file_text(folder / "a.gcode");
+  const auto at = gcode.find("X90.0000 Y70.0000");
+  ASSERT_NE(at, std::string::npos);
+  folder.write("a.gcode", gcode.replace(at, 17, "X50.0000 Y40.0000"));
+  const Outcome red = run_burin(folder, command);
+  EXPECT_EQ(red.exit_code, 1);
+  EXPECT_THAT(red.out, HasSubstr("RED   1 scratch would be carved over tag 2"));
+  EXPECT_THAT(red.err, HasSubstr("my.html: do not carve this: 2 red lines; open it"));
+  EXPECT_THAT(file_text(folder / "my.html"), AllOf(HasSubstr("Do not carve this"), HasSubstr("over tag 2")));
+  EXPECT_EQ(file_text(folder / "my.html").find("Is the sheet clamped"), std::string::npos);
+}
+
+TEST(CheckCarve, TheRoundOfALoop) {
+  const TemporaryFolder folder;
+  const std::filesystem::path sample = std::filesystem::path(places::source()) / "samples" / "small-bench";
+  std::filesystem::copy(sample, folder / "p", std::filesystem::copy_options::recursive);
+  const auto round = folder / "p" / "round-01";
+  std::filesystem::create_directories(round);
+  ASSERT_EQ(run_burin(folder, {"design", "p/design.json", "--scratches", "300", "--pixels", "48", "--iterations", "2",
+                               "--report-tolerance", "--out", "p/round-01/design"})
+                .exit_code,
+            0);
+  std::filesystem::copy_file(round / "design" / "scratches.csv", round / "scratches.csv");
+  std::string design = file_text(folder / "p" / "design.json");
+  for (const std::string name : {"board.json", "bench.json", "targets/moon", "targets/boat", "targets/still"})
+    design.replace(design.find(name), name.size(), "../" + name);
+  folder.write("p/round-01/design.json", design);
+  const Outcome none = run_burin(folder, {"check", "carve", "p/round-01"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("no G-code"));
+  ASSERT_EQ(
+      run_burin(folder, {"toolpath", "p/round-01/scratches.csv", "--board", "p/board.json", "--bench", "p/bench.json",
+                         "--machine", "grbl-spring", "--frame", "--out", "p/round-01/board.gcode"})
+          .exit_code,
+      0);
+  const Outcome check = run_burin(folder, {"check", "carve", "p/round-01", "--machine", "grbl-spring"});
+  EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
+  EXPECT_THAT(check.out, AllOf(HasSubstr("its table is a guess"), HasSubstr("view d2: "), HasSubstr("11.0 µm deep")));
+  const std::string page = file_text(round / "carve-check.html");
+  EXPECT_THAT(page, AllOf(HasSubstr("as promised"), HasSubstr("data:image/"), HasSubstr("where the tool first touches"),
+                          HasSubstr("sideways")));
+  // The same files on a machine that goes to a fixed Z would dig 0.4 mm deep.
+  EXPECT_EQ(run_burin(folder, {"check", "carve", "p/round-01", "--machine", "grbl"}).exit_code, 1);
+  EXPECT_EQ(run_burin(folder, {"check", "carve", "p/targets"}).exit_code, 1);
+  EXPECT_EQ(run_burin(folder, {"check", "carve", "p/round-01/scratches.csv"}).exit_code, 2);
 }
 
 }  // namespace

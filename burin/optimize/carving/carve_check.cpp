@@ -1,0 +1,268 @@
+#include "burin/optimize/carving/carve_check.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/carving/number_text.h"
+#include "burin/optimize/carving/sheet.h"
+#include "burin/optimize/carving/toolpath_check.h"
+#include "burin/optimize/design/glint.h"
+#include "burin/render/carve.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/groove.h"
+#include "burin/render/keep_out.h"
+
+namespace burin {
+namespace {
+
+using Severity = Finding::Severity;
+
+constexpr double kRounding_mm = 2e-3;  // files are rounded; a rule that is broken by less is none that anyone sees
+
+void add(CarveCheck& check, Severity severity, std::string what, std::string remedy) {
+  check.findings.push_back({severity, {}, std::move(what), std::move(remedy)});
+}
+
+// What belongs together while one check is made.
+struct Work {
+  const CarveCheckInput& input;
+  Bench bench;    ///< as given, or one that knows nothing
+  Toolpath told;  ///< what the files carve, as they tell it
+  std::vector<ReplayedScratch> replayed;
+  double lowest_travel_mm = std::numeric_limits<double>::infinity();
+};
+
+Work begin(const CarveCheckInput& input) {
+  Work work{input, {}, {}, {}};
+  if (input.bench)
+    work.bench = *input.bench;
+  else
+    work.bench.material = input.board.material;
+  Face& face = work.told.face;
+  face.map = input.heights;
+  face.carves = work.bench.machine_affine;
+  if (input.follow_bow) face.bow = Surface{input.board.size_mm, work.bench.bow_mm};
+  face.zero_mm = face.map ? face.map->zero_mm : input.board.carve_min_mm;
+  return work;
+}
+
+// Every file as the machine would do it. One that cannot be followed is a red line.
+void replay_files(Work& work, CarveCheck& check) {
+  check.tool_min_mm.setConstant(std::numeric_limits<double>::infinity());
+  check.tool_max_mm = -check.tool_min_mm;
+  for (const std::filesystem::path& file : work.input.files) {
+    CheckedFile done{file};
+    try {
+      const Replay replay = replay_gcode(read_text(file), work.input.machine, file.string(), &work.told.face);
+      done.scratches = replay.scratches.size();
+      done.lines = replay.lines;
+      done.duration_s = replay.duration_s;
+      work.replayed.insert(work.replayed.end(), replay.scratches.begin(), replay.scratches.end());
+      for (const ReplayedScratch& s : replay.scratches)
+        work.told.scratches.push_back(
+            {static_cast<std::uint32_t>(work.told.scratches.size()), s.from_mm, s.to_mm,
+             std::isnan(s.depth_mm) ? 1e-3 * work.input.board.material.depth_um : s.depth_mm});
+      for (int axis = 0; axis < 3; ++axis) {
+        check.tool_min_mm[axis] = std::fmin(check.tool_min_mm[axis], replay.min_mm[axis]);
+        check.tool_max_mm[axis] = std::fmax(check.tool_max_mm[axis], replay.max_mm[axis]);
+      }
+      check.carve_mm += replay.carve_mm;
+      check.travel_mm += replay.travel_mm;
+      if (done.scratches > 0) check.duration_s += replay.duration_s;
+      work.lowest_travel_mm = std::min(work.lowest_travel_mm, replay.lowest_travel_mm);
+    } catch (const Error& error) {
+      add(check, Severity::error, error.what(), "");
+    }
+    check.files.push_back(std::move(done));
+  }
+}
+
+// The files against the table that they were made from.
+void compare_with_design(const Work& work, CarveCheck& check) {
+  const CarveCheckInput& input = work.input;
+  if (!input.scratches) return;
+  for (std::size_t i = 0; i < input.scratches->size(); ++i)
+    check.already_carved += input.scratches->is_carved(i) ? 1 : 0;
+  try {
+    ToolpathOptions options;
+    options.keep_order = true;
+    options.heights = input.heights;
+    options.follow_bow = input.follow_bow;
+    const Toolpath planned =
+        plan_toolpath(*input.scratches, input.board, input.bench ? &*input.bench : nullptr, input.machine, options);
+    fail_unless_good(check_toolpath(work.replayed, planned.scratches, 1e-3, depth_share(work.told.face)),
+                     "the files against the scratches");
+  } catch (const Error& error) {
+    add(check, Severity::error, error.what(), "");
+  }
+}
+
+// Where the strokes come to lie, and as deep and rough as they become there.
+void carve_them(const Work& work, CarveCheck& check) {
+  Scratches sent;
+  for (const PlannedScratch& s : work.told.scratches) {
+    sent.x0_mm.push_back(s.from_mm.x()), sent.y0_mm.push_back(s.from_mm.y());
+    sent.x1_mm.push_back(s.to_mm.x()), sent.y1_mm.push_back(s.to_mm.y());
+    sent.depth_um.push_back(1e3 * s.depth_mm);
+  }
+  Bench bench = work.bench;
+  bench.crossings = Crossings::add;  // whole grooves, a row each
+  // What nobody measured is what the machine is told.
+  if (!bench.material_sigma.depth_um) bench.material.depth_um = work.input.board.material.depth_um;
+  check.carved = carve(Sent(std::move(sent)), bench, work.input.board).scratches;
+  const DepthRange told = depth_range(work.told);
+  check.least_depth_um = 1e3 * told.least_mm;
+  check.most_depth_um = 1e3 * told.most_mm;
+}
+
+// One red line for all strokes that break a rule.
+struct Broken {
+  std::size_t count = 0, first = 0;
+};
+
+void add_broken(CarveCheck& check, const Broken& broken, const std::string& what, const std::string& remedy) {
+  if (broken.count == 0) return;
+  const Ends e = ends_of(check.carved, broken.first);
+  add(check, Severity::error,
+      std::to_string(broken.count) + (broken.count == 1 ? " scratch " : " scratches ") + what + ", the first from (" +
+          fixed(e.a.x(), 2) + ", " + fixed(e.a.y(), 2) + ") to (" + fixed(e.b.x(), 2) + ", " + fixed(e.b.y(), 2) +
+          ") mm",
+      remedy);
+}
+
+// Off the sheet, out of the carve area, over tags and keep-outs: with the grooves' whole width.
+void judge_places(const Work& work, CarveCheck& check) {
+  const Board& board = work.input.board;
+  std::vector<KeepOut> places = board.keep_out;
+  for (const Tag& tag : work.bench.tags.empty() ? board.tags.list : work.bench.tags)
+    places.push_back(tag_paper(tag, board.tags.family));
+  Broken off_sheet, out_of_area;
+  std::map<std::string, Broken> over;
+  const auto count = [&](Broken& broken, std::size_t i) {
+    if (broken.count++ == 0) broken.first = i;
+    if (check.red.empty() || check.red.back() != i) check.red.push_back(i);
+  };
+  for (std::size_t i = 0; i < check.carved.size(); ++i) {
+    const Ends e = ends_of(check.carved, i);
+    const double half_mm = 1e-3 * half_width_um(board.tool_width_um, check.carved.depth_um[i]);
+    const auto within = [&](const Eigen::Vector2d& low, const Eigen::Vector2d& high, double edge_mm) {
+      return (e.a.cwiseMin(e.b).array() >= low.array() + edge_mm - kRounding_mm).all() &&
+             (e.a.cwiseMax(e.b).array() <= high.array() - edge_mm + kRounding_mm).all();
+    };
+    if (!within({0, 0}, board.size_mm, half_mm))
+      count(off_sheet, i);
+    else if (!within(board.carve_min_mm, board.carve_max_mm, 0))
+      count(out_of_area, i);
+    for (const KeepOut& place : places) {
+      const auto free = free_parts(e.a, e.b, std::span(&place, 1), std::max(0.0, half_mm - kRounding_mm));
+      if (free.size() != 1 || free[0] != LinePart{0, 1}) count(over[place.name.empty() ? "a keep-out" : place.name], i);
+    }
+  }
+  add_broken(check, off_sheet, "would run off the sheet", "make the tool path again, and look where work zero is");
+  add_broken(check, out_of_area, "would leave the carve area",
+             "make the tool path again from scratches within carve_mm");
+  for (const auto& [name, broken] : over)
+    add_broken(check, broken, "would be carved over " + name,
+               "design again with these tags and keep-outs in board.json, or leave these scratches out (--mend)");
+}
+
+// What the machine itself cannot reach or would run into.
+void judge_machine(const Work& work, CarveCheck& check) {
+  const MachineProfile& machine = work.input.machine;
+  if (machine.travel && !work.told.scratches.empty() &&
+      ((check.tool_min_mm.head<2>().array() < machine.travel->min_mm.array()).any() ||
+       (check.tool_max_mm.head<2>().array() > machine.travel->max_mm.array()).any()))
+    add(check, Severity::error,
+        "the tool would leave the travel of " + machine.name + ": it is sent to X " + fixed(check.tool_min_mm.x(), 2) +
+            " to " + fixed(check.tool_max_mm.x(), 2) + ", Y " + fixed(check.tool_min_mm.y(), 2) + " to " +
+            fixed(check.tool_max_mm.y(), 2) + " mm",
+        "place the board elsewhere, or correct travel_mm");
+  const TagSet& tags = work.input.board.tags;
+  if (machine.depth_by != DepthBy::servo && !tags.list.empty() && work.lowest_travel_mm < tags.z_mm)
+    add(check, Severity::error,
+        "the tool travels " + fixed(work.lowest_travel_mm, 2) + " mm above the face, and the tags' paper is " +
+            fixed(tags.z_mm, 2) + " mm thick",
+        "raise safe_z_mm of the machine profile and make the tool path again");
+}
+
+GlintView glint_view(const DesignView& v, const Bench& bench) {
+  return {v.view, find_view(bench, v.view, "design").T_camera_board.inverse().translation(),
+          find_light(bench, v.light, "design").position_mm};
+}
+
+// Beyond the cut-off: a scratch runs for the view for which it glints most; is its wall steep enough for that view?
+void judge_glints(const Work& work, CarveCheck& check) {
+  if (!work.input.design || check.carved.size() == 0) return;
+  std::vector<GlintView> views;
+  for (const DesignView& v : work.input.design->views) {
+    views.push_back(glint_view(v, work.bench));
+    check.views.push_back({v.view, v.light});
+  }
+  std::vector<std::size_t> dark(views.size(), 0);
+  std::vector<double> most_lean(views.size(), 0);
+  for (std::size_t i = 0; i < check.carved.size(); ++i) {
+    const Ends e = ends_of(check.carved, i);
+    const Eigen::Vector2d middle = (e.a + e.b) / 2, along = e.b - e.a;
+    const double direction = std::atan2(along.y(), along.x());
+    const double alpha = check.carved.alpha.empty() ? work.bench.material.alpha : check.carved.alpha[i];
+    std::size_t best = 0;
+    double best_light = -1, best_lean = 0;
+    for (std::size_t k = 0; k < views.size(); ++k) {
+      const Lean lean = lean_at(views[k], {middle.x(), middle.y(), 0});
+      const double turn = std::abs(std::remainder(direction - lean.scratch_direction(), std::numbers::pi));
+      const double light = lobe(lean.angle, turn, alpha);
+      if (light > best_light) best = k, best_light = light, best_lean = lean.angle;
+    }
+    const double steepest = 2 * std::atan(groove_rim(work.input.board.tool_width_um, check.carved.depth_um[i]));
+    ++check.views[best].scratches;
+    dark[best] += reach(best_lean, steepest, alpha) < 0.5 ? 1 : 0;
+    most_lean[best] = std::max(most_lean[best], best_lean);
+  }
+  constexpr double kSpoiled = 0.5, kNoticed = 0.05;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    ViewReach& view = check.views[k];
+    if (view.scratches == 0) continue;
+    view.dark = static_cast<double>(dark[k]) / static_cast<double>(view.scratches);
+    if (view.dark < kNoticed) continue;
+    // The depth whose steepest normal reaches the largest lean (docs/model.md 2.2).
+    const double rim = std::tan(most_lean[k] / 2);
+    const double depth_um = -work.input.board.tool_width_um / 2 * std::log1p(-std::min(0.99, rim * rim));
+    add(check, view.dark > kSpoiled ? Severity::error : Severity::warning,
+        "view " + view.view + ": " + fixed(100 * view.dark, 0) + " % of its " + std::to_string(view.scratches) +
+            " scratches lie beyond the cut-off: their walls are not steep enough to glint there",
+        "carve " + fixed(depth_um, 1) + " um deep (now " + fixed(check.least_depth_um, 1) +
+            " um) with this cutter and design again, or bring lamp and eye closer to the mirror direction");
+  }
+}
+
+}  // namespace
+
+CarveCheck check_carve(const CarveCheckInput& input) {
+  if (input.files.empty()) fail("carve check", "there is no G-code to look at", "make it first (burin toolpath)");
+  CarveCheck check;
+  Work work = begin(input);
+  if (input.follow_bow && work.bench.bow_mm.isZero())
+    fail("carve check", "there is no measured bow to follow", "give the bench.json that photos of this sheet measured");
+  replay_files(work, check);
+  if (work.told.scratches.empty()) {
+    if (check.good()) add(check, Severity::error, "these files carve nothing", "give the files with the scratches");
+    return check;
+  }
+  compare_with_design(work, check);
+  carve_them(work, check);
+  judge_places(work, check);
+  judge_machine(work, check);
+  append(check.findings, sheet_findings(work.told, input.board, input.bench ? &*input.bench : nullptr, input.machine));
+  judge_glints(work, check);
+  std::stable_sort(check.findings.begin(), check.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+  return check;
+}
+
+}  // namespace burin

@@ -1,0 +1,276 @@
+#include "tools/report/carve_check.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
+
+#include "burin/optimize/duration.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/files/svg.h"
+#include "burin/render/image.h"
+#include "tools/report/html.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+using Severity = Finding::Severity;
+
+constexpr double kRecognizable_db = 20;  // as the report says of designs
+constexpr int kPictureSidePx = 360;
+
+std::size_t count_of(const CarveCheck& check, Severity severity) {
+  return static_cast<std::size_t>(std::count_if(check.findings.begin(), check.findings.end(),
+                                                [&](const Finding& f) { return f.severity == severity; }));
+}
+
+std::string plural(std::size_t count, const std::string& what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+std::string list_of(const CarveCheck& check, Severity severity, const char* style) {
+  std::string items;
+  for (const Finding& f : check.findings)
+    if (f.severity == severity) items += fmt::format("<li{}>{}</li>\n", style, html(sentence(f)));
+  return items.empty() ? "" : "<ul>\n" + items + "</ul>\n";
+}
+
+bool carves(const CheckedFile& file) { return file.scratches > 0; }
+
+std::string depth_text(const CarveCheck& check) {
+  if (check.most_depth_um - check.least_depth_um < 0.05) return fmt::format("{:.1f} µm", check.most_depth_um);
+  return fmt::format("{:.1f} to {:.1f} µm", check.least_depth_um, check.most_depth_um);
+}
+
+// Where the tool goes, in numbers.
+std::string tool_table(const CarveCheck& check, const MachineProfile& machine) {
+  Table t;
+  const auto range = [&](int axis, int decimals) {
+    return fmt::format("{:.{}f} to {:.{}f} mm", check.tool_min_mm[axis], decimals, check.tool_max_mm[axis], decimals);
+  };
+  t.rows.push_back({"X", range(0, 2)});
+  t.rows.push_back({"Y", range(1, 2)});
+  t.rows.push_back({"Z", range(2, 4)});
+  t.rows.push_back({"depth", depth_text(check) + ", by " + depth_by_name(machine.depth_by)});
+  t.rows.push_back({"scratches", fmt::format("{}, {:.1f} m in the metal, {:.1f} m in the air", check.carved.size(),
+                                             check.carve_mm / 1000, check.travel_mm / 1000)});
+  if (check.already_carved > 0)
+    t.rows.push_back({"in the metal", fmt::format("{} scratches are carved already", check.already_carved)});
+  t.rows.push_back({"time", html(duration_text(check.duration_s))});
+  return table(t);
+}
+
+std::string files_table(const CarveCheck& check) {
+  Table t;
+  t.header = {"file", "lines", "what"};
+  for (const CheckedFile& f : check.files)
+    t.rows.push_back({html(f.file.filename().string()), std::to_string(f.lines),
+                      carves(f) ? fmt::format("{} scratches, {}", f.scratches, html(duration_text(f.duration_s)))
+                                : "the frame: run it first, it goes round the scratches in the air"});
+  return table(t);
+}
+
+// The sheet as it lies: tags, keep-outs, what is carved (in red what must not be), and the way round it.
+std::string sheet_drawing(const CarveCheck& check, const Board& board) {
+  constexpr double kWidth = 720;
+  constexpr std::size_t kMostDrawn = 6000;
+  const double scale = kWidth / board.size_mm.x();
+  const auto at = [&](const Eigen::Vector2d& p) -> Eigen::Vector2d {
+    return {p.x() * scale, (board.size_mm.y() - p.y()) * scale};
+  };
+  const auto polygon = [&](std::vector<Eigen::Vector2d> points, std::string_view attributes) {
+    for (Eigen::Vector2d& p : points) p = at(p);
+    return svg_polygon(points, attributes);
+  };
+  const auto box = [](const Eigen::Vector2d& low, const Eigen::Vector2d& high) -> std::vector<Eigen::Vector2d> {
+    return {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
+  };
+  std::string out = polygon(box({0, 0}, board.size_mm), "fill=\"#eef0f2\" stroke=\"#5b6570\"");
+  out +=
+      polygon(box(board.carve_min_mm, board.carve_max_mm), "fill=\"#fff\" stroke=\"#9aa4ae\" stroke-dasharray=\"5 4\"");
+  for (const Tag& tag : board.tags.list)
+    out += polygon(tag_paper(tag, board.tags.family).polygon_mm, "fill=\"#c9ced4\" stroke=\"none\"");
+  for (const KeepOut& place : board.keep_out)
+    out += place.polygon_mm.empty()
+               ? fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" fill=\"#c9ced4\"/>\n",
+                             at(place.center_mm).x(), at(place.center_mm).y(), place.radius_mm * scale)
+               : polygon(place.polygon_mm, "fill=\"#c9ced4\" stroke=\"none\"");
+  const Scratches& s = check.carved;
+  const std::size_t every = s.size() / kMostDrawn + 1;
+  const auto scratch = [&](std::size_t i, std::string_view attributes) {
+    return svg_line(at({s.x0_mm[i], s.y0_mm[i]}), at({s.x1_mm[i], s.y1_mm[i]}), attributes);
+  };
+  for (std::size_t i = 0; i < s.size(); i += every) out += scratch(i, "stroke=\"#8a4b12\" stroke-width=\"0.4\"");
+  for (std::size_t k = 0; k < std::min(check.red.size(), kMostDrawn); ++k)
+    out += scratch(check.red[k], "stroke=\"#d1190d\" stroke-width=\"2.5\"");
+  out += fmt::format(
+      "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"5\" fill=\"none\" stroke=\"#1f5f8b\" "
+      "stroke-width=\"2\"/>\n",
+      at({0, 0}).x() + 6, at({0, 0}).y() - 6);
+  return svg_drawing({kWidth, board.size_mm.y() * scale}, "class=\"chart\" role=\"img\" aria-label=\"the sheet\"",
+                     out) +
+         fmt::format(
+             "<p class=\"soft\">The sheet, {:.0f} x {:.0f} mm, lower left corner (work zero) ringed in blue; gray: "
+             "tags and keep-outs; dashed: the carve area{}{}.</p>\n",
+             board.size_mm.x(), board.size_mm.y(), every > 1 ? fmt::format("; one scratch in {} is drawn", every) : "",
+             check.red.empty() ? "" : "; red: what must not be carved");
+}
+
+// What the design promised, from its own report. Nothing where there is none.
+struct Promise {
+  std::string pictures, mind;  ///< HTML
+  std::vector<Finding> findings;
+};
+
+Image picture(const fs::path& file) {
+  Image image = read_picture(file);
+  const int longer = std::max(image.width, image.height);
+  if (longer <= kPictureSidePx) return image;
+  return resized(image, std::max(1, image.width * kPictureSidePx / longer),
+                 std::max(1, image.height * kPictureSidePx / longer));
+}
+
+Promise promise_of(const fs::path& folder) {
+  Promise out;
+  const fs::path file = folder / "design-report.json";
+  if (folder.empty() || !fs::exists(file)) return out;
+  const Json json = read_json(file, "burin/design-report", 1);
+  JsonObject report(json, file.string());
+  std::vector<std::string> figures;
+  for (JsonObject& view : report.objects("views")) {
+    const std::string name = html(view.text("view"));
+    const double psnr = view.number("psnr_db"), allows = view.number("achievable_psnr_db");
+    std::string caption = fmt::format("<b>{}</b> as promised: {:.1f} dB; the plain face's own light allows {:.1f} dB.",
+                                      name, psnr, allows);
+    if (view.has("tolerance")) caption += " " + html(view.object("tolerance").text("text")) + ".";
+    figures.push_back(figure(picture(folder / view.text("preview")), caption));
+    if (allows < kRecognizable_db)
+      out.findings.push_back({Severity::warning,
+                              {},
+                              fmt::format("view {}: the plain face's own light allows {:.1f} dB only, which is hard to "
+                                          "recognize",
+                                          view.text("view"), allows),
+                              "move its lamp or eye farther from the mirror direction, or polish the face less"});
+  }
+  out.pictures = figure_row(figures);
+  if (report.has("dropped_by_limits"))
+    for (const auto& [rule, count] : report.raw("dropped_by_limits").items())
+      if (count.is_number() && count.get<double>() > 0)
+        out.mind += fmt::format("<li>{} scratches were left out: {}</li>\n", count.get<double>(), html(rule));
+  if (report.has("stopped_early") && report.boolean("stopped_early"))
+    out.mind += "<li>the design was stopped before it was finished</li>\n";
+  for (const auto& warning : report.raw("warnings")) out.mind += "<li>" + html(warning.get<std::string>()) + "</li>\n";
+  return out;
+}
+
+std::string outcome_of(const CarveCheck& check, std::size_t warnings) {
+  const std::size_t red = count_of(check, Severity::error);
+  if (red > 0)
+    return fmt::format("<span class=\"bad\">Do not carve this: {} would spoil the board.</span>",
+                       plural(red, "red line"));
+  return fmt::format("<span class=\"good\">No red line.</span> {} scratches, {}, {}{}.", check.carved.size(),
+                     depth_text(check) + " deep", html(duration_text(check.duration_s)),
+                     warnings > 0 ? "; " + plural(warnings, "thing") + " to mind" : "");
+}
+
+}  // namespace
+
+CarveCheckFiles round_files(const fs::path& round, const std::string& machine) {
+  CarveCheckFiles files;
+  files.machine = machine;
+  files.design = round / "design.json";
+  files.scratches = round / "scratches.csv";
+  if (!fs::is_directory(round) || !fs::exists(files.design) || !fs::exists(files.scratches))
+    fail(round.string(), "is no round of a loop that is designed: it lacks design.json or scratches.csv",
+         "name a round's folder, or a scratches.csv with --board and --gcode");
+  const DesignSpec spec = read_design(files.design);
+  files.board = spec.board;
+  files.bench = spec.bench;
+  files.folder = round / "design";
+  if (fs::exists(round / "heights.json")) files.heights = round / "heights.json";
+  for (const auto& entry : fs::directory_iterator(round)) {
+    const fs::path& file = entry.path();
+    const std::set<std::string> gcode{".gcode", ".nc", ".ngc"};
+    if (file.filename().string().starts_with("board") && gcode.count(file.extension().string()) > 0)
+      files.gcode.push_back(file);
+  }
+  std::sort(files.gcode.begin(), files.gcode.end());
+  return files;
+}
+
+CarveCheck check_carve_files(const CarveCheckFiles& files) {
+  CarveCheckInput input{files.gcode, machine_profile(files.machine), read_board(files.board)};
+  if (!files.bench.empty()) input.bench = read_bench(files.bench);
+  if (!files.scratches.empty()) input.scratches = read_scratches(files.scratches);
+  if (!files.design.empty() && input.bench) input.design = read_design(files.design);
+  if (!files.heights.empty()) input.heights = read_heights(files.heights);
+  input.follow_bow = files.follow_bow;
+  CarveCheck check = check_carve(input);
+  append(check.findings, promise_of(files.folder).findings);
+  std::stable_sort(check.findings.begin(), check.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+  return check;
+}
+
+std::string carve_check_text(const CarveCheck& check) {
+  std::string text;
+  constexpr std::array kWord{"note", "mind", "RED"};
+  for (const Finding& f : check.findings)
+    text += fmt::format("{:<4}  {}\n", kWord[static_cast<std::size_t>(f.severity)], sentence(f));
+  for (const CheckedFile& f : check.files)
+    text += fmt::format("{}  {}\n", f.file.string(),
+                        carves(f) ? fmt::format("{} scratches, {}", f.scratches, duration_text(f.duration_s))
+                                  : "carves nothing: a frame in the air");
+  if (check.carved.size() > 0)
+    text += fmt::format("tool  X {:.2f} to {:.2f}, Y {:.2f} to {:.2f}, Z {:.4f} to {:.4f} mm; {} deep\n",
+                        check.tool_min_mm.x(), check.tool_max_mm.x(), check.tool_min_mm.y(), check.tool_max_mm.y(),
+                        check.tool_min_mm.z(), check.tool_max_mm.z(), depth_text(check));
+  for (const ViewReach& v : check.views)
+    text +=
+        fmt::format("view {}: {} scratches, {:.0f} % of them beyond the cut-off\n", v.view, v.scratches, 100 * v.dark);
+  return text;
+}
+
+std::string carve_question(const MachineProfile& machine, const CarveCheckFiles& files) {
+  std::string zero = "on its face";
+  if (!files.heights.empty())
+    zero = "as the probing left it";
+  else if (by_preload(machine.depth_by))
+    zero = "where the tool first touches it";
+  else if (machine.depth_by == DepthBy::servo)
+    zero = "anywhere";
+  return fmt::format("Is the sheet clamped, X and Y zero at its lower left corner, Z zero {}{}{}?", zero,
+                     machine.laser ? ", the laser's beam off" : "", ", and did the frame run clear of clamps and tags");
+}
+
+void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& files, const fs::path& file) {
+  const MachineProfile machine = machine_profile(files.machine);
+  const Board board = read_board(files.board);
+  const Promise promise = promise_of(files.folder);
+  const std::size_t warnings = count_of(check, Severity::warning);
+  std::string body = list_of(check, Severity::error, " class=\"bad\"");
+  if (warnings > 0) body += "<h3>To mind</h3>\n" + list_of(check, Severity::warning, "");
+  if (!promise.pictures.empty()) body += "<h2>What it will show</h2>\n" + promise.pictures;
+  body += "<h2>Where the tool goes</h2>\n";
+  if (check.carved.size() > 0) body += tool_table(check, machine) + sheet_drawing(check, board);
+  body += files_table(check);
+  if (!check.views.empty()) {
+    Table t;
+    t.header = {"view", "scratches that glint for it", "of those beyond the cut-off"};
+    for (const ViewReach& v : check.views)
+      t.rows.push_back({html(v.view), std::to_string(v.scratches), fmt::format("{:.0f} %", 100 * v.dark)});
+    body += "<h3>Light that the grooves' walls reach</h3>\n" + table(t);
+  }
+  const std::string notes = list_of(check, Severity::note, "");
+  if (!promise.mind.empty() || !notes.empty())
+    body += "<h3>What the machine and the design cannot do</h3>\n" + notes +
+            (promise.mind.empty() ? "" : "<ul>\n" + promise.mind + "</ul>\n");
+  if (check.good()) body += "<h2>One question</h2>\n<p>" + html(carve_question(machine, files)) + "</p>\n";
+  write_text(page("Burin: before metal moves", outcome_of(check, warnings), body), file);
+}
+
+}  // namespace burin
