@@ -1,16 +1,35 @@
 #include <filesystem>
 #include <memory>
+#include <string>
 
 #include "burin/capture/folder_session.h"
+#include "burin/render/bench.h"
 #include "burin/render/error.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 
 namespace burin {
+namespace {
+
+// What the lamp of the photos is called: as said, or as in the bench that the board was designed for.
+std::string lamp_name(const std::string& said, const std::filesystem::path& bench_file) {
+  if (!said.empty() || bench_file.empty()) return said.empty() ? Photo().light : said;
+  const Bench bench = read_bench(bench_file);
+  if (bench.lights.size() == 1) return bench.lights.front().id;
+  std::string names;
+  for (const Light& light : bench.lights) names += (names.empty() ? "" : ", ") + light.id;
+  fail(bench_file.string(),
+       bench.lights.empty() ? "has no lamp whose name the photos could take"
+                            : "has several lamps (" + names + "), and photos do not tell which of them was on",
+       "say which with --light NAME; where photos of one session show several, correct \"light\" in session.json");
+}
+
+}  // namespace
 
 void add_capture_command(CLI::App& burin) {
   struct Options {
-    std::filesystem::path photos, board, out;
+    std::filesystem::path photos, board, bench, out;
+    std::string light;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand("capture", "Turn a folder of photos into a session, and judge the photos");
@@ -19,10 +38,13 @@ void add_capture_command(CLI::App& burin) {
       ->required();
   command->add_option("--board", options->board, "The board in the photos: board.json")->required();
   command->add_option("--out", options->out, "The folder for session.json")->required();
-  command->footer(example("burin capture photos --board board.json --out session"));
+  command->add_option("--bench", options->bench, "The bench that the board was designed for: its lamp's name is taken");
+  command->add_option("--light", options->light, "The lamp's name, where the bench has several");
+  command->footer(example("burin capture photos --board board.json --bench bench.json --out session"));
   command->callback([options] {
+    const std::string light = lamp_name(options->light, options->bench);
     ProgressBar bar;
-    const CaptureResult result = capture_folder(options->photos, options->board, options->out, bar.progress());
+    const CaptureResult result = capture_folder(options->photos, options->board, options->out, bar.progress(), light);
     bar.clear();
     int errors = 0;
     std::string first;

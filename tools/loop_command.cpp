@@ -36,6 +36,7 @@
 #include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/project.h"
+#include "tools/round_names.h"
 
 namespace burin {
 namespace {
@@ -93,19 +94,13 @@ void copy_atomically(const fs::path& from, const fs::path& to) {
 // This round's design.json: the project's pictures, for the bench as it is known now.
 void write_round_design(const Project& project, int number, const fs::path& file) {
   DesignSpec spec = read_design(project.folder / "design.json");
-  if (number > 1) {
-    const fs::path measured_file = project.bench_before(number);
-    const Bench nominal = read_bench(spec.bench), measured = read_bench(measured_file);
-    const Board board = read_board(spec.board);
-    for (DesignView& view : spec.views) {
-      const View& designed = find_view(nominal, view.view, (project.folder / "design.json").string());
-      const View* taken = measured_view(measured, designed, board);
-      if (!taken)
-        fail(measured_file.string(), fmt::format("no photo was taken from the designed view \"{}\"", designed.name),
-             "photograph the board from there too, or change that view in the project's bench.json");
-      view.view = taken->name;
-    }
-    spec.bench = measured_file;
+  if (number > 1) {  // what was measured, under the names of the design
+    const fs::path measured_file = project.bench_before(number), named = file.parent_path() / "bench-before.json";
+    const Matching matching = match_round(project, number - 1);
+    require_complete(matching, measured_file);
+    for (const Finding& finding : matched_findings(matching, measured_file)) note(sentence(finding));
+    write_bench(matching.bench, read_board(spec.board).tool_width_um, named);
+    spec.bench = named;
   }
   write_design(spec, file);
 }
@@ -198,8 +193,8 @@ void measure_round(const Loop& loop, int number, Steps& steps) {
   const fs::path round = project.round(number);
   const std::string name = round.filename().string();
   if (steps.needed(round / "session.json", name + ": capture"))
-    run_step(
-        {"capture", (round / "photos").string(), "--board", (round / "board.json").string(), "--out", round.string()});
+    run_step({"capture", (round / "photos").string(), "--board", (round / "board.json").string(), "--bench",
+              project.bench_before(number).string(), "--out", round.string()});
   if (steps.needed(round / "calibration" / "bench.json", name + ": calibrate")) {
     const fs::path part = part_folder(round / "calibration");
     run_step({"calibrate", (round / "session.json").string(), "--out", part.string()});

@@ -83,7 +83,8 @@ void merge_notes(std::vector<Finding>& findings) {
 
 }  // namespace
 
-FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress) {
+FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress,
+                           const std::string& light) {
   FolderSession result;
   std::vector<std::pair<Photo, Exif>> photos;
   while (const auto incoming = source())
@@ -154,6 +155,7 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
     char name[16];
     std::snprintf(name, sizeof name, "v%02d", views - 1);
     photo.view = name;
+    photo.light = light;
     result.session.photos.push_back(photo);
     result.exif.push_back(exif);
   }
@@ -163,12 +165,12 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
 }
 
 CaptureResult capture_folder(const fs::path& photos_dir, const fs::path& board_json, const fs::path& out_dir,
-                             const Progress& progress) {
+                             const Progress& progress, const std::string& light) {
   const Board board =
       read_board(board_json);  // a session whose board cannot be read is of no use: say so before the photos are read
   CaptureResult result;
   const PhotoSource source = folder_source(photos_dir, result.findings);
-  FolderSession folder = session_from(source, board.tags, progress);
+  FolderSession folder = session_from(source, board.tags, progress, light);
   const auto add = [&](std::vector<Finding>&& more) {
     result.findings.insert(result.findings.end(), std::make_move_iterator(more.begin()),
                            std::make_move_iterator(more.end()));

@@ -4,10 +4,12 @@
 // Photos are taken in the order of their clock (of their names where a file has no time). A photo joins the view of the
 // one before it when at most a minute passed and the two pictures agree: the same details at the same place, whatever
 // the exposures (burin/capture/photo_look.h). A camera that moved by more than half a pixel is at another view: its
-// pose will be solved on its own. Views are called v00, v01, ... All photos are taken to show the light "lamp".
+// pose will be solved on its own. Views are called v00, v01, ... All photos are taken to show one lamp, whose
+// name the caller knows.
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "burin/capture/photo_look.h"
@@ -28,8 +30,10 @@ struct FolderSession {
 
 /// Takes all photos of a source and looks for `tags` in them. Broken files become errors among the findings. A file
 /// without exposure time or aperture is left out with a warning, and an error where no file has them; a missing ISO is
-/// taken as 100 with a warning. Throws if `progress` does, and for tags of an unknown family.
-FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress = {});
+/// taken as 100 with a warning. Throws if `progress` does, and for tags of an unknown family. `light`: what the one
+/// lamp of all photos is called.
+FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress = {},
+                           const std::string& light = Photo().light);
 
 /// What became of a folder of photos.
 struct CaptureResult {
@@ -43,6 +47,7 @@ struct CaptureResult {
 /// (burin/capture/preflight.h). Throws Error for a folder that is missing or holds no photo, a board that cannot be
 /// read, and a folder that cannot be written.
 CaptureResult capture_folder(const std::filesystem::path& photos_dir, const std::filesystem::path& board_json,
-                             const std::filesystem::path& out_dir, const Progress& progress = {});
+                             const std::filesystem::path& out_dir, const Progress& progress = {},
+                             const std::string& light = Photo().light);
 
 }  // namespace burin

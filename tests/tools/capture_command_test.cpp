@@ -54,6 +54,35 @@ TEST(CaptureCommand, TakesWhatSimulateWrote) {
   EXPECT_TRUE(std::filesystem::exists(folder / "again/session.json"));
 }
 
+TEST(CaptureCommand, LampTakesItsNameFromTheBenchOfTheDesign) {
+  const TemporaryFolder folder;
+  folder.write("truth.json", truth().dump());
+  ASSERT_EQ(run_burin(folder, {"simulate", "truth.json", "--out", "bench"}).exit_code, 0);
+  const std::filesystem::path sample = places::source() + "/samples/small-bench";
+  std::filesystem::copy_file(sample / "camera.cameramodel", folder / "camera.cameramodel");
+  auto nominal = nlohmann::json::parse(file_text(sample / "bench.json"));
+  nominal["lights"][0]["id"] = "ceiling";
+  folder.write("nominal.json", nominal.dump());
+  const std::vector<std::string> capture{"capture", "bench/photos", "--board", "bench/board.json",
+                                         "--out",   "again",        "--bench", "nominal.json"};
+  const auto lamp = [&] {
+    return nlohmann::json::parse(file_text(folder / "again/session.json"))["photos"][1]["light"].get<std::string>();
+  };
+  ASSERT_EQ(run_burin(folder, capture).exit_code, 0);
+  EXPECT_EQ(lamp(), "ceiling");
+  // Which of two lamps was on, a person has to say.
+  nominal["lights"].push_back(nominal["lights"][0]);
+  nominal["lights"][1]["id"] = "window";
+  folder.write("nominal.json", nominal.dump());
+  const Outcome asked = run_burin(folder, capture);
+  EXPECT_EQ(asked.exit_code, 1);
+  EXPECT_THAT(asked.err, AllOf(HasSubstr("nominal.json"), HasSubstr("ceiling, window"), HasSubstr("--light")));
+  std::vector<std::string> said = capture;
+  said.insert(said.end(), {"--light", "window"});
+  ASSERT_EQ(run_burin(folder, said).exit_code, 0);
+  EXPECT_EQ(lamp(), "window");
+}
+
 TEST(CaptureCommand, PhotosThatDoNotServeAreNamedAndNothingIsWritten) {
   const TemporaryFolder folder;
   folder.write("truth.json", truth().dump());

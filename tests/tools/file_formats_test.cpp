@@ -13,6 +13,7 @@
 #include "burin/render/scratches.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
+#include "tools/round_names.h"
 
 namespace burin {
 namespace {
@@ -58,12 +59,14 @@ class FileFormats : public ::testing::Test {
 };
 
 TEST_F(FileFormats, PageHasAnExampleOfEachFile) {
-  EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("board", "csv", "machine", "toml", "session", "bench", "design", "heights"));
+  EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("board", "csv", "machine", "toml", "session", "bench", "design",
+                                                      "heights", "names"));
 }
 
 TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
   EXPECT_EQ(read_scratches(folder_ / "scratches.csv").size(), 2U);
   EXPECT_EQ(read_session(folder_ / "session.json").photos.size(), 1U);
+  EXPECT_EQ(read_names(folder_ / "names.json").lamps.at("ceiling"), "lamp");
   EXPECT_EQ(read_machine_profile(folder_ / "machine.json").limits.max_grooves, 3);
   EXPECT_EQ(read_machine_profile(folder_ / "machine.json").depth_by, DepthBy::drag);
   EXPECT_EQ(read_machine_profile(folder_ / "machine.toml").limits.max_overlap, 0.3);

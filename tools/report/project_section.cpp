@@ -22,6 +22,7 @@
 #include "tools/report/rectified.h"
 #include "tools/report/rerun.h"
 #include "tools/report/section.h"
+#include "tools/round_names.h"
 
 namespace burin {
 namespace {
@@ -92,6 +93,7 @@ struct Rounds {
   Board board;
   Bench nominal;
   BoardFrame frame;
+  std::vector<Matching> names;  // of the measured rounds
 };
 
 // One view in one round: what the board was to show there, and what a photo of it shows.
@@ -107,7 +109,32 @@ struct ViewHistory {
   std::vector<ViewInRound> rounds;
 };
 
-ViewHistory history_of(const Rounds& in, const DesignView& designed) {
+// What a round's board was to show of one picture, and the bench that it was designed for.
+struct Asked {
+  DesignView picture;
+  fs::path bench;
+};
+
+// The picture of the project's design with that index, in a round's own design: by its name, or, where views took the
+// names of photos, by its place in the list.
+std::optional<Asked> in_round(const Rounds& in, int number, std::size_t index) {
+  const DesignSpec spec = read_design(in.project.round(number) / "design.json");
+  const DesignView& wanted = in.spec.views[index];
+  for (const DesignView& v : spec.views)
+    if (v.view == wanted.view && v.light == wanted.light) return Asked{v, spec.bench};
+  if (spec.views.size() != in.spec.views.size()) return std::nullopt;
+  return Asked{spec.views[index], spec.bench};
+}
+
+// What a designed view or lamp is called in the round's photos; empty where that is not decided.
+std::string measured_name(const std::vector<Match>& matches, const std::string& designed) {
+  const auto found =
+      std::find_if(matches.begin(), matches.end(), [&](const Match& match) { return match.designed == designed; });
+  return found == matches.end() ? "" : found->measured;
+}
+
+ViewHistory history_of(const Rounds& in, std::size_t index) {
+  const DesignView& designed = in.spec.views[index];
   const View& nominal = find_view(in.nominal, designed.view, (in.project.folder / "design.json").string());
   const double rotation = designed.target.upright_in_view
                               ? viewer_rotation_deg(nominal, (in.board.carve_min_mm + in.board.carve_max_mm) / 2)
@@ -119,15 +146,21 @@ ViewHistory history_of(const Rounds& in, const DesignView& designed) {
   for (int r = 1; r <= in.count; ++r) {
     const fs::path round = in.project.round(r);
     ViewInRound& now = out.rounds.emplace_back();
-    const Bench known = read_bench(in.project.bench_before(r));
-    if (const View* from = r == 1 ? &nominal : measured_view(known, nominal, in.board))
-      now.promised = promised(round / "scratches.csv", in.board, known, *from, designed.light, out.target);
+    if (const auto asked = in_round(in, r, index)) {
+      const Bench known = read_bench(asked->bench);
+      now.promised =
+          promised(round / "scratches.csv", in.board, known,
+                   find_view(known, asked->picture.view, asked->bench.string()), asked->picture.light, out.target);
+    }
     if (r > in.measured) continue;
+    const Matching& names = in.names[static_cast<std::size_t>(r - 1)];
+    const std::string taken = measured_name(names.views, designed.view),
+                      lamp = measured_name(names.lamps, designed.light);
+    if (taken.empty() || lamp.empty()) continue;
     const Bench measured = read_bench(round / "bench.json");
-    const View* taken = measured_view(measured, nominal, in.board);
-    if (!taken) continue;
-    now.photographed = photographed(round, *taken, measured, designed.light, out.target);
-    now.photo = taken->name;
+    now.photographed =
+        photographed(round, find_view(measured, taken, (round / "bench.json").string()), measured, lamp, out.target);
+    now.photo = taken;
   }
   return out;
 }
@@ -224,11 +257,12 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   in.nominal = read_bench(in.spec.bench);
   in.frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, kSidePx);
 
+  for (int r = 1; r <= in.measured; ++r) in.names.push_back(match_round(in.project, r));
+
   std::vector<ViewHistory> views;
-  for (const DesignView& designed : in.spec.views) {
-    if (progress)
-      progress("comparing rounds", static_cast<double>(views.size()) / static_cast<double>(in.spec.views.size()));
-    views.push_back(history_of(in, designed));
+  for (std::size_t index = 0; index < in.spec.views.size(); ++index) {
+    if (progress) progress("comparing rounds", static_cast<double>(index) / static_cast<double>(in.spec.views.size()));
+    views.push_back(history_of(in, index));
   }
   Section out;
   out.outcome = outcome_of(in, views);
