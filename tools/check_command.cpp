@@ -74,8 +74,8 @@ void check_before_carving(const CarveOptions& options) {
     fail(page.string(), fmt::format("do not carve this: {} red line{}", red, red == 1 ? "" : "s"),
          "open it in a browser and mend what it says");
   }
-  fmt::print("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n",
-             carve_question(machine_profile(files.machine), files), page.string());
+  fmt::print("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n", carve_question(check, files),
+             page.string());
 }
 
 void add_carve_check(CLI::App& check) {

@@ -201,6 +201,23 @@ TEST_F(CarveChecked, FilesThatCannotBeFollowed) {
   EXPECT_THAT(red(check_carve(input)), HasSubstr("carve nothing"));
 }
 
+TEST_F(CarveChecked, TheFrameGoesRoundTheseScratches) {
+  CarveCheckInput input = written();
+  const auto says = [&](const char* words) {
+    for (const Finding& f : check_carve(input).findings)
+      if (f.what.find(words) != std::string::npos) return true;
+    return false;
+  };
+  EXPECT_FALSE(says("frame"));
+  EXPECT_FALSE(says("goes round"));
+  std::string text = file_text(folder_ / "board-frame.gcode");
+  for (std::size_t at = 0; (at = text.find("G1 X1")) != std::string::npos;) text.replace(at, 5, "G1 X");
+  folder_.write("board-frame.gcode", text);  // a hundred mm short
+  EXPECT_TRUE(says("goes round another job"));
+  input.files.pop_back();
+  EXPECT_TRUE(says("no frame"));
+}
+
 TEST_F(CarveChecked, WhatTheMachineCannotReach) {
   CarveCheckInput input = written();
   input.machine.travel = MachineBounds{{0, 0}, {150, 100}};

@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <cstdio>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -57,6 +61,53 @@ TEST(ToolpathCommand, GoesOnAfterAnInterruption) {
   EXPECT_EQ(again.exit_code, 1);
   EXPECT_EQ(file_text(folder / "board.gcode"), gcode);
   EXPECT_EQ(run({"rest.gcode", "--resume", "board.gcode"}).exit_code, 2);
+}
+
+TEST(ToolpathCommand, FollowsAProbedSheet) {
+  const TemporaryFolder folder;
+  folder.write("board.json", R"({"format": "burin/board", "version": 1, "size_mm": [100, 80], "flatness_um": 60})");
+  folder.write("scratches.csv", kScratches);
+  const std::vector<std::string> command{"toolpath", "scratches.csv", "--board", "board.json"};
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), command.begin(), command.end());
+    return run_burin(folder, more);
+  };
+  const Outcome fixed = run({"--out", "a.gcode"});
+  EXPECT_EQ(fixed.exit_code, 1);
+  EXPECT_THAT(fixed.err, AllOf(HasSubstr("60 um higher in one place"), HasSubstr("burin probe write")));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.gcode"));
+
+  const Outcome written =
+      run_burin(folder, {"probe", "write", "board.json", "--spacing", "20", "--out", "probe.gcode"});
+  EXPECT_EQ(written.exit_code, 0) << written.err;
+  EXPECT_THAT(written.out, HasSubstr("burin probe read SERIAL_LOG --probed probe.gcode --out heights.json"));
+  // grbl's answers of a sheet that rises by 0.6 um a mm to the right.
+  std::string log, place = "0 0";
+  std::istringstream lines(file_text(folder / "probe.gcode"));
+  for (std::string line; std::getline(lines, line);) {
+    double x = 0, y = 0;
+    if (std::sscanf(line.c_str(), "G0 X%lf Y%lf", &x, &y) == 2)
+      place = fmt::format("{:.3f},{:.3f},{:.3f}", x - 300, y - 200, 6e-4 * x - 40);
+    if (line.starts_with("G38.2")) log += "[PRB:" + place + ":1]\nok\n";
+  }
+  folder.write("serial.log", log);
+  const Outcome read =
+      run_burin(folder, {"probe", "read", "serial.log", "--probed", "probe.gcode", "--out", "heights.json"});
+  EXPECT_EQ(read.exit_code, 0) << read.err;
+  EXPECT_THAT(read.out, AllOf(HasSubstr("30 points, 60.0 um from the lowest to the highest"), HasSubstr("--heights")));
+  const Outcome followed = run({"--heights", "heights.json", "--out", "a.gcode"});
+  EXPECT_EQ(followed.exit_code, 0) << followed.err;
+  EXPECT_THAT(followed.out, HasSubstr("Z where the tool touches the face at X0.00 Y0.00"));
+  EXPECT_THAT(file_text(folder / "a.gcode"), HasSubstr("G1 X14.0000 Y12.0000 Z-0.0016 F1200"));  // 10 um under 8.4
+  const Outcome replayed = run({"--heights", "heights.json", "--replay", "a.gcode"});
+  EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
+  EXPECT_EQ(run({"--replay", "a.gcode"}).exit_code, 1);
+  EXPECT_EQ(run({"--heights", "heights.json", "--follow-bow", "--out", "b.gcode"}).exit_code, 2);
+  folder.write("serial.log", log.substr(0, log.find("[PRB", log.size() / 2)));
+  const Outcome half = run_burin(folder, {"probe", "read", "serial.log", "--probed", "probe.gcode", "--out", "h.json"});
+  EXPECT_EQ(half.exit_code, 1);
+  EXPECT_THAT(half.err, HasSubstr("probed points of 33; let the probing file run to its end"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "h.json"));
 }
 
 TEST(ToolpathCommand, SaysWhatIsWrongAndWritesNothing) {

@@ -39,7 +39,12 @@ std::string list_of(const CarveCheck& check, Severity severity, const char* styl
   return items.empty() ? "" : "<ul>\n" + items + "</ul>\n";
 }
 
-bool carves(const CheckedFile& file) { return file.scratches > 0; }
+// A file in words: its part of the job, the frame, or one that no machine could follow.
+std::string file_text(const CheckedFile& file) {
+  if (file.lines == 0) return "cannot be followed";
+  if (file.scratches == 0) return "carves nothing: the frame, to be run first, in the air";
+  return fmt::format("{} scratches, {}", file.scratches, duration_text(file.duration_s));
+}
 
 std::string depth_text(const CarveCheck& check) {
   if (check.most_depth_um - check.least_depth_um < 0.05) return fmt::format("{:.1f} µm", check.most_depth_um);
@@ -49,6 +54,7 @@ std::string depth_text(const CarveCheck& check) {
 // Where the tool goes, in numbers.
 std::string tool_table(const CarveCheck& check, const MachineProfile& machine) {
   Table t;
+  t.header = {"the tool", html(machine.name)};
   const auto range = [&](int axis, int decimals) {
     return fmt::format("{:.{}f} to {:.{}f} mm", check.tool_min_mm[axis], decimals, check.tool_max_mm[axis], decimals);
   };
@@ -68,9 +74,7 @@ std::string files_table(const CarveCheck& check) {
   Table t;
   t.header = {"file", "lines", "what"};
   for (const CheckedFile& f : check.files)
-    t.rows.push_back({html(f.file.filename().string()), std::to_string(f.lines),
-                      carves(f) ? fmt::format("{} scratches, {}", f.scratches, html(duration_text(f.duration_s)))
-                                : "the frame: run it first, it goes round the scratches in the air"});
+    t.rows.push_back({html(f.file.filename().string()), std::to_string(f.lines), html(file_text(f))});
   return table(t);
 }
 
@@ -221,10 +225,7 @@ std::string carve_check_text(const CarveCheck& check) {
   constexpr std::array kWord{"note", "mind", "RED"};
   for (const Finding& f : check.findings)
     text += fmt::format("{:<4}  {}\n", kWord[static_cast<std::size_t>(f.severity)], sentence(f));
-  for (const CheckedFile& f : check.files)
-    text += fmt::format("{}  {}\n", f.file.string(),
-                        carves(f) ? fmt::format("{} scratches, {}", f.scratches, duration_text(f.duration_s))
-                                  : "carves nothing: a frame in the air");
+  for (const CheckedFile& f : check.files) text += fmt::format("{}  {}\n", f.file.string(), file_text(f));
   if (check.carved.size() > 0)
     text += fmt::format("tool  X {:.2f} to {:.2f}, Y {:.2f} to {:.2f}, Z {:.4f} to {:.4f} mm; {} deep\n",
                         check.tool_min_mm.x(), check.tool_max_mm.x(), check.tool_min_mm.y(), check.tool_max_mm.y(),
@@ -235,7 +236,10 @@ std::string carve_check_text(const CarveCheck& check) {
   return text;
 }
 
-std::string carve_question(const MachineProfile& machine, const CarveCheckFiles& files) {
+std::string carve_question(const CarveCheck& check, const CarveCheckFiles& files) {
+  const MachineProfile machine = machine_profile(files.machine);
+  const bool frame = std::any_of(check.files.begin(), check.files.end(),
+                                 [](const CheckedFile& f) { return f.lines > 0 && f.scratches == 0; });
   std::string zero = "on its face";
   if (!files.heights.empty())
     zero = "as the probing left it";
@@ -244,7 +248,8 @@ std::string carve_question(const MachineProfile& machine, const CarveCheckFiles&
   else if (machine.depth_by == DepthBy::servo)
     zero = "anywhere";
   return fmt::format("Is the sheet clamped, X and Y zero at its lower left corner, Z zero {}{}{}?", zero,
-                     machine.laser ? ", the laser's beam off" : "", ", and did the frame run clear of clamps and tags");
+                     machine.laser ? ", the laser's beam off" : "",
+                     frame ? ", and did the frame run clear of clamps and tags" : "");
 }
 
 void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& files, const fs::path& file) {
@@ -269,7 +274,7 @@ void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& file
   if (!promise.mind.empty() || !notes.empty())
     body += "<h3>What the machine and the design cannot do</h3>\n" + notes +
             (promise.mind.empty() ? "" : "<ul>\n" + promise.mind + "</ul>\n");
-  if (check.good()) body += "<h2>One question</h2>\n<p>" + html(carve_question(machine, files)) + "</p>\n";
+  if (check.good()) body += "<h2>One question</h2>\n<p>" + html(carve_question(check, files)) + "</p>\n";
   write_text(page("Burin: before metal moves", outcome_of(check, warnings), body), file);
 }
 

@@ -32,7 +32,7 @@ CarveCheck check_carve_files(const CarveCheckFiles& files);
 std::string carve_check_text(const CarveCheck& check);
 
 /// The one question to ask before the machine starts: "Sheet clamped, ...?".
-std::string carve_question(const MachineProfile& machine, const CarveCheckFiles& files);
+std::string carve_question(const CarveCheck& check, const CarveCheckFiles& files);
 
 /// Writes the page, self-contained, atomically. Pictures come from `files.folder`, where there is one.
 void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& files, const std::filesystem::path& page);

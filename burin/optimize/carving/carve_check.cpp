@@ -17,6 +17,7 @@
 #include "burin/render/files/json_file.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
+#include "burin/render/parameter_name.h"
 
 namespace burin {
 namespace {
@@ -63,6 +64,7 @@ void replay_files(Work& work, CarveCheck& check) {
       done.scratches = replay.scratches.size();
       done.lines = replay.lines;
       done.duration_s = replay.duration_s;
+      done.min_mm = replay.min_mm.head<2>(), done.max_mm = replay.max_mm.head<2>();
       work.replayed.insert(work.replayed.end(), replay.scratches.begin(), replay.scratches.end());
       for (const ReplayedScratch& s : replay.scratches)
         work.told.scratches.push_back(
@@ -114,7 +116,9 @@ void carve_them(const Work& work, CarveCheck& check) {
   Bench bench = work.bench;
   bench.crossings = Crossings::add;  // whole grooves, a row each
   // What nobody measured is what the machine is told.
-  if (!bench.material_sigma.depth_um) bench.material.depth_um = work.input.board.material.depth_um;
+  const Verdict* verdict = find_verdict(bench, parameter::kDepth);
+  if (!bench.material_sigma.depth_um || (verdict != nullptr && !verdict->determined()))
+    bench.material.depth_um = work.input.board.material.depth_um;
   check.carved = carve(Sent(std::move(sent)), bench, work.input.board).scratches;
   const DepthRange told = depth_range(work.told);
   check.least_depth_um = 1e3 * told.least_mm;
@@ -191,6 +195,24 @@ void judge_machine(const Work& work, CarveCheck& check) {
         "raise safe_z_mm of the machine profile and make the tool path again");
 }
 
+// The way round all scratches in the air: there, and round these.
+void judge_frame(const Work& work, CarveCheck& check) {
+  const auto frame = std::find_if(check.files.begin(), check.files.end(),
+                                  [](const CheckedFile& f) { return f.scratches == 0 && f.lines > 0; });
+  if (frame == check.files.end()) {
+    add(check, Severity::note, "there is no frame to run in the air first", "burin toolpath --frame writes one");
+    return;
+  }
+  Eigen::Vector2d low = work.told.scratches[0].from_mm, high = low;
+  for (const PlannedScratch& s : work.told.scratches) {
+    low = low.cwiseMin(s.from_mm).cwiseMin(s.to_mm);
+    high = high.cwiseMax(s.from_mm).cwiseMax(s.to_mm);
+  }
+  if (!((frame->min_mm - low).cwiseAbs().maxCoeff() < 1 && (frame->max_mm - high).cwiseAbs().maxCoeff() < 1))
+    check.findings.push_back({Severity::warning, frame->file, "goes round another job than these files carve",
+                              "make the frame again (burin toolpath --frame)"});
+}
+
 GlintView glint_view(const DesignView& v, const Bench& bench) {
   return {v.view, find_view(bench, v.view, "design").T_camera_board.inverse().translation(),
           find_light(bench, v.light, "design").position_mm};
@@ -258,6 +280,7 @@ CarveCheck check_carve(const CarveCheckInput& input) {
   carve_them(work, check);
   judge_places(work, check);
   judge_machine(work, check);
+  judge_frame(work, check);
   append(check.findings, sheet_findings(work.told, input.board, input.bench ? &*input.bench : nullptr, input.machine));
   judge_glints(work, check);
   std::stable_sort(check.findings.begin(), check.findings.end(),

@@ -41,6 +41,7 @@ struct CheckedFile {
   std::size_t scratches = 0;  ///< 0: a frame, which stays in the air
   std::size_t lines = 0;
   double duration_s = 0;
+  Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};  ///< places that the tool is sent to
 };
 
 /// What the designed views get of the light of the scratches that run for them.
