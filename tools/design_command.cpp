@@ -13,6 +13,7 @@
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/duration.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/render/bench_of_board.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
@@ -88,7 +89,7 @@ void run(const Options& o) {
   if (!o.board.empty()) spec.board = o.board;
   if (o.scratches > 0) spec.scratches = o.scratches;
   const Board board = read_board(spec.board);
-  const Bench bench = read_bench(spec.bench);
+  const Bench bench = read_bench_of(board, spec.board, spec.bench);
   for (const Finding& finding : bench.findings) note(sentence(finding));
   DesignOptions options = o.design;
   options.start = o.start == "guided" ? Start::guided : Start::random;

@@ -27,7 +27,7 @@
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/machine_profile.h"
-#include "burin/render/bench.h"
+#include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
@@ -123,7 +123,9 @@ void write_sent_scratches(const Loop& loop, int number, const fs::path& ordered)
   }
   const Board board = read_board(loop.project.folder / "board.json");
   Scratches sent =
-      compensated(Designed(read_scratches(ordered)), read_bench(loop.project.bench_before(number)), board).scratches;
+      compensated(Designed(read_scratches(ordered)),
+                  read_bench_of(board, loop.project.folder / "board.json", loop.project.bench_before(number)), board)
+          .scratches;
   sent.carved.clear();
   if (sent.size() != told.size())
     fail(round.string(), fmt::format("its G-code carves {} scratches of {}", told.size(), sent.size()),

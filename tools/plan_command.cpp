@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "burin/calib/plan.h"
+#include "burin/render/bench_of_board.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
@@ -169,7 +170,7 @@ void add_plan_command(CLI::App& burin) {
       note("no --bench: planned for a 50 mm lens on full frame, and a lamp " +
            place_in_words(bench.lights[0].position_mm, board));
     } else {
-      bench = read_bench(options->bench);
+      bench = read_bench_of(board, options->board, options->bench);
     }
     PlanOptions plan_options = options->plan;
     if (!options->camera.empty()) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "burin/render/bench.h"
+#include "burin/render/bench_of_board.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
@@ -44,7 +45,7 @@ double automatic_exposure(const Image& radiance) {
 
 void run(const Options& o) {
   Board board = read_board(o.board);
-  const Bench bench = read_bench(o.bench);
+  const Bench bench = read_bench_of(board, o.board, o.bench);
   for (const Finding& finding : bench.findings) note(sentence(finding));
   if (bench.lights.empty()) fail(o.bench.string(), "has no lights", "add one, or calibrate the bench");
   if (!o.scratches.empty()) board.scratches = o.scratches;

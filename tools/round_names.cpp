@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 
@@ -62,6 +63,7 @@ Matching match_round(const Project& project, int number, const GivenNames& given
   const DesignSpec wanted = read_design(project.folder / "design.json"), carved = read_design(round / "design.json");
   const Board board = read_board(carved.board);
   Bench designed = read_bench(carved.bench);
+  fill_material(designed, board);
   const Bench nominal = read_bench(wanted.bench);
   complete_by(designed.views, nominal.views, [](const View& a, const View& b) { return a.name == b.name; });
   complete_by(designed.lights, nominal.lights, [](const Light& a, const Light& b) { return a.id == b.id; });

@@ -11,6 +11,7 @@
 #include "burin/optimize/duration.h"
 #include "burin/optimize/toolpath.h"
 #include "burin/render/bench.h"
+#include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
@@ -69,7 +70,9 @@ void write(const Options& options) {
   const MachineProfile machine = machine_of(options);
   const Board board = read_board(options.board);
   std::optional<Bench> bench;
-  if (!options.bench.empty()) bench = read_bench(options.bench);
+  if (!options.bench.empty()) bench = read_bench_of(board, options.board, options.bench);
+  if (bench)
+    for (const Finding& finding : bench->findings) note(sentence(finding));
   const Scratches scratches = scratches_of(options, board, bench ? &*bench : nullptr, machine);
   ToolpathOptions settings;
   set_face(options, settings);
@@ -126,7 +129,7 @@ void replay(const Options& options) {
   const MachineProfile machine = machine_of(options);
   const Board board = read_board(options.board);
   std::optional<Bench> bench;
-  if (!options.bench.empty()) bench = read_bench(options.bench);
+  if (!options.bench.empty()) bench = read_bench_of(board, options.board, options.bench);
   ToolpathOptions settings;
   settings.keep_order = true;
   set_face(options, settings);

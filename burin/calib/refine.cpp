@@ -234,6 +234,7 @@ void RefineRun::judge() {
   tell("judging the result", 0);
   const Uncertainty uncertainty = uncertainty_of(data, stage, state);
   const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
+  keep_believed(board, state, out.bench);
   advise_light(data, state, uncertainty, judged, out.bench, progress);
   fit_colors(data, merged, state, out.bench);
   out.alpha_jitter = data.model.alpha_jitter;

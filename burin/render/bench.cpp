@@ -217,6 +217,22 @@ Scatter read_scatter(JsonObject& json, const std::string& key) {
   return scatter;
 }
 
+// {"alpha": 0.04, "depth_um": 11, "width_um": 400}
+ToldMaterial read_told(JsonObject json) {
+  const auto number = [&](const char* key) { return json.has(key) ? std::optional(json.positive(key)) : std::nullopt; };
+  const ToldMaterial told{number("alpha"), number("depth_um"), number("width_um")};
+  json.finish();
+  return told;
+}
+
+Json told_json(const ToldMaterial& told) {
+  Json json = Json::object();
+  if (told.alpha) json["alpha"] = *told.alpha;
+  if (told.depth_um) json["depth_um"] = *told.depth_um;
+  if (told.tool_width_um) json["width_um"] = *told.tool_width_um;
+  return json;
+}
+
 Crossings read_crossings(JsonObject& json) {
   const std::string text = json.text("crossings", "add");
   if (text != "add" && text != "last")
@@ -240,6 +256,7 @@ Json material_json(const Bench& bench, double tool_width_um) {
   json["crossings"] = bench.crossings == Crossings::last ? "last" : "add";
   put_scatter(bench.alpha_scatter, "alpha_scatter", json);
   put_scatter(bench.depth_scatter, "depth_scatter", json);
+  if (const Json told = told_json(bench.told); !told.empty()) json["told"] = told;
   return json;
 }
 
@@ -260,9 +277,12 @@ Bench read_bench(const std::filesystem::path& file) {
       bench.views, [](const View& v) { return v.name; }, json, "views");
   fail_unless_unique(
       bench.lights, [](const Light& l) { return l.id; }, json, "lights");
+  bench.said = {false, false, false, false};
   if (json.has("material")) {
     JsonObject material = json.object("material");
     bench.material = read_material(material);
+    bench.said = said_material(material);
+    if (material.has("told")) bench.told = read_told(material.object("told"));
     bench.material_sigma.alpha = optional_sigma(material, "alpha_sigma");
     bench.material_sigma.depth_um = optional_sigma(material, "depth_sigma_um");
     bench.material_sigma.base_alpha = optional_sigma(material, "base_alpha_sigma");

@@ -47,6 +47,12 @@ struct MaterialSigma {
   std::optional<double> alpha, depth_um, base_alpha;
 };
 
+/// What board.json said of the board that a bench was measured on: what its machine was told, and with which tool.
+/// Empty where that is not known.
+struct ToldMaterial {
+  std::optional<double> alpha, depth_um, tool_width_um;
+};
+
 /// How much a number differs from groove to groove: the standard deviation of its logarithm.
 struct Scatter {
   double value = 0;
@@ -63,6 +69,8 @@ struct Bench {
   std::vector<Light> lights;
   Material material;
   MaterialSigma material_sigma;
+  SaidMaterial said;                     ///< by the file that this was read from
+  ToldMaterial told;                     ///< where the bench was measured on a carved board
   GrooveField depth_field, alpha_field;  ///< what multiplies material.depth_um and alpha, scratch by scratch
   Crossings crossings = Crossings::add;  ///< what is left where grooves cross
   /// How much roughness and depth differ from groove to groove beside their fields: standard deviations of the

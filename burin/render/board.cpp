@@ -1,5 +1,6 @@
 #include "burin/render/board.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -54,6 +55,8 @@ TagSet read_tags(JsonObject json, const Eigen::Vector2d& size_mm) {
 struct FamilyLayout {
   const char* name;
   int border_modules, total_modules;
+  /// Data reaches out to the edge of the paper; the others have a white border there, which neighbors may share.
+  bool printed_to_edge() const { return total_modules > border_modules + 2; }
 };
 constexpr std::array<FamilyLayout, 9> kFamilies{{{"tag16h5", 6, 8},
                                                  {"tag25h9", 7, 9},
@@ -135,6 +138,10 @@ Material read_material(JsonObject& json) {
   return material;
 }
 
+SaidMaterial said_material(const JsonObject& json) {
+  return {json.has("alpha"), json.has("depth_um"), json.has("base_alpha"), json.has("f0")};
+}
+
 std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag) {
   const double angle = tag.rotation_deg * std::numbers::pi / 180, half = tag.size_mm / 2;
   const Eigen::Vector2d right(std::cos(angle) * half, std::sin(angle) * half), up(-right.y(), right.x());
@@ -142,17 +149,68 @@ std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag) {
   return {c - right - up, c + right - up, c + right + up, c - right + up};
 }
 
-KeepOut tag_paper(const Tag& tag, const std::string& family) {
-  for (const FamilyLayout& f : kFamilies) {
-    if (family != f.name) continue;
-    Tag paper = tag;
-    paper.size_mm *= static_cast<double>(f.total_modules) / f.border_modules;
-    const auto corners = tag_corners_mm(paper);
-    return {"tag " + std::to_string(tag.id), {corners.begin(), corners.end()}, {0, 0}, 0};
-  }
+namespace {
+
+const FamilyLayout& layout_of(const std::string& family, const std::string& where) {
+  for (const FamilyLayout& f : kFamilies)
+    if (family == f.name) return f;
   std::string known;
   for (const FamilyLayout& f : kFamilies) known += (known.empty() ? "" : ", ") + std::string(f.name);
-  fail("tags.family", "\"" + family + "\" is not known", "use one of " + known);
+  fail(where + ".family", "\"" + family + "\" is not known", "use one of " + known);
+}
+
+std::array<Eigen::Vector2d, 4> corners_at(const Tag& tag, double times) {
+  Tag larger = tag;
+  larger.size_mm *= times;
+  return tag_corners_mm(larger);
+}
+
+// Whether a line along a side of either square has them on its two sides.
+bool apart(const std::array<Eigen::Vector2d, 4>& a, const std::array<Eigen::Vector2d, 4>& b) {
+  constexpr double kTouch_mm = 1e-6;
+  for (const auto* square : {&a, &b})
+    for (int k = 0; k < 2; ++k) {
+      const Eigen::Vector2d axis = ((*square)[k + 1] - (*square)[k]).normalized();
+      const auto range = [&](const std::array<Eigen::Vector2d, 4>& corners) {
+        std::array<double, 2> out{INFINITY, -INFINITY};
+        for (const Eigen::Vector2d& p : corners) {
+          out[0] = std::min(out[0], axis.dot(p));
+          out[1] = std::max(out[1], axis.dot(p));
+        }
+        return out;
+      };
+      const auto of_a = range(a), of_b = range(b);
+      if (of_a[1] <= of_b[0] + kTouch_mm || of_b[1] <= of_a[0] + kTouch_mm) return true;
+    }
+  return false;
+}
+
+// A tag whose print or border lies under another's print is not found, or found elsewhere.
+void fail_if_tags_overlap(const TagSet& tags, const std::string& where) {
+  if (tags.list.size() < 2) return;
+  const FamilyLayout& family = layout_of(tags.family, where);
+  const double paper = static_cast<double>(family.total_modules) / family.border_modules,
+               print = family.printed_to_edge() ? paper : 1;
+  for (std::size_t i = 0; i < tags.list.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const Tag &a = tags.list[i], &b = tags.list[j];
+      if (apart(corners_at(a, paper), corners_at(b, print)) && apart(corners_at(a, print), corners_at(b, paper)))
+        continue;
+      const auto mm = [](double v) { return Json(std::round(v * 100) / 100).dump(); };
+      fail(where + ".list[" + std::to_string(i) + "]",
+           "tag " + std::to_string(a.id) + " overlaps tag " + std::to_string(b.id) + ": with size_mm " + mm(a.size_mm) +
+               " the paper of a " + tags.family + " is " + mm(paper * a.size_mm) + " mm wide",
+           "move them apart, or correct size_mm: the side of the square whose corners AprilTag reports, 1/" +
+               mm(paper) + " of the paper's");
+    }
+}
+
+}  // namespace
+
+KeepOut tag_paper(const Tag& tag, const std::string& family) {
+  const FamilyLayout& layout = layout_of(family, "tags");
+  const auto corners = corners_at(tag, static_cast<double>(layout.total_modules) / layout.border_modules);
+  return {"tag " + std::to_string(tag.id), {corners.begin(), corners.end()}, {0, 0}, 0};
 }
 
 Board read_board(const std::filesystem::path& file) {
@@ -175,16 +233,21 @@ Board read_board(const std::filesystem::path& file) {
   }
   if (json.has("keep_out"))
     for (JsonObject& place : json.objects("keep_out")) board.keep_out.push_back(read_keep_out(place));
-  if (json.has("tags")) board.tags = read_tags(json.object("tags"), board.size_mm);
+  if (json.has("tags")) {
+    board.tags = read_tags(json.object("tags"), board.size_mm);
+    fail_if_tags_overlap(board.tags, file.string() + ": tags");
+  }
   if (json.has("scratches")) board.scratches = resolve_path(file, json.text("scratches"));
   if (json.has("tool")) {
     JsonObject tool = json.object("tool");
     board.tool_width_um = tool.positive("width_um", board.tool_width_um);
     tool.finish();
   }
+  board.said = {false, false, false, false};
   if (json.has("material")) {
     JsonObject material = json.object("material");
     board.material = read_material(material);
+    board.said = said_material(material);
     material.finish();
   }
   if (json.has("flatness_um")) {

@@ -47,6 +47,12 @@ struct Material {
   Eigen::Vector3d f0{0.91, 0.92, 0.92};  ///< Fresnel reflectance at normal incidence, R G B
 };
 
+/// Which of Material's numbers a file says itself. What a bench.json leaves out is board.json's
+/// (burin/render/bench_of_board.h), and what that leaves out is Material's default.
+struct SaidMaterial {
+  bool alpha = true, depth_um = true, base_alpha = true, f0 = true;
+};
+
 /// `board.json`. docs/file-formats.md.
 struct Board {
   Eigen::Vector2d size_mm{0, 0};
@@ -59,6 +65,7 @@ struct Board {
   /// How uneven the face is as it lies on the machine: its highest less its lowest place over the carve area, um, as a
   /// person measured or believes it. Nothing: nobody knows.
   std::optional<double> flatness_um;
+  SaidMaterial said;           ///< by the file that this was read from
   std::filesystem::path mesh;  ///< optional OBJ with uv for a board that is neither flat nor bowed; empty if none
 };
 

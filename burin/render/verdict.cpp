@@ -138,7 +138,8 @@ std::string sentence(const Verdict& verdict) {
     return out;
   }
   if (verdict.source == Source::given) add("given, and held fixed");
-  if (verdict.source == Source::assumed) add("assumed; no photo was asked");
+  if (verdict.source == Source::assumed)
+    add(verdict.sigma || !verdict.causes.empty() ? "left as it was believed" : "assumed; no photo was asked");
   if (verdict.sigma) {
     add("one sigma is " + with_unit(*verdict.sigma, verdict.unit));
     for (const Cause& cause : verdict.causes) out += of_what(cause);

@@ -10,7 +10,8 @@
 
 namespace burin {
 
-/// Where a number comes from: nobody looked, a person gave it to be held, or photos.
+/// Where a number comes from: it is believed (nobody looked, or the photos do not tell it), a person gave it to be
+/// held, or photos.
 enum class Source { assumed, given, measured };
 
 /// What is determined only weakly is a measurement with a sigma too large to build on.

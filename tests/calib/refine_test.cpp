@@ -78,6 +78,11 @@ TEST(Refine, DepthIsNotDeterminedWhereNoHalfVectorReachesTheCutOff) {
   EXPECT_FALSE(depth.known()) << sentence(depth);
   EXPECT_TRUE(rests_on(depth, Cause::Kind::cutoff_not_seen));
   EXPECT_FALSE(r.bench.material_sigma.depth_um.has_value());
+  // It stays what was believed, not what the optimizer strayed to, and is called so.
+  EXPECT_EQ(r.bench.material.depth_um, rig.board.material.depth_um);
+  EXPECT_EQ(depth.source, Source::assumed);
+  EXPECT_EQ(sentence(depth).rfind("left as it was believed", 0), 0U) << sentence(depth);
+  EXPECT_EQ(r.bench.told.depth_um, rig.board.material.depth_um);
   EXPECT_NE(sentence(depth).find("photograph"), std::string::npos);  // it says what to do
 }
 

@@ -103,6 +103,27 @@ TEST(Board, ValuesOutOfRangeAreNamed) {
   expect(size + R"(, "scratch": "s.csv")", "scratch", "did you mean \"scratches\"?");
 }
 
+// Oracle: the families' layouts. A tagStandard41h12 of 16 mm is 28.8 mm of paper, printed to its edge; a tag36h11 is
+// 20 mm of paper, whose white border of 2 mm two tags may share.
+TEST(Board, TagsThatOverlapAreNamed) {
+  const auto two = [](const std::string& family, double apart_mm, double turned_deg) {
+    return R"("size_mm": [200, 100], "tags": {"family": ")" + family +
+           R"(", "list": [{"id": 1, "center_mm": [40, 50], "size_mm": 16},
+                {"id": 5, "center_mm": [)" +
+           std::to_string(40 + apart_mm) + R"(, 50], "size_mm": 16, "rotation_deg": )" + std::to_string(turned_deg) +
+           "}]}";
+  };
+  EXPECT_EQ(read_text(two("tagStandard41h12", 28.9, 0)).tags.list.size(), 2U);
+  EXPECT_THAT([&] { read_text(two("tagStandard41h12", 28.7, 0)); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("board.json: tags.list[1]: tag 5 overlaps tag 1"),
+                                         HasSubstr("28.8 mm wide"), HasSubstr("1/1.8 of the paper's"))));
+  EXPECT_NO_THROW(read_text(two("tag36h11", 18.1, 0)));
+  EXPECT_THAT([&] { read_text(two("tag36h11", 17.9, 0)); }, ThrowsMessage<Error>(HasSubstr("overlaps")));
+  // A corner reaches further than a side: 14.4 + 14.4 sqrt(2) = 34.8.
+  EXPECT_NO_THROW(read_text(two("tagStandard41h12", 34.9, 45)));
+  EXPECT_THAT([&] { read_text(two("tagStandard41h12", 34.6, 45)); }, ThrowsMessage<Error>(HasSubstr("overlaps")));
+}
+
 TEST(Board, TagCornersStandInAprilTagsOrderAndTurnCounterClockwise) {
   const auto upright = tag_corners_mm({0, {10, 20}, 4, 0});
   EXPECT_TRUE(upright[0].isApprox(Eigen::Vector2d(8, 18)));

@@ -208,7 +208,7 @@ CarveCheckFiles round_files(const fs::path& round, const std::string& machine) {
 
 CarveCheck check_carve_files(const CarveCheckFiles& files) {
   CarveCheckInput input{files.gcode, machine_profile(files.machine), read_board(files.board)};
-  if (!files.bench.empty()) input.bench = read_bench(files.bench);
+  if (!files.bench.empty()) input.bench = read_bench_of(input.board, files.board, files.bench);
   if (!files.scratches.empty()) input.scratches = read_scratches(files.scratches);
   if (!files.design.empty() && input.bench) input.design = read_design(files.design);
   if (!files.heights.empty()) input.heights = read_heights(files.heights);

@@ -14,6 +14,7 @@
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/optimize/target.h"
 #include "burin/render/bench.h"
+#include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
 #include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
@@ -147,7 +148,8 @@ ViewHistory history_of(const Rounds& in, std::size_t index) {
     const fs::path round = in.project.round(r);
     ViewInRound& now = out.rounds.emplace_back();
     if (const auto asked = in_round(in, r, index)) {
-      const Bench known = read_bench(asked->bench);
+      Bench known = read_bench(asked->bench);
+      fill_material(known, in.board);
       now.promised =
           promised(round / "scratches.csv", in.board, known,
                    find_view(known, asked->picture.view, asked->bench.string()), asked->picture.light, out.target);

@@ -9,6 +9,7 @@
 
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/render/bench.h"
+#include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
@@ -107,8 +108,8 @@ std::string rerun_sentence(std::span<const RerunView> views) {
 }
 
 Section rerun_section(const RerunInput& input, const Progress& progress) {
-  const Bench under = read_bench(input.under);
   const Board board = read_board(input.board);
+  const Bench under = read_bench_of(board, input.board, input.under);
   const DesignedBoard before = read_designed(input.before, under, board),
                       after = read_designed(input.after, under, board);
   std::vector<RerunView> views;

@@ -188,7 +188,8 @@ std::string value_cell(const Bench& bench, const std::string& parameter, double 
                        const std::optional<double>& sigma, const std::string& unit) {
   const std::string space = unit.empty() ? "" : " ";
   if (!is_determined(bench, parameter))
-    return fmt::format("<span class=\"unknown\">unknown; {}{}{} is assumed</span>", number(value), space, unit);
+    return fmt::format("<span class=\"unknown\">not known; {}{}{} is believed as before</span>", number(value), space,
+                       unit);
   if (sigma) return with_sigma(value, *sigma) + space + unit;
   return number(value) + space + unit;
 }

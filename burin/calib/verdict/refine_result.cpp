@@ -184,4 +184,21 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
   return judged;
 }
 
+void keep_believed(const Board& board, State& state, Bench& bench) {
+  const auto keep = [&](const char* name, int index, double believed, double& value, std::optional<double>& sigma) {
+    const auto verdict = bench.verdict.find(name);
+    if (verdict == bench.verdict.end() || verdict->second.known()) return;
+    verdict->second.source = Source::assumed;
+    value = believed;
+    sigma.reset();
+    state.shared[index] = std::log(believed);
+  };
+  Material& m = bench.material;
+  MaterialSigma& sigma = bench.material_sigma;
+  keep(parameter::kAlpha, unknown::log_alpha, board.material.alpha, m.alpha, sigma.alpha);
+  keep(parameter::kDepth, unknown::log_depth, board.material.depth_um, m.depth_um, sigma.depth_um);
+  keep(parameter::kBaseAlpha, unknown::log_base_alpha, board.material.base_alpha, m.base_alpha, sigma.base_alpha);
+  bench.told = {board.material.alpha, board.material.depth_um, board.tool_width_um};
+}
+
 }  // namespace burin

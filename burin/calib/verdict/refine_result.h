@@ -24,4 +24,8 @@ void fit_colors(const Problem& data, std::span<const MergedView> merged, const S
 Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                         Refinement& out);
 
+/// What the photos do not tell of grooves and face goes back to what board.json believes, in `state` and `bench`, and
+/// the verdict says so: where an optimizer strayed to is no knowledge. Also notes what the board was told.
+void keep_believed(const Board& board, State& state, Bench& bench);
+
 }  // namespace burin

@@ -11,4 +11,7 @@ namespace burin {
 /// outside (0, 1], a depth that is not positive, or a reflectance outside [0, 1]. The caller calls finish().
 Material read_material(JsonObject& json);
 
+/// Which of them are there.
+SaidMaterial said_material(const JsonObject& json);
+
 }  // namespace burin

@@ -1,0 +1,108 @@
+#include "burin/render/bench_of_board.h"
+
+#include <cmath>
+#include <string>
+
+#include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
+#include "burin/render/parameter_name.h"
+
+namespace burin {
+namespace {
+
+// Digits of a person, or of another program: the same number all the same.
+constexpr double kSame = 1e-9;
+bool same(double a, double b) { return std::abs(a - b) <= kSame * std::max(std::abs(a), std::abs(b)); }
+
+struct Settling {
+  Bench& bench;
+  const Board& board;
+  std::string bench_file, board_file;
+
+  // Nobody photographed anything: every number is a person's.
+  bool nominal() const { return bench.verdict.empty(); }
+
+  bool measured(const char* parameter, const std::optional<double>& sigma) const {
+    if (const Verdict* verdict = find_verdict(bench, parameter))
+      return verdict->known() && verdict->source != Source::assumed;
+    return sigma.has_value();
+  }
+
+  [[noreturn]] void contradict(const std::string& key, double bench_says, double believed, bool board_says) const {
+    fail(bench_file,
+         "material." + key + " is " + significant(bench_says, 6) + ", but " + board_file +
+             (board_says ? " says " : " does not say it, which means ") + significant(believed, 6),
+         "no photo has measured it, so it is one number: write it into board.json, and leave it out of bench.json");
+  }
+
+  void note(const std::string& what) const {
+    bench.findings.push_back({Finding::Severity::note, bench_file, what, ""});
+  }
+
+  void number(const char* parameter, const std::string& key, bool said, bool board_says,
+              const std::optional<double>& sigma, double believed, double& value) const {
+    if (measured(parameter, sigma)) return;
+    if (!said && !board_says)
+      note("neither this nor " + board_file + " says material." + key + "; " + significant(believed, 6) +
+           " is believed");
+    if (same(value, believed)) return;
+    if (said && find_verdict(bench, parameter) == nullptr) contradict(key, value, believed, board_says);
+    if (said)
+      note("the photos did not tell material." + key + ": " + board_file + "'s " + significant(believed, 6) +
+           " is believed");
+    value = believed;
+  }
+
+  void told(const std::string& field, const std::optional<double>& then, double now) const {
+    if (!then || same(*then, now)) return;
+    fail(board_file,
+         field + " is " + significant(now, 6) + ", but " + bench_file + " was measured on a board with " +
+             significant(*then, 6) + " (its material.told)",
+         "write " + significant(*then, 6) +
+             " there again, or begin from a nominal bench.json: what the machine makes of " + significant(now, 6) +
+             " was not measured");
+  }
+};
+
+}  // namespace
+
+void settle_material(Bench& bench, const std::filesystem::path& bench_file, const Board& board,
+                     const std::filesystem::path& board_file) {
+  const Settling s{bench, board, bench_file.string(), board_file.string()};
+  Material& m = bench.material;
+  const MaterialSigma& sigma = bench.material_sigma;
+  if (s.measured(parameter::kAlpha, sigma.alpha)) s.told("material.alpha", bench.told.alpha, board.material.alpha);
+  if (s.measured(parameter::kDepth, sigma.depth_um))
+    s.told("material.depth_um", bench.told.depth_um, board.material.depth_um);
+  s.told("tool.width_um", bench.told.tool_width_um, board.tool_width_um);
+  s.number(parameter::kAlpha, "alpha", bench.said.alpha, board.said.alpha, sigma.alpha, board.material.alpha, m.alpha);
+  s.number(parameter::kDepth, "depth_um", bench.said.depth_um, board.said.depth_um, sigma.depth_um,
+           board.material.depth_um, m.depth_um);
+  // Paper and plain face tell this one as soon as there is a lamp.
+  if (s.nominal() || !bench.said.base_alpha)
+    s.number(parameter::kBaseAlpha, "base_alpha", bench.said.base_alpha, board.said.base_alpha, sigma.base_alpha,
+             board.material.base_alpha, m.base_alpha);
+  for (int c = 0; c < 3; ++c) {
+    if (bench.said.f0 && !same(m.f0[c], board.material.f0[c]))
+      s.contradict("f0[" + std::to_string(c) + "]", m.f0[c], board.material.f0[c], board.said.f0);
+    m.f0[c] = board.material.f0[c];
+  }
+  bench.said = {};
+}
+
+void fill_material(Bench& bench, const Board& board) {
+  if (!bench.said.alpha) bench.material.alpha = board.material.alpha;
+  if (!bench.said.depth_um) bench.material.depth_um = board.material.depth_um;
+  if (!bench.said.base_alpha) bench.material.base_alpha = board.material.base_alpha;
+  if (!bench.said.f0) bench.material.f0 = board.material.f0;
+  bench.said = {};
+}
+
+Bench read_bench_of(const Board& board, const std::filesystem::path& board_file,
+                    const std::filesystem::path& bench_file) {
+  Bench bench = read_bench(bench_file);
+  settle_material(bench, bench_file, board, board_file);
+  return bench;
+}
+
+}  // namespace burin
