@@ -9,6 +9,7 @@
 #include <exception>
 #include <memory>
 
+#include "burin/optimize/duration.h"
 #include "burin/render/error.h"
 #include "burin/render/threads.h"
 #include "tools/commands.h"
@@ -47,6 +48,8 @@ std::unique_ptr<CLI::App> make_app() {
   add_probe_command(*burin);
   add_report_command(*burin);
   add_loop_command(*burin);
+  add_status_command(*burin);
+  add_trace_command(*burin);
   add_check_command(*burin);
   return burin;
 }
@@ -77,6 +80,15 @@ void parse(CLI::App& app, const std::vector<std::string>& arguments) {
 }
 
 }  // namespace
+
+std::string wrong_duration(const std::string& text) {
+  try {
+    duration_from_text(text);
+    return "";
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
 
 void run_command(const std::vector<std::string>& arguments) { parse(*make_app(), arguments); }
 

@@ -33,6 +33,7 @@
 #include <fmt/core.h>
 
 #include <CLI/App.hpp>
+#include <memory>
 #include <string>
 
 namespace burin {
@@ -49,7 +50,20 @@ void add_toolpath_command(CLI::App& burin);
 void add_probe_command(CLI::App& burin);
 void add_report_command(CLI::App& burin);
 void add_loop_command(CLI::App& burin);
+void add_status_command(CLI::App& burin);
+void add_trace_command(CLI::App& burin);
 void add_check_command(CLI::App& burin);
+
+/// The options of `burin design` and `burin toolpath` that say how, not which files: `command` may be another one that
+/// hands them on. What they are read into lives as long as what is returned.
+std::shared_ptr<void> add_design_options(CLI::App& command);
+std::shared_ptr<void> add_toolpath_options(CLI::App& command);
+
+/// The type_name of options that name files among these: what hands them on moves paths with them.
+inline constexpr const char* kFile = "FILE";
+
+/// CLI11's kind of check of an option that takes a time, whatever unit a bare number has: empty for a good value.
+std::string wrong_duration(const std::string& text);
 
 /// The footer of a command's `--help`: a working command line (or several, one a line).
 inline std::string example(const std::string& command_lines) { return "Example:\n  " + command_lines; }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -19,38 +18,10 @@
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/stop_signal.h"
 
 namespace burin {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-
-// Ctrl-C asks the design to stop after the current iteration; a second one ends the program as usual.
-class StopOnInterrupt {
- public:
-  StopOnInterrupt() {
-    interrupted = 0;
-    before_ = std::signal(SIGINT, [](int) {
-      interrupted = 1;
-      std::signal(SIGINT, SIG_DFL);
-    });
-  }
-  ~StopOnInterrupt() { std::signal(SIGINT, before_); }
-  StopOnInterrupt(const StopOnInterrupt&) = delete;
-  StopOnInterrupt& operator=(const StopOnInterrupt&) = delete;
-
- private:
-  void (*before_)(int);
-};
-
-// A wrong command line if it is no duration.
-double seconds_of(const char* option, const std::string& text, double unit_s) {
-  try {
-    return duration_from_text(text, unit_s);
-  } catch (const Error& e) {
-    throw CLI::ValidationError(option, e.what());
-  }
-}
 
 // All views side by side, targets below: one picture that is refreshed while the work runs.
 class LivePreview {
@@ -94,8 +65,8 @@ void run(const Options& o) {
   DesignOptions options = o.design;
   options.start = o.start == "guided" ? Start::guided : Start::random;
   options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
-  if (!o.time.empty()) options.time_limit_s = seconds_of("--time", o.time, 1);
-  if (!o.carve_time.empty()) options.carve_hours = seconds_of("--carve-hours", o.carve_time, 3600) / 3600;
+  if (!o.time.empty()) options.time_limit_s = duration_from_text(o.time, 1);
+  if (!o.carve_time.empty()) options.carve_hours = duration_from_text(o.carve_time, 3600) / 3600;
   if (!o.from.empty()) options.from = read_scratches(o.from);
   if (!o.machine.empty()) {
     options.carve_machine = machine_profile(o.machine);
@@ -110,8 +81,8 @@ void run(const Options& o) {
   make_output_folder(o.out);
 
   ProgressBar bar;
-  const StopOnInterrupt on_interrupt;
-  options.stop = [] { return interrupted != 0; };
+  const StopOnSignal on_signal;
+  options.stop = &StopOnSignal::asked;
   LivePreview live(o.out / "live.png", 2);
   std::string losses;
   options.watch = [&](const DesignFrame& frame) {
@@ -124,7 +95,8 @@ void run(const Options& o) {
   const Progress with_losses = [&](std::string_view stage, double fraction) {
     on_terminal(std::string(stage) + (stage == "designing" ? losses : ""), fraction);
   };
-  const DesignResult result = design(spec, board, bench, options, with_losses);
+  DesignResult result = design(spec, board, bench, options, with_losses);
+  result.stopped_early = result.stopped_early || StopOnSignal::asked();  // wherever it was when it was asked
   write_design_result(result, spec, board, bench, o.out);
   bar.clear();
 
@@ -155,13 +127,98 @@ void run(const Options& o) {
   if (result.depth_um) fmt::print("depth_um {:.2f}\n", *result.depth_um);
   if (result.alpha) fmt::print("alpha {:.4f}\n", *result.alpha);
   if (result.stopped_early)
-    fmt::print("Stopped early. Go on with: burin design {} --out {} --from {}\n", o.spec.string(), o.out.string(),
-               (o.out / "scratches.csv").string());
+    fmt::print("Stopped early. Go on with: burin design {} --out {} --from {}\n", shell_word(o.spec.string()),
+               shell_word(o.out.string()), shell_word((o.out / "scratches.csv").string()));
   fmt::print("Wrote {}: look at preview-*.png, then make the tool path with `burin toolpath {} --board {}`.\n",
-             o.out.string(), (o.out / "scratches.csv").string(), spec.board.string());
+             o.out.string(), shell_word((o.out / "scratches.csv").string()),
+             shell_word(spec.board.lexically_normal().string()));
+}
+
+void add_options(CLI::App& command, Options& o) {
+  command.add_option("--scratches", o.scratches, "How many to start with, instead of DESIGN.json's")
+      ->check(CLI::Range(1, 2000000));
+  command.add_option("--iterations", o.design.iterations, "Steps of the optimizer")->capture_default_str();
+  command.add_option("--time", o.time, "Stop after about this long: 30s, 5min, 1h30min (a bare number: seconds)")
+      ->check(wrong_duration);
+  command.add_option("--pixels", o.design.pixels, "Pixels along the longer side of the carve area")
+      ->capture_default_str();
+  command.add_option("--seed", o.design.seed, "Of the random start")->capture_default_str();
+  command.add_option("--start", o.start, "Where scratches begin: where the pictures want them, or anywhere")
+      ->check(CLI::IsMember({"guided", "random"}))
+      ->capture_default_str();
+  command.add_option("--from", o.from, "Go on from these scratches instead of starting anew")->type_name(kFile);
+  command
+      .add_option("--carved", o.carved,
+                  "Scratches that are in the metal already, as the machine was told them: they lie where the bench's "
+                  "machine.affine brings them, and the rest is designed around them")
+      ->type_name(kFile);
+  command.add_option("--start-length", o.design.start_length_mm,
+                     "Random start: mean length, mm; guided: scratches are a tenth to ten times as long (0: chosen)");
+  command
+      .add_option("--start-light", o.design.start_light,
+                  "Guided start: light that a scratch brings to a pixel that it crosses, of white")
+      ->capture_default_str();
+  command
+      .add_option("--start-sweeps", o.design.start_sweeps, "Guided start: times that each scratch seeks a better place")
+      ->capture_default_str();
+  command.add_option("--relocate-every", o.design.relocate_every, "Iterations between such searches (0: never)")
+      ->capture_default_str();
+  command.add_option("--candidates", o.design.candidates, "Places tried for each scratch in a search")
+      ->capture_default_str();
+  command
+      .add_option("--relocate-share", o.design.relocate_share, "Share of the scratches that may change their view then")
+      ->capture_default_str();
+  command
+      .add_option("--balance", o.design.balance,
+                  "How much views worse than others draw scratches (0: not; 1: strongly)")
+      ->capture_default_str();
+  command.add_option("--relocate-until", o.design.relocate_until, "Part of the run after which there are none")
+      ->capture_default_str();
+  command
+      .add_option("--start-exposure", o.design.start_exposure,
+                  "Random start: times the exposure that matches the means")
+      ->capture_default_str();
+  command.add_option("--rate", o.design.rate, "Adam's rate, in fractions of the board's edge (0: chosen)");
+  command.add_option("--final-rate", o.design.final_rate, "Its value at the end (0: chosen)");
+  command.add_option("--perceptual", o.design.loss.perceptual, "Weight of the perceptual loss")->capture_default_str();
+  command.add_option("--l2", o.design.loss.l2, "Weight of the plain squared difference")->capture_default_str();
+  command.add_option("--gram", o.design.loss.gram, "Weight of the Gram term")->capture_default_str();
+  command
+      .add_option("--exposure-of", o.exposure,
+                  "What has a brightness of its own: each view (eyes adapt), or each light")
+      ->check(CLI::IsMember({"light", "view"}))
+      ->capture_default_str();
+  command.add_option("--tolerance-mm", o.design.tolerance_mm,
+                     "How far eye and lamp may stand aside: designs for it, and reports how far they really may");
+  command
+      .add_option("--carve-hours", o.carve_time,
+                  "The time there is to carve (hours, or 6h30min): scratches go during the design until they fit")
+      ->check(wrong_duration);
+  command.add_flag("--carve-curve", o.design.carve_curve,
+                   "Report quality over carving time (always with --carve-hours)");
+  command.add_flag("--report-tolerance", o.design.report_tolerance,
+                   "Report how far they may, without designing for it");
+  command.add_flag("--free-width", o.design.optimize_width, "Optimize the cutter's width too (one for all)");
+  command.add_flag("--free-depth", o.design.optimize_depth, "Optimize the depth too (one for all)");
+  command.add_flag("--free-alpha", o.design.optimize_alpha, "Optimize the roughness too (one for all)");
+  command.add_option("--min-length", o.design.min_length, "Shortest scratch, in fractions of the board's edge")
+      ->capture_default_str();
+  command.add_option("--max-length", o.design.max_length_mm, "Longest scratch, mm (0: any)")->capture_default_str();
+  command
+      .add_option("--drop-error", o.design.drop_error,
+                  "Drop the least worthy scratches that lower the squared error by this share")
+      ->capture_default_str();
+  command.add_option("--drop-light", o.design.drop_light, "Or those that carry this share of the light");
+  command.add_option("--drop-share,--drop-count", o.design.drop_share, "Or this share of the scratches");
 }
 
 }  // namespace
+
+std::shared_ptr<void> add_design_options(CLI::App& command) {
+  auto o = std::make_shared<Options>();
+  add_options(command, *o);
+  return o;
+}
 
 void add_design_command(CLI::App& burin) {
   auto o = std::make_shared<Options>();
@@ -170,67 +227,11 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--out", o->out, "Folder for scratches.csv, previews and the report")->required();
   c->add_option("--bench", o->bench, "Design for this bench instead of the one that DESIGN.json names");
   c->add_option("--board", o->board, "Design for this board instead of the one that DESIGN.json names");
-  c->add_option("--scratches", o->scratches, "How many to start with, instead of DESIGN.json's")
-      ->check(CLI::Range(1, 2000000));
-  c->add_option("--iterations", o->design.iterations, "Steps of the optimizer")->capture_default_str();
-  c->add_option("--time", o->time, "Stop after about this long: 30s, 5min, 1h30min (a bare number: seconds)");
-  c->add_option("--pixels", o->design.pixels, "Pixels along the longer side of the carve area")->capture_default_str();
-  c->add_option("--seed", o->design.seed, "Of the random start")->capture_default_str();
-  c->add_option("--start", o->start, "Where scratches begin: where the pictures want them, or anywhere")
-      ->check(CLI::IsMember({"guided", "random"}))
-      ->capture_default_str();
-  c->add_option("--from", o->from, "Go on from these scratches instead of starting anew");
-  c->add_option("--carved", o->carved,
-                "Scratches that are in the metal already, as the machine was told them: they lie where the bench's "
-                "machine.affine brings them, and the rest is designed around them");
   c->add_option(
       "--machine", o->machine,
       "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML: its limits are obeyed (steps, lengths, "
       "distance, overlap), and its time counts for --carve-hours (grbl's without it)");
-  c->add_option("--start-length", o->design.start_length_mm,
-                "Random start: mean length, mm; guided: scratches are a tenth to ten times as long (0: chosen)");
-  c->add_option("--start-light", o->design.start_light,
-                "Guided start: light that a scratch brings to a pixel that it crosses, of white")
-      ->capture_default_str();
-  c->add_option("--start-sweeps", o->design.start_sweeps, "Guided start: times that each scratch seeks a better place")
-      ->capture_default_str();
-  c->add_option("--relocate-every", o->design.relocate_every, "Iterations between such searches (0: never)")
-      ->capture_default_str();
-  c->add_option("--candidates", o->design.candidates, "Places tried for each scratch in a search")
-      ->capture_default_str();
-  c->add_option("--relocate-share", o->design.relocate_share, "Share of the scratches that may change their view then")
-      ->capture_default_str();
-  c->add_option("--balance", o->design.balance, "How much views worse than others draw scratches (0: not; 1: strongly)")
-      ->capture_default_str();
-  c->add_option("--relocate-until", o->design.relocate_until, "Part of the run after which there are none")
-      ->capture_default_str();
-  c->add_option("--start-exposure", o->design.start_exposure, "Random start: times the exposure that matches the means")
-      ->capture_default_str();
-  c->add_option("--rate", o->design.rate, "Adam's rate, in fractions of the board's edge (0: chosen)");
-  c->add_option("--final-rate", o->design.final_rate, "Its value at the end (0: chosen)");
-  c->add_option("--perceptual", o->design.loss.perceptual, "Weight of the perceptual loss")->capture_default_str();
-  c->add_option("--l2", o->design.loss.l2, "Weight of the plain squared difference")->capture_default_str();
-  c->add_option("--gram", o->design.loss.gram, "Weight of the Gram term")->capture_default_str();
-  c->add_option("--exposure-of", o->exposure, "What has a brightness of its own: each view (eyes adapt), or each light")
-      ->check(CLI::IsMember({"light", "view"}))
-      ->capture_default_str();
-  c->add_option("--tolerance-mm", o->design.tolerance_mm,
-                "How far eye and lamp may stand aside: designs for it, and reports how far they really may");
-  c->add_option("--carve-hours", o->carve_time,
-                "The time there is to carve (hours, or 6h30min): scratches go during the design until they fit");
-  c->add_flag("--carve-curve", o->design.carve_curve, "Report quality over carving time (always with --carve-hours)");
-  c->add_flag("--report-tolerance", o->design.report_tolerance, "Report how far they may, without designing for it");
-  c->add_flag("--free-width", o->design.optimize_width, "Optimize the cutter's width too (one for all)");
-  c->add_flag("--free-depth", o->design.optimize_depth, "Optimize the depth too (one for all)");
-  c->add_flag("--free-alpha", o->design.optimize_alpha, "Optimize the roughness too (one for all)");
-  c->add_option("--min-length", o->design.min_length, "Shortest scratch, in fractions of the board's edge")
-      ->capture_default_str();
-  c->add_option("--max-length", o->design.max_length_mm, "Longest scratch, mm (0: any)")->capture_default_str();
-  c->add_option("--drop-error", o->design.drop_error,
-                "Drop the least worthy scratches that lower the squared error by this share")
-      ->capture_default_str();
-  c->add_option("--drop-light", o->design.drop_light, "Or those that carry this share of the light");
-  c->add_option("--drop-share,--drop-count", o->design.drop_share, "Or this share of the scratches");
+  add_options(*c, *o);
   c->add_flag("--live", o->live, "Refresh OUT/live.png while it runs");
   c->footer(example("burin design design.json --out round-01"));
   c->callback([o] { run(*o); });

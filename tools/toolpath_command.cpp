@@ -23,7 +23,7 @@ namespace burin {
 namespace {
 
 struct Options {
-  std::filesystem::path scratches, board, bench, out, ordered, sent, resume, heights;
+  std::filesystem::path scratches, board, bench, out, sent, resume, heights;
   std::vector<std::filesystem::path> replay;
   std::string machine = "grbl", part, order;
   bool keep_order = false, frame = false, mend = false, follow_bow = false;
@@ -87,7 +87,6 @@ void write(const Options& options) {
       write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
   bar.clear();
   for (const Finding& finding : report.findings) note(sentence(finding));
-  if (!options.ordered.empty()) write_scratches(in_carving_order(scratches, report.order), options.ordered);
   if (!options.sent.empty()) write_scratches(report.sent.scratches, options.sent);
 
   for (std::size_t i = 0; i < report.files.size(); ++i)
@@ -154,7 +153,38 @@ void replay(const Options& options) {
              duration_text(duration_s), machine.name);
 }
 
+void add_options(CLI::App& command, Options& options) {
+  command
+      .add_option("--chunks", options.part,
+                  "Split G-code into files of about this long, such as 30min (a bare number: seconds)")
+      ->check(wrong_duration);
+  command
+      .add_option("--decimals", options.decimals, "Of coordinates, instead of the profile's: fewer make shorter lines")
+      ->check(CLI::Range(2, 6));
+  command
+      .add_option("--max-lines", options.max_lines,
+                  "Split G-code into files of at most this many lines, instead of the profile's number (0: one file)")
+      ->check(CLI::Range(0, 100000000));
+  command.add_flag(
+      "--mend", options.mend,
+      "Move to the machine's steps and lengths, and leave out, what breaks its limits, instead of refusing");
+  CLI::Option* order =
+      command
+          .add_option("--order", options.order,
+                      "keep the file's order, or the shortest (short); unsaid: keep it where the bench says that it "
+                      "shows, by wear or where grooves cross")
+          ->check(CLI::IsMember({"keep", "short"}));
+  command.add_flag("--keep-order", options.keep_order, "The same as --order keep")->excludes(order);
+  command.add_flag("--frame", options.frame, "Also write a file that moves round the scratches in the air");
+}
+
 }  // namespace
+
+std::shared_ptr<void> add_toolpath_options(CLI::App& command) {
+  auto options = std::make_shared<Options>();
+  add_options(command, *options);
+  return options;
+}
 
 void add_toolpath_command(CLI::App& burin) {
   auto options = std::make_shared<Options>();
@@ -173,28 +203,7 @@ void add_toolpath_command(CLI::App& burin) {
       ->excludes(heights);
   CLI::Option* out =
       command->add_option("--out", options->out, "Where to write: .gcode, .nc, .ngc, .svg, .dxf or .csv");
-  command->add_option("--chunks", options->part,
-                      "Split G-code into files of about this long, such as 30min (a bare number: seconds)");
-  command
-      ->add_option("--decimals", options->decimals,
-                   "Of coordinates, instead of the profile's: fewer make shorter lines")
-      ->check(CLI::Range(2, 6));
-  command
-      ->add_option("--max-lines", options->max_lines,
-                   "Split G-code into files of at most this many lines, instead of the profile's number (0: one file)")
-      ->check(CLI::Range(0, 100000000));
-  command->add_flag(
-      "--mend", options->mend,
-      "Move to the machine's steps and lengths, and leave out, what breaks its limits, instead of refusing");
-  CLI::Option* order =
-      command
-          ->add_option("--order", options->order,
-                       "keep the file's order, or the shortest (short); unsaid: keep it where the bench says that it "
-                       "shows, by wear or where grooves cross")
-          ->check(CLI::IsMember({"keep", "short"}));
-  command->add_flag("--keep-order", options->keep_order, "The same as --order keep")->excludes(order);
-  command->add_flag("--frame", options->frame, "Also write a file that moves round the scratches in the air");
-  command->add_option("--ordered", options->ordered, "Also write the scratches in the order they are carved, a CSV");
+  add_options(*command, *options);
   command->add_option("--sent", options->sent,
                       "Also write the scratches as the machine is told them, in carving order: the board's sent.csv");
   CLI::Option* resume = command->add_option(

@@ -27,7 +27,7 @@ TEST(ToolpathCommand, WritesAndReplays) {
   folder.write("board.json", kBoard);
   folder.write("scratches.csv", kScratches);
   const Outcome made = run_burin(folder, {"toolpath", "scratches.csv", "--board", "board.json", "--machine", "grbl",
-                                          "--out", "board.gcode", "--ordered", "carved.csv"});
+                                          "--out", "board.gcode", "--sent", "carved.csv"});
   EXPECT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.out, AllOf(HasSubstr("3 scratches"), HasSubstr("not compensated")));
   EXPECT_THAT(file_text(folder / "board.gcode"), HasSubstr("G21 G90"));
@@ -126,7 +126,7 @@ TEST(ToolpathCommand, SaysWhatIsWrongAndWritesNothing) {
   EXPECT_EQ(run({"--out", "a.cnc"}).exit_code, 1);
   EXPECT_EQ(run({"--out", "no/folder/a.gcode"}).exit_code, 1);
   EXPECT_EQ(run({"--out", "a.gcode", "--machine", "toaster"}).exit_code, 1);
-  EXPECT_EQ(run({"--out", "a.gcode", "--chunks", "soon"}).exit_code, 1);
+  EXPECT_EQ(run({"--out", "a.gcode", "--chunks", "soon"}).exit_code, 2);
   EXPECT_EQ(run({"--out", "a.gcode", "--bench", "none.json"}).exit_code, 1);
   EXPECT_EQ(run({}).exit_code, 2);
   EXPECT_EQ(run({"--out", "a.gcode", "--replay", "a.gcode"}).exit_code, 2);

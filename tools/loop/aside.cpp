@@ -1,0 +1,108 @@
+#include "tools/loop/aside.h"
+
+#include <fmt/core.h>
+#include <signal.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <vector>
+
+#include "tools/loop/state.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path new_folder(const fs::path& former, const char* stage) {
+  for (int number = 1;; ++number) {
+    const std::string begin = fmt::format("{:02}-", number);
+    bool taken = false;
+    if (fs::is_directory(former))
+      for (const auto& entry : fs::directory_iterator(former))
+        taken = taken || entry.path().filename().string().starts_with(begin);
+    if (!taken) return former / (begin + stage);
+  }
+}
+
+void move_to(const fs::path& aside, const fs::path& file, const fs::path& folder) {
+  const fs::path to = aside / file.lexically_relative(folder);
+  fs::create_directories(to.parent_path());
+  fs::rename(file, to);
+}
+
+// What the last move of this stage's files left behind: files that its record has, with the same contents.
+void complete_last_move(const LoopProject& loop, const StageOfRound& at, ContentHashes& hashes) {
+  const fs::path folder = folder_of(loop.project, at);
+  fs::path last;
+  if (fs::is_directory(folder / "former"))
+    for (const auto& entry : fs::directory_iterator(folder / "former"))
+      if (entry.path().filename().string().ends_with(std::string("-") + name_of(at.stage)) && entry.path() > last)
+        last = entry.path();
+  if (last.empty()) return;
+  const std::optional<MadeRecord> record = read_record(last / "made.json");
+  if (!record) return;
+  for (const fs::path& file : outputs_of(loop, at)) {
+    const std::string name = path_in_project(loop.project.folder, file);
+    const auto kept = record->kept.outputs.find(name), made = record->outputs.find(name);
+    const std::string hash = kept != record->kept.outputs.end() ? kept->second
+                             : made != record->outputs.end()    ? made->second
+                                                                : "";
+    if (hash == hashes.of(file) && !fs::exists(last / file.lexically_relative(folder))) move_to(last, file, folder);
+  }
+}
+
+// ".bench.part-4711-0.json" of a process that ended.
+bool is_half_written(const std::string& name) {
+  const std::string mark = ".part-";
+  const std::size_t at = name.rfind(mark);
+  if (name.front() != '.' || at == std::string::npos) return false;
+  const int process = std::atoi(name.c_str() + at + mark.size());
+  return process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
+}
+
+void remove_half_written_in(const fs::path& folder) {
+  std::vector<fs::path> files;
+  if (fs::is_directory(folder))
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.is_regular_file() && is_half_written(entry.path().filename().string())) files.push_back(entry.path());
+  for (const fs::path& file : files) fs::remove(file);
+}
+
+}  // namespace
+
+fs::path begin_stage(const LoopProject& loop, const StageOfRound& at, const MadeRecord& begun, ContentHashes& hashes) {
+  const fs::path folder = folder_of(loop.project, at), record = record_file(loop.project, at);
+  const std::optional<MadeRecord> before = read_record(record);
+  const bool not_ended = before && before->status == MadeRecord::Status::begun;
+  if (not_ended) complete_last_move(loop, at, hashes);
+  std::vector<fs::path> files = outputs_of(loop, at);
+  // Part of a result that nobody was given.
+  if (not_ended && !has_result(loop, at)) {
+    for (const fs::path& file : files) fs::remove(file);
+    files.clear();
+  }
+  fs::path aside;
+  if (!files.empty()) {
+    aside = new_folder(folder / "former", name_of(at.stage));
+    MadeRecord former = before.value_or(MadeRecord{});
+    former.stage = name_of(at.stage);
+    if (!before) former.burin = "unknown";
+    for (const auto& [name, hash] : hashes_of(loop.project, files, hashes))
+      if (const auto made = former.outputs.find(name); made == former.outputs.end() || made->second != hash)
+        former.kept.outputs[name] = hash;
+    write_record(former, aside / "made.json");
+  }
+  write_record(begun, record);
+  for (const fs::path& file : files) move_to(aside, file, folder);
+  return aside;
+}
+
+void remove_half_written(const Project& project) {
+  remove_half_written_in(project.folder);
+  for (int round = 1; round <= project.rounds(); ++round)
+    for (const char* folder : {"", "made", "design", "calibration", "refinement"})
+      remove_half_written_in(project.round(round) / folder);
+}
+
+}  // namespace burin

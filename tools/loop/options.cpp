@@ -1,0 +1,260 @@
+#include "tools/loop/options.h"
+
+#include <fmt/core.h>
+
+#include <CLI/Error.hpp>
+#include <algorithm>
+#include <optional>
+
+#include "burin/optimize/carving/toml_file.h"
+#include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
+#include "burin/render/files/table.h"
+#include "tools/commands.h"
+#include "tools/loop/toml_line.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+using AddOptions = std::shared_ptr<void> (*)(CLI::App&);
+
+fs::path options_file(const fs::path& project) { return project / "loop.toml"; }
+
+// One command's options, parsed and thrown away: what they are, and whether a table of them is one.
+struct Parser {
+  explicit Parser(AddOptions add) : values(add(app)) {}
+  const CLI::Option* option(const std::string& name) const { return app.get_option_no_throw("--" + name); }
+  bool is_file(const std::string& name) const { return option(name) && option(name)->get_type_name() == kFile; }
+  CLI::App app;
+  std::shared_ptr<void> values;
+};
+
+std::vector<std::string> words_of(const CommandOptions& options) {
+  std::vector<std::string> words;
+  for (const auto& [name, values] : options) {
+    // "--rate=-1": a value that begins with a dash is no option.
+    words.push_back("--" + name + (values.size() == 1 ? "=" + values.front() : ""));
+    if (values.size() > 1) words.insert(words.end(), values.begin(), values.end());
+  }
+  return words;
+}
+
+std::string text_of(const Json& value, const JsonObject& table, const std::string& name) {
+  if (value.is_string()) return value.get<std::string>();
+  if (value.is_number_integer()) return value.dump();
+  if (value.is_number()) return shortest(value.get<double>());
+  table.fail_field(name, "is neither a number nor text nor a list of these",
+                   "write it as the command's option takes it");
+}
+
+CommandOptions read_command(JsonObject& root, const std::string& command, AddOptions add) {
+  CommandOptions options;
+  if (!root.has(command)) return options;
+  JsonObject table = root.object(command);
+  const Parser parser(add);
+  for (const std::string& name : table.keys()) {
+    const Json& value = table.raw(name);
+    const CLI::Option* option = parser.option(name);
+    if (!option)
+      table.fail_field(name, "is no option of burin " + command,
+                       "`burin loop --help` lists them; their dashes are left out here");
+    const bool flag = option->get_items_expected_max() == 0;
+    if (flag != value.is_boolean())
+      table.fail_field(name, flag ? "is no true or false" : "is true or false",
+                       flag ? "write true" : "write its value");
+    if (flag) {
+      if (value.get<bool>()) options[name] = {};
+    } else if (value.is_array()) {
+      for (const Json& each : value) options[name].push_back(text_of(each, table, name));
+    } else {
+      options[name] = {text_of(value, table, name)};
+    }
+  }
+  table.finish();
+  return options;
+}
+
+// As the command itself would judge them.
+void check_command(const CommandOptions& options, const std::string& command, AddOptions add, const fs::path& file) {
+  Parser parser(add);
+  std::vector<std::string> words = words_of(options);
+  std::reverse(words.begin(), words.end());  // CLI11 takes them as a stack
+  try {
+    parser.app.parse(words);
+  } catch (const CLI::ParseError& error) {
+    fail(file.string() + ": " + command, error.what(), "correct it there");
+  }
+}
+
+// A machine that is no built-in's name.
+bool is_file_name(const std::string& machine, const fs::path& from) {
+  return machine.find_first_of("/.") != std::string::npos || fs::is_regular_file(from / machine);
+}
+
+// Those that were given on this command line, files named from the project.
+CommandOptions said_of(const CLI::App& group, const fs::path& project) {
+  CommandOptions said;
+  for (const CLI::Option* option : group.get_options()) {
+    if (option->count() == 0) continue;
+    std::vector<std::string>& values = said[option->get_lnames().front()];
+    if (option->get_items_expected_max() == 0) continue;
+    values = option->results();
+    if (option->get_type_name() == kFile)
+      for (std::string& value : values) value = path_in_project(project, value);
+  }
+  return said;
+}
+
+std::string toml_text(const std::string& text) { return Json(text).dump(); }
+
+std::string toml_value(const std::vector<std::string>& values) {
+  if (values.empty()) return "true";
+  std::string out;
+  for (const std::string& value : values) {
+    const std::optional<double> number = number_in(value);
+    const bool plain = number && shortest(*number) == value;  // reads back as the same text
+    out += (out.empty() ? "" : ", ") + (plain ? value : toml_text(value));
+  }
+  return values.size() == 1 ? out : "[" + out + "]";
+}
+
+std::vector<std::string> arguments_of(const CommandOptions& options, AddOptions add, const fs::path& project) {
+  const Parser parser(add);
+  CommandOptions usable = options;
+  for (auto& [name, values] : usable)
+    if (parser.is_file(name))
+      for (std::string& value : values) value = resolve_path(options_file(project), value).string();
+  return words_of(usable);
+}
+
+std::vector<fs::path> files_of(const LoopOptions& options, const CommandOptions& command, AddOptions add,
+                               const fs::path& project) {
+  std::vector<fs::path> files;
+  if (is_file_name(options.machine, project)) files.push_back(machine_argument(options, project));
+  const Parser parser(add);
+  for (const auto& [name, values] : command)
+    if (parser.is_file(name))
+      for (const std::string& value : values) files.push_back(resolve_path(options_file(project), value));
+  return files;
+}
+
+std::string joined_texts(const std::vector<std::string>& values) {
+  std::string out;
+  for (const std::string& value : values) out += (out.empty() ? "" : " ") + value;
+  return out;
+}
+
+}  // namespace
+
+LoopOptions read_loop_options(const fs::path& project) {
+  const fs::path file = options_file(project);
+  LoopOptions options;
+  if (!fs::exists(file)) return options;
+  const TomlFile toml = read_toml(file, "burin/loop", 1);
+  with_line(file, toml, [&] {
+    JsonObject root(toml.content, file.string());
+    root.has("format");
+    root.has("version");
+    options.machine = root.text("machine", "");
+    options.design = read_command(root, "design", &add_design_options);
+    options.toolpath = read_command(root, "toolpath", &add_toolpath_options);
+    if (root.has("accept_unknown"))
+      for (const Json& name : root.raw("accept_unknown"))
+        options.accept_unknown.push_back(text_of(name, root, "accept_unknown"));
+    root.finish();
+  });
+  check_command(options.design, "design", &add_design_options, file);
+  check_command(options.toolpath, "toolpath", &add_toolpath_options, file);
+  return options;
+}
+
+void add_loop_options(CLI::App& command, LoopCommandLine& said) {
+  command.add_option("--machine", said.machine,
+                     "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML; kept in PROJECT_DIR/loop.toml");
+  said.design = command.add_option_group("design", "Options of burin design, kept in PROJECT_DIR/loop.toml");
+  said.design_values = add_design_options(*said.design);
+  said.toolpath = command.add_option_group("toolpath", "Options of burin toolpath, kept there too");
+  said.toolpath_values = add_toolpath_options(*said.toolpath);
+}
+
+LoopOptions remember_options(const LoopCommandLine& said, const fs::path& project) {
+  const fs::path file = options_file(project);
+  const LoopOptions before = read_loop_options(project);
+  LoopOptions wanted = before;
+  if (!said.machine.empty())
+    wanted.machine = is_file_name(said.machine, ".") ? path_in_project(project, said.machine) : said.machine;
+  // A file beside loop.toml needs something that tells it from a built-in's name.
+  if (wanted.machine != before.machine && is_file_name(said.machine, ".") && !is_file_name(wanted.machine, project))
+    wanted.machine = "./" + wanted.machine;
+  for (const auto& [name, values] : said_of(*said.design, project)) wanted.design[name] = values;
+  for (const auto& [name, values] : said_of(*said.toolpath, project)) wanted.toolpath[name] = values;
+  if (wanted.machine == before.machine && wanted.design == before.design && wanted.toolpath == before.toolpath)
+    return before;
+
+  const bool there = fs::exists(file);
+  std::string text = there ? read_text(file) : "format = \"burin/loop\"\nversion = 1\n";
+  if (wanted.machine != before.machine) text = with_toml_value(text, "", "machine", toml_text(wanted.machine));
+  for (const auto& [table, now, old] : {std::tuple{"design", &wanted.design, &before.design},
+                                        std::tuple{"toolpath", &wanted.toolpath, &before.toolpath}})
+    for (const auto& [name, values] : *now)
+      if (const auto found = old->find(name); found == old->end() || found->second != values)
+        text = with_toml_value(text, table, name, toml_value(values));
+  // Looked at before it takes the place of what a person wrote.
+  const std::string old_text = there ? read_text(file) : "";
+  write_text(text, file);
+  const auto put_back = [&] { there ? write_text(old_text, file) : static_cast<void>(fs::remove(file)); };
+  try {
+    const LoopOptions now = read_loop_options(project);
+    if (now.machine == wanted.machine && now.design == wanted.design && now.toolpath == wanted.toolpath) return now;
+  } catch (const Error&) {
+    put_back();
+    throw;
+  }
+  put_back();
+  fail(file.string(), "is written in a way that the options given here cannot be added to",
+       "write them there: machine = \"...\", [design], [toolpath], one option a line");
+}
+
+std::string machine_argument(const LoopOptions& options, const fs::path& project) {
+  if (options.machine.empty()) return "grbl";
+  if (!is_file_name(options.machine, project)) return options.machine;
+  return resolve_path(options_file(project), options.machine).string();
+}
+
+std::vector<std::string> design_arguments(const LoopOptions& options, const fs::path& project) {
+  return arguments_of(options.design, &add_design_options, project);
+}
+
+std::vector<std::string> toolpath_arguments(const LoopOptions& options, const fs::path& project) {
+  return arguments_of(options.toolpath, &add_toolpath_options, project);
+}
+
+std::vector<fs::path> design_option_files(const LoopOptions& options, const fs::path& project) {
+  return files_of(options, options.design, &add_design_options, project);
+}
+
+std::vector<fs::path> toolpath_option_files(const LoopOptions& options, const fs::path& project) {
+  return files_of(options, options.toolpath, &add_toolpath_options, project);
+}
+
+OptionTexts option_texts(const LoopOptions& options, const CommandOptions& command) {
+  OptionTexts texts{{"machine", options.machine.empty() ? "grbl" : options.machine}};
+  for (const auto& [name, values] : command) texts[name] = values.empty() ? "yes" : joined_texts(values);
+  return texts;
+}
+
+std::string in_words(const LoopOptions& options) {
+  std::string words = "for " + (options.machine.empty() ? "grbl" : options.machine);
+  for (const auto& [command, of] : {std::pair{"design", &options.design}, std::pair{"toolpath", &options.toolpath}}) {
+    std::string list;
+    for (const auto& [name, values] : *of)
+      list += (list.empty() ? "" : ", ") + name + (values.empty() ? "" : " " + joined_texts(values));
+    if (!list.empty()) words += fmt::format("; {}: {}", command, list);
+  }
+  if (!options.accept_unknown.empty()) words += "; goes on without knowing " + joined_texts(options.accept_unknown);
+  return words;
+}
+
+}  // namespace burin

@@ -1,0 +1,346 @@
+#include "tools/loop/stages.h"
+
+#include <algorithm>
+
+#include "burin/capture/exif.h"
+#include "burin/optimize/design_file.h"
+#include "burin/render/board.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "tools/command_line.h"
+#include "tools/commands.h"
+#include "tools/loop/round_design.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+void run_step(const std::vector<std::string>& arguments) {
+  std::string line = "burin";
+  for (const std::string& a : arguments) line += " " + shell_word(a);
+  fmt::print("> {}\n", line);
+  std::fflush(stdout);
+  run_command(arguments);
+}
+
+void copy_atomically(const fs::path& from, const fs::path& to) {
+  write_atomically(
+      to, [&](const fs::path& temporary) { fs::copy_file(from, temporary, fs::copy_options::overwrite_existing); });
+}
+
+// All regular files below a folder but hidden ones; none if it is not there.
+std::vector<fs::path> files_below(const fs::path& folder) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+    if (entry->is_regular_file() && entry->path().filename().string().front() != '.') files.push_back(entry->path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// A bench and the lens that it names. A bench that cannot be read names none: whoever uses it says what is wrong.
+void add_bench(const fs::path& bench, std::set<fs::path>& files) {
+  files.insert(bench);
+  if (!fs::exists(bench)) return;
+  const Json json = Json::parse(read_text(bench), nullptr, false);
+  if (json.is_object() && json.contains("camera") && json["camera"].is_string())
+    files.insert(resolve_path(bench, json["camera"].get<std::string>()));
+}
+
+void add_pictures(const DesignSpec& spec, std::set<fs::path>& files) {
+  for (const DesignView& view : spec.views) {
+    files.insert(view.target.picture);
+    if (!view.target.mask.empty()) files.insert(view.target.mask);
+  }
+}
+
+std::set<fs::path> design_basis(const LoopProject& loop, int round) {
+  const Project& project = loop.project;
+  const DesignSpec spec = read_design(project.folder / "design.json");
+  std::set<fs::path> files{project.folder / "design.json", spec.board};
+  add_bench(spec.bench, files);
+  if (round > 1) add_bench(project.bench_before(round), files);
+  add_pictures(spec, files);
+  for (const fs::path& file : design_option_files(loop.options, project.folder)) files.insert(file);
+  return files;
+}
+
+std::set<fs::path> toolpath_basis(const LoopProject& loop, int round) {
+  const Project& project = loop.project;
+  std::set<fs::path> files{project.round(round) / "scratches.csv", project.folder / "board.json"};
+  add_bench(project.bench_before(round), files);
+  for (const fs::path& file : toolpath_option_files(loop.options, project.folder)) files.insert(file);
+  return files;
+}
+
+// What the round has measured, for its page.
+std::set<fs::path> report_basis(const LoopProject& loop, int round) {
+  const Project& project = loop.project;
+  const fs::path folder = project.round(round);
+  std::set<fs::path> files{folder / "session.json", folder / "board.json", folder / "sent.csv"};
+  for (const fs::path& file : photos_of(project, round)) files.insert(file);
+  for (const fs::path& file : outputs_of(loop, {round, StageKind::refine})) files.insert(file);
+  return files;
+}
+
+std::set<fs::path> whole_report_basis(const LoopProject& loop) {
+  const Project& project = loop.project;
+  const DesignSpec spec = read_design(project.folder / "design.json");
+  std::set<fs::path> files{project.folder / "design.json", project.folder / "board.json", spec.board};
+  add_bench(spec.bench, files);
+  add_bench(project.folder / "bench.json", files);
+  add_pictures(spec, files);
+  for (int round = 1; round <= project.rounds(); ++round) {
+    files.insert(project.round(round) / "scratches.csv");
+    if (has_result(loop, {round, StageKind::refine}))
+      for (const fs::path& file : report_basis(loop, round)) files.insert(file);
+  }
+  return files;
+}
+
+bool make_design(const LoopProject& loop, int number) {
+  const Project& project = loop.project;
+  const fs::path round = project.round(number);
+  write_round_design(project, number, round / "design.json");
+  std::vector<std::string> words{"design",    (round / "design.json").string(),
+                                 "--out",     (round / "design").string(),
+                                 "--machine", machine_argument(loop.options, project.folder)};
+  const std::vector<std::string> options = design_arguments(loop.options, project.folder);
+  words.insert(words.end(), options.begin(), options.end());
+  run_step(words);
+  const fs::path report = round / "design" / "design-report.json";
+  const Json json = Json::parse(read_text(report), nullptr, false);
+  if (!json.is_object() || json.value("stopped_early", true)) return false;
+  finish_design(loop, number);
+  return true;
+}
+
+void make_toolpath(const LoopProject& loop, int number) {
+  const Project& project = loop.project;
+  const fs::path round = project.round(number);
+  const std::vector<std::string> options = toolpath_arguments(loop.options, project.folder);
+  for (const char* file : {"board.svg", "board.gcode"}) {
+    std::vector<std::string> words{
+        "toolpath", (round / "scratches.csv").string(),    "--board",   (project.folder / "board.json").string(),
+        "--bench",  project.bench_before(number).string(), "--machine", machine_argument(loop.options, project.folder),
+        "--sent",   (round / "sent.csv").string(),         "--out",     (round / file).string()};
+    words.insert(words.end(), options.begin(), options.end());
+    run_step(words);
+  }
+}
+
+void make_board(const Project& project, int number) {
+  const fs::path round = project.round(number);
+  Board board = read_board(project.folder / "board.json");
+  board.scratches = round / "sent.csv";
+  write_board(board, round / "board.json");
+}
+
+// The workshop: carves what was sent, and photographs it.
+void make_photos(const Project& project, int number) {
+  const fs::path round = project.round(number), photos = round / "photos", part = round / "workshop.part";
+  fs::remove_all(part);
+  run_step({"simulate", (project.folder / "truth.json").string(), "--scratches", (round / "sent.csv").string(), "--out",
+            part.string()});
+  fs::remove(photos);  // only ever an empty folder
+  fs::rename(part / "photos", photos);
+  fs::remove_all(part);
+}
+
+void make_refinement(const Project& project, int number) {
+  const fs::path round = project.round(number), refinement = round / "refinement";
+  fs::remove_all(refinement);
+  fs::copy(round / "calibration", refinement, fs::copy_options::recursive);
+  run_step({"refine", (round / "session.json").string(), "--bench", (refinement / "bench.json").string()});
+  for (const fs::path& file : files_below(refinement)) copy_atomically(file, round / file.filename());
+}
+
+}  // namespace
+
+const char* name_of(StageKind stage) {
+  switch (stage) {
+    case StageKind::design:
+      return "design";
+    case StageKind::toolpath:
+      return "toolpath";
+    case StageKind::board:
+      return "board";
+    case StageKind::photos:
+      return "photos";
+    case StageKind::capture:
+      return "capture";
+    case StageKind::calibrate:
+      return "calibrate";
+    case StageKind::refine:
+      return "refine";
+    case StageKind::report:
+      return "report";
+  }
+  return "";
+}
+
+std::string name_of(const Project& project, const StageOfRound& at) {
+  if (at.round == 0) return name_of(at.stage);
+  return project.round(at.round).filename().string() + "/" + name_of(at.stage);
+}
+
+fs::path folder_of(const Project& project, const StageOfRound& at) {
+  return at.round == 0 ? project.folder : project.round(at.round);
+}
+
+fs::path record_file(const Project& project, const StageOfRound& at) {
+  return folder_of(project, at) / "made" / (std::string(name_of(at.stage)) + ".json");
+}
+
+StageBasis basis_of(const LoopProject& loop, const StageOfRound& at) {
+  const Project& project = loop.project;
+  if (at.round == 0) return {whole_report_basis(loop), {}};
+  const fs::path round = project.round(at.round);
+  StageBasis basis;
+  switch (at.stage) {
+    case StageKind::design:
+      return {design_basis(loop, at.round), option_texts(loop.options, loop.options.design)};
+    case StageKind::toolpath:
+      return {toolpath_basis(loop, at.round), option_texts(loop.options, loop.options.toolpath)};
+    case StageKind::board:
+      return {{project.folder / "board.json", round / "sent.csv"}, {}};
+    case StageKind::photos:
+      return {{project.folder / "truth.json", round / "sent.csv"}, {}};
+    case StageKind::refine:
+      basis.files = {round / "sent.csv", round / "calibration" / "bench.json"};
+      add_bench(round / "calibration" / "bench.json", basis.files);
+      [[fallthrough]];
+    case StageKind::calibrate:
+      basis.files.insert(round / "session.json");
+      [[fallthrough]];
+    case StageKind::capture:
+      basis.files.insert(round / "board.json");
+      for (const fs::path& photo : photos_of(project, at.round)) basis.files.insert(photo);
+      return basis;
+    case StageKind::report:
+      return {report_basis(loop, at.round), {}};
+  }
+  return basis;
+}
+
+std::vector<fs::path> outputs_of(const LoopProject& loop, const StageOfRound& at) {
+  const fs::path folder = folder_of(loop.project, at);
+  std::vector<fs::path> files;
+  const auto take = [&](const fs::path& file) {
+    if (fs::is_regular_file(file)) files.push_back(file);
+  };
+  switch (at.stage) {
+    case StageKind::design:
+      files = files_below(folder / "design");
+      take(folder / "design.json");
+      take(folder / "scratches.csv");
+      break;
+    case StageKind::toolpath:
+      if (fs::is_directory(folder))
+        for (const auto& entry : fs::directory_iterator(folder)) {
+          const std::string name = entry.path().filename().string();
+          if (name.starts_with("board") && entry.path().extension() == ".gcode") take(entry.path());
+        }
+      take(folder / "board.svg");
+      take(folder / "sent.csv");
+      break;
+    case StageKind::board:
+      take(folder / "board.json");
+      break;
+    case StageKind::photos:
+      files = photos_of(loop.project, at.round);
+      break;
+    case StageKind::capture:
+      take(folder / "session.json");
+      break;
+    case StageKind::calibrate:
+      files = files_below(folder / "calibration");
+      break;
+    case StageKind::refine:
+      files = files_below(folder / "refinement");
+      for (const char* name : {"bench.json", "camera.cameramodel", "residuals.vnl", "hold-out.json"})
+        take(folder / name);
+      break;
+    case StageKind::report:
+      take(folder / "report.html");
+      break;
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+bool has_result(const LoopProject& loop, const StageOfRound& at) {
+  const fs::path folder = folder_of(loop.project, at);
+  const std::vector<fs::path> files = outputs_of(loop, at);
+  const auto there = [&](const char* name) { return fs::is_regular_file(folder / name); };
+  switch (at.stage) {
+    case StageKind::design:
+      return there("scratches.csv");
+    case StageKind::toolpath:
+      return there("sent.csv") &&
+             std::any_of(files.begin(), files.end(), [](const fs::path& file) { return file.extension() == ".gcode"; });
+    case StageKind::calibrate:
+      return there("calibration/bench.json");
+    case StageKind::refine:
+      return there("bench.json");
+    default:
+      return !files.empty();
+  }
+}
+
+void finish_design(const LoopProject& loop, int number) {
+  const fs::path round = loop.project.round(number);
+  copy_atomically(round / "design" / "scratches.csv", round / "scratches.csv");
+}
+
+bool make_stage(const LoopProject& loop, const StageOfRound& at) {
+  const Project& project = loop.project;
+  const fs::path round = folder_of(project, at);
+  switch (at.stage) {
+    case StageKind::design:
+      return make_design(loop, at.round);
+    case StageKind::toolpath:
+      make_toolpath(loop, at.round);
+      break;
+    case StageKind::board:
+      make_board(project, at.round);
+      break;
+    case StageKind::photos:
+      make_photos(project, at.round);
+      break;
+    case StageKind::capture:
+      run_step({"capture", (round / "photos").string(), "--board", (round / "board.json").string(), "--out",
+                round.string()});
+      break;
+    case StageKind::calibrate:
+      run_step({"calibrate", (round / "session.json").string(), "--out", (round / "calibration").string()});
+      break;
+    case StageKind::refine:
+      make_refinement(project, at.round);
+      break;
+    case StageKind::report:
+      run_step({"report", round.string()});
+      break;
+  }
+  return true;
+}
+
+std::vector<fs::path> photos_of(const Project& project, int round) {
+  std::vector<fs::path> photos;
+  const fs::path folder = project.round(round) / "photos";
+  if (!fs::is_directory(folder)) return photos;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().filename().string().front() != '.' && is_photo_name(entry.path()))
+      photos.push_back(entry.path());
+  std::sort(photos.begin(), photos.end());
+  return photos;
+}
+
+bool is_photographed(const Project& project, int round) {
+  const fs::path folder = project.round(round);
+  return fs::exists(folder / "session.json") || fs::exists(record_file(project, {round, StageKind::capture})) ||
+         !photos_of(project, round).empty();
+}
+
+}  // namespace burin

@@ -1,0 +1,211 @@
+#include "tools/loop/state.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Kind = StageChange::Kind;
+using How = StageChange::How;
+using Condition = StageState::Condition;
+
+// What differs between what was and what is; what was kept counts as what was.
+void compare_files(const FileHashes& was, const FileHashes& kept, const FileHashes& now, Kind kind,
+                   std::vector<StageChange>& changes) {
+  for (const auto& [name, hash] : now) {
+    const auto before = was.find(name);
+    if (before != was.end() && before->second == hash) continue;
+    if (const auto settled = kept.find(name); settled != kept.end() && settled->second == hash) continue;
+    if (before == was.end() && hash.empty()) continue;  // neither then nor now
+    const How how = hash.empty()                                    ? How::gone
+                    : before == was.end() || before->second.empty() ? How::added
+                                                                    : How::changed;
+    changes.push_back({kind, how, name, "", ""});
+  }
+  for (const auto& [name, hash] : was) {
+    if (now.contains(name) || hash.empty()) continue;
+    if (const auto settled = kept.find(name); settled != kept.end() && settled->second.empty()) continue;
+    changes.push_back({kind, How::gone, name, "", ""});
+  }
+}
+
+void compare_options(const MadeRecord& record, const OptionTexts& now, std::vector<StageChange>& changes) {
+  std::set<std::string> names;
+  for (const auto& [name, text] : record.options) names.insert(name);
+  for (const auto& [name, text] : now) names.insert(name);
+  const auto text_in = [](const OptionTexts& texts, const std::string& name) {
+    const auto found = texts.find(name);
+    return found == texts.end() ? std::string() : found->second;
+  };
+  for (const std::string& name : names) {
+    const std::string was = text_in(record.options, name), is = text_in(now, name);
+    if (was == is) continue;
+    if (const auto settled = record.kept.options.find(name);
+        settled != record.kept.options.end() && settled->second == is)
+      continue;
+    changes.push_back({Kind::option, How::changed, name, was.empty() ? "not said" : was, is.empty() ? "not said" : is});
+  }
+}
+
+// Where what it would be made from now cannot be told, the same files as then.
+StageBasis basis_now(const LoopProject& loop, const StageOfRound& at, const MadeRecord& record) {
+  try {
+    return basis_of(loop, at);
+  } catch (const Error&) {
+    StageBasis basis{{}, record.options};
+    for (const auto& [name, hash] : record.inputs) basis.files.insert(loop.project.folder / name);
+    return basis;
+  }
+}
+
+std::string list_of(const std::vector<std::string>& names) {
+  constexpr std::size_t kNamed = 3;
+  std::string out;
+  for (std::size_t i = 0; i < std::min(names.size(), kNamed); ++i) out += (i == 0 ? "" : ", ") + names[i];
+  if (names.size() > kNamed) out += fmt::format(" and {} more", names.size() - kNamed);
+  return out;
+}
+
+bool is_in_the_metal(StageKind stage) { return stage == StageKind::design || stage == StageKind::toolpath; }
+
+// Whether what this stage is made from within its round was made anew: it follows without a question.
+bool follows(const StageState& state) {
+  const char* from = state.at.stage == StageKind::toolpath ? "/scratches.csv"
+                     : state.at.stage == StageKind::board  ? "/sent.csv"
+                                                           : nullptr;
+  if (!from) return false;
+  return std::any_of(state.changes.begin(), state.changes.end(), [&](const StageChange& change) {
+    return change.kind == Kind::input && change.how != How::gone && change.name.ends_with(from);
+  });
+}
+
+}  // namespace
+
+bool StageState::changed(StageChange::Kind kind) const {
+  return std::any_of(changes.begin(), changes.end(), [&](const StageChange& change) { return change.kind == kind; });
+}
+
+FileHashes hashes_of(const Project& project, const std::set<fs::path>& files, ContentHashes& hashes) {
+  FileHashes out;
+  for (const fs::path& file : files) out[path_in_project(project.folder, file)] = hashes.of(file);
+  return out;
+}
+
+FileHashes hashes_of(const Project& project, const std::vector<fs::path>& files, ContentHashes& hashes) {
+  return hashes_of(project, std::set<fs::path>(files.begin(), files.end()), hashes);
+}
+
+StageState state_of(const LoopProject& loop, const StageOfRound& at, ContentHashes& hashes) {
+  StageState state;
+  state.at = at;
+  state.photographed = at.round > 0 && is_photographed(loop.project, at.round);
+  state.record = read_record(record_file(loop.project, at));
+  if (!state.record) {
+    // A person's photos are not made by anything.
+    const bool photos = at.stage == StageKind::photos;
+    state.condition = !has_result(loop, at) ? Condition::not_begun : photos ? Condition::done : Condition::not_recorded;
+    return state;
+  }
+  const MadeRecord& record = *state.record;
+  if (!record.holds()) {
+    state.condition = record.status == MadeRecord::Status::interrupted ? Condition::interrupted : Condition::stopped;
+    if (state.condition == Condition::stopped) return state;
+  } else {
+    state.condition = Condition::done;
+  }
+  const StageBasis basis = basis_now(loop, at, record);
+  compare_files(record.inputs, record.kept.inputs, hashes_of(loop.project, basis.files, hashes), Kind::input,
+                state.changes);
+  compare_options(record, basis.options, state.changes);
+  FileHashes left;
+  for (const auto& [name, hash] : record.outputs) left[name] = hashes.of(loop.project.folder / name);
+  compare_files(record.outputs, record.kept.outputs, left, Kind::output, state.changes);
+  return state;
+}
+
+std::vector<StageState> states_of(const LoopProject& loop, ContentHashes& hashes) {
+  std::vector<StageState> states;
+  const int rounds = loop.project.rounds();
+  for (int round = 1; round <= rounds; ++round)
+    for (const StageKind stage : kRoundStages) states.push_back(state_of(loop, {round, stage}, hashes));
+  states.push_back(state_of(loop, {0, StageKind::report}, hashes));
+  return states;
+}
+
+bool needs_answer(const StageState& state) {
+  if (state.at.stage == StageKind::report) return false;  // a page to look at: what was there is moved aside
+  if (state.condition == Condition::not_recorded) return true;
+  if (state.condition != Condition::done || state.changes.empty()) return false;
+  if (state.at.stage == StageKind::photos) return false;  // what was photographed is
+  if (state.changed(Kind::output)) return true;
+  if (is_in_the_metal(state.at.stage) && state.photographed) return false;  // as it was carved
+  const bool carving = is_in_the_metal(state.at.stage) || state.at.stage == StageKind::board;
+  return carving && !follows(state);
+}
+
+bool is_made_by_itself(const StageState& state) {
+  if (needs_answer(state)) return false;
+  if (state.condition != Condition::done) return true;
+  if (state.changes.empty() || state.at.stage == StageKind::photos) return false;
+  return !(is_in_the_metal(state.at.stage) && state.photographed);
+}
+
+std::string in_words(const std::vector<StageChange>& changes) {
+  std::string out;
+  const auto add = [&](const std::string& words) { out += (out.empty() ? "" : "; ") + words; };
+  struct Group {
+    Kind kind;
+    How how;
+    const char *one, *several;
+  };
+  constexpr std::array<Group, 6> kGroups{{{Kind::input, How::changed, "changed", "changed"},
+                                          {Kind::input, How::added, "is new", "are new"},
+                                          {Kind::input, How::gone, "is gone", "are gone"},
+                                          {Kind::output, How::changed, "was changed by hand", "were changed by hand"},
+                                          {Kind::output, How::added, "is new", "are new"},
+                                          {Kind::output, How::gone, "is gone", "are gone"}}};
+  for (const Group& group : kGroups) {
+    std::vector<std::string> names;
+    for (const StageChange& change : changes)
+      if (change.kind == group.kind && change.how == group.how) names.push_back(change.name);
+    if (!names.empty()) add(list_of(names) + " " + (names.size() == 1 ? group.one : group.several));
+  }
+  for (const StageChange& change : changes)
+    if (change.kind == Kind::option) add(fmt::format("{} was {} and is {}", change.name, change.was, change.now));
+  return out;
+}
+
+std::string in_words(const StageState& state) {
+  switch (state.condition) {
+    case Condition::not_begun:
+      return "not begun";
+    case Condition::not_recorded:
+      return "is there, but nothing tells what it was made from";
+    case Condition::stopped:
+      return "begun, and not ended";
+    case Condition::interrupted:
+      return "ended early, with what it had by then";
+    case Condition::done:
+      break;
+  }
+  const bool accepted = state.record && state.record->status != MadeRecord::Status::done;
+  const std::string done = accepted ? state.record->status == MadeRecord::Status::adopted
+                                          ? "done, from what is not known"
+                                          : "done, ended early and kept"
+                                    : "done";
+  if (state.changes.empty()) return done;
+  const std::string since = in_words(state.changes);
+  if (state.at.stage == StageKind::photos) return "taken; since then: " + since;
+  if (is_in_the_metal(state.at.stage) && state.photographed && !state.changed(Kind::output))
+    return "as it was carved; since then: " + since;
+  return "out of date: " + since;
+}
+
+}  // namespace burin

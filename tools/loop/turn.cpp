@@ -1,0 +1,304 @@
+#include "tools/loop/turn.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "burin/render/error.h"
+#include "tools/commands.h"
+#include "tools/loop/aside.h"
+#include "tools/loop/say.h"
+#include "tools/loop/unknown.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Condition = StageState::Condition;
+
+struct Turn {
+  const LoopProject& loop;
+  const LoopAnswers& answers;
+  std::set<StageOfRound> again;
+  ContentHashes hashes;
+  bool some_done = false, said = false;
+};
+
+bool is_carving(StageKind stage) {
+  return stage == StageKind::design || stage == StageKind::toolpath || stage == StageKind::board;
+}
+
+// What an --again names. Throws Error for what is none, and for what is in the metal.
+StageOfRound stage_of(const LoopProject& loop, const std::string& words) {
+  const Project& project = loop.project;
+  const std::size_t slash = words.find('/');
+  const std::string stage = slash == std::string::npos ? words : words.substr(slash + 1);
+  const auto known = std::find_if(std::begin(kRoundStages), std::end(kRoundStages),
+                                  [&](StageKind kind) { return stage == name_of(kind); });
+  StageOfRound at;
+  if (known != std::end(kRoundStages)) {
+    at.stage = *known;
+    at.round = 0;
+    for (int round = 1; round <= project.rounds(); ++round)
+      if (slash != std::string::npos
+              ? words == name_of(project, {round, *known})
+              : fs::exists(record_file(project, {round, *known})) || has_result(loop, {round, *known}))
+        at.round = round;
+  }
+  if (known == std::end(kRoundStages) || (at.round == 0 && at.stage != StageKind::report))
+    fail("--again " + words, "there is no such stage in " + project.folder.string(),
+         fmt::format("`burin status {}` lists them, such as design or round-01/refine",
+                     shell_word(project.folder.string())));
+  if (at.stage == StageKind::photos)
+    fail("--again " + words, "photos are never replaced", "add photos to that folder, or take some out of it");
+  const bool metal = at.stage == StageKind::design || at.stage == StageKind::toolpath;
+  if (metal && at.round > 0 && is_photographed(project, at.round))
+    fail("--again " + words,
+         fmt::format("the board of {} is carved and photographed", project.round(at.round).filename().string()),
+         fmt::format("`{}` designs the next one; copy the project's own files to another folder to begin anew",
+                     loop_line(project)));
+  return at;
+}
+
+// Stages behind one that is made anew follow it in the same round.
+bool follows_one_made_anew(const Turn& turn, const StageOfRound& at) {
+  return std::any_of(turn.again.begin(), turn.again.end(), [&](const StageOfRound& again) {
+    return again.round == at.round && is_carving(again.stage) && is_carving(at.stage) && again.stage <= at.stage;
+  });
+}
+
+bool is_open(const Turn& turn, const StageState& state) {
+  return needs_answer(state) && !turn.again.contains(state.at) &&
+         !(follows_one_made_anew(turn, state.at) && state.condition == Condition::done &&
+           !state.changed(StageChange::Kind::output));
+}
+
+bool can_be_kept(const Turn& turn, const StageState& state) {
+  if (state.condition == Condition::interrupted) return true;
+  return is_open(turn, state) && has_result(turn.loop, state.at);
+}
+
+// Writes down that what is there is to be gone on with.
+void keep(Turn& turn, const StageState& state) {
+  const LoopProject& loop = turn.loop;
+  if (state.condition == Condition::interrupted) finish_design(loop, state.at.round);
+  const StageBasis basis = basis_of(loop, state.at);
+  const FileHashes inputs = hashes_of(loop.project, basis.files, turn.hashes),
+                   outputs = hashes_of(loop.project, outputs_of(loop, state.at), turn.hashes);
+  MadeRecord record = state.record.value_or(MadeRecord{});
+  if (!state.record) {
+    record.stage = name_of(state.at.stage);
+    record.status = MadeRecord::Status::adopted;
+    record.burin = "unknown";
+    record.options = basis.options;
+    record.inputs = inputs;
+    record.outputs = outputs;
+  } else {
+    if (state.condition == Condition::interrupted) {
+      record.status = MadeRecord::Status::accepted;
+      record.outputs = outputs;
+    }
+    for (const StageChange& change : state.changes) {
+      const auto hash_in = [&](const FileHashes& files) {
+        const auto found = files.find(change.name);
+        return found == files.end() ? std::string() : found->second;
+      };
+      if (change.kind == StageChange::Kind::option) {
+        const auto found = basis.options.find(change.name);
+        record.kept.options[change.name] = found == basis.options.end() ? "" : found->second;
+      } else if (change.kind == StageChange::Kind::input) {
+        record.kept.inputs[change.name] = hash_in(inputs);
+      } else {
+        record.kept.outputs[change.name] = hash_in(outputs);
+      }
+    }
+  }
+  write_record(record, record_file(loop.project, state.at));
+  fmt::print("Kept: {} ({})\n", name_of(loop.project, state.at),
+             state.changes.empty() ? in_words(state) : in_words(state.changes));
+}
+
+// What a person has to decide before anything is done. Throws Error for what is not decided.
+void settle(Turn& turn) {
+  const std::vector<StageState> states = states_of(turn.loop, turn.hashes);
+  const bool begun = std::any_of(states.begin(), states.end(),
+                                 [](const StageState& state) { return state.condition != Condition::not_begun; });
+  if (begun) fmt::print("{}", table_of(turn.loop, states));
+  std::vector<LoopQuestion> open;
+  int round_asked = 0;
+  for (const StageState& state : states) {
+    if (!is_open(turn, state) || (turn.answers.keep && can_be_kept(turn, state))) continue;
+    // What a stage rests on, those behind it rest on too: one question a round.
+    const bool stale = state.condition == Condition::done && !state.changed(StageChange::Kind::output);
+    if (stale && is_carving(state.at.stage) && state.at.round == round_asked) continue;
+    if (stale && is_carving(state.at.stage)) round_asked = state.at.round;
+    open.push_back(question_of(turn.loop, state));
+  }
+  if (!open.empty()) {
+    std::fflush(stdout);
+    const std::string where = turn.loop.project.folder.string();
+    for (std::size_t i = 1; i < open.size(); ++i) note(fmt::format("{}: {}; {}", where, open[i].what, open[i].remedy));
+    fail(where, open.front().what, open.front().remedy);
+  }
+  if (turn.answers.keep)
+    for (const StageState& state : states)
+      if (can_be_kept(turn, state) && !turn.again.contains(state.at)) keep(turn, state);
+}
+
+// Photos without a tool path: which board do they show?
+void refuse_early_photos(const Turn& turn, const StageState& state) {
+  if (!state.photographed || !(state.at.stage == StageKind::design || state.at.stage == StageKind::toolpath)) return;
+  fail((turn.loop.project.round(state.at.round) / "photos").string(),
+       fmt::format("holds photos (or they were measured), but {} is not done: no one knows what that board was told",
+                   name_of(turn.loop.project, state.at)),
+       "move the photos out of there until that board is carved, and session.json with them");
+}
+
+// Before another board is designed, the one before must have told what the design rests on.
+void refuse_unknown(Turn& turn, int round) {
+  const LoopProject& loop = turn.loop;
+  const StageOfRound measured{round, StageKind::refine};
+  const fs::path file = record_file(loop.project, measured);
+  std::optional<MadeRecord> record = read_record(file);
+  std::vector<UnknownParameter> unknown = unknown_after(loop.project, round);
+  std::vector<std::string> accepted = turn.answers.accept_unknown;
+  accepted.insert(accepted.end(), loop.options.accept_unknown.begin(), loop.options.accept_unknown.end());
+  if (record) accepted.insert(accepted.end(), record->accepted_unknown.begin(), record->accepted_unknown.end());
+  std::vector<UnknownParameter> open;
+  std::set<std::string> gone_on_without;
+  for (const UnknownParameter& u : unknown) {
+    if (std::find(accepted.begin(), accepted.end(), u.name) == accepted.end())
+      open.push_back(u);
+    else
+      gone_on_without.insert(u.name);
+  }
+  if (open.empty()) {
+    for (const std::string& name : gone_on_without)
+      note(fmt::format("{} is not determined; the next design goes on with what was believed, as accepted", name));
+    if (record && !gone_on_without.empty()) {
+      record->accepted_unknown.assign(gone_on_without.begin(), gone_on_without.end());
+      write_record(*record, file);
+    }
+    return;
+  }
+  fmt::print("\n{}", in_words(open));
+  std::fflush(stdout);
+  std::string names, options;
+  for (const UnknownParameter& u : open) {
+    names += (names.empty() ? "" : ", ") + u.name;
+    options += (options.empty() ? "" : " ") + ("--accept-unknown " + shell_word(u.name));
+  }
+  fail(loop.project.round(round).string(),
+       fmt::format("{} {} not determined, and another board would be designed on a guess", names,
+                   open.size() == 1 ? "is" : "are"),
+       fmt::format("take the photo named above, put it into {}, and say `{}` again; or go on without: `{}`",
+                   (loop.project.round(round) / "photos").string(), loop_line(loop.project),
+                   loop_line(loop.project, options)));
+}
+
+// The same as it was begun? What a person edits while the work runs must not pass for what it was made from.
+void refuse_edited_meanwhile(Turn& turn, const StageOfRound& at, const FileHashes& inputs) {
+  const FileHashes now = hashes_of(turn.loop.project, basis_of(turn.loop, at).files, turn.hashes);
+  for (const auto& [name, hash] : now)
+    if (const auto before = inputs.find(name); before == inputs.end() || before->second != hash)
+      fail((turn.loop.project.folder / name).string(),
+           fmt::format("changed while {} was being made", name_of(turn.loop.project, at)),
+           fmt::format("say `{}` again", loop_line(turn.loop.project)));
+}
+
+void say_begin(Turn& turn, const StageState& state) {
+  const std::string name = state.at.round == 0 ? "report of the whole loop"
+                                               : turn.loop.project.round(state.at.round).filename().string() + ": " +
+                                                     name_of(state.at.stage);
+  if (turn.some_done && !turn.said) fmt::print("Going on with: {}\n", name);
+  turn.said = true;
+  fmt::print("\n== {}{}\n", name,
+             state.at.stage == StageKind::photos ? " (carve and photograph, simulated from truth.json)" : "");
+  if (!state.changes.empty()) fmt::print("since it was made: {}\n", in_words(state.changes));
+  std::fflush(stdout);
+}
+
+void make(Turn& turn, const StageState& state) {
+  const LoopProject& loop = turn.loop;
+  refuse_early_photos(turn, state);
+  if (state.at.stage == StageKind::design && state.at.round > 1) refuse_unknown(turn, state.at.round - 1);
+  say_begin(turn, state);
+  const StageBasis basis = basis_of(loop, state.at);
+  MadeRecord record;
+  record.stage = name_of(state.at.stage);
+  record.burin = BURIN_VERSION;
+  record.options = basis.options;
+  record.inputs = hashes_of(loop.project, basis.files, turn.hashes);
+  const fs::path aside = begin_stage(loop, state.at, record, turn.hashes);
+  if (!aside.empty()) fmt::print("what was there is now in {}\n", aside.string());
+  const bool whole = make_stage(loop, state.at);
+  refuse_edited_meanwhile(turn, state.at, record.inputs);
+  record.status = whole ? MadeRecord::Status::done : MadeRecord::Status::interrupted;
+  if (!whole && turn.answers.keep) {
+    finish_design(loop, state.at.round);
+    record.status = MadeRecord::Status::accepted;
+  }
+  record.outputs = hashes_of(loop.project, outputs_of(loop, state.at), turn.hashes);
+  write_record(record, record_file(loop.project, state.at));
+  if (record.status == MadeRecord::Status::interrupted)
+    fail((loop.project.round(state.at.round) / "design").string(),
+         fmt::format("{} was ended early and is not done", name_of(loop.project, state.at)),
+         fmt::format("`{}` takes it as good as it got, `{}` designs anew", loop_line(loop.project, "--keep"),
+                     loop_line(loop.project)));
+}
+
+// One stage as it stands after all before it: nothing to do, made, or a question. False where a person has to go to the
+// workshop.
+bool turn_stage(Turn& turn, const StageOfRound& at) {
+  const StageState state = state_of(turn.loop, at, turn.hashes);
+  const bool again = turn.again.contains(at);
+  if (at.stage == StageKind::photos && state.condition != Condition::done) {
+    if (state.photographed && photos_of(turn.loop.project, at.round).empty())
+      fail((turn.loop.project.round(at.round) / "photos").string(), "holds no photo any more", "put them back");
+    const bool workshop =
+        fs::exists(turn.loop.project.folder / "truth.json") && at.round <= turn.answers.simulated_rounds;
+    if (photos_of(turn.loop.project, at.round).empty()) {
+      if (!workshop) return false;
+    } else {
+      return true;  // a workshop that was stopped behind its work
+    }
+  }
+  if (!again && is_open(turn, state)) {
+    const LoopQuestion question = question_of(turn.loop, state);
+    fail(turn.loop.project.folder.string(), question.what, question.remedy);
+  }
+  if (again || is_made_by_itself(state) || (needs_answer(state) && follows_one_made_anew(turn, at)))
+    make(turn, state);
+  else
+    turn.some_done = true;
+  return true;
+}
+
+}  // namespace
+
+void turn_loop(const LoopProject& loop, const LoopAnswers& answers) {
+  const Project& project = loop.project;
+  Turn turn{loop, answers, {}, {}, false, false};
+  for (const std::string& words : answers.again) turn.again.insert(stage_of(loop, words));
+  remove_half_written(project);
+  fmt::print("{}: {}\n", project.folder.string(), in_words(loop.options));
+  settle(turn);
+  int round = 1;
+  for (bool photographed = true; photographed; ++round)
+    for (const StageKind stage : kRoundStages)
+      if (photographed) photographed = turn_stage(turn, {round, stage});
+  --round;
+  // The last round is designed and not yet carved: for the bench as it is, if any board was photographed.
+  turn_stage(turn, {0, StageKind::report});
+  const bool simulated = fs::exists(project.folder / "truth.json");
+  fmt::print("\n");
+  if (!simulated) fmt::print("{}", your_turn(loop, round));
+  fmt::print(
+      "The loop has turned {} time{}; the next board to carve is {}.{}\n", round - 1, round == 2 ? "" : "s",
+      (project.round(round) / "board.gcode").string(),
+      simulated ? fmt::format(" To simulate that too: {}", loop_line(project, fmt::format("--rounds {}", round))) : "");
+}
+
+}  // namespace burin

@@ -1,0 +1,114 @@
+// burin status - what a loop project is: its rounds and stages, what each rests on, and what comes next.
+#include <filesystem>
+#include <memory>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "tools/commands.h"
+#include "tools/loop/lock.h"
+#include "tools/loop/say.h"
+#include "tools/loop/state.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+Json files_json(const FileHashes& files) {
+  Json json = Json::object();
+  for (const auto& [name, hash] : files) json[name] = hash;
+  return json;
+}
+
+Json change_json(const StageChange& change) {
+  static const char* const kKinds[] = {"input", "output", "option"};
+  static const char* const kHows[] = {"changed", "gone", "added"};
+  Json json{{"kind", kKinds[static_cast<int>(change.kind)]},
+            {"how", kHows[static_cast<int>(change.how)]},
+            {"name", change.name}};
+  if (change.kind == StageChange::Kind::option) {
+    json["was"] = change.was;
+    json["now"] = change.now;
+  }
+  return json;
+}
+
+Json stage_json(const LoopProject& loop, const StageState& state) {
+  static const char* const kConditions[] = {"not begun", "not recorded", "stopped", "interrupted", "done"};
+  Json json;
+  json["stage"] = name_of(loop.project, state.at);
+  json["condition"] = kConditions[static_cast<int>(state.condition)];
+  json["up_to_date"] = state.up_to_date();
+  json["asks"] = needs_answer(state);
+  json["words"] = in_words(state);
+  json["changes"] = Json::array();
+  for (const StageChange& change : state.changes) json["changes"].push_back(change_json(change));
+  if (!state.record) return json;
+  json["status"] = in_words(state.record->status);
+  json["burin"] = state.record->burin;
+  json["inputs"] = files_json(state.record->inputs);
+  json["outputs"] = files_json(state.record->outputs);
+  json["options"] = files_json(state.record->options);
+  json["accepted_unknown"] = state.record->accepted_unknown;
+  return json;
+}
+
+// What one stage was made from, in words that fit a line.
+std::string rests_on(const StageState& state) {
+  if (!state.record || !state.record->holds()) return "";
+  constexpr std::size_t kNamed = 6;
+  std::string words;
+  std::size_t count = 0;
+  for (const auto& [name, hash] : state.record->inputs)
+    if (count++ < kNamed) words += (words.empty() ? "" : ", ") + name;
+  if (count > kNamed) words += fmt::format(" and {} more", count - kNamed);
+  for (const auto& [name, text] : state.record->options) words += fmt::format(", {} {}", name, text);
+  return words;
+}
+
+void run(const fs::path& folder, bool as_json) {
+  if (!fs::exists(folder / "design.json"))
+    fail((folder / "design.json").string(), "a loop project needs this file", "name a project folder");
+  const LoopProject loop{{folder}, read_loop_options(folder)};
+  ContentHashes hashes;
+  const std::vector<StageState> states = states_of(loop, hashes);
+  const std::string at_work = loop_at_work(folder), next = next_of(loop, states);
+  if (as_json) {
+    Json json{{"format", "burin/status"}, {"version", 1}, {"project", folder.string()}, {"burin", BURIN_VERSION}};
+    json["options"] = in_words(loop.options);
+    json["at_work"] = at_work;
+    json["stages"] = Json::array();
+    for (const StageState& state : states) json["stages"].push_back(stage_json(loop, state));
+    json["next"] = next;
+    fmt::print("{}\n", json.dump(1));
+    return;
+  }
+  fmt::print("{}: {}\n{}", folder.string(), in_words(loop.options), table_of(loop, states));
+  bool head = false;
+  for (const StageState& state : states)
+    if (const std::string words = rests_on(state); !words.empty()) {
+      if (!head) fmt::print("What each was made from:\n");
+      head = true;
+      fmt::print("  {}: {}\n", name_of(loop.project, state.at), words);
+    }
+  if (!at_work.empty()) fmt::print("A loop is at work here: {}\n", at_work);
+  fmt::print("Next: {}\n", next);
+}
+
+}  // namespace
+
+void add_status_command(CLI::App& burin) {
+  struct Options {
+    fs::path folder;
+    bool json = false;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command =
+      burin.add_subcommand("status", "Show a loop project: rounds, stages, what each rests on, what comes next");
+  command->add_option("PROJECT_DIR", o->folder, "The project, as burin loop takes it")->required();
+  command->add_flag("--json", o->json, "The same for programs, with all hashes");
+  command->footer(example("burin status samples/small-bench"));
+  command->callback([o] { run(o->folder, o->json); });
+}
+
+}  // namespace burin

@@ -1,0 +1,155 @@
+// burin trace - a result followed back to the photos and pictures that it was made from, by content.
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "burin/render/error.h"
+#include "tools/commands.h"
+#include "tools/content_hash.h"
+#include "tools/loop/record.h"
+#include "tools/project.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A record, and where the files that it made lie now: in place, or moved to a former/ folder.
+struct KnownRecord {
+  std::string name;  // "round-01/design"
+  MadeRecord record;
+  std::string former;  // folder relative to the project; empty: in place
+};
+
+struct Trace {
+  Project project;
+  std::vector<KnownRecord> records;
+  ContentHashes hashes;
+  std::set<std::string> told;  // path and hash
+  int changed = 0, files = 0;
+};
+
+void add_records(Trace& trace, const fs::path& folder, const std::string& prefix) {
+  const auto add = [&](const fs::path& file, const std::string& former) {
+    if (const std::optional<MadeRecord> record = read_record(file))
+      trace.records.push_back({prefix + record->stage, *record, former});
+  };
+  if (fs::is_directory(folder / "made"))
+    for (const auto& entry : fs::directory_iterator(folder / "made"))
+      if (entry.path().extension() == ".json" && entry.path().filename().string().front() != '.') add(entry.path(), "");
+  if (fs::is_directory(folder / "former"))
+    for (const auto& entry : fs::directory_iterator(folder / "former"))
+      add(entry.path() / "made.json", path_in_project(trace.project.folder, entry.path()));
+}
+
+// The record that made a file with these contents; the one in place first. An edited result is found by what was kept.
+const KnownRecord* maker_of(const Trace& trace, const std::string& name, const std::string& hash, bool any_name) {
+  const KnownRecord* found = nullptr;
+  for (const KnownRecord& known : trace.records) {
+    const auto has = [&](const FileHashes& files) {
+      if (const auto file = files.find(name); file != files.end() && file->second == hash) return true;
+      if (!any_name) return false;
+      for (const auto& [other, content] : files)
+        if (content == hash) return true;
+      return false;
+    };
+    if (!has(known.record.outputs) && !has(known.record.kept.outputs)) continue;
+    if (!found || known.former.empty()) found = &known;
+  }
+  return found;
+}
+
+// "the same", "changed since", ...: of a file that something was made from.
+std::string state_of_file(Trace& trace, const std::string& name, const std::string& hash, const KnownRecord* maker) {
+  const std::string now = trace.hashes.of(trace.project.folder / name);
+  if (now == hash) return hash.empty() ? "was not there" : "the same";
+  // It may have been moved aside by a stage made anew.
+  if (maker && !maker->former.empty()) {
+    const fs::path round = fs::path(maker->former).parent_path().parent_path();
+    const fs::path moved = fs::path(maker->former) / fs::path(name).lexically_relative(round);
+    if (trace.hashes.of(trace.project.folder / moved) == hash) {
+      ++trace.changed;
+      return fmt::format("changed since; as it was: {}", moved.string());
+    }
+  }
+  ++trace.changed;
+  return now.empty() ? "GONE" : "CHANGED";
+}
+
+void follow(Trace& trace, const std::string& name, const std::string& hash, int depth) {
+  const KnownRecord* maker = maker_of(trace, name, hash, depth == 0);
+  const bool again = !trace.told.insert(name + " " + hash).second;
+  std::string line = fmt::format("{:{}}{}  {}", "", 2 * depth, name, hash.substr(0, 12));
+  if (depth > 0) line += "  " + state_of_file(trace, name, hash, maker);
+  ++trace.files;
+  if (again) {
+    fmt::print("{}  (see above)\n", line);
+    return;
+  }
+  if (!maker) {
+    fmt::print("{}\n", line);
+    return;
+  }
+  const MadeRecord& record = maker->record;
+  const auto made = record.outputs.find(name);
+  const bool edited = made != record.outputs.end() && made->second != hash;
+  line += fmt::format("  by {}{}, Burin {}{}", maker->name,
+                      record.status == MadeRecord::Status::done ? "" : std::string(", ") + in_words(record.status),
+                      record.burin, edited ? ", then changed by hand" : "");
+  for (const auto& [option, text] : record.options) line += fmt::format(", {} {}", option, text);
+  fmt::print("{}\n", line);
+  for (const auto& [input, content] : record.inputs) follow(trace, input, content, depth + 1);
+}
+
+// The folder that holds the file's project: the nearest above it with rounds.
+fs::path project_of(const fs::path& file) {
+  for (fs::path folder = fs::absolute(file).lexically_normal().parent_path();; folder = folder.parent_path()) {
+    if (fs::exists(folder / "design.json") && Project{folder}.rounds() > 0) return folder;
+    if (folder == folder.parent_path()) break;
+  }
+  fail(file.string(), "lies in no loop project", "say which one made it: --project DIR");
+}
+
+void run(const fs::path& file, const fs::path& project) {
+  Trace trace;
+  trace.project.folder = project.empty() ? project_of(file) : project;
+  const std::string hash = trace.hashes.of(file);
+  if (hash.empty()) fail(file.string(), "is no file", "name a file that burin loop made");
+  add_records(trace, trace.project.folder, "");
+  for (int round = 1; round <= trace.project.rounds(); ++round)
+    add_records(trace, trace.project.round(round), trace.project.round(round).filename().string() + "/");
+  const std::string name = path_in_project(trace.project.folder, file);
+  if (!maker_of(trace, name, hash, true)) {
+    for (const KnownRecord& known : trace.records)
+      if (known.former.empty() && known.record.outputs.contains(name))
+        fail(file.string(), "was changed since " + known.name + " made it", "its record is of other contents");
+    fail(file.string(), "was made by no stage of " + trace.project.folder.string(),
+         "name a result, such as a G-code, a report or a bench of one of its rounds");
+  }
+  follow(trace, name, hash, 0);
+  if (trace.changed > 0)
+    fail(file.string(), fmt::format("{} of the files that it rests on are not what they were", trace.changed),
+         "they are marked above");
+  fmt::print("All {} files that it rests on are what they were.\n", trace.told.size() - 1);
+}
+
+}  // namespace
+
+void add_trace_command(CLI::App& burin) {
+  struct Options {
+    fs::path file, project;
+  };
+  auto o = std::make_shared<Options>();
+  CLI::App* command = burin.add_subcommand(
+      "trace", "Follow a result of burin loop back to photos and pictures, and say whether they are still the same");
+  command
+      ->add_option("FILE", o->file, "A G-code, report, bench, table of scratches...; a copy is found by its contents")
+      ->required();
+  command->add_option("--project", o->project, "The project that made it, if it does not lie in it");
+  command->footer(example("burin trace small-bench/round-01/board.gcode"));
+  command->callback([o] { run(o->file, o->project); });
+}
+
+}  // namespace burin
