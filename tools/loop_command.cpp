@@ -2,11 +2,14 @@
 // The work is in tools/loop: stages.h says what there is in a project, turn.h how it is turned on.
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "burin/render/error.h"
 #include "tools/commands.h"
 #include "tools/loop/lock.h"
 #include "tools/loop/options.h"
+#include "tools/loop/round_design.h"
 #include "tools/loop/turn.h"
 
 namespace burin {
@@ -18,6 +21,7 @@ struct Options {
   Project project;
   LoopCommandLine said;
   LoopAnswers answers;
+  std::vector<std::string> views, lamps;
 };
 
 void run(const Options& o) {
@@ -26,6 +30,7 @@ void run(const Options& o) {
       fail((o.project.folder / file).string(), "a loop project needs this file",
            "see samples/small-bench for a complete project");
   const ProjectLock lock(o.project.folder);
+  remember_names(o.project, o.views, o.lamps);
   turn_loop({o.project, remember_options(o.said, o.project.folder)}, o.answers);
 }
 
@@ -47,6 +52,10 @@ void add_loop_command(CLI::App& burin) {
   command->add_option("--accept-unknown", o->answers.accept_unknown,
                       "Design the next board although the photos left this parameter open: depth_um, alpha, "
                       "machine.affine, light.ID.position_mm");
+  command->add_option("--view", o->views,
+                      "Which measured view is the designed one, where the loop asks: middle=v01 (kept in the round's "
+                      "names.json)");
+  command->add_option("--lamp", o->lamps, "The same of a lamp: ceiling=lamp");
   command
       ->add_option("--rounds", o->answers.simulated_rounds,
                    "With a truth.json: how many boards to carve and photograph")

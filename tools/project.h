@@ -1,5 +1,5 @@
 // tools/project.h - where a loop project keeps its files. docs/file-formats.md; what each file is stands in
-// tools/loop_command.cpp.
+// tools/loop/stages.h.
 #pragma once
 
 #include <filesystem>

@@ -51,6 +51,11 @@ Scratches scratches_of(const Options& options, const Board& board, const Bench* 
 
 // The face that depths follow, as a person says.
 void set_face(const Options& options, ToolpathOptions& settings) {
+  if (options.follow_bow && options.bench.empty())
+    fail("--follow-bow", "needs the bench that measured the bow", "give --bench as well");
+  if (options.follow_bow && !options.heights.empty())
+    fail("--follow-bow", "and --heights both say how the face lies",
+         "keep --heights: it was probed as the sheet lies now");
   if (!options.heights.empty()) settings.heights = read_heights(options.heights);
   settings.follow_bow = options.follow_bow;
 }
@@ -176,6 +181,9 @@ void add_options(CLI::App& command, Options& options) {
           ->check(CLI::IsMember({"keep", "short"}));
   command.add_flag("--keep-order", options.keep_order, "The same as --order keep")->excludes(order);
   command.add_flag("--frame", options.frame, "Also write a file that moves round the scratches in the air");
+  command.add_flag(
+      "--follow-bow", options.follow_bow,
+      "Z follows the bench's measured bow: only where the very sheet that was photographed lies as it did");
 }
 
 }  // namespace
@@ -194,13 +202,8 @@ void add_toolpath_command(CLI::App& burin) {
   command->add_option("--bench", options->bench, "A measured bench.json: its machine.affine is compensated");
   command->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
       ->capture_default_str();
-  CLI::Option* heights = command->add_option(
-      "--heights", options->heights, "heights.json of the sheet as it lies on the machine (burin probe): Z follows it");
-  command
-      ->add_flag("--follow-bow", options->follow_bow,
-                 "Z follows the bench's measured bow: only where the very sheet that was photographed lies as it did")
-      ->needs("--bench")
-      ->excludes(heights);
+  command->add_option("--heights", options->heights,
+                      "heights.json of the sheet as it lies on the machine (burin probe): Z follows it");
   CLI::Option* out =
       command->add_option("--out", options->out, "Where to write: .gcode, .nc, .ngc, .svg, .dxf or .csv");
   add_options(*command, *options);

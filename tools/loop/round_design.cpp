@@ -1,11 +1,13 @@
 #include "tools/loop/round_design.h"
 
-#include <fmt/core.h>
+#include <string>
 
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "tools/commands.h"
+#include "tools/round_names.h"
 
 namespace burin {
 
@@ -13,21 +15,34 @@ namespace fs = std::filesystem;
 
 void write_round_design(const Project& project, int number, const fs::path& file) {
   DesignSpec spec = read_design(project.folder / "design.json");
-  if (number > 1) {
-    const fs::path measured_file = project.bench_before(number);
-    const Bench nominal = read_bench(spec.bench), measured = read_bench(measured_file);
-    const Board board = read_board(spec.board);
-    for (DesignView& view : spec.views) {
-      const View& designed = find_view(nominal, view.view, (project.folder / "design.json").string());
-      const View* taken = measured_view(measured, designed, board);
-      if (!taken)
-        fail(measured_file.string(), fmt::format("no photo was taken from the designed view \"{}\"", designed.name),
-             "photograph the board from there too, or change that view in the project's bench.json");
-      view.view = taken->name;
-    }
-    spec.bench = measured_file;
+  if (number > 1) {  // what was measured, under the names of the design
+    const fs::path measured = project.bench_before(number), named = file.parent_path() / "bench-before.json";
+    const Matching matching = match_round(project, number - 1);
+    require_complete(matching, measured);
+    for (const Finding& finding : matched_findings(matching, measured)) note(sentence(finding));
+    write_bench(matching.bench, read_board(spec.board).tool_width_um, named);
+    spec.bench = named;
   }
   write_design(spec, file);
+}
+
+void remember_names(const Project& project, const std::vector<std::string>& views,
+                    const std::vector<std::string>& lamps) {
+  if (views.empty() && lamps.empty()) return;
+  int measured = 0;
+  for (int round = 1; round <= project.rounds(); ++round)
+    if (fs::exists(project.round(round) / "bench.json")) measured = round;
+  if (measured == 0)
+    fail(views.empty() ? "--lamp" : "--view", "says which photo is which, and no board of this project is measured yet",
+         "leave it out until the loop asks for it");
+  GivenNames said;
+  for (const std::string& words : views) add_given_name("--view", words, said.views);
+  for (const std::string& words : lamps) add_given_name("--lamp", words, said.lamps);
+  const fs::path file = project.round(measured) / "names.json";
+  const GivenNames kept = read_names(file);
+  said.views.insert(kept.views.begin(), kept.views.end());
+  said.lamps.insert(kept.lamps.begin(), kept.lamps.end());
+  write_names(said, file);
 }
 
 }  // namespace burin

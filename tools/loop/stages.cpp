@@ -60,17 +60,36 @@ std::set<fs::path> design_basis(const LoopProject& loop, int round) {
   const DesignSpec spec = read_design(project.folder / "design.json");
   std::set<fs::path> files{project.folder / "design.json", spec.board};
   add_bench(spec.bench, files);
-  if (round > 1) add_bench(project.bench_before(round), files);
+  if (round > 1) {
+    add_bench(project.bench_before(round), files);
+    for (const char* file : {"names.json", "design/design-report.json"})  // which measured view is the designed one
+      if (fs::exists(project.round(round - 1) / file)) files.insert(project.round(round - 1) / file);
+  }
   add_pictures(spec, files);
   for (const fs::path& file : design_option_files(loop.options, project.folder)) files.insert(file);
   return files;
+}
+
+// The face as it was probed, if it was.
+fs::path heights_of(const Project& project, int round) {
+  const fs::path file = project.round(round) / "heights.json";
+  return fs::exists(file) ? file : fs::path();
 }
 
 std::set<fs::path> toolpath_basis(const LoopProject& loop, int round) {
   const Project& project = loop.project;
   std::set<fs::path> files{project.round(round) / "scratches.csv", project.folder / "board.json"};
   add_bench(project.bench_before(round), files);
+  if (const fs::path heights = heights_of(project, round); !heights.empty()) files.insert(heights);
   for (const fs::path& file : toolpath_option_files(loop.options, project.folder)) files.insert(file);
+  return files;
+}
+
+std::set<fs::path> check_basis(const LoopProject& loop, int round) {
+  const fs::path folder = loop.project.round(round);
+  std::set<fs::path> files = toolpath_basis(loop, round);
+  for (const StageKind stage : {StageKind::design, StageKind::toolpath})
+    for (const fs::path& file : outputs_of(loop, {round, stage})) files.insert(file);
   return files;
 }
 
@@ -125,9 +144,21 @@ void make_toolpath(const LoopProject& loop, int number) {
         "toolpath", (round / "scratches.csv").string(),    "--board",   (project.folder / "board.json").string(),
         "--bench",  project.bench_before(number).string(), "--machine", machine_argument(loop.options, project.folder),
         "--sent",   (round / "sent.csv").string(),         "--out",     (round / file).string()};
+    if (const fs::path heights = heights_of(project, number); !heights.empty()) {
+      words.emplace_back("--heights");
+      words.push_back(heights.string());
+    }
     words.insert(words.end(), options.begin(), options.end());
     run_step(words);
   }
+}
+
+// Ends in an error where a red line is on the page: the loop goes no further.
+void make_check(const LoopProject& loop, int number) {
+  std::vector<std::string> words{"check", "carve", loop.project.round(number).string(), "--machine",
+                                 machine_argument(loop.options, loop.project.folder)};
+  if (loop.options.toolpath.contains("follow-bow")) words.emplace_back("--follow-bow");
+  run_step(words);
 }
 
 void make_board(const Project& project, int number) {
@@ -166,6 +197,8 @@ const char* name_of(StageKind stage) {
       return "toolpath";
     case StageKind::board:
       return "board";
+    case StageKind::check:
+      return "check";
     case StageKind::photos:
       return "photos";
     case StageKind::capture:
@@ -205,6 +238,8 @@ StageBasis basis_of(const LoopProject& loop, const StageOfRound& at) {
       return {toolpath_basis(loop, at.round), option_texts(loop.options, loop.options.toolpath)};
     case StageKind::board:
       return {{project.folder / "board.json", round / "sent.csv"}, {}};
+    case StageKind::check:
+      return {check_basis(loop, at.round), option_texts(loop.options, loop.options.toolpath)};
     case StageKind::photos:
       return {{project.folder / "truth.json", round / "sent.csv"}, {}};
     case StageKind::refine:
@@ -215,6 +250,7 @@ StageBasis basis_of(const LoopProject& loop, const StageOfRound& at) {
       basis.files.insert(round / "session.json");
       [[fallthrough]];
     case StageKind::capture:
+      add_bench(project.bench_before(at.round), basis.files);  // for its lamps' names
       basis.files.insert(round / "board.json");
       for (const fs::path& photo : photos_of(project, at.round)) basis.files.insert(photo);
       return basis;
@@ -234,6 +270,7 @@ std::vector<fs::path> outputs_of(const LoopProject& loop, const StageOfRound& at
     case StageKind::design:
       files = files_below(folder / "design");
       take(folder / "design.json");
+      take(folder / "bench-before.json");
       take(folder / "scratches.csv");
       break;
     case StageKind::toolpath:
@@ -247,6 +284,9 @@ std::vector<fs::path> outputs_of(const LoopProject& loop, const StageOfRound& at
       break;
     case StageKind::board:
       take(folder / "board.json");
+      break;
+    case StageKind::check:
+      take(folder / "carve-check.html");
       break;
     case StageKind::photos:
       files = photos_of(loop.project, at.round);
@@ -306,12 +346,15 @@ bool make_stage(const LoopProject& loop, const StageOfRound& at) {
     case StageKind::board:
       make_board(project, at.round);
       break;
+    case StageKind::check:
+      make_check(loop, at.round);
+      break;
     case StageKind::photos:
       make_photos(project, at.round);
       break;
     case StageKind::capture:
-      run_step({"capture", (round / "photos").string(), "--board", (round / "board.json").string(), "--out",
-                round.string()});
+      run_step({"capture", (round / "photos").string(), "--board", (round / "board.json").string(), "--bench",
+                project.bench_before(at.round).string(), "--out", round.string()});
       break;
     case StageKind::calibrate:
       run_step({"calibrate", (round / "session.json").string(), "--out", (round / "calibration").string()});

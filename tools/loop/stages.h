@@ -1,13 +1,18 @@
 // tools/loop/stages.h - what a round of a loop project consists of: each stage with what it rests on, how it is made
 // (by commands that a person could have typed, and sees) and what it leaves.
 //
-//   round-NN/design.json          what this round designs for: the measured bench of the round before
+//   round-NN/design.json          what this round designs for
+//   round-NN/bench-before.json    from the second round on: the measured bench of the round before, its views and lamps
+//                                 called as the design calls them
 //   round-NN/design/              `burin design`: previews, design-report.json
 //   round-NN/scratches.csv        as designed
+//   round-NN/heights.json         a person's, if the sheet was probed (burin probe): the tool path follows it
 //   round-NN/board.gcode, .svg    `burin toolpath`: compensated by the machine's measured map
 //   round-NN/sent.csv             the scratches as the machine is told them, in its order
 //   round-NN/board.json           the board to be photographed: its scratches are sent.csv
+//   round-NN/carve-check.html     `burin check carve`: the page to read before metal moves
 //   round-NN/photos/              a person's; or, where the project holds a truth.json, the simulated camera's
+//   round-NN/names.json           which photo's view or lamp is the designed one, where a person had to say so
 //   round-NN/session.json         `burin capture`
 //   round-NN/calibration/         `burin calibrate`
 //   round-NN/refinement/          the same, completed by `burin refine`; its files are copied beside session.json:
@@ -35,10 +40,10 @@ struct LoopProject {
 };
 
 /// In their order. The first three are what the metal sees, and stay once there are photos.
-enum class StageKind { design, toolpath, board, photos, capture, calibrate, refine, report };
-inline constexpr StageKind kRoundStages[] = {StageKind::design, StageKind::toolpath, StageKind::board,
-                                             StageKind::photos, StageKind::capture,  StageKind::calibrate,
-                                             StageKind::refine, StageKind::report};
+enum class StageKind { design, toolpath, board, check, photos, capture, calibrate, refine, report };
+inline constexpr StageKind kRoundStages[] = {StageKind::design,    StageKind::toolpath, StageKind::board,
+                                             StageKind::check,     StageKind::photos,   StageKind::capture,
+                                             StageKind::calibrate, StageKind::refine,   StageKind::report};
 
 /// "design" and "toolpath" as --again and record files call them.
 const char* name_of(StageKind stage);

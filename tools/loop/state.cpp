@@ -140,7 +140,8 @@ std::vector<StageState> states_of(const LoopProject& loop, ContentHashes& hashes
 }
 
 bool needs_answer(const StageState& state) {
-  if (state.at.stage == StageKind::report) return false;  // a page to look at: what was there is moved aside
+  // Pages to look at: what was there is moved aside.
+  if (state.at.stage == StageKind::report || state.at.stage == StageKind::check) return false;
   if (state.condition == Condition::not_recorded) return true;
   if (state.condition != Condition::done || state.changes.empty()) return false;
   if (state.at.stage == StageKind::photos) return false;  // what was photographed is
@@ -152,6 +153,7 @@ bool needs_answer(const StageState& state) {
 
 bool is_made_by_itself(const StageState& state) {
   if (needs_answer(state)) return false;
+  if (state.at.stage == StageKind::check && state.photographed) return false;  // too late to be warned
   if (state.condition != Condition::done) return true;
   if (state.changes.empty() || state.at.stage == StageKind::photos) return false;
   return !(is_in_the_metal(state.at.stage) && state.photographed);
