@@ -34,7 +34,8 @@ void add_capture_command(CLI::App& burin) {
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand("capture", "Turn a folder of photos into a session, and judge the photos");
   command
-      ->add_option("PHOTOS_DIR", options->photos, "The folder of photos: JPEG, PNG, TIFF, EXR or camera raw, with EXIF")
+      ->add_option("PHOTOS_DIR", options->photos,
+                   "The folder of photos: JPEG, HEIC, PNG, TIFF, EXR or camera raw, with EXIF")
       ->required();
   command->add_option("--board", options->board, "The board in the photos: board.json")->required();
   command->add_option("--out", options->out, "The folder for session.json")->required();

@@ -81,6 +81,17 @@ bool png_says_srgb(const fs::path& file) {
   return false;
 }
 
+// libheif turns pixels as the file's `irot` boxes say (ISO 23008-12, 6.5.10), and tells nobody.
+int heic_turned_deg(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string head(1U << 18U, '\0');
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string_view box("\0\0\0\x09irot", 8);
+  const std::size_t at = head.find(box);
+  return at == std::string::npos || at + box.size() >= head.size() ? 0 : 90 * (head[at + box.size()] & 3);
+}
+
 std::string lower_extension(const fs::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -88,7 +99,8 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
-constexpr std::array<std::string_view, 7> kPictures{".jpg", ".jpeg", ".png", ".tif", ".tiff", ".exr", ".jpe"};
+constexpr std::array<std::string_view, 9> kPictures{".jpg", ".jpeg", ".png",  ".tif", ".tiff",
+                                                    ".exr", ".jpe",  ".heic", ".heif"};
 constexpr std::array<std::string_view, 18> kRaws{".dng", ".cr2", ".cr3", ".crw", ".nef", ".nrw",
                                                  ".arw", ".sr2", ".raf", ".orf", ".rw2", ".pef",
                                                  ".srw", ".erf", ".3fr", ".iiq", ".rwl", ".x3f"};
@@ -100,9 +112,14 @@ Exif read_exif(const fs::path& file) {
   if (!fs::is_regular_file(file, ignored))
     fail(file.string(), "there is no such file", "check the path, and that the photo was copied");
   auto input = OIIO::ImageInput::open(file.string());
-  if (!input)
+  if (!input) {
+    const std::string extension = lower_extension(file);
     fail(file.string(), "is no photo that can be read (" + OIIO::geterror() + ")",
-         "copy it from the camera again, or take it out of the folder");
+         std::string("copy it from the camera again, or take it out of the folder") +
+             (extension == ".heic" || extension == ".heif"
+                  ? "; HEIC needs libheif's decoder (on Debian 13 the package libheif-plugin-libde265)"
+                  : ""));
+  }
   const OIIO::ImageSpec& spec = input->spec();
   Exif exif;
   exif.width = spec.width;
@@ -122,6 +139,7 @@ Exif read_exif(const fs::path& file) {
   exif.time_s = time_of(spec);
   // The raw plugin turns pixels unless told not to, and then says 1; what the camera noted is kept beside it.
   exif.orientation = spec.get_int_attribute("raw:Orientation", spec.get_int_attribute("Orientation", 1));
+  if (exif.kind == "heif") exif.turned_deg = heic_turned_deg(file);
   exif.make = spec.get_string_attribute("Make");
   exif.model = spec.get_string_attribute("Model");
   exif.says_srgb = spec.get_int_attribute("Exif:ColorSpace") == 1 ||
@@ -132,7 +150,7 @@ Exif read_exif(const fs::path& file) {
 
 AssumedEncoding encoding_of(const Exif& exif) {
   if (exif.kind == "raw") return {Encoding::raw, false};
-  if (exif.kind == "jpeg") return {Encoding::srgb, false};
+  if (exif.kind == "jpeg" || exif.kind == "heif") return {Encoding::srgb, false};
   if (exif.says_srgb) return {Encoding::srgb, false};
   if (exif.kind == "openexr" || exif.bits > 16) return {Encoding::linear, false};
   return {exif.bits == 16 ? Encoding::linear : Encoding::srgb, true};

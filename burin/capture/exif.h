@@ -13,10 +13,12 @@ namespace burin {
 /// What a photo's header says; empty where it says nothing.
 struct Exif {
   int width = 0, height = 0, channels = 0, bits = 0;  ///< of the pixels as stored; bits a channel
-  std::string kind;                                   ///< the file's format: "jpeg", "png", "tiff", "openexr", "raw"
+  std::string kind;                                   ///< the file's format: "jpeg", "png", "tiff", "openexr", "heif",
+                                                      ///< "raw"
   std::optional<double> exposure_s, f_number, iso, focal_mm, focal_35mm;
   std::optional<double> time_s;  ///< when it was taken, seconds since 1970 on the camera's clock
   int orientation = 1;           ///< EXIF's code; 1: as stored. Never applied to pixels
+  int turned_deg = 0;            ///< counter-clockwise: what a phone's HEIC asks its readers to do, and what they do
   std::string make, model;
   bool says_srgb = false;  ///< the file itself says that its values lie along the sRGB curve
 };
@@ -24,9 +26,9 @@ struct Exif {
 /// Reads the header. Throws Error for a file that is missing or no picture.
 Exif read_exif(const std::filesystem::path& file);
 
-/// How the file's values become linear: raw files "raw", JPEG "srgb", EXR and other floating-point files "linear", and
-/// PNG and TIFF as they say; where these say nothing, 16 bits are taken as linear (machine-vision and raw converters'
-/// linear output) and 8 bits as sRGB.
+/// How the file's values become linear: raw files "raw", JPEG and HEIC "srgb", EXR and other floating-point files
+/// "linear", and PNG and TIFF as they say; where these say nothing, 16 bits are taken as linear (machine-vision and raw
+/// converters' linear output) and 8 bits as sRGB.
 struct AssumedEncoding {
   Encoding encoding = Encoding::linear;
   bool assumed = false;  ///< nothing in the file says so

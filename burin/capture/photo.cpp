@@ -66,7 +66,7 @@ std::unique_ptr<OIIO::ImageInput> open_photo(const Photo& photo) {
   auto input = OIIO::ImageInput::open(photo.file.string(), &config);
   if (!input)
     fail(photo.file.string(), "is no photo that can be read (" + OIIO::geterror() + ")",
-         "give a PNG, TIFF, JPEG, EXR or camera raw file, and copy it again if it is damaged");
+         "give a PNG, TIFF, JPEG, HEIC, EXR or camera raw file, and copy it again if it is damaged");
   const bool is_raw = std::string(input->format_name()) == "raw";
   if (is_raw != (photo.encoding == Encoding::raw))
     fail(photo.file.string(), is_raw ? "is a raw file, but its encoding is not \"raw\"" : "is not a raw file",

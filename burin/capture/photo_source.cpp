@@ -69,7 +69,7 @@ PhotoSource folder_source(const fs::path& folder, std::vector<Finding>& findings
   });
   if (files.empty())
     fail(folder.string(), "holds no photo",
-         "give the folder that holds the photos (JPEG, PNG, TIFF, EXR or camera raw)");
+         "give the folder that holds the photos (JPEG, HEIC, PNG, TIFF, EXR or camera raw)");
 
   const auto list = std::make_shared<const std::vector<fs::path>>(std::move(files));
   return [list, next = std::size_t{0}]() mutable -> std::optional<IncomingPhoto> {

@@ -32,6 +32,8 @@ constexpr double kSmallTag_px = 20;    // the largest families decode from there
 constexpr double kPaperClipped = 0.2;  // of the white cells of a view's tags, in its shortest exposure
 constexpr double kLittleOfFrame = 0.35;
 constexpr double kOneDirection_deg = 20;  // between the views that differ most
+constexpr double kTiltForFocal_deg = 10;  // seen from nearer to the normal, every focal length fits at some distance
+constexpr double kWrongSize = 0.08;       // print, lens and bow account for a few per cent of a tag's side
 constexpr double kPaperBrightness = 1.4;  // between views, at one tag: lens and paper may account for as much
 
 template <typename... Args>
@@ -65,10 +67,21 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
                             return a.second < b.second;
                           })->first;
 
+  std::map<int, int> turns;
+  for (const Exif& e : exif) ++turns[e.turned_deg];
+  const int usually_turned = std::max_element(turns.begin(), turns.end(), [](const auto& a, const auto& b) {
+                               return a.second < b.second;
+                             })->first;
+
   for (std::size_t i = 0; i < exif.size(); ++i) {
     const Exif& e = exif[i];
     const auto& file = session.photos[i].file;
-    if (e.width == usual.second && e.height == usual.first && e.width != e.height)
+    if (e.turned_deg != usually_turned)
+      findings.push_back({error, file,
+                          text("was turned by %d degrees by the phone, others by %d: one lens cannot explain both",
+                               e.turned_deg, usually_turned),
+                          "hold the phone the same way for all photos, or set it to save JPEG (\"most compatible\")"});
+    else if (e.width == usual.second && e.height == usual.first && e.width != e.height)
       findings.push_back({error, file,
                           text("is %d x %d pixels where others are %d x %d: it was rotated", e.width, e.height,
                                usual.first, usual.second),
@@ -179,6 +192,23 @@ int best_for_tags(const Bracket& bracket, const Session& session, std::span<cons
   });
 }
 
+// The usual mistake is the paper's width, which is 9/5 of the side that AprilTag reports for its newer families.
+Finding wrong_size(double ratio, const TagSet& tags) {
+  const Tag& first = tags.list.front();
+  const auto paper = tag_paper(first, tags.family).polygon_mm;
+  const double times = (paper[1] - paper[0]).norm() / first.size_mm;
+  const std::string meant = std::abs(ratio * times - 1) < kWrongSize ? " (it seems to be the paper's width)" : "";
+  return {
+      error,
+      {},
+      text("tags are %.2f times as wide as size_mm says, measured between their centers: about %.2f mm where tag %d "
+           "has %.2f%s",
+           ratio, ratio * first.size_mm, first.id, first.size_mm, meant.c_str()),
+      text("correct size_mm in board.json: the side of the square whose corners AprilTag reports, measured on the "
+           "board, %.2f of the paper's width; or correct center_mm",
+           1 / times)};
+}
+
 void judge_tags(const Session& session, std::span<const PhotoLook> looks, const TagSet& tags,
                 std::vector<Finding>& findings) {
   std::vector<Bracket> brackets = brackets_of(session);
@@ -232,8 +262,9 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
                           "add an exposure 4 times shorter: clipped tags cannot be measured"});
     const double moved = view.own_focal_px / std::max(coverage.focal_px, 1.0);
     // Only where the board is tilted does a photo tell its focal length.
-    if (view.normal && coverage.direction_deg > kOneDirection_deg && view.error_px > 0.001 * best[b]->width &&
-        view.error_px > 3 * usual_error && view.own_error_px < 0.5 * view.error_px && std::abs(moved - 1) > 0.05)
+    if (view.normal && view.tilt_deg > kTiltForFocal_deg && coverage.direction_deg > kOneDirection_deg &&
+        view.error_px > 0.001 * best[b]->width && view.error_px > 3 * usual_error &&
+        view.own_error_px < 0.5 * view.error_px && std::abs(moved - 1) > 0.05)
       findings.push_back({warning, file, text("its tags fit a focal length %.2f times that of the others", moved),
                           "leave zoom and focus alone during a session: take it again, or leave it out"});
     std::vector<double> ratios;
@@ -251,6 +282,8 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
            "lamp "
            "was moved or dimmed"});
   }
+  if (coverage.size_ratio > 0 && std::abs(coverage.size_ratio - 1) > kWrongSize)
+    findings.push_back(wrong_size(coverage.size_ratio, tags));
   if (coverage.frame_share < kLittleOfFrame)
     findings.push_back({warning,
                         {},

@@ -19,6 +19,7 @@
 
 #include "burin/capture/preflight.h"
 #include "burin/capture/simulator/simulated_camera.h"
+#include "burin/render/board.h"
 #include "burin/render/error.h"
 #include "tests/capture/small_truth.h"
 
@@ -28,6 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using Severity = Finding::Severity;
 
 // Three exposures from each of four places; each test changes a photo or two before `capture`.
@@ -315,6 +317,43 @@ TEST_F(FolderSessionTest, AnotherZoom) {
     });
   EXPECT_THAT(text_of(capture().findings, Severity::warning),
               AllOf(HasSubstr("fit a focal length"), HasSubstr("leave zoom and focus alone")));
+}
+
+// Seen from straight above every focal length fits at some distance: such a photo tells nothing of the zoom, whatever
+// suits it best. (As a plan asks for: 1.2 degrees from the normal.)
+TEST_F(FolderSessionTest, APhotoFromStraightAboveIsNotBlamedForItsZoom) {
+  json["views"] = Json::array();
+  for (int v = 0; v < 4; ++v) {
+    tilt_deg = v == 1 ? 1.2 : 40;
+    add_view(v, 8.0 * v - 12, 0);
+  }
+  take_photos();
+  for (const char* name : {"IMG_110.png", "IMG_111.png", "IMG_112.png"})
+    change(name, [](auto& pixels, OIIO::ImageSpec& spec) {
+      const auto before = pixels;  // a lens that bends towards the corners
+      for (int y = 0; y < spec.height; ++y)
+        for (int x = 0; x < spec.width; ++x) {
+          const double r2 = ((x - 159.5) * (x - 159.5) + (y - 119.5) * (y - 119.5)) / (160.0 * 160);
+          const double u = 159.5 + (x - 159.5) * (1 - 0.06 * r2), v = 119.5 + (y - 119.5) * (1 - 0.06 * r2);
+          pixels[static_cast<std::size_t>(y) * 320 + x] =
+              before[static_cast<std::size_t>(std::lround(v)) * 320 + static_cast<std::size_t>(std::lround(u))];
+        }
+    });
+  EXPECT_THAT(text_of(capture().findings, Severity::warning), Not(HasSubstr("fit a focal length")));
+}
+
+// The paper's width where the side that AprilTag reports is meant.
+TEST_F(FolderSessionTest, AWrongSizeOfTheTags) {
+  take_photos();
+  EXPECT_THAT(text_of(capture().findings, Severity::error), Not(HasSubstr("size_mm")));
+  Board board = read_board(folder / "board.json");
+  for (Tag& tag : board.tags.list) tag.size_mm *= 1.25;  // tag36h11: ten modules of eight
+  write_board(board, folder / "board.json");
+  const CaptureResult result = capture();
+  EXPECT_THAT(text_of(result.findings, Severity::error),
+              AllOf(testing::ContainsRegex("tags are 0.(79|80|81) times as wide as size_mm says"),
+                    HasSubstr("it seems to be the paper's width"), HasSubstr("correct size_mm in board.json")));
+  EXPECT_TRUE(result.written.empty());
 }
 
 TEST_F(FolderSessionTest, AViewThatIsDarkerThanItsExifSays) {

@@ -42,9 +42,42 @@ Points agreeing(const PhotoLook& look, const TagSet& tags) {
   return points;
 }
 
+// Sides of the tags on the board over size_mm, the board's scale being that of the tags' centers.
+void add_size_ratios(const PhotoLook& look, const TagSet& tags, std::vector<double>& ratios) {
+  std::vector<cv::Point2f> board, pixel, corners;
+  std::vector<double> size_mm;
+  for (const TagLook& seen : look.tags) {
+    const auto tag = std::find_if(tags.list.begin(), tags.list.end(), [&](const Tag& t) { return t.id == seen.id; });
+    if (tag == tags.list.end()) continue;
+    Eigen::Vector2d middle(0, 0);
+    for (const Eigen::Vector2d& q : seen.corner_px) {
+      middle += q / 4;
+      corners.emplace_back(static_cast<float>(q.x()), static_cast<float>(q.y()));
+    }
+    board.emplace_back(static_cast<float>(tag->center_mm.x()), static_cast<float>(tag->center_mm.y()));
+    pixel.emplace_back(static_cast<float>(middle.x()), static_cast<float>(middle.y()));
+    size_mm.push_back(tag->size_mm);
+  }
+  constexpr std::size_t kFewest = 4;
+  if (board.size() < kFewest) return;
+  const cv::Mat H = cv::findHomography(pixel, board, cv::RANSAC, 0.05 * cv::boundingRect(board).width, cv::noArray());
+  if (H.empty()) return;
+  std::vector<cv::Point2f> on_board;
+  cv::perspectiveTransform(corners, on_board, H);
+  for (std::size_t i = 0; i < size_mm.size(); ++i) {
+    double around = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const cv::Point2f side = on_board[4 * i + (k + 1) % 4] - on_board[4 * i + k];
+      around += std::hypot(side.x, side.y);
+    }
+    ratios.push_back(around / 4 / size_mm[i]);
+  }
+}
+
 struct Fit {
   double error_px = std::numeric_limits<double>::infinity();  // median
   Eigen::Vector3d normal{0, 0, -1};
+  double tilt_deg = 0;
 };
 
 Fit fit(const Points& points, double focal_px, int width, int height) {
@@ -68,7 +101,12 @@ Fit fit(const Points& points, double focal_px, int width, int height) {
     if (!(error < best.error_px) || !(translations[i].at<double>(2) > 0)) continue;
     cv::Matx33d R;
     cv::Rodrigues(rotations[i], R);
-    best = {error, Eigen::Vector3d(R(0, 2), R(1, 2), R(2, 2))};
+    const Eigen::Vector3d normal(R(0, 2), R(1, 2), R(2, 2));
+    cv::Point3f middle(0, 0, 0);
+    for (const cv::Point3f& p : points.board) middle += p * (1.0F / static_cast<float>(points.board.size()));
+    const cv::Matx31d at = R * cv::Matx31d(middle.x, middle.y, middle.z) + cv::Matx31d(translations[i]);
+    const Eigen::Vector3d sight(at(0), at(1), at(2));
+    best = {error, normal, 180 / std::numbers::pi * std::acos(std::min(1.0, std::abs(normal.dot(sight.normalized()))))};
   }
   return best;
 }
@@ -78,6 +116,7 @@ Fit fit(const Points& points, double focal_px, int width, int height) {
 TagCoverage tag_coverage(std::span<const PhotoLook* const> looks, const TagSet& tags) {
   TagCoverage out;
   std::vector<Points> points;
+  std::vector<double> size_ratios;
   constexpr int kAcross = 64, kDown = 48;
   cv::Mat within = cv::Mat::zeros(kDown, kAcross, CV_8U);
   for (const PhotoLook* look : looks) {
@@ -99,8 +138,11 @@ TagCoverage tag_coverage(std::span<const PhotoLook* const> looks, const TagSet& 
     view.side_px = median_of(sides);
     out.views.push_back(view);
     points.push_back(agreeing(*look, tags));
+    add_size_ratios(*look, tags, size_ratios);
   }
   out.frame_share = cv::countNonZero(within) / static_cast<double>(kAcross * kDown);
+
+  if (!size_ratios.empty()) out.size_ratio = median_of(std::move(size_ratios));
 
   // One focal length for all: the one of a fine scale at which the median photo fits best.
   constexpr double kStep = 1.06;
@@ -131,6 +173,7 @@ TagCoverage tag_coverage(std::span<const PhotoLook* const> looks, const TagSet& 
     if (!std::isfinite(here.error_px)) continue;
     out.views[v].error_px = here.error_px;
     out.views[v].normal = here.normal;
+    out.views[v].tilt_deg = here.tilt_deg;
     for (std::size_t other = 0; other < v; ++other)
       if (out.views[other].normal)
         out.direction_deg =

@@ -23,12 +23,16 @@ struct TagView {
   double error_px = 0;
   /// The focal length that suits this photo best, and its error: of use where the board is tilted.
   double own_focal_px = 0, own_error_px = 0;
+  double tilt_deg = 0;  ///< of the line of sight to the board's middle, from the normal; without a pose 0
 };
 
 struct TagCoverage {
   double focal_px = 0;  ///< shared; rough (no distortion, the center of the picture); 0 if no photo has a pose
   std::vector<TagView> views;
-  double frame_share = 0;    ///< of the frame: what lies within the tags of some photo
+  double frame_share = 0;  ///< of the frame: what lies within the tags of some photo
+  /// Of the tags' sides as they lie between their centers, over size_mm: the median of those in photos that show four
+  /// and more; 0 if there are none. 1 but for print and lens.
+  double size_ratio = 0;
   double direction_deg = 0;  ///< the largest angle between two of the normals
 };
 
