@@ -366,6 +366,60 @@ void fill_seed(const Data& data, const std::vector<bool>& usable, const std::vec
   }
 }
 
+// The scatter of a lamp's position when groups of samples are left out in turn (the jackknife's standard deviation, per
+// axis); what is left out decides nothing, so a group of which a lamp is not seen adds nothing to its scatter.
+// `group_of`: from 0 to `groups` - 1.
+template <typename GroupOf>
+std::vector<Eigen::Vector3d> jackknife_sigma(const Data& data, const Fit& fit, const std::vector<bool>& spot,
+                                             int groups, GroupOf group_of) {
+  const std::size_t lamps = fit.blocks.lamps.size();
+  std::vector<std::vector<Eigen::Vector3d>> places(lamps);
+  for (int g = 0; g < groups; ++g) {
+    std::vector<LightSample> kept;
+    for (const LightSample& sample : data.samples)
+      if (group_of(sample) != g) kept.push_back(sample);
+    if (kept.size() == data.samples.size() || kept.empty()) continue;
+    Data part = data;
+    part.samples = kept;
+    constexpr std::size_t kThin = 4;  // of the face, which has samples enough
+    const Fit without = run_fit(part, fit.blocks, spot, -1, kThin, true, 30, false);
+    if (!without.usable) continue;
+    for (std::size_t i = 0; i < lamps; ++i) places[i].push_back(Eigen::Vector3d::Map(without.blocks.lamps[i].position));
+  }
+  std::vector<Eigen::Vector3d> sigma(lamps, Eigen::Vector3d::Zero());
+  for (std::size_t i = 0; i < lamps; ++i) {
+    const auto n = static_cast<double>(places[i].size());
+    if (n < 3) continue;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero(), squares = mean;
+    for (const Eigen::Vector3d& p : places[i]) mean += p / n;
+    for (const Eigen::Vector3d& p : places[i]) squares += (p - mean).cwiseAbs2();
+    sigma[i] = ((n - 1) / n * squares).cwiseSqrt();
+  }
+  return sigma;
+}
+
+// Makes sigmas larger where photos, or places on the board, contradict each other more than independent errors would.
+void widen_by_groups(const Data& data, const Fit& fit, const std::vector<bool>& spot, LampSeed& seed) {
+  constexpr int kGroups = 8, kAcross = 3;
+  std::map<std::size_t, int> rank;  // of the photos
+  for (const LightSample& sample : data.samples) rank.emplace(sample.light_view, 0);
+  int next = 0;
+  for (auto& [view, number] : rank) number = next++;
+  const int photos = std::min(kGroups, next);
+  const auto photo_of = [&](const LightSample& s) { return rank[s.light_view] % photos; };
+  const Eigen::Vector2d size = data.board->size_mm;
+  const auto place_of = [&](const LightSample& s) {
+    const auto cell = [&](int axis) {
+      return std::clamp(static_cast<int>(kAcross * s.p_board[axis] / size[axis]), 0, kAcross - 1);
+    };
+    return cell(0) + kAcross * cell(1);
+  };
+  const auto by_photos = jackknife_sigma(data, fit, spot, photos, photo_of);
+  const auto by_places = jackknife_sigma(data, fit, spot, kAcross * kAcross, place_of);
+  for (std::size_t i = 0; i < seed.lights.size(); ++i)
+    if (auto& sigma = seed.lights[i].position_sigma_mm) *sigma = sigma->cwiseMax(by_photos[i]).cwiseMax(by_places[i]);
+}
+
 }  // namespace
 
 LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, const Bench& bench,
@@ -395,6 +449,7 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   if (options.fit_spot) try_spots(data, usable, spot, fit);
   fit = run_fit(data, fit.blocks, spot, -1, 1, true, 60, true);
   if (fit.usable) fill_seed(data, usable, spot, fit, seed);
+  if (fit.usable && options.jackknife) widen_by_groups(data, fit, spot, seed);
   return seed;
 }
 
@@ -408,7 +463,9 @@ Bench with_lamps(std::span<const MergedView> photos, const Board& board, const S
 Bench with_lamps(std::span<const LightSample> samples, const Board& board, const Bench& measured,
                  std::vector<Finding>& findings) {
   Bench bench = measured;
-  const LampSeed seed = fit_lamps(samples, board, bench);
+  LampOptions options;
+  options.jackknife = true;
+  const LampSeed seed = fit_lamps(samples, board, bench, options);
   append(findings, seed.findings);
   for (const Light& light : bench.lights)
     bench.verdict[parameter::light_position(light.id)] = {
