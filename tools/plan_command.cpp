@@ -8,10 +8,13 @@
 #include <numbers>
 
 #include "burin/calib/plan.h"
+#include "burin/optimize/design_file.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/median.h"
 #include "tools/commands.h"
 #include "tools/plan_drawing.h"
 #include "tools/progress_bar.h"
@@ -52,7 +55,8 @@ Json plan_json(const Plan& plan, const Board& board) {
     const PlannedShot& shot = plan.shots[i];
     const Light& light = plan.bench.lights[shot.light];
     Json item;
-    item["view"] = fmt::format("p{:02}", i + 1);
+    item["view"] = shot.view.empty() ? fmt::format("p{:02}", i + 1) : shot.view;
+    if (!shot.view.empty()) item["designed"] = true;
     item["camera"] = place_in_words(shot.camera, board);
     item["center_mm"] = to_json(shot.camera.center_mm());
     item["T_camera_board"] = to_json(shot.camera.T_camera_board.matrix());
@@ -80,7 +84,8 @@ void print_plan(const Plan& plan, const Board& board) {
       const Light& light = plan.bench.lights[lamp];
       fmt::print("     lamp \"{}\" {}\n", light.id, place_in_words(light.position_mm, board));
     }
-    fmt::print("{:3}. {}\n     {}", i + 1, place_in_words(shot.camera, board), stops_in_words(shot.stops));
+    fmt::print("{:3}. {}{}\n     {}", i + 1, shot.view.empty() ? "" : "view \"" + shot.view + "\" of the design: ",
+               place_in_words(shot.camera, board), stops_in_words(shot.stops));
     if (is_measured(plan)) fmt::print("; {:.3g} s at f/8 and ISO 100 to begin with", exposure_s(plan, shot));
     fmt::print("\n");
   }
@@ -96,9 +101,9 @@ void print_plan(const Plan& plan, const Board& board) {
     const PlanParameter& parameter = plan.parameters[p];
     const std::string name =
         parameter.unit == Unit::none ? parameter.name : fmt::format("{}, {}", parameter.name, in_words(parameter.unit));
-    fmt::print("  {:<26}{:>6.3g}", name, parameter.before);
-    for (const std::size_t c : columns) fmt::print("{:>9.2g}", plan.shots[c].sigma[p]);
-    fmt::print("{:>12.2g}\n", parameter.goal);
+    fmt::print("  {:<26}{:>6}", name, significant(parameter.before, 3));
+    for (const std::size_t c : columns) fmt::print("{:>9}", significant(plan.shots[c].sigma[p]));
+    fmt::print("{:>12}\n", significant(parameter.goal));
   }
   if (!plan.straddles)
     fmt::print(
@@ -125,11 +130,30 @@ Bench usual_bench(const Board& board) {
   return bench;
 }
 
+// The eyes of a design, under their lamps.
+std::vector<DesignedPlace> designed_places(const DesignSpec& design, const Bench& bench) {
+  std::vector<DesignedPlace> places;
+  for (const DesignView& v : design.views)
+    places.push_back({v.view, find_view(bench, v.view, "the design").T_camera_board.inverse().translation(), v.light});
+  return places;
+}
+
+// The median distance of the designed eyes, or else of the bench's views; 0 where there are none.
+double focus_of(const std::vector<DesignedPlace>& designed, const Bench& bench, const Board& board) {
+  const Eigen::Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
+  std::vector<double> distances;
+  for (const DesignedPlace& place : designed) distances.push_back((place.center_mm - middle).norm());
+  if (designed.empty())
+    for (const View& view : bench.views)
+      distances.push_back((view.T_camera_board.inverse().translation() - middle).norm());
+  return distances.empty() ? 0 : median_of(std::move(distances));
+}
+
 }  // namespace
 
 void add_plan_command(CLI::App& burin) {
   struct Options {
-    std::filesystem::path board, bench, scratches, camera, out;
+    std::filesystem::path board, bench, design, scratches, camera, out;
     std::vector<std::vector<double>> lamps;
     PlanOptions plan;
     bool camera_as_seed = false;
@@ -141,6 +165,12 @@ void add_plan_command(CLI::App& burin) {
   command->add_option("--bench", options->bench,
                       "The bench as it is believed or was measured: lens and lamps; without it, a 50 mm lens on full "
                       "frame and a lamp beyond the upper edge");
+  command->add_option("--design", options->design,
+                      "The design.json of the board: its views are photographed first, and at their focus");
+  command
+      ->add_option("--focus-mm", options->plan.focus_mm,
+                   "Where the lens is focused, instead of at the views of the design or the bench")
+      ->check(CLI::PositiveNumber);
   command->add_option("--scratches", options->scratches,
                       "The scratches on it, if not those that the board names; without any, test strokes");
   auto* camera = command->add_option("--camera", options->camera,
@@ -161,7 +191,7 @@ void add_plan_command(CLI::App& burin) {
       ->check(CLI::Range(1, 12));
   command->add_option("--out", options->out,
                       "The folder for plan.json and plan.svg; without it, the plan is printed only");
-  command->footer(example("burin plan board.json --bench bench.json --shots 8 --out plan"));
+  command->footer(example("burin plan board.json --bench bench.json --design design.json --shots 8 --out plan"));
   command->callback([options] {
     const Board board = read_board(options->board);
     Bench bench;
@@ -200,21 +230,28 @@ void add_plan_command(CLI::App& burin) {
       sent = test_strokes(board);
       note(fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size()));
     }
+    if (!options->design.empty()) plan_options.designed = designed_places(read_design(options->design), bench);
+    if (!(plan_options.focus_mm > 0)) plan_options.focus_mm = focus_of(plan_options.designed, bench, board);
     ProgressBar bar;
     const Plan plan = plan_shots(board, bench, sent, plan_options, bar.progress());
     bar.clear();
+    if (plan_options.focus_mm > 0)
+      fmt::print("Focus once at {:.0f} mm, at f/8 or smaller, and leave focus and zoom as they are.\n",
+                 plan_options.focus_mm);
     print_plan(plan, board);
-    const std::string next = "take these photos, then burin capture PHOTOS_DIR --board " +
-                             shell_word(options->board.string()) + " --out DIR";
+    const std::string next = "burin capture PHOTOS_DIR --board " + shell_word(options->board.string()) +
+                             (options->bench.empty() ? "" : " --bench " + shell_word(options->bench.string())) +
+                             " --out DIR";
     if (options->out.empty()) {
-      fmt::print("Planned {} shots; next: {} (burin plan --out DIR keeps the plan and draws it)\n", plan.shots.size(),
-                 next);
+      fmt::print("Planned {} shots (--out DIR keeps the plan and draws it): take these photos; next: {}\n",
+                 plan.shots.size(), next);
       return;
     }
     make_output_folder(options->out);
     write_json(plan_json(plan, board), options->out / "plan.json");
     write_text(plan_drawing(plan, board), options->out / "plan.svg");
-    fmt::print("Wrote {}, plan.svg shows where to stand; next: {}\n", (options->out / "plan.json").string(), next);
+    fmt::print("Wrote {}, plan.svg shows where to stand: take these photos; next: {}\n",
+               (options->out / "plan.json").string(), next);
   });
 }
 

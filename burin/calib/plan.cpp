@@ -342,6 +342,21 @@ struct Planning {
   }
 };
 
+PlannedShot take_designed(Planning& planning, const DesignedPlace& designed, std::size_t place) {
+  const std::vector<Light>& lights = planning.bench.lights;
+  const auto lamp =
+      std::find_if(lights.begin(), lights.end(), [&](const Light& light) { return light.id == designed.light; });
+  if (lamp == lights.end())
+    fail("view " + designed.view, "is designed for a lamp \"" + designed.light + "\" that the bench has not",
+         "name one of its lamps");
+  if (!planning.geometry.views[place].used)
+    fail("view " + designed.view, "sees no tag of the board through this lens from its place",
+         "check T_camera_board in the bench, and the lens");
+  PlannedShot shot = planning.take(place, static_cast<std::size_t>(lamp - lights.begin()));
+  shot.view = designed.view;
+  return shot;
+}
+
 }  // namespace
 
 Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options,
@@ -351,7 +366,10 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, cons
   out.bench = with_proposed_lamps(board, nominal, options);
   const Bench& bench = out.bench;
   const std::size_t own_lamps = nominal.lights.size();
-  const std::vector<CameraPlace> places = camera_places(board, bench.lens, true);
+  std::vector<CameraPlace> places = camera_places(board, bench.lens, true, options.focus_mm);
+  const std::size_t first_designed = places.size();
+  for (const DesignedPlace& designed : options.designed)
+    places.push_back(camera_place_at(designed.center_mm, board, places.back().direction + 1));
   if (progress) progress("looking at the tags from everywhere", 0);
   BundleOptions bundle_options;
   bundle_options.fix_lens = options.fix_lens;
@@ -373,6 +391,8 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, cons
 
   Planning planning{board,    bench, options,  own_lamps,      places,
                     geometry, light, measures, geometry.prior, light_prior(data, bench, n, paper)};
+  for (std::size_t k = 0; k < options.designed.size(); ++k)
+    out.shots.push_back(take_designed(planning, options.designed[k], first_designed + k));
   for (int shot = 0; shot < options.shots; ++shot) {
     if (progress) progress("choosing places", static_cast<double>(shot) / options.shots);
     const auto best = planning.best_shot();

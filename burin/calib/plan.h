@@ -21,9 +21,20 @@
 
 namespace burin {
 
+/// A place that is photographed whatever it tells: an eye that a board is designed for.
+struct DesignedPlace {
+  std::string view;  ///< its name
+  Eigen::Vector3d center_mm{0, 0, 0};
+  std::string light;  ///< id of its lamp
+};
+
 /// How many photos a plan may ask for, and what it assumes of them.
 struct PlanOptions {
-  int shots = 12;
+  int shots = 12;                            ///< beside the designed places
+  std::vector<DesignedPlace> designed = {};  ///< these come first
+  /// Where the lens is focused, mm: no other shot is much nearer or further, because a lens that is focused anew is
+  /// another lens. 0: anywhere.
+  double focus_mm = 0;
   int lamp_places = 1;            ///< at how many places lamps may stand in all; above the bench's, they are proposed
   bool fix_lens = false;          ///< the lens is known
   double corner_sigma_px = 0.02;  ///< of a tag's corner, per axis
@@ -43,6 +54,7 @@ struct PlanParameter {
 
 /// One place to photograph from, under one lamp.
 struct PlannedShot {
+  std::string view;  ///< of a designed place; else empty
   CameraPlace camera;
   std::size_t light = 0;  ///< index into Plan::bench.lights
   /// Exposures of the bracket in stops, relative to the one that shows the tags' white paper at 60 % of white: 0 for
@@ -61,8 +73,8 @@ struct Plan {
 };
 
 /// Plans for `nominal`: its lens, its lamps (each shot is taken under one of them; several are places that the lamp can
-/// be put at), its material. Throws Error for a board without tags, a bench without lamps, no scratches, or fewer than
-/// one shot.
+/// be put at), its material. Throws Error for a board without tags, a bench without lamps, no scratches, fewer than one
+/// shot, and a designed place from which no tag is seen.
 Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options = {},
                 const Progress& progress = {});
 

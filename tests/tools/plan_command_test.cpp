@@ -40,6 +40,23 @@ TEST(PlanCommand, SaysWhereToStandAndDrawsIt) {
   EXPECT_EQ(lamps, 2U);
 }
 
+// A board is photographed from where it is to be looked at, and all of it with one focus.
+TEST(PlanCommand, ViewsOfTheDesignComeFirstAndTheRestKeepsTheirFocus) {
+  const TemporaryFolder folder;
+  const Outcome run = run_burin(folder, {"plan", kSample + "board.json", "--bench", kSample + "bench.json", "--design",
+                                         kSample + "design.json", "--shots", "2", "--out", "plan"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("Focus once at 500 mm"), HasSubstr("  1. view \"d0\" of the design: camera"),
+                             HasSubstr("--bench " + kSample + "bench.json --out DIR")));
+  const auto plan = nlohmann::json::parse(file_text(folder / "plan" / "plan.json"));
+  ASSERT_EQ(plan["shots"].size(), 5U);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(plan["shots"][i].contains("designed"), i < 3);
+    EXPECT_NEAR(plan["shots"][i]["distance_mm"].get<double>(), 500, 0.151 * 500);
+  }
+  EXPECT_EQ(plan["shots"][2]["view"], "d2");
+}
+
 TEST(PlanCommand, LampsThatAreGivenReplaceTheBenchs) {
   const TemporaryFolder folder;
   const std::vector<std::string> plan = {"plan", kSample + "board.json", "--bench", kSample + "bench.json", "--shots",

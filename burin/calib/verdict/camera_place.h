@@ -27,8 +27,14 @@ struct CameraPlace {
 
 /// Places on a hemisphere, in `directions` at most: from straight above to 65 degrees to the side. In each, the nearest
 /// from which the lens sees the whole board; and, with `variants`, one half as far again, and the nearest with the
-/// camera on its side. Throws Error if the lens sees the whole board from nowhere within 100 times its size.
-std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, bool variants);
+/// camera on its side. Throws Error if the lens sees the whole board from nowhere within 100 times its size. With
+/// `focus_mm`, the distance that the lens is focused at, none is nearer than 0.85 of it, and variants are at 1.15 of
+/// it.
+std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, bool variants, double focus_mm = 0);
+
+/// The place of a camera that stands there, upright, and looks at the board's middle. Throws Error for one that does
+/// not stand in front of the board.
+CameraPlace camera_place_at(const Eigen::Vector3d& center_mm, const Board& board, std::size_t direction);
 
 /// "620 mm above the face, 240 mm beyond the left edge, 60 mm in from the lower edge".
 std::string place_in_words(const Eigen::Vector3d& p_board_mm, const Board& board);

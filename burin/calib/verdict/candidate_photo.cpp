@@ -85,7 +85,20 @@ std::string beside_edges(double value, double size, const char* low, const char*
 
 }  // namespace
 
-std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, bool variants) {
+CameraPlace camera_place_at(const Eigen::Vector3d& center_mm, const Board& board, std::size_t direction) {
+  const Eigen::Vector3d middle = middle_of(board), away = center_mm - middle;
+  if (!(away.z() > 0))
+    fail("a camera", "stands " + fixed(center_mm.z(), 0) + " mm above the face, behind the board", "put it in front");
+  CameraPlace place;
+  place.direction = direction;
+  place.distance_mm = away.norm();
+  place.tilt_rad = std::atan2(away.head<2>().norm(), away.z());
+  place.azimuth_rad = std::atan2(away.y(), away.x());
+  place.T_camera_board = looking(center_mm, middle, place.tilt_rad, 0);
+  return place;
+}
+
+std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, bool variants, double focus_mm) {
   struct Ring {
     double tilt_deg;
     int count;
@@ -104,7 +117,12 @@ std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, boo
                                    std::sin(place.tilt_rad) * std::sin(place.azimuth_rad), std::cos(place.tilt_rad));
       const auto add = [&](double factor, double roll) {
         place.roll_rad = roll;
-        place.distance_mm = factor * nearest_mm(lens, board, toward, place.tilt_rad, roll);
+        const double nearest = nearest_mm(lens, board, toward, place.tilt_rad, roll);
+        constexpr double kAroundFocus = 0.15;  // sharp enough at f/8 for the tags, and the lens is still the same one
+        if (focus_mm > 0)
+          place.distance_mm = std::max(nearest, focus_mm * (1 + (factor > 1 ? kAroundFocus : -kAroundFocus)));
+        else
+          place.distance_mm = factor * nearest;
         const Eigen::Vector3d middle = middle_of(board);
         place.T_camera_board = looking(middle + place.distance_mm * toward, middle, place.tilt_rad, roll);
         places.push_back(place);
