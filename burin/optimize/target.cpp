@@ -88,14 +88,34 @@ Image lay_on_area(const Image& picture, double rotation_deg, Fit fit, const Eige
   return out;
 }
 
+// What of a picture lies outside of the carve area, in words; empty where it is next to nothing.
+std::string cropped(const std::string& where, const Image& picture, const TargetSpec& spec, double rotation_deg,
+                    const Eigen::Vector2d& area_mm) {
+  if (spec.fit != Fit::cover) return "";
+  const double c = std::abs(std::cos(rotation_deg * kDegree)), s = std::abs(std::sin(rotation_deg * kDegree));
+  const double box_x = c * area_mm.x() + s * area_mm.y(), box_y = s * area_mm.x() + c * area_mm.y();
+  const double mm = std::max(box_x / picture.width, box_y / picture.height);
+  const double width_lost = 1 - box_x / (mm * picture.width), height_lost = 1 - box_y / (mm * picture.height);
+  const double lost = std::max(width_lost, height_lost);
+  constexpr double kHardly = 0.02;
+  if (lost < kHardly) return "";
+  const bool upright = std::min(c, s) < 1e-6;
+  const auto percent = [](double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; };
+  return where + ": " + percent(lost) + " of its " + (width_lost > height_lost ? "width" : "height") +
+         " are cropped, half on either side, " + (upright ? "" : "and its corners, ") +
+         "since the carve area has another shape (\"fit\": \"contain\" shows all of it)";
+}
+
 }  // namespace
 
 Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm, int width, int height) {
   const std::string where = name_of(spec);
   Target target;
   double scale = 1;
-  target.picture = lay_on_area(linear_luminance(spec.image, spec.picture, where), rotation_deg, spec.fit, area_mm,
-                               width, height, 0.0F, scale);
+  const Image picture = linear_luminance(spec.image, spec.picture, where);
+  target.picture = lay_on_area(picture, rotation_deg, spec.fit, area_mm, width, height, 0.0F, scale);
+  if (const std::string lost = cropped(where, picture, spec, rotation_deg, area_mm); !lost.empty())
+    target.warnings.push_back(lost);
   if (scale > 4)
     target.findings.push_back(make_warning(
         where + ": one of its pixels covers " + std::to_string(static_cast<int>(scale)) + " of the design's",
