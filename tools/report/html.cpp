@@ -10,6 +10,7 @@
 #include <cmath>
 #include <ctime>
 #include <memory>
+#include <utility>
 
 #include "burin/render/error.h"
 #include "burin/render/files/svg.h"
@@ -47,6 +48,9 @@ td { border-bottom: 1px solid var(--line); padding: 5px 18px 5px 0; vertical-ali
 td:first-child { font-weight: 600; }
 .good { color: var(--good); } .bad { color: var(--bad); font-weight: 600; } .unknown { color: var(--soft); }
 svg.chart { width: 100%; max-width: 720px; height: auto; display: block; margin: 8px 0 18px; }
+td .soft { display: inline-block; min-width: 28ch; max-width: 60ch; }
+td { min-width: 6ch; }
+@media (max-width: 640px) { main { padding: 20px 14px 40px; } h1 { font-size: 24px; } .outcome { font-size: 17px; } }
 ul { margin: 4px 0 14px; padding-left: 22px; max-width: 78ch; }
 footer { margin-top: 56px; border-top: 1px solid var(--line); padding-top: 10px; font-size: 13px; }
 )css";
@@ -56,6 +60,22 @@ constexpr const char* kCurveColors[] = {"#8a4b12", "#1f5f8b", "#22683a", "#7a2a7
 }  // namespace
 
 std::string html(std::string_view text) { return xml_text(text); }
+
+std::string plain_text(const std::string& text) {
+  std::string out;
+  bool in_tag = false;
+  for (const char c : text) {
+    if (c == '<') in_tag = true;
+    if (!in_tag) out += c;
+    if (c == '>') in_tag = false;
+  }
+  for (const auto& [from, to] : {std::pair{"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&amp;", "&"}})
+    for (std::size_t at = 0; (at = out.find(from, at)) != std::string::npos;) {
+      out.replace(at, std::string(from).size(), to);
+      ++at;
+    }
+  return out;
+}
 
 std::string data_address(const Image& shown, PictureKind kind) {
   const char* extension = kind == PictureKind::jpeg ? "jpg" : "png";
@@ -81,9 +101,9 @@ std::string figure(const Image& shown, const std::string& caption_html, PictureK
     overlay = fmt::format("<svg viewBox=\"-0.5 -0.5 {} {}\" preserveAspectRatio=\"none\">{}</svg>", shown.width,
                           shown.height, svg_overlay);
   return fmt::format(
-      "<figure><div class=\"frame\"><img width=\"{}\" height=\"{}\" src=\"{}\" alt=\"\">{}</div>"
+      "<figure><div class=\"frame\"><img width=\"{}\" height=\"{}\" src=\"{}\" alt=\"{}\">{}</div>"
       "<figcaption>{}</figcaption></figure>\n",
-      shown.width, shown.height, data_address(shown, kind), overlay, caption_html);
+      shown.width, shown.height, data_address(shown, kind), html(plain_text(caption_html)), overlay, caption_html);
 }
 
 std::string figure_row(std::span<const std::string> figures, bool large) {
@@ -157,16 +177,20 @@ std::string chart(std::span<const Curve> curves, const std::string& x_label, con
                      out);
 }
 
-std::string page(const std::string& title, const std::string& outcome_html, const std::string& body_html) {
+std::string page(const std::string& title, const std::string& outcome_html, std::span<const std::string> points_html,
+                 const std::string& body_html) {
+  std::string points;
+  for (const std::string& point : points_html) points += "<li>" + point + "</li>\n";
+  if (!points.empty()) points = "<ul class=\"points\">\n" + points + "</ul>\n";
   const std::time_t now = std::time(nullptr);
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
-      "<style>{1}</style></head>\n<body><main>\n<h1>{0}</h1>\n<p class=\"outcome\">{2}</p>\n{3}"
+      "<style>{1}</style></head>\n<body><main>\n<h1>{0}</h1>\n<p class=\"outcome\">{2}</p>\n{5}{3}"
       "<footer>Made by burin " BURIN_VERSION
       " on {4:%Y-%m-%d %H:%M}. Lengths of boards are in mm, of grooves in µm; ± is one "
       "standard deviation.</footer>\n</main></body></html>\n",
-      html(title), kStyle, outcome_html, body_html, fmt::localtime(now));
+      html(title), kStyle, outcome_html, body_html, fmt::localtime(now), points);
 }
 
 std::string with_sigma(double value, double sigma) {

@@ -14,12 +14,16 @@ namespace burin {
 /// Text as HTML: & < > " escaped.
 std::string html(std::string_view text);
 
+/// HTML as text: without tags, entities turned back.
+std::string plain_text(const std::string& html);
+
 /// A picture, values 0..1 as they are shown (already encoded), 1 or 3 channels, as a data: address. JPEG for
 /// photographs, PNG for what must keep its colors and edges.
 enum class PictureKind { jpeg, png };
 std::string data_address(const Image& shown, PictureKind kind);
 
-/// A picture with a caption (HTML), and, drawn over it, an optional SVG in the picture's pixels.
+/// A picture with a caption (HTML; without its tags it is the picture's alt text), and, drawn over it, an optional SVG
+/// in the picture's pixels.
 std::string figure(const Image& shown, const std::string& caption_html, PictureKind kind = PictureKind::jpeg,
                    const std::string& svg_overlay = "");
 
@@ -40,8 +44,10 @@ struct Curve {
 };
 std::string chart(std::span<const Curve> curves, const std::string& x_label, const std::string& y_label);
 
-/// The whole page: title, one sentence that tells the outcome, the body, and when and by what it was made.
-std::string page(const std::string& title, const std::string& outcome_html, const std::string& body_html);
+/// The whole page: title, a sentence that tells the outcome, points to mind, the body, and when and by what it was
+/// made.
+std::string page(const std::string& title, const std::string& outcome_html, std::span<const std::string> points_html,
+                 const std::string& body_html);
 
 /// A number with its uncertainty in digits that mean something: "0.0602 ± 0.0004"; without, four digits.
 std::string with_sigma(double value, double sigma);

@@ -216,7 +216,8 @@ std::string mean_decibels(const std::vector<ViewHistory>& views, int round, Show
   return count == 0 ? "" : fmt::format("{:.1f} dB", sum / count);
 }
 
-std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) {
+// One sentence for the top; `points` gets what else there is to say.
+std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views, std::vector<std::string>& points) {
   if (in.measured == 0)
     return "The first board is designed for the bench as it is believed to be, and has not been photographed yet.";
   std::string out = fmt::format("The loop has turned {} time{}.", in.measured, in.measured == 1 ? "" : "s");
@@ -242,7 +243,8 @@ std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) 
         {view.view, before.promised.psnr_db, before.photographed.psnr_db, after.promised.psnr_db, std::nullopt});
     if (after.photographed.there()) reruns.back().seen_after_db = after.photographed.psnr_db;
   }
-  return reruns.empty() ? out : out + " " + rerun_sentence(reruns);
+  if (!reruns.empty()) points.push_back(rerun_sentence(reruns));
+  return out;
 }
 
 }  // namespace
@@ -267,19 +269,20 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
     views.push_back(history_of(in, index));
   }
   Section out;
-  out.outcome = outcome_of(in, views);
-  out.body =
-      "<h2>Round after round</h2>\n<p>Promised: the photo that the bench would give for which the board was designed. "
+  out.outcome = outcome_of(in, views, out.points);
+  out.body = "<h2>Round after round</h2>\n" + table_of(in, views);
+  for (const ViewHistory& view : views) out.body += pictures_of(view);
+  out.body +=
+      "<p class=\"soft\">Promised: the photo that the bench would give for which the board was designed. "
       "Photographed: the photo taken from there. All are laid flat on the carve area, each at the one exposure that "
       "comes nearest to the target, and compared with it after gamma 1/2.2, as PSNR. A camera blurs the hatching; a "
-      "design's own figures count it pixel by pixel, and so are lower than these.</p>\n" +
-      table_of(in, views);
-  for (const ViewHistory& view : views) out.body += pictures_of(view);
+      "design's own figures count it pixel by pixel, and so are lower than these.</p>\n";
   // The whole of the newest: the measured bench, and the design made for it.
   if (in.measured > 0) {
     const auto session = session_section(in.project.round(in.measured), {}, progress);
     if (session) {
-      out.outcome += " " + session->outcome;
+      out.points.push_back(session->outcome);
+      out.points.insert(out.points.end(), session->points.begin(), session->points.end());
       out.body += session->body;
     }
   }

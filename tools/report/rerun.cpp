@@ -109,7 +109,8 @@ std::string rerun_sentence(std::span<const RerunView> views) {
 
 Section rerun_section(const RerunInput& input, const Progress& progress) {
   const Board board = read_board(input.board);
-  const Bench under = read_bench_of(board, input.board, input.under);
+  Bench under = read_bench(input.under);
+  fill_material(under, board);
   const DesignedBoard before = read_designed(input.before, under, board),
                       after = read_designed(input.after, under, board);
   std::vector<RerunView> views;

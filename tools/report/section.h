@@ -5,14 +5,16 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "burin/render/progress.h"
 
 namespace burin {
 
 struct Section {
-  std::string outcome;  ///< one or two sentences, HTML: what came out, and what to mind
-  std::string body;     ///< HTML
+  std::string outcome;              ///< one or two sentences, HTML: what came out
+  std::vector<std::string> points;  ///< HTML, a sentence or two each: what else to mind
+  std::string body;                 ///< HTML
 };
 
 /// A calibrated (and refined) session: `folder`/session.json (or `session`, if not empty) and `folder`/bench.json.
@@ -27,7 +29,7 @@ std::optional<Section> design_section(const std::filesystem::path& folder);
 std::optional<Section> project_section(const std::filesystem::path& folder, const Progress& progress);
 
 /// The page for a folder with any of these, after `first` if there is one, written to `folder`/report.html. Throws
-/// Error if it holds none of them. Returns the outcome as plain text.
+/// Error if it holds none of them. Returns outcome and points as plain text, a line each.
 std::string write_report(const std::filesystem::path& folder, const std::filesystem::path& session,
                          const std::optional<Section>& first, const Progress& progress);
 

@@ -174,8 +174,7 @@ std::string verdict_cell(const Bench& bench, const std::string& parameter, bool 
   const Verdict* verdict = find_verdict(bench, parameter);
   if (verdict == nullptr)
     return measured ? "<span class=\"good\">determined</span>" : "<span class=\"unknown\">assumed</span>";
-  return fmt::format("<span class=\"{}\">{}</span><br><span class=\"soft\">{}</span>",
-                     verdict->determined() ? "good" : "bad", in_words(verdict->degree), html(sentence(*verdict)));
+  return fmt::format("<span class=\"{}\">{}</span>", verdict->determined() ? "good" : "bad", in_words(verdict->degree));
 }
 
 bool is_determined(const Bench& bench, const std::string& parameter) {
@@ -361,22 +360,10 @@ std::string view_numbers(const Loaded& in) {
          "something moved, is out of focus, or lies elsewhere than <code>board.json</code> says.</p>";
 }
 
-std::string outcome_of(const Loaded& in) {
+// What was found, and what the photos leave open.
+std::vector<std::string> points_of(const Loaded& in) {
   const Bench& bench = in.bench;
-  double squares = 0, tags_per_view = 0;
-  int counted = 0;
-  for (const View& view : bench.views)
-    if (view.reprojection_rms_px) {
-      squares += *view.reprojection_rms_px * *view.reprojection_rms_px;
-      tags_per_view += view.tags.value_or(0);
-      ++counted;
-    }
-  std::string out = fmt::format("The bench was measured from {} views", bench.views.size());
-  if (counted > 0)
-    out += fmt::format(" (tags fit to {:.3f} px, {:.0f} of them a view)", std::sqrt(squares / counted),
-                       tags_per_view / counted);
-  out += ".";
-  std::vector<std::string> known, unknown;
+  std::vector<std::string> known, unknown, points;
   for (const Light& light : bench.lights) {
     if (!light.position_sigma_mm) continue;
     if (is_determined(bench, parameter::light_position(light.id)))
@@ -394,11 +381,28 @@ std::string outcome_of(const Loaded& in) {
       text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
     return text;
   };
-  if (!known.empty()) out += " It found " + joined(known) + ".";
+  if (!known.empty()) points.push_back("Measured: " + joined(known) + ".");
   if (!unknown.empty())
-    out += " <span class=\"bad\">Not determined by these photos, or only weakly: " + joined(unknown) +
-           "</span>; the reasons are below.";
-  return out;
+    points.push_back("<span class=\"bad\">Not determined by these photos, or only weakly: " + joined(unknown) +
+                     "</span>; why, and which photo would help, stands under “What the photos determine”.");
+  return points;
+}
+
+std::string outcome_of(const Loaded& in) {
+  const Bench& bench = in.bench;
+  double squares = 0, tags_per_view = 0;
+  int counted = 0;
+  for (const View& view : bench.views)
+    if (view.reprojection_rms_px) {
+      squares += *view.reprojection_rms_px * *view.reprojection_rms_px;
+      tags_per_view += view.tags.value_or(0);
+      ++counted;
+    }
+  std::string out = fmt::format("The bench was measured from {} views", bench.views.size());
+  if (counted > 0)
+    out += fmt::format(" (tags fit to {:.3f} px, {:.0f} of them a view)", std::sqrt(squares / counted),
+                       tags_per_view / counted);
+  return out + ".";
 }
 
 }  // namespace
@@ -421,7 +425,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
 
   Section out;
   out.outcome = outcome_of(in);
-  out.body += "<h2>The numbers</h2>\n" + numbers(in) + machine_numbers(in) + verdicts(in) + held_out(in);
+  out.points = points_of(in);
   out.body +=
       "<h2>Photo beside prediction</h2>\n<p>Each view as the measured bench predicts it and as it was photographed, "
       "laid flat on the carve area (x right, y up). Both are shown with one exposure, chosen for that view.</p>\n";
@@ -443,6 +447,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
                                             [&](const MergedView& m) { return m.view == merged.view; });
     if (first_of_view) photos.push_back(residual_photo(in, merged, *view, factor));
   }
+  out.body += "<h2>The numbers</h2>\n" + numbers(in) + machine_numbers(in) + verdicts(in) + held_out(in);
   out.body += fmt::format(
       "<h2>Tags and residuals</h2>\n<p>Blue: where the solved bench says each tag is. {}</p>\n",
       in.residuals.corners.empty()
