@@ -2,7 +2,7 @@
 #               HEADER_ONLY_USES <the same, of headers alone: nothing of them is linked, so users of Burin need not have them>
 #               PUBLIC_HEADERS <what users of the library include, and what is installed>)
 #
-# Makes the static library `burin_<room>` (exported as burin::<room>) from every .cpp file in and below the current folder.
+# Makes the library `burin_<room>` (exported as burin::<room>) from every .cpp file in and below the current folder.
 # Headers are included as "burin/room/header.h" here, and as <burin/room/header.h> where Burin is installed. All headers that
 # are not among PUBLIC_HEADERS are the house's own business.
 function(burin_library room)
@@ -12,9 +12,10 @@ function(burin_library room)
     set(sources ${CMAKE_CURRENT_BINARY_DIR}/no_sources.cpp)
     file(WRITE ${sources} "")
   endif()
-  add_library(burin_${room} STATIC ${sources})
+  add_library(burin_${room} ${sources})  # static unless BUILD_SHARED_LIBS asks for shared ones
   add_library(burin::${room} ALIAS burin_${room})
-  set_target_properties(burin_${room} PROPERTIES EXPORT_NAME ${room})
+  set_target_properties(burin_${room} PROPERTIES EXPORT_NAME ${room} VERSION ${PROJECT_VERSION}
+                        SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
   target_compile_features(burin_${room} PUBLIC cxx_std_20)
   list(TRANSFORM ARG_PUBLIC_HEADERS PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/)
   # The base folder becomes an include directory, here and where Burin is installed.

@@ -13,11 +13,14 @@
 #include "burin/render/error.h"
 #include "burin/render/threads.h"
 #include "tools/commands.h"
+#include "tools/output_mode.h"
 
 namespace burin {
 namespace {
 
 enum ExitCode { kDone = 0, kNotDone = 1, kWrongCommandLine = 2 };
+
+}  // namespace
 
 std::unique_ptr<CLI::App> make_app() {
   auto burin = std::make_unique<CLI::App>(
@@ -36,6 +39,9 @@ std::unique_ptr<CLI::App> make_app() {
           },
           "Use at most so many threads (all cores unless given); stands before COMMAND")
       ->type_name("N");
+  // Taken out before anything is parsed (tools/output_mode.h); here for --help.
+  burin->add_flag("--quiet")->description("Say nothing but notes and errors; stands before COMMAND");
+  burin->add_flag("--json")->description("Say all in one JSON object when it is done; stands before COMMAND");
   add_simulate_command(*burin);
   add_plan_command(*burin);
   add_capture_command(*burin);
@@ -54,12 +60,7 @@ std::unique_ptr<CLI::App> make_app() {
   return burin;
 }
 
-/// Behind `--threads N` or `--threads=N`, where it is given.
-std::size_t place_of_command(const std::vector<std::string>& arguments) {
-  if (arguments.empty()) return 0;
-  if (arguments[0] == "--threads") return 2;
-  return arguments[0].starts_with("--threads=") ? 1 : 0;
-}
+namespace {
 
 void parse(CLI::App& app, const std::vector<std::string>& arguments) {
   // CLI11 would say only that a command is missing.
@@ -92,7 +93,9 @@ std::string wrong_duration(const std::string& text) {
 
 void run_command(const std::vector<std::string>& arguments) { parse(*make_app(), arguments); }
 
-int run_program(const std::vector<std::string>& arguments) {
+namespace {
+
+int run_in_words(const std::vector<std::string>& arguments) {
   const auto app = make_app();
   try {
     parse(*app, arguments);
@@ -107,6 +110,14 @@ int run_program(const std::vector<std::string>& arguments) {
     return kNotDone;
   }
   return kDone;
+}
+
+}  // namespace
+
+int run_program(const std::vector<std::string>& arguments) {
+  std::vector<std::string> command = arguments;
+  const OutputMode mode = take_output_mode(command);
+  return run_in_mode(mode, command, [&] { return run_in_words(command); });
 }
 
 }  // namespace burin

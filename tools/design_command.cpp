@@ -54,6 +54,16 @@ struct Options {
   bool live = false;
 };
 
+// The options that a design which goes on needs again, to be pasted.
+std::string said_again(const Options& o) {
+  std::string line;
+  if (!o.bench.empty()) line += " --bench " + shell_word(o.bench.string());
+  if (!o.board.empty()) line += " --board " + shell_word(o.board.string());
+  for (const std::filesystem::path& file : o.carved) line += " --carved " + shell_word(file.string());
+  if (!o.machine.empty()) line += " --machine " + shell_word(o.machine);
+  return line;
+}
+
 void run(const Options& o) {
   DesignSpec spec = read_design(o.spec);
   if (!o.bench.empty()) spec.bench = o.bench;
@@ -127,11 +137,12 @@ void run(const Options& o) {
   if (result.depth_um) fmt::print("depth_um {:.2f}\n", *result.depth_um);
   if (result.alpha) fmt::print("alpha {:.4f}\n", *result.alpha);
   if (result.stopped_early)
-    fmt::print("Stopped early. Go on with: burin design {} --out {} --from {}\n", shell_word(o.spec.string()),
-               shell_word(o.out.string()), shell_word((o.out / "scratches.csv").string()));
-  fmt::print("Wrote {}: look at preview-*.png, then make the tool path with `burin toolpath {} --board {}`.\n",
-             o.out.string(), shell_word((o.out / "scratches.csv").string()),
-             shell_word(spec.board.lexically_normal().string()));
+    fmt::print("Stopped early. Go on with: burin design {} --out {} --from {}{}\n", shell_word(o.spec.string()),
+               shell_word(o.out.string()), shell_word((o.out / "scratches.csv").string()), said_again(o));
+  fmt::print("Wrote {}: look at preview-*.png; next: burin toolpath {} --board {} --bench {}{} --out {}\n",
+             o.out.string(), shell_word((o.out / "scratches.csv").string()), shell_word(spec.board.lexically_normal().string()),
+             shell_word(spec.bench.lexically_normal().string()), o.machine.empty() ? "" : " --machine " + shell_word(o.machine),
+             shell_word((o.out / "board.gcode").string()));
 }
 
 void add_options(CLI::App& command, Options& o) {

@@ -24,7 +24,7 @@ void add_simulate_command(CLI::App& burin) {
   command->add_option("--views", options->simulate.views, "Photograph from these places only");
   command->add_option("--samples", options->samples, "Points a pixel where scratches are, instead of the truth's")
       ->check(CLI::Range(1, 1000000));
-  command->footer(example("burin simulate truth.json --out bench --views v00 v01"));
+  command->footer(example("burin simulate truth.json --out bench --views d0 d1"));
   command->callback([options] {
     ProgressBar bar;
     if (options->samples > 0) options->simulate.samples = options->samples;

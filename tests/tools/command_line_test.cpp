@@ -2,6 +2,8 @@
 // was done (0), could not be done (1) or was asked wrongly (2). What the commands do is proved by other tests.
 #include <gmock/gmock.h>
 
+#include <nlohmann/json.hpp>
+
 #include "tests/tools/program.h"
 #include "tools/commands.h"
 
@@ -64,6 +66,56 @@ TEST(CommandLine, TheNextCommandCanBePastedAsItStands) {
                                                " " + next.substr(0, next.find('\n')));
   EXPECT_EQ(pasted.exit_code, 0) << next << pasted.err;
   EXPECT_TRUE(std::filesystem::exists(folder / "its photos" / "session.json"));
+}
+
+TEST(CommandLine, TheToolPathThatADesignNamesCanBePasted) {
+  const TemporaryFolder folder;
+  std::filesystem::copy(places::source() + "/samples/small-bench", folder / "my bench",
+                        std::filesystem::copy_options::recursive);
+  const Outcome run = run_burin(folder, {"design", "my bench/design.json", "--scratches", "40", "--pixels", "32",
+                                         "--iterations", "1", "--out", "its design"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto at = run.out.rfind("next: burin ");
+  ASSERT_NE(at, std::string::npos) << run.out;
+  const std::string next = run.out.substr(at + std::string("next: burin ").size());
+  const Outcome pasted = run_shell(folder, "cd " + quoted(folder.path().string()) + " && " + quoted(places::program()) +
+                                               " " + next.substr(0, next.find('\n')));
+  EXPECT_EQ(pasted.exit_code, 0) << next << pasted.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "its design" / "board.gcode"));
+}
+
+TEST(CommandLine, QuietSaysNotesAndErrorsOnly) {
+  const TemporaryFolder folder;
+  const std::string board = places::source() + "/samples/small-bench/board.json";
+  const Outcome done = run_burin(folder, {"--quiet", "plan", board, "--shots", "1", "--out", "plan"});
+  EXPECT_EQ(done.exit_code, 0);
+  EXPECT_EQ(done.out, "");
+  EXPECT_THAT(done.err, HasSubstr("note: no --bench"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "plan" / "plan.json"));
+  const Outcome not_done = run_burin(folder, {"--quiet", "plan", "none.json"});
+  EXPECT_EQ(not_done.exit_code, 1);
+  EXPECT_THAT(not_done.err, HasSubstr("burin: none.json"));
+}
+
+TEST(CommandLine, JsonSaysAllInOneObject) {
+  const TemporaryFolder folder;
+  const std::string board = places::source() + "/samples/small-bench/board.json";
+  const Outcome done = run_burin(folder, {"--threads", "1", "--json", "plan", board, "--shots", "1"});
+  EXPECT_EQ(done.exit_code, 0);
+  EXPECT_EQ(done.err, "");
+  const auto said = nlohmann::json::parse(done.out);
+  EXPECT_EQ(said["command"], "plan");
+  EXPECT_EQ(said["exit_code"], 0);
+  EXPECT_EQ(said["notes"].size(), 2U) << said;
+  EXPECT_THAT(said["next"].get<std::string>(), ::testing::StartsWith("burin capture PHOTOS_DIR --board /"));
+  EXPECT_TRUE(said["errors"].empty());
+  const Outcome not_done = run_burin(folder, {"--json", "plan", "none.json"});
+  EXPECT_EQ(not_done.exit_code, 1);
+  const auto failed = nlohmann::json::parse(not_done.out);
+  EXPECT_EQ(failed["exit_code"], 1);
+  EXPECT_THAT(failed["errors"][0].get<std::string>(), ::testing::StartsWith("none.json"));
+  const auto wrong = nlohmann::json::parse(run_burin(folder, {"--json", "plan", "--frobnicate"}).out);
+  EXPECT_EQ(wrong["exit_code"], 2);
 }
 
 TEST(CommandLine, VersionAndHelpAreDone) {

@@ -31,6 +31,15 @@ TEST(Install, AnotherProjectFindsBurinAndUsesIt) {
   EXPECT_TRUE(std::filesystem::exists(prefix + "/share/burin/samples/small-bench/board.json"));
   EXPECT_TRUE(std::filesystem::exists(prefix + "/share/doc/burin/LICENSE"));
   EXPECT_TRUE(std::filesystem::exists(prefix + "/share/doc/burin/design.md"));
+  // Manual pages that man can read, and a completion that bash can run.
+  const std::string pages = prefix + "/share/man/man1/";
+  EXPECT_THAT(file_text(pages + "burin.1"), ::testing::HasSubstr("burin\\-toolpath (1)"));
+  EXPECT_THAT(file_text(pages + "burin-capture.1"), ::testing::HasSubstr("\\-\\-bench"));
+  const Outcome completed =
+      run_shell(folder, "bash -c '. " + prefix + "/share/bash-completion/completions/burin; COMP_WORDS=(burin cap); " +
+                            "COMP_CWORD=1; _burin; echo \"${COMPREPLY[*]}\"; COMP_WORDS=(burin capture --li); " +
+                            "COMP_CWORD=2; _burin; echo \"${COMPREPLY[*]}\"'");
+  EXPECT_EQ(completed.out, "capture\n--light\n") << completed.err;
   const Outcome program = run_shell(folder, quoted(prefix + "/bin/burin") + " --version");
   EXPECT_EQ(program.exit_code, 0) << program.err;
 }

@@ -1,0 +1,127 @@
+#include "tools/output_mode.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <string_view>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+
+namespace burin {
+namespace {
+
+// What goes to a file descriptor goes to a nameless file instead, until it is given back.
+class Caught {
+ public:
+  Caught(std::FILE* stream, int descriptor)
+      : stream_(stream), descriptor_(descriptor), file_(std::tmpfile(), &std::fclose) {
+    std::fflush(stream_);
+    before_ = dup(descriptor_);
+    if (!file_ || before_ < 0 || dup2(fileno(file_.get()), descriptor_) < 0)
+      fail("--json, --quiet", "what the command says cannot be caught", "make room in the folder for temporary files");
+  }
+  ~Caught() { give_back(); }
+  Caught(const Caught&) = delete;
+  Caught& operator=(const Caught&) = delete;
+
+  /// What was said; the descriptor is as before.
+  std::string text() {
+    give_back();
+    std::rewind(file_.get());
+    std::string out;
+    char part[4096];
+    for (std::size_t n; (n = std::fread(part, 1, sizeof part, file_.get())) > 0;) out.append(part, n);
+    return out;
+  }
+
+ private:
+  void give_back() {
+    if (before_ < 0) return;
+    std::fflush(stream_);
+    dup2(before_, descriptor_);
+    close(before_);
+    before_ = -1;
+  }
+
+  std::FILE* stream_;
+  int descriptor_, before_ = -1;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+};
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    if (end > at) lines.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return lines;
+}
+
+Json as_json(const std::vector<std::string>& arguments, int exit_code, const std::string& out, const std::string& err) {
+  Json json;
+  json["burin"] = BURIN_VERSION;
+  if (const std::size_t at = place_of_command(arguments); at < arguments.size()) json["command"] = arguments[at];
+  json["exit_code"] = exit_code;
+  json["said"] = lines_of(out);
+  json["notes"] = json["errors"] = Json::array();
+  for (const std::string& line : lines_of(err)) {
+    constexpr std::string_view kNote = "note: ", kError = "error: ", kBurin = "burin: ";
+    if (line.starts_with(kNote))
+      json["notes"].push_back(line.substr(kNote.size()));
+    else if (line.starts_with(kError))
+      json["errors"].push_back(line.substr(kError.size()));
+    else
+      json["errors"].push_back(line.starts_with(kBurin) ? line.substr(kBurin.size()) : line);
+  }
+  constexpr std::string_view kNext = "next: burin ";
+  if (const std::size_t at = out.rfind(kNext); at != std::string::npos) {
+    const std::size_t from = at + kNext.size() - std::string_view("burin ").size();
+    json["next"] = out.substr(from, out.find('\n', from) - from);
+  }
+  return json;
+}
+
+}  // namespace
+
+std::size_t place_of_command(const std::vector<std::string>& arguments) {
+  std::size_t at = 0;
+  while (at < arguments.size() && arguments[at].starts_with("--")) at += arguments[at] == "--threads" ? 2 : 1;
+  return at;
+}
+
+OutputMode take_output_mode(std::vector<std::string>& arguments) {
+  OutputMode mode = OutputMode::words;
+  for (std::size_t i = 0; i < arguments.size() && arguments[i].starts_with("--");) {
+    if (arguments[i] == "--json" || arguments[i] == "--quiet") {
+      mode = arguments[i] == "--json" ? OutputMode::json : OutputMode::quiet;
+      arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      i += arguments[i] == "--threads" ? 2 : 1;
+    }
+  }
+  return mode;
+}
+
+int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, const std::function<int()>& work) {
+  if (mode == OutputMode::words) return work();
+  std::string out, err;
+  int exit_code = 0;
+  {
+    Caught caught_out(stdout, STDOUT_FILENO), caught_err(stderr, STDERR_FILENO);
+    exit_code = work();
+    out = caught_out.text();
+    err = caught_err.text();
+  }
+  if (mode == OutputMode::quiet)
+    fmt::print(stderr, "{}", err);
+  else
+    fmt::print("{}\n", as_json(arguments, exit_code, out, err).dump(1, ' ', false, Json::error_handler_t::replace));
+  return exit_code;
+}
+
+}  // namespace burin

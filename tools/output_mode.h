@@ -1,0 +1,30 @@
+// tools/output_mode.h - `burin --quiet COMMAND` and `burin --json COMMAND`: what a command says, for scripts and
+// pipelines.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace burin {
+
+/// What becomes of a command's words. Its files and its exit code are the same.
+enum class OutputMode {
+  words,  ///< as a person reads them
+  quiet,  ///< notes and errors only, on stderr when it has ended, and no progress bar
+  json    ///< one JSON object on stdout when it has ended, nothing else
+};
+
+/// Takes --quiet and --json out of the options before COMMAND (the last one rules).
+OutputMode take_output_mode(std::vector<std::string>& arguments);
+
+/// Where COMMAND stands among the arguments: behind the program's own options.
+std::size_t place_of_command(const std::vector<std::string>& arguments);
+
+/// Does `work`, whose result is an exit code, in that mode; `arguments` are the command's, without the mode. JSON:
+///   { "burin": "0.1.0", "command": "capture", "exit_code": 0, "said": [lines], "notes": [..], "errors": [..],
+///     "next": "burin calibrate ..." }
+/// where "next" is there if the command named one. Throws Error where its words cannot be caught.
+int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, const std::function<int()>& work);
+
+}  // namespace burin
