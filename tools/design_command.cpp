@@ -140,8 +140,9 @@ void run(const Options& o) {
     fmt::print("Stopped early. Go on with: burin design {} --out {} --from {}{}\n", shell_word(o.spec.string()),
                shell_word(o.out.string()), shell_word((o.out / "scratches.csv").string()), said_again(o));
   fmt::print("Wrote {}: look at preview-*.png; next: burin toolpath {} --board {} --bench {}{} --out {}\n",
-             o.out.string(), shell_word((o.out / "scratches.csv").string()), shell_word(spec.board.lexically_normal().string()),
-             shell_word(spec.bench.lexically_normal().string()), o.machine.empty() ? "" : " --machine " + shell_word(o.machine),
+             o.out.string(), shell_word((o.out / "scratches.csv").string()),
+             shell_word(spec.board.lexically_normal().string()), shell_word(spec.bench.lexically_normal().string()),
+             o.machine.empty() ? "" : " --machine " + shell_word(o.machine),
              shell_word((o.out / "board.gcode").string()));
 }
 

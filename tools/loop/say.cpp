@@ -2,8 +2,14 @@
 
 #include <fmt/core.h>
 
+#include <sstream>
+
 #include "burin/optimize/design_file.h"
+#include "burin/render/bench_of_board.h"
+#include "burin/render/board.h"
 #include "tools/commands.h"
+#include "tools/match_views.h"
+#include "tools/where_to_stand.h"
 
 namespace burin {
 namespace {
@@ -107,19 +113,27 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
 std::string your_turn(const LoopProject& loop, int round) {
   const Project& project = loop.project;
   const DesignSpec spec = read_design(project.round(round) / "design.json");
-  std::string views;
-  for (const DesignView& view : spec.views) views += (views.empty() ? "" : ", ") + view.view;
+  const Board board = read_board(spec.board);
+  const Bench bench = read_bench_of(board, spec.board, spec.bench);
+  std::istringstream places(
+      where_to_stand(spec, bench, board,
+                     match_tolerances(spec, bench, board, project.round(round) / "design" / "design-report.json")));
+  std::string where;
+  for (std::string line; std::getline(places, line);) where += "       " + line + "\n";
   return fmt::format(
       "Your turn:\n"
-      "  1. Carve {} (work zero at the board's lower left corner, on its face).\n"
-      "  2. Stick the tags of {} on it, lay it under the lamp, and photograph it: from each designed view ({}), from\n"
-      "     three places near the mirror direction, where the plain face shines, and from five or more further ones, "
-      "with\n"
-      "     the camera tilted and the board in other parts of the frame. Two exposures each, three stops apart; keep\n"
-      "     focus and zoom as they are. Some views must hardly glint: only half vectors on both sides of the grooves'\n"
-      "     cut-off angle tell how deep they are.\n"
+      "  1. Read {}, and carve {}.\n"
+      "  2. Stick the tags of {} on it, and photograph it:\n{}"
+      "     and from three places near the mirror direction, where the plain face shines, and from five or more "
+      "further\n"
+      "     ones, with the camera tilted and the board in other parts of the frame. Keep focus and zoom as they are. "
+      "Some\n"
+      "     views must hardly glint: only half vectors on both sides of the grooves' cut-off angle tell how deep they\n"
+      "     are. In words and mm for each: burin plan {} --bench {} --design {}\n"
       "  3. Put the photos into {}; then: {}\n\n",
-      gcode_of(loop, round), (project.folder / "board.json").string(), views,
+      (project.round(round) / "carve-check.html").string(), gcode_of(loop, round),
+      (project.folder / "board.json").string(), where, shell_word((project.round(round) / "board.json").string()),
+      shell_word(spec.bench.lexically_normal().string()), shell_word((project.round(round) / "design.json").string()),
       (project.round(round) / "photos").string(), loop_line(project));
 }
 
