@@ -201,6 +201,23 @@ TEST_F(CarveChecked, FilesThatCannotBeFollowed) {
   EXPECT_THAT(red(check_carve(input)), HasSubstr("carve nothing"));
 }
 
+TEST_F(CarveChecked, WhatWasMendedIsCompared) {
+  MachineProfile machine = machine_profile("grbl");
+  machine.limits.shortest_mm = 1;
+  const Mended mended = mend(scratches_, toolpath_limits(board_, &bench_, machine));
+  ToolpathOptions options;
+  const ToolpathReport report =
+      write_toolpath(mended.scratches, board_, &bench_, machine, options, folder_ / "board.gcode");
+  CarveCheckInput input{report.files, machine, board_};
+  input.bench = bench_;
+  input.scratches = scratches_;
+  const CarveCheck check = check_carve(input);
+  EXPECT_EQ(red(check), "");
+  EXPECT_THAT(sentence(check.findings.at(0)), HasSubstr("as the machine's limits let them"));
+  change(first_scratch(), "");
+  EXPECT_NE(red(check_carve(input)), "");
+}
+
 TEST_F(CarveChecked, TheFrameGoesRoundTheseScratches) {
   CarveCheckInput input = written();
   const auto says = [&](const char* words) {

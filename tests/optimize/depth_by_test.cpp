@@ -350,6 +350,15 @@ TEST(DepthBy, UnevenSheetsAreJudgedByHowTheDepthComesAbout) {
   EXPECT_THAT(spring[1].what, HasSubstr("0.45 um of depth"));
   EXPECT_NEAR(depth_error_mm(machine_profile("grbl-spring"), 0.014, 0.03), 0.00045, 1e-9);
   EXPECT_EQ(depth_error_mm(machine_profile("grbl-spring"), 0.014, 1), 0.014);  // it leaves the metal
+  Bench bench;
+  bench.material = board.material;
+  bench.material.depth_um = 19;
+  bench.material_sigma.depth_um = 0.1;
+  const MachineProfile machine = machine_profile("grbl-spring");
+  const auto measured = sheet_findings(plan_toolpath(s, board, &bench, machine), board, &bench, machine);
+  EXPECT_EQ(measured.at(0).severity, Finding::Severity::note);
+  EXPECT_THAT(measured[0].what,
+              HasSubstr("of 14 um as the guessed table of grbl-spring has them, photos measured 19 um"));
   board.flatness_um = 900;
   EXPECT_EQ(findings("grbl-spring")[1].severity, Finding::Severity::error);
 }

@@ -1,6 +1,6 @@
 #include "burin/optimize/carving/drawing.h"
 
-#include "burin/optimize/carving/number_text.h"
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 

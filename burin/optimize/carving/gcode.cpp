@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "burin/optimize/carving/carving_time.h"
-#include "burin/optimize/carving/number_text.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/optimize/duration.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "burin/optimize/carving/carving_limits.h"
-#include "burin/optimize/carving/number_text.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/table.h"
 #include "burin/render/keep_out.h"
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "burin/render/files/decimals.h"
+#include "burin/render/parameter_name.h"
 #include "burin/render/surface.h"
 
 namespace burin {
@@ -13,6 +14,12 @@ namespace {
 constexpr double kSpoiled = 0.5, kNoticed = 0.1;  // of the depth
 
 std::string um(double mm) { return significant(1e3 * mm, 2) + " um"; }
+
+bool depth_is_measured(const Bench* bench) {
+  if (bench == nullptr || !bench->material_sigma.depth_um) return false;
+  const Verdict* verdict = find_verdict(*bench, parameter::kDepth);
+  return verdict == nullptr || verdict->determined();
+}
 
 const char* remedy(const MachineProfile& machine) {
   return machine.dialect == GcodeDialect::marlin
@@ -107,7 +114,12 @@ std::vector<Finding> sheet_findings(const Toolpath& path, const Board& board, co
         "coordinates with " + std::to_string(machine.decimals) + " decimals round a depth of " + um(depth.least_mm) +
             " by up to " + um(rounding_mm),
         "write more decimals (--decimals, or the profile's)");
-  if (machine.depth_table.assumed)
+  if (machine.depth_table.assumed && depth_is_measured(measured))
+    add(findings, Finding::Severity::note,
+        "of " + significant(board.material.depth_um, 3) + " um as the guessed table of " + machine.name +
+            " has them, photos measured " + significant(measured->material.depth_um, 3) + " um",
+        "");
+  else if (machine.depth_table.assumed)
     add(findings, Finding::Severity::warning,
         "nobody measured what depth a preload makes on " + machine.name + ": its table is a guess",
         "carve test scratches and write a profile with depth_table, or let photos of the first board measure the "

@@ -1,5 +1,9 @@
 #include "burin/optimize/carving/toml_file.h"
 
+// Debian builds toml++ as a library of its own, which those who link an installed Burin would have to find too.
+#undef TOML_HEADER_ONLY
+#undef TOML_SHARED_LIB
+#define TOML_HEADER_ONLY 1
 #include <toml++/toml.h>
 
 #include <utility>

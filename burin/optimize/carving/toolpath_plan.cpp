@@ -7,9 +7,9 @@
 
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/carving/ends.h"
-#include "burin/optimize/carving/number_text.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/parameter_name.h"
 
 namespace burin {

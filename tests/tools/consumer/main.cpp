@@ -2,6 +2,7 @@
 #include <burin/calib/calibrate.h>
 #include <burin/capture/session.h>
 #include <burin/optimize/loss/adam.h>
+#include <burin/optimize/machine_profile.h>
 #include <burin/render/board.h>
 #include <burin/render/groove.h>
 #include <burin/render/threads.h>
@@ -14,6 +15,7 @@ int main(int argc, char** argv) {
   if (argc != 2) return 2;
   const burin::ThreadLimit two(2);
   const burin::Board board = burin::read_board(argv[1]);
+  if (burin::machine_profile("grbl-spring").depth_table.rows.empty()) return 1;
   burin::Photo photo;
   photo.exposure_s = 0.01;
   photo.f_number = 10;
