@@ -115,7 +115,7 @@ Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vec
   const Image picture = linear_luminance(spec.image, spec.picture, where);
   target.picture = lay_on_area(picture, rotation_deg, spec.fit, area_mm, width, height, 0.0F, scale);
   if (const std::string lost = cropped(where, picture, spec, rotation_deg, area_mm); !lost.empty())
-    target.warnings.push_back(lost);
+    target.findings.push_back(make_warning(lost));
   if (scale > 4)
     target.findings.push_back(make_warning(
         where + ": one of its pixels covers " + std::to_string(static_cast<int>(scale)) + " of the design's",
