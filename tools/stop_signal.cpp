@@ -20,7 +20,7 @@ StopOnSignal::StopOnSignal() {
   asked_to_stop = 0;
   for (int i = 0; i < 3; ++i) {
     before_[i] = std::signal(kSignals[i], on_signal);
-    if (before_[i] == SIG_IGN) std::signal(kSignals[i], SIG_IGN);
+    if (kSignals[i] == SIGHUP && before_[i] == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   }
 }
 

@@ -13,6 +13,8 @@
 #include "burin/render/scratches.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
+#include "tools/loop/options.h"
+#include "tools/loop/record.h"
 #include "tools/round_names.h"
 
 namespace burin {
@@ -21,8 +23,15 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Example {
-  std::string kind, text;  ///< kind: "burin/board", ..., or the language of a block without a format
+  std::string kind, text;  ///< kind: "burin/board", "toml burin/machine", or the language of a block without a format
 };
+
+// The "burin/..." of a file in TOML.
+std::string format_of_toml(const std::string& text) {
+  const std::string key = "format = \"";
+  const std::size_t at = text.find(key) + key.size();
+  return text.substr(at, text.find('"', at) - at);
+}
 
 /// The blocks between fences. JSON is named by its "format".
 std::vector<Example> examples_of(const std::string& page) {
@@ -32,7 +41,10 @@ std::vector<Example> examples_of(const std::string& page) {
     const std::size_t line_end = page.find('\n', at), end = page.find(fence, line_end);
     const std::string language = page.substr(at + fence.size(), line_end - at - fence.size());
     const std::string text = page.substr(line_end + 1, end - line_end - 1);
-    out.push_back({language == "json" ? nlohmann::json::parse(text).at("format").get<std::string>() : language, text});
+    out.push_back({language == "json"   ? nlohmann::json::parse(text).at("format").get<std::string>()
+                   : language == "toml" ? "toml " + format_of_toml(text)
+                                        : language,
+                   text});
     at = end + fence.size();
   }
   return out;
@@ -42,10 +54,10 @@ class FileFormats : public ::testing::Test {
  protected:
   void SetUp() override {
     for (const Example& e : examples_of(file_text(fs::path(places::source()) / "docs" / "file-formats.md"))) {
-      const std::string kind = e.kind.starts_with("burin/") ? e.kind.substr(6) : e.kind;
-      kinds_.push_back(kind);
-      const bool plain = kind == "csv" || kind == "toml";
-      folder_.write(plain ? (kind == "csv" ? "scratches.csv" : "machine.toml") : kind + ".json", e.text);
+      kinds_.push_back(e.kind);
+      const bool toml = e.kind.starts_with("toml ");
+      folder_.write(
+          e.kind == "csv" ? "scratches.csv" : e.kind.substr(e.kind.find('/') + 1) + (toml ? ".toml" : ".json"), e.text);
     }
     const fs::path sample = fs::path(places::source()) / "samples" / "small-bench";
     fs::copy_file(sample / "camera.cameramodel", folder_ / "camera.cameramodel");
@@ -59,8 +71,9 @@ class FileFormats : public ::testing::Test {
 };
 
 TEST_F(FileFormats, PageHasAnExampleOfEachFile) {
-  EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("board", "csv", "machine", "toml", "session", "bench", "design",
-                                                      "heights", "names"));
+  EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("burin/board", "csv", "burin/machine", "toml burin/machine",
+                                                      "burin/session", "burin/bench", "burin/design", "toml burin/loop",
+                                                      "burin/made", "burin/heights", "burin/names"));
 }
 
 TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
@@ -71,6 +84,8 @@ TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
   EXPECT_EQ(read_machine_profile(folder_ / "machine.json").depth_by, DepthBy::drag);
   EXPECT_EQ(read_machine_profile(folder_ / "machine.toml").limits.max_overlap, 0.3);
   EXPECT_EQ(read_heights(folder_ / "heights.json").columns, 3);
+  EXPECT_EQ(read_loop_options(folder_.path()).design.at("tolerance-mm").front(), "3");
+  EXPECT_TRUE(read_record(folder_ / "made.json")->holds());
 }
 
 TEST_F(FileFormats, BenchIsDesignedForRenderedAndCarved) {

@@ -88,7 +88,7 @@ LoopQuestion question_of(const LoopProject& loop, const StageState& state) {
 
 std::string next_of(const LoopProject& loop, const std::vector<StageState>& states) {
   for (const StageState& state : states)
-    if (needs_answer(state)) {
+    if (needs_answer_now(state, states)) {
       const LoopQuestion question = question_of(loop, state);
       return question.what + "; " + question.remedy;
     }
@@ -100,7 +100,9 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
       waiting = state.at.round;
       break;
     }
-    return fmt::format("{}: `{}`", name_of(project, state.at), loop_line(project));
+    const std::string next = fmt::format("{}: `{}`", name_of(project, state.at), loop_line(project));
+    if (state.condition != Condition::interrupted) return next;
+    return fmt::format("{} (or `{}`, which takes it as good as it got)", next, loop_line(project, "--keep"));
   }
   if (states.size() <= 1) return fmt::format("the first design: `{}`", loop_line(project));
   while (is_photographed(project, waiting)) ++waiting;

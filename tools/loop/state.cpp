@@ -151,6 +151,16 @@ bool needs_answer(const StageState& state) {
   return carving && !follows(state);
 }
 
+bool needs_answer_now(const StageState& state, const std::vector<StageState>& states) {
+  if (!needs_answer(state)) return false;
+  if (state.condition != Condition::done || state.changed(Kind::output)) return true;
+  return std::none_of(states.begin(), states.end(), [&](const StageState& other) {
+    const bool measures = other.at.stage == StageKind::capture || other.at.stage == StageKind::calibrate ||
+                          other.at.stage == StageKind::refine;
+    return other.at.round + 1 == state.at.round && measures && is_made_by_itself(other);
+  });
+}
+
 bool is_made_by_itself(const StageState& state) {
   if (needs_answer(state)) return false;
   if (state.at.stage == StageKind::check && state.photographed) return false;  // too late to be warned

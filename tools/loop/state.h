@@ -55,6 +55,10 @@ FileHashes hashes_of(const Project& project, const std::vector<std::filesystem::
 /// (measurements of photos, and what follows from a stage made anew) or stays as it is in the metal.
 bool needs_answer(const StageState& state);
 
+/// The same among all states: not while the round before is still to be measured anew, since only then is known what
+/// the design rests on.
+bool needs_answer_now(const StageState& state, const std::vector<StageState>& states);
+
 /// Whether the stage would be made anew without a question.
 bool is_made_by_itself(const StageState& state);
 

@@ -129,7 +129,8 @@ void settle(Turn& turn) {
   std::vector<LoopQuestion> open;
   int round_asked = 0;
   for (const StageState& state : states) {
-    if (!is_open(turn, state) || (turn.answers.keep && can_be_kept(turn, state))) continue;
+    if (!is_open(turn, state) || !needs_answer_now(state, states)) continue;
+    if (turn.answers.keep && can_be_kept(turn, state)) continue;
     // What a stage rests on, those behind it rest on too: one question a round.
     const bool stale = state.condition == Condition::done && !state.changed(StageChange::Kind::output);
     if (stale && is_carving(state.at.stage) && state.at.round == round_asked) continue;
@@ -144,7 +145,9 @@ void settle(Turn& turn) {
   }
   if (turn.answers.keep)
     for (const StageState& state : states)
-      if (can_be_kept(turn, state) && !turn.again.contains(state.at)) keep(turn, state);
+      if (can_be_kept(turn, state) && !turn.again.contains(state.at) &&
+          (state.condition == Condition::interrupted || needs_answer_now(state, states)))
+        keep(turn, state);
 }
 
 // Photos without a tool path: which board do they show?
@@ -243,7 +246,7 @@ void make(Turn& turn, const StageState& state) {
   record.outputs = hashes_of(loop.project, outputs_of(loop, state.at), turn.hashes);
   write_record(record, record_file(loop.project, state.at));
   if (record.status == MadeRecord::Status::interrupted)
-    fail((loop.project.round(state.at.round) / "design").string(),
+    fail(loop.project.folder.string(),
          fmt::format("{} was ended early and is not done", name_of(loop.project, state.at)),
          fmt::format("`{}` takes it as good as it got, `{}` designs anew", loop_line(loop.project, "--keep"),
                      loop_line(loop.project)));
