@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/optimize/machine_profile.h"
 #include "burin/render/error.h"
 #include "tools/commands.h"
 #include "tools/loop/lock.h"
@@ -31,7 +32,10 @@ void run(const Options& o) {
            "see samples/small-bench for a complete project");
   const ProjectLock lock(o.project.folder);
   remember_names(o.project, o.views, o.lamps);
-  turn_loop({o.project, remember_options(o.said, o.project.folder)}, o.answers);
+  if (!o.said.machine.empty()) machine_profile(o.said.machine);  // refused before it is kept
+  const LoopProject loop{o.project, remember_options(o.said, o.project.folder)};
+  machine_profile(machine_argument(loop.options, loop.project.folder));  // and before what is there is moved aside
+  turn_loop(loop, o.answers);
 }
 
 }  // namespace

@@ -28,7 +28,8 @@ struct Trace {
   std::vector<KnownRecord> records;
   ContentHashes hashes;
   std::set<std::string> told;  // path and hash
-  int changed = 0, files = 0;
+  std::set<const KnownRecord*> followed;
+  std::set<std::string> changed;  // paths
 };
 
 void add_records(Trace& trace, const fs::path& folder, const std::string& prefix) {
@@ -70,11 +71,11 @@ std::string state_of_file(Trace& trace, const std::string& name, const std::stri
     const fs::path round = fs::path(maker->former).parent_path().parent_path();
     const fs::path moved = fs::path(maker->former) / fs::path(name).lexically_relative(round);
     if (trace.hashes.of(trace.project.folder / moved) == hash) {
-      ++trace.changed;
+      trace.changed.insert(name);
       return fmt::format("changed since; as it was: {}", moved.string());
     }
   }
-  ++trace.changed;
+  trace.changed.insert(name);
   return now.empty() ? "GONE" : "CHANGED";
 }
 
@@ -83,9 +84,8 @@ void follow(Trace& trace, const std::string& name, const std::string& hash, int 
   const bool again = !trace.told.insert(name + " " + hash).second;
   std::string line = fmt::format("{:{}}{}  {}", "", 2 * depth, name, hash.substr(0, 12));
   if (depth > 0) line += "  " + state_of_file(trace, name, hash, maker);
-  ++trace.files;
   if (again) {
-    fmt::print("{}  (see above)\n", line);
+    if (maker) fmt::print("{}  (see above)\n", line);
     return;
   }
   if (!maker) {
@@ -98,6 +98,10 @@ void follow(Trace& trace, const std::string& name, const std::string& hash, int 
   line += fmt::format("  by {}{}, Burin {}{}", maker->name,
                       record.status == MadeRecord::Status::done ? "" : std::string(", ") + in_words(record.status),
                       record.burin, edited ? ", then changed by hand" : "");
+  if (!trace.followed.insert(maker).second) {
+    fmt::print("{}  (see above)\n", line);
+    return;
+  }
   for (const auto& [option, text] : record.options) line += fmt::format(", {} {}", option, text);
   fmt::print("{}\n", line);
   for (const auto& [input, content] : record.inputs) follow(trace, input, content, depth + 1);
@@ -129,8 +133,11 @@ void run(const fs::path& file, const fs::path& project) {
          "name a result, such as a G-code, a report or a bench of one of its rounds");
   }
   follow(trace, name, hash, 0);
-  if (trace.changed > 0)
-    fail(file.string(), fmt::format("{} of the files that it rests on are not what they were", trace.changed),
+  if (!trace.changed.empty())
+    fail(file.string(),
+         fmt::format("{} of the files that it rests on {} what {} when it was made", trace.changed.size(),
+                     trace.changed.size() == 1 ? "is not" : "are not",
+                     trace.changed.size() == 1 ? "it was" : "they were"),
          "they are marked above");
   fmt::print("All {} files that it rests on are what they were.\n", trace.told.size() - 1);
 }

@@ -270,12 +270,18 @@ TEST(LoopMishaps, OptionsAreTheCommandsOwn) {
   // What the command would refuse is refused before it is kept; a person's own lines stay.
   EXPECT_EQ(p.loop({"--iterations", "many"}).exit_code, 2);
   EXPECT_EQ(p.loop({"--carve-hours", "soon"}).exit_code, 2);
+  EXPECT_EQ(p.loop({"--machine", "toaster"}).exit_code, 1);
   EXPECT_FALSE(fs::exists(p.project / "loop.toml"));
   p.folder.write("project/loop.toml",
                  "format = \"burin/loop\"  # mine\nversion = 1\n\n[design]\npixels = 128\niterations = 5 # few\n");
-  ASSERT_EQ(p.loop({"--scratches", "300", "--frame"}).exit_code, 0);
-  EXPECT_THAT(p.text("loop.toml"), AllOf(HasSubstr("# mine"), HasSubstr("# few"), HasSubstr("scratches = 300"),
-                                         HasSubstr("[toolpath]\nframe = true")));
+  // A limit of time ends a design early: not done, unless it is kept.
+  const Outcome ended = p.loop({"--scratches", "300", "--frame", "--time", "1s", "--iterations", "1000000"});
+  EXPECT_EQ(ended.exit_code, 1);
+  EXPECT_THAT(ended.err, HasSubstr("`burin loop project --keep` takes it as good as it got"));
+  ASSERT_EQ(p.loop({"--keep"}).exit_code, 0);
+  EXPECT_THAT(p.status().out, HasSubstr("ended early and kept"));
+  EXPECT_THAT(p.text("loop.toml"),
+              AllOf(HasSubstr("# mine"), HasSubstr("scratches = 300"), HasSubstr("[toolpath]\nframe = true")));
   for (const auto& [line, wrong] : {std::pair{"sharpness = 3", "project/loop.toml:7: design.sharpness: is no option"},
                                     std::pair{"start = \"nowhere\"", "project/loop.toml: design"}}) {
     p.folder.write("project/loop.toml",

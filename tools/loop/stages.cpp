@@ -99,7 +99,8 @@ std::set<fs::path> report_basis(const LoopProject& loop, int round) {
   const fs::path folder = project.round(round);
   std::set<fs::path> files{folder / "session.json", folder / "board.json", folder / "sent.csv"};
   for (const fs::path& file : photos_of(project, round)) files.insert(file);
-  for (const fs::path& file : outputs_of(loop, {round, StageKind::refine})) files.insert(file);
+  for (const fs::path& file : outputs_of(loop, {round, StageKind::refine}))
+    if (file.parent_path() == folder) files.insert(file);
   return files;
 }
 
