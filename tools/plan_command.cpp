@@ -149,6 +149,22 @@ double focus_of(const std::vector<DesignedPlace>& designed, const Bench& bench, 
   return distances.empty() ? 0 : median_of(std::move(distances));
 }
 
+// The lamps that were given, instead of the bench's.
+void put_lamps(const std::vector<std::vector<double>>& places, const Board& board, Bench& bench) {
+  const Light usual = bench.lights.empty() ? Light{} : bench.lights.front();
+  bench.lights.clear();
+  for (const std::vector<double>& p : places) {
+    if (p.size() != 3) throw CLI::ValidationError("--lamp", "takes three numbers, X Y Z in mm");
+    Light light = usual;
+    light.id = places.size() == 1 ? usual.id : fmt::format("lamp{}", bench.lights.size() + 1);
+    light.position_mm = {p[0], p[1], p[2]};
+    light.axis = (Eigen::Vector3d(board.size_mm.x() / 2, board.size_mm.y() / 2, 0) - light.position_mm).normalized();
+    if (!(light.position_mm.z() > 0))
+      fail("--lamp", fmt::format("{} mm above the face is behind the board", p[2]), "give a place in front of it");
+    bench.lights.push_back(light);
+  }
+}
+
 }  // namespace
 
 void add_plan_command(CLI::App& burin) {
@@ -207,21 +223,7 @@ void add_plan_command(CLI::App& burin) {
       bench.lens = read_cameramodel(options->camera);
       plan_options.fix_lens = !options->camera_as_seed;
     }
-    if (!options->lamps.empty()) {
-      const Light usual = bench.lights.empty() ? Light{} : bench.lights.front();
-      bench.lights.clear();
-      for (const std::vector<double>& p : options->lamps) {
-        if (p.size() != 3) throw CLI::ValidationError("--lamp", "takes three numbers, X Y Z in mm");
-        Light light = usual;
-        light.id = options->lamps.size() == 1 ? usual.id : fmt::format("lamp{}", bench.lights.size() + 1);
-        light.position_mm = {p[0], p[1], p[2]};
-        light.axis =
-            (Eigen::Vector3d(board.size_mm.x() / 2, board.size_mm.y() / 2, 0) - light.position_mm).normalized();
-        if (!(light.position_mm.z() > 0))
-          fail("--lamp", fmt::format("{} mm above the face is behind the board", p[2]), "give a place in front of it");
-        bench.lights.push_back(light);
-      }
-    }
+    if (!options->lamps.empty()) put_lamps(options->lamps, board, bench);
     const std::filesystem::path file = options->scratches.empty() ? board.scratches : options->scratches;
     Sent sent;
     if (!file.empty() && (!options->scratches.empty() || std::filesystem::exists(file))) {

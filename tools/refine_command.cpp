@@ -23,7 +23,7 @@ std::string measured(const Bench& bench, const std::string& name, double value, 
   const Verdict* verdict = find_verdict(bench, name);
   if (verdict == nullptr) return fmt::format("{:.{}f}{}, not fitted", value, digits, unit);
   if (!sigma || !verdict->known())
-    return fmt::format("not determined, {:.{}f}{} is believed as before: {}", value, digits, unit, sentence(*verdict));
+    return fmt::format("not determined ({:.{}f}{}): {}", value, digits, unit, sentence(*verdict));
   const std::string known = fmt::format("{:.{}f} +- {:.{}f}{}", value, digits, *sigma, digits + 1, unit);
   return verdict->determined() ? known : fmt::format("{}, only weakly: {}", known, sentence(*verdict));
 }

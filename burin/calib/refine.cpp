@@ -19,6 +19,7 @@
 #include "burin/calib/verdict/photo_uncertainty.h"
 #include "burin/calib/verdict/refine_result.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/median.h"
 #include "burin/render/parameter_name.h"
 
@@ -91,6 +92,7 @@ struct RefineRun {
   void leave_out_what_lies_on_the_board();
   void free_geometry();
   void free_depth_field();
+  void keep_what_is_believed();
   void judge();
 };
 
@@ -230,11 +232,24 @@ void RefineRun::free_depth_field() {
   if (options.fit_geometry) move_geometry();
 }
 
+// A depth that the photos do not tell may still be refuted by them: grooves that glint beyond its cut-off.
+void RefineRun::keep_what_is_believed() {
+  const double fitted_um = out.bench.material.depth_um, cost_fitted = cost_of(data, state, 1);
+  keep_believed(board, state, out.bench);
+  constexpr double kRefuted = 1.02;  // the cost of all photos together; what is merely not seen leaves it as it is
+  if (out.bench.verdict[parameter::kDepth].known() || !(cost_of(data, state, 1) > kRefuted * cost_fitted)) return;
+  out.findings.push_back(make_warning(
+      "the photos do not tell the depth, but they speak against the " + significant(board.material.depth_um, 3) +
+          " um that board.json believes: " + significant(fitted_um, 3) + " um explain them better",
+      "take the photo that would help most (bench.json, verdict.depth_um.next_photo) before another board is "
+      "designed"));
+}
+
 void RefineRun::judge() {
   tell("judging the result", 0);
   const Uncertainty uncertainty = uncertainty_of(data, stage, state);
   const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
-  keep_believed(board, state, out.bench);
+  keep_what_is_believed();
   advise_light(data, state, uncertainty, judged, out.bench, progress);
   fit_colors(data, merged, state, out.bench);
   out.alpha_jitter = data.model.alpha_jitter;

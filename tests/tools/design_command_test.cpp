@@ -246,8 +246,7 @@ TEST_F(DesignCommand, ViewsThatCannotBeToldApartAreNamedWithHowMuch) {
 }
 
 TEST_F(DesignCommand, ABenchOnWhichNoGrooveCanGlint) {
-  for (const char* file : {"bench.json", "board.json"})
-    edit(file, [](Json& b) { b["material"]["depth_um"] = 0.2; });
+  for (const char* file : {"bench.json", "board.json"}) edit(file, [](Json& b) { b["material"]["depth_um"] = 0.2; });
   expect_refusal(design({}, "none"), "no groove can glint there", "um deep with this cutter");
 }
 
