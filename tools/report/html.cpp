@@ -50,6 +50,7 @@ td:first-child { font-weight: 600; }
 svg.chart { width: 100%; max-width: 720px; height: auto; display: block; margin: 8px 0 18px; }
 td .soft { display: inline-block; min-width: 28ch; max-width: 60ch; }
 td { min-width: 6ch; }
+td:last-child { min-width: 18ch; }
 @media (max-width: 640px) { main { padding: 20px 14px 40px; } h1 { font-size: 24px; } .outcome { font-size: 17px; } }
 ul { margin: 4px 0 14px; padding-left: 22px; max-width: 78ch; }
 footer { margin-top: 56px; border-top: 1px solid var(--line); padding-top: 10px; font-size: 13px; }
