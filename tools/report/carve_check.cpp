@@ -8,6 +8,7 @@
 #include <set>
 
 #include "burin/optimize/duration.h"
+#include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/svg.h"
@@ -275,7 +276,7 @@ void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& file
     body += "<h3>What the machine and the design cannot do</h3>\n" + notes +
             (promise.mind.empty() ? "" : "<ul>\n" + promise.mind + "</ul>\n");
   if (check.good()) body += "<h2>One question</h2>\n<p>" + html(carve_question(check, files)) + "</p>\n";
-  write_text(page("Burin: before metal moves", outcome_of(check, warnings), body), file);
+  write_text(page("Burin: before metal moves", outcome_of(check, warnings), {}, body), file);
 }
 
 }  // namespace burin
