@@ -22,7 +22,7 @@ Json files_json(const FileHashes& files) {
 
 Json change_json(const StageChange& change) {
   static const char* const kKinds[] = {"input", "output", "option"};
-  static const char* const kHows[] = {"changed", "gone", "added"};
+  static const char* const kHows[] = {"changed", "gone", "added", "unused"};
   Json json{{"kind", kKinds[static_cast<int>(change.kind)]},
             {"how", kHows[static_cast<int>(change.how)]},
             {"name", change.name}};

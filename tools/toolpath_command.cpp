@@ -1,4 +1,5 @@
 // burin toolpath - scratches into files that a machine carves. The work is in burin/optimize/toolpath.h.
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -63,12 +64,33 @@ void set_face(const Options& options, ToolpathOptions& settings) {
 // How Z is to be set before carving, and what the depths rest on.
 std::string zero_text(const MachineProfile& machine, const ToolpathReport& report) {
   if (machine.depth_by == DepthBy::servo) return "set work zero at the board's lower left corner, and carve";
-  const std::string where = report.follows_face ? fmt::format("where the tool touches the face at X{:.2f} Y{:.2f}",
-                                                              report.z_zero_mm.x(), report.z_zero_mm.y())
-                                                : "on its face";
+  const std::string where = report.face.followed() ? fmt::format("where the tool touches the face at X{:.2f} Y{:.2f}",
+                                                                 report.face.zero_mm.x(), report.face.zero_mm.y())
+                                                   : "on its face";
   return fmt::format(
       "set work zero at the board's lower left corner, Z {}, and carve",
-      by_preload(machine.depth_by) && !report.follows_face ? "where the tool first touches the face" : where);
+      by_preload(machine.depth_by) && !report.face.followed() ? "where the tool first touches the face" : where);
+}
+
+// What G-code tells the machine, to its last decimal: read back from the files, since that is what is in the metal.
+Scratches told_by(const ToolpathReport& report, const MachineProfile& machine, bool with_frame) {
+  Scratches told = report.sent.scratches;
+  std::size_t row = 0;
+  for (std::size_t k = 0; k + (with_frame ? 1 : 0) < report.files.size(); ++k) {
+    const std::string file = report.files[k].string();
+    for (const ReplayedScratch& s : replay_gcode(read_text(file), machine, file, &report.face).scratches) {
+      if (row == told.size()) fail(file, "carves more scratches than were planned", "this is a fault in Burin");
+      told.x0_mm[row] = s.from_mm.x(), told.y0_mm[row] = s.from_mm.y();
+      told.x1_mm[row] = s.to_mm.x(), told.y1_mm[row] = s.to_mm.y();
+      // A head that presses is told a force instead of a depth.
+      if (!told.depth_um.empty() && std::isfinite(s.depth_mm)) told.depth_um[row] = 1e3 * s.depth_mm;
+      ++row;
+    }
+  }
+  if (row != told.size())
+    fail(report.files.front().string(), fmt::format("carves {} scratches of {}", row, told.size()),
+         "this is a fault in Burin");
+  return told;
 }
 
 void write(const Options& options) {
@@ -92,7 +114,11 @@ void write(const Options& options) {
       write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
   bar.clear();
   for (const Finding& finding : report.findings) note(sentence(finding));
-  if (!options.sent.empty()) write_scratches(report.sent.scratches, options.sent);
+  if (!options.sent.empty()) {
+    const bool drawing = report.files.front().extension() == ".svg" || report.files.front().extension() == ".dxf" ||
+                         report.files.front().extension() == ".csv";
+    write_scratches(drawing ? report.sent.scratches : told_by(report, machine, options.frame), options.sent);
+  }
 
   for (std::size_t i = 0; i < report.files.size(); ++i)
     fmt::print("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));

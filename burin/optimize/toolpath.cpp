@@ -91,8 +91,7 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   report.compensated = path.compensated;
   report.already_carved = path.already_carved;
   report.stepped_mm = path.stepped_mm;
-  report.follows_face = path.face.followed();
-  report.z_zero_mm = path.face.zero_mm;
+  report.face = path.face;
   if (!is_gcode) {
     if (extension == ".csv")
       write_scratches(path.sent.scratches, out);

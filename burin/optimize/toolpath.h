@@ -34,9 +34,8 @@ struct ToolpathReport {
   std::size_t already_carved = 0;
   double stepped_mm = 0;
   std::size_t done_before = 0;
-  bool follows_face = false;        ///< whether Z follows a height map or a bow
-  Eigen::Vector2d z_zero_mm{0, 0};  ///< where Z is then to be set to zero
-  std::vector<Finding> findings;    ///< of G-code: what a person should know of its depths on this sheet
+  Face face;                      ///< that Z follows, if it follows one, and where Z is then to be set to zero
+  std::vector<Finding> findings;  ///< of G-code: what a person should know of its depths on this sheet
 };
 
 /// Plans and writes `out` by its extension: .gcode, .nc, .ngc, .svg, .dxf or .csv (the

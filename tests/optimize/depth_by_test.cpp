@@ -216,7 +216,7 @@ TEST(DepthBy, AProbedFaceIsFollowedWithinATenthOfTheDepth) {
   for (const char* name : {"grbl", "linuxcnc", "marlin", "laser-z", "grbl-spring"}) {
     const MachineProfile machine = machine_profile(name);
     const ToolpathReport report = write_toolpath(s, board_200x100(), nullptr, machine, options, folder / "board.gcode");
-    EXPECT_TRUE(report.follows_face);
+    EXPECT_TRUE(report.face.followed());
     const std::string text = file_text(report.files.at(0));
     const double wanted = by_preload(machine.depth_by) ? 0.8 : 0.014;
     double worst = 0, lowest = 1, highest = -1;

@@ -17,8 +17,8 @@ using How = StageChange::How;
 using Condition = StageState::Condition;
 
 // What differs between what was and what is; what was kept counts as what was.
-void compare_files(const FileHashes& was, const FileHashes& kept, const FileHashes& now, Kind kind,
-                   std::vector<StageChange>& changes) {
+void compare_files(const Project& project, const FileHashes& was, const FileHashes& kept, const FileHashes& now,
+                   Kind kind, std::vector<StageChange>& changes) {
   for (const auto& [name, hash] : now) {
     const auto before = was.find(name);
     if (before != was.end() && before->second == hash) continue;
@@ -32,7 +32,7 @@ void compare_files(const FileHashes& was, const FileHashes& kept, const FileHash
   for (const auto& [name, hash] : was) {
     if (now.contains(name) || hash.empty()) continue;
     if (const auto settled = kept.find(name); settled != kept.end() && settled->second.empty()) continue;
-    changes.push_back({kind, How::gone, name, "", ""});
+    changes.push_back({kind, fs::exists(project.folder / name) ? How::unused : How::gone, name, "", ""});
   }
 }
 
@@ -121,12 +121,12 @@ StageState state_of(const LoopProject& loop, const StageOfRound& at, ContentHash
     state.condition = Condition::done;
   }
   const StageBasis basis = basis_now(loop, at, record);
-  compare_files(record.inputs, record.kept.inputs, hashes_of(loop.project, basis.files, hashes), Kind::input,
-                state.changes);
+  compare_files(loop.project, record.inputs, record.kept.inputs, hashes_of(loop.project, basis.files, hashes),
+                Kind::input, state.changes);
   compare_options(record, basis.options, state.changes);
   FileHashes left;
   for (const auto& [name, hash] : record.outputs) left[name] = hashes.of(loop.project.folder / name);
-  compare_files(record.outputs, record.kept.outputs, left, Kind::output, state.changes);
+  compare_files(loop.project, record.outputs, record.kept.outputs, left, Kind::output, state.changes);
   return state;
 }
 
@@ -177,9 +177,10 @@ std::string in_words(const std::vector<StageChange>& changes) {
     How how;
     const char *one, *several;
   };
-  constexpr std::array<Group, 6> kGroups{{{Kind::input, How::changed, "changed", "changed"},
+  constexpr std::array<Group, 7> kGroups{{{Kind::input, How::changed, "changed", "changed"},
                                           {Kind::input, How::added, "is new", "are new"},
                                           {Kind::input, How::gone, "is gone", "are gone"},
+                                          {Kind::input, How::unused, "is not used any more", "are not used any more"},
                                           {Kind::output, How::changed, "was changed by hand", "were changed by hand"},
                                           {Kind::output, How::added, "is new", "are new"},
                                           {Kind::output, How::gone, "is gone", "are gone"}}};

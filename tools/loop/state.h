@@ -15,7 +15,12 @@ namespace burin {
 /// One difference between what a stage was made from, or left, and what is there now.
 struct StageChange {
   enum class Kind { input, output, option };
-  enum class How { changed, gone, added };
+  enum class How {
+    changed,
+    gone,
+    added,
+    unused  ///< still there, but it would not be made from it any more
+  };
   Kind kind = Kind::input;
   How how = How::changed;
   std::string name;      ///< a path relative to the project, or an option
