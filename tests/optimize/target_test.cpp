@@ -72,11 +72,13 @@ TEST_F(TargetTest, CoverCropsAndContainShowsAll) {
   const Target contain = load_target(fit, 0, {50, 50}, 32, 32);
   EXPECT_EQ(contain.picture.at(16, 2), 0);
   // What is lost is said: half of the width, and of an eighth turn the corners.
-  EXPECT_THAT(cover.findings, ElementsAre(AllOf(HasSubstr("50 % of its width are cropped"), HasSubstr("contain"))));
+  EXPECT_THAT(
+      cover.findings,
+      ElementsAre(Field(&Finding::what, AllOf(HasSubstr("50 % of its width are cropped"), HasSubstr("contain")))));
   EXPECT_THAT(contain.findings, IsEmpty());
   EXPECT_THAT(load_target(corner_picture(), 0, {50, 50}, 32, 32).findings, IsEmpty());
   EXPECT_THAT(load_target(corner_picture(32, 40), 90, {40, 50}, 32, 40).findings,
-              ElementsAre(HasSubstr("36 % of its height are cropped")));
+              ElementsAre(Field(&Finding::what, HasSubstr("36 % of its height are cropped"))));
   EXPECT_NEAR(contain.picture.at(4, 12), regamma(0.9F), 0.01);
   EXPECT_NEAR(contain.picture.at(28, 12), regamma(0.2F), 0.01);
   EXPECT_EQ(contain.picture.at(16, 30), 0);
