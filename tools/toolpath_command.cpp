@@ -52,11 +52,8 @@ Scratches scratches_of(const Options& options, const Board& board, const Bench* 
 
 // The face that depths follow, as a person says.
 void set_face(const Options& options, ToolpathOptions& settings) {
-  if (options.follow_bow && options.bench.empty())
-    fail("--follow-bow", "needs the bench that measured the bow", "give --bench as well");
-  if (options.follow_bow && !options.heights.empty())
-    fail("--follow-bow", "and --heights both say how the face lies",
-         "keep --heights: it was probed as the sheet lies now");
+  if (options.follow_bow && options.bench.empty()) throw CLI::RequiresError("--follow-bow", "--bench");
+  if (options.follow_bow && !options.heights.empty()) throw CLI::ExcludesError("--follow-bow", "--heights");
   if (!options.heights.empty()) settings.heights = read_heights(options.heights);
   settings.follow_bow = options.follow_bow;
 }

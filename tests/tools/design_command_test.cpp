@@ -254,7 +254,7 @@ TEST_F(DesignCommand, WrongCommandLines) {
   EXPECT_EQ(design({"--time", "soon"}).exit_code, 2);
   EXPECT_EQ(design({"--start", "anywhere"}).exit_code, 2);
   EXPECT_EQ(run_burin(folder_, {"design", "bench/design.json"}).exit_code, 2);
-  expect_refusal(design({"--machine", "toaster"}, "none"), "toaster", "grbl, linuxcnc or marlin");
+  expect_refusal(design({"--machine", "toaster"}, "none"), "toaster", "linuxcnc, marlin or laser-z");
 }
 
 }  // namespace
