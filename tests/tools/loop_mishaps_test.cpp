@@ -251,6 +251,46 @@ TEST(LoopMishaps, EndAsAStraightRunDoes) {
   EXPECT_THAT(touched.out, ::testing::ContainsRegex("round-01/photos/n0_a.png  [0-9a-f]+  CHANGED"));
 }
 
+// The project's lamp is called otherwise than the workshop's, and somebody photographed from two places a few
+// millimeters apart: the loop asks which one was meant, with distances, and keeps the design's names.
+TEST(LoopMishaps, AsksWhichEyeItWasAndKeepsTheNamesOfTheDesign) {
+  const Person p;
+  nlohmann::ordered_json bench = read_json_file(p.project / "bench.json"),
+                         design = read_json_file(p.project / "design.json");
+  bench["lights"][0]["id"] = "ceiling";
+  for (auto& view : design["views"]) view["light"] = "ceiling";
+  std::ofstream(p.project / "bench.json") << bench;
+  std::ofstream(p.project / "design.json") << design;
+  Eigen::Matrix3d R;
+  Eigen::Vector3d t;
+  for (const auto& view : bench["views"])
+    if (view["view"] == "d0")
+      for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k) R(i, k) = view["T_camera_board"][i][k].get<double>();
+        t(i) = view["T_camera_board"][i][3].get<double>();
+      }
+  add_view_to_truth(p.folder, "twin", -R.transpose() * t + Eigen::Vector3d(4, 3, -2));
+
+  ASSERT_EQ(p.loop(kOptions).exit_code, 0);
+  std::vector<std::string> views = with_late(kFirstViews);
+  views.emplace_back("twin");
+  p.photograph("round-01", views);
+  const Outcome asked = p.loop();
+  EXPECT_EQ(asked.exit_code, 1) << asked.out;
+  EXPECT_THAT(asked.err, AllOf(HasSubstr("\"d0\""), HasSubstr("--view d0="), HasSubstr(" mm")));
+  EXPECT_FALSE(fs::exists(p.project / "round-02" / "scratches.csv"));
+  // The one that the question names first is as good as the other; what is said stays said.
+  const std::size_t at = asked.err.find("--view d0=") + 7;
+  const std::string answer = asked.err.substr(at, asked.err.find_first_of(" `,;)\n", at) - at);
+  const Outcome told = p.loop({"--view", answer});
+  ASSERT_EQ(told.exit_code, 0) << answer << told.out << told.err;
+  EXPECT_EQ(p.loop().exit_code, 0);
+  const nlohmann::ordered_json next = read_json_file(p.project / "round-02" / "design.json");
+  EXPECT_EQ(next["views"][0]["view"], "d0");
+  EXPECT_EQ(next["views"][0]["light"], "ceiling");
+  EXPECT_THAT(p.text("round-02/bench-before.json"), HasSubstr("\"ceiling\""));
+}
+
 TEST(LoopMishaps, ProjectOfBeforeThereWereRecordsIsAskedAbout) {
   const Person p;
   ASSERT_EQ(p.loop(kOptions).exit_code, 0);
