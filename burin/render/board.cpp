@@ -151,7 +151,7 @@ std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag) {
 
 namespace {
 
-const FamilyLayout& layout_of(const std::string& family, const std::string& where) {
+FamilyLayout layout_of(const std::string& family, const std::string& where) {
   for (const FamilyLayout& f : kFamilies)
     if (family == f.name) return f;
   std::string known;
@@ -188,7 +188,7 @@ bool apart(const std::array<Eigen::Vector2d, 4>& a, const std::array<Eigen::Vect
 // A tag whose print or border lies under another's print is not found, or found elsewhere.
 void fail_if_tags_overlap(const TagSet& tags, const std::string& where) {
   if (tags.list.size() < 2) return;
-  const FamilyLayout& family = layout_of(tags.family, where);
+  const FamilyLayout family = layout_of(tags.family, where);
   const double paper = static_cast<double>(family.total_modules) / family.border_modules,
                print = family.printed_to_edge() ? paper : 1;
   for (std::size_t i = 0; i < tags.list.size(); ++i)
@@ -208,7 +208,7 @@ void fail_if_tags_overlap(const TagSet& tags, const std::string& where) {
 }  // namespace
 
 KeepOut tag_paper(const Tag& tag, const std::string& family) {
-  const FamilyLayout& layout = layout_of(family, "tags");
+  const FamilyLayout layout = layout_of(family, "tags");
   const auto corners = corners_at(tag, static_cast<double>(layout.total_modules) / layout.border_modules);
   return {"tag " + std::to_string(tag.id), {corners.begin(), corners.end()}, {0, 0}, 0};
 }

@@ -23,7 +23,7 @@ std::string gcode_of(const LoopProject& loop, int round) {
   std::string first;
   int count = 0;
   for (const fs::path& file : outputs_of(loop, {round, StageKind::toolpath})) {
-    if (file.extension() != ".gcode") continue;
+    if (file.extension() != ".gcode" || file.stem().string().ends_with("-frame")) continue;
     if (count++ == 0) first = file.string();
   }
   if (first.empty()) return (loop.project.round(round) / "board.gcode").string();
@@ -124,7 +124,7 @@ std::string your_turn(const LoopProject& loop, int round) {
   for (std::string line; std::getline(places, line);) where += "       " + line + "\n";
   return fmt::format(
       "Your turn:\n"
-      "  1. Read {}, and carve {}.\n"
+      "  1. Read {}, run board-frame.gcode in the air, and carve {}.\n"
       "  2. Stick the tags of {} on it, and photograph it:\n{}"
       "     and from three places near the mirror direction, where the plain face shines, and from five or more "
       "further\n"

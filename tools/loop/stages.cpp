@@ -1,6 +1,7 @@
 #include "tools/loop/stages.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "burin/capture/exif.h"
 #include "burin/optimize/design_file.h"
@@ -150,6 +151,8 @@ void make_toolpath(const LoopProject& loop, int number) {
       words.push_back(heights.string());
     }
     words.insert(words.end(), options.begin(), options.end());
+    if (std::string_view(file).ends_with(".gcode") && !loop.options.toolpath.contains("frame"))
+      words.emplace_back("--frame");  // to be run in the air before anything is carved
     run_step(words);
   }
 }
