@@ -67,7 +67,7 @@ const auto& form_of(const Table& table, Enum value) {
 }
 
 template <typename Table>
-const auto& form_named(const Table& table, const JsonObject& json, const std::string& key, const std::string& name) {
+auto form_named(const Table& table, const JsonObject& json, const std::string& key, const std::string& name) {
   std::string known;
   for (const auto& form : table) {
     if (name == form.name) return form;
@@ -86,7 +86,7 @@ Json cause_json(const Cause& cause) {
 }
 
 Cause read_cause(JsonObject json) {
-  const CauseForm& form = form_named(kCauses, json, "cause", json.text("cause"));
+  const CauseForm form = form_named(kCauses, json, "cause", json.text("cause"));
   Cause cause;
   cause.kind = form.value;
   for (std::size_t i = 0; i < form.numbers.size() && form.numbers[i] != nullptr; ++i)
