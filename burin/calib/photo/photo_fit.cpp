@@ -1,9 +1,12 @@
 #include "burin/calib/photo/photo_fit.h"
 
 #include <ceres/ceres.h>
+#include <tbb/parallel_invoke.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <mutex>
@@ -62,34 +65,34 @@ class CarvedCache {
 // 1 numbers that have the same cost, gradient and Gauss-Newton matrix. So Ceres' memory does not grow with the pixels.
 // Derivatives take ten times as long as values, so they are kept while they hold (slopes_hold): a fit that starts
 // near its end takes them once.
+// Photos are looked at side by side before Ceres asks (PhotosAtOnce); Ceres then sums them in one order, by one thread.
 class PhotoCost : public ceres::CostFunction {
  public:
-  PhotoCost(const ModelData& model, const PhotoData& photo, CarvedCache& cache)
-      : model_(model), photo_(photo), cache_(cache) {
+  PhotoCost(const ModelData& model, const PhotoData& photo, CarvedCache& cache, std::vector<double*> blocks)
+      : model_(model), photo_(photo), cache_(cache), blocks_(std::move(blocks)) {
     for (const Block& block : kBlocks) mutable_parameter_block_sizes()->push_back(block.row->size);
     set_num_residuals(unknown::count + 1);
   }
 
-  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+  const std::vector<double*>& blocks() const { return blocks_; }
+
+  /// Residuals at what the blocks hold now and, unless `free` is null, their Jacobian by those unknowns.
+  void look(const FreeUnknowns* free_unknowns) {
     Unknowns x = Unknowns::Zero();  // cameras, bow and lens are held
-    FreeUnknowns free{};
     for (std::size_t b = 0; b < kBlocks.size(); ++b)
-      for (int i = 0; i < kBlocks[b].row->size; ++i) {
-        x[kBlocks[b].first + i] = parameters[b][i];
-        free[kBlocks[b].first + i] = jacobians != nullptr && jacobians[b] != nullptr;
-      }
+      for (int i = 0; i < kBlocks[b].row->size; ++i) x[kBlocks[b].first + i] = blocks_[b][i];
     const std::shared_ptr<const Carved> carved = cache_.get(model_, x);
-    Eigen::Map<Eigen::VectorXd> out(residuals, unknown::count + 1);
-    out.setZero();
+    residuals_ = Eigen::VectorXd::Zero(unknown::count + 1);
     // A step that is taken is asked for twice: for its cost, and with the Jacobian.
     if (light_.data.empty() || x != seen_at_) {
       light_ = seen_light(model_, photo_, x, *carved);
       seen_at_ = x;
     }
-    if (jacobians == nullptr) {
-      out[unknown::count] = std::sqrt(2 * photo_cost(model_, photo_, x, light_));
-      return out.allFinite();
+    if (free_unknowns == nullptr) {
+      residuals_[unknown::count] = std::sqrt(2 * photo_cost(model_, photo_, x, light_));
+      return;
     }
+    const FreeUnknowns& free = *free_unknowns;
     if (slopes_.free != free || !slopes_hold(model_, photo_, slopes_, x, light_))
       slopes_ = photo_slopes(model_, photo_, x, *carved, free);
     const PhotoEquations equations = photo_equations(model_, photo_, x, light_, slopes_);
@@ -99,29 +102,55 @@ class PhotoCost : public ceres::CostFunction {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(D_inverse.asDiagonal() * equations.JtJ *
                                                                D_inverse.asDiagonal());
     const Eigen::VectorXd S = eigen.eigenvalues().cwiseMax(0);
-    const Eigen::MatrixXd J = S.cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose() * D.asDiagonal();
+    J_ = S.cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose() * D.asDiagonal();
     Eigen::VectorXd r = eigen.eigenvectors().transpose() * (D_inverse.asDiagonal() * equations.Jtr);
     for (Eigen::Index i = 0; i < r.size(); ++i) r[i] = S[i] > 1e-13 ? r[i] / std::sqrt(S[i]) : 0;
-    out.head(unknown::count) = r;
-    out[unknown::count] = std::sqrt(std::max(0.0, 2 * equations.cost - r.squaredNorm()));
+    residuals_.head(unknown::count) = r;
+    residuals_[unknown::count] = std::sqrt(std::max(0.0, 2 * equations.cost - r.squaredNorm()));
+  }
+
+  bool Evaluate(double const* const* /*parameters*/, double* residuals, double** jacobians) const override {
+    Eigen::Map<Eigen::VectorXd>(residuals, unknown::count + 1) = residuals_;
+    if (jacobians == nullptr) return residuals_.allFinite();
     for (std::size_t b = 0; b < kBlocks.size(); ++b) {
       if (jacobians[b] == nullptr) continue;
       Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> block(
           jacobians[b], unknown::count + 1, kBlocks[b].row->size);
       block.setZero();
-      block.topRows(unknown::count) = J.middleCols(kBlocks[b].first, kBlocks[b].row->size);
+      block.topRows(unknown::count) = J_.middleCols(kBlocks[b].first, kBlocks[b].row->size);
     }
-    return out.allFinite() && J.allFinite();
+    return residuals_.allFinite() && J_.allFinite();
   }
 
  private:
   const ModelData& model_;
   const PhotoData& photo_;
   CarvedCache& cache_;
-  // Ceres asks for one evaluation of a block at a time.
-  mutable Unknowns seen_at_ = Unknowns::Zero();
-  mutable Image light_;  // at seen_at_
-  mutable PhotoSlopes slopes_;
+  std::vector<double*> blocks_;  // a parameter block each of kBlocks
+  Unknowns seen_at_ = Unknowns::Zero();
+  Image light_;  // at seen_at_
+  PhotoSlopes slopes_;
+  Eigen::VectorXd residuals_;
+  Eigen::MatrixXd J_;
+};
+
+// Looks at all photos whenever Ceres is about to ask for a state. Two at a time: while one sums its equations, on one
+// core, the other is rendered on all of them. More would take memory (a photo's slopes are 40 pictures) and little
+// time.
+class PhotosAtOnce : public ceres::EvaluationCallback {
+ public:
+  std::vector<PhotoCost*> photos;
+  std::vector<FreeUnknowns> free;  // a photo
+
+  void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
+    if (!evaluate_jacobians && !new_evaluation_point) return;
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+      for (std::size_t k = next++; k < photos.size(); k = next++)
+        tbb::this_task_arena::isolate([&] { photos[k]->look(evaluate_jacobians ? &free[k] : nullptr); });
+    };
+    tbb::parallel_invoke(work, work);
+  }
 };
 
 using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 3, 1>;
@@ -146,7 +175,8 @@ void add_prior(ceres::Problem& problem, const UnknownRow& row, double* block) {
 }
 
 // Photos and paper as Ceres' residual blocks. Returns the lamps that they were taken under.
-std::set<std::size_t> add_residuals(const Problem& data, CarvedCache& cache, State& state, ceres::Problem& problem) {
+std::set<std::size_t> add_residuals(const Problem& data, CarvedCache& cache, State& state, PhotosAtOnce& photos,
+                                    ceres::Problem& problem) {
   std::set<std::size_t> lights;
   for (const PhotoData& photo : data.photos) {
     const std::size_t light = photo.photo.light;
@@ -154,7 +184,9 @@ std::set<std::size_t> add_residuals(const Problem& data, CarvedCache& cache, Sta
     std::vector<double*> blocks;
     blocks.reserve(kBlocks.size());
     for (const Block& block : kBlocks) blocks.push_back(state.block(block.first, light));
-    problem.AddResidualBlock(new PhotoCost(data.model, photo, cache), nullptr, blocks);
+    auto* cost = new PhotoCost(data.model, photo, cache, blocks);
+    photos.photos.push_back(cost);
+    problem.AddResidualBlock(cost, nullptr, blocks);
   }
   for (const LightSample& sample : data.paper) {
     if (!lights.count(sample.light)) continue;
@@ -195,9 +227,18 @@ void hold_and_bound(const Problem& data, const Stage& stage, const std::set<std:
 double solve(const Problem& data, const Stage& stage, int max_iterations, double tolerance, State& state,
              const Progress& progress, const std::string& stage_name) {
   CarvedCache cache;
-  ceres::Problem problem;
-  const std::set<std::size_t> lights = add_residuals(data, cache, state, problem);
+  PhotosAtOnce photos;
+  ceres::Problem::Options problem_options;
+  problem_options.evaluation_callback = &photos;
+  ceres::Problem problem(problem_options);
+  const std::set<std::size_t> lights = add_residuals(data, cache, state, photos, problem);
   hold_and_bound(data, stage, lights, state, problem);
+  for (const PhotoCost* photo : photos.photos) {
+    FreeUnknowns& free = photos.free.emplace_back();
+    for (std::size_t b = 0; b < kBlocks.size(); ++b)
+      for (int i = 0; i < kBlocks[b].row->size; ++i)
+        free[kBlocks[b].first + i] = !problem.IsParameterBlockConstant(photo->blocks()[b]);
+  }
 
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
@@ -206,9 +247,7 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
   options.parameter_tolerance = 1e-7;
   options.initial_trust_region_radius = 1e5;
   options.logging_type = ceres::SILENT;
-  // Two photos at a time: while one sums its equations, on one core, the other is rendered on all of them. More would
-  // take memory (a photo's slopes are 40 pictures) and little time.
-  options.num_threads = 2;
+  options.num_threads = 1;  // sums in one order: the same bits in every run
   struct Report : ceres::IterationCallback {
     const Progress& progress;
     std::string stage;
