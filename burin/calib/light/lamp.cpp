@@ -1,12 +1,14 @@
 #include "burin/calib/light/lamp.h"
 
 #include <ceres/ceres.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -374,18 +376,20 @@ std::vector<Eigen::Vector3d> jackknife_sigma(const Data& data, const Fit& fit, c
                                              int groups, GroupOf group_of) {
   const std::size_t lamps = fit.blocks.lamps.size();
   std::vector<std::vector<Eigen::Vector3d>> places(lamps);
-  for (int g = 0; g < groups; ++g) {
+  std::vector<std::optional<Fit>> without(static_cast<std::size_t>(groups));
+  tbb::parallel_for(0, groups, [&](int g) {
     std::vector<LightSample> kept;
     for (const LightSample& sample : data.samples)
       if (group_of(sample) != g) kept.push_back(sample);
-    if (kept.size() == data.samples.size() || kept.empty()) continue;
+    if (kept.size() == data.samples.size() || kept.empty()) return;
     Data part = data;
-    part.samples = kept;
+    part.samples = std::move(kept);
     constexpr std::size_t kThin = 4;  // of the face, which has samples enough
-    const Fit without = run_fit(part, fit.blocks, spot, -1, kThin, true, 30, false);
-    if (!without.usable) continue;
-    for (std::size_t i = 0; i < lamps; ++i) places[i].push_back(Eigen::Vector3d::Map(without.blocks.lamps[i].position));
-  }
+    without[static_cast<std::size_t>(g)] = run_fit(part, fit.blocks, spot, -1, kThin, true, 30, false);
+  });
+  for (const std::optional<Fit>& f : without)
+    if (f && f->usable)
+      for (std::size_t i = 0; i < lamps; ++i) places[i].push_back(Eigen::Vector3d::Map(f->blocks.lamps[i].position));
   std::vector<Eigen::Vector3d> sigma(lamps, Eigen::Vector3d::Zero());
   for (std::size_t i = 0; i < lamps; ++i) {
     const auto n = static_cast<double>(places[i].size());
