@@ -261,8 +261,9 @@ std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Ben
     for (MatchTolerance& t : out) {
       if (t.view != name || t.light != light) continue;
       JsonObject tolerance = view.object("tolerance");
-      t.eye = read_place(tolerance.object("eye_mm"));
-      t.lamp = read_place(tolerance.object("lamp_mm"));
+      // A coarse picture tolerates much: no reason to take a far place for the designed one.
+      t.eye = smaller(t.eye, read_place(tolerance.object("eye_mm")));
+      t.lamp = smaller(t.lamp, read_place(tolerance.object("lamp_mm")));
     }
   }
   return out;

@@ -43,8 +43,8 @@ struct MatchTolerance {
 /// eight times as far in depth (docs/design.md, "Where one may stand").
 MatchTolerance default_tolerance(const DesignView& picture, const Bench& designed, const Board& board);
 
-/// One a picture of the design, from its design-report.json where that has them, else estimated. A report that is
-/// missing (or an empty path) is no error; a broken one throws Error.
+/// One a picture of the design: estimated and, where its design-report.json has one that is smaller, measured. A report
+/// that is missing (or an empty path) is no error; a broken one throws Error.
 std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
                                              const std::filesystem::path& design_report);
 

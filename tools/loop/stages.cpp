@@ -129,6 +129,10 @@ bool make_design(const LoopProject& loop, int number) {
                                  "--machine", machine_argument(loop.options, project.folder)};
   const std::vector<std::string> options = design_arguments(loop.options, project.folder);
   words.insert(words.end(), options.begin(), options.end());
+  // How far eye and lamp may stand aside: for the page before carving, and to know the photos that were taken from
+  // there.
+  if (!loop.options.design.contains("tolerance-mm") && !loop.options.design.contains("report-tolerance"))
+    words.emplace_back("--report-tolerance");
   run_step(words);
   const fs::path report = round / "design" / "design-report.json";
   const Json json = Json::parse(read_text(report), nullptr, false);
