@@ -14,10 +14,10 @@
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
-#include "burin/render/median.h"
 #include "tools/commands.h"
 #include "tools/plan_drawing.h"
 #include "tools/progress_bar.h"
+#include "tools/where_to_stand.h"
 
 namespace burin {
 namespace {
@@ -140,13 +140,11 @@ std::vector<DesignedPlace> designed_places(const DesignSpec& design, const Bench
 
 // The median distance of the designed eyes, or else of the bench's views; 0 where there are none.
 double focus_of(const std::vector<DesignedPlace>& designed, const Bench& bench, const Board& board) {
-  const Eigen::Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
-  std::vector<double> distances;
-  for (const DesignedPlace& place : designed) distances.push_back((place.center_mm - middle).norm());
+  std::vector<Eigen::Vector3d> eyes;
+  for (const DesignedPlace& place : designed) eyes.push_back(place.center_mm);
   if (designed.empty())
-    for (const View& view : bench.views)
-      distances.push_back((view.T_camera_board.inverse().translation() - middle).norm());
-  return distances.empty() ? 0 : median_of(std::move(distances));
+    for (const View& view : bench.views) eyes.push_back(view.T_camera_board.inverse().translation());
+  return focus_distance_mm(eyes, board);
 }
 
 // The lamps that were given, instead of the bench's.

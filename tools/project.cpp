@@ -15,4 +15,10 @@ int Project::rounds() const {
   return count;
 }
 
+int Project::measured() const {
+  int count = 0;
+  while (std::filesystem::exists(round(count + 1) / "bench.json")) ++count;
+  return count;
+}
+
 }  // namespace burin

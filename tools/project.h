@@ -12,7 +12,8 @@ struct Project {
   std::filesystem::path round(int number) const;  ///< round-01, round-02, ...
   /// What is known of the bench before that round: the nominal bench.json, or the one that the round before measured.
   std::filesystem::path bench_before(int number) const;
-  int rounds() const;  ///< how many round folders there are, counted from 1 without a gap
+  int rounds() const;    ///< how many round folders there are, counted from 1 without a gap
+  int measured() const;  ///< how many of them hold a measured bench.json, counted the same way
 };
 
 }  // namespace burin

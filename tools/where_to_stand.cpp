@@ -33,12 +33,10 @@ std::string seconds_text(double s) { return s < 0.3 ? fmt::format("1/{:.0f} s", 
 
 }  // namespace
 
-double focus_distance_mm(const DesignSpec& design, const Bench& bench, const Board& board) {
+double focus_distance_mm(const std::vector<Eigen::Vector3d>& eyes_mm, const Board& board) {
   std::vector<double> distances;
-  for (const DesignView& v : design.views)
-    distances.push_back(
-        (find_view(bench, v.view, "the design").T_camera_board.inverse().translation() - middle_of(board)).norm());
-  return median_of(std::move(distances));
+  for (const Eigen::Vector3d& eye : eyes_mm) distances.push_back((eye - middle_of(board)).norm());
+  return distances.empty() ? 0 : median_of(std::move(distances));
 }
 
 std::string where_to_stand(const DesignSpec& design, const Bench& bench, const Board& board,
@@ -54,10 +52,12 @@ std::string where_to_stand(const DesignSpec& design, const Bench& bench, const B
       exposures += fmt::format("{}about {} at f/8 and ISO 100 under \"{}\"", exposures.empty() ? "" : ", ",
                                seconds_text(s), light.id);
   }
+  std::vector<Eigen::Vector3d> eyes;
   double nearest = INFINITY, furthest = 0;
   for (std::size_t k = 0; k < design.views.size(); ++k) {
     const DesignView& v = design.views[k];
     const Eigen::Vector3d eye = find_view(bench, v.view, "the design").T_camera_board.inverse().translation();
+    eyes.push_back(eye);
     const CameraPlace place = camera_place_at(eye, board, 0);
     nearest = std::min(nearest, place.distance_mm);
     furthest = std::max(furthest, place.distance_mm);
@@ -71,7 +71,7 @@ std::string where_to_stand(const DesignSpec& design, const Bench& bench, const B
   }
   out +=
       fmt::format("focus: once, at {:.0f} mm, at f/8 or smaller; then leave focus and zoom as they are{}\n",
-                  focus_distance_mm(design, bench, board),
+                  focus_distance_mm(eyes, board),
                   furthest > 1.5 * nearest ? " (these views are at very different distances: some will be soft)" : "");
   out += "exposures of each place: the tags' white paper at 60 % of white" +
          (exposures.empty() ? "" : " (" + exposures + ")") +

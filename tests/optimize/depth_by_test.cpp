@@ -15,6 +15,7 @@
 #include "burin/optimize/toolpath.h"
 #include "burin/render/error.h"
 #include "burin/render/parameter_name.h"
+#include "tests/optimize/carving_bench.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -25,25 +26,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
 
-Board board_200x100() {
-  Board board;
-  board.size_mm = {200, 100};
-  board.carve_min_mm = {10, 10};
-  board.carve_max_mm = {190, 90};
-  board.material.depth_um = 14;
-  return board;
-}
-
-Scratches random_scratches(std::size_t count) {
-  std::mt19937 random(7);
-  std::uniform_real_distribution<double> x(35, 165), y(35, 65), step(-22, 22);
-  Scratches s;
-  for (std::size_t i = 0; i < count; ++i) {
-    s.x0_mm.push_back(x(random)), s.y0_mm.push_back(y(random));
-    s.x1_mm.push_back(s.x0_mm[i] + step(random)), s.y1_mm.push_back(s.y0_mm[i] + step(random));
-  }
-  return s;
-}
+Scratches some_scratches(std::size_t count) { return random_scratches(count, 7, {35, 35}, {165, 65}, 22); }
 
 MachineProfile profile(const TemporaryFolder& folder, const std::string& fields) {
   return read_machine_profile(folder.write("m.json", R"({"format": "burin/machine", "version": 1, )" + fields + "}"));
@@ -89,7 +72,7 @@ void walk(const std::string& gcode, const std::function<void(const Eigen::Vector
 
 TEST(DepthBy, EveryBuiltInMakesTheDepth) {
   const TemporaryFolder folder;
-  const Scratches s = random_scratches(60);
+  const Scratches s = some_scratches(60);
   const std::vector<std::pair<std::string, double>> machines{
       {"grbl", -0.014}, {"grbl-spring", -0.8}, {"linuxcnc", -0.014}, {"marlin", -0.014}, {"laser-z", -0.014}};
   EXPECT_EQ(built_in_machines(), "grbl, grbl-spring, linuxcnc, marlin or laser-z");
@@ -111,7 +94,7 @@ TEST(DepthBy, EveryBuiltInMakesTheDepth) {
 
 TEST(DepthBy, TablesOfASpringADragBitAndAServoAreInterpolated) {
   const TemporaryFolder folder;
-  Scratches s = random_scratches(3);
+  Scratches s = some_scratches(3);
   s.depth_um = {5, 7.5, 16};
   const auto written = [&](const MachineProfile& machine) {
     ToolpathOptions keep;
@@ -210,7 +193,7 @@ TEST(DepthBy, FaultsOfServosAndBeamsAreNamed) {
 
 TEST(DepthBy, AProbedFaceIsFollowedWithinATenthOfTheDepth) {
   const TemporaryFolder folder;
-  Scratches s = random_scratches(200);
+  Scratches s = some_scratches(200);
   ToolpathOptions options;
   options.heights = probed_sheet();
   for (const char* name : {"grbl", "linuxcnc", "marlin", "laser-z", "grbl-spring"}) {
@@ -241,7 +224,7 @@ TEST(DepthBy, AProbedFaceIsFollowedWithinATenthOfTheDepth) {
 }
 
 TEST(DepthBy, AFileThatDoesNotFollowIsFound) {
-  const Scratches s = random_scratches(40);
+  const Scratches s = some_scratches(40);
   const MachineProfile machine = machine_profile("grbl");
   ToolpathOptions options;
   options.heights = probed_sheet();
@@ -272,7 +255,7 @@ TEST(DepthBy, AFileThatDoesNotFollowIsFound) {
 
 TEST(DepthBy, WhatIsLeftAfterAnInterruptionFollowsToo) {
   const TemporaryFolder folder;
-  const Scratches s = random_scratches(40);
+  const Scratches s = some_scratches(40);
   const MachineProfile machine = machine_profile("grbl");
   ToolpathOptions options;
   options.heights = probed_sheet();
@@ -290,7 +273,7 @@ TEST(DepthBy, WhatIsLeftAfterAnInterruptionFollowsToo) {
 
 TEST(DepthBy, AMeasuredBowIsFollowedOnlyWhenAskedFor) {
   const TemporaryFolder folder;
-  const Scratches s = random_scratches(60);
+  const Scratches s = some_scratches(60);
   const Board board = board_200x100();
   Bench bench;
   bench.material = board.material;
@@ -321,7 +304,7 @@ TEST(DepthBy, AMeasuredBowIsFollowedOnlyWhenAskedFor) {
 }
 
 TEST(DepthBy, UnevenSheetsAreJudgedByHowTheDepthComesAbout) {
-  const Scratches s = random_scratches(5);
+  const Scratches s = some_scratches(5);
   Board board = board_200x100();
   const auto findings = [&](const char* name) {
     const MachineProfile machine = machine_profile(name);

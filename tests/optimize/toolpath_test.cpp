@@ -17,6 +17,7 @@
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/render/error.h"
 #include "burin/render/parameter_name.h"
+#include "tests/optimize/carving_bench.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -27,25 +28,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
 
-Board board_200x100() {
-  Board board;
-  board.size_mm = {200, 100};
-  board.carve_min_mm = {10, 10};
-  board.carve_max_mm = {190, 90};
-  board.material.depth_um = 14;
-  return board;
-}
-
-Scratches random_scratches(std::size_t count) {
-  std::mt19937 random(11);
-  std::uniform_real_distribution<double> x(15, 185), y(15, 85), step(-4, 4);
-  Scratches s;
-  for (std::size_t i = 0; i < count; ++i) {
-    s.x0_mm.push_back(x(random)), s.y0_mm.push_back(y(random));
-    s.x1_mm.push_back(s.x0_mm[i] + step(random)), s.y1_mm.push_back(s.y0_mm[i] + step(random));
-  }
-  return s;
-}
+Scratches some_scratches(std::size_t count) { return random_scratches(count, 11, {15, 15}, {185, 85}, 4); }
 
 Bench bench_with_machine(const Affine2& affine) {
   Bench bench;
@@ -74,7 +57,7 @@ double worst_mm(const Scratches& designed, const std::vector<CarvingStep>& order
 
 TEST(Toolpath, GcodeOfEveryMachineIsTheDesignReplayed) {
   const TemporaryFolder folder;
-  const Scratches s = random_scratches(500);
+  const Scratches s = some_scratches(500);
   for (const char* name : {"grbl", "linuxcnc", "marlin"}) {
     const MachineProfile machine = machine_profile(name);
     const auto file = folder / (std::string(name) + ".gcode");
@@ -103,7 +86,7 @@ TEST(Toolpath, GcodeOfEveryMachineIsTheDesignReplayed) {
 
 TEST(Toolpath, TheEstimateIsTheReplaysTime) {
   // Two independent sums: over planned scratches, and over the moves of the file.
-  const Scratches s = random_scratches(300);
+  const Scratches s = some_scratches(300);
   MachineProfile machine = machine_profile("grbl");
   machine.dwell_s = 0.25;
   const Toolpath path = plan_toolpath(s, board_200x100(), nullptr, machine);
@@ -119,7 +102,7 @@ TEST(Toolpath, TheEstimateIsTheReplaysTime) {
 
 TEST(Toolpath, SvgIsInMillimetresAndNotMirrored) {
   const TemporaryFolder folder;
-  const Scratches s = random_scratches(50);
+  const Scratches s = some_scratches(50);
   const ToolpathReport report =
       write_toolpath(s, board_200x100(), nullptr, machine_profile("grbl"), {}, folder / "b.svg");
   const std::string text = file_text(folder / "b.svg");
@@ -133,7 +116,7 @@ TEST(Toolpath, SvgIsInMillimetresAndNotMirrored) {
 
 TEST(Toolpath, DxfIsR12InMillimetresWithYUp) {
   const TemporaryFolder folder;
-  const Scratches s = random_scratches(50);
+  const Scratches s = some_scratches(50);
   const ToolpathReport report =
       write_toolpath(s, board_200x100(), nullptr, machine_profile("grbl"), {}, folder / "b.dxf");
   const std::string text = file_text(folder / "b.dxf");
@@ -158,7 +141,7 @@ TEST(Toolpath, DxfIsR12InMillimetresWithYUp) {
 TEST(Toolpath, AMachineWithAKnownFaultCarvesTheDesign) {
   Affine2 fault;
   fault << 1.004, 0.003, -0.4, -0.002, 0.997, 0.6;
-  const Scratches s = random_scratches(200);
+  const Scratches s = some_scratches(200);
   const Bench bench = bench_with_machine(fault);
   const MachineProfile machine = machine_profile("grbl");
   const Toolpath path = plan_toolpath(s, board_200x100(), &bench, machine);
@@ -176,7 +159,7 @@ TEST(Toolpath, AMachineWithAKnownFaultCarvesTheDesign) {
 }
 
 TEST(Toolpath, DepthsAreCommandsNotMeasurements) {
-  Scratches s = random_scratches(2);
+  Scratches s = some_scratches(2);
   const Board board = board_200x100();  // the machine was told 14 um
   Bench bench;
   bench.material.depth_um = 28;  // and made 28 of it
@@ -196,7 +179,7 @@ TEST(Toolpath, DepthsAreCommandsNotMeasurements) {
 
 TEST(Toolpath, PartsStartOnTheirOwnAndTogetherCarveAll) {
   const TemporaryFolder folder;
-  const Scratches s = random_scratches(900);
+  const Scratches s = some_scratches(900);
   MachineProfile machine = machine_profile("grbl");
   const auto write = [&](const ToolpathOptions& options) {
     return write_toolpath(s, board_200x100(), nullptr, machine, options, folder / "board.gcode");
@@ -238,7 +221,7 @@ TEST(Toolpath, OtherPeoplesFilesStay) {
   const TemporaryFolder folder;
   folder.write("board-07.gcode", "G21 G90\n");  // not ours: no first line that says so
   folder.write("board-old.gcode", "(Burin tool path)\n");
-  write_toolpath(random_scratches(5), board_200x100(), nullptr, machine_profile("grbl"), {}, folder / "board.gcode");
+  write_toolpath(some_scratches(5), board_200x100(), nullptr, machine_profile("grbl"), {}, folder / "board.gcode");
   EXPECT_EQ(folder.file_count(), 3u);
 }
 
@@ -250,7 +233,7 @@ TEST(Toolpath, WhatCannotBeCarvedIsNamed) {
                 ThrowsMessage<Error>(message));
     EXPECT_EQ(folder.file_count(), 0u);
   };
-  Scratches s = random_scratches(3);
+  Scratches s = some_scratches(3);
   expect(s, nullptr, "board.cnc", AllOf(HasSubstr(".cnc"), HasSubstr(".gcode")));
   expect(s, nullptr, "no/board.gcode", HasSubstr("no folder"));
   expect({}, nullptr, "board.gcode", HasSubstr("no scratch to carve"));
@@ -259,7 +242,7 @@ TEST(Toolpath, WhatCannotBeCarvedIsNamed) {
   s.x1_mm[1] = std::nan("");
   expect(s, nullptr, "board.gcode", AllOf(HasSubstr("row 2"), HasSubstr("not a number")));
 
-  s = random_scratches(3);
+  s = some_scratches(3);
   machine.travel = MachineBounds{{0, 0}, {200, 100}};
   Affine2 shift;
   shift << 1, 0, 60, 0, 1, 0;  // carves 60 mm too far right: some ends would have to be left of the machine's zero
@@ -270,17 +253,17 @@ TEST(Toolpath, WhatCannotBeCarvedIsNamed) {
 
   machine = machine_profile("grbl");
   machine.per_scratch = {"G0 X{x0} Y{y0}", "G1 Z{zcarve} F100"};
-  expect(random_scratches(3), nullptr, "board.gcode", AllOf(HasSubstr("{zcarve}"), HasSubstr("z_carve")));
+  expect(some_scratches(3), nullptr, "board.gcode", AllOf(HasSubstr("{zcarve}"), HasSubstr("z_carve")));
   machine.per_scratch = {"G0 X{x0} Y{y0}", "G1 Z{z_carve} F100", "G0 Z{z_safe}"};  // forgets to carve
-  expect(random_scratches(3), nullptr, "board.gcode", HasSubstr("3 scratches lost"));
+  expect(some_scratches(3), nullptr, "board.gcode", HasSubstr("3 scratches lost"));
   machine.per_scratch = {"G0 X{x0} Y{y0}", "G1 Z{z_carve} F100", "G0 X{x1} Y{y1}", "G0 Z{z_safe}"};
-  expect(random_scratches(3), nullptr, "board.gcode", HasSubstr("G0 through the metal"));
+  expect(some_scratches(3), nullptr, "board.gcode", HasSubstr("G0 through the metal"));
 }
 
 TEST(Toolpath, AHeadThatPressesInsteadOfPlunging) {
   MachineProfile machine = machine_profile("grbl");
   machine.per_scratch = {"G0 X{x0} Y{y0}", "M3 S{depth_um}", "G4 P{dwell_s}", "G1 X{x1} Y{y1} F{feed}", "M5"};
-  const Toolpath path = plan_toolpath(random_scratches(10), board_200x100(), nullptr, machine);
+  const Toolpath path = plan_toolpath(some_scratches(10), board_200x100(), nullptr, machine);
   const Replay replay = replay_gcode(gcode_parts(path, machine)[0].text, machine, "x");
   EXPECT_TRUE(std::isnan(replay.scratches.at(0).depth_mm));  // the file does not tell
   EXPECT_TRUE(check_toolpath(replay.scratches, path.scratches, 1e-3).good());
@@ -288,7 +271,7 @@ TEST(Toolpath, AHeadThatPressesInsteadOfPlunging) {
 
 TEST(Toolpath, WhatAnInterruptedFileLeftIsCarvedOnce) {
   const TemporaryFolder folder;
-  const Scratches s = random_scratches(60);
+  const Scratches s = some_scratches(60);
   Bench bench = bench_with_machine((Affine2() << 1.001, 0.002, 0.3, -0.001, 0.999, -0.2).finished());
   std::mt19937 random(3);
   for (const char* name : {"grbl", "marlin"}) {
@@ -342,7 +325,7 @@ TEST(Toolpath, WhatAnInterruptedFileLeftIsCarvedOnce) {
 
 TEST(Toolpath, InterruptionsThatLeaveNothingToDoAreRefused) {
   const TemporaryFolder folder;
-  const Scratches s = random_scratches(20);
+  const Scratches s = some_scratches(20);
   const MachineProfile machine = machine_profile("grbl");
   const auto file = folder / "board.gcode";
   write_toolpath(s, board_200x100(), nullptr, machine, {}, file);
@@ -365,7 +348,7 @@ TEST(Toolpath, InterruptionsThatLeaveNothingToDoAreRefused) {
 
 TEST(Toolpath, KeepsTheOrderWhereTheBenchSaysThatItShows) {
   const Board board = board_200x100();
-  const Scratches s = random_scratches(200);
+  const Scratches s = some_scratches(200);
   const MachineProfile machine = machine_profile("grbl");
   const auto kept = [&](const Bench& bench, std::optional<bool> keep = {}) {
     ToolpathOptions options;
@@ -394,7 +377,7 @@ TEST(Toolpath, KeepsTheOrderWhereTheBenchSaysThatItShows) {
 TEST(Toolpath, WhatIsSentKeepsItsColumnsInCarvingOrder) {
   const TemporaryFolder folder;
   const Board board = board_200x100();
-  Scratches s = random_scratches(30);
+  Scratches s = some_scratches(30);
   for (std::size_t i = 0; i < s.size(); ++i) {
     s.depth_um.push_back(10 + 0.1 * static_cast<double>(i));
     s.alpha.push_back(0.03 + 0.001 * static_cast<double>(i));

@@ -51,6 +51,16 @@ TEST(CommandLine, WordsThatAreToBePastedSurviveAShell) {
   EXPECT_EQ(shell_word("bench/session.json"), "bench/session.json") << "no quotes where none are needed";
 }
 
+// The command that a run named last, as a person would paste it.
+void paste_next(const TemporaryFolder& folder, const std::string& out) {
+  const auto at = out.rfind("next: burin ");
+  ASSERT_NE(at, std::string::npos) << out;
+  const std::string next = out.substr(at + std::string("next: burin ").size());
+  const Outcome pasted = run_shell(folder, "cd " + quoted(folder.path().string()) + " && " + quoted(places::program()) +
+                                               " " + next.substr(0, next.find('\n')));
+  EXPECT_EQ(pasted.exit_code, 0) << next << pasted.err;
+}
+
 TEST(CommandLine, TheNextCommandCanBePastedAsItStands) {
   const TemporaryFolder folder;
   std::filesystem::copy(places::source() + "/samples/small-bench", folder / "my bench",
@@ -59,12 +69,7 @@ TEST(CommandLine, TheNextCommandCanBePastedAsItStands) {
   const Outcome run = run_burin(folder, {"simulate", "my bench/truth.json", "--scratches", "scratches.csv", "--views",
                                          "d0", "d1", "c3", "--samples", "1", "--out", "its photos"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto at = run.out.rfind("next: burin ");
-  ASSERT_NE(at, std::string::npos) << run.out;
-  const std::string next = run.out.substr(at + std::string("next: burin ").size());
-  const Outcome pasted = run_shell(folder, "cd " + quoted(folder.path().string()) + " && " + quoted(places::program()) +
-                                               " " + next.substr(0, next.find('\n')));
-  EXPECT_EQ(pasted.exit_code, 0) << next << pasted.err;
+  paste_next(folder, run.out);
   EXPECT_TRUE(std::filesystem::exists(folder / "its photos" / "session.json"));
 }
 
@@ -75,12 +80,7 @@ TEST(CommandLine, TheToolPathThatADesignNamesCanBePasted) {
   const Outcome run = run_burin(folder, {"design", "my bench/design.json", "--scratches", "40", "--pixels", "32",
                                          "--iterations", "1", "--out", "its design"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const auto at = run.out.rfind("next: burin ");
-  ASSERT_NE(at, std::string::npos) << run.out;
-  const std::string next = run.out.substr(at + std::string("next: burin ").size());
-  const Outcome pasted = run_shell(folder, "cd " + quoted(folder.path().string()) + " && " + quoted(places::program()) +
-                                               " " + next.substr(0, next.find('\n')));
-  EXPECT_EQ(pasted.exit_code, 0) << next << pasted.err;
+  paste_next(folder, run.out);
   EXPECT_TRUE(std::filesystem::exists(folder / "its design" / "board.gcode"));
 }
 

@@ -18,6 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const std::string kUsualMachine = "grbl";
+
 using AddOptions = std::shared_ptr<void> (*)(CLI::App&);
 
 fs::path options_file(const fs::path& project) { return project / "loop.toml"; }
@@ -218,7 +220,7 @@ LoopOptions remember_options(const LoopCommandLine& said, const fs::path& projec
 }
 
 std::string machine_argument(const LoopOptions& options, const fs::path& project) {
-  if (options.machine.empty()) return "grbl";
+  if (options.machine.empty()) return kUsualMachine;
   if (!is_file_name(options.machine, project)) return options.machine;
   return resolve_path(options_file(project), options.machine).string();
 }
@@ -240,13 +242,13 @@ std::vector<fs::path> toolpath_option_files(const LoopOptions& options, const fs
 }
 
 OptionTexts option_texts(const LoopOptions& options, const CommandOptions& command) {
-  OptionTexts texts{{"machine", options.machine.empty() ? "grbl" : options.machine}};
+  OptionTexts texts{{"machine", options.machine.empty() ? kUsualMachine : options.machine}};
   for (const auto& [name, values] : command) texts[name] = values.empty() ? "yes" : joined_texts(values);
   return texts;
 }
 
 std::string in_words(const LoopOptions& options) {
-  std::string words = "for " + (options.machine.empty() ? "grbl" : options.machine);
+  std::string words = "for " + (options.machine.empty() ? kUsualMachine : options.machine);
   for (const auto& [command, of] : {std::pair{"design", &options.design}, std::pair{"toolpath", &options.toolpath}}) {
     std::string list;
     for (const auto& [name, values] : *of)

@@ -29,9 +29,7 @@ void write_round_design(const Project& project, int number, const fs::path& file
 void remember_names(const Project& project, const std::vector<std::string>& views,
                     const std::vector<std::string>& lamps) {
   if (views.empty() && lamps.empty()) return;
-  int measured = 0;
-  for (int round = 1; round <= project.rounds(); ++round)
-    if (fs::exists(project.round(round) / "bench.json")) measured = round;
+  const int measured = project.measured();
   if (measured == 0)
     fail(views.empty() ? "--lamp" : "--view", "says which photo is which, and no board of this project is measured yet",
          "leave it out until the loop asks for it");

@@ -146,16 +146,22 @@ void make_toolpath(const LoopProject& loop, int number) {
   const fs::path round = project.round(number);
   const std::vector<std::string> options = toolpath_arguments(loop.options, project.folder);
   for (const char* file : {"board.svg", "board.gcode"}) {
-    std::vector<std::string> words{
-        "toolpath", (round / "scratches.csv").string(),    "--board",   (project.folder / "board.json").string(),
-        "--bench",  project.bench_before(number).string(), "--machine", machine_argument(loop.options, project.folder),
-        "--sent",   (round / "sent.csv").string(),         "--out",     (round / file).string()};
+    std::vector<std::string> words{"toolpath",  (round / "scratches.csv").string(),
+                                   "--board",   (project.folder / "board.json").string(),
+                                   "--bench",   project.bench_before(number).string(),
+                                   "--machine", machine_argument(loop.options, project.folder),
+                                   "--out",     (round / file).string()};
+    const bool gcode = std::string_view(file).ends_with(".gcode");
+    if (gcode) {
+      words.emplace_back("--sent");
+      words.push_back((round / "sent.csv").string());
+    }
     if (const fs::path heights = heights_of(project, number); !heights.empty()) {
       words.emplace_back("--heights");
       words.push_back(heights.string());
     }
     words.insert(words.end(), options.begin(), options.end());
-    if (std::string_view(file).ends_with(".gcode") && !loop.options.toolpath.contains("frame"))
+    if (gcode && !loop.options.toolpath.contains("frame"))
       words.emplace_back("--frame");  // to be run in the air before anything is carved
     run_step(words);
   }

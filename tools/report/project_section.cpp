@@ -255,7 +255,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   in.count = in.project.rounds();
   while (in.count > 0 && !fs::exists(in.project.round(in.count) / "scratches.csv")) --in.count;  // not designed yet
   if (in.count == 0 || !fs::exists(folder / "design.json")) return std::nullopt;
-  while (in.measured < in.count && fs::exists(in.project.round(in.measured + 1) / "bench.json")) ++in.measured;
+  in.measured = std::min(in.count, in.project.measured());
   in.spec = read_design(folder / "design.json");
   in.board = read_board(in.spec.board);
   in.nominal = read_bench(in.spec.bench);

@@ -45,11 +45,7 @@ Work begin(const CarveCheckInput& input) {
     work.bench = *input.bench;
   else
     work.bench.material = input.board.material;
-  Face& face = work.told.face;
-  face.map = input.heights;
-  face.carves = work.bench.machine_affine;
-  if (input.follow_bow) face.bow = Surface{input.board.size_mm, work.bench.bow_mm};
-  face.zero_mm = face.map ? face.map->zero_mm : input.board.carve_min_mm;
+  work.told.face = face_to_follow(input.board, work.bench, input.heights, input.follow_bow);
   return work;
 }
 
@@ -141,9 +137,7 @@ void carve_them(const Work& work, CarveCheck& check) {
   Bench bench = work.bench;
   bench.crossings = Crossings::add;  // whole grooves, a row each
   // What nobody measured is what the machine is told.
-  const Verdict* verdict = find_verdict(bench, parameter::kDepth);
-  if (!bench.material_sigma.depth_um || (verdict != nullptr && !verdict->determined()))
-    bench.material.depth_um = work.input.board.material.depth_um;
+  if (!depth_is_measured(bench)) bench.material.depth_um = work.input.board.material.depth_um;
   check.carved = carve(Sent(std::move(sent)), bench, work.input.board).scratches;
   const DepthRange told = depth_range(work.told);
   check.least_depth_um = 1e3 * told.least_mm;
@@ -238,17 +232,12 @@ void judge_frame(const Work& work, CarveCheck& check) {
                               "make the frame again (burin toolpath --frame)"});
 }
 
-GlintView glint_view(const DesignView& v, const Bench& bench) {
-  return {v.view, find_view(bench, v.view, "design").T_camera_board.inverse().translation(),
-          find_light(bench, v.light, "design").position_mm};
-}
-
 // Beyond the cut-off: a scratch runs for the view for which it glints most; is its wall steep enough for that view?
 void judge_glints(const Work& work, CarveCheck& check) {
   if (!work.input.design || check.carved.size() == 0) return;
   std::vector<GlintView> views;
   for (const DesignView& v : work.input.design->views) {
-    views.push_back(glint_view(v, work.bench));
+    views.push_back(glint_of(v, work.bench));
     check.views.push_back({v.view, v.light});
   }
   std::vector<std::size_t> dark(views.size(), 0);
@@ -277,9 +266,7 @@ void judge_glints(const Work& work, CarveCheck& check) {
     if (view.scratches == 0) continue;
     view.dark = static_cast<double>(dark[k]) / static_cast<double>(view.scratches);
     if (view.dark < kNoticed) continue;
-    // The depth whose steepest normal reaches the largest lean (docs/model.md 2.2).
-    const double rim = std::tan(most_lean[k] / 2);
-    const double depth_um = -work.input.board.tool_width_um / 2 * std::log1p(-std::min(0.99, rim * rim));
+    const double depth_um = depth_for_lean_um(most_lean[k], work.input.board.tool_width_um);
     add(check, view.dark > kSpoiled ? Severity::error : Severity::warning,
         "view " + view.view + ": " + fixed(100 * view.dark, 0) + " % of its " + std::to_string(view.scratches) +
             " scratches lie beyond the cut-off: their walls are not steep enough to glint there",
@@ -294,8 +281,6 @@ CarveCheck check_carve(const CarveCheckInput& input) {
   if (input.files.empty()) fail("carve check", "there is no G-code to look at", "make it first (burin toolpath)");
   CarveCheck check;
   Work work = begin(input);
-  if (input.follow_bow && work.bench.bow_mm.isZero())
-    fail("carve check", "there is no measured bow to follow", "give the bench.json that photos of this sheet measured");
   replay_files(work, check);
   if (work.told.scratches.empty()) {
     if (check.good()) add(check, Severity::error, "these files carve nothing", "give the files with the scratches");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/parameter_name.h"
 #include "burin/render/surface.h"
@@ -15,19 +16,12 @@ constexpr double kSpoiled = 0.5, kNoticed = 0.1;  // of the depth
 
 std::string um(double mm) { return significant(1e3 * mm, 2) + " um"; }
 
-bool depth_is_measured(const Bench* bench) {
-  if (bench == nullptr || !bench->material_sigma.depth_um) return false;
-  const Verdict* verdict = find_verdict(*bench, parameter::kDepth);
-  return verdict == nullptr || verdict->determined();
-}
-
 const char* remedy(const MachineProfile& machine) {
   return machine.dialect == GcodeDialect::marlin
              ? "use a tool that is pressed by a spring (a profile with \"depth_by\": \"spring\")"
              : "probe the sheet as it lies on the machine (burin probe write) and give --heights, use a tool that is "
                "pressed by a spring (--machine grbl-spring, or \"depth_by\" in a profile), or, where it is the very "
-               "sheet "
-               "that was photographed and lies as it lay then, --follow-bow";
+               "sheet that was photographed and lies as it lay then, --follow-bow";
 }
 
 void add(std::vector<Finding>& findings, Finding::Severity severity, std::string what, std::string remedy) {
@@ -87,6 +81,25 @@ std::optional<Unevenness> known_unevenness(const Board& board, const Bench* meas
   return out;
 }
 
+bool depth_is_measured(const Bench& bench) {
+  if (!bench.material_sigma.depth_um) return false;
+  const Verdict* verdict = find_verdict(bench, parameter::kDepth);
+  return verdict == nullptr || verdict->determined();
+}
+
+Face face_to_follow(const Board& board, const Bench& bench, const std::optional<HeightMap>& heights, bool follow_bow) {
+  Face face;
+  face.map = heights;
+  face.carves = bench.machine_affine;
+  if (follow_bow) {
+    if (bench.bow_mm.isZero())
+      fail("tool path", "there is no measured bow to follow", "give the bench.json that photos of this sheet measured");
+    face.bow = Surface{board.size_mm, bench.bow_mm};
+  }
+  face.zero_mm = face.map ? face.map->zero_mm : board.carve_min_mm;
+  return face;
+}
+
 DepthRange depth_range(const Toolpath& path) {
   DepthRange range{std::numeric_limits<double>::infinity(), 0};
   for (const PlannedScratch& s : path.scratches) {
@@ -114,7 +127,7 @@ std::vector<Finding> sheet_findings(const Toolpath& path, const Board& board, co
         "coordinates with " + std::to_string(machine.decimals) + " decimals round a depth of " + um(depth.least_mm) +
             " by up to " + um(rounding_mm),
         "write more decimals (--decimals, or the profile's)");
-  if (machine.depth_table.assumed && depth_is_measured(measured))
+  if (machine.depth_table.assumed && measured != nullptr && depth_is_measured(*measured))
     add(findings, Finding::Severity::note,
         "of " + significant(board.material.depth_um, 3) + " um as the guessed table of " + machine.name +
             " has them, photos measured " + significant(measured->material.depth_um, 3) + " um",

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/optimize/carving/face.h"
 #include "burin/optimize/carving/planned_path.h"
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/bench.h"
@@ -21,6 +22,13 @@ struct Unevenness {
 
 /// A person's number or the measured bow, whichever is more; nothing where nobody knows. `measured` may be null.
 std::optional<Unevenness> known_unevenness(const Board& board, const Bench* measured);
+
+/// Whether photos told how deep this bench's grooves are: if not, the machine is told what it was told before.
+bool depth_is_measured(const Bench& bench);
+
+/// The face that depths are to follow: the probed one, or the bow that photos measured; even where neither is asked
+/// for. Throws Error for a bow that nobody measured.
+Face face_to_follow(const Board& board, const Bench& bench, const std::optional<HeightMap>& heights, bool follow_bow);
 
 /// Depths that the path wants, mm.
 struct DepthRange {

@@ -7,6 +7,7 @@
 
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/carving/ends.h"
+#include "burin/optimize/carving/sheet.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
@@ -23,9 +24,7 @@ std::string point_text(const Eigen::Vector2d& p) { return "(" + fixed(p.x(), 3) 
 Sent sent_to(const Scratches& scratches, const Board& board, const Bench* measured) {
   if (measured == nullptr) return Sent(scratches);
   Bench bench = *measured;
-  const Verdict* verdict = find_verdict(bench, parameter::kDepth);
-  if (!bench.material_sigma.depth_um || (verdict != nullptr && !verdict->determined()))
-    bench.material.depth_um = board.material.depth_um;
+  if (!depth_is_measured(bench)) bench.material.depth_um = board.material.depth_um;
   return compensated(Designed(scratches), bench, board);
 }
 
@@ -75,20 +74,6 @@ void check_travel(const Scratches& sent, const MachineProfile& machine, bool com
   }
 }
 
-// The face that depths are to follow, as the options say.
-Face face_of(const Board& board, const Bench* measured, const ToolpathOptions& options, const Affine2& carves) {
-  Face face;
-  face.map = options.heights;
-  face.carves = carves;
-  if (options.follow_bow) {
-    if (measured == nullptr || measured->bow_mm.isZero())
-      fail("tool path", "there is no measured bow to follow", "give the bench.json that photos of this sheet measured");
-    face.bow = Surface{board.size_mm, measured->bow_mm};
-  }
-  face.zero_mm = face.map ? face.map->zero_mm : board.carve_min_mm;
-  return face;
-}
-
 // A map tells nothing of the face far beyond its points.
 void check_within(const HeightMap& map, const PlannedScratch& s) {
   for (const Eigen::Vector2d& p : {s.from_mm, s.to_mm})
@@ -129,7 +114,7 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
   if (scratches.size() == 0) fail("tool path", "there is no scratch to carve", "design some first");
   const CarvingLimits limits = toolpath_limits(board, measured, machine);
   Toolpath path;
-  path.face = face_of(board, measured, options, limits.affine);
+  path.face = face_to_follow(board, measured != nullptr ? *measured : Bench{}, options.heights, options.follow_bow);
   path.compensated = !limits.affine.isApprox(CarvingLimits().affine, 1e-12);
   const auto [sent, carved] =
       told_to_machine(scratches, sent_to(scratches, board, measured), limits.affine, machine.limits.step_mm, path);

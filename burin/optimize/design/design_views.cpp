@@ -24,11 +24,6 @@ std::pair<int, int> grid_size(const Board& board, int pixels) {
           std::max(1, static_cast<int>(std::lround(pixels * area.y() / longer)))};
 }
 
-GlintView glint_of(const DesignView& v, const Bench& bench) {
-  return {v.view, find_view(bench, v.view, "design").T_camera_board.inverse().translation(),
-          find_light(bench, v.light, "design").position_mm};
-}
-
 // 1 where a groove's middle may lie, 0 on keep-outs and tags; no pixels if all is free.
 Image carvable(const CarvingLimits& limits, double clearance_mm, int width, int height) {
   Image mask;

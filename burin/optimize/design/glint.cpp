@@ -68,6 +68,11 @@ Reached reached_over(const GlintView& view, const Eigen::Vector2d& min_mm, const
 
 double Lean::scratch_direction() const { return azimuth + kPiHalf; }
 
+GlintView glint_of(const DesignView& view, const Bench& bench) {
+  return {view.view, find_view(bench, view.view, "design").T_camera_board.inverse().translation(),
+          find_light(bench, view.light, "design").position_mm};
+}
+
 Lean lean_at(const GlintView& view, const Eigen::Vector3d& p_mm) {
   const Eigen::Vector3d h = ((view.light_mm - p_mm).normalized() + (view.camera_mm - p_mm).normalized()).normalized();
   return {std::atan2(std::hypot(h.x(), h.y()), h.z()), std::atan2(h.y(), h.x())};
@@ -88,6 +93,11 @@ double reach(double lean, double steepest, double alpha) {
   return 0.5 + (std::atan(x) + x / (1 + x * x)) / std::numbers::pi;
 }
 
+double depth_for_lean_um(double lean, double width_um) {
+  const double rim = std::tan(lean / 2);
+  return -width_um / 2 * std::log1p(-std::min(0.99, rim * rim));
+}
+
 std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
                                   const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at) {
   constexpr double kNoGlint = 0.02;  // of the lobe: what is left 2 alpha beyond the cut-off
@@ -104,9 +114,7 @@ std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eig
     const Reached reached = reached_over(view, min_mm, max_mm, width_um, groove_at);
     const Lean lean = lean_at(view, {center.x(), center.y(), 0});
     middle.push_back(lean);
-    // The depth whose steepest normal reaches the largest lean: T = tan(most / 2) in docs/model.md 2.2.
-    const double rim = std::tan(reached.most_lean / 2);
-    const std::string remedy = "carve at least " + number(-width_um / 2 * std::log1p(-std::min(0.99, rim * rim))) +
+    const std::string remedy = "carve at least " + number(depth_for_lean_um(reached.most_lean, width_um)) +
                                " um deep with this cutter, or bring lamp and eye closer to the mirror direction until "
                                "the half vector leans less than " +
                                degrees(reached.shallowest) + " degrees";

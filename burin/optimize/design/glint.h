@@ -16,6 +16,8 @@
 #include <string>
 #include <vector>
 
+#include "burin/optimize/design_file.h"
+#include "burin/render/bench.h"
 #include "burin/render/finding.h"
 
 namespace burin {
@@ -25,6 +27,8 @@ struct GlintView {
   std::string name;
   Eigen::Vector3d camera_mm{0, 0, 0}, light_mm{0, 0, 0};
 };
+/// Those of a design on a bench. Throws Error for a view or lamp that the bench lacks.
+GlintView glint_of(const DesignView& view, const Bench& bench);
 
 /// h at a point, seen as an angle from the board's normal and the direction of its shadow.
 struct Lean {
@@ -42,6 +46,10 @@ double turn_for(double lean, double part, double alpha);
 
 /// Part of the lobe that a groove of steepest slope `steepest` (2 atan(T)) holds, 0..1.
 double reach(double lean, double steepest, double alpha);
+
+/// The depth, um, whose steepest normal leans that far: T = tan(lean / 2), docs/model.md 2.2 and 2.4. At most what
+/// T^2 = 0.99 asks for.
+double depth_for_lean_um(double lean, double width_um);
 
 /// Of the groove that a scratch of a board becomes at a place.
 struct GrooveShape {
