@@ -34,5 +34,5 @@ std::string_view @name@(std::string_view file);
                      DEPENDS ${sources} ${CMAKE_CURRENT_FUNCTION_LIST_DIR}/write_embedded.cmake
                      COMMENT "Embedding ${name}" VERBATIM)
   target_sources(${target} PRIVATE ${folder}/${name}.cpp)
-  target_include_directories(${target} PUBLIC ${CMAKE_CURRENT_BINARY_DIR})
+  target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR})
 endfunction()
