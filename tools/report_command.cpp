@@ -36,9 +36,10 @@ void add_report_command(CLI::App& burin) {
     std::optional<Section> rerun;
     if (!options->before.empty())
       rerun = rerun_section({options->before, options->folder, options->under, options->board}, bar.progress());
-    const std::string outcome = write_report(options->folder, options->session, rerun, bar.progress());
+    const WrittenReport report = write_report(options->folder, options->session, rerun, bar.progress());
     bar.clear();
-    fmt::print("{}\nWrote {}; open it in a browser.\n", outcome, (options->folder / "report.html").string());
+    fmt::print("{}\nWrote {} ({:.1f} MB); open it in a browser.\n", report.told, report.page.string(),
+               static_cast<double>(report.bytes) / 1e6);
   });
 }
 

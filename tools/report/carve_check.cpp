@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <set>
 
@@ -14,6 +15,7 @@
 #include "burin/render/files/svg.h"
 #include "burin/render/image.h"
 #include "tools/report/html.h"
+#include "tools/report/pictures.h"
 
 namespace burin {
 namespace {
@@ -21,7 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using Severity = Finding::Severity;
 
-constexpr double kRecognizable_db = 20;  // as the report says of designs
 constexpr int kPictureSidePx = 360;
 
 std::size_t count_of(const CarveCheck& check, Severity severity) {
@@ -31,13 +32,6 @@ std::size_t count_of(const CarveCheck& check, Severity severity) {
 
 std::string plural(std::size_t count, const std::string& what) {
   return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
-std::string list_of(const CarveCheck& check, Severity severity, const char* style) {
-  std::string items;
-  for (const Finding& f : check.findings)
-    if (f.severity == severity) items += fmt::format("<li{}>{}</li>\n", style, html(sentence(f)));
-  return items.empty() ? "" : "<ul>\n" + items + "</ul>\n";
 }
 
 // A file in words: its part of the job, the frame, or one that no machine could follow.
@@ -116,10 +110,17 @@ std::string sheet_drawing(const CarveCheck& check, const Board& board) {
       "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"5\" fill=\"none\" stroke=\"#1f5f8b\" "
       "stroke-width=\"2\"/>\n",
       at({0, 0}).x() + 6, at({0, 0}).y() - 6);
-  return svg_drawing({kWidth, board.size_mm.y() * scale}, "class=\"chart\" role=\"img\" aria-label=\"the sheet\"",
-                     out) +
+  return "<div class=\"sheet\">" +
+         svg_drawing(
+             {kWidth, board.size_mm.y() * scale},
+             fmt::format("role=\"img\" aria-label=\"The sheet, {:.0f} by {:.0f} mm, with its tags, its carve area "
+                         "and {}{}\"",
+                         board.size_mm.x(), board.size_mm.y(), counted(static_cast<long long>(s.size()), "scratch"),
+                         check.red.empty() ? "" : ", in red those that must not be carved"),
+             out) +
          fmt::format(
-             "<p class=\"soft\">The sheet, {:.0f} x {:.0f} mm, lower left corner (work zero) ringed in blue; gray: "
+             "</div>\n<p class=\"soft\">The sheet, {:.0f} x {:.0f} mm, lower left corner (work zero) ringed in blue; "
+             "gray: "
              "tags and keep-outs; dashed: the carve area{}{}.</p>\n",
              board.size_mm.x(), board.size_mm.y(), every > 1 ? fmt::format("; one scratch in {} is drawn", every) : "",
              check.red.empty() ? "" : "; red: what must not be carved");
@@ -127,17 +128,9 @@ std::string sheet_drawing(const CarveCheck& check, const Board& board) {
 
 // What the design promised, from its own report. Nothing where there is none.
 struct Promise {
-  std::string pictures, mind;  ///< HTML
+  std::string pictures;  ///< HTML
   std::vector<Finding> findings;
 };
-
-Image picture(const fs::path& file) {
-  Image image = read_picture(file);
-  const int longer = std::max(image.width, image.height);
-  if (longer <= kPictureSidePx) return image;
-  return resized(image, std::max(1, image.width * kPictureSidePx / longer),
-                 std::max(1, image.height * kPictureSidePx / longer));
-}
 
 Promise promise_of(const fs::path& folder) {
   Promise out;
@@ -145,14 +138,19 @@ Promise promise_of(const fs::path& folder) {
   if (folder.empty() || !fs::exists(file)) return out;
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
-  std::vector<std::string> figures;
+  std::string all;
   for (JsonObject& view : report.objects("views")) {
-    const std::string name = html(view.text("view"));
+    const std::string name = view.text("view");
     const double psnr = view.number("psnr_db"), allows = view.number("achievable_psnr_db");
-    std::string caption = fmt::format("<b>{}</b> as promised: {:.1f} dB; the plain face's own light allows {:.1f} dB.",
-                                      name, psnr, allows);
-    if (view.has("tolerance")) caption += " " + html(view.object("tolerance").text("text")) + ".";
-    figures.push_back(figure(picture(folder / view.text("preview")), caption));
+    std::string more = fmt::format("; the plain face's own light allows {}.", decibels(allows));
+    if (view.has("tolerance")) more += " " + html(view.object("tolerance").text("text")) + ".";
+    const std::vector<Figure> figures{
+        {picture_within(folder / view.text("target"), kPictureSidePx), "View " + name + ": the target", "<b>Target</b>",
+         "Target"},
+        {picture_within(folder / view.text("preview"), kPictureSidePx),
+         fmt::format("View {}, as promised: {}", name, decibels(psnr)),
+         fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", decibels(psnr), more), "As promised"}};
+    all += compared("View " + name, figures, 0, 1);
     if (allows < kRecognizable_db)
       out.findings.push_back({Severity::warning,
                               {},
@@ -161,14 +159,19 @@ Promise promise_of(const fs::path& folder) {
                                           view.text("view"), allows),
                               "move its lamp or eye farther from the mirror direction, or polish the face less"});
   }
-  out.pictures = figure_row(figures);
+  out.pictures = compared_in_lockstep("carve area", all);
   if (report.has("dropped_by_limits"))
     for (const auto& [rule, count] : report.raw("dropped_by_limits").items())
       if (count.is_number() && count.get<double>() > 0)
-        out.mind += fmt::format("<li>{} scratches were left out: {}</li>\n", count.get<double>(), html(rule));
+        out.findings.push_back(
+            {Severity::note,
+             {},
+             fmt::format("{} left out of the design: {}", counted(std::llround(count.get<double>()), "scratch"), rule),
+             ""});
   if (report.has("stopped_early") && report.boolean("stopped_early"))
-    out.mind += "<li>the design was stopped before it was finished</li>\n";
-  for (const auto& warning : report.raw("warnings")) out.mind += "<li>" + html(warning.get<std::string>()) + "</li>\n";
+    out.findings.push_back({Severity::note, {}, "the design was stopped before it was finished", ""});
+  for (const auto& warning : report.raw("warnings"))
+    out.findings.push_back({Severity::note, {}, warning.get<std::string>(), ""});
   return out;
 }
 
@@ -177,8 +180,9 @@ std::string outcome_of(const CarveCheck& check, std::size_t warnings) {
   if (red > 0)
     return fmt::format("<span class=\"bad\">Do not carve this: {} would spoil the board.</span>",
                        plural(red, "red line"));
-  return fmt::format("<span class=\"good\">No red line.</span> {} scratches, {}, {}{}.", check.carved.size(),
-                     depth_text(check) + " deep", html(duration_text(check.duration_s)),
+  return fmt::format("<span class=\"good\">No red line.</span> {}, {}, {}{}.",
+                     counted(static_cast<long long>(check.carved.size()), "scratch"), depth_text(check) + " deep",
+                     html(duration_text(check.duration_s)),
                      warnings > 0 ? "; " + plural(warnings, "thing") + " to mind" : "");
 }
 
@@ -257,26 +261,32 @@ void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& file
   const MachineProfile machine = machine_profile(files.machine);
   const Board board = read_board(files.board);
   const Promise promise = promise_of(files.folder);
-  const std::size_t warnings = count_of(check, Severity::warning);
-  std::string body = list_of(check, Severity::error, " class=\"bad\"");
-  if (warnings > 0) body += "<h3>To mind</h3>\n" + list_of(check, Severity::warning, "");
-  if (!promise.pictures.empty()) body += "<h2>What it will show</h2>\n" + promise.pictures;
-  body += "<h2>Where the tool goes</h2>\n";
-  if (check.carved.size() > 0) body += tool_table(check, machine) + sheet_drawing(check, board);
-  body += files_table(check);
+  Page out{"Burin · before metal moves", outcome_of(check, count_of(check, Severity::warning))};
+  if (check.good()) out.next = html(carve_question(check, files));
+  if (!promise.pictures.empty()) out.pictures = "<h2>What it will show</h2>\n" + promise.pictures;
+  out.findings = check.findings;
+  out.body += "<h2>Where the tool goes</h2>\n";
+  if (check.carved.size() > 0) out.body += sheet_drawing(check, board);
+  std::string parts;
+  if (check.carved.size() > 0)
+    parts += folded("The tool", fmt::format("{} deep, {}", depth_text(check), html(duration_text(check.duration_s))),
+                    tool_table(check, machine));
+  parts += folded("The files", counted(static_cast<long long>(check.files.size()), "file"), files_table(check));
   if (!check.views.empty()) {
     Table t;
-    t.header = {"view", "scratches that glint for it", "of those beyond the cut-off"};
-    for (const ViewReach& v : check.views)
-      t.rows.push_back({html(v.view), std::to_string(v.scratches), fmt::format("{:.0f} %", 100 * v.dark)});
-    body += "<h3>Light that the grooves' walls reach</h3>\n" + table(t);
+    t.header = {"View", "Scratches that glint for it", "Of those beyond the cut-off"};
+    double worst = 0;
+    for (const ViewReach& v : check.views) {
+      t.rows.push_back(
+          {html(v.view), grouped(static_cast<long long>(v.scratches)), fmt::format("{:.0f} %", 100 * v.dark)});
+      worst = std::max(worst, v.dark);
+    }
+    parts +=
+        folded("Light that the grooves' walls reach",
+               fmt::format("at most {:.0f} % of a view's scratches lie beyond the cut-off", 100 * worst), table(t));
   }
-  const std::string notes = list_of(check, Severity::note, "");
-  if (!promise.mind.empty() || !notes.empty())
-    body += "<h3>What the machine and the design cannot do</h3>\n" + notes +
-            (promise.mind.empty() ? "" : "<ul>\n" + promise.mind + "</ul>\n");
-  if (check.good()) body += "<h2>One question</h2>\n<p>" + html(carve_question(check, files)) + "</p>\n";
-  write_text(page("Burin: before metal moves", outcome_of(check, warnings), {}, body), file);
+  out.body += folds(parts);
+  write_text(page(out), file);
 }
 
 }  // namespace burin

@@ -3,31 +3,31 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "burin/optimize/duration.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/image.h"
+#include "tools/commands.h"
+#include "tools/report/chart.h"
 #include "tools/report/html.h"
+#include "tools/report/pictures.h"
 #include "tools/report/section.h"
 
 namespace burin {
 namespace {
 
 constexpr int kPictureSidePx = 512;
-
-Image picture(const std::filesystem::path& file) {
-  Image image = read_picture(file);
-  const int longer = std::max(image.width, image.height);
-  if (longer <= kPictureSidePx) return image;
-  return resized(image, std::max(1, image.width * kPictureSidePx / longer),
-                 std::max(1, image.height * kPictureSidePx / longer));
-}
+constexpr int kSheetWidthPx = 1400;
 
 // The other view whose target this view's picture resembles most: a ghost if it does so more than the targets do.
 std::string ghost_sentence(const std::vector<std::string>& names, std::size_t view, const std::vector<double>& ghost,
                            const std::vector<double>& target_correlation) {
+  constexpr double kSeen = 0.05;
   std::size_t worst = view;
   double excess = 0;
   for (std::size_t j = 0; j < std::min(ghost.size(), target_correlation.size()); ++j)
@@ -35,9 +35,85 @@ std::string ghost_sentence(const std::vector<std::string>& names, std::size_t vi
       excess = ghost[j] - target_correlation[j];
       worst = j;
     }
-  if (worst == view || excess < 0.05) return "no ghost of another view";
-  return fmt::format("a ghost of {} (correlation {:.2f}, the targets' own {:.2f})", html(names[worst]), ghost[worst],
+  if (worst == view || excess < kSeen) return "none";
+  return fmt::format("of {} (correlation {:.2f}, the targets' own {:.2f})", html(names[worst]), ghost[worst],
                      target_correlation[worst]);
+}
+
+// Numbers of a design-report.json; null stands for what is not finite.
+double number_or_nan(JsonObject& object, const char* key) {
+  return object.raw(key).is_number() ? object.number(key) : std::numeric_limits<double>::quiet_NaN();
+}
+
+struct Views {
+  std::vector<std::string> names;
+  std::vector<double> psnr_db;
+  std::string pictures;
+  Table numbers{{"View", "Preview, PSNR", "It looks", "SSIM", "Start", "The face allows", "Ghost", "Holds"}, {}};
+};
+
+Views read_views(JsonObject& report, const std::filesystem::path& home) {
+  Views out;
+  std::vector<JsonObject> views = report.objects("views");
+  for (JsonObject& view : views) out.names.push_back(view.text("view"));
+  std::string all;
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    JsonObject& view = views[k];
+    const std::string& name = out.names[k];
+    const double psnr = number_or_nan(view, "psnr_db"), start = number_or_nan(view, "start_psnr_db"),
+                 allows = number_or_nan(view, "achievable_psnr_db");
+    out.psnr_db.push_back(psnr);
+    const auto shown = [&](const char* key, const std::string& word, const std::string& value,
+                           const std::string& more) {
+      return Figure{picture_within(home / view.text(key), kPictureSidePx),
+                    "View " + name + ": " + more + (value.empty() ? "" : ", " + value),
+                    "<b>" + word + "</b>" + (value.empty() ? "" : " " + value), word};
+    };
+    const std::vector<Figure> figures{shown("target", "Target", "", "the target, as it lies on the carve area"),
+                                      shown("preview", "Preview", decibels(psnr), "what this view will show"),
+                                      shown("start", "Start", decibels(start), "what the design began with")};
+    all += compared("View " + name, figures, 0, 1);
+    out.numbers.rows.push_back(
+        {html(name), decibels(psnr), quality_in_words(psnr), fixed(number_or_nan(view, "ssim"), 2), decibels(start),
+         decibels(allows),
+         ghost_sentence(out.names, k, view.numbers("ghost", -1), view.numbers("target_correlation", -1)),
+         view.has("tolerance") ? html(view.object("tolerance").text("text")) : ""});
+  }
+  out.pictures = compared_in_lockstep("carve area", all);
+  return out;
+}
+
+std::string loss_chart(JsonObject& report, const std::vector<std::string>& names) {
+  std::vector<Curve> curves(names.size() + 1);
+  curves[0].name = "all views";
+  for (std::size_t k = 0; k < names.size(); ++k) curves[k + 1].name = names[k];
+  for (JsonObject& step : report.objects("history")) {
+    curves[0].values.push_back(step.number("loss"));
+    const std::vector<double> each = step.numbers("views", static_cast<int>(names.size()));
+    for (std::size_t k = 0; k < each.size(); ++k) curves[k + 1].values.push_back(each[k]);
+  }
+  if (curves[0].values.empty()) return "";
+  return chart(curves, {"iteration", "loss",
+                        fmt::format("The design's loss over {} iterations, from {} to {}, in all and view by view",
+                                    curves[0].values.size(), number(curves[0].values.front()),
+                                    number(curves[0].values.back()))});
+}
+
+std::string how_it_got_there(JsonObject& report, const std::vector<std::string>& names,
+                             const std::filesystem::path& home) {
+  JsonObject length = report.object("length_mm");
+  const std::string sheet = report.text("contact_sheet");
+  const std::vector<Figure> figures{
+      {picture_within(home / sheet, kSheetWidthPx),
+       "Contact sheet of the design: a row for each view, iterations from left to right, the target at the end",
+       "<b>Contact sheet</b>: a row for each view, iterations from left to right, the target at the end."}};
+  return fmt::format(
+             "<p>It began with {}; {} were dropped because the pictures hardly need them. {:.1f} m of scratches in "
+             "all, "
+             "{:.1f} mm each on average.</p>\n",
+             counted(report.integer("started_with"), "scratch"), grouped(report.integer("dropped")),
+             length.number("total") / 1000, length.number("mean")) +
+         loss_chart(report, names) + figure_row(figures, FigureSize::single);
 }
 
 }  // namespace
@@ -50,67 +126,41 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
 
-  std::vector<JsonObject> views = report.objects("views");
-  std::vector<std::string> names;
-  names.reserve(views.size());
-  for (JsonObject& view : views) names.push_back(view.text("view"));
-  Section out;
-  std::string pictures;
-  double worst_psnr = INFINITY, sum_psnr = 0;
-  for (std::size_t k = 0; k < views.size(); ++k) {
-    JsonObject& view = views[k];
-    const double psnr = view.number("psnr_db"), ssim = view.number("ssim");
-    worst_psnr = std::min(worst_psnr, psnr);
-    sum_psnr += psnr;
-    pictures += fmt::format("<h3>View {}</h3>\n", html(names[k]));
-    std::vector<std::string> row;
-    row.push_back(figure(picture(home / view.text("target")), "<b>Target</b>, as it lies on the carve area."));
-    row.push_back(figure(picture(home / view.text("start")),
-                         fmt::format("<b>Start</b>: {:.1f} dB.", view.number("start_psnr_db"))));
-    row.push_back(figure(
-        picture(home / view.text("preview")),
-        fmt::format("<b>Preview</b>: what this view will show. PSNR {:.1f} dB, SSIM {:.2f}; {}. The plain face's own "
-                    "light allows {:.1f} dB.",
-                    psnr, ssim,
-                    ghost_sentence(names, k, view.numbers("ghost", -1), view.numbers("target_correlation", -1)),
-                    view.number("achievable_psnr_db"))));
-    pictures += figure_row(row);
+  Views views = read_views(report, home);
+  if (views.names.empty()) fail(file.string(), "\"views\" is empty", "run burin design again");
+  double sum = 0;
+  std::size_t worst = 0;
+  for (std::size_t k = 0; k < views.names.size(); ++k) {
+    sum += views.psnr_db[k];
+    if (views.psnr_db[k] < views.psnr_db[worst]) worst = k;
   }
-
-  std::vector<Curve> curves(names.size() + 1);
-  curves[0].name = "sum";
-  for (std::size_t k = 0; k < names.size(); ++k) curves[k + 1].name = names[k];
-  for (JsonObject& step : report.objects("history")) {
-    curves[0].values.push_back(step.number("loss"));
-    const std::vector<double> each = step.numbers("views", static_cast<int>(names.size()));
-    for (std::size_t k = 0; k < each.size(); ++k) curves[k + 1].values.push_back(each[k]);
-  }
-  JsonObject length = report.object("length_mm");
   JsonObject seconds = report.object("seconds");
-  out.outcome =
-      fmt::format("The design shows {} picture{} with {} scratches: {:.1f} dB on average, {:.1f} dB in the worst view.",
-                  names.size(), names.size() == 1 ? "" : "s", report.integer("scratches"),
-                  sum_psnr / static_cast<double>(names.size()), worst_psnr);
-  out.body =
-      "<h2>The design</h2>\n<p>Pictures as they lie on the carve area, x right and y up. PSNR compares the preview "
-      "with its target at the best single exposure: 20 dB is recognizable, 25 dB good, 30 dB hard to tell apart."
-      "</p>\n" +
-      pictures;
-  out.body += fmt::format(
-      "<h3>How it got there</h3>\n<p>It began with {} scratches; {} were dropped because the pictures hardly need "
-      "them. {:.1f} m of scratches in all, {:.1f} mm each on average. Designed in {:.1f} s.</p>\n",
-      report.integer("started_with"), report.integer("dropped"), length.number("total") / 1000, length.number("mean"),
-      seconds.number("total"));
-  out.body += chart(curves, "iteration", "loss");
-  const std::string sheet = report.text("contact_sheet");
-  out.body +=
-      "<div class=\"wide\">" +
-      figure(read_picture(home / sheet),
-             "<b>Contact sheet</b>: a row for each view, iterations from left to right, the target at the end.") +
-      "</div>\n";
-  std::string warnings;
-  for (const auto& warning : report.raw("warnings")) warnings += "<li>" + html(warning.get<std::string>()) + "</li>\n";
-  if (!warnings.empty()) out.body += "<h3>What to mind</h3>\n<ul>\n" + warnings + "</ul>\n";
+  const long long scratches = report.integer("scratches");
+  const std::string mean = decibels(sum / static_cast<double>(views.names.size()));
+  Section out;
+  out.title = "The design";
+  out.outcome = fmt::format("The design shows {} with {}: {} on average, the worst is {}.",
+                            counted(static_cast<long long>(views.names.size()), "picture"),
+                            counted(scratches, "scratch"), mean, quality_in_words(views.psnr_db[worst]));
+  if (views.names.size() == 1)
+    out.outcome = fmt::format("The design shows its picture with {}: {}, {}.", counted(scratches, "scratch"), mean,
+                              quality_in_words(views.psnr_db[0]));
+  const auto command = "burin toolpath " + shell_word((home / "scratches.csv").string()) +
+                       " --board BOARD.json --bench BENCH.json --machine grbl --out board.gcode";
+  out.next = fmt::format("turn it into a tool path: <code>{}</code>", html(command));
+  out.pictures =
+      "<h2>What it will show</h2>\n" + views.pictures +
+      "<p class=\"soft\">Pictures as they lie on the carve area, x right and y up. PSNR compares the preview "
+      "with its target at the best single exposure: 20 dB is recognizable, 25 dB good, 30 dB hard to tell "
+      "apart.</p>\n";
+  for (const auto& warning : report.raw("warnings"))
+    out.findings.push_back({Finding::Severity::warning, {}, warning.get<std::string>(), ""});
+  out.parts = folded("View by view",
+                     fmt::format("{} to {}", decibels(*std::ranges::min_element(views.psnr_db)),
+                                 decibels(*std::ranges::max_element(views.psnr_db))),
+                     table(views.numbers)) +
+              folded("How it got there", fmt::format("designed in {}", html(duration_text(seconds.number("total")))),
+                     how_it_got_there(report, views.names, home));
   return out;
 }
 

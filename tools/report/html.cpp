@@ -1,62 +1,47 @@
 #include "tools/report/html.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-#include <OpenImageIO/strutil.h>
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
-#include <memory>
 #include <utility>
 
-#include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/svg.h"
+#include "embedded/report_files.h"
+#include "tools/content_policy.h"
 
 namespace burin {
 namespace {
 
-constexpr const char* kStyle = R"css(
-:root { color-scheme: light; --ink: #1d2126; --soft: #5b6570; --line: #d9dde2; --paper: #fbfbf9; --accent: #8a4b12;
-        --good: #22683a; --bad: #a3271b; }
-* { box-sizing: border-box; }
-body { margin: 0; background: var(--paper); color: var(--ink);
-       font: 16px/1.5 system-ui, "Segoe UI", "Helvetica Neue", "DejaVu Sans", sans-serif; }
-main { max-width: 1180px; margin: 0 auto; padding: 40px 28px 64px; }
-h1 { font-size: 30px; line-height: 1.2; margin: 0 0 10px; letter-spacing: -0.01em; }
-h2 { font-size: 22px; margin: 52px 0 8px; padding-top: 18px; border-top: 1px solid var(--line); }
-h3 { font-size: 17px; margin: 30px 0 6px; }
-p { margin: 6px 0 12px; max-width: 78ch; }
-.outcome { font-size: 19px; line-height: 1.45; max-width: 72ch; margin: 0 0 20px; }
-.soft, figcaption, footer { color: var(--soft); }
-.figures { display: flex; flex-wrap: wrap; gap: 18px; margin: 10px 0 22px; align-items: flex-start; }
-figure { margin: 0; flex: 1 1 220px; max-width: 560px; min-width: 180px; }
-.large figure { flex-basis: 440px; }
-.wide figure { max-width: none; }
-figure .frame { position: relative; line-height: 0; background: #000; border-radius: 3px; overflow: hidden; }
-figure img { width: 100%; height: auto; display: block; }
-figure svg { position: absolute; inset: 0; width: 100%; height: 100%; }
-figcaption { font-size: 13.5px; line-height: 1.4; padding-top: 6px; }
-figcaption b { color: var(--ink); font-weight: 600; }
-.scroll { overflow-x: auto; margin: 10px 0 18px; }
-table { border-collapse: collapse; font-size: 14.5px; font-variant-numeric: tabular-nums; }
-th { text-align: left; font-weight: 600; color: var(--soft); border-bottom: 1px solid var(--ink); padding: 4px 18px 4px 0;
-     vertical-align: bottom; }
-td { border-bottom: 1px solid var(--line); padding: 5px 18px 5px 0; vertical-align: top; }
-td:first-child { font-weight: 600; }
-.good { color: var(--good); } .bad { color: var(--bad); font-weight: 600; } .unknown { color: var(--soft); }
-svg.chart { width: 100%; max-width: 720px; height: auto; display: block; margin: 8px 0 18px; }
-td .soft { display: inline-block; min-width: 28ch; max-width: 60ch; }
-td { min-width: 6ch; }
-td:last-child { min-width: 18ch; }
-@media (max-width: 640px) { main { padding: 20px 14px 40px; } h1 { font-size: 24px; } .outcome { font-size: 17px; } }
-ul { margin: 4px 0 14px; padding-left: 22px; max-width: 78ch; }
-footer { margin-top: 56px; border-top: 1px solid var(--line); padding-top: 10px; font-size: 13px; }
-)css";
+constexpr std::size_t kMostCards = 6;  // more are a wall again
 
-constexpr const char* kCurveColors[] = {"#8a4b12", "#1f5f8b", "#22683a", "#7a2a7d", "#a3271b", "#4d5a66"};
+// A finding's half sentence, as it stands alone.
+std::string whole_sentence(std::string text) {
+  if (!text.empty() && text.front() >= 'a' && text.front() <= 'z') text.front() = static_cast<char>(text.front() - 32);
+  return text.ends_with('.') || text.ends_with('?') ? text : text + ".";
+}
+
+std::string card(const Finding& finding) {
+  constexpr std::array kClass{"note", "warning", "error"};
+  constexpr std::array kWord{"Good to know", "To mind", "Stop"};
+  const auto kind = static_cast<std::size_t>(finding.severity);
+  std::string where;
+  if (!finding.file.empty()) where = " · " + html(finding.file.filename().string());
+  std::string out = fmt::format("<li class=\"card {}\"><span class=\"kind\">{}{}</span><p>{}</p>", kClass[kind],
+                                kWord[kind], where, html(whole_sentence(finding.what)));
+  if (!finding.remedy.empty()) out += fmt::format("<p class=\"remedy\">{}</p>", html(whole_sentence(finding.remedy)));
+  return out + "</li>\n";
+}
+
+std::string elements(const std::vector<std::string>& texts, const std::string& name) {
+  std::string out;
+  for (const std::string& text : texts) out += "<" + name + ">" + text + "</" + name + ">\n";
+  return out;
+}
 
 }  // namespace
 
@@ -78,129 +63,100 @@ std::string plain_text(const std::string& text) {
   return out;
 }
 
-std::string data_address(const Image& shown, PictureKind kind) {
-  const char* extension = kind == PictureKind::jpeg ? "jpg" : "png";
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  const std::string name = std::string("picture.") + extension;
-  const auto output = OIIO::ImageOutput::create(name, &memory);
-  OIIO::ImageSpec spec(shown.width, shown.height, shown.channels, OIIO::TypeDesc::UINT8);
-  spec["Compression"] = "jpeg:88";
-  if (!output || !output->set_ioproxy(&memory) || !output->open(name, spec) ||
-      !output->write_image(OIIO::TypeDesc::FLOAT, shown.data.data()) || !output->close())
-    fail(std::string("a picture of the report (") + extension + ")", output ? output->geterror() : OIIO::geterror(),
-         "check that OpenImageIO was built with PNG and JPEG");
-  const std::string_view raw(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return std::string("data:image/") + (kind == PictureKind::jpeg ? "jpeg" : "png") + ";base64," +
-         OIIO::Strutil::base64_encode(OIIO::string_view(raw.data(), raw.size()));
+std::string with_sigma(double value, double sigma) {
+  if (!(sigma > 0) || !std::isfinite(sigma) || !std::isfinite(value)) return number(value);
+  // Two digits of the uncertainty, and the value to the same place.
+  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9);
+  return fixed(value, digits) + " ± " + fixed(sigma, digits);
 }
 
-std::string figure(const Image& shown, const std::string& caption_html, PictureKind kind,
-                   const std::string& svg_overlay) {
-  std::string overlay;
-  if (!svg_overlay.empty())
-    overlay = fmt::format("<svg viewBox=\"-0.5 -0.5 {} {}\" preserveAspectRatio=\"none\">{}</svg>", shown.width,
-                          shown.height, svg_overlay);
-  return fmt::format(
-      "<figure><div class=\"frame\"><img width=\"{}\" height=\"{}\" src=\"{}\" alt=\"{}\">{}</div>"
-      "<figcaption>{}</figcaption></figure>\n",
-      shown.width, shown.height, data_address(shown, kind), html(plain_text(caption_html)), overlay, caption_html);
+std::string number(double value) { return std::isfinite(value) ? significant(value, 4) : "unknown"; }
+
+std::string decibels(double value) {
+  return std::isfinite(value) ? fixed(value, 1) + " dB" : value > 0 ? "no difference" : "unknown";
 }
 
-std::string figure_row(std::span<const std::string> figures, bool large) {
-  std::string out = large ? "<div class=\"figures large\">\n" : "<div class=\"figures\">\n";
-  for (const std::string& one : figures) out += one;
-  return out + "</div>\n";
+const char* quality_in_words(double psnr_db) {
+  return psnr_db >= 30                 ? "hard to tell from the target"
+         : psnr_db >= 25               ? "good"
+         : psnr_db >= kRecognizable_db ? "recognizable"
+                                       : "hard to recognize";
+}
+
+std::string grouped(long long count) {
+  std::string out = std::to_string(count);
+  const std::size_t sign = count < 0 ? 1 : 0;
+  for (std::size_t at = out.size(); at > sign + 3;) out.insert(at -= 3, ",");
+  return out;
+}
+
+std::string counted(long long count, const std::string& what) {
+  return grouped(count) + " " + what + (count == 1 ? "" : what.ends_with("ch") ? "es" : "s");
 }
 
 std::string table(const Table& table) {
   std::string out = "<div class=\"scroll\"><table><thead><tr>";
-  for (const std::string& cell : table.header) out += "<th>" + cell + "</th>";
+  for (const std::string& cell : table.header) out += "<th scope=\"col\">" + cell + "</th>";
   out += "</tr></thead><tbody>\n";
   for (const auto& row : table.rows) {
     out += "<tr>";
-    for (const std::string& cell : row) out += "<td>" + cell + "</td>";
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const std::string label = i < table.header.size() ? plain_text(table.header[i]) : "";
+      out += (label.empty() ? "<td>" : "<td data-label=\"" + html(label) + "\">") + row[i] + "</td>";
+    }
     out += "</tr>\n";
   }
   return out + "</tbody></table></div>\n";
 }
 
-std::string chart(std::span<const Curve> curves, const std::string& x_label, const std::string& y_label) {
-  constexpr double kWidth = 720, kHeight = 280, kLeft = 64, kRight = 130, kTop = 14, kBottom = 40;
-  double low = INFINITY, high = -INFINITY;
-  std::size_t count = 2;
-  for (const Curve& curve : curves) {
-    count = std::max(count, curve.values.size());
-    for (const double v : curve.values) {
-      if (!std::isfinite(v)) continue;
-      low = std::min(low, v);
-      high = std::max(high, v);
-    }
-  }
-  if (!(low <= high)) return "";
-  const bool logarithmic = low > 0 && high / low >= 10;
-  const auto scaled = [&](double v) { return logarithmic ? std::log10(v) : v; };
-  double bottom = scaled(low), top = scaled(high);
-  if (!logarithmic) bottom = std::min(bottom, 0.0);
-  if (top - bottom < 1e-12) top = bottom + 1;
-  const auto x_of = [&](double i) { return kLeft + (kWidth - kLeft - kRight) * i / static_cast<double>(count - 1); };
-  const auto y_of = [&](double v) {
-    return kTop + (kHeight - kTop - kBottom) * (1 - (scaled(v) - bottom) / (top - bottom));
-  };
-
-  std::string out;
-  constexpr int kTicks = 4;
-  for (int i = 0; i <= kTicks; ++i) {
-    const double at = bottom + (top - bottom) * i / kTicks;
-    const double v = logarithmic ? std::pow(10, at) : at;
-    out += svg_line({kLeft, y_of(v)}, {kWidth - kRight, y_of(v)}, "stroke=\"#d9dde2\"");
-    out += svg_words({kLeft - 8, y_of(v) + 4}, fmt::format("{:.3g}", v), "end");
-  }
-  out += svg_words({kLeft, kHeight - kBottom + 18}, "0", "start");
-  out += svg_words({kWidth - kRight, kHeight - kBottom + 18}, std::to_string(count - 1), "end");
-  out += svg_words({(kLeft + kWidth - kRight) / 2, kHeight - 6}, x_label, "middle");
-  double label_y = kTop + 8;
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    const char* color = kCurveColors[c % std::size(kCurveColors)];
-    std::vector<Eigen::Vector2d> points;
-    for (std::size_t i = 0; i < curves[c].values.size(); ++i) {
-      const double v = curves[c].values[i];
-      if (std::isfinite(v)) points.emplace_back(x_of(static_cast<double>(i)), y_of(v));
-    }
-    out += svg_polyline(points, fmt::format("fill=\"none\" stroke=\"{}\" stroke-width=\"2\"", color));
-    out += svg_words({kWidth - kRight + 10, label_y}, curves[c].name, "start", fmt::format("fill=\"{}\"", color));
-    label_y += 18;
-  }
-  return svg_drawing({kWidth, kHeight},
-                     fmt::format("class=\"chart\" role=\"img\" aria-label=\"{} over {}\" font-size=\"12\" "
-                                 "fill=\"#5b6570\"",
-                                 html(y_label), html(x_label)),
-                     out);
+std::string folded(const std::string& name, const std::string& summary, const std::string& inside) {
+  return fmt::format(
+      "<details class=\"fold\"><summary><b>{}</b> <span class=\"soft\">{}</span></summary>\n"
+      "<div class=\"inside\">\n{}</div></details>\n",
+      name, summary, inside);
 }
 
-std::string page(const std::string& title, const std::string& outcome_html, std::span<const std::string> points_html,
-                 const std::string& body_html) {
-  std::string points;
-  for (const std::string& point : points_html) points += "<li>" + point + "</li>\n";
-  if (!points.empty()) points = "<ul class=\"points\">\n" + points + "</ul>\n";
+std::string folds(const std::string& parts) {
+  return parts.empty() ? "" : "<div class=\"folds\">\n" + parts + "</div>\n";
+}
+
+std::string cards(std::vector<Finding> findings) {
+  if (findings.empty()) return "";
+  std::stable_sort(findings.begin(), findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+  const auto list = [&](std::size_t begin, std::size_t end) {
+    std::string out = "<ul class=\"cards\">\n";
+    for (std::size_t i = begin; i < end; ++i) out += card(findings[i]);
+    return out + "</ul>\n";
+  };
+  // What stops is never folded.
+  std::size_t first = std::min(kMostCards, findings.size());
+  while (first < findings.size() && findings[first].severity == Finding::Severity::error) ++first;
+  if (first + 1 >= findings.size()) return list(0, findings.size());
+  return list(0, first) + folded(fmt::format("{} more", findings.size() - first), "of the same kinds, less urgent",
+                                 list(first, findings.size()));
+}
+
+std::string page(const Page& page) {
+  std::vector<std::string> scripts{std::string(embedded::report_files("page.js"))},
+      styles{std::string(embedded::report_files("page.css"))};
+  scripts.insert(scripts.end(), page.scripts.begin(), page.scripts.end());
+  styles.insert(styles.end(), page.styles.begin(), page.styles.end());
+  std::vector<Finding> stop, mind;
+  for (const Finding& f : page.findings) (f.severity == Finding::Severity::error ? stop : mind).push_back(f);
+  std::string inside = cards(stop) + page.pictures;
+  if (!mind.empty()) inside += "<h2>What to mind</h2>\n" + cards(mind);
   const std::time_t now = std::time(nullptr);
   return fmt::format(
-      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{0}</title>\n"
-      "<style>{1}</style></head>\n<body><main>\n<h1>{0}</h1>\n<p class=\"outcome\">{2}</p>\n{5}{3}"
-      "<footer>Made by burin " BURIN_VERSION
-      " on {4:%Y-%m-%d %H:%M}. Lengths of boards are in mm, of grooves in µm; ± is one "
-      "standard deviation.</footer>\n</main></body></html>\n",
-      html(title), kStyle, outcome_html, body_html, fmt::localtime(now), points);
+      "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">{}\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n{}</head>\n"
+      "<body><main>\n<h1>{}</h1>\n<p class=\"outcome\">{}</p>\n{}{}{}"
+      "<footer>Written by Burin {} on {:%Y-%m-%d %H:%M}. Lengths of boards are in mm, of grooves in µm; ± is "
+      "one standard deviation. This page loads nothing from elsewhere.</footer>\n"
+      "</main>\n{}</body></html>\n",
+      content_policy(scripts, styles), html(page.title), elements(styles, "style"), html(page.title), page.outcome,
+      page.next.empty() ? "" : "<p class=\"next\"><b>Next:</b> " + page.next + "</p>\n", inside, page.body,
+      BURIN_VERSION, fmt::localtime(now), elements(scripts, "script"));
 }
-
-std::string with_sigma(double value, double sigma) {
-  if (!(sigma > 0) || !std::isfinite(sigma)) return number(value);
-  // Two digits of the uncertainty, and the value to the same place.
-  const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9);
-  return fmt::format("{:.{}f} ± {:.{}f}", value, digits, sigma, digits);
-}
-
-std::string number(double value) { return fmt::format("{:.4g}", value); }
 
 }  // namespace burin

@@ -1,5 +1,6 @@
-// tools/report/html.h - the pieces a report page is made of: text, pictures, tables and curves, all inside one file.
-// Nothing refers to anything outside the page: pictures are inlined, there is no script.
+// tools/report/html.h - the pieces a page is made of: text, numbers, tables, what is folded, and the page around them.
+// Nothing refers to anything outside the page; style and script are tools/report/page.css and page.js. Pictures are
+// made in tools/report/pictures.h, curves in tools/report/chart.h.
 #pragma once
 
 #include <span>
@@ -7,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "burin/render/image.h"
+#include "burin/render/finding.h"
 
 namespace burin {
 
@@ -17,40 +18,53 @@ std::string html(std::string_view text);
 /// HTML as text: without tags, entities turned back.
 std::string plain_text(const std::string& html);
 
-/// A picture, values 0..1 as they are shown (already encoded), 1 or 3 channels, as a data: address. JPEG for
-/// photographs, PNG for what must keep its colors and edges.
-enum class PictureKind { jpeg, png };
-std::string data_address(const Image& shown, PictureKind kind);
+/// A number with its uncertainty in digits that mean something: "0.0602 ± 0.0004"; without, four digits. Never an
+/// exponent; what is not finite is "unknown".
+std::string with_sigma(double value, double sigma);
+std::string number(double value);
 
-/// A picture with a caption (HTML; without its tags it is the picture's alt text), and, drawn over it, an optional SVG
-/// in the picture's pixels.
-std::string figure(const Image& shown, const std::string& caption_html, PictureKind kind = PictureKind::jpeg,
-                   const std::string& svg_overlay = "");
+/// "23.8 dB"; "no difference" for an infinite one, "unknown" for none.
+std::string decibels(double value);
 
-/// Figures side by side, wrapping where the page is narrow; `large` ones two a row.
-std::string figure_row(std::span<const std::string> figures, bool large = false);
+/// What a PSNR in dB looks like: "hard to recognize", "recognizable", "good", "hard to tell from the target".
+const char* quality_in_words(double psnr_db);
 
-/// A table; cells are HTML. The first column is the row's name.
+/// Below this a picture is hard to recognize, in dB.
+inline constexpr double kRecognizable_db = 20;
+
+/// "1 view", "3 views"; thousands are parted as people write them: "29,798 scratches".
+std::string counted(long long count, const std::string& what);
+std::string grouped(long long count);
+
+/// A table; cells are HTML. The first column is the row's name. Where there is no room, each row becomes a card, and
+/// the header's words stand before its cells.
 struct Table {
   std::vector<std::string> header;
   std::vector<std::vector<std::string>> rows;
 };
 std::string table(const Table& table);
 
-/// A curve over 0, 1, 2, ... as inline SVG, logarithmic in y where all values are positive and span a decade.
-struct Curve {
-  std::string name;
-  std::vector<double> values;
+/// Closed until it is asked for: its name, what is in it in a few words (HTML), and that.
+std::string folded(const std::string& name_html, const std::string& summary_html, const std::string& inside_html);
+
+/// Parts that are folded, one below the other.
+std::string folds(const std::string& parts_html);
+
+/// What a person should know as cards, the worst first; the many behind the first few are folded.
+std::string cards(std::vector<Finding> findings);
+
+/// A page: what came out and what to do next, pictures, what to mind, and all the rest. HTML but for the title.
+struct Page {
+  std::string title, outcome;
+  std::string next{};                  ///< what to do next, half a sentence; empty: nothing
+  std::string pictures{};              ///< what is looked at first; below it what to mind
+  std::vector<Finding> findings{};     ///< errors stand above the pictures
+  std::string body{};                  ///< all the rest
+  std::vector<std::string> scripts{};  ///< JavaScript that the body needs, besides page.js
+  std::vector<std::string> styles{};   ///< CSS that the body needs, besides page.css
 };
-std::string chart(std::span<const Curve> curves, const std::string& x_label, const std::string& y_label);
 
-/// The whole page: title, a sentence that tells the outcome, points to mind, the body, and when and by what it was
-/// made.
-std::string page(const std::string& title, const std::string& outcome_html, std::span<const std::string> points_html,
-                 const std::string& body_html);
-
-/// A number with its uncertainty in digits that mean something: "0.0602 ± 0.0004"; without, four digits.
-std::string with_sigma(double value, double sigma);
-std::string number(double value);
+/// The whole file, under a policy that lets it load and run nothing but what is in it.
+std::string page(const Page& page);
 
 }  // namespace burin

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,8 +20,11 @@
 #include "burin/render/board.h"
 #include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
+#include "tools/commands.h"
 #include "tools/project.h"
+#include "tools/report/chart.h"
 #include "tools/report/html.h"
+#include "tools/report/pictures.h"
 #include "tools/report/rectified.h"
 #include "tools/report/rerun.h"
 #include "tools/report/section.h"
@@ -30,31 +35,48 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSidePx = 360;
+constexpr int kSidePx = 360;       // of what is compared: PSNR counts these pixels
+constexpr int kMostShownPx = 720;  // of what is shown, where the photos have as many on the carve area
 
 // Something that a view shows, or is to show, and how near it comes to the target.
 struct Shown {
-  Image picture;  // gamma-encoded; no pixels where there is none
+  Image picture;  // gamma-encoded, as large as it is shown; no pixels where there is none
   double psnr_db = 0;
 
   bool there() const { return !picture.data.empty(); }
 };
 
-// Linear values of one exposure beside a gamma-encoded target, at the exposure that comes nearest.
-Shown nearest_exposure(const Image& linear, const Image& target) {
-  Image radiance = luminance(linear);
-  const float brightest = percentile(radiance, 0.99);
+// The target, as it is compared and as it is shown.
+struct Target {
+  Image compared, shown;
+};
+
+// Clipped values (infinite) as very bright ones, what was not photographed as dark.
+Image comparable(const Image& linear, float brightest) {
+  Image out = luminance(linear);
+  for (float& v : out.data) v = std::isinf(v) ? 10 * brightest : v > 0 ? v : 0;
+  return out;
+}
+
+// A photo laid flat on the carve area, at the exposure that comes nearest to the target.
+Shown nearest_exposure(const Target& target, const Board& board,
+                       const std::function<Image(const BoardFrame&)>& laid_flat) {
+  const auto frame = [&](const Image& like) {
+    return BoardFrame{board.carve_min_mm, board.carve_max_mm, like.width, like.height};
+  };
+  const Image flat = laid_flat(frame(target.compared));
+  const float brightest = percentile(luminance(flat), 0.99);
   if (!(brightest > 0)) return {};
-  for (float& v : radiance.data) v = std::isinf(v) ? 10 * brightest : v > 0 ? v : 0;  // infinite: clipped
-  const double exposure = best_exposure(radiance, target, 1 / brightest);
+  const Image radiance = comparable(flat, brightest);
+  const auto white = static_cast<float>(1 / best_exposure(radiance, target.compared, 1 / brightest));
   Shown out;
-  out.picture = shown(radiance, static_cast<float>(1 / exposure));
-  out.psnr_db = psnr_db(out.picture, target);
+  out.psnr_db = psnr_db(shown(radiance, white), target.compared);
+  out.picture = shown(comparable(laid_flat(frame(target.shown)), brightest), white);
   return out;
 }
 
 Shown photographed(const fs::path& round, const View& view, const Bench& bench, const std::string& light,
-                   const Image& target) {
+                   const Target& target) {
   const Session session = read_session(round / "session.json");
   const Board board = read_board(session.board);
   std::vector<Photo> photos;
@@ -65,25 +87,25 @@ Shown photographed(const fs::path& round, const View& view, const Bench& bench, 
   for (std::size_t i = 0; i < merged.valid.size(); ++i)
     if (!merged.valid[i])
       for (int c = 0; c < merged.value.channels; ++c) merged.value.data[i * merged.value.channels + c] = INFINITY;
-  const BoardFrame frame{board.carve_min_mm, board.carve_max_mm, target.width, target.height};
-  return nearest_exposure(
-      rectified(merged.value, 0, 0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm}, frame), target);
+  return nearest_exposure(target, board, [&](const BoardFrame& frame) {
+    return rectified(merged.value, 0, 0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm}, frame);
+  });
 }
 
 // What a photo of the round's board should look like from there, for the bench that it was designed for.
 Shown promised(const fs::path& scratches, const Board& board, const Bench& bench, const View& view,
-               const std::string& light, const Image& target) {
+               const std::string& light, const Target& target) {
   if (!fs::exists(scratches)) return {};
   const PixelWindow window = carve_window(bench, board, view);
   if (window.width == 0 || window.height == 0) return {};
-  const BoardFrame frame{board.carve_min_mm, board.carve_max_mm, target.width, target.height};
   PredictedPhotoOptions options;
   options.window = window;
   const Image photo = predicted_photo(bench, board, view, find_light(bench, light, scratches.string()),
                                       carve(Designed(read_scratches(scratches)), bench, board), options);
-  return nearest_exposure(
-      rectified(photo, window.x0, window.y0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm}, frame),
-      target);
+  return nearest_exposure(target, board, [&](const BoardFrame& frame) {
+    return rectified(photo, window.x0, window.y0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm},
+                     frame);
+  });
 }
 
 // The project as its rounds left it.
@@ -93,7 +115,7 @@ struct Rounds {
   DesignSpec spec;
   Board board;
   Bench nominal;
-  BoardFrame frame;
+  int shown_px = kSidePx;       // of the longer side of the pictures
   std::vector<Matching> names;  // of the measured rounds
 };
 
@@ -106,7 +128,7 @@ struct ViewInRound {
 // One view, round after round.
 struct ViewHistory {
   std::string view;
-  Image target;
+  Target target;
   std::vector<ViewInRound> rounds;
 };
 
@@ -141,9 +163,13 @@ ViewHistory history_of(const Rounds& in, std::size_t index) {
                               ? viewer_rotation_deg(nominal, (in.board.carve_min_mm + in.board.carve_max_mm) / 2)
                               : designed.target.rotation_deg;
   ViewHistory out{designed.view, {}, {}};
-  out.target = load_target(designed.target, rotation, in.board.carve_max_mm - in.board.carve_min_mm, in.frame.width,
-                           in.frame.height)
-                   .picture;
+  const auto drawn = [&](int side_px) {
+    const BoardFrame frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, side_px);
+    return load_target(designed.target, rotation, in.board.carve_max_mm - in.board.carve_min_mm, frame.width,
+                       frame.height)
+        .picture;
+  };
+  out.target = {drawn(kSidePx), drawn(in.shown_px)};
   for (int r = 1; r <= in.count; ++r) {
     const fs::path round = in.project.round(r);
     ViewInRound& now = out.rounds.emplace_back();
@@ -167,22 +193,29 @@ ViewHistory history_of(const Rounds& in, std::size_t index) {
   return out;
 }
 
-std::string decibels(const Shown& shown) { return shown.there() ? fmt::format("{:.1f} dB", shown.psnr_db) : ""; }
+std::string value_of(const Shown& shown) { return shown.there() ? decibels(shown.psnr_db) : ""; }
 
-// Target, and what each round promised and showed, side by side.
+// Target, and what each round promised and showed. The wipe begins between the target and the newest photo.
 std::string pictures_of(const ViewHistory& view) {
-  std::vector<std::string> row{figure(view.target, "<b>Target</b>")};
+  std::vector<Figure> figures{{view.target.shown, "View " + view.view + ": the target, as it lies on the carve area",
+                               "<b>Target</b>", "Target"}};
+  std::size_t newest = 0;
+  const auto add = [&](const Shown& shown, int round, const std::string& word, const std::string& how) {
+    if (!shown.there()) return;
+    const std::string name = fmt::format("Round {}, {}", round, word);
+    figures.push_back(
+        {shown.picture, fmt::format("View {}, round {}: {} {}, {}", view.view, round, word, how, value_of(shown)),
+         fmt::format("<b>{}</b> {}<span class=\"more\"> {}</span>", name, value_of(shown), html(how)), name});
+  };
   for (std::size_t i = 0; i < view.rounds.size(); ++i) {
     const ViewInRound& round = view.rounds[i];
-    if (round.promised.there())
-      row.push_back(
-          figure(round.promised.picture, fmt::format("<b>Round {}, promised</b> by the {} bench: {}", i + 1,
-                                                     i == 0 ? "believed" : "measured", decibels(round.promised))));
-    if (round.photographed.there())
-      row.push_back(figure(round.photographed.picture, fmt::format("<b>Round {}, photographed</b> (as {}): {}", i + 1,
-                                                                   html(round.photo), decibels(round.photographed))));
+    const int number = static_cast<int>(i) + 1;
+    add(round.promised, number, "promised", i == 0 ? "by the believed bench" : "by the measured bench");
+    if (newest == 0) newest = figures.size() - 1;
+    add(round.photographed, number, "photographed", "as " + round.photo);
+    if (round.photographed.there()) newest = figures.size() - 1;
   }
-  return fmt::format("<h3>View {}</h3>\n", html(view.view)) + figure_row(row);
+  return compared("View " + view.view, figures, 0, newest);
 }
 
 std::string table_of(const Rounds& in, const std::vector<ViewHistory>& views) {
@@ -195,57 +228,168 @@ std::string table_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   for (const ViewHistory& view : views) {
     std::vector<std::string> cells{html(view.view)};
     for (int r = 0; r < in.count; ++r) {
-      cells.push_back(decibels(view.rounds[static_cast<std::size_t>(r)].promised));
-      if (r < in.measured) cells.push_back(decibels(view.rounds[static_cast<std::size_t>(r)].photographed));
+      cells.push_back(value_of(view.rounds[static_cast<std::size_t>(r)].promised));
+      if (r < in.measured) cells.push_back(value_of(view.rounds[static_cast<std::size_t>(r)].photographed));
     }
     out.rows.push_back(std::move(cells));
   }
   return table(out);
 }
 
-// The mean over those views whose first board was photographed, and which have a picture of that kind; empty if none.
-std::string mean_decibels(const std::vector<ViewHistory>& views, int round, Shown ViewInRound::*which) {
-  double sum = 0;
-  int count = 0;
-  for (const ViewHistory& view : views) {
-    const Shown& shown = view.rounds[static_cast<std::size_t>(round - 1)].*which;
-    if (!view.rounds.front().photographed.there() || !shown.there()) continue;
-    sum += shown.psnr_db;
-    ++count;
+// Round after round as curves: dashed what was promised, whole what was photographed.
+std::string curves_of(const Rounds& in, const std::vector<ViewHistory>& views) {
+  if (in.count < 2) return "";
+  std::vector<Curve> curves;
+  std::string told = "PSNR in dB, round after round.";
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    Curve promised{views[k].view + ", promised", {}, true, static_cast<int>(k)},
+        seen{views[k].view + ", photographed", {}, false, static_cast<int>(k)};
+    told += fmt::format(" View {}:", views[k].view);
+    for (std::size_t r = 0; r < views[k].rounds.size(); ++r) {
+      const ViewInRound& round = views[k].rounds[r];
+      promised.values.push_back(round.promised.there() ? round.promised.psnr_db : kNone);
+      seen.values.push_back(round.photographed.there() ? round.photographed.psnr_db : kNone);
+      if (round.promised.there()) told += fmt::format(" round {} promised {},", r + 1, value_of(round.promised));
+      if (round.photographed.there()) told += fmt::format(" photographed {},", value_of(round.photographed));
+    }
+    told.back() = '.';
+    curves.push_back(std::move(promised));
+    curves.push_back(std::move(seen));
   }
-  return count == 0 ? "" : fmt::format("{:.1f} dB", sum / count);
+  ChartWords words{"round", "dB", told};
+  for (int r = 1; r <= in.count; ++r) words.x_names.push_back(fmt::format("round {}", r));
+  words.marks = true;
+  return chart(curves, words);
 }
 
-// One sentence for the top; `points` gets what else there is to say.
-std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views, std::vector<std::string>& points) {
-  if (in.measured == 0)
-    return "The first board is designed for the bench as it is believed to be, and has not been photographed yet.";
-  std::string out = fmt::format("The loop has turned {} time{}.", in.measured, in.measured == 1 ? "" : "s");
-  const std::string first = mean_decibels(views, 1, &ViewInRound::photographed);
-  if (!first.empty()) {
-    out += fmt::format(
-        " The board designed for the believed bench should have shown its pictures at {} on average, and was "
-        "photographed at {}",
-        mean_decibels(views, 1, &ViewInRound::promised), first);
-    const std::string last = mean_decibels(views, in.measured, &ViewInRound::photographed);
-    if (in.measured > 1 && !last.empty()) out += fmt::format("; the board of round {} at {}", in.measured, last);
-    if (in.count > in.measured) {
-      const std::string next = mean_decibels(views, in.measured + 1, &ViewInRound::promised);
-      if (!next.empty()) out += fmt::format("; the next, designed for the bench as measured, promises {}", next);
-    }
-    out += ".";
+// The mean over those views that have both pictures, of one of them; and how many they are.
+struct Mean {
+  double db = 0;
+  int views = 0;
+};
+
+Mean mean_of(const std::vector<ViewHistory>& views, int round, Shown ViewInRound::*which, int other_round,
+             Shown ViewInRound::*other) {
+  Mean mean;
+  for (const ViewHistory& view : views) {
+    const Shown& shown = view.rounds[static_cast<std::size_t>(round - 1)].*which;
+    if (!shown.there() || !(view.rounds[static_cast<std::size_t>(other_round - 1)].*other).there()) continue;
+    mean.db += shown.psnr_db;
+    ++mean.views;
   }
+  if (mean.views > 0) mean.db /= mean.views;
+  return mean;
+}
+
+std::string gain_in_words(double gain_db) {
+  if (!std::isfinite(gain_db) || std::abs(gain_db) < 0.05) return "the same";
+  return fmt::format("{:.1f} dB {}", std::abs(gain_db), gain_db > 0 ? "better" : "worse");
+}
+
+std::string pictures_in_words(int shown, std::size_t all) {
+  if (all == 1) return "its picture";
+  if (static_cast<std::size_t>(shown) == all) return fmt::format("its {} pictures", all);
+  return fmt::format("{} of its {} pictures", shown, all);
+}
+
+// One sentence for the top: what the newest board shows, beside the one before and the next.
+std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) {
+  constexpr auto kPromised = &ViewInRound::promised, kSeen = &ViewInRound::photographed;
+  const int last = in.measured;
+  if (last == 0) {
+    const Mean mean = mean_of(views, in.count, kPromised, in.count, kPromised);
+    if (mean.views == 0) return "The first board is designed, and has not been photographed yet.";
+    return fmt::format(
+        "The first board should show {} at {} on average ({}), if the bench is as it is believed to be. It has not "
+        "been "
+        "photographed yet.",
+        pictures_in_words(mean.views, views.size()), decibels(mean.db), quality_in_words(mean.db));
+  }
+  const Mean seen = mean_of(views, last, kSeen, last, kSeen);
+  if (seen.views == 0)
+    return fmt::format(
+        "The board of round {} was photographed and the bench measured, but no photo was taken from where one of its "
+        "pictures is to be seen.",
+        last);
+  std::string out = fmt::format("The board{} shows {} at {}{} ({})", last > 1 ? fmt::format(" of round {}", last) : "",
+                                pictures_in_words(seen.views, views.size()), decibels(seen.db),
+                                seen.views > 1 ? " on average" : "", quality_in_words(seen.db));
+  const Mean promise = mean_of(views, last, kPromised, last, kSeen);
+  if (promise.views == seen.views)
+    out += fmt::format("; promised {} {}", seen.views > 1 ? "were" : "was", decibels(promise.db));
+  if (last > 1) {
+    const Mean now = mean_of(views, last, kSeen, last - 1, kSeen),
+               before = mean_of(views, last - 1, kSeen, last, kSeen);
+    if (now.views > 0) out += fmt::format("; that is {} than the board before", gain_in_words(now.db - before.db));
+  }
+  out += ".";
+  if (in.count > last) {
+    const Mean next = mean_of(views, last + 1, kPromised, last, kSeen),
+               now = mean_of(views, last, kSeen, last + 1, kPromised);
+    if (next.views > 0)
+      out += fmt::format(" Designed for the bench as measured, the next one promises {}, {}.", decibels(next.db),
+                         gain_in_words(next.db - now.db));
+  }
+  return out;
+}
+
+std::string next_of(const Rounds& in) {
+  const std::string loop = "<code>" + html("burin loop " + shell_word(in.project.folder.string())) + "</code>";
+  if (in.count == in.measured) return loop + " designs the next board for the bench as measured.";
+  const fs::path round = in.project.round(in.count);
+  const fs::path gcode = round / "board.gcode";
+  return fmt::format(
+      "carve {}, put photos of it into <code>{}</code>, then {}.",
+      fs::exists(gcode) ? "<code>" + html(gcode.string()) + "</code>" : fmt::format("the board of round {}", in.count),
+      html((round / "photos").string()), loop);
+}
+
+// What to mind in the comparison of rounds.
+std::vector<Finding> findings_of(const Rounds& in, const std::vector<ViewHistory>& views) {
+  std::vector<Finding> out;
   std::vector<RerunView> reruns;  // the first board as photographed, and the second as promised or photographed
   for (const ViewHistory& view : views) {
+    if (in.measured > 0 && !view.rounds[static_cast<std::size_t>(in.measured - 1)].photographed.there())
+      out.push_back(
+          {Finding::Severity::warning,
+           {},
+           fmt::format("view {}: no photo of round {} shows it as it is to be seen", view.view, in.measured),
+           fmt::format("take one from its designed place, or name it: burin loop {} --view {}=PHOTOGRAPHED_VIEW",
+                       shell_word(in.project.folder.string()), view.view)});
     if (in.count < 2 || !view.rounds[0].photographed.there() || !view.rounds[1].promised.there()) continue;
     const ViewInRound &before = view.rounds[0], &after = view.rounds[1];
     reruns.push_back(
         {view.view, before.promised.psnr_db, before.photographed.psnr_db, after.promised.psnr_db, std::nullopt});
     if (after.photographed.there()) reruns.back().seen_after_db = after.photographed.psnr_db;
   }
-  if (!reruns.empty()) points.push_back(rerun_sentence(reruns));
+  append(out, rerun_findings(reruns));
   return out;
 }
+
+// As many pixels as the photos have on the carve area, between those that are compared and the most that are shown.
+int shown_side_px(const Rounds& in) {
+  int longest = kSidePx;
+  const auto look = [&](const Bench& bench) {
+    for (const View& view : bench.views) {
+      const PixelWindow window = carve_window(bench, in.board, view);
+      longest = std::max({longest, window.width, window.height});
+    }
+  };
+  if (in.measured > 0)
+    look(read_bench(in.project.round(in.measured) / "bench.json"));
+  else
+    look(in.nominal);
+  return std::min(longest, kMostShownPx);
+}
+
+constexpr const char* kWhatIsCompared =
+    "<p class=\"soft\">Promised: the photo that the bench would give for which the board was designed. Photographed: "
+    "the "
+    "photo taken from there. All are laid flat on the carve area, each at the one exposure that comes nearest to the "
+    "target, and compared with it after gamma 1/2.2, as PSNR: 20 dB is recognizable, 25 dB good, 30 dB hard to tell "
+    "apart. A camera blurs the hatching; a design's own figures count it pixel by pixel, and so are lower than "
+    "these.</p>\n";
 
 }  // namespace
 
@@ -259,7 +403,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   in.spec = read_design(folder / "design.json");
   in.board = read_board(in.spec.board);
   in.nominal = read_bench(in.spec.bench);
-  in.frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, kSidePx);
+  in.shown_px = shown_side_px(in);
 
   for (int r = 1; r <= in.measured; ++r) in.names.push_back(match_round(in.project, r));
 
@@ -269,24 +413,31 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
     views.push_back(history_of(in, index));
   }
   Section out;
-  out.outcome = outcome_of(in, views, out.points);
-  out.body = "<h2>Round after round</h2>\n" + table_of(in, views);
-  for (const ViewHistory& view : views) out.body += pictures_of(view);
-  out.body +=
-      "<p class=\"soft\">Promised: the photo that the bench would give for which the board was designed. "
-      "Photographed: the photo taken from there. All are laid flat on the carve area, each at the one exposure that "
-      "comes nearest to the target, and compared with it after gamma 1/2.2, as PSNR. A camera blurs the hatching; a "
-      "design's own figures count it pixel by pixel, and so are lower than these.</p>\n";
+  out.title = "The project";
+  out.outcome = outcome_of(in, views);
+  out.next = next_of(in);
+  out.findings = findings_of(in, views);
+  std::string pictures;
+  for (const ViewHistory& view : views) pictures += pictures_of(view);
+  out.pictures = compared_in_lockstep("carve area", pictures);
+  const std::string curves = curves_of(in, views);
+  if (!curves.empty()) out.open += "<h2>Round after round</h2>\n" + curves;
+  out.parts = folded("What each round promised and showed", "view by view, and how it is compared",
+                     table_of(in, views) + kWhatIsCompared);
   // The whole of the newest: the measured bench, and the design made for it.
   if (in.measured > 0) {
-    const auto session = session_section(in.project.round(in.measured), {}, progress);
-    if (session) {
-      out.points.push_back(session->outcome);
-      out.points.insert(out.points.end(), session->points.begin(), session->points.end());
-      out.body += session->body;
+    if (const auto session = session_section(in.project.round(in.measured), {}, progress)) {
+      append(out.findings, session->findings);
+      out.open += session->open;
+      out.parts +=
+          folded("Photo beside prediction", "every photo, as the measured bench predicts it", session->pictures);
+      out.parts += session->parts;
     }
   }
-  if (const auto design = design_section(in.project.round(in.count))) out.body += design->body;
+  if (const auto design = design_section(in.project.round(in.count))) {
+    append(out.findings, design->findings);
+    out.parts += folded(fmt::format("The design of round {}", in.count), design->outcome, whole_section(*design));
+  }
   return out;
 }
 

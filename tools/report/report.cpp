@@ -7,30 +7,43 @@
 #include "tools/report/section.h"
 
 namespace burin {
-std::string write_report(const std::filesystem::path& folder, const std::filesystem::path& session,
-                         const std::optional<Section>& first, const Progress& progress) {
+
+std::string whole_section(const Section& section) { return section.pictures + section.open + folds(section.parts); }
+
+WrittenReport write_report(const std::filesystem::path& folder, const std::filesystem::path& session,
+                           const std::optional<Section>& first, const Progress& progress) {
   if (!std::filesystem::is_directory(folder))
     fail(folder.string(), "there is no such folder",
          "name the folder of a calibrated session, a design or a loop project");
-  std::string outcome, body;
-  std::vector<std::string> points;
+  const auto absolute = std::filesystem::absolute(folder).lexically_normal();
+  Page all{"Burin · " + (absolute.has_filename() ? absolute : absolute.parent_path()).filename().string(), ""};
+  bool any = false;
+  std::string parts;
   for (const auto& section :
        {first, project_section(folder, progress), session_section(folder, session, progress), design_section(folder)}) {
     if (!section) continue;
-    outcome += (outcome.empty() ? "" : " ") + section->outcome;
-    points.insert(points.end(), section->points.begin(), section->points.end());
-    body += section->body;
+    append(all.findings, section->findings);
+    if (any) {
+      parts += folded(html(section->title), section->outcome, whole_section(*section));
+      continue;
+    }
+    any = true;
+    all.outcome = section->outcome;
+    all.next = section->next;
+    all.pictures = section->pictures;
+    all.body = section->open;
+    parts = section->parts;
   }
-  if (body.empty())
+  if (!any)
     fail(folder.string(), "it holds nothing to report: no bench.json with its session.json, no design, no round-01",
          "run burin calibrate, burin design or burin loop first, or name the session with --session");
-  const auto absolute = std::filesystem::absolute(folder).lexically_normal();
-  const std::string name =
-      absolute.has_filename() ? absolute.filename().string() : absolute.parent_path().filename().string();
-  write_text(page("Burin: " + name, outcome, points, body), folder / "report.html");
-  std::string told = plain_text(outcome);
-  for (const std::string& point : points) told += "\n- " + plain_text(point);
-  return told;
+  all.body += folds(parts);
+  WrittenReport out{plain_text(all.outcome), folder / "report.html"};
+  for (const Finding& finding : all.findings) out.told += "\n- " + sentence(finding);
+  const std::string text = page(all);
+  write_text(text, out.page);
+  out.bytes = text.size();
+  return out;
 }
 
 }  // namespace burin

@@ -18,6 +18,7 @@
 #include "burin/render/scratches.h"
 #include "burin/render/view_renderer.h"
 #include "tools/report/html.h"
+#include "tools/report/pictures.h"
 #include "tools/report/rectified.h"
 
 namespace burin {
@@ -84,27 +85,36 @@ Look look_at(const Carved& carved, const DesignedPicture& asked, const Image& ta
 }  // namespace
 
 std::string rerun_sentence(std::span<const RerunView> views) {
-  std::string gains, reasons;
+  std::string gains;
   double sum = 0;
   for (const RerunView& v : views) {
-    const double cost = v.promised_before_db - v.seen_before_db, gain = v.after_db() - v.seen_before_db;
+    const double gain = v.after_db() - v.seen_before_db;
     sum += gain / static_cast<double>(views.size());
     gains += fmt::format("{}{} {:+.1f} dB", gains.empty() ? "" : ", ", html(v.view), gain);
-    if (cost < kHardlySeen_db)
-      reasons += fmt::format(" View {} had little to regain: the first design promised it {:.1f} dB, seen were {:.1f}.",
-                             html(v.view), v.promised_before_db, v.seen_before_db);
-    else if (gain < cost / 2)
-      reasons += fmt::format(
-          " View {} {} of the {:.1f} dB that the believed bench cost it (promised {:.1f}, seen {:.1f}); the second "
-          "design promises it {:.1f} dB on the bench as it is.",
-          html(v.view), gain > 0 ? fmt::format("regains only {:.1f}", gain) : "regains none", cost,
-          v.promised_before_db, v.seen_before_db, v.promised_after_db);
-    if (v.seen_after_db && v.promised_after_db - *v.seen_after_db > kHardlySeen_db)
-      reasons += fmt::format(" View {} still loses {:.1f} dB to what the measured bench does not know.", html(v.view),
-                             v.promised_after_db - *v.seen_after_db);
   }
-  return fmt::format("Designing again for the measured bench {} {:.1f} dB on average ({}).{}",
-                     sum < 0 ? "loses" : "gains", std::abs(sum), gains, reasons);
+  return fmt::format("Designing again for the measured bench {} {:.1f} dB on average ({}).",
+                     sum < 0 ? "loses" : "gains", std::abs(sum), gains);
+}
+
+std::vector<Finding> rerun_findings(std::span<const RerunView> views) {
+  std::vector<Finding> out;
+  const auto note = [&](std::string what) { out.push_back({Finding::Severity::note, {}, std::move(what), ""}); };
+  for (const RerunView& v : views) {
+    const double cost = v.promised_before_db - v.seen_before_db, gain = v.after_db() - v.seen_before_db;
+    if (cost < kHardlySeen_db)
+      note(fmt::format("view {} had little to regain: the first design promised it {:.1f} dB, seen were {:.1f} dB",
+                       v.view, v.promised_before_db, v.seen_before_db));
+    else if (gain < cost / 2)
+      note(fmt::format(
+          "view {}: the believed bench cost it {:.1f} dB (promised {:.1f}, seen {:.1f}), and the second "
+          "design {}; it promises {:.1f} dB on the bench as it is",
+          v.view, cost, v.promised_before_db, v.seen_before_db,
+          gain > 0 ? fmt::format("regains {:.1f} dB of them", gain) : "regains none of them", v.promised_after_db));
+    if (v.seen_after_db && v.promised_after_db - *v.seen_after_db > kHardlySeen_db)
+      note(fmt::format("view {} still loses {:.1f} dB to what the measured bench does not know", v.view,
+                       v.promised_after_db - *v.seen_after_db));
+  }
+  return out;
 }
 
 Section rerun_section(const RerunInput& input, const Progress& progress) {
@@ -130,27 +140,36 @@ Section rerun_section(const RerunInput& input, const Progress& progress) {
     const Look was = look_at(before.carved, *old, target, under, board, input.under);
     const Look is = look_at(after.carved, asked, target, under, board, input.under);
     views.push_back({asked.view, old->promised_db, was.psnr_db, asked.promised_db, is.psnr_db});
-    const auto decibels = [](double db) { return fmt::format("{:.1f} dB", db); };
     results.rows.push_back({html(asked.view), decibels(old->promised_db), decibels(was.psnr_db),
                             decibels(asked.promised_db), decibels(is.psnr_db),
                             fmt::format("{:+.1f} dB", is.psnr_db - was.psnr_db)});
-    const std::vector<std::string> row{
-        figure(target, "<b>Target</b>"),
-        figure(was.picture, fmt::format("<b>Before</b>: designed for the believed bench, {:.1f} dB", was.psnr_db)),
-        figure(is.picture, fmt::format("<b>After</b>: designed for the measured bench, {:.1f} dB", is.psnr_db))};
-    pictures += fmt::format("<h3>View {}</h3>\n", html(asked.view)) + figure_row(row);
+    const auto shown = [&](const Image& picture, const std::string& name, const std::string& what,
+                           const std::string& value) {
+      return Figure{picture, "View " + asked.view + ": " + what + (value.empty() ? "" : ", " + value),
+                    "<b>" + name + "</b> " + value, name};
+    };
+    const std::vector<Figure> figures{
+        shown(target, "Target", "the target", ""),
+        shown(was.picture, "Before", "the board designed for the believed bench", decibels(was.psnr_db)),
+        shown(is.picture, "After", "the board designed for the measured bench", decibels(is.psnr_db))};
+    pictures += compared("View " + asked.view, figures, 1, 2);
   }
   Section out;
+  out.title = "Before and after";
   out.outcome = rerun_sentence(views);
-  out.body =
-      fmt::format(
-          "<h2>Before and after</h2>\n<p>Two boards for the same pictures, both looked at under the bench of {}: "
-          "its views and lamp, the machine's map, the grooves' depth and roughness and how they vary over the board "
-          "and along the carving, and what is seen where grooves cross. Promised is what each design expected of the "
-          "bench that it was made for. PSNR after gamma 1/2.2, each at the exposure that comes nearest to the "
-          "target.</p>\n",
-          html(input.under.filename().string())) +
-      table(results) + pictures;
+  out.findings = rerun_findings(views);
+  out.pictures = "<h2>Before and after</h2>\n" + compared_in_lockstep("carve area", pictures) +
+                 "<p class=\"soft\">Before: designed for the bench as it was believed to be; after: for the bench as "
+                 "measured.</p>\n";
+  out.parts = folded(
+      "View by view", "promised and seen, before and after",
+      table(results) +
+          fmt::format("<p>Two boards for the same pictures, both looked at under the bench of {}: its views and lamp, "
+                      "the machine's map, the grooves' depth and roughness and how they vary over the board and along "
+                      "the carving, and what is seen where grooves cross. Promised is what each design expected of the "
+                      "bench that it was made for. PSNR after gamma 1/2.2, each at the exposure that comes nearest to "
+                      "the target.</p>\n",
+                      html(input.under.filename().string())));
   return out;
 }
 

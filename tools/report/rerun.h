@@ -6,7 +6,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
+#include "burin/render/finding.h"
 #include "burin/render/progress.h"
 #include "tools/report/section.h"
 
@@ -26,9 +28,12 @@ struct RerunView {
 /// Differences below this are hardly seen, in dB.
 inline constexpr double kHardlySeen_db = 1;
 
-/// HTML: by how much the views gained. Why those gained little that regained less than half of what the wrong bench
-/// cost them, and what the second design still loses.
+/// HTML: by how much the views gained, in all and one by one.
 std::string rerun_sentence(std::span<const RerunView> views);
+
+/// Why views gained little that regained less than half of what the wrong bench cost them, and what the second design
+/// still loses.
+std::vector<Finding> rerun_findings(std::span<const RerunView> views);
 
 /// Two folders of `burin design`, the bench under which both are looked at, and the board. What each tool path
 /// compensated is read from the design's own report.

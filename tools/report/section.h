@@ -7,14 +7,19 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/finding.h"
 #include "burin/render/progress.h"
 
 namespace burin {
 
 struct Section {
-  std::string outcome;              ///< one or two sentences, HTML: what came out
-  std::vector<std::string> points;  ///< HTML, a sentence or two each: what else to mind
-  std::string body;                 ///< HTML
+  std::string title;              ///< text: what it is called where it is folded
+  std::string outcome;            ///< a sentence or two, HTML: what came out
+  std::string next{};             ///< HTML, half a sentence: what to do next; empty where nothing follows from it
+  std::string pictures{};         ///< HTML: what is looked at first
+  std::vector<Finding> findings;  ///< what to mind
+  std::string open{};             ///< HTML, below what to mind: curves, the bench
+  std::string parts{};            ///< HTML: folded() parts, one after the other
 };
 
 /// A calibrated (and refined) session: `folder`/session.json (or `session`, if not empty) and `folder`/bench.json.
@@ -25,12 +30,22 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
 /// A design: what `burin design` left in `folder`. Target, start and preview for every view, the loss, the sheet.
 std::optional<Section> design_section(const std::filesystem::path& folder);
 
-/// A loop project: its rounds side by side with the targets.
+/// A loop project: its rounds side by side with the targets, and the newest round's session and design, folded.
 std::optional<Section> project_section(const std::filesystem::path& folder, const Progress& progress);
 
-/// The page for a folder with any of these, after `first` if there is one, written to `folder`/report.html. Throws
-/// Error if it holds none of them. Returns outcome and points as plain text, a line each.
-std::string write_report(const std::filesystem::path& folder, const std::filesystem::path& session,
-                         const std::optional<Section>& first, const Progress& progress);
+/// All that a section shows, as it stands inside a folded part of another.
+std::string whole_section(const Section& section);
+
+/// What write_report() made.
+struct WrittenReport {
+  std::string told;  ///< outcome and findings as plain text, a line each
+  std::filesystem::path page;
+  std::uintmax_t bytes = 0;  ///< of the page, pictures included
+};
+
+/// The page for a folder with any of these, after `first` if there is one, written to `folder`/report.html: the first
+/// that there is makes the page, the others are folded below it. Throws Error if the folder holds none of them.
+WrittenReport write_report(const std::filesystem::path& folder, const std::filesystem::path& session,
+                           const std::optional<Section>& first, const Progress& progress);
 
 }  // namespace burin

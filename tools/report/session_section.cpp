@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <string>
@@ -23,7 +24,9 @@
 #include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
 #include "tools/hold_out_file.h"
+#include "tools/report/bench_section.h"
 #include "tools/report/html.h"
+#include "tools/report/pictures.h"
 #include "tools/report/rectified.h"
 #include "tools/report/residuals.h"
 #include "tools/report/section.h"
@@ -83,10 +86,21 @@ Agreement agreement(const Image& photo, const Image& predicted) {
 
 // --- photo beside prediction -----------------------------------------------------------------------------------------
 
-std::string comparison(const Loaded& in, const MergedView& merged, const View& view, const Light& light) {
+// One photo beside its prediction: HTML, and how far they are apart (infinite where that cannot be said).
+struct Comparison {
+  std::string pictures;
+  double relative_rms = std::numeric_limits<double>::infinity();
+};
+
+std::string percent(double part) { return std::isfinite(part) ? fixed(100 * part, 1) + " %" : "unknown"; }
+
+Comparison comparison(const Loaded& in, const MergedView& merged, const View& view, const Light& light) {
+  const std::string title = "View " + merged.view + (in.bench.lights.size() > 1 ? ", lamp “" + merged.light + "”" : "");
   const Surface surface = surface_of(in);
   const PixelWindow window = carve_window(in.bench, in.board, view);
-  if (window.width == 0 || window.height == 0) return "<p>The carve area lies outside this photo.</p>";
+  if (window.width == 0 || window.height == 0)
+    return {"<section class=\"compare\"><h3>" + html(title) +
+            "</h3><p>The carve area lies outside this photo.</p></section>\n"};
   const BoardFrame frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, kRectifiedSidePx);
   const Image photo =
       rectified(with_clipped_infinite(merged), 0, 0, in.bench.lens, view.T_camera_board, surface, frame);
@@ -96,19 +110,22 @@ std::string comparison(const Loaded& in, const MergedView& merged, const View& v
   const float white = percentile(photo, kWhitePercentile);
   const Agreement fit = agreement(photo, predicted);
   const bool clipped = std::any_of(merged.valid.begin(), merged.valid.end(), [](auto v) { return v == 0; });
+  const std::string apart = percent(fit.relative_rms);
 
-  std::vector<std::string> figures;
-  figures.push_back(figure(shown(predicted, white), "<b>Predicted</b> from the measured bench."));
-  figures.push_back(
-      figure(shown(photo, white), std::string("<b>Photographed</b>, seen from straight above, same exposure.") +
-                                      (clipped ? " White: clipped in every exposure (gray in the difference)." : "")));
-  figures.push_back(figure(difference_shown(photo, predicted, white, kDifferenceScale),
-                           fmt::format("<b>Difference.</b> Red: the photo is brighter; blue: darker; full color at "
-                                       "±{:.0f} % of white. RMS {:.1f} % of "
-                                       "the photo's own; mean brightness {:.3f} of the predicted.",
-                                       100 * kDifferenceScale, 100 * fit.relative_rms, fit.ratio),
-                           PictureKind::png));
-  return figure_row(figures);
+  const std::vector<Figure> figures{
+      {shown(predicted, white), title + ": as the measured bench predicts the photo", "<b>Predicted</b>", "Predicted"},
+      {shown(photo, white), title + ": the photo, laid flat, at the same exposure",
+       fmt::format("<b>Photographed</b>{}",
+                   clipped ? "<span class=\"more\">, white where clipped in every exposure</span>" : ""),
+       "Photographed"},
+      {difference_shown(photo, predicted, white, kDifferenceScale),
+       fmt::format("{}: the difference, {} RMS of the photo's own values", title, apart),
+       fmt::format("<b>Difference</b> {}<span class=\"more\"> RMS of the photo's own; mean brightness {} of the "
+                   "predicted</span>",
+                   apart, std::isfinite(fit.ratio) ? fixed(fit.ratio, 3) : "unknown"),
+       "Difference"}};
+  return {compared(title, figures, 0, 1),
+          std::isfinite(fit.relative_rms) ? fit.relative_rms : std::numeric_limits<double>::infinity()};
 }
 
 // --- tags and residuals over the photo -------------------------------------------------------------------------------
@@ -143,7 +160,7 @@ double arrow_factor(const ResidualTable& residuals) {
 }
 
 // The part of the photo that holds the board, with everything that is known about its corners drawn over it.
-std::string residual_photo(const Loaded& in, const MergedView& merged, const View& view, double factor) {
+Figure residual_photo(const Loaded& in, const MergedView& merged, const View& view, double factor) {
   PixelWindow window = window_of(in.bench.lens, view.T_camera_board, surface_of(in), {0, 0}, in.board.size_mm, 24);
   if (window.width == 0 || window.height == 0) window = {0, 0, merged.value.width, merged.value.height};
   Image part(window.width, window.height, merged.value.channels);
@@ -162,20 +179,18 @@ std::string residual_photo(const Loaded& in, const MergedView& merged, const Vie
     svg += svg_line(from, to,
                     r.left_out ? "stroke=\"#ff3b30\" stroke-width=\"1.6\"" : "stroke=\"#ffcf33\" stroke-width=\"1.6\"");
   }
-  std::string caption = fmt::format("<b>{}</b>", html(view.name));
-  if (view.tags) caption += fmt::format(", {} tags", *view.tags);
-  if (view.reprojection_rms_px) caption += fmt::format(", {:.3f} px RMS per axis", *view.reprojection_rms_px);
-  return figure(shown(small, percentile(small, 0.98)), caption, PictureKind::jpeg, svg);
+  std::string told;
+  if (view.tags) told += ", " + counted(*view.tags, "tag");
+  if (view.reprojection_rms_px) told += fmt::format(", {:.3f} px RMS per axis", *view.reprojection_rms_px);
+  return {shown(small, percentile(small, 0.98)),
+          "Photo of view " + view.name + " with its tags and residuals" + told,
+          fmt::format("<b>{}</b>{}", html(view.name), told),
+          "",
+          PictureKind::jpeg,
+          svg};
 }
 
 // --- numbers ---------------------------------------------------------------------------------------------------------
-
-std::string verdict_cell(const Bench& bench, const std::string& parameter, bool measured) {
-  const Verdict* verdict = find_verdict(bench, parameter);
-  if (verdict == nullptr)
-    return measured ? "<span class=\"good\">determined</span>" : "<span class=\"unknown\">assumed</span>";
-  return fmt::format("<span class=\"{}\">{}</span>", verdict->determined() ? "good" : "bad", in_words(verdict->degree));
-}
 
 bool is_determined(const Bench& bench, const std::string& parameter) {
   const Verdict* verdict = find_verdict(bench, parameter);
@@ -205,67 +220,69 @@ std::string numbers(const Loaded& in) {
   const MaterialSigma& sigma = bench.material_sigma;
   const Material& believed = in.board.material;
   Table out;
-  out.header = {"Quantity", "Value", "Believed before", "From the photos?", "What is normal"};
+  out.header = {"Quantity", "Value", "Believed before", "What is normal"};
+  const auto row = [&](const std::string& name, const std::string& value, const std::string& before,
+                       const std::string& normal) {
+    out.rows.push_back({name, value, before, normal});
+  };
   const auto material_row = [&](const char* name, const char* key, double value, const std::optional<double>& s,
-                                double before, const char* unit, const char* normal) {
-    out.rows.push_back({name, value_cell(bench, key, value, s, unit), number(before) + (*unit ? " " : "") + unit,
-                        verdict_cell(bench, key, s.has_value()), normal});
+                                double before, const std::string& unit, const char* normal) {
+    row(name, value_cell(bench, key, value, s, unit), number(before) + (unit.empty() ? "" : " ") + unit, normal);
   };
   material_row("Roughness of the grooves, alpha", parameter::kAlpha, material.alpha, sigma.alpha, believed.alpha, "",
                "0.02 (polished) to 0.12");
   material_row("Depth of the grooves, d", parameter::kDepth, material.depth_um, sigma.depth_um, believed.depth_um, "µm",
                "5 to 30 µm; needs photos whose half vectors straddle the cut-off");
   const double rim = groove_rim(in.board.tool_width_um, material.depth_um);
-  out.rows.push_back({"Half-width of the grooves, w (from d)",
-                      is_determined(bench, parameter::kDepth)
-                          ? fmt::format("{:.1f} µm", in.board.tool_width_um / 2 * rim)
-                          : "<span class=\"unknown\">unknown, as d is</span>",
-                      fmt::format("{:.1f} µm", half_width_um(in.board.tool_width_um, believed.depth_um)), "", ""});
-  out.rows.push_back(
-      {"Cut-off angle, 2 atan(2w / wt)",
-       is_determined(bench, parameter::kDepth) ? fmt::format("{:.1f}°", 2 * std::atan(rim) * kDegrees)
-                                               : "<span class=\"unknown\">unknown, as d is</span>",
-       fmt::format("{:.1f}°", 2 * std::atan(groove_rim(in.board.tool_width_um, believed.depth_um)) * kDegrees), "",
-       "half vectors that lean further give no glint"});
+  const bool depth_known = is_determined(bench, parameter::kDepth);
+  row("Half-width of the grooves, w (from d)",
+      depth_known ? fixed(in.board.tool_width_um / 2 * rim, 1) + " µm"
+                  : "<span class=\"unknown\">unknown, as d is</span>",
+      fixed(half_width_um(in.board.tool_width_um, believed.depth_um), 1) + " µm", "");
+  row("Cut-off angle, 2 atan(2w / wt)",
+      depth_known ? fixed(2 * std::atan(rim) * kDegrees, 1) + "°" : "<span class=\"unknown\">unknown, as d is</span>",
+      fixed(2 * std::atan(groove_rim(in.board.tool_width_um, believed.depth_um)) * kDegrees, 1) + "°",
+      "half vectors that lean further give no glint");
   material_row("Roughness of the plain face", parameter::kBaseAlpha, material.base_alpha, sigma.base_alpha,
                believed.base_alpha, "", "0.05 (mirror-like) to 0.3 (brushed)");
   for (const Light& light : bench.lights) {
-    const std::string key = parameter::light_position(light.id);
-    out.rows.push_back({fmt::format("Lamp “{}”: position", html(light.id)),
-                        is_determined(bench, key) ? position_cell(light.position_mm, light.position_sigma_mm)
-                                                  : "<span class=\"unknown\">unknown</span>",
-                        "", verdict_cell(bench, key, light.position_sigma_mm.has_value()),
-                        "±1 to 10 mm for a lamp a meter away, most of it along the ray to the lamp"});
+    row(fmt::format("Lamp “{}”: position", html(light.id)),
+        is_determined(bench, parameter::light_position(light.id))
+            ? position_cell(light.position_mm, light.position_sigma_mm)
+            : "<span class=\"unknown\">unknown</span>",
+        "", "±1 to 10 mm for a lamp a meter away, most of it along the ray to the lamp");
     if (light.falloff_exponent != 0 || light.falloff_exponent_sigma)
-      out.rows.push_back(
-          {fmt::format("Lamp “{}”: fall-off exponent", html(light.id)),
-           light.falloff_exponent_sigma ? with_sigma(light.falloff_exponent, *light.falloff_exponent_sigma)
-                                        : number(light.falloff_exponent),
-           "", verdict_cell(bench, parameter::light_falloff(light.id), light.falloff_exponent_sigma.has_value()),
-           "0 is a bare lamp; a spot has 2 to 40"});
+      row(fmt::format("Lamp “{}”: fall-off exponent", html(light.id)),
+          light.falloff_exponent_sigma ? with_sigma(light.falloff_exponent, *light.falloff_exponent_sigma)
+                                       : number(light.falloff_exponent),
+          "", "0 is a bare lamp; a spot has 2 to 40");
   }
-  out.rows.push_back({"Bow of the board",
-                      fmt::format("{:.3f}, {:.3f}, {:.3f} mm", bench.bow_mm[0], bench.bow_mm[1], bench.bow_mm[2]),
-                      "flat", verdict_cell(bench, parameter::kBow, bench.bow_mm.norm() > 0), "below 0.2 mm"});
+  row("Bow of the board",
+      fmt::format("{}, {}, {} mm", fixed(bench.bow_mm[0], 3), fixed(bench.bow_mm[1], 3), fixed(bench.bow_mm[2], 3)),
+      "flat", "below 0.2 mm");
   return table(out);
 }
 
-// Every parameter that was judged, and what to photograph next for those that the photos left open.
+// Every parameter that was judged, why, and what to photograph next for those that the photos left open.
 std::string verdicts(const Loaded& in) {
   if (in.bench.verdict.empty()) return "";
   Table out;
-  out.header = {"Parameter", "From the photos?", "One sigma", "Why", "The photo that would help most"};
+  out.header = {"Parameter", "From the photos?", "Why", "The photo that would help most"};
+  std::size_t determined = 0;
   for (const auto& [name, verdict] : in.bench.verdict) {
+    determined += verdict.determined() ? 1 : 0;
     out.rows.push_back(
         {html(parameter::in_words(name)),
          fmt::format("<span class=\"{}\">{}</span>", verdict.determined() ? "good" : "bad", in_words(verdict.degree)),
-         verdict.sigma ? significant(*verdict.sigma) + " " + in_words(verdict.unit) : "",
          fmt::format("<span class=\"soft\">{}</span>", html(sentence(verdict))),
          verdict.next_photo ? html(sentence(*verdict.next_photo, verdict.unit)) : ""});
   }
-  return "<h2>What the photos determine</h2>\n<p>Each sigma was tested by solving for halves of the photos "
-         "separately; where they contradict each other it was made larger, and the table says so.</p>\n" +
-         table(out);
+  return folded(
+      "What the photos determine",
+      fmt::format("{} of {}", determined, counted(static_cast<long long>(in.bench.verdict.size()), "parameter")),
+      "<p>Each sigma was tested by solving for halves of the photos separately; where they contradict each other "
+      "it was made larger, and the table says so.</p>\n" +
+          table(out));
 }
 
 // How photos that were not used were predicted, beside how they are explained when they are.
@@ -300,7 +317,11 @@ std::string held_out(const Loaded& in) {
         "that explains what it was fitted to, and no more, shows itself here.</p>\n" +
         table(pixels);
   }
-  return out.empty() ? "" : "<h2>Photos that were held out</h2>\n" + out;
+  if (out.empty()) return "";
+  return folded("Photos that were held out",
+                held.corners ? fmt::format("their corners predicted to {:.3f} px", held.corners->held_out_rms_px)
+                             : "how they were predicted",
+                out);
 }
 
 // The machine's affine map in words: scales, turn, skew, offset, and the largest shift over the carve area.
@@ -331,7 +352,7 @@ std::string machine_numbers(const Loaded& in) {
       {"Offset at the middle of the carve area", fmt::format("{:.3f}, {:.3f} mm", offset.x(), offset.y()),
        "within ±0.3 mm"},
       {"Largest shift over the carve area", fmt::format("{:.3f} mm", largest), "the next tool path takes it out"}};
-  return table(out);
+  return folded("The machine", fmt::format("shifts scratches by at most {:.3f} mm", largest), table(out));
 }
 
 std::string view_numbers(const Loaded& in) {
@@ -360,49 +381,91 @@ std::string view_numbers(const Loaded& in) {
          "something moved, is out of focus, or lies elsewhere than <code>board.json</code> says.</p>";
 }
 
-// What was found, and what the photos leave open.
-std::vector<std::string> points_of(const Loaded& in) {
+// What was found, in a line.
+std::string known_in_words(const Loaded& in) {
   const Bench& bench = in.bench;
-  std::vector<std::string> known, unknown, points;
-  for (const Light& light : bench.lights) {
-    if (!light.position_sigma_mm) continue;
-    if (is_determined(bench, parameter::light_position(light.id)))
-      known.push_back(fmt::format("the lamp “{}” to ±{:.1f} mm", html(light.id), light.position_sigma_mm->norm()));
-  }
+  std::string out;
+  const auto add = [&](const std::string& part) { out += (out.empty() ? "" : "; ") + part; };
   if (bench.material_sigma.alpha && is_determined(bench, parameter::kAlpha))
-    known.push_back("alpha = " + with_sigma(bench.material.alpha, *bench.material_sigma.alpha));
+    add("alpha " + with_sigma(bench.material.alpha, *bench.material_sigma.alpha));
   if (bench.material_sigma.depth_um && is_determined(bench, parameter::kDepth))
-    known.push_back("depth d = " + with_sigma(bench.material.depth_um, *bench.material_sigma.depth_um) + " µm");
-  for (const auto& [name, verdict] : bench.verdict)
-    if (!verdict.determined()) unknown.push_back(html(parameter::in_words(name)));
-  const auto joined = [](const std::vector<std::string>& parts) {
-    std::string text;
-    for (std::size_t i = 0; i < parts.size(); ++i)
-      text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
-    return text;
-  };
-  if (!known.empty()) points.push_back("Measured: " + joined(known) + ".");
-  if (!unknown.empty())
-    points.push_back("<span class=\"bad\">Not determined by these photos, or only weakly: " + joined(unknown) +
-                     "</span>; why, and which photo would help, stands under “What the photos determine”.");
-  return points;
+    add("depth " + with_sigma(bench.material.depth_um, *bench.material_sigma.depth_um) + " µm");
+  for (const Light& light : bench.lights)
+    if (light.position_sigma_mm && is_determined(bench, parameter::light_position(light.id)))
+      add(fmt::format("lamp “{}” to ±{} mm", html(light.id), significant(light.position_sigma_mm->norm())));
+  return out;
+}
+
+// What the photos leave open, and which photo would help.
+std::vector<Finding> findings_of(const Loaded& in) {
+  std::vector<Finding> out;
+  for (const auto& [name, verdict] : in.bench.verdict) {
+    if (verdict.determined()) continue;
+    out.push_back({verdict.known() ? Finding::Severity::note : Finding::Severity::warning,
+                   {},
+                   parameter::in_words(name) +
+                       (verdict.known() ? ": the photos tell it only weakly" : ": the photos do not tell it"),
+                   verdict.next_photo ? "the photo that would help most: " + sentence(*verdict.next_photo, verdict.unit)
+                                      : "why stands under “What the photos determine”"});
+  }
+  const auto left_out = std::ranges::count_if(in.residuals.corners, &ShownResidual::left_out);
+  if (left_out > 0)
+    out.push_back({Finding::Severity::note,
+                   {},
+                   fmt::format("{} of {} left out: they contradict the others", counted(left_out, "tag corner"),
+                               grouped(static_cast<long long>(in.residuals.corners.size()))),
+                   "they are red under “Tags and residuals”: a tag that peels off, or something in front of it"});
+  return out;
 }
 
 std::string outcome_of(const Loaded& in) {
   const Bench& bench = in.bench;
-  double squares = 0, tags_per_view = 0;
-  int counted = 0;
+  double squares = 0;
+  int with_tags = 0;
   for (const View& view : bench.views)
     if (view.reprojection_rms_px) {
       squares += *view.reprojection_rms_px * *view.reprojection_rms_px;
-      tags_per_view += view.tags.value_or(0);
-      ++counted;
+      ++with_tags;
     }
-  std::string out = fmt::format("The bench was measured from {} views", bench.views.size());
-  if (counted > 0)
-    out += fmt::format(" (tags fit to {:.3f} px, {:.0f} of them a view)", std::sqrt(squares / counted),
-                       tags_per_view / counted);
+  const auto open = std::ranges::count_if(bench.verdict, [](const auto& v) { return !v.second.known(); });
+  std::string out =
+      fmt::format("The bench was measured from {}", counted(static_cast<long long>(bench.views.size()), "view"));
+  if (with_tags > 0) out += fmt::format("; its tags fit to {:.3f} px", std::sqrt(squares / with_tags));
+  if (open > 0)
+    out += fmt::format(", but {} not told by these photos",
+                       open == 1 ? "one thing is" : fmt::format("{} things are", open));
   return out + ".";
+}
+
+std::string residual_words(const Loaded& in, double factor) {
+  const std::string blue = "Blue: where the solved bench says each tag is. ";
+  if (in.residuals.corners.empty()) return blue + "No residuals.vnl lies beside bench.json, so no arrows are drawn.";
+  return blue +
+         fmt::format(
+             "Yellow: from each found corner, its residual, drawn {} times as long as it is; red: corners that "
+             "were left out. Arrows that point the same way over an area mean a lens model that does not fit; one "
+             "long arrow means a tag that sits elsewhere.",
+             number(factor));
+}
+
+// Those that agree least first; the many behind them are folded.
+std::string photo_beside_prediction(std::vector<Comparison> comparisons) {
+  constexpr std::size_t kOpen = 3;
+  std::ranges::stable_sort(comparisons, std::ranges::greater{}, &Comparison::relative_rms);
+  std::string open, more;
+  for (std::size_t i = 0; i < comparisons.size(); ++i) (i < kOpen ? open : more) += comparisons[i].pictures;
+  if (open.empty()) return "";
+  std::string out = "<h2>Photo beside prediction</h2>\n" + compared_in_lockstep("carve area", open);
+  if (!more.empty())
+    out += folded(counted(static_cast<long long>(comparisons.size() - kOpen), "more view"), "which agree better",
+                  compared_in_lockstep("carve area", more));
+  return out + fmt::format(
+                   "<p class=\"soft\">Each view as the measured bench predicts it and as it was photographed, laid "
+                   "flat on the "
+                   "carve area (x right, y up), both with one exposure; those that agree least come first. In the "
+                   "difference, "
+                   "red: the photo is brighter; blue: darker; full color at ±{:.0f} % of white; gray: clipped.</p>\n",
+                   100 * kDifferenceScale);
 }
 
 }  // namespace
@@ -424,39 +487,37 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   in.merged = merge_session(in.session);
 
   Section out;
+  out.title = "The measured bench";
   out.outcome = outcome_of(in);
-  out.points = points_of(in);
-  out.body +=
-      "<h2>Photo beside prediction</h2>\n<p>Each view as the measured bench predicts it and as it was photographed, "
-      "laid flat on the carve area (x right, y up). Both are shown with one exposure, chosen for that view.</p>\n";
-  std::vector<std::string> photos;
+  out.findings = findings_of(in);
+  std::vector<Comparison> comparisons;
+  std::vector<Figure> photos;
   const double factor = arrow_factor(in.residuals);
   for (std::size_t i = 0; i < in.merged.size(); ++i) {
     if (progress) progress("drawing views", static_cast<double>(i) / static_cast<double>(in.merged.size()));
     const MergedView& merged = in.merged[i];
     const auto view = std::ranges::find(in.bench.views, merged.view, &View::name);
     const auto light = std::ranges::find(in.bench.lights, merged.light, &Light::id);
-    out.body += fmt::format("<h3>View {}{}</h3>\n", html(merged.view),
-                            in.bench.lights.size() > 1 ? ", lamp “" + html(merged.light) + "”" : "");
     if (view == in.bench.views.end() || light == in.bench.lights.end()) {
-      out.body += "<p>This view was left out of the calibration: it has no pose or no lamp in bench.json.</p>\n";
+      out.findings.push_back({Finding::Severity::warning,
+                              {},
+                              fmt::format("view {} was left out of the calibration: it has no {} in bench.json",
+                                          merged.view, view == in.bench.views.end() ? "pose" : "lamp"),
+                              "what burin calibrate said of it tells why"});
       continue;
     }
-    out.body += comparison(in, merged, *view, *light);
+    comparisons.push_back(comparison(in, merged, *view, *light));
     const bool first_of_view = std::none_of(in.merged.begin(), in.merged.begin() + static_cast<std::ptrdiff_t>(i),
                                             [&](const MergedView& m) { return m.view == merged.view; });
     if (first_of_view) photos.push_back(residual_photo(in, merged, *view, factor));
   }
-  out.body += "<h2>The numbers</h2>\n" + numbers(in) + machine_numbers(in) + verdicts(in) + held_out(in);
-  out.body += fmt::format(
-      "<h2>Tags and residuals</h2>\n<p>Blue: where the solved bench says each tag is. {}</p>\n",
-      in.residuals.corners.empty()
-          ? "No residuals.vnl lies beside bench.json, so no arrows are drawn."
-          : fmt::format("Yellow: from each found corner, its residual, drawn {:g} times as long as it is; red: corners "
-                        "that were left out. Arrows that point the same way over an area mean a lens model that does "
-                        "not fit; one long arrow means a tag that sits elsewhere.",
-                        factor));
-  out.body += figure_row(photos, true) + view_numbers(in);
+  out.pictures = photo_beside_prediction(std::move(comparisons));
+  out.open = bench_section(in.bench, in.board);
+  const double rms = in.residuals.rms_px();
+  out.parts =
+      folded("What was measured", known_in_words(in), numbers(in)) + verdicts(in) + machine_numbers(in) + held_out(in) +
+      folded("Tags and residuals", rms > 0 ? fmt::format("{:.3f} px RMS per axis", rms) : "over the photos",
+             "<p>" + residual_words(in, factor) + "</p>\n" + figure_row(photos, FigureSize::large) + view_numbers(in));
   return out;
 }
 
