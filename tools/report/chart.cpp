@@ -50,15 +50,17 @@ Axis axis_of(double low, double high, bool logarithmic) {
   return axis;
 }
 
-std::string legend_of(std::span<const Curve> curves) {
+std::string legend_of(std::span<const Curve> curves, const std::string& of_dashed) {
   std::string out = "<ul class=\"legend\">";
   for (std::size_t c = 0; c < curves.size(); ++c) {
+    if (curves[c].dashed && !of_dashed.empty()) continue;
     const int color = curves[c].color >= 0 ? curves[c].color % kColors : static_cast<int>(c) % kColors;
     out += fmt::format(
         "<li><svg viewBox=\"0 0 26 10\" aria-hidden=\"true\"><line x1=\"0\" y1=\"5\" x2=\"26\" y2=\"5\" "
         "class=\"curve s{}{}\"/></svg>{}</li>",
         color, curves[c].dashed ? " promised" : "", html(curves[c].name));
   }
+  if (!of_dashed.empty()) out += "<li>" + of_dashed + "</li>";
   return out + "</ul>";
 }
 
@@ -113,7 +115,7 @@ std::string chart(std::span<const Curve> curves, const ChartWords& words) {
   }
   const std::string drawing =
       svg_drawing({kWidth, kHeight}, fmt::format("role=\"img\" aria-label=\"{}\"", html(words.description)), out);
-  return "<figure class=\"chart\">\n" + drawing + legend_of(curves) + "</figure>\n";
+  return "<figure class=\"chart\">\n" + drawing + legend_of(curves, words.of_dashed) + "</figure>\n";
 }
 
 }  // namespace burin

@@ -20,6 +20,7 @@ struct ChartWords {
   std::string description;             ///< text: what it shows, for who cannot see it
   std::vector<std::string> x_names{};  ///< of 0, 1, 2, ...; empty: 0 and the last are numbered
   bool marks = false;                  ///< a mark at every value
+  std::string of_dashed{};  ///< HTML: what dashed curves are; they then have no entry of their own in the legend
 };
 
 /// As a figure with its legend. Logarithmic in y where all values are positive and span a decade, unless `marks`.

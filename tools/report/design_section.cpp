@@ -148,8 +148,9 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
   const auto command = "burin toolpath " + shell_word((home / "scratches.csv").string()) +
                        " --board BOARD.json --bench BENCH.json --machine grbl --out board.gcode";
   out.next = fmt::format("turn it into a tool path: <code>{}</code>", html(command));
+  out.heading = "What it will show";
   out.pictures =
-      "<h2>What it will show</h2>\n" + views.pictures +
+      views.pictures +
       "<p class=\"soft\">Pictures as they lie on the carve area, x right and y up. PSNR compares the preview "
       "with its target at the best single exposure: 20 dB is recognizable, 25 dB good, 30 dB hard to tell "
       "apart.</p>\n";

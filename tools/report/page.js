@@ -83,13 +83,17 @@
       return select;
     });
     const zoom = element('div', 'zoom');
-    for (const [text, label, act] of [['−', 'Zoom out', () => zoomAt(place, 1 / 1.6)], ['+', 'Zoom in', () => zoomAt(place, 1.6)],
-                                      ['1:1', 'Show the whole picture', () => look(place, 0.5, 0.5, 1)]]) {
-      const button = element('button', '', { type: 'button', textContent: text, title: label, 'aria-label': label });
+    for (const [text, label, act] of [['all', 'Show the whole picture', () => look(place, 0.5, 0.5, 1)],
+                                      ['−', 'Zoom out', () => zoomAt(place, 1 / 1.6)], ['+', 'Zoom in', () => zoomAt(place, 1.6)]]) {
+      const button = element('button', text === 'all' ? 'all' : '', { type: 'button', textContent: text, title: label });
+      button.setAttribute('aria-label', label);
       button.addEventListener('click', act);
+      for (const type of ['pointerdown', 'dblclick']) button.addEventListener(type, (event) => event.stopPropagation());
+      button.addEventListener('keydown', (event) => event.stopPropagation());
       zoom.append(button);
     }
-    controls.append(range, selects[0], zoom, selects[1]);
+    stage.append(zoom);
+    controls.append(range, ...selects);
 
     function wipe(percent) {
       range.value = String(Math.min(100, Math.max(0, percent)));

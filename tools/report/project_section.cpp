@@ -244,7 +244,7 @@ std::string curves_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t k = 0; k < views.size(); ++k) {
     Curve promised{views[k].view + ", promised", {}, true, static_cast<int>(k)},
-        seen{views[k].view + ", photographed", {}, false, static_cast<int>(k)};
+        seen{views[k].view, {}, false, static_cast<int>(k)};
     told += fmt::format(" View {}:", views[k].view);
     for (std::size_t r = 0; r < views[k].rounds.size(); ++r) {
       const ViewInRound& round = views[k].rounds[r];
@@ -260,6 +260,7 @@ std::string curves_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   ChartWords words{"round", "dB", told};
   for (int r = 1; r <= in.count; ++r) words.x_names.push_back(fmt::format("round {}", r));
   words.marks = true;
+  words.of_dashed = "dashed, hollow: promised; whole: photographed";
   return chart(curves, words);
 }
 
@@ -317,21 +318,20 @@ std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) 
                                 seen.views > 1 ? " on average" : "", quality_in_words(seen.db));
   const Mean promise = mean_of(views, last, kPromised, last, kSeen);
   if (promise.views == seen.views)
-    out += fmt::format("; promised {} {}", seen.views > 1 ? "were" : "was", decibels(promise.db));
+    out += ", promised " + std::string(seen.views > 1 ? "were " : "was ") + decibels(promise.db);
   if (last > 1) {
     const Mean now = mean_of(views, last, kSeen, last - 1, kSeen),
                before = mean_of(views, last - 1, kSeen, last, kSeen);
     if (now.views > 0) out += fmt::format("; that is {} than the board before", gain_in_words(now.db - before.db));
   }
-  out += ".";
   if (in.count > last) {
     const Mean next = mean_of(views, last + 1, kPromised, last, kSeen),
                now = mean_of(views, last, kSeen, last + 1, kPromised);
     if (next.views > 0)
-      out += fmt::format(" Designed for the bench as measured, the next one promises {}, {}.", decibels(next.db),
+      out += fmt::format("; designed for the bench as measured, the next one promises {}, {}", decibels(next.db),
                          gain_in_words(next.db - now.db));
   }
-  return out;
+  return out + ".";
 }
 
 std::string next_of(const Rounds& in) {

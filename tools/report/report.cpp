@@ -30,7 +30,7 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
     any = true;
     all.outcome = section->outcome;
     all.next = section->next;
-    all.pictures = section->pictures;
+    all.pictures = (section->heading.empty() ? "" : "<h2>" + html(section->heading) + "</h2>\n") + section->pictures;
     all.body = section->open;
     parts = section->parts;
   }

@@ -155,10 +155,10 @@ Section rerun_section(const RerunInput& input, const Progress& progress) {
     pictures += compared("View " + asked.view, figures, 1, 2);
   }
   Section out;
-  out.title = "Before and after";
+  out.title = out.heading = "Before and after";
   out.outcome = rerun_sentence(views);
   out.findings = rerun_findings(views);
-  out.pictures = "<h2>Before and after</h2>\n" + compared_in_lockstep("carve area", pictures) +
+  out.pictures = compared_in_lockstep("carve area", pictures) +
                  "<p class=\"soft\">Before: designed for the bench as it was believed to be; after: for the bench as "
                  "measured.</p>\n";
   out.parts = folded(

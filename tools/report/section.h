@@ -16,10 +16,12 @@ struct Section {
   std::string title;              ///< text: what it is called where it is folded
   std::string outcome;            ///< a sentence or two, HTML: what came out
   std::string next{};             ///< HTML, half a sentence: what to do next; empty where nothing follows from it
+  std::string heading{};          ///< text, above the pictures where they stand open; empty: none
   std::string pictures{};         ///< HTML: what is looked at first
   std::vector<Finding> findings;  ///< what to mind
   std::string open{};             ///< HTML, below what to mind: curves, the bench
   std::string parts{};            ///< HTML: folded() parts, one after the other
+  bool has_scene = false;         ///< whether `open` holds a bench_section(), which needs its script
 };
 
 /// A calibrated (and refined) session: `folder`/session.json (or `session`, if not empty) and `folder`/bench.json.

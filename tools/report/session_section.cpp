@@ -455,7 +455,7 @@ std::string photo_beside_prediction(std::vector<Comparison> comparisons) {
   std::string open, more;
   for (std::size_t i = 0; i < comparisons.size(); ++i) (i < kOpen ? open : more) += comparisons[i].pictures;
   if (open.empty()) return "";
-  std::string out = "<h2>Photo beside prediction</h2>\n" + compared_in_lockstep("carve area", open);
+  std::string out = compared_in_lockstep("carve area", open);
   if (!more.empty())
     out += folded(counted(static_cast<long long>(comparisons.size() - kOpen), "more view"), "which agree better",
                   compared_in_lockstep("carve area", more));
@@ -488,6 +488,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
 
   Section out;
   out.title = "The measured bench";
+  out.heading = "Photo beside prediction";
   out.outcome = outcome_of(in);
   out.findings = findings_of(in);
   std::vector<Comparison> comparisons;
