@@ -21,7 +21,9 @@
 #include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
+#include "tools/match_views.h"
 #include "tools/project.h"
+#include "tools/report/bench_section.h"
 #include "tools/report/chart.h"
 #include "tools/report/html.h"
 #include "tools/report/pictures.h"
@@ -421,19 +423,27 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   for (const ViewHistory& view : views) pictures += pictures_of(view);
   out.pictures = compared_in_lockstep("carve area", pictures);
   const std::string curves = curves_of(in, views);
-  if (!curves.empty()) out.open += "<h2>Round after round</h2>\n" + curves;
+  if (!curves.empty()) out.open += "<section><h2>Round after round</h2>\n" + curves + "</section>\n";
   out.parts = folded("What each round promised and showed", "view by view, and how it is compared",
                      table_of(in, views) + kWhatIsCompared);
   // The whole of the newest: the measured bench, and the design made for it.
   if (in.measured > 0) {
     if (const auto session = session_section(in.project.round(in.measured), {}, progress)) {
       append(out.findings, session->findings);
+      out.has_scene = session->has_scene;
       out.open += session->open;
       out.parts +=
           folded("Photo beside prediction", "every photo, as the measured bench predicts it", session->pictures);
       out.parts += session->parts;
     }
   }
+  if (!out.has_scene) {
+    const fs::path report = in.project.round(in.count) / "design" / "design-report.json";
+    out.open += bench_section(in.nominal, in.board, match_tolerances(in.spec, in.nominal, in.board, report),
+                              "The bench as it is believed to be");
+    out.has_scene = true;
+  }
+  out.open = "<div class=\"beside\">\n" + out.open + "</div>\n";
   if (const auto design = design_section(in.project.round(in.count))) {
     append(out.findings, design->findings);
     out.parts += folded(fmt::format("The design of round {}", in.count), design->outcome, whole_section(*design));

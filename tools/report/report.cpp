@@ -5,6 +5,7 @@
 #include "burin/render/files/json_file.h"
 #include "tools/report/html.h"
 #include "tools/report/section.h"
+#include "tools/view/bench_scene.h"
 
 namespace burin {
 
@@ -17,12 +18,13 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
          "name the folder of a calibrated session, a design or a loop project");
   const auto absolute = std::filesystem::absolute(folder).lexically_normal();
   Page all{"Burin · " + (absolute.has_filename() ? absolute : absolute.parent_path()).filename().string(), ""};
-  bool any = false;
+  bool any = false, scene = false;
   std::string parts;
   for (const auto& section :
        {first, project_section(folder, progress), session_section(folder, session, progress), design_section(folder)}) {
     if (!section) continue;
     append(all.findings, section->findings);
+    scene = scene || section->has_scene;
     if (any) {
       parts += folded(html(section->title), section->outcome, whole_section(*section));
       continue;
@@ -38,6 +40,10 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
     fail(folder.string(), "it holds nothing to report: no bench.json with its session.json, no design, no round-01",
          "run burin calibrate, burin design or burin loop first, or name the session with --session");
   all.body += folds(parts);
+  if (scene) {
+    all.scripts.push_back(bench_scene_script());
+    all.styles.push_back(bench_scene_style());
+  }
   WrittenReport out{plain_text(all.outcome), folder / "report.html"};
   for (const Finding& finding : all.findings) out.told += "\n- " + sentence(finding);
   const std::string text = page(all);

@@ -513,7 +513,8 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
     if (first_of_view) photos.push_back(residual_photo(in, merged, *view, factor));
   }
   out.pictures = photo_beside_prediction(std::move(comparisons));
-  out.open = bench_section(in.bench, in.board);
+  out.open = bench_section(in.bench, in.board, {}, "The bench as measured");
+  out.has_scene = true;
   const double rms = in.residuals.rms_px();
   out.parts =
       folded("What was measured", known_in_words(in), numbers(in)) + verdicts(in) + machine_numbers(in) + held_out(in) +
