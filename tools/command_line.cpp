@@ -43,6 +43,7 @@ std::unique_ptr<CLI::App> make_app() {
   burin->add_flag("--quiet")->description("Say nothing but notes and errors; stands before COMMAND");
   burin->add_flag("--json")->description("Say all in one JSON object when it is done; stands before COMMAND");
   add_simulate_command(*burin);
+  add_print_command(*burin);
   add_plan_command(*burin);
   add_capture_command(*burin);
   add_calibrate_command(*burin);

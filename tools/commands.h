@@ -39,6 +39,7 @@
 namespace burin {
 
 void add_simulate_command(CLI::App& burin);
+void add_print_command(CLI::App& burin);
 void add_plan_command(CLI::App& burin);
 void add_capture_command(CLI::App& burin);
 void add_calibrate_command(CLI::App& burin);

@@ -1,0 +1,23 @@
+// tools/drawing/pdf.h - drawings as pages of a PDF, by cairo. Same drawings, same bytes: no date of the clock in it.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+
+#include "tools/drawing/drawing.h"
+
+namespace burin {
+
+/// What all pages share.
+struct PdfPaper {
+  Eigen::Vector2d size_mm{210, 297};
+  /// A drawing's mm become so many mm of paper, across and upright; its size times this is the paper's.
+  Eigen::Vector2d stretch{1, 1};
+  std::string title;  ///< in the file's properties
+};
+
+/// The file's bytes. Throws Error where cairo cannot make it.
+std::string pdf(std::span<const Drawing> pages, const PdfPaper& paper);
+
+}  // namespace burin

@@ -1,0 +1,109 @@
+#include <CLI/App.hpp>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "burin/render/board.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "tools/commands.h"
+#include "tools/drawing/pdf.h"
+#include "tools/print/print_pages.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path project, out;
+  std::string paper = "a4";
+  double across_mm = 100, upright_mm = 0;
+  bool no_template = false, no_chessboard = false;
+};
+
+// The folder's name; of board.json the folder that it lies in.
+std::string name_of(const fs::path& board) {
+  const fs::path folder = fs::absolute(board).lexically_normal().parent_path();
+  return folder.filename().empty() ? "burin" : folder.filename().string();
+}
+
+std::string pages_text(std::size_t first, std::size_t count, const std::string& what) {
+  return count == 1 ? fmt::format("  page {}: {}\n", first, what)
+                    : fmt::format("  pages {} to {}: {}\n", first, first + count - 1, what);
+}
+
+void run(const Options& options) {
+  const fs::path file = fs::is_directory(options.project) ? options.project / "board.json" : options.project;
+  const Board board = read_board(file);
+  const fs::path out = options.out.empty() ? file.parent_path() / "tags.pdf" : options.out;
+  if (out.extension() != ".pdf")
+    fail(out.string(), "is not the name of a PDF",
+         "write --out " + shell_word(fs::path(out).replace_extension(".pdf").string()));
+  PrintSetup setup;
+  setup.paper = find_paper(options.paper);
+  setup.across_mm = options.across_mm;
+  setup.upright_mm = options.upright_mm > 0 ? options.upright_mm : options.across_mm;
+  setup.name = name_of(file);
+  require_good(setup);
+
+  const TagPages tags = tag_pages(board, setup);
+  std::vector<Drawing> pages;
+  std::string told;
+  for (const PrintedPage& page : tags.pages) pages.push_back(page.drawing);
+  told +=
+      pages_text(1, tags.pages.size(), fmt::format("{} tags of {}, to cut out", tags.tags.size(), board.tags.family));
+  if (!options.no_template) {
+    const TemplatePages places = template_pages(board, setup);
+    told += pages_text(pages.size() + 1, places.pages.size(),
+                       fmt::format("where each of them goes on the board of {:g} x {:g} mm, 1:1", board.size_mm.x(),
+                                   board.size_mm.y()));
+    for (const PrintedPage& page : places.pages) pages.push_back(page.drawing);
+  }
+  if (!options.no_chessboard) {
+    const ChessboardPage board_page = chessboard_page(setup);
+    told +=
+        pages_text(pages.size() + 1, 1,
+                   fmt::format("a chessboard for a lens of your own (burin lens --chessboard {}x{} --square-mm {:g})",
+                               board_page.columns, board_page.rows, board_page.square_mm));
+    pages.push_back(board_page.page.drawing);
+  }
+  if (out.has_parent_path()) make_output_folder(out.parent_path());
+  write_text(pdf(pages, {setup.paper.size_mm, stretch(setup), setup.name + ": tags, template, chessboard"}), out);
+  fmt::print("{}", told);
+  std::string again = "burin print " + shell_word(options.project.string());
+  if (!options.out.empty()) again += " --out " + shell_word(options.out.string());
+  if (options.paper != "a4") again += " --paper " + options.paper;
+  if (options.no_template) again += " --no-template";
+  if (options.no_chessboard) again += " --no-chessboard";
+  if (is_compensated(setup))
+    fmt::print(
+        "Wrote {}, with sizes put right for a printer whose ruler measured {:g} mm: print it with the same "
+        "settings; its rulers must now measure 100 mm (if they measure L: {} --ruler-measured {:g} x L)\n",
+        out.string(), setup.across_mm, again, setup.across_mm / 100);
+  else
+    fmt::print(
+        "Wrote {}: print it at 100 %, and measure its rulers; if 100 mm are not 100 mm: {} --ruler-measured MM\n",
+        out.string(), again);
+}
+
+}  // namespace
+
+void add_print_command(CLI::App& burin) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = burin.add_subcommand(
+      "print", "Make a PDF of a board's tags at true scale, of where they go, and of a chessboard");
+  command->add_option("PROJECT", options->project, "The project's folder, or a board.json")->required();
+  command->add_option("--out", options->out, "The PDF to write; without it, tags.pdf beside board.json");
+  command->add_option("--paper", options->paper, "a4, letter, a3 or tabloid")->capture_default_str();
+  command->add_option("--ruler-measured", options->across_mm,
+                      "How long the printed 100 mm ruler came out on your printer, mm: everything is put right by it");
+  command->add_option("--upright-ruler-measured", options->upright_mm,
+                      "The same of the ruler along the page's left, where it came out otherwise");
+  command->add_flag("--no-template", options->no_template, "Without the pages that say where the tags go");
+  command->add_flag("--no-chessboard", options->no_chessboard, "Without the chessboard");
+  command->footer(example("burin print my-board --out tags.pdf --paper a4"));
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace burin
