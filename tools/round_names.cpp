@@ -63,10 +63,10 @@ Matching match_round(const Project& project, int number, const GivenNames& given
   const DesignSpec wanted = read_design(project.folder / "design.json"), carved = read_design(round / "design.json");
   const Board board = read_board(carved.board);
   Bench designed = read_bench(carved.bench);
-  fill_material(designed, board);
   const Bench nominal = read_bench(wanted.bench);
   complete_by(designed.views, nominal.views, [](const View& a, const View& b) { return a.name == b.name; });
   complete_by(designed.lights, nominal.lights, [](const Light& a, const Light& b) { return a.id == b.id; });
+  fill_material(designed, board);
   GivenNames names = given;
   const GivenNames kept = read_names(round / "names.json");
   names.views.insert(kept.views.begin(), kept.views.end());

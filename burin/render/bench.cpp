@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/camera_json.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/material_json.h"
 #include "burin/render/files/verdict_json.h"
@@ -41,25 +42,13 @@ Eigen::Vector3d color(JsonObject& json, const std::string& key, const Eigen::Vec
   return v;
 }
 
-Eigen::Isometry3d rigid_motion(JsonObject& json, const std::string& key) {
-  const Eigen::Matrix4d m = json.matrix(key, 4, 4);
-  const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
-  constexpr double kTolerance = 1e-6;  // what a person's 7 digits leave; 1 um at a meter
-  if ((m.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kTolerance)
-    json.fail_field(key, "its last row is not [0, 0, 0, 1]", "write a 4x4 rigid motion, row by row");
-  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kTolerance || R.determinant() < 0)
-    json.fail_field(key, "is not a rigid motion: its upper left 3x3 is no rotation",
-                    "write orthonormal axes with determinant +1, to at least 7 digits");
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.matrix().topRows<3>() = m.topRows<3>();
-  return T;
-}
-
 View read_view(JsonObject& json) {
   View view;
   view.name = json.text("view");
   if (view.name.empty()) json.fail_field("view", "is empty", "give the view a name");
-  view.T_camera_board = rigid_motion(json, "T_camera_board");
+  const SaidPose pose = read_pose(json);
+  view.T_camera_board = pose.T_camera_board;
+  view.roll_to_middle_deg = pose.roll_to_middle_deg;
   view.center_sigma_mm = optional_sigma3(json, "center_sigma_mm");
   view.reprojection_rms_px = optional_sigma(json, "reprojection_rms_px");
   if (json.has("tags")) {
@@ -139,6 +128,13 @@ void fail_unless_unique(const List& list, Name name, const JsonObject& json, con
   for (const auto& item : list)
     if (!seen.insert(name(item)).second)
       json.fail_field(key, "\"" + name(item) + "\" is listed twice", "give each a name of its own");
+}
+
+void fail_unless_aimed(const View& view, std::string_view where) {
+  if (view.roll_to_middle_deg)
+    fail(std::string(where),
+         "view \"" + view.name + "\" has an eye_mm that looks at the board's middle, and no board is known here",
+         "write its aim_mm into bench.json");
 }
 
 Json view_json(const View& view) {
@@ -268,7 +264,8 @@ Bench read_bench(const std::filesystem::path& file) {
   const int version = json.integer("version");
 
   Bench bench;
-  bench.camera = resolve_path(file, json.text("camera"));
+  const bool in_words = json.has("camera") && json.raw("camera").is_object();
+  if (!in_words) bench.camera = resolve_path(file, json.text("camera"));
   if (json.has("views"))
     for (JsonObject& item : json.objects("views")) bench.views.push_back(read_view(item));
   if (json.has("lights"))
@@ -310,8 +307,13 @@ Bench read_bench(const std::filesystem::path& file) {
       bench.verdict[name] = version == 1 ? read_verdict_of_version_1(item) : read_verdict(item);
     }
   }
+  if (in_words) {
+    JsonObject camera = json.object("camera");
+    bench.lens = read_nominal_lens(camera);
+    camera.finish();
+  }
   json.finish();
-  bench.lens = read_cameramodel(bench.camera);
+  if (!in_words) bench.lens = read_cameramodel(bench.camera);
   // A nominal bench lacks nothing: only what was measured can have been lost.
   if (version == 1 && bench.material_sigma.alpha)
     bench.findings.push_back({Finding::Severity::note, file,
@@ -331,7 +333,10 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   json["version"] = kVersion;
   json["camera"] = path_beside(file, camera);
   json["views"] = Json::array();
-  for (const View& view : bench.views) json["views"].push_back(view_json(view));
+  for (const View& view : bench.views) {
+    fail_unless_aimed(view, file.string());
+    json["views"].push_back(view_json(view));
+  }
   json["lights"] = Json::array();
   for (const Light& light : bench.lights) json["lights"].push_back(light_json(light));
   json["material"] = material_json(bench, tool_width_um);
@@ -376,8 +381,10 @@ const Verdict* find_verdict(const Bench& bench, const std::string& parameter) {
 }
 
 const View& find_view(const Bench& bench, std::string_view name, std::string_view where) {
-  return find_named(
+  const View& view = find_named(
       bench.views, name, [](const View& v) { return v.name; }, "view", where);
+  fail_unless_aimed(view, where);
+  return view;
 }
 
 const Light& find_light(const Bench& bench, std::string_view id, std::string_view where) {

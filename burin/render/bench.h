@@ -27,6 +27,9 @@ struct View {
   std::optional<Eigen::Vector3d> center_sigma_mm;  ///< of the center, board axes
   std::optional<double> reprojection_rms_px;       ///< per axis
   std::optional<int> tags;                         ///< tags used
+  /// Set as long as a file says only where the eye is and the board was not looked at: T_camera_board then has the
+  /// center alone (burin/render/bench_of_board.h, aim_views).
+  std::optional<double> roll_to_middle_deg;
 };
 
 /// A near lamp: a point with color, and a direction and fall-off when it is a spot (docs/model.md 5.5):
@@ -64,7 +67,7 @@ using Affine2 = Eigen::Matrix<double, 2, 3>;  ///< [A | b], mm
 /// A bench, believed or measured: everything but the board and the scratches that decides what a photo shows.
 struct Bench {
   Lens lens;
-  std::filesystem::path camera;  ///< where the lens is kept
+  std::filesystem::path camera;  ///< where the lens is kept; empty if bench.json says it in words
   std::vector<View> views;
   std::vector<Light> lights;
   Material material;
@@ -86,8 +89,8 @@ struct Bench {
   std::vector<Finding> findings;           ///< what a file of an older version lacks; not written
 };
 
-/// Reads `bench.json` (version 2, or 1) and the `.cameramodel` it names. Throws Error on anything missing, unknown or
-/// out of range.
+/// Reads `bench.json` (version 2, or 1) and the `.cameramodel` it names, if it names one. Throws Error on anything
+/// missing, unknown or out of range.
 Bench read_bench(const std::filesystem::path& file);
 
 /// Writes `bench.json` and, if `bench.camera` is empty or lies beside it, the `.cameramodel`; atomically.
@@ -97,7 +100,8 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
 /// What the bench says of a parameter; nullptr where it says nothing.
 const Verdict* find_verdict(const Bench& bench, const std::string& parameter);
 
-/// The view or lamp of that name. Throws Error listing the names there are. `where` is named in the message.
+/// The view or lamp of that name. Throws Error listing the names there are, and for a view that is not aimed yet.
+/// `where` is named in the message.
 const View& find_view(const Bench& bench, std::string_view name, std::string_view where);
 const Light& find_light(const Bench& bench, std::string_view id, std::string_view where);
 

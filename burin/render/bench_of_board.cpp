@@ -4,6 +4,7 @@
 #include <string>
 
 #include "burin/render/error.h"
+#include "burin/render/files/camera_json.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/parameter_name.h"
 
@@ -68,6 +69,7 @@ struct Settling {
 
 void settle_material(Bench& bench, const std::filesystem::path& bench_file, const Board& board,
                      const std::filesystem::path& board_file) {
+  aim_views(bench, board);
   const Settling s{bench, board, bench_file.string(), board_file.string()};
   Material& m = bench.material;
   const MaterialSigma& sigma = bench.material_sigma;
@@ -90,7 +92,17 @@ void settle_material(Bench& bench, const std::filesystem::path& bench_file, cons
   bench.said = {};
 }
 
+void aim_views(Bench& bench, const Board& board) {
+  const Eigen::Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
+  for (View& view : bench.views) {
+    if (!view.roll_to_middle_deg) continue;
+    view.T_camera_board = aimed_at(view.T_camera_board, middle, *view.roll_to_middle_deg);
+    view.roll_to_middle_deg.reset();
+  }
+}
+
 void fill_material(Bench& bench, const Board& board) {
+  aim_views(bench, board);
   if (!bench.said.alpha) bench.material.alpha = board.material.alpha;
   if (!bench.said.depth_um) bench.material.depth_um = board.material.depth_um;
   if (!bench.said.base_alpha) bench.material.base_alpha = board.material.base_alpha;

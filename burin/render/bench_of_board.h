@@ -23,6 +23,9 @@ Bench read_bench_of(const Board& board, const std::filesystem::path& board_file,
 void settle_material(Bench& bench, const std::filesystem::path& bench_file, const Board& board,
                      const std::filesystem::path& board_file);
 
+/// Views that are said by their eye alone look at the board's middle. The other functions here do it as well.
+void aim_views(Bench& bench, const Board& board);
+
 /// What the bench leaves out becomes the board's; nothing is compared. For looking back at what was believed once.
 void fill_material(Bench& bench, const Board& board);
 

@@ -124,6 +124,12 @@ void unproject(const Lens& lens, std::span<const Eigen::Vector2d> q_px, std::spa
   }
 }
 
+Lens nominal_lens(double focal_35mm, int width, int height) {
+  const double focal_px = focal_35mm * std::hypot(width, height) / std::hypot(36.0, 24.0);
+  return {
+      "LENSMODEL_OPENCV5", {focal_px, focal_px, (width - 1) / 2.0, (height - 1) / 2.0, 0, 0, 0, 0, 0}, width, height};
+}
+
 int lens_parameter_count(const std::string& model) {
   const mrcal_lensmodel_t parsed = lens_model(model, "lens");
   return mrcal_lensmodel_num_params(&parsed);

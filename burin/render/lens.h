@@ -21,6 +21,10 @@ struct Lens {
 /// Gradient of one pixel position: rows u, v.
 using PixelByPoint = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
 
+/// A lens that nobody calibrated, without distortion: by the focal length, mm, that sees as much on 24 x 36 mm film, as
+/// EXIF's FocalLengthIn35mmFilm has it (along the diagonals), and the size of its pictures in pixels.
+Lens nominal_lens(double focal_35mm, int width, int height);
+
 /// Projects points in camera coordinates (any length unit) to pixels, q[i] for p_camera[i].
 /// If not null, dq_dp gets one 2x3 block a point, and dq_dintrinsics points.size() x 2 x lens.intrinsics.size()
 /// numbers, row-major. Points behind the camera give whatever the model gives; check z > 0 first.

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/groove.h"
@@ -265,6 +266,103 @@ TEST(Bench, TheNominalBenchOfTheLoopRigIsRead) {
   EXPECT_EQ(bench.views.size(), 3u);
   EXPECT_EQ(bench.lens.intrinsics.size(), 12u);
   EXPECT_EQ(bench.lens.width, 800);
+}
+
+/// A bench.json of these views, read for a board of 200 x 150 mm.
+Bench bench_of_views(const TemporaryFolder& folder, const std::string& views) {
+  folder.write("bench.json", R"({"format": "burin/bench", "version": 2,
+    "camera": {"focal_35mm": 50, "pixels": [6000, 4000]}, "views": [)" +
+                                 views + "]}");
+  Bench bench = read_bench(folder / "bench.json");
+  Board board;
+  board.size_mm = {200, 150};
+  aim_views(bench, board);
+  return bench;
+}
+
+Eigen::Vector2d seen_at(const Bench& bench, const Eigen::Vector3d& p_board_mm) {
+  const std::vector<Eigen::Vector3d> p{bench.views[0].T_camera_board * p_board_mm};
+  std::vector<Eigen::Vector2d> q(1);
+  project(bench.lens, p, q);
+  return q[0];
+}
+
+TEST(BenchInWords, EyeLooksAtTheBoardsMiddleWithItsUpperEdgeUp) {
+  const TemporaryFolder folder;
+  const Bench bench = bench_of_views(folder, R"({"view": "a", "eye_mm": [-300, -100, 900]})");
+  EXPECT_LT((bench.views[0].T_camera_board.inverse().translation() - Eigen::Vector3d(-300, -100, 900)).norm(), 1e-9);
+  const Eigen::Vector2d middle = seen_at(bench, {100, 75, 0}), above = seen_at(bench, {100, 76, 0});
+  EXPECT_LT((middle - Eigen::Vector2d(2999.5, 1999.5)).norm(), 1e-6);
+  EXPECT_LT(above.y(), middle.y() - 1);
+  EXPECT_NEAR(above.x(), middle.x(), 0.05);  // along the middle column: curvature of a straight line's picture is none
+  EXPECT_GT(seen_at(bench, {101, 75, 0}).x(), middle.x() + 1);
+}
+
+TEST(BenchInWords, AimAndRollAreObeyed) {
+  const TemporaryFolder folder;
+  const Bench bench =
+      bench_of_views(folder, R"({"view": "a", "eye_mm": [100, 75, 1000], "aim_mm": [20, 30, 5], "roll_deg": 90})");
+  const Eigen::Vector2d at = seen_at(bench, {20, 30, 5}), above = seen_at(bench, {20, 31, 5});
+  EXPECT_LT((at - Eigen::Vector2d(2999.5, 1999.5)).norm(), 1e-6);
+  // The camera was turned clockwise, so what was up lies to the left of its picture.
+  EXPECT_LT(above.x(), at.x() - 1);
+  EXPECT_NEAR(above.y(), at.y(), 0.6);
+}
+
+TEST(BenchInWords, FocalLengthIsThatOfTheFilmsDiagonal) {
+  const TemporaryFolder folder;
+  const Bench bench = bench_of_views(folder, R"({"view": "a", "eye_mm": [0, 0, 900]})");
+  EXPECT_NEAR(bench.lens.intrinsics[0], 50.0 / 36 * 6000, 1e-9);  // 3:2, as the film: any side tells it
+  EXPECT_NEAR(nominal_lens(26, 4032, 3024).intrinsics[1], 26 * 5040 / 43.26661530556787, 1e-6);
+}
+
+TEST(BenchInWords, OurWriterPutsMatrixAndLensFileInTheirPlace) {
+  const TemporaryFolder folder;
+  const Bench bench = bench_of_views(folder, R"({"view": "a", "eye_mm": [-300, -100, 900]})");
+  write_bench(bench, 400, folder / "again.json");
+  const Bench back = read_bench(folder / "again.json");
+  EXPECT_EQ(back.views[0].T_camera_board.matrix(), bench.views[0].T_camera_board.matrix());
+  EXPECT_EQ(back.lens.intrinsics, bench.lens.intrinsics);
+}
+
+TEST(BenchInWords, WithoutABoardNobodyKnowsWhereItsMiddleIs) {
+  const TemporaryFolder folder;
+  folder.write("bench.json", R"({"format": "burin/bench", "version": 2,
+    "camera": {"focal_35mm": 50, "pixels": [6000, 4000]}, "views": [{"view": "a", "eye_mm": [0, 0, 900]}]})");
+  const Bench bench = read_bench(folder / "bench.json");
+  EXPECT_THAT([&] { find_view(bench, "a", "design.json"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("design.json"), HasSubstr("\"a\""), HasSubstr("aim_mm"))));
+  EXPECT_THROW(write_bench(bench, 400, folder / "again.json"), Error);
+}
+
+TEST(BenchInWords, NonsenseIsNamed) {
+  const TemporaryFolder folder;
+  const auto expect = [&](const std::string& view, const std::string& field, const std::string& what) {
+    EXPECT_THAT([&] { bench_of_views(folder, R"({"view": "a", )" + view + "}"); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("bench.json"), HasSubstr(field), HasSubstr(what))))
+        << view;
+  };
+  expect(R"("eye_mm": [0, 0, 900], "T_camera_board": [[1,0,0,0],[0,-1,0,0],[0,0,-1,800],[0,0,0,1]])",
+         "views[0].T_camera_board", "keep one");
+  expect(R"("roll_deg": 5, "T_camera_board": [[1,0,0,0],[0,-1,0,0],[0,0,-1,800],[0,0,0,1]])", "views[0].T_camera_board",
+         "roll_deg");
+  expect(R"("aim_mm": [0, 0, 0])", "views[0].eye_mm", "missing");
+  expect(R"("tags": 3)", "views[0].eye_mm", "missing");
+  expect(R"("eye_mm": [0, 0, -5])", "views[0].eye_mm", "behind");
+  expect(R"("eye_mm": [0, 0, 0])", "views[0].eye_mm", "behind");
+  expect(R"("eye_mm": [1, 2, 3], "aim_mm": [1, 2, 3])", "views[0].aim_mm", "where the eye is");
+  expect(R"("eye_mm": [1, 2, 3], "aim_mm": [9, 9, 9])", "views[0].aim_mm", "looks away");
+  expect(R"("eye_mm": [1, 2], "aim_mm": [9, 9, 0])", "views[0].eye_mm", "");
+  const auto camera = [&](const std::string& text, const std::string& field) {
+    folder.write("bench.json", R"({"format": "burin/bench", "version": 2, "camera": )" + text + "}");
+    EXPECT_THAT([&] { read_bench(folder / "bench.json"); }, ThrowsMessage<Error>(HasSubstr(field))) << text;
+  };
+  camera(R"({"focal_35mm": 26})", "camera.pixels");
+  camera(R"({"pixels": [4000, 3000]})", "camera.focal_35mm");
+  camera(R"({"focal_35mm": 0, "pixels": [4000, 3000]})", "camera.focal_35mm");
+  camera(R"({"focal_35mm": 26000, "pixels": [4000, 3000]})", "camera.focal_35mm");
+  camera(R"({"focal_35mm": 26, "pixels": [4000.5, 3000]})", "camera.pixels");
+  camera(R"({"focal_35mm": 26, "pixels": [4000, 3000], "zoom": 2})", "zoom");
 }
 
 }  // namespace

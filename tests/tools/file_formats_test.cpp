@@ -54,10 +54,14 @@ class FileFormats : public ::testing::Test {
  protected:
   void SetUp() override {
     for (const Example& e : examples_of(file_text(fs::path(places::source()) / "docs" / "file-formats.md"))) {
+      // The second of a kind is named after it: bench-2.json.
+      const auto before = std::count(kinds_.begin(), kinds_.end(), e.kind);
       kinds_.push_back(e.kind);
+      const std::string again = before > 0 ? "-" + std::to_string(before + 1) : "";
       const bool toml = e.kind.starts_with("toml ");
       folder_.write(
-          e.kind == "csv" ? "scratches.csv" : e.kind.substr(e.kind.find('/') + 1) + (toml ? ".toml" : ".json"), e.text);
+          e.kind == "csv" ? "scratches.csv" : e.kind.substr(e.kind.find('/') + 1) + again + (toml ? ".toml" : ".json"),
+          e.text);
     }
     const fs::path sample = fs::path(places::source()) / "samples" / "small-bench";
     fs::copy_file(sample / "camera.cameramodel", folder_ / "camera.cameramodel");
@@ -72,8 +76,8 @@ class FileFormats : public ::testing::Test {
 
 TEST_F(FileFormats, PageHasAnExampleOfEachFile) {
   EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("burin/board", "csv", "burin/machine", "toml burin/machine",
-                                                      "burin/session", "burin/bench", "burin/design", "toml burin/loop",
-                                                      "burin/made", "burin/heights", "burin/names"));
+                                                      "burin/session", "burin/bench", "burin/bench", "burin/design",
+                                                      "toml burin/loop", "burin/made", "burin/heights", "burin/names"));
 }
 
 TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
@@ -86,6 +90,17 @@ TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
   EXPECT_EQ(read_heights(folder_ / "heights.json").columns, 3);
   EXPECT_EQ(read_loop_options(folder_.path()).design.at("tolerance-mm").front(), "3");
   EXPECT_TRUE(read_record(folder_ / "made.json")->holds());
+}
+
+TEST_F(FileFormats, BenchInAPersonsWordsIsDesignedForAndRendered) {
+  folder_.write("small.json", R"({"format": "burin/design", "version": 1, "board": "board.json",
+    "bench": "bench-2.json", "scratches": 40, "views": [{"view": "front", "target": "cat.png"}]})");
+  const Outcome design =
+      run_burin(folder_, {"design", "small.json", "--pixels", "32", "--iterations", "1", "--out", "design"});
+  ASSERT_EQ(design.exit_code, 0) << design.err;
+  const Outcome render =
+      run_burin(folder_, {"render", "board.json", "--bench", "bench-2.json", "--view", "left", "--out", "left.exr"});
+  EXPECT_EQ(render.exit_code, 0) << render.err;
 }
 
 TEST_F(FileFormats, BenchIsDesignedForRenderedAndCarved) {

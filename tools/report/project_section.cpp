@@ -405,6 +405,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   in.spec = read_design(folder / "design.json");
   in.board = read_board(in.spec.board);
   in.nominal = read_bench(in.spec.bench);
+  aim_views(in.nominal, in.board);
   in.shown_px = shown_side_px(in);
 
   for (int r = 1; r <= in.measured; ++r) in.names.push_back(match_round(in.project, r));

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/camera_json.h"
 #include "burin/render/files/json_file.h"
 
 namespace burin {
@@ -128,6 +129,11 @@ void read_scratch_source(JsonObject& root, BenchTruth& truth) {
 }
 
 void read_lens(JsonObject json, BenchTruth& truth) {
+  if (json.has("focal_35mm")) {
+    truth.lens = read_nominal_lens(json);
+    json.finish();
+    return;
+  }
   truth.lens.model = json.text("lensmodel");
   const auto size = json.numbers("imagersize", 2);
   truth.lens.width = static_cast<int>(size[0]);
@@ -173,11 +179,12 @@ Light read_light(JsonObject& json) {
 TruthView read_view(JsonObject& json, const BenchTruth& truth) {
   TruthView view;
   view.name = json.text("view");
-  const Eigen::Matrix4d m = json.matrix("T_camera_board", 4, 4);
-  const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
-  if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 1e-6 || R.determinant() < 0)
-    json.fail_field("T_camera_board", "is no rigid motion", "write orthonormal axes with determinant +1, to 7 digits");
-  view.T_camera_board.matrix().topRows<3>() = m.topRows<3>();
+  const SaidPose pose = read_pose(json);
+  view.T_camera_board = pose.T_camera_board;
+  if (pose.roll_to_middle_deg) {
+    const Eigen::Vector3d middle(truth.board.size_mm.x() / 2, truth.board.size_mm.y() / 2, 0);
+    view.T_camera_board = aimed_at(pose.T_camera_board, middle, *pose.roll_to_middle_deg);
+  }
   for (JsonObject& item : json.objects("photos")) {
     TruthPhoto photo;
     photo.file = fs::path(item.text("file")).lexically_normal();

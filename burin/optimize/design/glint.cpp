@@ -110,7 +110,8 @@ std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eig
     const std::string where = "view " + view.name;
     if (!(view.camera_mm.z() > 0) || !(view.light_mm.z() > 0))
       fail(where, std::string(view.camera_mm.z() > 0 ? "its lamp" : "its camera") + " lies behind the board's face",
-           "the board frame has z out of the metal: check T_camera_board and position_mm in the bench");
+           "the board frame has z out of the metal: check the view's eye_mm (or T_camera_board) and the lamp's "
+           "position_mm in the bench");
     const Reached reached = reached_over(view, min_mm, max_mm, width_um, groove_at);
     const Lean lean = lean_at(view, {center.x(), center.y(), 0});
     middle.push_back(lean);
