@@ -23,6 +23,12 @@ DesignView read_view(JsonObject& json, const std::filesystem::path& folder) {
   const std::string fit = json.text("fit", "cover");
   if (fit != "cover" && fit != "contain") json.fail_field("fit", "is \"" + fit + "\"", "give \"cover\" or \"contain\"");
   v.target.fit = fit == "cover" ? Fit::cover : Fit::contain;
+  if (json.has("keep")) {
+    v.target.keep = keep_named(json.text("keep"));
+    if (!v.target.keep)
+      json.fail_field("keep", "is \"" + json.text("keep") + "\"",
+                      "give \"top\", \"middle\", \"bottom\", \"left\" or \"right\"");
+  }
   if (json.has("levels")) {
     const auto levels = json.numbers("levels", 2);
     if (!(levels[0] < levels[1]) || levels[0] < 0 || levels[1] > 1)
@@ -35,7 +41,17 @@ DesignView read_view(JsonObject& json, const std::filesystem::path& folder) {
   return v;
 }
 
+constexpr std::array<const char*, 5> kKeepNames{"middle", "top", "bottom", "left", "right"};
+
 }  // namespace
+
+const char* keep_name(Keep keep) { return kKeepNames[static_cast<std::size_t>(keep)]; }
+
+std::optional<Keep> keep_named(const std::string& name) {
+  for (std::size_t i = 0; i < kKeepNames.size(); ++i)
+    if (name == kKeepNames[i]) return static_cast<Keep>(i);
+  return std::nullopt;
+}
 
 DesignSpec read_design(const std::filesystem::path& file) {
   const Json json = read_json(file, "burin/design", 1);
@@ -87,6 +103,7 @@ void write_design(const DesignSpec& spec, const std::filesystem::path& file) {
     else
       view["rotation_deg"] = v.target.rotation_deg;
     if (v.target.fit == Fit::contain) view["fit"] = "contain";
+    if (v.target.keep) view["keep"] = keep_name(*v.target.keep);
     if (v.target.levels) view["levels"] = *v.target.levels;
     if (!v.target.mask.empty()) view["mask"] = relative(v.target.mask);
     if (v.weight != 1) view["weight"] = v.weight;

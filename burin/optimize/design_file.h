@@ -3,8 +3,8 @@
 //   { "format": "burin/design", "version": 1, "board": "board.json", "bench": "bench.json", "scratches": 40000,
 //     "views": [ { "view": "v00", "light": "lamp", "target": "cat.png", "rotation_deg": 0 } ] }
 //
-// A view may also say "fit": "cover" (default) or "contain", "levels": [black, white], "mask": "cat-mask.png" and
-// "weight": 2 (how much its errors count; default 1).
+// A view may also say "fit": "cover" (default) or "contain", "keep": "top" (or "bottom", "left", "right", "middle"),
+// "levels": [black, white], "mask": "cat-mask.png" and "weight": 2 (how much its errors count; default 1).
 #pragma once
 
 #include <array>
@@ -21,6 +21,15 @@ namespace burin {
 /// shows all of the picture on black.
 enum class Fit { cover, contain };
 
+/// Which part of a picture `cover` keeps, where it crops: the edge that stays, in the picture's own frame. `top` and
+/// `bottom` say nothing of a picture that loses width, `left` and `right` nothing of one that loses height.
+enum class Keep { middle, top, bottom, left, right };
+
+/// "middle", "top", ..., as design.json has them.
+const char* keep_name(Keep keep);
+/// The other way; nothing for any other text.
+std::optional<Keep> keep_named(const std::string& name);
+
 /// A picture and how it lies on the board.
 struct TargetSpec {
   std::filesystem::path picture;
@@ -28,6 +37,7 @@ struct TargetSpec {
   double rotation_deg = 0;       ///< counter-clockwise as one looks at the board with x right and y up
   bool upright_in_view = false;  ///< "rotation_deg": "viewer": upright in that view's photo instead
   Fit fit = Fit::cover;
+  std::optional<Keep> keep;  ///< nothing: the middle, and whoever loads the picture is told what is cropped
   std::optional<std::array<double, 2>> levels;  ///< gamma-encoded values that become black and white
   std::filesystem::path mask;                   ///< picture of what matters (white) and what does not; empty: all
   Image mask_image{};                           ///< the mask itself, if it has pixels; as `image`

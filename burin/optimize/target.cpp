@@ -50,17 +50,12 @@ float sample(const Image& image, double x, double y, float outside) {
 }
 
 // A picture (linear) laid on the area's grid. `scale_used`: grid pixels a picture pixel became.
-Image lay_on_area(const Image& picture, double rotation_deg, Fit fit, const Eigen::Vector2d& area_mm, int width,
-                  int height, float outside, double& scale_used) {
+Image lay_on_area(const Image& picture, double rotation_deg, const TargetSpec& spec, const Eigen::Vector2d& area_mm,
+                  int width, int height, float outside, double& scale_used) {
   const double c = std::cos(rotation_deg * kDegree), s = std::sin(rotation_deg * kDegree);
-  // The turned area's bounding box in the picture's axes decides the size, in mm a picture pixel.
-  const double box_x = std::abs(c) * area_mm.x() + std::abs(s) * area_mm.y();
-  const double box_y = std::abs(s) * area_mm.x() + std::abs(c) * area_mm.y();
-  // "contain" wants the turned picture inside the area: the same with the roles exchanged.
-  const double turned_w = std::abs(c) * picture.width + std::abs(s) * picture.height;
-  const double turned_h = std::abs(s) * picture.width + std::abs(c) * picture.height;
-  const double mm = fit == Fit::cover ? std::max(box_x / picture.width, box_y / picture.height)
-                                      : std::min(area_mm.x() / turned_w, area_mm.y() / turned_h);
+  const LaidPicture laid =
+      laid_picture(picture.width, picture.height, spec.fit, spec.keep.value_or(Keep::middle), rotation_deg, area_mm);
+  const double mm = laid.mm_per_px;
   const double grid_mm = area_mm.x() / width;
   scale_used = mm / grid_mm;
   // Area-average first where the picture is finer than the grid, so that nothing aliases.
@@ -81,9 +76,9 @@ Image lay_on_area(const Image& picture, double rotation_deg, Fit fit, const Eige
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const double bx = ((x + 0.5) / width - 0.5) * area_mm.x(), by = (0.5 - (y + 0.5) / height) * area_mm.y();
-      const double px = (c * bx + s * by) / mm, py = -(-s * bx + c * by) / mm;  // picture pixels from its center
-      out.at(x, y) = sample(*source, (px + picture.width / 2.0) * shrink_x - 0.5,
-                            (py + picture.height / 2.0) * shrink_y - 0.5, outside);
+      const double px = (c * bx + s * by) / mm, py = -(-s * bx + c * by) / mm;  // picture pixels from laid.center_px
+      out.at(x, y) = sample(*source, (px + laid.center_px.x()) * shrink_x - 0.5,
+                            (py + laid.center_px.y()) * shrink_y - 0.5, outside);
     }
   return out;
 }
@@ -91,11 +86,11 @@ Image lay_on_area(const Image& picture, double rotation_deg, Fit fit, const Eige
 // What of a picture lies outside of the carve area, in words; empty where it is next to nothing.
 std::string cropped(const std::string& where, const Image& picture, const TargetSpec& spec, double rotation_deg,
                     const Eigen::Vector2d& area_mm) {
-  if (spec.fit != Fit::cover) return "";
+  if (spec.fit != Fit::cover || spec.keep) return "";
   const double c = std::abs(std::cos(rotation_deg * kDegree)), s = std::abs(std::sin(rotation_deg * kDegree));
-  const double box_x = c * area_mm.x() + s * area_mm.y(), box_y = s * area_mm.x() + c * area_mm.y();
-  const double mm = std::max(box_x / picture.width, box_y / picture.height);
-  const double width_lost = 1 - box_x / (mm * picture.width), height_lost = 1 - box_y / (mm * picture.height);
+  const LaidPicture laid =
+      laid_picture(picture.width, picture.height, spec.fit, spec.keep.value_or(Keep::middle), rotation_deg, area_mm);
+  const double width_lost = laid.width_lost, height_lost = laid.height_lost;
   const double lost = std::max(width_lost, height_lost);
   constexpr double kHardly = 0.02;
   if (lost < kHardly) return "";
@@ -103,17 +98,40 @@ std::string cropped(const std::string& where, const Image& picture, const Target
   const auto percent = [](double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; };
   return where + ": " + percent(lost) + " of its " + (width_lost > height_lost ? "width" : "height") +
          " are cropped, half on either side, " + (upright ? "" : "and its corners, ") +
-         "since the carve area has another shape (\"fit\": \"contain\" shows all of it)";
+         "since the carve area has another shape (\"keep\": \"top\" and the like say what stays, \"fit\": \"contain\" "
+         "shows all of it)";
 }
 
 }  // namespace
+
+LaidPicture laid_picture(int width, int height, Fit fit, Keep keep, double rotation_deg,
+                         const Eigen::Vector2d& area_mm) {
+  const double c = std::abs(std::cos(rotation_deg * kDegree)), s = std::abs(std::sin(rotation_deg * kDegree));
+  // The turned area's bounding box in the picture's axes decides the size, in mm a picture pixel.
+  const double box_x = c * area_mm.x() + s * area_mm.y(), box_y = s * area_mm.x() + c * area_mm.y();
+  // "contain" wants the turned picture inside the area: the same with the roles exchanged.
+  const double turned_w = c * width + s * height, turned_h = s * width + c * height;
+  LaidPicture laid;
+  laid.center_px = {width / 2.0, height / 2.0};
+  laid.mm_per_px = fit == Fit::cover ? std::max(box_x / width, box_y / height)
+                                     : std::min(area_mm.x() / turned_w, area_mm.y() / turned_h);
+  if (fit != Fit::cover) return laid;
+  const double seen_w = box_x / laid.mm_per_px, seen_h = box_y / laid.mm_per_px;
+  laid.width_lost = std::max(0.0, 1 - seen_w / width);
+  laid.height_lost = std::max(0.0, 1 - seen_h / height);
+  if (keep == Keep::left) laid.center_px.x() = seen_w / 2;
+  if (keep == Keep::right) laid.center_px.x() = width - seen_w / 2;
+  if (keep == Keep::top) laid.center_px.y() = seen_h / 2;
+  if (keep == Keep::bottom) laid.center_px.y() = height - seen_h / 2;
+  return laid;
+}
 
 Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm, int width, int height) {
   const std::string where = name_of(spec);
   Target target;
   double scale = 1;
   const Image picture = linear_luminance(spec.image, spec.picture, where);
-  target.picture = lay_on_area(picture, rotation_deg, spec.fit, area_mm, width, height, 0.0F, scale);
+  target.picture = lay_on_area(picture, rotation_deg, spec, area_mm, width, height, 0.0F, scale);
   if (const std::string lost = cropped(where, picture, spec, rotation_deg, area_mm); !lost.empty())
     target.findings.push_back(make_warning(lost));
   if (scale > 4)
@@ -140,8 +158,8 @@ Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vec
   if (!spec.mask.empty() || spec.mask_image.width > 0) {
     const std::string mask = spec.mask_image.width > 0 ? "the mask in memory of " + where : spec.mask.string();
     double unused = 1;
-    target.mask = lay_on_area(linear_luminance(spec.mask_image, spec.mask, mask), rotation_deg, spec.fit, area_mm,
-                              width, height, 0.0F, unused);
+    target.mask = lay_on_area(linear_luminance(spec.mask_image, spec.mask, mask), rotation_deg, spec, area_mm, width,
+                              height, 0.0F, unused);
     double weight = 0;
     for (float& v : target.mask.data) {
       v = std::clamp(v, 0.0F, 1.0F);

@@ -3,8 +3,9 @@
 //
 // The result is laid on the board's grid (burin/render/footprint_grid.h, board_grid): row 0 at the carve area's top
 // edge (largest y), white is 1. Color becomes luminance in linear light and is encoded with gamma 2.2, which is what
-// designs are compared in (docs/model.md 5.10). Pictures wider or higher than the area are cropped about their center
-// (or shown whole on black), transparent ones lie on white, 16 bits keep theirs, .exr and .hdr are taken as linear.
+// designs are compared in (docs/model.md 5.10). Pictures wider or higher than the area are cropped about their center,
+// or so that one edge stays (or shown whole on black), transparent ones lie on white, 16 bits keep theirs, .exr and
+// .hdr are taken as linear.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,6 +26,16 @@ struct Target {
   Image mask;                     ///< one channel, 0..1; no pixels if everything matters
   std::vector<Finding> findings;  ///< "nearly black", "much smaller than the grid", ...
 };
+
+/// How a picture of width x height pixels lies on an area: what of it is seen there, as shares of its width and height.
+struct LaidPicture {
+  Eigen::Vector2d center_px{0,
+                            0};  ///< what of the picture lies on the area's middle; pixels from its upper left corner
+  double mm_per_px = 1;          ///< the size that its pixels have on the area
+  double width_lost = 0, height_lost = 0;  ///< what lies outside of the area, 0 .. 1 of the picture's
+};
+LaidPicture laid_picture(int width, int height, Fit fit, Keep keep, double rotation_deg,
+                         const Eigen::Vector2d& area_mm);
 
 /// Loads (from its file, or the image in memory) and lays a target on a grid of width x height pixels covering an area
 /// of area_mm. `rotation_deg` is the final angle (spec.rotation_deg, or viewer_rotation_deg). Throws Error for a file

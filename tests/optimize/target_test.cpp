@@ -84,6 +84,30 @@ TEST_F(TargetTest, CoverCropsAndContainShowsAll) {
   EXPECT_EQ(contain.picture.at(16, 30), 0);
 }
 
+TEST_F(TargetTest, KeepSaysWhichEdgeStays) {
+  // The bright corner is the picture's upper left quarter: all of it stays with the left edge, none with the right one.
+  TargetSpec wide = corner_picture(64, 32);
+  wide.keep = Keep::left;
+  const Target left = load_target(wide, 0, {50, 50}, 32, 32);
+  EXPECT_NEAR(left.picture.at(30, 4), regamma(0.9F), 0.01);
+  EXPECT_THAT(left.findings, IsEmpty());  // it was asked for
+  wide.keep = Keep::right;
+  EXPECT_NEAR(load_target(wide, 0, {50, 50}, 32, 32).picture.at(1, 4), regamma(0.2F), 0.01);
+  // Turned by a right angle it is still the picture's own edge.
+  wide.keep = Keep::left;
+  EXPECT_NEAR(load_target(wide, 90, {50, 50}, 32, 32).picture.at(4, 1), regamma(0.9F), 0.01);
+  // A tall one: the bright part is as high as the area, or not there.
+  TargetSpec tall = corner_picture(32, 64);
+  tall.keep = Keep::top;
+  EXPECT_NEAR(load_target(tall, 0, {50, 50}, 32, 32).picture.at(4, 30), regamma(0.9F), 0.01);
+  tall.keep = Keep::bottom;
+  EXPECT_NEAR(load_target(tall, 0, {50, 50}, 32, 32).picture.at(4, 1), regamma(0.2F), 0.01);
+  const LaidPicture laid = laid_picture(300, 400, Fit::cover, Keep::top, 0, {200, 100});
+  EXPECT_NEAR(laid.height_lost, 1 - 150.0 / 400, 1e-12);
+  EXPECT_EQ(laid.width_lost, 0);
+  EXPECT_NEAR(laid.center_px.y(), 75, 1e-9);
+}
+
 TEST_F(TargetTest, LevelsStretch) {
   TargetSpec spec = corner_picture();
   spec.levels = std::array<double, 2>{0.3, 0.8};
