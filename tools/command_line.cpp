@@ -42,6 +42,7 @@ std::unique_ptr<CLI::App> make_app() {
   // Taken out before anything is parsed (tools/output_mode.h); here for --help.
   burin->add_flag("--quiet")->description("Say nothing but notes and errors; stands before COMMAND");
   burin->add_flag("--json")->description("Say all in one JSON object when it is done; stands before COMMAND");
+  add_new_command(*burin);
   add_simulate_command(*burin);
   add_print_command(*burin);
   add_plan_command(*burin);

@@ -38,6 +38,7 @@
 
 namespace burin {
 
+void add_new_command(CLI::App& burin);
 void add_simulate_command(CLI::App& burin);
 void add_print_command(CLI::App& burin);
 void add_plan_command(CLI::App& burin);

@@ -1,0 +1,31 @@
+#include "tools/new/ask.h"
+
+#include <istream>
+#include <ostream>
+
+#include "burin/render/error.h"
+
+namespace burin {
+
+void ask(Conversation& talk, const std::string& question, const std::string& usual,
+         const std::function<void(const std::string&)>& use) {
+  for (;;) {
+    talk.out << question << (usual.empty() ? "" : " [" + usual + "]") << ": " << std::flush;
+    std::string answer;
+    if (!std::getline(talk.in, answer)) {
+      talk.out << "\n";
+      fail("burin new", "the answers ended before the questions",
+           "nothing was written; begin again, or give all as options");
+    }
+    const std::size_t first = answer.find_first_not_of(" \t\r"), last = answer.find_last_not_of(" \t\r");
+    answer = first == std::string::npos ? usual : answer.substr(first, last - first + 1);
+    try {
+      use(answer);
+      return;
+    } catch (const Error& error) {
+      talk.out << "  " << error.what() << "\n";
+    }
+  }
+}
+
+}  // namespace burin

@@ -1,0 +1,159 @@
+#include "tools/new/lay_out.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "burin/optimize/layout/tag_layout.h"
+#include "burin/optimize/layout/view_places.h"
+#include "burin/render/error.h"
+#include "burin/render/look_at.h"
+
+namespace burin {
+namespace {
+
+constexpr double kDepth_um = 14;     // what a drag bit scratches; others only where half vectors lean further
+constexpr double kFace_alpha = 0.1;  // polished, or fine satin: what glints stand out from
+constexpr double kFurthest_mm = 10e3;
+
+Eigen::Vector3d middle_of(const Board& board) { return {board.size_mm.x() / 2, board.size_mm.y() / 2, 0}; }
+
+std::vector<Eigen::Vector2d> seen(const Lens& lens, const Eigen::Vector3d& eye_mm, const Board& board,
+                                  const std::vector<Eigen::Vector2d>& places) {
+  const Eigen::Isometry3d T = look_at(eye_mm, middle_of(board));
+  std::vector<Eigen::Vector3d> p;
+  for (const Eigen::Vector2d& place : places) p.push_back(T * Eigen::Vector3d(place.x(), place.y(), 0));
+  std::vector<Eigen::Vector2d> q(p.size());
+  project(lens, p, q);
+  return q;
+}
+
+// The shortest side of a tag in the photos.
+double smallest_tag_px(const Lens& lens, const std::vector<Eigen::Vector3d>& eyes, const Board& board) {
+  double least = INFINITY;
+  for (const Eigen::Vector3d& eye : eyes)
+    for (const Tag& tag : board.tags.list) {
+      const auto corners = tag_corners_mm(tag);
+      const std::vector<Eigen::Vector2d> q = seen(lens, eye, board, {corners.begin(), corners.end()});
+      for (std::size_t k = 0; k < 4; ++k) least = std::min(least, (q[k] - q[(k + 1) % 4]).norm());
+    }
+  return least;
+}
+
+// How many times the picture would have to be as wide for all of the board to be on it, with a little room.
+double crowding(const Lens& lens, const std::vector<Eigen::Vector3d>& eyes, const Board& board) {
+  const Eigen::Vector2d size = board.size_mm;
+  double most = 0;
+  for (const Eigen::Vector3d& eye : eyes)
+    for (const Eigen::Vector2d& q : seen(lens, eye, board, {{0, 0}, {size.x(), 0}, {0, size.y()}, size})) {
+      constexpr double kRoom = 1.06;
+      most = std::max(most, kRoom * std::abs(q.x() / (0.5 * lens.width) - 1));
+      most = std::max(most, kRoom * std::abs(q.y() / (0.5 * lens.height) - 1));
+    }
+  return most;
+}
+
+// A side that the detector finds: two and a half pixels a module of a 41h12, in the photo that it searches, which is
+// half as large above 4 megapixels (burin/capture/tags/tag_detector.h).
+double needed_px(const Lens& lens) {
+  constexpr double kFound = 13, kHalvedAbove = 4e6;
+  return static_cast<double>(lens.width) * lens.height > kHalvedAbove ? 2 * kFound : kFound;
+}
+
+// Eyes for the shallowest grooves that glint from there; nothing if none do.
+std::optional<std::vector<Eigen::Vector3d>> places_at(double stand_mm, const WantedBench& wanted,
+                                                      const Eigen::Vector3d& lamp_mm, Board& board) {
+  for (const double depth_um : {kDepth_um, 16.0, 18.0, 20.0}) {
+    const PlaceQuestion question{
+        wanted.views,        lamp_mm, stand_mm, board.carve_min_mm, board.carve_max_mm, board.tool_width_um, depth_um,
+        board.material.alpha};
+    auto eyes = view_places(question);
+    if (!eyes) continue;
+    board.material.depth_um = depth_um;
+    for (Eigen::Vector3d& eye : *eyes) eye = eye.array().round();
+    return eyes;
+  }
+  return std::nullopt;
+}
+
+// The bench at one distance; nothing where no groove can glint.
+std::optional<LaidOutBench> laid_out_at(double stand_mm, double tag_mm, const WantedBench& wanted) {
+  LaidOutBench bench;
+  bench.stand_mm = stand_mm;
+  bench.lamp_mm = lamp_position_mm(wanted.lamp, wanted.board_mm, stand_mm);
+  bench.board = board_with_tags(wanted.board_mm, tag_mm);
+  bench.board.material.base_alpha = kFace_alpha;
+  auto eyes = places_at(stand_mm, wanted, bench.lamp_mm, bench.board);
+  if (!eyes) return std::nullopt;
+  bench.eyes_mm = *eyes;
+  bench.tag_px = smallest_tag_px(wanted.camera.lens, bench.eyes_mm, bench.board);
+  return bench;
+}
+
+std::string meters(double mm) { return fmt::format("{:.2f} m", std::ceil(mm / 10) / 100); }
+
+[[noreturn]] void fail_without_glint(const WantedBench& wanted, double stand_mm) {
+  const TagSizes tags = tag_sizes(wanted.board_mm);
+  const std::string where = fmt::format("a board of {:g} x {:g} mm, seen from {}", wanted.board_mm.x(),
+                                        wanted.board_mm.y(), meters(stand_mm));
+  for (double further = stand_mm; further < kFurthest_mm; further *= 1.1)
+    if (laid_out_at(further, tags.usual_mm, wanted))
+      fail(where, "is too near: no grooves glint all over it for every picture",
+           "stand at least " + meters(further) + " away (--stand), or show fewer pictures");
+  fail(where, "cannot show its pictures under that lamp: no grooves glint all over it for each of them",
+       "hang the lamp further away and about 40 degrees to the side, as --lamp above does, or show fewer pictures");
+}
+
+// What falls short in the photos, and what would help.
+void add_notes(const WantedBench& wanted, LaidOutBench& bench) {
+  const Lens& lens = wanted.camera.lens;
+  const double crowded = crowding(lens, bench.eyes_mm, bench.board), needed = needed_px(lens);
+  if (crowded > 1)
+    bench.notes.push_back(fmt::format(
+        "from {} the camera sees only a part of the board: stand about {} away (--stand), or use a wider lens",
+        meters(bench.stand_mm), meters(bench.stand_mm * crowded)));
+  if (bench.tag_px < needed)
+    bench.notes.push_back(fmt::format(
+        "from {} the smallest tag is only {:.0f} pixels wide, and {:.0f} are needed for it to be found: stand about {} "
+        "away (--stand), or photograph with a longer lens or more pixels (--camera)",
+        meters(bench.stand_mm), bench.tag_px, needed, meters(bench.stand_mm * bench.tag_px / needed)));
+}
+
+// Four times the diagonal, so that half vectors turn little over the board; further where the lens would crop it.
+double usual_stand_mm(const WantedBench& wanted) {
+  constexpr double kDiagonals = 4, kNearest_mm = 400, kUsualFurthest_mm = 2000, kRound_mm = 50;
+  const double diagonal = wanted.board_mm.norm();
+  double stand = std::clamp(kDiagonals * diagonal, kNearest_mm, std::max(kUsualFurthest_mm, 2 * diagonal));
+  stand = kRound_mm * std::round(stand / kRound_mm);
+  const double tag = tag_sizes(wanted.board_mm).usual_mm;
+  for (; stand < kFurthest_mm; stand = kRound_mm * std::ceil(1.1 * stand / kRound_mm)) {
+    const auto bench = laid_out_at(stand, tag, wanted);
+    if (bench && crowding(wanted.camera.lens, bench->eyes_mm, bench->board) <= 1) break;
+  }
+  return std::min(stand, kFurthest_mm);
+}
+
+}  // namespace
+
+LaidOutBench lay_out(const WantedBench& wanted) {
+  const TagSizes sizes = tag_sizes(wanted.board_mm);
+  const double stand = wanted.stand_mm > 0 ? wanted.stand_mm : usual_stand_mm(wanted);
+  double tag = sizes.usual_mm;
+  auto bench = laid_out_at(stand, tag, wanted);
+  if (!bench) fail_without_glint(wanted, stand);
+  const double needed = needed_px(wanted.camera.lens);
+  // Larger tags make the carve area smaller, so eyes that served it do so still; but they are looked for again.
+  while (bench->tag_px < needed && tag < sizes.largest_mm) {
+    tag = std::min(sizes.largest_mm, std::max(tag + 1, std::ceil(tag * needed / bench->tag_px)));
+    auto larger = laid_out_at(stand, tag, wanted);
+    if (!larger) break;
+    bench = std::move(larger);
+  }
+  add_notes(wanted, *bench);
+  return *bench;
+}
+
+}  // namespace burin

@@ -1,0 +1,260 @@
+#include "tools/new/pictures.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include "burin/optimize/target.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kSmall = 640;     // pixels: enough to look at
+constexpr int kLargest = 2400;  // what a design can show, and more
+
+Image at_most(const Image& image, int longest) {
+  const double scale = static_cast<double>(longest) / std::max(image.width, image.height);
+  if (scale >= 1) return image;
+  const auto side = [&](int pixels) { return std::max(1, static_cast<int>(std::lround(pixels * scale))); };
+  return resized(image, side(image.width), side(image.height));
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+bool is_linear(const fs::path& file) {
+  const std::string extension = lower(file.extension().string());
+  return extension == ".exr" || extension == ".hdr";
+}
+
+// "My cat (2).jpg" becomes "My-cat-2".
+std::string view_name(const fs::path& file, std::size_t number) {
+  std::string name;
+  bool letters = false;
+  for (const char c : file.stem().string()) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = byte < 0x80 && (std::isalnum(byte) || c == '_');
+    letters = letters || (plain && c != '_');
+    if (plain)
+      name += c;
+    else if (!name.empty() && name.back() != '-')
+      name += '-';
+  }
+  while (!name.empty() && name.back() == '-') name.pop_back();
+  constexpr std::size_t kLongest = 40;
+  return letters ? name.substr(0, kLongest) : fmt::format("picture-{}", number);
+}
+
+// "name-2" for the second. File systems that do not tell A from a are meant too.
+template <typename WithNumber>
+std::string unique(const std::string& name, std::set<std::string>& taken, WithNumber with_number) {
+  std::string out = name;
+  for (int i = 2; !taken.insert(lower(out)).second; ++i) out = with_number(i);
+  return out;
+}
+
+void fail_unless_text(const fs::path& file) {
+  try {
+    (void)Json(file.filename().string()).dump();
+  } catch (const Json::exception&) {
+    fail(file.string(), "has a name that is not UTF-8 text", "rename the file");
+  }
+}
+
+Image luminance_encoded(const Image& image, bool linear) {
+  Image gray = luminance(image);
+  if (linear)
+    for (float& v : gray.data) v = linear_to_srgb(std::clamp(v, 0.0F, 1.0F));
+  return gray;
+}
+
+ChosenPicture read_chosen(const fs::path& file) {
+  fail_unless_text(file);
+  const Image image = read_picture(file);
+  ChosenPicture p;
+  p.file = file;
+  p.stored = file.filename();
+  p.width = image.width;
+  p.height = image.height;
+  const bool linear = is_linear(file);
+  if (std::max(image.width, image.height) > kLargest && !linear) {
+    p.smaller = at_most(image, kLargest);
+    const std::string extension = lower(file.extension().string());
+    p.stored =
+        file.stem().string() + (extension == ".png" || extension == ".tif" || extension == ".tiff" ? ".png" : ".jpg");
+  }
+  p.small = luminance_encoded(at_most(p.smaller ? *p.smaller : image, kSmall), linear);
+  const auto [low, high] = std::minmax_element(p.small.data.begin(), p.small.data.end());
+  if (*high - *low < 0.02F)
+    fail(file.string(), "is of one tone, so there is nothing to show", "choose another picture");
+  return p;
+}
+
+}  // namespace
+
+std::vector<ChosenPicture> choose_pictures(const std::vector<fs::path>& files, std::size_t most) {
+  if (files.empty())
+    fail("pictures", "none is named", "name one to " + std::to_string(most) + ", one for each place to stand");
+  if (files.size() > most)
+    fail("pictures", std::to_string(files.size()) + " are too many for one board",
+         "name at most " + std::to_string(most));
+  std::vector<ChosenPicture> pictures;
+  std::set<std::string> views, names;
+  for (const fs::path& file : files) {
+    ChosenPicture p = read_chosen(file);
+    const std::string view = view_name(file, pictures.size() + 1);
+    p.view = unique(view, views, [&](int i) { return view + "-" + std::to_string(i); });
+    const fs::path stored = p.stored;
+    p.stored = unique(stored.string(), names, [&](int i) {
+      return stored.stem().string() + "-" + std::to_string(i) + stored.extension().string();
+    });
+    pictures.push_back(std::move(p));
+  }
+  return pictures;
+}
+
+namespace {
+
+LaidPicture laid(const ChosenPicture& p, const Eigen::Vector2d& area_mm) {
+  return laid_picture(p.width, p.height, p.fit, p.keep, 0, area_mm);
+}
+
+constexpr double kHardly = 0.02;  // of a picture's width or height
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
+}  // namespace
+
+bool has_other_shape(const ChosenPicture& picture, const Eigen::Vector2d& area_mm) {
+  const LaidPicture cover = laid_picture(picture.width, picture.height, Fit::cover, Keep::middle, 0, area_mm);
+  return std::max(cover.width_lost, cover.height_lost) >= kHardly;
+}
+
+void lay_as_usual(ChosenPicture& picture, const Eigen::Vector2d& area_mm) {
+  const LaidPicture cover = laid_picture(picture.width, picture.height, Fit::cover, Keep::middle, 0, area_mm);
+  constexpr double kTooMuch = 0.45;
+  picture.fit = std::max(cover.width_lost, cover.height_lost) > kTooMuch ? Fit::contain : Fit::cover;
+  picture.keep = cover.height_lost >= kHardly && picture.fit == Fit::cover ? Keep::top : Keep::middle;
+}
+
+std::string crop_in_words(const ChosenPicture& picture, const Eigen::Vector2d& area_mm) {
+  std::string out = fmt::format("{}, {} x {} on {:g} x {:g} mm: ", picture.file.filename().string(), picture.width,
+                                picture.height, area_mm.x(), area_mm.y());
+  if (!has_other_shape(picture, area_mm)) return out + "fits";
+  const LaidPicture now = laid(picture, area_mm);
+  if (picture.fit == Fit::contain) {
+    const double width = picture.width * now.mm_per_px / area_mm.x(),
+                 height = picture.height * now.mm_per_px / area_mm.y();
+    return out + fmt::format("shown whole, {} of the area stays dark", percent(1 - width * height));
+  }
+  const bool in_width = now.width_lost > now.height_lost;
+  const double lost = std::max(now.width_lost, now.height_lost);
+  const Keep low = in_width ? Keep::left : Keep::top, high = in_width ? Keep::right : Keep::bottom;
+  const char *low_name = in_width ? "left side" : "top", *high_name = in_width ? "right side" : "bottom";
+  if (picture.keep == low) return out + fmt::format("the {} loses {}", high_name, percent(lost));
+  if (picture.keep == high) return out + fmt::format("the {} loses {}", low_name, percent(lost));
+  return out + fmt::format("{} and {} lose {} each", low_name, high_name, percent(lost / 2));
+}
+
+std::string lay_name(const ChosenPicture& picture) {
+  return picture.fit == Fit::contain ? "contain" : keep_name(picture.keep);
+}
+
+void lay_as(ChosenPicture& picture, const std::string& name) {
+  const std::optional<Keep> keep = keep_named(name);
+  if (!keep && name != "contain" && name != "cover")
+    fail("how it is laid", "\"" + name + "\" is not known",
+         "say top, middle, bottom, left or right (what is kept), or contain");
+  picture.fit = name == "contain" ? Fit::contain : Fit::cover;
+  picture.keep = keep.value_or(Keep::middle);
+}
+
+namespace {
+
+constexpr int kCell = 320, kGap = 12;  // pixels
+
+// The picture, at most a cell wide and high: what is lost darkened, what is kept framed.
+Image framed(const ChosenPicture& p, const Eigen::Vector2d& area_mm) {
+  const Image whole = at_most(p.small, kCell);
+  const LaidPicture seen = laid(p, area_mm);
+  const double shrink = static_cast<double>(whole.width) / p.width;
+  const Eigen::Vector2d center = shrink * seen.center_px, half = shrink / seen.mm_per_px / 2 * area_mm;
+  constexpr double kFrame = 2;
+  Image out(whole.width, whole.height, 3);
+  for (int y = 0; y < whole.height; ++y)
+    for (int x = 0; x < whole.width; ++x) {
+      // How far inside of the kept part this pixel is; negative outside.
+      const double inside =
+          std::min(half.x() - std::abs(x + 0.5 - center.x()), half.y() - std::abs(y + 0.5 - center.y()));
+      const bool frame = p.fit == Fit::cover && inside >= 0 && inside < kFrame;
+      const float gray = whole.at(x, y) * (inside < 0 ? 0.3F : 1.0F);
+      const std::array<float, 3> color{frame ? 1.0F : gray, frame ? 0.62F : gray, frame ? 0.1F : gray};
+      for (int c = 0; c < 3; ++c) out.at(x, y, c) = color[static_cast<std::size_t>(c)];
+    }
+  return out;
+}
+
+// The carve area with the picture on it, a cell wide or high.
+Image on_area(const ChosenPicture& p, const Eigen::Vector2d& area_mm) {
+  const double scale = kCell / area_mm.maxCoeff();
+  const auto side = [&](double mm) { return std::max(2, static_cast<int>(std::lround(mm * scale))); };
+  TargetSpec spec;
+  spec.picture = p.file;
+  spec.image = p.small;
+  spec.fit = p.fit;
+  spec.keep = p.keep;
+  return load_target(spec, 0, area_mm, side(area_mm.x()), side(area_mm.y())).picture;
+}
+
+// Gray becomes color where `sheet` has more channels.
+void put(const Image& image, int x0, int y0, Image& sheet) {
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      for (int c = 0; c < sheet.channels; ++c)
+        sheet.at(x0 + x, y0 + y, c) = image.at(x, y, std::min(c, image.channels - 1));
+}
+
+}  // namespace
+
+Image crop_sheet(const std::vector<ChosenPicture>& pictures, const Eigen::Vector2d& area_mm) {
+  std::vector<std::array<Image, 2>> rows;
+  int height = kGap;
+  for (const ChosenPicture& p : pictures) {
+    rows.push_back({framed(p, area_mm), on_area(p, area_mm)});
+    height += std::max(rows.back()[0].height, rows.back()[1].height) + kGap;
+  }
+  Image sheet(2 * kCell + 3 * kGap, height, 3, 0.16F);
+  int top = kGap;
+  for (const auto& row : rows) {
+    const int high = std::max(row[0].height, row[1].height);
+    for (int k = 0; k < 2; ++k) {
+      const Image& image = row[static_cast<std::size_t>(k)];
+      put(image, kGap + k * (kCell + kGap) + (kCell - image.width) / 2, top + (high - image.height) / 2, sheet);
+    }
+    top += high + kGap;
+  }
+  return sheet;
+}
+
+void store_picture(const ChosenPicture& picture, const fs::path& targets_folder) {
+  const fs::path to = targets_folder / picture.stored;
+  if (picture.smaller) {
+    write_picture(*picture.smaller, to);
+    return;
+  }
+  write_atomically(to, [&](const fs::path& temporary) {
+    fs::copy_file(picture.file, temporary, fs::copy_options::overwrite_existing);
+  });
+}
+
+}  // namespace burin

@@ -1,0 +1,165 @@
+#include "tools/new/project_files.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "burin/optimize/design.h"
+#include "burin/optimize/design/design_output.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/render/bench_of_board.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/scratches.h"
+#include "tools/commands.h"
+#include "tools/loop/toml_line.h"
+#include "tools/progress_bar.h"
+#include "tools/stop_signal.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Lenses of one's own are copied; others stand in bench.json itself.
+constexpr const char* kLensFile = "camera.cameramodel";
+
+Json bench_json(const NewProject& project) {
+  Json json;
+  json["format"] = "burin/bench";
+  json["version"] = 2;
+  if (project.camera.cameramodel.empty())
+    json["camera"] = {{"focal_35mm", project.camera.focal_35mm},
+                      {"pixels", {project.camera.lens.width, project.camera.lens.height}}};
+  else
+    json["camera"] = kLensFile;
+  json["views"] = Json::array();
+  for (std::size_t k = 0; k < project.pictures.size(); ++k)
+    json["views"].push_back({{"view", project.pictures[k].view}, {"eye_mm", to_json(project.bench.eyes_mm[k])}});
+  json["lights"] = Json::array({Json{{"id", "lamp"}, {"position_mm", to_json(project.bench.lamp_mm)}}});
+  return json;
+}
+
+DesignSpec design_of(const NewProject& project, const fs::path& folder) {
+  DesignSpec spec;
+  spec.board = folder / "board.json";
+  spec.bench = folder / "bench.json";
+  spec.scratches = project.scratches;
+  for (const ChosenPicture& p : project.pictures) {
+    DesignView view;
+    view.view = p.view;
+    view.target.picture = folder / "targets" / p.stored;
+    view.target.fit = p.fit;
+    if (p.fit == Fit::cover) view.target.keep = p.keep;
+    spec.views.push_back(view);
+  }
+  return spec;
+}
+
+// The machine as loop.toml names it: files from the project's folder.
+std::string loop_toml(const NewProject& project) {
+  std::string machine = project.machine;
+  std::error_code ignored;
+  if (fs::exists(machine, ignored))
+    machine = fs::absolute(machine)
+                  .lexically_normal()
+                  .lexically_proximate(fs::absolute(project.folder).lexically_normal())
+                  .string();
+  return "# What `burin loop` makes this board with (docs/file-formats.md). grbl-spring: a tool on a spring, which "
+         "rides over\n"
+         "# a sheet that is not flat; its table from preload to depth is a guess until `burin coupon` has measured "
+         "yours.\n"
+         "format = \"burin/loop\"\nversion = 1\nmachine = " +
+         Json(machine).dump() + "\n";
+}
+
+void write_into(const NewProject& project, const fs::path& folder) {
+  make_output_folder(folder / "targets");
+  for (const ChosenPicture& picture : project.pictures) store_picture(picture, folder / "targets");
+  Board board = project.bench.board;
+  board.scratches = folder / "scratches.csv";
+  write_board(board, folder / "board.json");
+  if (!project.camera.cameramodel.empty()) write_cameramodel(project.camera.lens, folder / kLensFile);
+  write_json(bench_json(project), folder / "bench.json");
+  write_text(loop_toml(project), folder / "loop.toml");
+  write_picture(crop_sheet(project.pictures, board.carve_max_mm - board.carve_min_mm), folder / "crops.png");
+  write_design(design_of(project, folder), folder / "design.json");
+  // What the other commands will say of it is said now.
+  const DesignSpec spec = read_design(folder / "design.json");
+  read_bench_of(read_board(spec.board), spec.board, spec.bench);
+}
+
+// A design's few pixels, large enough to be looked at beside the others.
+Image to_look_at(const Image& image, int pictures) {
+  constexpr int kLargest = 360, kSmallest = 160, kAll = 1440;
+  const double scale =
+      static_cast<double>(std::clamp(kAll / pictures, kSmallest, kLargest)) / std::max(image.width, image.height);
+  return resized(image, std::max(1, static_cast<int>(std::lround(image.width * scale))),
+                 std::max(1, static_cast<int>(std::lround(image.height * scale))));
+}
+
+}  // namespace
+
+void fail_unless_new(const fs::path& folder) {
+  if (folder.empty()) fail("the project's folder", "has no name", "give one: my-board");
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  if (!fs::is_directory(folder, error)) fail(folder.string(), "is a file", "give a folder that is not there yet");
+  if (!fs::is_empty(folder, error) || error)
+    fail(folder.string(), "exists and is not empty", "give a folder that is not there yet: nothing is overwritten");
+}
+
+void write_project(const NewProject& project) {
+  fail_unless_new(project.folder);
+  fs::path folder = fs::absolute(project.folder).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();  // "my-board/"
+  make_output_folder(folder.parent_path());
+  const fs::path staging = folder.parent_path() / fmt::format(".{}.new-{}", folder.filename().string(), getpid());
+  std::error_code error;
+  try {
+    write_into(project, staging);
+    make_output_folder(folder);
+    for (const fs::directory_entry& entry : fs::directory_iterator(staging))
+      fs::rename(entry.path(), folder / entry.path().filename());
+    fs::remove_all(staging, error);
+  } catch (...) {
+    fs::remove_all(staging, error);
+    throw;
+  }
+}
+
+std::string preview_project(const NewProject& project) {
+  const fs::path folder = project.folder;
+  const DesignSpec written = read_design(folder / "design.json");
+  const Board board = read_board(written.board);
+  const Bench bench = read_bench_of(board, written.board, written.bench);
+  DesignSpec spec = written;
+  const int views = static_cast<int>(spec.views.size());
+  constexpr int kScratches = 1500, kMostScratches = 6000;  // a view; in all
+  spec.scratches = std::min({spec.scratches, kScratches * views, kMostScratches});
+  DesignOptions options;
+  options.pixels = 128;
+  options.iterations = 40;
+  options.contact_frames = 0;
+  options.time_limit_s = 8;
+  options.stop = &StopOnSignal::asked;
+  ProgressBar bar;
+  const StopOnSignal on_signal;
+  const DesignResult result = design(spec, board, bench, options, bar.progress());
+  std::vector<Image> shown, targets;
+  std::string numbers;
+  for (const DesignedView& view : result.views) {
+    shown.push_back(to_look_at(view.shown, views));
+    targets.push_back(to_look_at(view.target, views));
+    numbers += fmt::format("{}{} {:.1f} dB", numbers.empty() ? "" : ", ", view.view, view.psnr_db);
+  }
+  write_scratches(result.scratches, folder / "scratches.csv");
+  write_picture(tiled({shown, targets}, 4), folder / "preview.png");
+  bar.clear();
+  for (const Finding& finding : result.findings) note(sentence(finding));
+  return fmt::format("{} ({} scratches of {}, {:.0f} s)", numbers, result.scratches.size(), written.scratches,
+                     result.total_seconds);
+}
+
+}  // namespace burin

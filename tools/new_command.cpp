@@ -1,0 +1,303 @@
+// burin new - a project from pictures: board with tags, bench, design, and a preview in seconds. What was not said is
+// usual, or asked at a terminal. The work is in tools/new.
+#include <unistd.h>
+
+#include <CLI/Error.hpp>
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "burin/calib/verdict/camera_place.h"
+#include "burin/capture/exif.h"
+#include "burin/optimize/layout/tag_layout.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/render/error.h"
+#include "tools/commands.h"
+#include "tools/new/ask.h"
+#include "tools/new/lay_out.h"
+#include "tools/new/pictures.h"
+#include "tools/new/project_files.h"
+#include "tools/new/words.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostPictures = 9;
+
+// As on the command line; what is empty was not said.
+struct Options {
+  std::string folder, board, camera, lamp, stand, machine;
+  std::vector<std::string> pictures, fit, keep;
+  int scratches = 0;
+};
+
+constexpr const char *kFolder = "my-board", *kBoard = "200x150", *kCamera = "phone", *kLamp = "above",
+                     *kStand = "four times the board's diagonal", *kMachine = "grbl-spring";
+
+// "cat.jpg dog.jpg" as a person writes it: quotes hold spaces together.
+std::vector<std::string> words_of(const std::string& line) {
+  std::vector<std::string> words;
+  std::string word;
+  char quote = 0;
+  bool any = false;
+  for (const char c : line) {
+    if (quote == 0 && (c == '"' || c == '\'')) {
+      quote = c;
+      any = true;
+    } else if (c == quote) {
+      quote = 0;
+    } else if (quote == 0 && (c == ' ' || c == '\t')) {
+      if (any) words.push_back(word);
+      word.clear();
+      any = false;
+    } else {
+      word += c;
+      any = true;
+    }
+  }
+  if (any) words.push_back(word);
+  return words;
+}
+
+// The first pictures of the working directory, as the usual answer.
+std::string pictures_here() {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(".", error), end; !error && entry != end; entry.increment(error))
+    if (entry->is_regular_file(error) && is_photo_name(entry->path()) && !is_raw_name(entry->path()))
+      found.push_back(entry->path().filename().string());
+  std::sort(found.begin(), found.end());
+  constexpr std::size_t kUsual = 3;
+  found.resize(std::min(found.size(), kUsual));
+  std::string line;
+  for (const std::string& name : found) line += (line.empty() ? "" : " ") + shell_word(name);
+  return line;
+}
+
+std::vector<fs::path> as_paths(const std::vector<std::string>& names) { return {names.begin(), names.end()}; }
+
+double stand_of(const std::string& text) {
+  return text.empty() || text == kStand ? 0 : length_in_words(text, "how far away one stands");
+}
+
+// What of it can be used is decided question by question; everything else is said or usual.
+void ask_what_is_missing(Options& o, Conversation& talk) {
+  const auto question = [&](std::string& value, const std::string& words, const std::string& usual,
+                            const std::function<void(const std::string&)>& check) {
+    if (!value.empty()) return;
+    ask(talk, words, usual, [&](const std::string& answer) {
+      check(answer);
+      value = answer;
+    });
+  };
+  talk.out << "A new board. Enter takes the answer in brackets, Ctrl-D ends without writing anything.\n";
+  question(o.folder, "Folder of the project", kFolder, [](const std::string& a) { fail_unless_new(a); });
+  if (o.pictures.empty())
+    ask(talk, "Pictures, one for each place to stand (1 to 9 files)", pictures_here(), [&](const std::string& answer) {
+      const std::vector<std::string> names = words_of(answer);
+      choose_pictures(as_paths(names), kMostPictures);
+      o.pictures = names;
+    });
+  question(o.board, "The sheet of metal, width x height", kBoard,
+           [](const std::string& a) { tag_sizes(size_in_words(a, "board")); });
+  question(o.camera, "Camera: phone, a focal length as on film (50mm), or a photo that it took", kCamera,
+           [](const std::string& a) { camera_in_words(a); });
+  question(o.stand, "How far away you stand (1.2m)", kStand, [](const std::string& a) { stand_of(a); });
+  question(o.lamp, "Lamp: above, left, right or below the board, with a distance if you like (above 600mm)", kLamp,
+           [](const std::string& a) { lamp_in_words(a); });
+  question(o.machine, "Machine: " + built_in_machines() + ", or a file", kMachine,
+           [](const std::string& a) { machine_profile(a); });
+}
+
+// --fit and --keep: one for all pictures, or one for each.
+const std::string* said_for(const std::vector<std::string>& list, std::size_t index) {
+  if (list.empty()) return nullptr;
+  return &list[list.size() == 1 ? 0 : index];
+}
+
+void fail_unless_one_each(const std::vector<std::string>& list, const char* option, std::size_t pictures) {
+  if (list.size() > 1 && list.size() != pictures)
+    throw CLI::ValidationError(option, fmt::format("takes one word for all pictures, or {}, one for each", pictures));
+}
+
+// The sheet of crops where a person can look at it before there is a project; gone when this is.
+class SheetToLookAt {
+ public:
+  SheetToLookAt(const std::vector<ChosenPicture>& pictures, const Eigen::Vector2d& area_mm)
+      : file_(fs::temp_directory_path() / fmt::format("burin-crops-{}.png", getpid())) {
+    write_picture(crop_sheet(pictures, area_mm), file_);
+  }
+  ~SheetToLookAt() {
+    std::error_code ignored;
+    fs::remove(file_, ignored);
+  }
+  SheetToLookAt(const SheetToLookAt&) = delete;
+  SheetToLookAt& operator=(const SheetToLookAt&) = delete;
+  const fs::path& file() const { return file_; }
+
+ private:
+  fs::path file_;
+};
+
+void lay_pictures(const Options& o, Conversation* talk, const Eigen::Vector2d& area_mm,
+                  std::vector<ChosenPicture>& pictures) {
+  bool other_shapes = false;
+  for (std::size_t k = 0; k < pictures.size(); ++k) {
+    ChosenPicture& p = pictures[k];
+    lay_as_usual(p, area_mm);
+    const std::string *fit = said_for(o.fit, k), *keep = said_for(o.keep, k);
+    if (keep) lay_as(p, *keep);
+    if (fit && !(*fit == "cover" && keep)) lay_as(p, *fit);
+    other_shapes = other_shapes || has_other_shape(p, area_mm);
+  }
+  const bool asks = talk != nullptr && other_shapes && o.fit.empty() && o.keep.empty();
+  if (!asks) return;
+  const SheetToLookAt sheet(pictures, area_mm);
+  talk->out << "How the pictures would lie on the board: " << sheet.file().string() << "\n";
+  for (ChosenPicture& p : pictures) {
+    if (!has_other_shape(p, area_mm)) continue;
+    talk->out << crop_in_words(p, area_mm) << "\n";
+    ask(*talk, "  keep top, middle, bottom, left or right, or contain (all of it, dark beside it)", lay_name(p),
+        [&](const std::string& answer) { lay_as(p, answer); });
+  }
+}
+
+void print_project(const Options& o, const NewProject& project, const Eigen::Vector2d& area_mm) {
+  const LaidOutBench& bench = project.bench;
+  const Board& board = bench.board;
+  const double tag = board.tags.list.front().size_mm;
+  fmt::print(
+      "Board: {:g} x {:g} mm, pictures on {:g} x {:g} mm; {} tags {} of {:g} mm (paper {:.4g} mm), grooves {:g} um "
+      "deep\n",
+      board.size_mm.x(), board.size_mm.y(), area_mm.x(), area_mm.y(), board.tags.list.size(), board.tags.family, tag,
+      1.8 * tag, board.material.depth_um);
+  fmt::print("Camera: {}; from these places a tag is at least {:.0f} pixels wide\n", project.camera.in_words,
+             bench.tag_px);
+  fmt::print("Lamp: {}\n", place_in_words(bench.lamp_mm, board));
+  for (std::size_t k = 0; k < project.pictures.size(); ++k)
+    fmt::print("Eye for {}: {}\n", project.pictures[k].view,
+               place_in_words(camera_place_at(bench.eyes_mm[k], board, 0), board));
+  bool other_shapes = false;
+  for (const ChosenPicture& p : project.pictures) {
+    fmt::print("Picture {}\n", crop_in_words(p, area_mm));
+    other_shapes = other_shapes || has_other_shape(p, area_mm);
+  }
+  const std::string folder = project.folder.string();
+  if (other_shapes)
+    fmt::print(
+        "         {} shows what is kept; --keep top, middle, bottom, left or right says what stays, --fit contain "
+        "shows all (for each picture one word); or \"keep\" and \"fit\" in design.json\n",
+        shell_word((project.folder / "crops.png").string()));
+  std::string usual;
+  const auto was_usual = [&](const std::string& said, const char* option, const char* value) {
+    if (said.empty()) usual += fmt::format("{}{} {}", usual.empty() ? "" : ", ", option, value);
+  };
+  was_usual(o.board, "--board", kBoard);
+  was_usual(o.camera, "--camera", kCamera);
+  was_usual(o.stand, "--stand", fmt::format("{:g}mm", bench.stand_mm).c_str());
+  was_usual(o.lamp, "--lamp", kLamp);
+  was_usual(o.machine, "--machine", kMachine);
+  if (!usual.empty()) fmt::print("Not said, so taken: {}\n", usual);
+}
+
+// Grooves for each picture: what a picture of this size on the board can use, and a day's carving at most.
+int usual_scratches(std::size_t pictures) {
+  constexpr int kEach = 4000, kMost = 24000;
+  return std::min(kMost, kEach * static_cast<int>(pictures));
+}
+
+void run(Options o) {
+  const bool incomplete = o.folder.empty() || o.pictures.empty();
+  const bool person = isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0;
+  if (incomplete && !person)
+    throw CLI::RequiredError(std::string(o.folder.empty() ? "DIR" : "--pictures") +
+                             " (at a terminal it would be asked): burin new DIR --pictures a.jpg b.jpg c.jpg");
+  Conversation talk{std::cin, std::cout};
+  if (incomplete) ask_what_is_missing(o, talk);
+
+  NewProject project;
+  project.folder = o.folder;
+  fail_unless_new(project.folder);
+  fail_unless_one_each(o.fit, "--fit", o.pictures.size());
+  fail_unless_one_each(o.keep, "--keep", o.pictures.size());
+  const auto said_or = [](const std::string& said, const char* usual) { return said.empty() ? usual : said; };
+  WantedBench wanted;
+  wanted.board_mm = size_in_words(said_or(o.board, kBoard), "board");
+  wanted.camera = camera_in_words(said_or(o.camera, kCamera));
+  wanted.lamp = lamp_in_words(said_or(o.lamp, kLamp));
+  wanted.stand_mm = stand_of(o.stand);
+  project.machine = said_or(o.machine, kMachine);
+  const MachineProfile machine = machine_profile(project.machine);
+  project.pictures = choose_pictures(as_paths(o.pictures), kMostPictures);
+  wanted.views = static_cast<int>(project.pictures.size());
+  project.camera = wanted.camera;
+  project.bench = lay_out(wanted);
+  const Board& board = project.bench.board;
+  plunge_mm(machine, board.material.depth_um / 1000);  // throws where the machine's table ends before that depth
+  project.scratches = o.scratches > 0 ? o.scratches : usual_scratches(project.pictures.size());
+  const Eigen::Vector2d area_mm = board.carve_max_mm - board.carve_min_mm;
+  lay_pictures(o, person ? &talk : nullptr, area_mm, project.pictures);
+  write_project(project);
+  print_project(o, project, area_mm);
+  for (const std::string& text : project.bench.notes) note(text);
+  const std::string preview = preview_project(project);
+  const std::string folder = shell_word(project.folder.string());
+  fmt::print("Preview: {}: {}; the whole design will show more\n",
+             shell_word((project.folder / "preview.png").string()), preview);
+  fmt::print(
+      "         burin view {} shows it in the hand, burin print {} prints the tags, burin sheet {} draws where to "
+      "stand\n",
+      folder, folder, folder);
+  fmt::print("Wrote {}, a board of {} picture{}; next: burin loop {}\n", project.folder.string(),
+             project.pictures.size(), project.pictures.size() == 1 ? "" : "s", folder);
+}
+
+}  // namespace
+
+void add_new_command(CLI::App& burin) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = burin.add_subcommand(
+      "new", "Make a project of your own pictures, with a preview in seconds; without options, it asks");
+  c->add_option("DIR", o->folder, "The project's folder, which is not there yet");
+  c->add_option("--pictures", o->pictures, "One to nine pictures, a place to stand for each")
+      ->type_name("PICTURE ...")
+      ->expected(1, -1);
+  c->add_option("--board", o->board, "Width x height of the sheet: 200x150 (mm; so if left out), 20x15cm, 8x6in");
+  c->add_option(
+       "--camera", o->camera,
+       "phone (so if left out), a focal length as on film (50mm), a photo that the camera took, or a .cameramodel")
+      ->type_name("CAMERA");
+  c->add_option(
+       "--lamp", o->lamp,
+       "above (so if left out), left, right or below the board, 40 degrees to that side, with a distance if you "
+       "like (\"above 600mm\"); or its place X,Y,Z in mm from the lower left corner")
+      ->type_name("LAMP");
+  c->add_option("--stand", o->stand, "How far the eyes are from the board: 1.2m, 48in (left out: by the board's size)");
+  c->add_option("--machine", o->machine, "grbl-spring (so if left out), another built-in one, or a burin/machine file")
+      ->type_name("MACHINE");
+  c->add_option("--fit", o->fit, "cover (fills the board, crops) or contain (all of it): one for all, or one for each")
+      ->type_name("WORD ...")
+      ->expected(1, -1)
+      ->check(CLI::IsMember({"cover", "contain"}));
+  c->add_option("--keep", o->keep,
+                "What a crop keeps: top, middle, bottom, left or right; one for all, or one for each")
+      ->type_name("WORD ...")
+      ->expected(1, -1)
+      ->check(CLI::IsMember({"top", "middle", "bottom", "left", "right"}));
+  c->add_option("--scratches", o->scratches, "How many the design begins with (left out: 4000 for each picture)")
+      ->check(CLI::Range(1, 2000000));
+  c->footer(
+      example("burin new my-board --board 200x150 --pictures a.jpg b.jpg c.jpg\n"
+              "  burin new my-board --pictures a.jpg b.jpg --camera photo.jpg --stand 1.2m --lamp \"above 900mm\"\n"
+              "  burin new"));
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace burin
