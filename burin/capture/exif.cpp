@@ -39,6 +39,21 @@ std::optional<double> positive(const OIIO::ImageSpec& spec, std::initializer_lis
   return std::nullopt;
 }
 
+// FocalPlaneXResolution counts the pixels of a unit of the sensor (2: inch, 3: cm, 4: mm, 5: um; EXIF 2.3, 4.6.5),
+// those of PixelXDimension, which a photo that was made smaller has no more.
+std::optional<double> sensor_width_mm(const OIIO::ImageSpec& spec) {
+  const double resolution = spec.get_float_attribute("Exif:FocalPlaneXResolution", -1);
+  const int unit = spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2);
+  constexpr std::array<double, 6> kUnit_mm{0, 0, 25.4, 10, 1, 1e-3};
+  if (!(resolution > 0) || unit < 2 || unit > 5) return std::nullopt;
+  const int counted = std::max(spec.get_int_attribute("Exif:PixelXDimension", spec.width),
+                               spec.get_int_attribute("Exif:PixelYDimension", spec.height));
+  const double width = counted / resolution * kUnit_mm[static_cast<std::size_t>(unit)];
+  constexpr double kSmallest_mm = 1, kLargest_mm = 100;  // what else stands there is a scanner's, or nonsense
+  if (!(width >= kSmallest_mm && width <= kLargest_mm)) return std::nullopt;
+  return width;
+}
+
 // "2024:05:18 20:42:22", or with dashes as LibRaw's plugin writes it; and hundredths of a second if there are any.
 std::optional<double> time_of(const OIIO::ImageSpec& spec) {
   for (const char* name : {"Exif:DateTimeOriginal", "Exif:DateTimeDigitized", "DateTime"}) {
@@ -136,6 +151,7 @@ Exif read_exif(const fs::path& file) {
   exif.iso = positive(spec, {"Exif:PhotographicSensitivity", "Exif:ISOSpeedRatings", "Exif:ISOSpeed"});
   exif.focal_mm = positive(spec, {"Exif:FocalLength"});
   exif.focal_35mm = positive(spec, {"Exif:FocalLengthIn35mmFilm"});
+  exif.sensor_width_mm = sensor_width_mm(spec);
   exif.time_s = time_of(spec);
   // The raw plugin turns pixels unless told not to, and then says 1; what the camera noted is kept beside it.
   exif.orientation = spec.get_int_attribute("raw:Orientation", spec.get_int_attribute("Orientation", 1));

@@ -16,9 +16,10 @@ struct Exif {
   std::string kind;                                   ///< the file's format: "jpeg", "png", "tiff", "openexr", "heif",
                                                       ///< "raw"
   std::optional<double> exposure_s, f_number, iso, focal_mm, focal_35mm;
-  std::optional<double> time_s;  ///< when it was taken, seconds since 1970 on the camera's clock
-  int orientation = 1;           ///< EXIF's code; 1: as stored. Never applied to pixels
-  int turned_deg = 0;            ///< counter-clockwise: what a phone's HEIC asks its readers to do, and what they do
+  std::optional<double> sensor_width_mm;  ///< of the pixels' longer side, by the focal plane's resolution
+  std::optional<double> time_s;           ///< when it was taken, seconds since 1970 on the camera's clock
+  int orientation = 1;                    ///< EXIF's code; 1: as stored. Never applied to pixels
+  int turned_deg = 0;  ///< counter-clockwise: what a phone's HEIC asks its readers to do, and what they do
   std::string make, model;
   bool says_srgb = false;  ///< the file itself says that its values lie along the sRGB curve
 };
