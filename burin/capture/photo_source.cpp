@@ -41,6 +41,10 @@ bool natural_less(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+bool in_name_order(const fs::path& a, const fs::path& b) {
+  return natural_less(a.filename().string(), b.filename().string());
+}
+
 PhotoSource folder_source(const fs::path& folder, std::vector<Finding>& findings) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
@@ -59,8 +63,7 @@ PhotoSource folder_source(const fs::path& folder, std::vector<Finding>& findings
     if (is_raw_name(entry.path())) raw_of[entry.path().stem().string()] = entry.path();
     files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end(),
-            [](const fs::path& a, const fs::path& b) { return natural_less(a.filename(), b.filename()); });
+  std::sort(files.begin(), files.end(), in_name_order);
   std::erase_if(files, [&](const fs::path& file) {
     const auto raw = raw_of.find(file.stem().string());
     if (raw == raw_of.end() || is_raw_name(file)) return false;

@@ -25,6 +25,9 @@ struct IncomingPhoto {
 
 using PhotoSource = std::function<std::optional<IncomingPhoto>()>;
 
+/// Whether a photo comes before another by its name: IMG_9 before IMG_10.
+bool in_name_order(const std::filesystem::path& a, const std::filesystem::path& b);
+
 /// The photos of a folder (not of folders within), by name, IMG_9 before IMG_10. Hidden files are passed over in
 /// silence, other files that are no photos with a finding; of a raw file and a JPEG of one name the raw file is taken.
 /// Throws Error when the folder is missing, unreadable, or holds no photo.

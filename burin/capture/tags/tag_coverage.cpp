@@ -1,4 +1,5 @@
 #include "burin/capture/tags/tag_coverage.h"
+#include "burin/capture/tags/board_pose.h"
 #include "burin/render/median.h"
 
 #include <algorithm>
@@ -17,27 +18,13 @@ struct Points {
   std::vector<cv::Point2f> pixel;
 };
 
-// Corners that agree with board.json, up to what a lens bends.
 Points agreeing(const PhotoLook& look, const TagSet& tags) {
-  std::vector<cv::Point2f> board, pixel;
-  for (const TagLook& seen : look.tags) {
-    const auto tag = std::find_if(tags.list.begin(), tags.list.end(), [&](const Tag& t) { return t.id == seen.id; });
-    if (tag == tags.list.end()) continue;
-    const auto corners = tag_corners_mm(*tag);
-    for (int k = 0; k < 4; ++k) {
-      board.emplace_back(static_cast<float>(corners[k].x()), static_cast<float>(corners[k].y()));
-      pixel.emplace_back(static_cast<float>(seen.corner_px[k].x()), static_cast<float>(seen.corner_px[k].y()));
-    }
-  }
+  const AgreeingCorners corners = agreeing_corners(look.tags, tags, 0.01 * look.width);
   Points points;
-  if (board.size() < 8) return points;
-  std::vector<unsigned char> inlier;
-  const cv::Mat H = cv::findHomography(board, pixel, cv::RANSAC, 0.01 * look.width, inlier, 2000, 0.999);
-  if (H.empty()) return points;
-  for (std::size_t i = 0; i < inlier.size(); ++i) {
-    if (!inlier[i]) continue;
-    points.board.emplace_back(board[i].x, board[i].y, 0.0F);
-    points.pixel.push_back(pixel[i]);
+  for (std::size_t i = 0; i < corners.pixel.size(); ++i) {
+    points.board.emplace_back(static_cast<float>(corners.board_mm[i].x()), static_cast<float>(corners.board_mm[i].y()),
+                              0.0F);
+    points.pixel.emplace_back(static_cast<float>(corners.pixel[i].x()), static_cast<float>(corners.pixel[i].y()));
   }
   return points;
 }

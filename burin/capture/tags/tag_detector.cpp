@@ -273,6 +273,50 @@ std::string refine(const Gray& gray, std::span<const std::uint8_t> valid, double
   return {};
 }
 
+// What is measured of tags that were found: corners of those that can be used, and why the others cannot.
+template <typename Wanted>
+TagsInPhoto measured_tags(const Gray& gray, std::span<const std::uint8_t> valid, std::vector<TagDetection> found,
+                          const Wanted& wanted, const TagDetectorOptions& options, double modules) {
+  TagsInPhoto out;
+  std::map<int, int> times;
+  for (const TagDetection& tag : found) ++times[tag.id];
+  for (TagDetection& tag : found) {
+    const auto& p = tag.coarse_px;
+    const Eigen::Vector2d center = 0.25 * (p[0] + p[1] + p[2] + p[3]);
+    auto reject = [&](const std::string& why) { out.rejected.push_back({tag.id, center, why}); };
+    if (!wanted(tag.id)) {
+      reject("it is not in board.json's list");
+      continue;
+    }
+    if (tag.decision_margin < options.min_decision_margin) {
+      reject("it can hardly be read (low contrast or blurred)");
+      continue;
+    }
+    if (times[tag.id] > 1) {
+      reject("its id is seen " + std::to_string(times[tag.id]) +
+             " times in the photo: a reflection or a second copy; cover it");
+      continue;
+    }
+    double low = 1e9, side = 0;
+    for (int c = 0; c < 4; ++c) {
+      low = std::min({low, p[c].x(), p[c].y(), gray.width - 1 - p[c].x(), gray.height - 1 - p[c].y()});
+      side = std::max(side, (p[(c + 1) % 4] - p[c]).norm());
+    }
+    if (low < std::max(2.0, 0.5 * side / modules)) {
+      reject("it touches the edge of the photo");
+      continue;
+    }
+    const std::string why = refine(gray, valid, modules, options, tag);
+    if (!why.empty()) {
+      reject(why);
+      continue;
+    }
+    out.tags.push_back(tag);
+  }
+  std::sort(out.tags.begin(), out.tags.end(), [](const TagDetection& a, const TagDetection& b) { return a.id < b.id; });
+  return out;
+}
+
 }  // namespace
 
 double side_skip_fraction(const std::string& family) {
@@ -333,7 +377,6 @@ TagsInPhoto TagDetector::detect(const Image& linear, std::span<const std::uint8_
   const TagDetectorOptions& options = state_->options;
   const Gray gray = to_gray(linear);
   const double white = bright_end(gray), modules = state_->family->width_at_border;
-  TagsInPhoto out;
 
   // A highlight may be a hundred times brighter than paper: look again with more light until every tag of the board is
   // found.
@@ -359,43 +402,14 @@ TagsInPhoto TagDetector::detect(const Image& linear, std::span<const std::uint8_
     if (exposure > 1 && have.size() >= 4) break;
   }
 
-  std::map<int, int> times;
-  for (const TagDetection& tag : found) ++times[tag.id];
-  for (TagDetection& tag : found) {
-    const auto& p = tag.coarse_px;
-    const Eigen::Vector2d center = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-    auto reject = [&](const std::string& why) { out.rejected.push_back({tag.id, center, why}); };
-    if (!wanted(tag.id)) {
-      reject("it is not in board.json's list");
-      continue;
-    }
-    if (tag.decision_margin < options.min_decision_margin) {
-      reject("it can hardly be read (low contrast or blurred)");
-      continue;
-    }
-    if (times[tag.id] > 1) {
-      reject("its id is seen " + std::to_string(times[tag.id]) +
-             " times in the photo: a reflection or a second copy; cover it");
-      continue;
-    }
-    double low = 1e9, side = 0;
-    for (int c = 0; c < 4; ++c) {
-      low = std::min({low, p[c].x(), p[c].y(), gray.width - 1 - p[c].x(), gray.height - 1 - p[c].y()});
-      side = std::max(side, (p[(c + 1) % 4] - p[c]).norm());
-    }
-    if (low < std::max(2.0, 0.5 * side / modules)) {
-      reject("it touches the edge of the photo");
-      continue;
-    }
-    const std::string why = refine(gray, valid, modules, options, tag);
-    if (!why.empty()) {
-      reject(why);
-      continue;
-    }
-    out.tags.push_back(tag);
-  }
-  std::sort(out.tags.begin(), out.tags.end(), [](const TagDetection& a, const TagDetection& b) { return a.id < b.id; });
-  return out;
+  return measured_tags(gray, valid, std::move(found), wanted, options, modules);
+}
+
+TagsInPhoto TagDetector::measure(const Image& linear, std::span<const std::uint8_t> valid, std::span<const int> ids,
+                                 std::vector<TagDetection> found) {
+  const auto wanted = [&ids](int id) { return ids.empty() || std::find(ids.begin(), ids.end(), id) != ids.end(); };
+  return measured_tags(to_gray(linear), valid, std::move(found), wanted, state_->options,
+                       state_->family->width_at_border);
 }
 
 std::string explain_missing_tags(const Image& linear, std::span<const std::uint8_t> valid, const std::string& family) {

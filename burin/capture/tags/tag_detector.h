@@ -69,6 +69,10 @@ class TagDetector {
   /// unusable; empty if all are good. Only tags with an id in `ids` (all, if empty); of an id that is seen twice, none.
   TagsInPhoto detect(const Image& linear, std::span<const std::uint8_t> valid, std::span<const int> ids);
 
+  /// The same for tags that were `found` already, in a smaller copy say: coarse_px in pixels of this picture.
+  TagsInPhoto measure(const Image& linear, std::span<const std::uint8_t> valid, std::span<const int> ids,
+                      std::vector<TagDetection> found);
+
   /// AprilTag alone on an 8-bit picture, unfiltered, corners coarse (corner_px = coarse_px), pixel convention
   /// converted.
   std::vector<TagDetection> detect_coarse(std::span<const std::uint8_t> gray, int width, int height);
