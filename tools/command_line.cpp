@@ -47,6 +47,7 @@ std::unique_ptr<CLI::App> make_app() {
   add_print_command(*burin);
   add_plan_command(*burin);
   add_capture_command(*burin);
+  add_watch_command(*burin);
   add_calibrate_command(*burin);
   add_lens_command(*burin);
   add_refine_command(*burin);

@@ -43,6 +43,7 @@ void add_simulate_command(CLI::App& burin);
 void add_print_command(CLI::App& burin);
 void add_plan_command(CLI::App& burin);
 void add_capture_command(CLI::App& burin);
+void add_watch_command(CLI::App& burin);
 void add_calibrate_command(CLI::App& burin);
 void add_lens_command(CLI::App& burin);
 void add_refine_command(CLI::App& burin);

@@ -32,26 +32,6 @@ Reach reach_of(const PlaceTolerance& t, double distance_mm) {
           std::min(kReach * t.depth.least(), kMostDepth * distance_mm)};
 }
 
-Offset offset_of(const Eigen::Vector3d& designed_mm, const Eigen::Vector3d& measured_mm, const Board& board,
-                 const PlaceTolerance& tolerance) {
-  const Eigen::Vector3d from = designed_mm - middle_of(board), to = measured_mm - middle_of(board);
-  const Eigen::Vector3d away = from.normalized(), level = Eigen::Vector3d::UnitZ().cross(away);
-  const Eigen::Vector3d right = level.norm() > 1e-6 ? level.normalized() : Eigen::Vector3d::UnitX();
-  Offset out;
-  // Sideways and up at the designed distance: a place further along the same line of sight is not aside of it.
-  const double along = to.dot(away), scale = along > 0 ? from.norm() / along : 1;
-  out.sideways_mm = scale * to.dot(right);
-  out.up_mm = scale * to.dot(away.cross(right));
-  out.along_mm = to.norm() - from.norm();
-  out.degrees = std::atan2(from.cross(to).norm(), from.dot(to)) * 180 / std::numbers::pi;
-  out.mm = (to - from).norm();
-  const Reach reach = reach_of(tolerance, from.norm());
-  out.reaches = along > 0 ? std::hypot(out.sideways_mm / reach.sideways_mm, out.up_mm / reach.up_mm,
-                                       out.along_mm / reach.along_mm)
-                          : INFINITY;
-  return out;
-}
-
 MoveRange both_ways(double mm) { return {mm, mm}; }
 
 // The smaller of two: where several pictures are seen from one place, or under one lamp.
@@ -266,6 +246,26 @@ std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Ben
       t.lamp = smaller(t.lamp, read_place(tolerance.object("lamp_mm")));
     }
   }
+  return out;
+}
+
+Offset offset_of(const Eigen::Vector3d& designed_mm, const Eigen::Vector3d& measured_mm, const Board& board,
+                 const PlaceTolerance& tolerance) {
+  const Eigen::Vector3d from = designed_mm - middle_of(board), to = measured_mm - middle_of(board);
+  const Eigen::Vector3d away = from.normalized(), level = Eigen::Vector3d::UnitZ().cross(away);
+  const Eigen::Vector3d right = level.norm() > 1e-6 ? level.normalized() : Eigen::Vector3d::UnitX();
+  Offset out;
+  // Sideways and up at the designed distance: a place further along the same line of sight is not aside of it.
+  const double along = to.dot(away), scale = along > 0 ? from.norm() / along : 1;
+  out.sideways_mm = scale * to.dot(right);
+  out.up_mm = scale * to.dot(away.cross(right));
+  out.along_mm = to.norm() - from.norm();
+  out.degrees = std::atan2(from.cross(to).norm(), from.dot(to)) * 180 / std::numbers::pi;
+  out.mm = (to - from).norm();
+  const Reach reach = reach_of(tolerance, from.norm());
+  out.reaches = along > 0 ? std::hypot(out.sideways_mm / reach.sideways_mm, out.up_mm / reach.up_mm,
+                                       out.along_mm / reach.along_mm)
+                          : INFINITY;
   return out;
 }
 

@@ -57,6 +57,10 @@ struct Offset {
   double reaches = 0;                 ///< in units of what counts as the same place: up to 1 is a candidate
 };
 
+/// The same for two places of an eye or a lamp. `reaches` is infinite behind the board.
+Offset offset_of(const Eigen::Vector3d& designed_mm, const Eigen::Vector3d& measured_mm, const Board& board,
+                 const PlaceTolerance& tolerance);
+
 struct Candidate {
   std::string name;  ///< in the measured bench
   Offset offset;

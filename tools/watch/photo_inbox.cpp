@@ -1,0 +1,110 @@
+#include "tools/watch/photo_inbox.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+#include <string_view>
+
+#include "burin/capture/exif.h"
+#include "burin/capture/photo_source.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Programs that copy or sync write under another name first; what is left when that is taken off may look like a photo.
+bool is_in_the_making(const std::string& name) { return name.front() == '.' || name.front() == '~'; }
+
+}  // namespace
+
+PhotoInbox::PhotoInbox(fs::path folder) : folder_(std::move(folder)) {}
+
+InboxNews PhotoInbox::look() {
+  InboxNews news;
+  const Clock::time_point now = Clock::now();
+  std::error_code error;
+  std::map<fs::path, Entry> seen;
+  std::set<std::string> raws;
+  int passed_over = 0;
+  fs::directory_iterator entry(folder_, error), end;
+  for (; !error && entry != end; entry.increment(error)) {
+    const fs::path file = entry->path();
+    const std::string name = file.filename().string();
+    if (is_in_the_making(name)) continue;
+    struct stat status {};
+    // Gone again since the folder was read, or no file: a share that drops out shows in the folder itself.
+    if (::stat(file.c_str(), &status) != 0) continue;
+    if (!S_ISREG(status.st_mode) || !is_photo_name(file)) {
+      ++passed_over;
+      continue;
+    }
+    Entry found;
+    found.size = static_cast<std::uintmax_t>(status.st_size);
+    found.inode = status.st_ino;
+    std::error_code ignored;
+    found.time = fs::last_write_time(file, ignored);
+    if (is_raw_name(file)) raws.insert(file.stem().string());
+    seen.emplace(file, found);
+  }
+  if (error) {
+    news.folder_there = false;
+    news.why_not = error.message();
+    return news;
+  }
+  passed_over_ = passed_over;
+  std::erase_if(seen, [&](const auto& s) { return !is_raw_name(s.first) && raws.contains(s.first.stem().string()); });
+
+  for (auto& [file, found] : seen) {
+    const auto known = entries_.find(file);
+    found.since = now;
+    if (known != entries_.end() && known->second == found) {
+      found.state = known->second.state;
+      found.since = known->second.since;
+      if (found.state == Entry::State::growing && found.size > 0) {
+        found.state = Entry::State::taken;
+        news.whole.push_back(file);
+      } else if ((found.state == Entry::State::growing || found.state == Entry::State::doubted) &&
+                 now - found.since >= kGivenUp) {
+        found.state = Entry::State::given_up;
+        news.given_up.push_back(file);
+      }
+      continue;
+    }
+    // A taken file under another name: the same one on the disk, unchanged.
+    const auto former = std::find_if(entries_.begin(), entries_.end(), [&](const auto& e) {
+      return e.second == found && e.second.state == Entry::State::taken && !seen.contains(e.first);
+    });
+    if (former != entries_.end()) {
+      found.state = Entry::State::taken;
+      news.renamed.emplace_back(former->first, file);
+      entries_.erase(former);
+    } else if (!looked_ && found.size > 0) {
+      found.state = Entry::State::taken;
+      news.whole.push_back(file);
+    }
+  }
+  for (const auto& [file, entry_before] : entries_)
+    if (entry_before.state == Entry::State::taken && !seen.contains(file)) news.gone.push_back(file);
+  entries_ = std::move(seen);
+  looked_ = true;
+  std::sort(news.whole.begin(), news.whole.end(), in_name_order);
+  return news;
+}
+
+void PhotoInbox::not_yet(const fs::path& file) {
+  const auto entry = entries_.find(file);
+  if (entry == entries_.end()) return;
+  entry->second.state = Entry::State::doubted;
+  entry->second.since = Clock::now();
+}
+
+bool PhotoInbox::expects() const {
+  return std::any_of(entries_.begin(), entries_.end(), [](const auto& e) {
+    return e.second.state == Entry::State::growing || e.second.state == Entry::State::doubted;
+  });
+}
+
+}  // namespace burin
