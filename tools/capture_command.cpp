@@ -1,12 +1,19 @@
+#include <CLI/Error.hpp>
+#include <CLI/Validators.hpp>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "burin/capture/folder_session.h"
 #include "burin/render/bench.h"
 #include "burin/render/error.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/tether/tethered_shoot.h"
+#include "tools/watch/say_shoot.h"
+#include "tools/watch/wanted_shots.h"
 
 namespace burin {
 namespace {
@@ -24,26 +31,63 @@ std::string lamp_name(const std::string& said, const std::filesystem::path& benc
        "say which with --light NAME; where photos of one session show several, correct \"light\" in session.json");
 }
 
+struct Options {
+  std::filesystem::path photos, board, bench, plan, out;
+  std::string light, port;
+  std::vector<double> stops;
+  bool tether = false, once = false;
+};
+
+// By a connected camera, into the folder of photos; each is told as it comes.
+void take_photos(const Options& o) {
+  Shoot shoot;
+  shoot.board = read_board(o.board);
+  if (!o.bench.empty()) shoot.lens = read_bench(o.bench).lens;
+  if (!o.plan.empty()) shoot.wanted = planned_shots(o.plan, shoot.board);
+  shoot_tethered({o.port, o.stops, o.photos, o.once}, shoot, [](const Shoot& so_far, double, double) {
+    fmt::print("{}", last_photo_words(so_far));
+    std::fflush(stdout);
+  });
+}
+
 }  // namespace
 
 void add_capture_command(CLI::App& burin) {
-  struct Options {
-    std::filesystem::path photos, board, bench, out;
-    std::string light;
-  };
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand("capture", "Turn a folder of photos into a session, and judge the photos");
-  command
-      ->add_option("PHOTOS_DIR", options->photos,
-                   "The folder of photos: JPEG, HEIC, PNG, TIFF, EXR or camera raw, with EXIF")
-      ->required();
+  command->add_option("PHOTOS_DIR", options->photos,
+                      "The folder of photos: JPEG, HEIC, PNG, TIFF, EXR or camera raw, with EXIF; with --tether, where "
+                      "they go (photos in --out unless given)");
   command->add_option("--board", options->board, "The board in the photos: board.json")->required();
   command->add_option("--out", options->out, "The folder for session.json")->required();
   command->add_option("--bench", options->bench, "The bench that the board was designed for: its lamp's name is taken");
   command->add_option("--light", options->light, "The lamp's name, where the bench has several");
-  command->footer(example("burin capture photos --board board.json --bench bench.json --out session"));
+  CLI::Option* tether = command->add_flag("--tether", options->tether,
+                                          "Take the photos now, by a camera on a USB cable (libgphoto2), at M: a "
+                                          "bracket from each place, each photo judged "
+                                          "as it comes");
+  command
+      ->add_option(
+          "--brackets", options->stops,
+          "The exposures of each bracket, in stops from the tags' paper at 60 % of white: 0,-3,-6; without it, "
+          "three stops darker each until no glint is clipped")
+      ->delimiter(',')
+      ->check(CLI::Range(-15.0, 5.0))
+      ->needs(tether);
+  command->add_option("--plan", options->plan, "The plan.json of `burin plan`: which places these are")->needs(tether);
+  command->add_option("--port", options->port, "The camera's port, where there are several: usb:001,005")
+      ->needs(tether);
+  command->add_flag("--once", options->once, "One bracket from where the camera stands, without asking")->needs(tether);
+  command->footer(
+      example("burin capture photos --board board.json --bench bench.json --out session\n"
+              "  burin capture --tether --board board.json --bench bench.json --plan plan/plan.json --out session"));
   command->callback([options] {
+    if (options->photos.empty()) {
+      if (!options->tether) throw CLI::RequiredError("PHOTOS_DIR");
+      options->photos = options->out / "photos";
+    }
     const std::string light = lamp_name(options->light, options->bench);
+    if (options->tether) take_photos(*options);
     ProgressBar bar;
     const CaptureResult result = capture_folder(options->photos, options->board, options->out, bar.progress(), light);
     bar.clear();
