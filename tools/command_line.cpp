@@ -55,6 +55,7 @@ std::unique_ptr<CLI::App> make_app() {
   add_render_command(*burin);
   add_toolpath_command(*burin);
   add_probe_command(*burin);
+  add_coupon_command(*burin);
   add_report_command(*burin);
   add_loop_command(*burin);
   add_status_command(*burin);

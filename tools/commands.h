@@ -51,6 +51,7 @@ void add_design_command(CLI::App& burin);
 void add_render_command(CLI::App& burin);
 void add_toolpath_command(CLI::App& burin);
 void add_probe_command(CLI::App& burin);
+void add_coupon_command(CLI::App& burin);
 void add_report_command(CLI::App& burin);
 void add_loop_command(CLI::App& burin);
 void add_status_command(CLI::App& burin);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "burin/calib/light/lamp.h"
+#include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/render/error.h"
 
@@ -45,14 +46,6 @@ SpotJet log_falloff(const Unknowns& x, const Eigen::Vector3d& p) {
   SpotJet cosine = dot(axis, from) / sqrt(dot(axis, axis) * dot(from, from));
   if (cosine.a < 1e-6) cosine = SpotJet(1e-6);
   return lamp.exponent * log(cosine);
-}
-
-struct Loss {
-  double rho, weight, curvature;  // of s = r^2: rho(s), rho'(s), and half the second derivative by r, at least 0
-};
-Loss cauchy_loss(double s, double scale) {
-  const double c2 = scale * scale, weight = 1 / (1 + s / c2);
-  return {c2 * std::log1p(s / c2), weight, std::max(0.0, 1 - s / c2) * weight * weight};
 }
 
 void multiply(Image& image, const std::vector<float>& by) {

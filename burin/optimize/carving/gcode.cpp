@@ -47,7 +47,7 @@ std::optional<std::string> placeholder(const std::string& name, const BlockValue
   const MachineProfile& m = values.machine;
   const PlannedScratch* s = values.scratch;
   if (name == "z_safe") return fixed(m.safe_z_mm + values.highest_mm, m.decimals);
-  if (name == "feed") return shortest(m.carve_feed_mm_min);
+  if (name == "feed") return shortest(s != nullptr && s->feed_mm_min > 0 ? s->feed_mm_min : m.carve_feed_mm_min);
   if (name == "plunge_feed") return shortest(m.plunge_feed_mm_min);
   if (name == "rapid") return shortest(m.rapid_mm_min);
   if (name == "force" && m.force != 0) return shortest(m.force);

@@ -18,6 +18,7 @@ struct PlannedScratch {
   std::uint32_t scratch = 0;       ///< its row in the scratches, from 0
   Eigen::Vector2d from_mm, to_mm;  ///< machine coordinates, compensated
   double depth_mm = 0;             ///< below the face, positive
+  double feed_mm_min = 0;          ///< along it; 0: the machine's
 };
 
 struct Toolpath {

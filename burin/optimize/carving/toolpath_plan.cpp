@@ -112,6 +112,11 @@ CarvingLimits toolpath_limits(const Board& board, const Bench* measured, const M
 Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                        const MachineProfile& machine, const ToolpathOptions& options, const Progress& progress) {
   if (scratches.size() == 0) fail("tool path", "there is no scratch to carve", "design some first");
+  if (!options.feed_mm_min.empty() && options.feed_mm_min.size() != scratches.size())
+    fail("tool path",
+         "has " + std::to_string(options.feed_mm_min.size()) + " feeds for " + std::to_string(scratches.size()) +
+             " scratches",
+         "give one each, or none");
   const CarvingLimits limits = toolpath_limits(board, measured, machine);
   Toolpath path;
   path.face = face_to_follow(board, measured != nullptr ? *measured : Bench{}, options.heights, options.follow_bow);
@@ -140,7 +145,8 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
     const Scratches& sent_rows = path.sent.scratches;
     const Ends e = ends_of(sent_rows, k);
     const double depth_um = sent_rows.depth_um.empty() ? board.material.depth_um : sent_rows.depth_um[k];
-    append(path, {path.order[k].scratch, e.a, e.b, 1e-3 * depth_um}, machine);
+    const double feed_mm_min = options.feed_mm_min.empty() ? 0 : options.feed_mm_min[path.order[k].scratch];
+    append(path, {path.order[k].scratch, e.a, e.b, 1e-3 * depth_um, feed_mm_min}, machine);
   }
   return path;
 }

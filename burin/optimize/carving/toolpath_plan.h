@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "burin/optimize/carving/carving_limits.h"
 #include "burin/optimize/carving/height_map.h"
@@ -34,7 +35,8 @@ struct ToolpathOptions {
   std::optional<Interruption> after{};  ///< carve only what this file left, in its order
   std::optional<HeightMap> heights{};   ///< of the face as it lies on the machine: depths follow it
   bool follow_bow = false;  ///< depths follow the bench's measured bow: the same sheet, lying as it was photographed
-  bool frame = false;       ///< G-code: also a file that moves round the scratches at safe height, to see that they fit
+  std::vector<double> feed_mm_min{};  ///< of each scratch given (a test piece's); empty: the machine's for all
+  bool frame = false;  ///< G-code: also a file that moves round the scratches at safe height, to see that they fit
 };
 
 /// The rules that a tool path obeys. `measured` may be null.

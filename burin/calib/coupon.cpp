@@ -1,0 +1,317 @@
+#include "burin/calib/coupon.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "burin/calib/light/light_samples.h"
+#include "burin/calib/photo/bench_unknowns.h"
+#include "burin/calib/photo/coupon_fit.h"
+#include "burin/calib/photo/photo_weights.h"
+#include "burin/calib/refine.h"
+#include "burin/calib/verdict/camera_place.h"
+#include "burin/calib/verdict/refine_result.h"
+#include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
+#include "burin/render/groove.h"
+#include "burin/render/parameter_name.h"
+
+namespace burin {
+namespace {
+
+using Eigen::Index;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kDetermined = 0.2, kWeakly = 0.6;  // sigmas of a depth or roughness, relative
+constexpr double kReach = 1.5;  // roughnesses about the steepest wall within which a photo tells the depth
+
+// What one fan looks like in one photo.
+struct FanInPhoto {
+  double lean = 0;     // of the half vector at its center
+  double clipped = 0;  // share of its pixels
+  std::size_t pixels = 0;
+};
+
+void check_told(const Coupon& coupon, const Scratches& told) {
+  for (const CouponFan& fan : coupon.fans)
+    if (fan.first_row + fan.rows > told.size())
+      fail("scratches.csv", "has " + std::to_string(told.size()) + " scratches, and coupon.json speaks of more",
+           "take both files of the same coupon, as burin coupon wrote them");
+}
+
+// What the rounds work on. The second round starts where the first one ended.
+struct Rounds {
+  std::span<const MergedView> photos;
+  const Board& board;
+  FanProblem problem{};
+  State state{};
+  FanValues values{};
+  Bench bench{};
+  Sent sent{};
+  std::vector<LightView> views{};
+
+  void correct() {
+    sent = scratches_of(problem.told, *problem.coupon, values);
+    problem.data.model.sent = &sent;
+    correct_binning(problem.data, views, board, bench, state);
+  }
+};
+
+// The photos as a problem of fans, from a bench that explains them on the whole.
+void set_up(Rounds& run, const Bench& calibrated, const CouponReadOptions& options) {
+  FanProblem& problem = run.problem;
+  run.sent = scratches_of(problem.told, *problem.coupon, run.values);
+  std::vector<Finding> told_before;
+  run.views = make_light_views(run.photos, run.board, run.bench, told_before);
+  problem.data = make_problem(run.board, run.sent, run.bench);
+  problem.data.merged_bin = run.photos.front().bin;
+  for (const LightSample& sample : gather_light_samples(run.views, run.board, run.bench, run.sent))
+    if (sample.kind != SampleKind::face && sample.value > 0) problem.data.paper.push_back(sample);
+  run.state = state_of(run.bench, problem.data);
+  // Grooves have their own; what is shared is what the board believes, from which they count.
+  run.state.shared[unknown::log_alpha] = std::log(run.board.material.alpha);
+  run.state.shared[unknown::log_depth] = std::log(run.board.material.depth_um);
+  const Bins bins = bins_for(run.views, run.bench, options.finest_pixel_mm, RefineOptions().max_pixels);
+  problem.data.photos =
+      photos_at(run.views, bins.finest, run.board, run.bench, std::exp(run.state.shared[unknown::log_blur]));
+  problem.data.geometry = geometry_prior(run.board, calibrated);
+  run.correct();
+  weigh_photos(problem.data, run.state);
+  find_fans(run.state, problem);
+}
+
+Stage stage_of_fans() {
+  Stage stage;
+  return stage.free(Group::blur);
+}
+
+double lean_at(const Vector3d& p, const Vector3d& eye, const Vector3d& lamp) {
+  const Vector3d h = ((lamp - p).normalized() + (eye - p).normalized()).normalized();
+  return std::acos(std::clamp(h.z(), -1.0, 1.0));
+}
+
+// [fan][photo]
+std::vector<std::vector<FanInPhoto>> fans_in_photos(const Rounds& run) {
+  const Coupon& coupon = *run.problem.coupon;
+  std::vector<std::vector<FanInPhoto>> out(coupon.fans.size());
+  for (std::size_t k = 0; k < run.problem.data.photos.size(); ++k) {
+    const PhotoData& photo = run.problem.data.photos[k];
+    const Vector3d eye = run.bench.views[photo.photo.view].T_camera_board.inverse().translation();
+    const Vector3d lamp = run.bench.lights[photo.photo.light].position_mm;
+    std::vector<FanInPhoto> seen(coupon.fans.size());
+    for (std::size_t f = 0; f < seen.size(); ++f) {
+      const Vector2d& c = coupon.fans[f].center_mm;
+      seen[f].lean = lean_at({c.x(), c.y(), 0}, eye, lamp);
+    }
+    for (std::size_t i = 0; i < photo.weight.size(); ++i) {
+      const int fan = run.problem.fan_of_pixel[k][i];
+      if (fan < 0) continue;
+      FanInPhoto& at = seen[static_cast<std::size_t>(fan)];
+      ++at.pixels;
+      at.clipped += photo.photo.valid[i] ? 0 : 1;
+    }
+    for (std::size_t f = 0; f < seen.size(); ++f) {
+      if (seen[f].pixels > 0) seen[f].clipped /= static_cast<double>(seen[f].pixels);
+      out[f].push_back(seen[f]);
+    }
+  }
+  return out;
+}
+
+// Where a camera would see a half vector of this lean, the lamp staying.
+std::string place_for_lean(double lean, const Bench& bench, const Board& board) {
+  const Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
+  const Vector3d wi = (bench.lights.front().position_mm - middle).normalized();
+  double distance_mm = 0;
+  for (const View& view : bench.views)
+    distance_mm +=
+        (view.T_camera_board.inverse().translation() - middle).norm() / static_cast<double>(bench.views.size());
+  Vector3d best(0, 0, -1);
+  for (int i = 0; i < 72; ++i) {
+    const double azimuth = 2 * std::numbers::pi * i / 72;
+    const Vector3d h(std::sin(lean) * std::cos(azimuth), std::sin(lean) * std::sin(azimuth), std::cos(lean));
+    const Vector3d wo = 2 * wi.dot(h) * h - wi;
+    if (wo.z() > best.z() && (wo - wi).norm() > 0.3) best = wo;
+  }
+  if (best.z() < 0.3) return "with the lamp moved further to the side";
+  return "from " + place_in_words(Vector3d(middle + distance_mm * best), board);
+}
+
+// Why a depth is not known, from what its fans look like; empty: nothing speaks against it.
+std::string against_depth(double depth_um, double alpha, std::span<const FanInPhoto> seen, const Bench& bench,
+                          const Board& board) {
+  const double steepest = 2 * std::atan(groove_rim(board.tool_width_um, depth_um)), margin = kReach * alpha;
+  double least = 9, most = 0;
+  std::size_t clipped = 0;
+  constexpr double kClipped = 0.1;
+  for (const FanInPhoto& fan : seen) {
+    clipped += fan.clipped > kClipped || fan.pixels == 0 ? 1 : 0;
+    if (fan.pixels == 0 || fan.clipped > 0.5) continue;
+    least = std::min(least, fan.lean);
+    most = std::max(most, fan.lean);
+  }
+  if (2 * clipped > seen.size())
+    return "its fans are overexposed in most photos; take a bracket with shorter exposures";
+  const auto degrees = [](double angle) { return significant(kDegrees * angle, 2) + " degrees"; };
+  if (most < steepest - margin)
+    return "all photos look inside the reach of its grooves, where light does not depend on depth (they lean up to " +
+           degrees(most) + ", its walls are as steep as " + degrees(steepest) + "); add a photo " +
+           place_for_lean(steepest, bench, board);
+  if (least > steepest + margin)
+    return "no photo looks where its grooves shine (they lean " + degrees(least) +
+           " or more, its walls are no steeper than " + degrees(steepest) + "); add a photo " +
+           place_for_lean(0.9 * steepest, bench, board);
+  return "";
+}
+
+CouponNumber number_of(const Estimate& log_value, const std::string& against, double prior_sigma) {
+  CouponNumber out;
+  if (!log_value.known) {
+    out.reason = "no photo shows its fans";
+    return out;
+  }
+  out.value = std::exp(log_value.value);
+  out.sigma = out.value * log_value.sigma;
+  const bool told = log_value.sigma < std::min(kWeakly, 0.8 * prior_sigma) && against.empty();
+  out.degree = !told ? Degree::not_determined : log_value.sigma < kDetermined ? Degree::determined : Degree::weakly;
+  if (out.degree == Degree::determined) return out;
+  out.reason = !against.empty() ? against
+                                : "one sigma is " + significant(100 * log_value.sigma, 2) +
+                                      " %; add photos with shorter exposures, or from nearer";
+  return out;
+}
+
+TravelReading travel_of(const Vector2d& along, const Eigen::Matrix2d& covariance) {
+  TravelReading out;
+  out.share = 2 * along.norm();
+  const Vector2d u = along.norm() > 0 ? Vector2d(along.normalized()) : Vector2d(1, 0);
+  const double worst = 2 * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+  out.sigma = 2 * std::sqrt(u.dot(covariance * u));
+  out.towards_deg = kDegrees * std::atan2(u.y(), u.x());
+  constexpr double kTells = 0.1, kChance = 9.21;  // chi^2 of two degrees of freedom, 1 %
+  out.known = worst < kTells;
+  out.seen = out.known && along.dot(covariance.inverse() * along) > kChance;
+  return out;
+}
+
+// From fans to cells.
+void fill_reading(Rounds& run, const Eigen::MatrixXd& covariance, const Board& board, CouponReading& out) {
+  const Coupon& coupon = *run.problem.coupon;
+  const auto n = static_cast<Index>(coupon.fans.size());
+  std::vector<FanSample> depth, alpha;
+  const auto rows = static_cast<double>(run.problem.told.size() - 1);
+  for (Index f = 0; f < n; ++f) {
+    const auto i = static_cast<std::size_t>(f);
+    const CouponFan& fan = coupon.fans[i];
+    const double age = (static_cast<double>(fan.first_row) + 0.5 * static_cast<double>(fan.rows - 1)) / rows;
+    const Vector2d place = fan.center_mm.cwiseQuotient(board.size_mm).array() - 0.5;
+    depth.push_back({fan.cell, run.values.log_depth[i], age, place});
+    alpha.push_back({fan.cell, run.values.log_alpha[i], age, place});
+    out.fans.push_back({run.values.log_depth[i], std::sqrt(covariance(f, f)), run.values.log_alpha[i],
+                        std::sqrt(covariance(n + f, n + f))});
+  }
+  // Fans that the photos do not tell would only hide what the others say of wear.
+  const auto told = [&](const std::vector<FanSample>& all, Index first, double prior) {
+    std::vector<Index> kept;
+    for (Index f = 0; f < n; ++f)
+      if (std::sqrt(covariance(first + f, first + f)) < 0.8 * prior) kept.push_back(f);
+    std::vector<FanSample> samples;
+    Eigen::MatrixXd of_kept(kept.size(), kept.size());
+    for (std::size_t a = 0; a < kept.size(); ++a) {
+      samples.push_back(all[static_cast<std::size_t>(kept[a])]);
+      for (std::size_t b = 0; b < kept.size(); ++b)
+        of_kept(static_cast<Index>(a), static_cast<Index>(b)) = covariance(first + kept[a], first + kept[b]);
+    }
+    return cell_statistics(samples, of_kept, coupon.cells.size());
+  };
+  out.depth = told(depth, 0, kFanDepthPrior);
+  out.alpha = told(alpha, n, kFanAlphaPrior);
+  out.travel = travel_of(run.values.travel, covariance.block<2, 2>(2 * n, 2 * n));
+  const std::vector<std::vector<FanInPhoto>> seen = fans_in_photos(run);
+  for (std::size_t c = 0; c < coupon.cells.size(); ++c) {
+    CellReading cell;
+    std::vector<FanInPhoto> all;
+    for (std::size_t f = 0; f < coupon.fans.size(); ++f)
+      if (coupon.fans[f].cell == c) {
+        ++cell.fans;
+        all.insert(all.end(), seen[f].begin(), seen[f].end());
+      }
+    const Estimate &d = out.depth.cells[c], &a = out.alpha.cells[c];
+    const std::string against =
+        d.known && a.known ? against_depth(std::exp(d.value), std::exp(a.value), all, run.bench, board) : "";
+    cell.depth_um = number_of(d, against, kFanDepthPrior);
+    cell.alpha = number_of(a, against.find("overexposed") != std::string::npos ? against : "", kFanAlphaPrior);
+    out.cells.push_back(std::move(cell));
+  }
+}
+
+// Photos that could not serve, and why.
+void judge_photos(const Rounds& run, CouponReading& out) {
+  const std::vector<std::vector<FanInPhoto>> seen = fans_in_photos(run);
+  constexpr double kMirror = 6 / kDegrees, kClipped = 0.01;
+  for (std::size_t k = 0; k < run.problem.data.photos.size(); ++k) {
+    const std::string& view = run.bench.views[run.problem.data.photos[k].photo.view].name;
+    double lean = 0;
+    std::size_t clipped = 0;
+    for (const std::vector<FanInPhoto>& fan : seen) {
+      lean += fan[k].lean / static_cast<double>(seen.size());
+      clipped += fan[k].clipped > kClipped ? 1 : 0;
+    }
+    if (lean < kMirror)
+      out.findings.push_back(make_warning(
+          "photo " + view + " looks almost into the face's mirror image of the lamp, which hides the grooves' light",
+          "take it from where coupon.json's shots say"));
+    if (clipped > 0)
+      out.findings.push_back(
+          make_warning("in photo " + view + " light of " + std::to_string(clipped) + " of " +
+                           std::to_string(seen.size()) + " fans is overexposed",
+                       "add shorter exposures of it (a bracket), so that the brightest glints are not clipped"));
+  }
+}
+
+}  // namespace
+
+CouponReading read_coupon_photos(std::span<const MergedView> photos, const Coupon& coupon, const Board& board,
+                                 const Scratches& told, const Bench& calibrated, const CouponReadOptions& options,
+                                 const Progress& progress) {
+  check_told(coupon, told);
+  CouponReading out;
+  Rounds run{photos, board};
+  run.problem.coupon = &coupon;
+  run.problem.told = told;
+  run.problem.prior = run.values = believed_fans(coupon, board.material.alpha);
+  RefineOptions shared;
+  shared.fit_fields = false;
+  shared.crossings = Crossings::add;
+  shared.finest_pixel_mm = options.finest_pixel_mm;
+  constexpr int kRounds = 2, kIterations = 12;
+  for (int round = 0; round < kRounds; ++round) {
+    Refinement refined = refine(photos, board, scratches_of(told, coupon, run.values), calibrated, shared, progress);
+    run.bench = refined.bench;
+    // What all fans share moves into each of them.
+    for (double& v : run.values.log_depth) v += std::log(run.bench.material.depth_um / board.material.depth_um);
+    for (double& v : run.values.log_alpha) v += std::log(run.bench.material.alpha / board.material.alpha);
+    if (round == 0) run.problem.prior.log_alpha = run.values.log_alpha;
+    set_up(run, calibrated, options);
+    if (round == 0) try_fans(run.problem, run.state, run.values, progress);
+    fit_fans(run.problem, stage_of_fans(), kIterations, run.state, run.values, progress);
+    run.correct();
+    weigh_photos_and_grooves(run.problem.data, run.state);
+    find_fans(run.state, run.problem);
+    fit_fans(run.problem, stage_of_fans(), kIterations, run.state, run.values, progress);
+    out.photos = std::move(refined.photos);
+    out.findings = std::move(refined.findings);
+  }
+  if (progress) progress("judging the result", 0);
+  put_state(run.state, run.problem.data, run.bench);
+  fill_reading(run, fan_covariance(run.problem, stage_of_fans(), run.state, run.values), board, out);
+  judge_photos(run, out);
+  out.bench = std::move(run.bench);
+  return out;
+}
+
+}  // namespace burin

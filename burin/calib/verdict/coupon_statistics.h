@@ -1,0 +1,42 @@
+// burin/calib/verdict/coupon_statistics.h - from fans to cells: one number a fan, with its covariance, becomes one
+// number a cell, how much fans that are carved alike differ, and what goes with the carving order and the place.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+namespace burin {
+
+/// A fan's logarithm of depth or roughness, and where it stands.
+struct FanSample {
+  std::size_t cell = 0;
+  double value = 0;
+  double age = 0;               ///< 0: carved first, 1: last
+  Eigen::Vector2d place{0, 0};  ///< from -1/2 to 1/2 over the coupon
+};
+
+/// A number that may not be known.
+struct Estimate {
+  double value = 0, sigma = 0;
+  bool known = false;
+};
+
+/// What the samples say.
+struct CellStatistics {
+  std::vector<Estimate> cells;  ///< halfway through the carving, at the coupon's middle; not known: no sample
+  Eigen::MatrixXd covariance;   ///< of all cells; 0 for those without a sample
+  Estimate repeat;              ///< standard deviation of fans that are carved alike, beside what the photos leave open
+  Estimate wear;                ///< from the first fan to the last
+  Estimate tilt_x, tilt_y;      ///< from edge to edge
+  double chi2 = 0;              ///< of the samples about what is fitted, without `repeat`
+  int degrees = 0;              ///< of freedom that chi2 has
+};
+
+/// Generalized least squares with the samples' `covariance`, to which is added the scatter that makes chi^2 what its
+/// degrees of freedom let expect (Paule and Mandel 1982). Wear and tilt are sought where three repeats or more remain
+/// besides them.
+CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Eigen::MatrixXd& covariance,
+                               std::size_t cells);
+
+}  // namespace burin

@@ -1,0 +1,273 @@
+// burin coupon - a patch of test scratches that measures a machine. The work is in burin/optimize/carving/coupon.h
+// (layout) and burin/calib/coupon.h (reading).
+#include <chrono>
+#include <ctime>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burin/calib/calibrate.h"
+#include "burin/calib/coupon.h"
+#include "burin/calib/refine.h"
+#include "burin/capture/folder_session.h"
+#include "burin/optimize/carving/coupon.h"
+#include "burin/optimize/duration.h"
+#include "burin/optimize/toolpath.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct WriteOptions {
+  std::string machine = "grbl-spring";
+  fs::path out, on;
+  std::vector<double> at_mm;
+  double tool_width_um = 0, depth_um = 0;
+  CouponOptions coupon;
+};
+
+std::string today() {
+  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  std::tm local{};
+  localtime_r(&now, &local);
+  return fmt::format("{:04}-{:02}-{:02}", local.tm_year + 1900, local.tm_mon + 1, local.tm_mday);
+}
+
+std::string unit_of(DepthBy depth_by) {
+  switch (depth_by) {
+    case DepthBy::fixed_z:
+      return "mm deep";
+    case DepthBy::servo:
+      return "(S)";
+    default:
+      return "mm below contact";
+  }
+}
+
+// Of each scratch as it was written into the G-code, back in the coupon's own frame.
+Scratches in_coupon(const CouponPlan& plan, const Sent& sent) {
+  Scratches out = sent.scratches;
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out.x0_mm[i] -= plan.coupon.at_mm.x(), out.x1_mm[i] -= plan.coupon.at_mm.x();
+    out.y0_mm[i] -= plan.coupon.at_mm.y(), out.y1_mm[i] -= plan.coupon.at_mm.y();
+  }
+  return out;
+}
+
+void print_plan(const CouponPlan& plan, const ToolpathReport& report) {
+  const Coupon& coupon = plan.coupon;
+  fmt::print("coupon {} of {}: {} fans of {} kinds, {} scratches, about {} on {}\n", coupon.number, coupon.date,
+             coupon.fans.size(), coupon.cells.size(), plan.scratches.size(), duration_text(report.duration_s),
+             plan.machine.name);
+  for (const CouponCell& cell : coupon.cells)
+    fmt::print("  {:>6.4g} {} at {:>5.4g} mm/min, {:.2f} mm apart: believed to make {:.1f} um\n", cell.command,
+               unit_of(plan.machine.depth_by), cell.feed_mm_min, cell.spacing_mm, cell.depth_um);
+  const double half = plan.board.size_mm.x() / 2;
+  fmt::print("tags     {} to {} of {}, {:g} mm, as in board.json\n", plan.board.tags.list.front().id,
+             plan.board.tags.list.back().id, plan.board.tags.family, plan.board.tags.list.front().size_mm);
+  fmt::print("lamp     {:.0f} mm towards you from the coupon's middle and {:.0f} mm above it; it stays there\n",
+             half - coupon.lamp_mm.y(), coupon.lamp_mm.z());
+  for (std::size_t i = 0; i < coupon.shots.size(); ++i) {
+    const Eigen::Vector3d& eye = coupon.shots[i].eye_mm;
+    fmt::print("photo {}  camera {:.0f} mm {}, {:.0f} mm {} from the middle, {:.0f} mm above the face\n", i + 1,
+               std::abs(eye.x() - half), eye.x() < half ? "left" : "right", std::abs(eye.y() - half),
+               eye.y() < half ? "towards you" : "away from you", eye.z());
+  }
+}
+
+void write_coupon_files(WriteOptions options) {
+  const MachineProfile machine = machine_profile(options.machine);
+  if (options.coupon.date.empty()) options.coupon.date = today();
+  std::optional<Board> on;
+  if (!options.on.empty()) {
+    on = read_board(options.on);
+    options.coupon.tool_width_um = on->tool_width_um;
+    options.coupon.material = on->material;
+  }
+  if (options.tool_width_um > 0) options.coupon.tool_width_um = options.tool_width_um;
+  if (options.depth_um > 0) options.coupon.material.depth_um = options.depth_um;
+  if (!options.at_mm.empty()) options.coupon.at_mm = {options.at_mm[0], options.at_mm[1]};
+  if (fs::exists(options.out / "coupon.json"))
+    fail((options.out / "coupon.json").string(), "is there already", "name another folder, or remove that coupon");
+  if (on)
+    for (const Finding& finding : check_place(*on, options.coupon.at_mm)) note(sentence(finding));
+  CouponPlan plan = make_coupon(machine, options.coupon);
+  make_output_folder(options.out);
+  Board on_machine = coupon_on_machine(plan);
+  if (on) on_machine.flatness_um = on->flatness_um;
+  ToolpathOptions settings;
+  settings.keep_order = true;
+  settings.frame = true;
+  settings.feed_mm_min = plan.feed_mm_min;
+  Scratches shifted = plan.scratches;
+  for (std::size_t i = 0; i < shifted.size(); ++i) {
+    shifted.x0_mm[i] += plan.coupon.at_mm.x(), shifted.x1_mm[i] += plan.coupon.at_mm.x();
+    shifted.y0_mm[i] += plan.coupon.at_mm.y(), shifted.y1_mm[i] += plan.coupon.at_mm.y();
+  }
+  ProgressBar bar;
+  const ToolpathReport report = write_toolpath(shifted, on_machine, nullptr, plan.machine, settings,
+                                               options.out / "coupon.gcode", bar.progress());
+  bar.clear();
+  for (const Finding& finding : plan.findings) note(sentence(finding));
+  for (const Finding& finding : report.findings) note(sentence(finding));
+  write_scratches(in_coupon(plan, report.sent), options.out / "scratches.csv");
+  plan.board.scratches = options.out / "scratches.csv";
+  write_board(plan.board, options.out / "board.json");
+  write_coupon(plan.coupon, options.out / "coupon.json");  // last: a folder that has it is complete
+  print_plan(plan, report);
+  const std::string zero = on ? "at the board's lower left corner"
+                              : fmt::format("at X{:g} Y{:g} left and below of the coupon's corner",
+                                            plan.coupon.at_mm.x(), plan.coupon.at_mm.y());
+  const bool at_corner = !on && plan.coupon.at_mm.isZero();
+  fmt::print(
+      "Wrote {}: set work zero {}, carve {}, put the tags on, take the photos with short exposures beside the "
+      "usual one; then: burin coupon read {} --photos PHOTOS_DIR --machine {} --out {}\n",
+      (options.out / "coupon.json").string(), at_corner ? "at the coupon's lower left corner" : zero,
+      shell_word(report.files.front().string()), shell_word(options.out.string()), shell_word(options.machine),
+      shell_word((options.out / "machine.json").string()));
+}
+
+struct ReadOptions {
+  fs::path folder, photos, camera, out;
+  std::string machine = "grbl-spring";
+  bool into = false;
+};
+
+// A session, or a plain folder of photos.
+Session session_of(const fs::path& photos, const fs::path& board_file, const fs::path& folder, const Board& board,
+                   const Progress& progress) {
+  if (photos.extension() == ".json") return read_session(photos);
+  const CaptureResult captured = capture_folder(photos, board_file, folder, progress);
+  std::string first;
+  for (const Finding& finding : captured.findings) {
+    if (finding.severity == Finding::Severity::error && first.empty()) first = sentence(finding);
+    if (finding.severity != Finding::Severity::error) note(sentence(finding));
+  }
+  if (captured.written.empty()) fail(photos.string(), "cannot be used: " + first, "correct the photos and try again");
+  (void)board;
+  return read_session(captured.written);
+}
+
+std::string number_text(const CouponNumber& number, int digits) {
+  if (number.degree == Degree::not_determined) return "not determined";
+  return fmt::format("{:.{}f} +- {:.{}f}{}", number.value, digits, number.sigma, digits,
+                     number.degree == Degree::weakly ? " (weakly)" : "");
+}
+
+void print_trend(const std::string& name, const Estimate& e, const std::string& rises, const std::string& falls) {
+  if (!e.known)
+    fmt::print("{}not determined: too few fans repeat\n", name);
+  else if (std::abs(e.value) < 2 * e.sigma)
+    fmt::print("{}none seen ({:+.1f} +- {:.1f} %)\n", name, 100 * e.value, 100 * e.sigma);
+  else
+    fmt::print("{}{} by {:.1f} +- {:.1f} % from the first fan to the last\n", name, e.value > 0 ? rises : falls,
+               100 * std::abs(e.value), 100 * e.sigma);
+}
+
+void print_reading(const Coupon& coupon, const CouponReading& r) {
+  fmt::print("coupon {} of {}, {} fans\n", coupon.number, coupon.date, coupon.fans.size());
+  fmt::print("  {:>8}  {:>8}  {:>8}  {:>5}  {:<18}  {}\n", "command", "mm/min", "apart mm", "fans", "depth um",
+             "alpha");
+  for (std::size_t c = 0; c < r.cells.size(); ++c) {
+    const CouponCell& cell = coupon.cells[c];
+    fmt::print("  {:>8.4g}  {:>8.4g}  {:>8.2f}  {:>5}  {:<18}  {}\n", cell.command, cell.feed_mm_min, cell.spacing_mm,
+               r.cells[c].fans, number_text(r.cells[c].depth_um, 2), number_text(r.cells[c].alpha, 4));
+  }
+  if (r.depth.repeat.known)
+    fmt::print("repeats   fans carved alike differ by {:.1f} +- {:.1f} % in depth, {:.1f} +- {:.1f} % in alpha\n",
+               100 * r.depth.repeat.value, 100 * r.depth.repeat.sigma, 100 * r.alpha.repeat.value,
+               100 * r.alpha.repeat.sigma);
+  print_trend("wear      depth: ", r.depth.wear, "grows", "falls");
+  print_trend("          alpha: ", r.alpha.wear, "grows", "falls");
+  if (!r.travel.known)
+    fmt::print("direction not determined ({:.0f} +- {:.0f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
+  else if (!r.travel.seen)
+    fmt::print("direction no difference seen ({:.1f} +- {:.1f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
+  else
+    fmt::print("direction {:.1f} +- {:.1f} % deeper going towards {:.0f} degrees (0: right, 90: up) than going back\n",
+               100 * r.travel.share, 100 * r.travel.sigma, r.travel.towards_deg);
+  std::vector<std::string> told;
+  for (std::size_t c = 0; c < r.cells.size(); ++c)
+    for (const auto& [name, number] :
+         {std::pair("depth", &r.cells[c].depth_um), std::pair("alpha", &r.cells[c].alpha)}) {
+      if (number->reason.empty()) continue;
+      note(fmt::format("{} at {:g}, {:g} mm/min: {}", name, coupon.cells[c].command, coupon.cells[c].feed_mm_min,
+                       number->reason));
+    }
+}
+
+void read_coupon_files(const ReadOptions& options) {
+  const Coupon coupon = read_coupon(options.folder / "coupon.json");
+  const fs::path board_file = options.folder / "board.json";
+  const Board board = read_board(board_file);
+  const Scratches told = read_scratches(board.scratches);
+  ProgressBar bar;
+  const Session session = session_of(options.photos, board_file, options.folder, board, bar.progress());
+  CalibrateOptions calibration;
+  if (!options.camera.empty()) {
+    calibration.lens = read_cameramodel(options.camera);
+    calibration.fix_lens = true;
+  }
+  const Calibration calibrated = calibrate(session, board, calibration, bar.progress());
+  const std::vector<MergedView> photos = photos_for_refine(session, board, calibrated.bench);
+  const CouponReading reading = read_coupon_photos(photos, coupon, board, told, calibrated.bench, {}, bar.progress());
+  bar.clear();
+  for (const Finding& finding : calibrated.findings) note(sentence(finding));
+  for (const Finding& finding : reading.findings) note(sentence(finding));
+  print_reading(coupon, reading);
+}
+
+}  // namespace
+
+void add_coupon_command(CLI::App& burin) {
+  CLI::App* coupon = burin.add_subcommand("coupon", "Measure a machine by a patch of test scratches and three photos");
+  coupon->require_subcommand(1);
+  coupon->footer(example("burin coupon write --machine grbl-spring --number 3 --out coupon-3"));
+  auto options = std::make_shared<WriteOptions>();
+  CLI::App* write = coupon->add_subcommand(
+      "write",
+      "Lay out a coupon of 60 mm: fans of scratches for each preload and speed, dated and numbered, with tags");
+  write->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
+      ->capture_default_str();
+  write->add_option("--out", options->out, "The folder for coupon.json, board.json, scratches.csv and coupon.gcode")
+      ->required();
+  write->add_option("--on", options->on, "The board.json of a board on whose face it is carved; left out: on scrap");
+  write->add_option("--at", options->at_mm, "Where its lower-left corner lies from work zero: X Y, mm")->expected(2);
+  CLI::Option* preloads = write->add_option("--preloads", options->coupon.commands,
+                                            "What to tell the machine, softest first: mm below contact, or S values");
+  write->add_option("--depths", options->coupon.depths_um, "Depths to tell it instead, um, shallowest first")
+      ->excludes(preloads);
+  write->add_option("--feeds", options->coupon.feeds_mm_min,
+                    "Speeds beside the machine's carve_feed_mm_min, mm/min; left out: a quarter and a half of it");
+  write->add_option("--spacings", options->coupon.spacings_mm,
+                    "Of neighboring scratches, mm: the first for all fans, the others tried at the middle preload");
+  write->add_option("--date", options->coupon.date, "What is carved as the date; left out: today");
+  write->add_option("--number", options->coupon.number, "The coupon's number, which its tags follow")
+      ->check(CLI::Range(1, kMostCoupons))
+      ->capture_default_str();
+  write->add_option("--tool-width", options->tool_width_um, "wt of the tool: four times the radius of its tip, um")
+      ->check(CLI::PositiveNumber);
+  write->add_option("--depth", options->depth_um, "The usual depth, for a machine that goes to a fixed Z, um")
+      ->check(CLI::PositiveNumber);
+  write->footer(
+      example("burin coupon write --machine grbl-spring --number 3 --out coupon-3\n"
+              "  burin coupon write --machine grbl --depths 6 10 14 20 --feeds 300 --number 4 --out coupon-4"));
+  write->callback([options] { write_coupon_files(*options); });
+  auto reading = std::make_shared<ReadOptions>();
+  CLI::App* read = coupon->add_subcommand(
+      "read", "Measure depth and roughness for each preload and speed from three photos or more");
+  read->add_option("COUPON_DIR", reading->folder, "The folder that burin coupon write made")->required();
+  read->add_option("--photos", reading->photos, "The folder of its photos, or a session.json of them")->required();
+  read->add_option("--camera", reading->camera, "The camera's lens, if it was measured (burin lens): .cameramodel");
+  read->footer(example("burin coupon read coupon-3 --photos photos --machine grbl-spring --out machine.json"));
+  read->callback([reading] { read_coupon_files(*reading); });
+}
+
+}  // namespace burin
