@@ -164,6 +164,11 @@ TEST_F(ReportPage, CanBeReadOnADeskAndOnAPhoneByDayAndByNight) {
     ASSERT_EQ(run.exit_code, 0) << run.err;
     expect_readable(browser, *folder_ / folder / "report.html");
   }
+  // The bench in space says in words what it shows.
+  browser.open(page_, 390, 800, "", true);
+  EXPECT_THAT(
+      browser.evaluate("document.querySelector('.bench-scene canvas').getAttribute('aria-label')").get<std::string>(),
+      HasSubstr("The bench as measured in space: 5 cameras, 1 lamp and the board, with ellipsoids"));
   // What the dark page's paper and ink are, not only that they differ.
   browser.open(page_, 390, 800, "", true, true);
   const std::string paper = "getComputedStyle(document.body).backgroundColor";

@@ -149,7 +149,8 @@ Promise promise_of(const fs::path& folder) {
          "Target"},
         {picture_within(folder / view.text("preview"), kPictureSidePx),
          fmt::format("View {}, as promised: {}", name, decibels(psnr)),
-         fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", decibels(psnr), more), "As promised"}};
+         fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", unbroken(decibels(psnr)), more),
+         "As promised"}};
     all += compared("View " + name, figures, 0, 1);
     if (allows < kRecognizable_db)
       out.findings.push_back({Severity::warning,
@@ -262,6 +263,7 @@ void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& file
   const Board board = read_board(files.board);
   const Promise promise = promise_of(files.folder);
   Page out{"Burin · before metal moves", outcome_of(check, count_of(check, Severity::warning))};
+  out.next_word = "Before it starts";
   if (check.good()) out.next = html(carve_question(check, files));
   if (!promise.pictures.empty()) out.pictures = "<h2>What it will show</h2>\n" + promise.pictures;
   out.findings = check.findings;

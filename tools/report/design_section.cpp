@@ -67,7 +67,7 @@ Views read_views(JsonObject& report, const std::filesystem::path& home) {
                            const std::string& more) {
       return Figure{picture_within(home / view.text(key), kPictureSidePx),
                     "View " + name + ": " + more + (value.empty() ? "" : ", " + value),
-                    "<b>" + word + "</b>" + (value.empty() ? "" : " " + value), word};
+                    "<b>" + word + "</b>" + (value.empty() ? "" : " " + unbroken(value)), word};
     };
     const std::vector<Figure> figures{shown("target", "Target", "", "the target, as it lies on the carve area"),
                                       shown("preview", "Preview", decibels(psnr), "what this view will show"),
@@ -146,7 +146,7 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
     out.outcome = fmt::format("The design shows its picture with {}: {}, {}.", counted(scratches, "scratch"), mean,
                               quality_in_words(views.psnr_db[0]));
   const auto command = "burin toolpath " + shell_word((home / "scratches.csv").string()) +
-                       " --board BOARD.json --bench BENCH.json --machine grbl --out board.gcode";
+                       " --board BOARD.json --bench BENCH.json --out board.gcode";
   out.next = fmt::format("turn it into a tool path: <code>{}</code>", html(command));
   out.heading = "What it will show";
   out.pictures =

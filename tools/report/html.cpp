@@ -47,6 +47,8 @@ std::string elements(const std::vector<std::string>& texts, const std::string& n
 
 std::string html(std::string_view text) { return xml_text(text); }
 
+std::string unbroken(std::string_view text) { return "<span class=\"unbroken\">" + html(text) + "</span>"; }
+
 std::string plain_text(const std::string& text) {
   std::string out;
   bool in_tag = false;
@@ -155,8 +157,8 @@ std::string page(const Page& page) {
       "one standard deviation. This page loads nothing from elsewhere.</footer>\n"
       "</main>\n{}</body></html>\n",
       content_policy(scripts, styles), html(page.title), elements(styles, "style"), html(page.title), page.outcome,
-      page.next.empty() ? "" : "<p class=\"next\"><b>Next:</b> " + page.next + "</p>\n", inside, page.body,
-      BURIN_VERSION, fmt::localtime(now), elements(scripts, "script"));
+      page.next.empty() ? "" : "<p class=\"next\"><b>" + page.next_word + ":</b> " + page.next + "</p>\n", inside,
+      page.body, BURIN_VERSION, fmt::localtime(now), elements(scripts, "script"));
 }
 
 }  // namespace burin

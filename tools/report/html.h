@@ -18,6 +18,9 @@ std::string html(std::string_view text);
 /// HTML as text: without tags, entities turned back.
 std::string plain_text(const std::string& html);
 
+/// Text as HTML that is not broken into two lines.
+std::string unbroken(std::string_view text);
+
 /// A number with its uncertainty in digits that mean something: "0.0602 ± 0.0004"; without, four digits. Never an
 /// exponent; what is not finite is "unknown".
 std::string with_sigma(double value, double sigma);
@@ -57,6 +60,7 @@ std::string cards(std::vector<Finding> findings);
 struct Page {
   std::string title, outcome;
   std::string next{};                  ///< what to do next, half a sentence; empty: nothing
+  std::string next_word{"Next"};       ///< what stands before it
   std::string pictures{};              ///< what is looked at first; below it what to mind
   std::vector<Finding> findings{};     ///< errors stand above the pictures
   std::string body{};                  ///< all the rest

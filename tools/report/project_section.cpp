@@ -205,9 +205,12 @@ std::string pictures_of(const ViewHistory& view) {
   const auto add = [&](const Shown& shown, int round, const std::string& word, const std::string& how) {
     if (!shown.there()) return;
     const std::string name = fmt::format("Round {}, {}", round, word);
-    figures.push_back(
-        {shown.picture, fmt::format("View {}, round {}: {} {}, {}", view.view, round, word, how, value_of(shown)),
-         fmt::format("<b>{}</b> {}<span class=\"more\"> {}</span>", name, value_of(shown), html(how)), name});
+    const std::string word_html = word == "photographed" ? "photo&shy;graphed" : word;  // may break in a small picture
+    figures.push_back({shown.picture,
+                       fmt::format("View {}, round {}: {} {}, {}", view.view, round, word, how, value_of(shown)),
+                       fmt::format("<b>Round {}, {}</b> {}<span class=\"more\"> {}</span>", round, word_html,
+                                   unbroken(value_of(shown)), html(how)),
+                       name});
   };
   for (std::size_t i = 0; i < view.rounds.size(); ++i) {
     const ViewInRound& round = view.rounds[i];

@@ -146,7 +146,7 @@ Section rerun_section(const RerunInput& input, const Progress& progress) {
     const auto shown = [&](const Image& picture, const std::string& name, const std::string& what,
                            const std::string& value) {
       return Figure{picture, "View " + asked.view + ": " + what + (value.empty() ? "" : ", " + value),
-                    "<b>" + name + "</b> " + value, name};
+                    "<b>" + name + "</b> " + (value.empty() ? "" : unbroken(value)), name};
     };
     const std::vector<Figure> figures{
         shown(target, "Target", "the target", ""),

@@ -122,7 +122,7 @@ Comparison comparison(const Loaded& in, const MergedView& merged, const View& vi
        fmt::format("{}: the difference, {} RMS of the photo's own values", title, apart),
        fmt::format("<b>Difference</b> {}<span class=\"more\"> RMS of the photo's own; mean brightness {} of the "
                    "predicted</span>",
-                   apart, std::isfinite(fit.ratio) ? fixed(fit.ratio, 3) : "unknown"),
+                   unbroken(apart), std::isfinite(fit.ratio) ? fixed(fit.ratio, 3) : "unknown"),
        "Difference"}};
   return {compared(title, figures, 0, 1),
           std::isfinite(fit.relative_rms) ? fit.relative_rms : std::numeric_limits<double>::infinity()};
@@ -267,15 +267,19 @@ std::string numbers(const Loaded& in) {
 std::string verdicts(const Loaded& in) {
   if (in.bench.verdict.empty()) return "";
   Table out;
-  out.header = {"Parameter", "From the photos?", "Why", "The photo that would help most"};
+  out.header = {"Parameter", "From the photos?", "Why"};
+  const bool any_next =
+      std::ranges::any_of(in.bench.verdict, [](const auto& v) { return v.second.next_photo.has_value(); });
+  if (any_next) out.header.push_back("The photo that would help most");
   std::size_t determined = 0;
   for (const auto& [name, verdict] : in.bench.verdict) {
     determined += verdict.determined() ? 1 : 0;
     out.rows.push_back(
         {html(parameter::in_words(name)),
          fmt::format("<span class=\"{}\">{}</span>", verdict.determined() ? "good" : "bad", in_words(verdict.degree)),
-         fmt::format("<span class=\"soft\">{}</span>", html(sentence(verdict))),
-         verdict.next_photo ? html(sentence(*verdict.next_photo, verdict.unit)) : ""});
+         fmt::format("<span class=\"soft\">{}</span>", html(sentence(verdict)))});
+    if (any_next)
+      out.rows.back().push_back(verdict.next_photo ? html(sentence(*verdict.next_photo, verdict.unit)) : "");
   }
   return folded(
       "What the photos determine",
