@@ -340,9 +340,12 @@ std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) 
 }
 
 std::string next_of(const Rounds& in) {
-  const std::string loop = "<code>" + html("burin loop " + shell_word(in.project.folder.string())) + "</code>";
+  // A page is read from anywhere: "." would say nothing.
+  const bool here = in.project.folder.lexically_normal() == ".";
+  const Project project{here ? fs::current_path() : in.project.folder};
+  const std::string loop = "<code>" + html("burin loop " + shell_word(project.folder.string())) + "</code>";
   if (in.count == in.measured) return loop + " designs the next board for the bench as measured.";
-  const fs::path round = in.project.round(in.count);
+  const fs::path round = project.round(in.count);
   const fs::path gcode = round / "board.gcode";
   return fmt::format(
       "carve {}, put photos of it into <code>{}</code>, then {}.",
