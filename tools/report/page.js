@@ -193,6 +193,13 @@
     }
   }
 
+  const stages = document.querySelector('.compares:has(.stage)');
+  if (stages)
+    stages.after(element('p', 'soft hint', {
+      textContent: 'Drag across a picture, or use the arrow keys, to wipe. Plus and minus, a double click or two fingers zoom ' +
+        'all pictures of the board together.',
+    }));
+
   // On paper nothing is folded.
   let folded = [];
   window.addEventListener('beforeprint', () => {

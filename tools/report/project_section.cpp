@@ -288,9 +288,9 @@ Mean mean_of(const std::vector<ViewHistory>& views, int round, Shown ViewInRound
   return mean;
 }
 
-std::string gain_in_words(double gain_db) {
-  if (!std::isfinite(gain_db) || std::abs(gain_db) < 0.05) return "the same";
-  return fmt::format("{:.1f} dB {}", std::abs(gain_db), gain_db > 0 ? "better" : "worse");
+std::string gain_in_words(double gain_db, const std::string& than) {
+  if (!std::isfinite(gain_db) || std::abs(gain_db) < 0.05) return "as good as " + than;
+  return fmt::format("{:.1f} dB {} than {}", std::abs(gain_db), gain_db > 0 ? "better" : "worse", than);
 }
 
 std::string pictures_in_words(int shown, std::size_t all) {
@@ -321,20 +321,20 @@ std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) 
   std::string out = fmt::format("The board{} shows {} at {}{} ({})", last > 1 ? fmt::format(" of round {}", last) : "",
                                 pictures_in_words(seen.views, views.size()), decibels(seen.db),
                                 seen.views > 1 ? " on average" : "", quality_in_words(seen.db));
-  const Mean promise = mean_of(views, last, kPromised, last, kSeen);
-  if (promise.views == seen.views)
-    out += ", promised " + std::string(seen.views > 1 ? "were " : "was ") + decibels(promise.db);
   if (last > 1) {
     const Mean now = mean_of(views, last, kSeen, last - 1, kSeen),
                before = mean_of(views, last - 1, kSeen, last, kSeen);
-    if (now.views > 0) out += fmt::format("; that is {} than the board before", gain_in_words(now.db - before.db));
+    if (now.views > 0) out += ", " + gain_in_words(now.db - before.db, "the board before");
   }
+  const Mean promise = mean_of(views, last, kPromised, last, kSeen);
+  if (promise.views == seen.views)
+    out += fmt::format("; promised {} {}", seen.views > 1 ? "were" : "was", decibels(promise.db));
   if (in.count > last) {
     const Mean next = mean_of(views, last + 1, kPromised, last, kSeen),
                now = mean_of(views, last, kSeen, last + 1, kPromised);
     if (next.views > 0)
       out += fmt::format("; designed for the bench as measured, the next one promises {}, {}", decibels(next.db),
-                         gain_in_words(next.db - now.db));
+                         gain_in_words(next.db - now.db, "this one shows"));
   }
   return out + ".";
 }

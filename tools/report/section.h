@@ -2,6 +2,7 @@
 // top of the page; or says nothing (an empty optional) where the folder holds nothing of its kind.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
