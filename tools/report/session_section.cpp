@@ -23,6 +23,7 @@
 #include "burin/render/parameter_name.h"
 #include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
+#include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/report/bench_section.h"
 #include "tools/report/html.h"
@@ -115,7 +116,7 @@ Comparison comparison(const Loaded& in, const MergedView& merged, const View& vi
   const std::vector<Figure> figures{
       {shown(predicted, white), title + ": as the measured bench predicts the photo", "<b>Predicted</b>", "Predicted"},
       {shown(photo, white), title + ": the photo, laid flat, at the same exposure",
-       fmt::format("<b>Photographed</b>{}",
+       fmt::format("<b>Photo&shy;graphed</b>{}",
                    clipped ? "<span class=\"more\">, white where clipped in every exposure</span>" : ""),
        "Photographed"},
       {difference_shown(photo, predicted, white, kDifferenceScale),
@@ -356,7 +357,9 @@ std::string machine_numbers(const Loaded& in) {
       {"Offset at the middle of the carve area", fmt::format("{:.3f}, {:.3f} mm", offset.x(), offset.y()),
        "within ±0.3 mm"},
       {"Largest shift over the carve area", fmt::format("{:.3f} mm", largest), "the next tool path takes it out"}};
-  return folded("The machine", fmt::format("shifts scratches by at most {:.3f} mm", largest), table(out));
+  return folded("The machine",
+                s ? fmt::format("shifts scratches by at most {:.3f} mm", largest) : "what it does is not measured yet",
+                table(out));
 }
 
 std::string view_numbers(const Loaded& in) {
@@ -441,6 +444,18 @@ std::string outcome_of(const Loaded& in) {
   return out + ".";
 }
 
+// Grooves are measured after tags and lamp; then comes a design for the bench.
+std::string next_of(const Loaded& in, const std::filesystem::path& session, const std::filesystem::path& bench) {
+  const bool refined = in.bench.material_sigma.alpha || find_verdict(in.bench, parameter::kAlpha) != nullptr;
+  if (!refined)
+    return "the grooves themselves are not measured yet: <code>" +
+           html("burin refine " + shell_word(session.string()) + " --bench " + shell_word(bench.string())) + "</code>";
+  return fmt::format(
+      "design for the bench as it is: name <code>{}</code> as <code>\"bench\"</code> in a design.json, then "
+      "<code>burin design DESIGN.json --out DIR</code>",
+      html(bench.string()));
+}
+
 std::string residual_words(const Loaded& in, double factor) {
   const std::string blue = "Blue: where the solved bench says each tag is. ";
   if (in.residuals.corners.empty()) return blue + "No residuals.vnl lies beside bench.json, so no arrows are drawn.";
@@ -494,6 +509,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   out.title = "The measured bench";
   out.heading = "Photo beside prediction";
   out.outcome = outcome_of(in);
+  out.next = next_of(in, session_file, folder / "bench.json");
   out.findings = findings_of(in);
   std::vector<Comparison> comparisons;
   std::vector<Figure> photos;
