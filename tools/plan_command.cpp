@@ -14,38 +14,23 @@
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/parameter_name.h"
 #include "tools/commands.h"
 #include "tools/plan_drawing.h"
+#include "tools/plan_words.h"
 #include "tools/progress_bar.h"
-#include "tools/where_to_stand.h"
+#include "tools/wanted_bench.h"
 
 namespace burin {
 namespace {
 
-// "0, -3 and -6 stops".
-std::string stops_in_words(const std::vector<double>& stops) {
-  if (stops.size() == 1) return "one exposure, the tags' paper at 60 % of white";
-  std::string out = "bracket: the tags' paper at 60 % of white, then";
-  for (std::size_t i = 1; i < stops.size(); ++i) out += fmt::format("{} {:.0f} stops", i == 1 ? "" : ",", stops[i]);
-  return out;
-}
-
-// A bench that was measured knows its exposure too; a nominal one has no scale.
-bool is_measured(const Plan& plan) {
-  return std::any_of(plan.bench.lights.begin(), plan.bench.lights.end(),
-                     [](const Light& light) { return light.intensity_sigma.has_value(); });
-}
-
-constexpr double kPaperAt = 0.6, kPlannedAperture = 8;
-double exposure_s(const Plan& plan, const PlannedShot& shot) {
-  return kPaperAt / (plan.bench.sensor.gain * shot.paper_radiance) * kPlannedAperture * kPlannedAperture;
-}
-
-Json plan_json(const Plan& plan, const Board& board) {
+Json plan_json(const Plan& plan, const Board& board, const PlanFocus& focus) {
   Json json;
   json["format"] = "burin/plan";
   json["version"] = 1;
   json["straddles_cut_off"] = plan.straddles;
+  json["focus"] = {
+      {"distance_mm", focus.distance_mm}, {"near_mm", focus.range.near_mm}, {"far_mm", focus.range.far_mm}};
   json["parameters"] = Json::array();
   for (const PlanParameter& p : plan.parameters)
     json["parameters"].push_back(
@@ -71,7 +56,38 @@ Json plan_json(const Plan& plan, const Board& board) {
     for (std::size_t p = 0; p < plan.parameters.size(); ++p) sigma[plan.parameters[p].name] = shot.sigma[p];
     json["shots"].push_back(item);
   }
+  json["at_depth"] = Json::array();
+  for (const PlanAtDepth& at : plan.at_depth) {
+    Json item;
+    item["depth_um"] = at.depth_um;
+    item["straddles_cut_off"] = at.straddles;
+    Json& sigma = item["sigma"];
+    for (std::size_t p = 0; p < plan.parameters.size(); ++p) sigma[plan.parameters[p].name] = at.sigma[p];
+    json["at_depth"].push_back(item);
+  }
   return json;
+}
+
+// The depth is a guess before the first photos: what comes of the plan where it is another one.
+void print_depths(const Plan& plan) {
+  const auto at = [&](const std::string& name) {
+    return static_cast<std::size_t>(std::find_if(plan.parameters.begin(), plan.parameters.end(),
+                                                 [&](const PlanParameter& p) { return p.name == name; }) -
+                                    plan.parameters.begin());
+  };
+  const std::size_t depth = at(parameter::kDepth), alpha = at(parameter::kAlpha);
+  fmt::print("\nIf the grooves are not as deep as believed, after all shots:\n");
+  for (const PlanAtDepth& d : plan.at_depth)
+    fmt::print("  {:>5.1f} um: depth to {} %, alpha to {} %{}\n", d.depth_um, significant(d.sigma[depth]),
+               significant(d.sigma[alpha]), d.straddles ? "" : "; the depth stays unknown");
+  if (plan.straddles) return;
+  fmt::print(
+      "The depth of the grooves stays unknown{}: with this lamp no place has half vectors on both sides of the "
+      "grooves' "
+      "cut-off. Put the lamp further to the side, or give --lamp-places 2.\n",
+      std::any_of(plan.at_depth.begin(), plan.at_depth.end(), [](const PlanAtDepth& d) { return d.straddles; })
+          ? " where that is said"
+          : "");
 }
 
 void print_plan(const Plan& plan, const Board& board) {
@@ -84,10 +100,8 @@ void print_plan(const Plan& plan, const Board& board) {
       const Light& light = plan.bench.lights[lamp];
       fmt::print("     lamp \"{}\" {}\n", light.id, place_in_words(light.position_mm, board));
     }
-    fmt::print("{:3}. {}{}\n     {}", i + 1, shot.view.empty() ? "" : "view \"" + shot.view + "\" of the design: ",
-               place_in_words(shot.camera, board), stops_in_words(shot.stops));
-    if (is_measured(plan)) fmt::print("; {:.3g} s at f/8 and ISO 100 to begin with", exposure_s(plan, shot));
-    fmt::print("\n");
+    fmt::print("{:3}. {}{}\n     {}\n", i + 1, shot.view.empty() ? "" : "view \"" + shot.view + "\" of the design: ",
+               place_in_words(shot.camera, board), exposures_in_words(plan, shot));
   }
   // Sigmas by shot: a column a number of shots, at most six.
   std::vector<std::size_t> columns;
@@ -105,11 +119,7 @@ void print_plan(const Plan& plan, const Board& board) {
     for (const std::size_t c : columns) fmt::print("{:>9}", significant(plan.shots[c].sigma[p]));
     fmt::print("{:>12}\n", significant(parameter.goal));
   }
-  if (!plan.straddles)
-    fmt::print(
-        "The depth of the grooves stays unknown: with this lamp no place has half vectors on both sides of the "
-        "grooves' "
-        "cut-off. Put the lamp further to the side, or give --lamp-places 2.\n");
+  print_depths(plan);
 }
 
 // What a plan is made for where nobody gave a bench: a 50 mm lens on 24 x 36 mm with 6000 x 4000 pixels, and a lamp one
@@ -130,23 +140,6 @@ Bench usual_bench(const Board& board) {
   return bench;
 }
 
-// The eyes of a design, under their lamps.
-std::vector<DesignedPlace> designed_places(const DesignSpec& design, const Bench& bench) {
-  std::vector<DesignedPlace> places;
-  for (const DesignView& v : design.views)
-    places.push_back({v.view, find_view(bench, v.view, "the design").T_camera_board.inverse().translation(), v.light});
-  return places;
-}
-
-// The median distance of the designed eyes, or else of the bench's views; 0 where there are none.
-double focus_of(const std::vector<DesignedPlace>& designed, const Bench& bench, const Board& board) {
-  std::vector<Eigen::Vector3d> eyes;
-  for (const DesignedPlace& place : designed) eyes.push_back(place.center_mm);
-  if (designed.empty())
-    for (const View& view : bench.views) eyes.push_back(view.T_camera_board.inverse().translation());
-  return focus_distance_mm(eyes, board);
-}
-
 // The lamps that were given, instead of the bench's.
 void put_lamps(const std::vector<std::vector<double>>& places, const Board& board, Bench& bench) {
   const Light usual = bench.lights.empty() ? Light{} : bench.lights.front();
@@ -163,6 +156,44 @@ void put_lamps(const std::vector<std::vector<double>>& places, const Board& boar
   }
 }
 
+// What a plan is made for.
+struct Inputs {
+  Board board;
+  Bench bench;
+  std::filesystem::path board_file, bench_file, scratches;
+  std::vector<DesignedPlace> designed;
+  bool is_project = false;
+};
+
+Inputs inputs_of_project(const std::filesystem::path& folder) {
+  const WantedBench wanted = wanted_bench({folder});
+  return {wanted.board,
+          wanted.bench,
+          wanted.board_file,
+          wanted.bench_file,
+          wanted.scratches,
+          designed_places(wanted.design, wanted.bench),
+          true};
+}
+
+Inputs inputs_of_files(const std::filesystem::path& board_file, const std::filesystem::path& bench_file,
+                       const std::filesystem::path& design_file) {
+  Inputs in;
+  in.board_file = std::filesystem::is_directory(board_file) ? board_file / "board.json" : board_file;
+  in.bench_file = bench_file;
+  in.board = read_board(in.board_file);
+  in.scratches = in.board.scratches;
+  if (bench_file.empty()) {
+    in.bench = usual_bench(in.board);
+    note("no --bench: planned for a 50 mm lens on full frame, and a lamp " +
+         place_in_words(in.bench.lights[0].position_mm, in.board));
+  } else {
+    in.bench = read_bench_of(in.board, in.board_file, bench_file);
+  }
+  if (!design_file.empty()) in.designed = designed_places(read_design(design_file), in.bench);
+  return in;
+}
+
 }  // namespace
 
 void add_plan_command(CLI::App& burin) {
@@ -170,21 +201,32 @@ void add_plan_command(CLI::App& burin) {
     std::filesystem::path board, bench, design, scratches, camera, out;
     std::vector<std::vector<double>> lamps;
     PlanOptions plan;
+    double focus_mm = 0;
+    std::string focus_range;
     bool camera_as_seed = false;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand(
       "plan", "Say which photos to take of a board: where to put camera and lamp, and what they would tell");
-  command->add_option("BOARD.json", options->board, "The board that is to be photographed")->required();
+  command
+      ->add_option(
+          "BOARD.json", options->board,
+          "The board that is to be photographed; or a project's folder: its board, its bench as measured last, "
+          "and the views of its design")
+      ->required();
   command->add_option("--bench", options->bench,
                       "The bench as it is believed or was measured: lens and lamps; without it, a 50 mm lens on full "
                       "frame and a lamp beyond the upper edge");
   command->add_option("--design", options->design,
-                      "The design.json of the board: its views are photographed first, and at their focus");
+                      "The design.json of the board: its views are photographed first, and the focus is theirs");
   command
-      ->add_option("--focus-mm", options->plan.focus_mm,
+      ->add_option("--focus-mm", options->focus_mm,
                    "Where the lens is focused, instead of at the views of the design or the bench")
       ->check(CLI::PositiveNumber);
+  command->add_option(
+      "--focus-range", options->focus_range,
+      "What is sharp then, like 900-1500mm or 0.9-1.5m: no other shot lies outside; without it, what is "
+      "sharp with this lens at f/8");
   command->add_option("--scratches", options->scratches,
                       "The scratches on it, if not those that the board names; without any, test strokes");
   auto* camera = command->add_option("--camera", options->camera,
@@ -207,51 +249,47 @@ void add_plan_command(CLI::App& burin) {
                       "The folder for plan.json and plan.svg; without it, the plan is printed only");
   command->footer(example("burin plan board.json --bench bench.json --design design.json --shots 8 --out plan"));
   command->callback([options] {
-    const Board board = read_board(options->board);
-    Bench bench;
-    if (options->bench.empty()) {
-      bench = usual_bench(board);
-      note("no --bench: planned for a 50 mm lens on full frame, and a lamp " +
-           place_in_words(bench.lights[0].position_mm, board));
-    } else {
-      bench = read_bench_of(board, options->board, options->bench);
-    }
+    Inputs in = options->bench.empty() && std::filesystem::is_directory(options->board)
+                    ? inputs_of_project(options->board)
+                    : inputs_of_files(options->board, options->bench, options->design);
     PlanOptions plan_options = options->plan;
     if (!options->camera.empty()) {
-      bench.lens = read_cameramodel(options->camera);
+      in.bench.lens = read_cameramodel(options->camera);
       plan_options.fix_lens = !options->camera_as_seed;
     }
-    if (!options->lamps.empty()) put_lamps(options->lamps, board, bench);
-    const std::filesystem::path file = options->scratches.empty() ? board.scratches : options->scratches;
+    if (!options->lamps.empty()) put_lamps(options->lamps, in.board, in.bench);
+    const std::filesystem::path file = options->scratches.empty() ? in.scratches : options->scratches;
     Sent sent;
     if (!file.empty() && (!options->scratches.empty() || std::filesystem::exists(file))) {
       sent = Sent(read_scratches(file));
     } else {
-      sent = test_strokes(board);
+      sent = test_strokes(in.board);
       note(fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size()));
     }
-    if (!options->design.empty()) plan_options.designed = designed_places(read_design(options->design), bench);
-    if (!(plan_options.focus_mm > 0)) plan_options.focus_mm = focus_of(plan_options.designed, bench, board);
+    plan_options.designed = in.designed;
+    const PlanFocus focus = plan_focus(in.board, in.bench, in.designed, options->focus_mm, options->focus_range);
+    plan_options.focus = focus.range;
     ProgressBar bar;
-    const Plan plan = plan_shots(board, bench, sent, plan_options, bar.progress());
+    const Plan plan = plan_shots(in.board, in.bench, sent, plan_options, bar.progress());
     bar.clear();
-    if (plan_options.focus_mm > 0)
-      fmt::print("Focus once at {:.0f} mm, at f/8 or smaller, and leave focus and zoom as they are.\n",
-                 plan_options.focus_mm);
-    print_plan(plan, board);
-    const std::string next = "burin capture PHOTOS_DIR --board " + shell_word(options->board.string()) +
-                             (options->bench.empty() ? "" : " --bench " + shell_word(options->bench.string())) +
-                             " --out DIR";
+    for (const std::string& sentence : focus_notes(plan, focus)) note(sentence);
+    fmt::print("{}\n", focus_in_words(focus));
+    print_plan(plan, in.board);
+    std::string next =
+        "take these photos; next: burin capture PHOTOS_DIR --board " + shell_word(in.board_file.string());
+    if (!in.bench_file.empty()) next += " --bench " + shell_word(in.bench_file.string());
+    next += " --out DIR";
+    if (in.is_project)
+      next =
+          "take these photos into the round's photos folder; next: burin loop " + shell_word(options->board.string());
     if (options->out.empty()) {
-      fmt::print("Planned {} shots (--out DIR keeps the plan and draws it): take these photos; next: {}\n",
-                 plan.shots.size(), next);
+      fmt::print("Planned {} shots (--out DIR keeps the plan and draws it): {}\n", plan.shots.size(), next);
       return;
     }
     make_output_folder(options->out);
-    write_json(plan_json(plan, board), options->out / "plan.json");
-    write_text(plan_drawing(plan, board), options->out / "plan.svg");
-    fmt::print("Wrote {}, plan.svg shows where to stand: take these photos; next: {}\n",
-               (options->out / "plan.json").string(), next);
+    write_json(plan_json(plan, in.board, focus), options->out / "plan.json");
+    write_text(plan_drawing(plan, in.board), options->out / "plan.svg");
+    fmt::print("Wrote {}, plan.svg shows where to stand: {}\n", (options->out / "plan.json").string(), next);
   });
 }
 

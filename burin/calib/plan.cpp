@@ -9,19 +9,22 @@
 #include <optional>
 #include <random>
 #include <set>
+#include <span>
+#include <string_view>
 
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/candidate_photo.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/parameter_name.h"
 
 namespace burin {
 namespace {
 
 // What is believed before the first photo, as sigmas: of logarithms, mm, or shares.
-constexpr double kBelievedLog = 1;           // roughness, depth, blur: a factor of e
+constexpr double kBelievedLog = 1;           // roughness, blur: a factor of e
 constexpr double kBelievedIntensityLog = 3;  // nobody knows a sensor's gain
 constexpr double kBelievedScale = 0.005;     // the machine's scales, skew and turn
 constexpr double kBelievedShift_mm = 1;
@@ -83,16 +86,19 @@ std::vector<Measure> geometry_measures(const BundleEquations& e, const Lens& len
   return out;
 }
 
+// Sigma of the depth's logarithm before the first photo.
+double believed_depth_log(double depth_share) { return depth_share > 0 ? depth_share : kBelievedLog; }
+
 std::vector<Measure> light_measures(const Problem& data, const Bench& bench, std::size_t own_lamps, Eigen::Index n,
-                                    double paper) {
+                                    double paper, double depth_share) {
   const Board& board = *data.model.board;
   const auto unit = [&](int at, double by) { return Eigen::VectorXd(by * Eigen::VectorXd::Unit(n, at)); };
   std::vector<Measure> out;
-  const auto share = [&](const char* name, int at, double goal) {
-    out.push_back({{name, Unit::percent, goal, 100 * kBelievedLog}, true, false, {unit(at, 100)}});
+  const auto share = [&](const char* name, int at, double goal, double believed = kBelievedLog) {
+    out.push_back({{name, Unit::percent, goal, 100 * believed}, true, false, {unit(at, 100)}});
   };
   share(parameter::kAlpha, unknown::log_alpha, 1);
-  share(parameter::kDepth, unknown::log_depth, 1.5);
+  share(parameter::kDepth, unknown::log_depth, 1.5, believed_depth_log(depth_share));
   share(parameter::kBaseAlpha, unknown::log_base_alpha, 2);
   Measure machine{{parameter::kMachine, Unit::mm, 0.01, 0}, true, true, {}};
   const Eigen::Vector2d c = data.model.center_mm;
@@ -140,10 +146,10 @@ std::vector<Measure> light_measures(const Problem& data, const Bench& bench, std
 }
 
 // Information of what is believed before.
-Eigen::MatrixXd light_prior(const Problem& data, const Bench& bench, Eigen::Index n, double paper) {
+Eigen::MatrixXd light_prior(const Problem& data, const Bench& bench, Eigen::Index n, double paper, double depth_share) {
   Eigen::VectorXd sigma = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
-  for (const int at : {unknown::log_alpha, unknown::log_depth, unknown::log_base_alpha, unknown::log_blur})
-    sigma[at] = kBelievedLog;
+  for (const int at : {unknown::log_alpha, unknown::log_base_alpha, unknown::log_blur}) sigma[at] = kBelievedLog;
+  sigma[unknown::log_depth] = believed_depth_log(depth_share);
   for (int row = 0; row < 2; ++row) {
     for (int column = 0; column < 2; ++column) sigma[machine_index(row, column)] = kBelievedScale;
     sigma[machine_index(row, 2)] = kBelievedShift_mm;
@@ -209,6 +215,9 @@ void require_something_to_plan(const Board& board, const Bench& nominal, const S
   if (board.tags.list.size() < 3)
     fail("board.json: tags.list", "has " + std::to_string(board.tags.list.size()) + " tags",
          "list at least three, better ten around the carved area");
+  if (!(options.depth_share >= 0 && options.depth_share < 1))
+    fail("the plan", "is to hold for depths up to " + fixed(100 * options.depth_share, 0) + " % off",
+         "ask for 0 to 99 %");
   if (nominal.lights.empty()) fail("the bench", "has no lamp", "say where it is to stand, about");
   if (sent.size() == 0) fail("scratches", "there is none", "name the designed scratches, or plan with test strokes");
 }
@@ -240,9 +249,8 @@ BundleEquations tags_from(const std::vector<CameraPlace>& places, const Board& b
 
 // What grooves and paper tell from each direction under each lamp: [direction][lamp].
 using LightTable = std::vector<std::vector<LightCandidate>>;
-LightTable light_from(const std::vector<CameraPlace>& places, const Problem& data, const Bench& bench,
-                      const PlanOptions& options, const Progress& progress) {
-  const State state = state_of(bench, data);
+LightTable light_from(const std::vector<CameraPlace>& places, const Problem& data, const State& state,
+                      const Bench& bench, const PlanOptions& options, const Progress& progress) {
   const std::vector<bool> free = free_unknowns(data, Stage().free(Group::blur), bench.lights.size());
   std::size_t directions = 0;
   for (const CameraPlace& place : places) directions = std::max(directions, place.direction + 1);
@@ -260,6 +268,14 @@ LightTable light_from(const std::vector<CameraPlace>& places, const Problem& dat
   return out;
 }
 
+// One depth that the grooves may have: what shots would tell of them, and what those taken so far have told.
+struct AtDepth {
+  double depth_um = 0;
+  LightTable light;
+  Eigen::MatrixXd H;
+  Straddle straddle{};
+};
+
 // The shots taken so far, and what they tell.
 struct Planning {
   const Board& board;
@@ -268,14 +284,13 @@ struct Planning {
   const std::size_t own_lamps;
   const std::vector<CameraPlace>& places;
   const BundleEquations& geometry;
-  const LightTable& light;
   const std::vector<Measure>& measures;
-  Eigen::MatrixXd H_geometry, H_light;
-  Straddle straddle{};
+  std::vector<AtDepth> depths;
+  Eigen::MatrixXd H_geometry;
   std::set<std::size_t> lamps_used{};
   std::set<std::pair<std::size_t, std::size_t>> taken{};  // direction, lamp
 
-  // The sum of what measures of one kind are worth; `sigmas`, if given, gets them.
+  // The sum of what measures of one kind are worth; `sigmas`, if given, gets the worst of them.
   double score(bool of_light, const Eigen::MatrixXd& covariance, bool straddles, std::vector<double>* sigmas) const {
     double sum = 0;
     for (std::size_t i = 0; i < measures.size(); ++i) {
@@ -283,7 +298,7 @@ struct Planning {
       if (m.of_light != of_light) continue;
       double sigma = m.sigma(covariance);
       if (m.parameter.name == parameter::kDepth && !straddles) sigma = m.parameter.before;
-      if (sigmas) (*sigmas)[i] = sigma;
+      if (sigmas) (*sigmas)[i] = std::max((*sigmas)[i], sigma);
       if (m.lamp < 0) sum += worth(sigma, m.parameter.goal);
     }
     return sum;
@@ -293,6 +308,22 @@ struct Planning {
     std::set<std::size_t> lamps = lamps_used;
     lamps.insert(lamp);
     return lamp < own_lamps || static_cast<int>(std::max(lamps.size(), own_lamps + 1)) <= options.lamp_places;
+  }
+
+  bool is_lit(std::size_t direction, std::size_t lamp) const {
+    return depths.front().light[direction][lamp].light.paper > 0;
+  }
+
+  // With one photo more, at the depth where all photos then tell least.
+  double worst_light_score(std::size_t direction, std::size_t lamp) const {
+    double worst = -std::numeric_limits<double>::infinity();
+    for (const AtDepth& at : depths) {
+      const LightCandidate& candidate = at.light[direction][lamp];
+      const Straddle with{at.straddle.inside + candidate.straddle.inside,
+                          at.straddle.outside + candidate.straddle.outside};
+      worst = std::max(worst, score(true, scaled_inverse(at.H + candidate.information), with.both(), nullptr));
+    }
+    return worst;
   }
 
   // The place and the lamp after which all sigmas together are best; nothing where no place is left.
@@ -305,12 +336,10 @@ struct Planning {
         geometry_score[p] = score(false, scaled_inverse(H_geometry + geometry.views[p].information), false, nullptr);
     double best = kNever;
     std::optional<std::pair<std::size_t, std::size_t>> out;
-    for (std::size_t direction = 0; direction < light.size(); ++direction)
+    for (std::size_t direction = 0; direction < depths.front().light.size(); ++direction)
       for (std::size_t lamp = 0; lamp < bench.lights.size(); ++lamp) {
-        const LightCandidate& candidate = light[direction][lamp];
-        if (taken.count({direction, lamp}) || !(candidate.light.paper > 0) || !may_use(lamp)) continue;
-        const Straddle with{straddle.inside + candidate.straddle.inside, straddle.outside + candidate.straddle.outside};
-        const double light_score = score(true, scaled_inverse(H_light + candidate.information), with.both(), nullptr);
+        if (taken.count({direction, lamp}) || !is_lit(direction, lamp) || !may_use(lamp)) continue;
+        const double light_score = worst_light_score(direction, lamp);
         for (std::size_t p = 0; p < places.size(); ++p)
           if (places[p].direction == direction && geometry_score[p] + light_score < best &&
               !in_the_way(places[p].center_mm(), bench.lights[lamp].position_mm, board)) {
@@ -321,26 +350,64 @@ struct Planning {
     return out;
   }
 
+  // The sigmas now: of light at these depths, the worst of them.
+  std::vector<double> sigmas_now(std::span<const AtDepth> at_depths) const {
+    std::vector<double> out(measures.size(), 0);
+    score(false, scaled_inverse(H_geometry), false, &out);
+    for (const AtDepth& at : at_depths) score(true, scaled_inverse(at.H), at.straddle.both(), &out);
+    return out;
+  }
+
   PlannedShot take(std::size_t place, std::size_t lamp) {
     const std::size_t direction = places[place].direction;
-    const LightCandidate& chosen = light[direction][lamp];
     taken.insert({direction, lamp});
     lamps_used.insert(lamp);
     H_geometry += geometry.views[place].information;
-    H_light += chosen.information;
-    straddle.inside += chosen.straddle.inside;
-    straddle.outside += chosen.straddle.outside;
+    PredictedLight seen;
+    for (AtDepth& at : depths) {
+      const LightCandidate& chosen = at.light[direction][lamp];
+      at.H += chosen.information;
+      at.straddle.inside += chosen.straddle.inside;
+      at.straddle.outside += chosen.straddle.outside;
+      seen.paper = chosen.light.paper;
+      seen.metal = std::max(seen.metal, chosen.light.metal);
+    }
     PlannedShot shot;
     shot.camera = places[place];
     shot.light = lamp;
-    shot.stops = bracket_stops(chosen.light);
-    shot.paper_radiance = chosen.light.paper;
-    shot.sigma.assign(measures.size(), 0);
-    score(false, scaled_inverse(H_geometry), straddle.both(), &shot.sigma);
-    score(true, scaled_inverse(H_light), straddle.both(), &shot.sigma);
+    shot.stops = bracket_stops(seen);
+    shot.paper_radiance = seen.paper;
+    shot.sigma = sigmas_now(depths);
     return shot;
   }
 };
+
+// The depths that a plan must hold for, least first, and what photos would tell of each.
+std::vector<AtDepth> depths_of(const std::vector<CameraPlace>& places, const Problem& data, const Bench& bench,
+                               const PlanOptions& options, const Progress& progress) {
+  std::vector<double> factors{1};
+  if (options.depth_share > 0) factors = {1 - options.depth_share, 1, 1 + options.depth_share};
+  std::vector<AtDepth> out;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    State state = state_of(bench, data);
+    *state.block(unknown::log_depth) += std::log(factors[i]);
+    const Progress part = !progress ? Progress{} : [&, i](std::string_view what, double share) {
+      progress(what, (static_cast<double>(i) + share) / static_cast<double>(factors.size()));
+    };
+    out.push_back(
+        {factors[i] * bench.material.depth_um, light_from(places, data, state, bench, options, part), {}, {}});
+  }
+  return out;
+}
+
+[[noreturn]] void fail_out_of_focus(const Board& board, const Lens& lens, const FocusRange& focus) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const CameraPlace& place : camera_places(board, lens, false)) nearest = std::min(nearest, place.distance_mm);
+  fail("the focus",
+       "from " + fixed(focus.near_mm, 0) + " to " + fixed(focus.far_mm, 0) +
+           " mm holds no place that sees the whole board: this lens does from " + fixed(nearest, 0) + " mm on",
+       "focus further away, or use a lens of shorter focal length");
+}
 
 PlannedShot take_designed(Planning& planning, const DesignedPlace& designed, std::size_t place) {
   const std::vector<Light>& lights = planning.bench.lights;
@@ -366,19 +433,20 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, cons
   out.bench = with_proposed_lamps(board, nominal, options);
   const Bench& bench = out.bench;
   const std::size_t own_lamps = nominal.lights.size();
-  std::vector<CameraPlace> places = camera_places(board, bench.lens, true, options.focus_mm);
-  const std::size_t first_designed = places.size();
-  for (const DesignedPlace& designed : options.designed)
-    places.push_back(camera_place_at(designed.center_mm, board, places.back().direction + 1));
+  std::vector<CameraPlace> places = camera_places(board, bench.lens, true, options.focus);
+  if (places.empty() && options.designed.empty()) fail_out_of_focus(board, bench.lens, *options.focus);
+  const std::size_t first_designed = places.size(), free_directions = places.empty() ? 0 : places.back().direction + 1;
+  for (std::size_t k = 0; k < options.designed.size(); ++k)
+    places.push_back(camera_place_at(options.designed[k].center_mm, board, free_directions + k));
   if (progress) progress("looking at the tags from everywhere", 0);
   BundleOptions bundle_options;
   bundle_options.fix_lens = options.fix_lens;
   const BundleEquations geometry = tags_from(places, board, bench, bundle_options, options.corner_sigma_px);
 
   const Problem data = make_problem(board, sent, bench);
-  const LightTable light = light_from(places, data, bench, options, progress);
+  std::vector<AtDepth> depths = depths_of(places, data, bench, options, progress);
   double paper = 0;
-  for (const auto& of_direction : light)
+  for (const auto& of_direction : depths.front().light)
     for (const LightCandidate& candidate : of_direction) paper = std::max(paper, candidate.light.paper);
   if (!(paper > 0))
     fail("the bench", "its lamps light no tag of the board",
@@ -386,11 +454,12 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, cons
 
   const Eigen::Index n = global_count(bench.lights.size());
   std::vector<Measure> measures = geometry_measures(geometry, bench.lens, board, bundle_options);
-  for (Measure& m : light_measures(data, bench, own_lamps, n, paper)) measures.push_back(std::move(m));
+  for (Measure& m : light_measures(data, bench, own_lamps, n, paper, options.depth_share))
+    measures.push_back(std::move(m));
   for (const Measure& m : measures) out.parameters.push_back(m.parameter);
+  for (AtDepth& at : depths) at.H = light_prior(data, bench, n, paper, options.depth_share);
 
-  Planning planning{board,    bench, options,  own_lamps,      places,
-                    geometry, light, measures, geometry.prior, light_prior(data, bench, n, paper)};
+  Planning planning{board, bench, options, own_lamps, places, geometry, measures, std::move(depths), geometry.prior};
   for (std::size_t k = 0; k < options.designed.size(); ++k)
     out.shots.push_back(take_designed(planning, options.designed[k], first_designed + k));
   for (int shot = 0; shot < options.shots; ++shot) {
@@ -402,12 +471,17 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, cons
   if (out.shots.empty())
     fail("the plan", "there is no place from which lamp, tags and board are seen",
          "check the lens and the lamp's place");
-  out.straddles = planning.straddle.both();
+  out.straddles = true;
+  for (const AtDepth& at : planning.depths) {
+    out.at_depth.push_back({at.depth_um, at.straddle.both(), planning.sigmas_now({&at, 1})});
+    out.straddles = out.straddles && at.straddle.both();
+  }
   // Of the lamps that were proposed, only those that serve a shot are told.
   for (std::size_t i = measures.size(); i-- > 0;)
     if (measures[i].lamp >= 0 && !planning.lamps_used.count(static_cast<std::size_t>(measures[i].lamp))) {
       out.parameters.erase(out.parameters.begin() + static_cast<std::ptrdiff_t>(i));
       for (PlannedShot& shot : out.shots) shot.sigma.erase(shot.sigma.begin() + static_cast<std::ptrdiff_t>(i));
+      for (PlanAtDepth& at : out.at_depth) at.sigma.erase(at.sigma.begin() + static_cast<std::ptrdiff_t>(i));
     }
   return out;
 }

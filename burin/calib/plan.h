@@ -6,9 +6,11 @@
 // is smallest: halving an uncertainty is worth the same for every parameter, until it reaches its goal. Sigmas are
 // those of the normal equations of all shots so far and what is believed before; the depth of the grooves counts as
 // unknown until half vectors lie on both sides of the cut-off (docs/model.md 2.4). The nominal bench has only to be
-// about right. Frame: board, mm.
+// about right; above all the depth is a guess before the first photos, so a plan holds for the depth believed, for one
+// 30 % less and for one 30 % more: of the three sums the worst counts. Frame: board, mm.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,9 +34,12 @@ struct DesignedPlace {
 struct PlanOptions {
   int shots = 12;                            ///< beside the designed places
   std::vector<DesignedPlace> designed = {};  ///< these come first
-  /// Where the lens is focused, mm: no other shot is much nearer or further, because a lens that is focused anew is
-  /// another lens. 0: anywhere.
-  double focus_mm = 0;
+  /// What is sharp with the one focus that all photos keep: no shot but the designed places lies outside of it.
+  /// Nothing: anywhere.
+  std::optional<FocusRange> focus = {};
+  /// How far the depth of the grooves may be from the nominal bench's: one sigma, and every shot is judged where it
+  /// tells least, at the believed depth, at one so much less and at one so much more.
+  double depth_share = 0.3;
   int lamp_places = 1;            ///< at how many places lamps may stand in all; above the bench's, they are proposed
   bool fix_lens = false;          ///< the lens is known
   double corner_sigma_px = 0.02;  ///< of a tag's corner, per axis
@@ -61,7 +66,14 @@ struct PlannedShot {
   /// paper, then shorter ones until the glints are held.
   std::vector<double> stops;
   double paper_radiance = 0;  ///< predicted, in units of gain = 1: a measured bench's exposure follows from it
-  std::vector<double> sigma;  ///< of each Plan::parameters after this shot and those before
+  std::vector<double> sigma;  ///< of each Plan::parameters after this shot and those before; the worst of all depths
+};
+
+/// What all shots together would tell of grooves of one depth.
+struct PlanAtDepth {
+  double depth_um = 0;
+  bool straddles = false;     ///< whether half vectors straddle the cut-off
+  std::vector<double> sigma;  ///< of each Plan::parameters
 };
 
 /// Photos to take, and what they would tell.
@@ -69,12 +81,13 @@ struct Plan {
   Bench bench;  ///< the nominal bench that was planned for; lamps that were proposed are added
   std::vector<PlanParameter> parameters;
   std::vector<PlannedShot> shots;
-  bool straddles = false;  ///< whether its half vectors straddle the cut-off
+  bool straddles = false;             ///< whether half vectors straddle the cut-off, at every depth
+  std::vector<PlanAtDepth> at_depth;  ///< the least depth first
 };
 
 /// Plans for `nominal`: its lens, its lamps (each shot is taken under one of them; several are places that the lamp can
 /// be put at), its material. Throws Error for a board without tags, a bench without lamps, no scratches, fewer than one
-/// shot, and a designed place from which no tag is seen.
+/// shot, a designed place from which no tag is seen, and a focus in which no place sees the whole board.
 Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options = {},
                 const Progress& progress = {});
 

@@ -52,9 +52,32 @@ TEST(PlanCommand, ViewsOfTheDesignComeFirstAndTheRestKeepsTheirFocus) {
   ASSERT_EQ(plan["shots"].size(), 5U);
   for (std::size_t i = 0; i < 5; ++i) {
     EXPECT_EQ(plan["shots"][i].contains("designed"), i < 3);
-    EXPECT_NEAR(plan["shots"][i]["distance_mm"].get<double>(), 500, 0.151 * 500);
+    EXPECT_GE(plan["shots"][i]["distance_mm"].get<double>(), plan["focus"]["near_mm"].get<double>() - 1e-6);
+    EXPECT_LE(plan["shots"][i]["distance_mm"].get<double>(), plan["focus"]["far_mm"].get<double>() + 1e-6);
   }
   EXPECT_EQ(plan["shots"][2]["view"], "d2");
+}
+
+// What a person has at hand is a project: its design's views need no option.
+TEST(PlanCommand, AProjectsFolderIsEnough) {
+  const TemporaryFolder folder;
+  const Outcome run =
+      run_burin(folder, {"plan", kSample, "--shots", "2", "--focus-range", "0.45-0.6m", "--out", "plan"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("450 to 600 mm was said to be sharp"), HasSubstr("  3. view \"d2\" of the design"),
+                    HasSubstr("If the grooves are not as deep as believed"), HasSubstr("burin loop ")));
+  const auto plan = nlohmann::json::parse(file_text(folder / "plan" / "plan.json"));
+  ASSERT_EQ(plan["shots"].size(), 5U);
+  ASSERT_EQ(plan["at_depth"].size(), 3U);
+  EXPECT_NEAR(plan["at_depth"][0]["depth_um"].get<double>(), 0.7 * plan["at_depth"][1]["depth_um"].get<double>(), 1e-9);
+  for (const auto& shot : plan["shots"]) {
+    EXPECT_GE(shot["distance_mm"].get<double>(), 449.9);
+    EXPECT_LE(shot["distance_mm"].get<double>(), 600.1);
+  }
+  for (const char* wrong : {"500", "900-100", "1-2km"})
+    EXPECT_EQ(run_burin(folder, {"plan", kSample, std::string("--focus-range=") + wrong}).exit_code, 1) << wrong;
+  EXPECT_EQ(run_burin(folder, {"plan", kSample, "--focus-range", "450-600", "--focus-mm", "700"}).exit_code, 1);
 }
 
 TEST(PlanCommand, LampsThatAreGivenReplaceTheBenchs) {

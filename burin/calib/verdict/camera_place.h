@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,12 +26,26 @@ struct CameraPlace {
   Eigen::Vector3d center_mm() const { return T_camera_board.inverse().translation(); }
 };
 
+/// Distances from the board's middle at which a photo is sharp with one focus, mm: a lens that is focused anew is
+/// another lens.
+struct FocusRange {
+  double near_mm = 0, far_mm = 0;
+
+  bool holds(double distance_mm) const { return distance_mm >= near_mm && distance_mm <= far_mm; }
+};
+
+/// What is sharp at f/8 with the lens focused at that distance: what blurs by less than a 1200th of the picture's width
+/// (0.03 mm on 36 mm). Pixels do not say how large a sensor is: it is taken for 36 mm wide, and a smaller one is sharp
+/// further around. Never further than three times the focus. Thin lens: the blur is A f (1/d - 1/s), A the aperture.
+FocusRange depth_of_field(const Lens& lens, double focus_mm);
+
 /// Places on a hemisphere, in `directions` at most: from straight above to 65 degrees to the side. In each, the nearest
 /// from which the lens sees the whole board; and, with `variants`, one half as far again, and the nearest with the
-/// camera on its side. Throws Error if the lens sees the whole board from nowhere within 100 times its size. With
-/// `focus_mm`, the distance that the lens is focused at, none is nearer than 0.85 of it, and variants are at 1.15 of
-/// it.
-std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, bool variants, double focus_mm = 0);
+/// camera on its side. With `focus`, none lies outside of it: the nearest is at its near end, the variant at its far
+/// end, and directions from which the board is seen whole only from further away are left out (perhaps all of them).
+/// Throws Error if the lens sees the whole board from nowhere within 100 times its size.
+std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, bool variants,
+                                       const std::optional<FocusRange>& focus = {});
 
 /// The place of a camera that stands there, upright, and looks at the board's middle. Throws Error for one that does
 /// not stand in front of the board.

@@ -98,7 +98,17 @@ CameraPlace camera_place_at(const Eigen::Vector3d& center_mm, const Board& board
   return place;
 }
 
-std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, bool variants, double focus_mm) {
+FocusRange depth_of_field(const Lens& lens, double focus_mm) {
+  constexpr double kAperture = 8, kSensorWidth_mm = 36, kBlurredShare = 1.0 / 1200, kMostTimes = 3;
+  const double focal = lens.intrinsics.at(0) / lens.width;  // of the picture's width
+  const double aperture_mm = focal * kSensorWidth_mm / kAperture;
+  const double reach = kBlurredShare / (aperture_mm * focal);  // in 1/d, 1/mm
+  const double far = std::max(1 / focus_mm - reach, 1 / (kMostTimes * focus_mm));
+  return {1 / (1 / focus_mm + reach), 1 / far};
+}
+
+std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, bool variants,
+                                       const std::optional<FocusRange>& focus) {
   struct Ring {
     double tilt_deg;
     int count;
@@ -107,7 +117,7 @@ std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, boo
   std::vector<CameraPlace> places;
   std::size_t direction = 0;
   for (const Ring& ring : kRings)
-    for (int i = 0; i < ring.count; ++i, ++direction) {
+    for (int i = 0; i < ring.count; ++i) {
       CameraPlace place;
       place.direction = direction;
       place.tilt_rad = ring.tilt_deg * std::numbers::pi / 180;
@@ -115,23 +125,25 @@ std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, boo
       place.azimuth_rad = 2 * std::numbers::pi * (i + 0.25 * ring.tilt_deg / 20) / ring.count;
       const Eigen::Vector3d toward(std::sin(place.tilt_rad) * std::cos(place.azimuth_rad),
                                    std::sin(place.tilt_rad) * std::sin(place.azimuth_rad), std::cos(place.tilt_rad));
+      const Eigen::Vector3d middle = middle_of(board);
       const auto add = [&](double factor, double roll) {
         place.roll_rad = roll;
         const double nearest = nearest_mm(lens, board, toward, place.tilt_rad, roll);
-        constexpr double kAroundFocus = 0.15;  // sharp enough at f/8 for the tags, and the lens is still the same one
-        if (focus_mm > 0)
-          place.distance_mm = std::max(nearest, focus_mm * (1 + (factor > 1 ? kAroundFocus : -kAroundFocus)));
-        else
-          place.distance_mm = factor * nearest;
-        const Eigen::Vector3d middle = middle_of(board);
+        place.distance_mm = factor * nearest;
+        if (focus) {
+          if (nearest > focus->far_mm) return;
+          place.distance_mm = factor > 1 ? focus->far_mm : std::max(nearest, focus->near_mm);
+        }
         place.T_camera_board = looking(middle + place.distance_mm * toward, middle, place.tilt_rad, roll);
         places.push_back(place);
       };
+      const std::size_t before = places.size();
       add(1, 0);
       if (variants) {
         add(1.5, 0);
         add(1, std::numbers::pi / 2);
       }
+      if (places.size() > before) ++direction;
     }
   return places;
 }

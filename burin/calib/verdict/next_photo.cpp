@@ -34,6 +34,26 @@ std::optional<double> to_be_expected(const Verdict& verdict, double ratio) {
   return *verdict.sigma * ratio;
 }
 
+// What the photos taken hold sharp, as far as their places tell: nobody focuses anew for one photo more. Nothing where
+// the whole board is seen from nowhere within it.
+std::vector<CameraPlace> places_in_focus(const std::vector<double>& distances_mm, const Board& board, const Lens& lens,
+                                         bool variants) {
+  if (!distances_mm.empty()) {
+    const auto [nearest, furthest] = std::minmax_element(distances_mm.begin(), distances_mm.end());
+    FocusRange focus = depth_of_field(lens, median_of(distances_mm));
+    focus.near_mm = std::min(focus.near_mm, *nearest);
+    focus.far_mm = std::max(focus.far_mm, *furthest);
+    std::vector<CameraPlace> places = camera_places(board, lens, variants, focus);
+    if (!places.empty()) return places;
+  }
+  return camera_places(board, lens, variants);
+}
+
+// Of cameras that photographed it, from the board's middle.
+double distance_mm(const Eigen::Isometry3d& T_camera_board, const Board& board) {
+  return (T_camera_board * Eigen::Vector3d(board.size_mm.x() / 2, board.size_mm.y() / 2, 0)).norm();
+}
+
 }  // namespace
 
 void advise_geometry(const BoardSolution& geometry, const Board& board, const Combinations& judged, Bench& bench) {
@@ -44,7 +64,9 @@ void advise_geometry(const BoardSolution& geometry, const Board& board, const Co
     if (c.used) sigmas.push_back(c.sigma_px);
   Bundle bundle = geometry.bundle;
   const std::size_t taken = bundle.views.size();
-  const std::vector<CameraPlace> places = camera_places(board, geometry.lens, true);
+  std::vector<double> distances;
+  for (const Eigen::Isometry3d& T_camera_board : bundle.views) distances.push_back(distance_mm(T_camera_board, board));
+  const std::vector<CameraPlace> places = places_in_focus(distances, board, geometry.lens, true);
   append_candidates(bundle, board, places, median_of(sigmas));
   const BundleEquations equations = bundle_equations(bundle, geometry.options);
   Eigen::MatrixXd H = equations.prior;
@@ -187,7 +209,9 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
       if (score < best[i].score) best[i] = {score, &place, light, straddling};
     }
   };
-  const std::vector<CameraPlace> places = camera_places(board, bench.lens, false);
+  std::vector<double> distances;
+  for (const PhotoData& photo : data.photos) distances.push_back(distance_mm(photo.camera.T_camera_board, board));
+  const std::vector<CameraPlace> places = places_in_focus(distances, board, bench.lens, false);
   for (std::size_t p = 0; p < places.size(); ++p) {
     if (progress)
       progress("looking for the photo that would help most",

@@ -2,7 +2,8 @@
 //
 // Every candidate (burin/calib/verdict/candidate_photo.h: the camera on a hemisphere, under each lamp and under the
 // first one moved round the board) adds its information to that of the photos taken; the one that makes the parameter's
-// variance smallest is named in the parameter's verdict, with what its sigma would come to. Frame: board, mm.
+// variance smallest is named in the parameter's verdict, with what its sigma would come to. It stands within the focus
+// that the photos taken have (FocusRange), wherever the whole board is seen from there. Frame: board, mm.
 #pragma once
 
 #include "burin/calib/geometry/board_solver.h"

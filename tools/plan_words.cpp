@@ -1,0 +1,132 @@
+#include "tools/plan_words.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "burin/render/error.h"
+#include "tools/where_to_stand.h"
+
+namespace burin {
+namespace {
+
+constexpr double kPaperAt = 0.6, kPlannedAperture = 8;
+
+// A number at the start of `text`, which is then cut off it; false if there is none.
+bool take_number(std::string_view& text, double& value) {
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (read.ec != std::errc() || !(value > 0)) return false;
+  text.remove_prefix(static_cast<std::size_t>(read.ptr - text.data()));
+  return true;
+}
+
+}  // namespace
+
+FocusRange read_focus_range(const std::string& text) {
+  std::string_view rest = text;
+  FocusRange range;
+  const auto unit = [&]() -> double {
+    for (const auto& [name, mm] : {std::pair<std::string_view, double>{"mm", 1}, {"cm", 10}, {"m", 1000}})
+      if (rest.substr(0, name.size()) == name) {
+        rest.remove_prefix(name.size());
+        return mm;
+      }
+    return 0;
+  };
+  bool good = take_number(rest, range.near_mm);
+  const double first = unit();
+  good = good && rest.substr(0, 1) == "-";
+  if (good) rest.remove_prefix(1);
+  good = good && take_number(rest, range.far_mm);
+  const double last = unit();
+  const double mm = last > 0 ? last : 1;
+  range.near_mm *= first > 0 ? first : mm;
+  range.far_mm *= mm;
+  if (!good || !rest.empty() || !(range.near_mm < range.far_mm) || !(range.far_mm < 1e6))
+    fail("--focus-range", "\"" + text + "\" is no range of distances",
+         "write the nearer and the further one, like 900-1500mm or 0.9-1.5m");
+  return range;
+}
+
+std::vector<DesignedPlace> designed_places(const DesignSpec& design, const Bench& bench) {
+  std::vector<DesignedPlace> places;
+  for (const DesignView& v : design.views)
+    places.push_back({v.view, find_view(bench, v.view, "the design").T_camera_board.inverse().translation(), v.light});
+  return places;
+}
+
+PlanFocus plan_focus(const Board& board, const Bench& bench, const std::vector<DesignedPlace>& designed,
+                     double focus_mm, const std::string& range) {
+  PlanFocus out;
+  out.distance_mm = focus_mm;
+  if (!range.empty()) {
+    out.range = read_focus_range(range);
+    out.given = true;
+    // Both ends are equally soft with the focus in the middle of 1/d.
+    if (!(focus_mm > 0)) out.distance_mm = 2 / (1 / out.range.near_mm + 1 / out.range.far_mm);
+    if (!out.range.holds(out.distance_mm))
+      fail("--focus-mm", fmt::format("{:g} mm lies outside of --focus-range {}", focus_mm, range),
+           "give a focus within the range, or one of both only");
+    return out;
+  }
+  if (!(focus_mm > 0)) {
+    std::vector<Eigen::Vector3d> eyes;
+    for (const DesignedPlace& place : designed) eyes.push_back(place.center_mm);
+    if (designed.empty())
+      for (const View& view : bench.views) eyes.push_back(view.T_camera_board.inverse().translation());
+    constexpr double kAboveNearest = 1.2;
+    out.distance_mm = eyes.empty() ? kAboveNearest * camera_places(board, bench.lens, false).front().distance_mm
+                                   : focus_distance_mm(eyes, board);
+  }
+  out.range = depth_of_field(bench.lens, out.distance_mm);
+  return out;
+}
+
+std::string focus_in_words(const PlanFocus& focus) {
+  return fmt::format(
+      "Focus once at {:.0f} mm, at f/8 or smaller: {:.0f} to {:.0f} mm {}. Leave focus and zoom as they are.",
+      focus.distance_mm, focus.range.near_mm, focus.range.far_mm, focus.given ? "was said to be sharp" : "is sharp");
+}
+
+std::vector<std::string> focus_notes(const Plan& plan, const PlanFocus& focus) {
+  std::vector<std::string> out;
+  bool others = false;
+  for (const PlannedShot& shot : plan.shots) {
+    others = others || shot.view.empty();
+    constexpr double kSlack = 0.01;  // of the distance: nobody measures it better
+    const double d = shot.camera.distance_mm;
+    if (!shot.view.empty() && !focus.range.holds(d * (1 - kSlack)) && !focus.range.holds(d * (1 + kSlack)) &&
+        !focus.range.holds(d))
+      out.push_back(fmt::format(
+          "view \"{}\" is seen from {:.0f} mm, outside of the one focus ({:.0f} to {:.0f} mm): its photo will be soft; "
+          "a smaller aperture than f/8 helps",
+          shot.view, shot.camera.distance_mm, focus.range.near_mm, focus.range.far_mm));
+  }
+  if (!others)
+    out.push_back(fmt::format(
+        "from {:.0f} to {:.0f} mm this lens sees the whole board from nowhere: only the designed views are planned; "
+        "with --focus-range of your aperture, or a lens of shorter focal length, there are more places",
+        focus.range.near_mm, focus.range.far_mm));
+  return out;
+}
+
+bool is_measured(const Plan& plan) {
+  return std::any_of(plan.bench.lights.begin(), plan.bench.lights.end(),
+                     [](const Light& light) { return light.intensity_sigma.has_value(); });
+}
+
+double exposure_s(const Plan& plan, const PlannedShot& shot) {
+  return kPaperAt / (plan.bench.sensor.gain * shot.paper_radiance) * kPlannedAperture * kPlannedAperture;
+}
+
+std::string exposures_in_words(const Plan& plan, const PlannedShot& shot) {
+  std::string out = shot.stops.size() == 1 ? "one exposure, the tags' paper at 60 % of white"
+                                           : "bracket: the tags' paper at 60 % of white, then";
+  for (std::size_t i = 1; i < shot.stops.size(); ++i)
+    out += fmt::format("{} {:.0f} stops", i == 1 ? "" : ",", shot.stops[i]);
+  if (is_measured(plan)) out += fmt::format("; {:.3g} s at f/8 and ISO 100 to begin with", exposure_s(plan, shot));
+  return out;
+}
+
+}  // namespace burin
