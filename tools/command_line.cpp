@@ -45,6 +45,7 @@ std::unique_ptr<CLI::App> make_app() {
   add_new_command(*burin);
   add_simulate_command(*burin);
   add_print_command(*burin);
+  add_sheet_command(*burin);
   add_plan_command(*burin);
   add_capture_command(*burin);
   add_watch_command(*burin);

@@ -41,6 +41,7 @@ namespace burin {
 void add_new_command(CLI::App& burin);
 void add_simulate_command(CLI::App& burin);
 void add_print_command(CLI::App& burin);
+void add_sheet_command(CLI::App& burin);
 void add_plan_command(CLI::App& burin);
 void add_capture_command(CLI::App& burin);
 void add_watch_command(CLI::App& burin);

@@ -32,6 +32,18 @@ void add_circle(Drawing& drawing, const Eigen::Vector2d& center, double radius, 
 
 void add_words(Drawing& drawing, Words words) { drawing.elements.emplace_back(std::move(words)); }
 
+void add_drawing(Drawing& drawing, const Drawing& other, const Eigen::Vector2d& at) {
+  for (auto element : other.elements) {
+    if (auto* shape = std::get_if<Shape>(&element)) {
+      for (auto& outline : shape->outlines)
+        for (Eigen::Vector2d& p : outline) p += at;
+    } else {
+      std::get<Words>(element).at_mm += at;
+    }
+    drawing.elements.push_back(std::move(element));
+  }
+}
+
 double words_width_mm(std::string_view text, double size_mm, bool bold) {
   // Widths of the widest usual sans-serif (DejaVu Sans), in em.
   double em = 0;

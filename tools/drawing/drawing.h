@@ -54,6 +54,9 @@ void add_rectangle(Drawing& drawing, const Eigen::Vector2d& low, const Eigen::Ve
 void add_circle(Drawing& drawing, const Eigen::Vector2d& center, double radius, Tint fill, const Pen& pen = {});
 void add_words(Drawing& drawing, Words words);
 
+/// All of another drawing, its top left at `at`.
+void add_drawing(Drawing& drawing, const Drawing& other, const Eigen::Vector2d& at);
+
 /// About how long the words become in a sans-serif font, mm: on the safe side, since fonts differ.
 double words_width_mm(std::string_view text, double size_mm, bool bold = false);
 

@@ -1,0 +1,128 @@
+#include "tools/sheet/sheet.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "burin/calib/verdict/camera_place.h"
+
+namespace burin {
+namespace {
+
+std::string rounded(double mm) { return fmt::format("{:.{}f}", mm, std::abs(mm) < 9.95 ? 1 : 0); }
+
+std::string beside(double value, double size, const char* low, const char* high) {
+  if (value < 0) return fmt::format("{:.0f} mm beyond the {} edge", -value, low);
+  if (value > size) return fmt::format("{:.0f} mm beyond the {} edge", value - size, high);
+  return value <= size / 2 ? fmt::format("{:.0f} mm in from the {} edge", value, low)
+                           : fmt::format("{:.0f} mm in from the {} edge", size - value, high);
+}
+
+std::string tolerance_words(const PlaceTolerance& t) {
+  return fmt::format("{} mm sideways, {} mm up or down, {} mm in depth", rounded(t.sideways.least()),
+                     rounded(t.up.least()), rounded(t.depth.least()));
+}
+
+MoveRange smaller(const MoveRange& a, const MoveRange& b) { return a.least() <= b.least() ? a : b; }
+
+double above_floor(const Sheet& sheet, double y_mm) {
+  return sheet.hang_height_mm + y_mm - sheet.board.size_mm.y() / 2;
+}
+
+std::string full_name(const SheetPlace& place) {
+  return place.lamp ? fmt::format("lamp \"{}\"", place.name) : fmt::format("{}: view \"{}\"", place.label, place.name);
+}
+
+}  // namespace
+
+std::vector<SheetPlace> sheet_places(const WantedBench& wanted) {
+  std::vector<SheetPlace> lamps, eyes;
+  const std::vector<Eigen::Vector3d> centers = designed_eyes(wanted);
+  for (std::size_t k = 0; k < wanted.design.views.size(); ++k) {
+    const DesignView& v = wanted.design.views[k];
+    const MatchTolerance& tolerance = wanted.tolerances[k];
+    const auto lamp =
+        std::find_if(lamps.begin(), lamps.end(), [&](const SheetPlace& place) { return place.name == v.light; });
+    if (lamp == lamps.end()) {
+      lamps.push_back(
+          {"L", v.light, true, find_light(wanted.bench, v.light, "the design").position_mm, tolerance.lamp});
+    } else {
+      PlaceTolerance& t = lamp->tolerance;
+      t = {smaller(t.sideways, tolerance.lamp.sideways), smaller(t.up, tolerance.lamp.up),
+           smaller(t.depth, tolerance.lamp.depth)};
+    }
+    // A view under two lamps is one place to stand.
+    const auto eye =
+        std::find_if(eyes.begin(), eyes.end(), [&](const SheetPlace& place) { return place.name == v.view; });
+    if (eye == eyes.end()) {
+      eyes.push_back({std::to_string(eyes.size() + 1), v.view, false, centers[k], tolerance.eye});
+    } else {
+      PlaceTolerance& t = eye->tolerance;
+      t = {smaller(t.sideways, tolerance.eye.sideways), smaller(t.up, tolerance.eye.up),
+           smaller(t.depth, tolerance.eye.depth)};
+    }
+  }
+  if (lamps.size() > 1)
+    for (std::size_t i = 0; i < lamps.size(); ++i) lamps[i].label = "L" + std::to_string(i + 1);
+  lamps.insert(lamps.end(), eyes.begin(), eyes.end());
+  return lamps;
+}
+
+std::vector<PlaceInWords> on_table(const Sheet& sheet) {
+  std::vector<PlaceInWords> out;
+  const Eigen::Vector2d& size = sheet.board.size_mm;
+  for (const SheetPlace& place : sheet.places)
+    out.push_back({full_name(place), beside(place.at_mm.x(), size.x(), "left", "right"),
+                   beside(place.at_mm.y(), size.y(), "lower", "upper"),
+                   fmt::format("{:.0f} mm above the face", place.at_mm.z()), tolerance_words(place.tolerance)});
+  return out;
+}
+
+std::vector<PlaceInWords> on_wall(const Sheet& sheet) {
+  std::vector<PlaceInWords> out;
+  const Eigen::Vector2d& size = sheet.board.size_mm;
+  for (const SheetPlace& place : sheet.places) {
+    const double height = above_floor(sheet, place.at_mm.y());
+    out.push_back({full_name(place), beside(place.at_mm.x(), size.x(), "left", "right"),
+                   height >= 0 ? fmt::format("{} {:.0f} mm above the floor", place.lamp ? "lamp" : "eye", height)
+                               : fmt::format("{:.0f} mm below the floor", -height),
+                   fmt::format("{:.0f} mm in front of the face", place.at_mm.z()), tolerance_words(place.tolerance)});
+  }
+  return out;
+}
+
+std::vector<PhotoInWords> photos_in_words(const Sheet& sheet) {
+  std::vector<PhotoInWords> out;
+  for (std::size_t i = 0; i < sheet.plan.shots.size(); ++i) {
+    const PlannedShot& shot = sheet.plan.shots[i];
+    out.push_back({shot.view.empty() ? std::to_string(i + 1) : fmt::format("{}: view \"{}\"", i + 1, shot.view),
+                   place_in_words(shot.camera, sheet.board), sheet.plan.bench.lights[shot.light].id,
+                   exposures_in_words(sheet.plan, shot)});
+  }
+  return out;
+}
+
+std::string introduction(const Sheet& sheet) {
+  std::string from = sheet.measured_rounds > 0
+                         ? fmt::format("Places as measured from the photos of round {}.", sheet.measured_rounds)
+                         : "Places as designed; nothing is measured yet.";
+  return from +
+         " A picture is lost (3 dB) where its eye or its lamp stands further off than what it tolerates: the shaded "
+         "ellipses.";
+}
+
+std::vector<std::string> warnings(const Sheet& sheet) {
+  std::vector<std::string> out;
+  for (const SheetPlace& place : sheet.places)
+    if (const double height = above_floor(sheet, place.at_mm.y()); height < 0)
+      out.push_back(
+          fmt::format("{} is {:.0f} mm below the floor when the board's middle hangs at {:.0f} mm: hang it at "
+                      "least {:.0f} mm higher (--hang-height {:.0f})",
+                      full_name(place), -height, sheet.hang_height_mm, -height,
+                      std::ceil((sheet.hang_height_mm - height) / 50) * 50));
+  return out;
+}
+
+}  // namespace burin

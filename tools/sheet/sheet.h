@@ -1,0 +1,55 @@
+// tools/sheet/sheet.h - one thing to take to the wall: where lamps hang and eyes stand for the views of a design, on a
+// table and on a wall, with what each place tolerates; and the photos to take, in order, to be ticked off. Drawn once
+// (tools/sheet/bench_drawing.h), written as PDF pages and as one HTML page that needs nothing else.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "burin/calib/plan.h"
+#include "tools/drawing/drawing.h"
+#include "tools/plan_words.h"
+#include "tools/sheet/bench_drawing.h"
+#include "tools/wanted_bench.h"
+
+namespace burin {
+
+/// All that the sheet says, before it is laid out.
+struct Sheet {
+  std::string name;  ///< of the project
+  Board board;
+  std::vector<SheetPlace> places;  ///< lamps, then eyes in the design's order
+  int measured_rounds = 0;         ///< 0: the bench is as it was believed
+  double hang_height_mm = 1500;    ///< of the board's middle above the floor
+  PlanFocus focus;
+  Plan plan;
+};
+
+/// Lamps and eyes of the design, each lamp with the least tolerance of the views that it lights.
+std::vector<SheetPlace> sheet_places(const WantedBench& wanted);
+
+/// One place, in words for one of the two ways that a board lies.
+struct PlaceInWords {
+  std::string name;                   ///< "1 left"
+  std::string across, upright, away;  ///< from the board's edges; height (of the face, the floor); from table or wall
+  std::string tolerance;              ///< "12 mm sideways, 14 mm up or down, 90 mm in depth"
+};
+std::vector<PlaceInWords> on_table(const Sheet& sheet);
+std::vector<PlaceInWords> on_wall(const Sheet& sheet);
+
+/// The photos of the plan, in words.
+struct PhotoInWords {
+  std::string name, place, lamp, exposures;
+};
+std::vector<PhotoInWords> photos_in_words(const Sheet& sheet);
+
+/// Sentences that table and wall begin with.
+std::string introduction(const Sheet& sheet);
+/// What stands in the way of following it: an eye below the floor. Sentences.
+std::vector<std::string> warnings(const Sheet& sheet);
+
+/// Pages of that paper, upright.
+std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& paper_mm);
+std::string sheet_html(const Sheet& sheet);
+
+}  // namespace burin

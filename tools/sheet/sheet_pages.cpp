@@ -1,0 +1,165 @@
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/sheet/sheet.h"
+
+namespace burin {
+namespace {
+
+constexpr double kMargin_mm = 14, kText_mm = 2.9, kLine_mm = 3.9;
+
+// Fills pages from the top; begins another where one is full.
+struct PageWriter {
+  Eigen::Vector2d paper_mm;
+  std::string name;
+  std::vector<Drawing> pages{};
+  double y = 0;
+
+  double width() const { return paper_mm.x() - 2 * kMargin_mm; }
+  double left_over() const { return paper_mm.y() - kMargin_mm - y; }
+  Drawing& page() { return pages.back(); }
+
+  void begin(const std::string& title) {
+    pages.push_back({paper_mm, {}});
+    add_words(page(), {.at_mm = {kMargin_mm, kMargin_mm + 5}, .text = title, .size_mm = 5.6, .bold = true});
+    add_words(page(), {.at_mm = {paper_mm.x() - kMargin_mm, paper_mm.y() - 7},
+                       .text = fmt::format("{}, page {}", name, pages.size()),
+                       .size_mm = 2.4,
+                       .tint = Tint::soft,
+                       .anchor = Anchor::end});
+    y = kMargin_mm + 9;
+  }
+  void paragraph(const std::string& text, Tint tint = Tint::ink) {
+    for (const std::string& line : wrapped(text, kText_mm, width())) {
+      y += kLine_mm;
+      add_words(page(), {.at_mm = {kMargin_mm, y}, .text = line, .size_mm = kText_mm, .tint = tint});
+    }
+    y += 1.5;
+  }
+  void heading(const std::string& text) {
+    y += 6;
+    add_words(page(), {.at_mm = {kMargin_mm, y}, .text = text, .size_mm = 3.6, .bold = true});
+    y += 2;
+  }
+  // `beside_mm`: how high what stands beside it is.
+  void drawing(const BenchDrawing& drawn, double beside_mm = 0) {
+    add_drawing(page(), drawn.drawing, {kMargin_mm, y});
+    y += std::max(drawn.drawing.size_mm.y(), beside_mm);
+  }
+};
+
+struct Column {
+  std::string head;
+  double share;  // of the width
+};
+
+// `tick`: an empty box before each row. A page that is full is continued under the title.
+void add_table(PageWriter& writer, const std::vector<Column>& columns,
+               const std::vector<std::vector<std::string>>& rows, bool tick, const std::string& title) {
+  const double tick_mm = tick ? 6 : 0, width = writer.width() - tick_mm;
+  const auto left_of = [&](std::size_t c) {
+    double x = kMargin_mm + tick_mm;
+    for (std::size_t i = 0; i < c; ++i) x += columns[i].share * width;
+    return x;
+  };
+  const auto head = [&] {
+    writer.y += kLine_mm;
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      add_words(writer.page(),
+                {.at_mm = {left_of(c), writer.y}, .text = columns[c].head, .size_mm = 2.5, .tint = Tint::soft});
+    writer.y += 1.6;
+  };
+  head();
+  for (const auto& row : rows) {
+    std::vector<std::vector<std::string>> lines;
+    std::size_t most = 1;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      lines.push_back(wrapped(row[c], kText_mm, columns[c].share * width - 3));
+      most = std::max(most, lines.back().size());
+    }
+    const double height = kLine_mm * static_cast<double>(most) + 2.6;
+    if (height > writer.left_over()) {
+      writer.begin(title + ", continued");
+      head();
+    }
+    add_line(writer.page(), {kMargin_mm, writer.y}, {kMargin_mm + writer.width(), writer.y}, {Tint::faint, 0.15, 0});
+    const double top = writer.y + 0.8;
+    if (tick)
+      add_rectangle(writer.page(), {kMargin_mm, top + 0.4}, {kMargin_mm + 3.4, top + 3.8}, Tint::none,
+                    {Tint::ink, 0.25, 0});
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      for (std::size_t i = 0; i < lines[c].size(); ++i)
+        add_words(writer.page(), {.at_mm = {left_of(c), top + kLine_mm * static_cast<double>(i) + 2.9},
+                                  .text = lines[c][i],
+                                  .size_mm = kText_mm,
+                                  .bold = c == 0});
+    writer.y += height;
+  }
+}
+
+void add_places(PageWriter& writer, const std::vector<PlaceInWords>& places, const char* upright, const char* away,
+                const std::string& title) {
+  std::vector<std::vector<std::string>> rows;
+  for (const PlaceInWords& p : places) rows.push_back({p.name, p.across, p.upright, p.away, p.tolerance});
+  add_table(writer,
+            {{"", 0.17}, {"left and right", 0.21}, {upright, 0.21}, {away, 0.18}, {"its picture holds within", 0.23}},
+            rows, false, title);
+}
+
+}  // namespace
+
+std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& paper_mm) {
+  PageWriter writer{paper_mm, sheet.name};
+  // What the table of places takes, about, is kept free.
+  const double table_mm = 12 + 13.0 * static_cast<double>(sheet.places.size());
+  const auto draw = [&](Projection projection, double most_height, double share = 1) {
+    return bench_drawing(sheet.board, sheet.places, projection, share * writer.width(), most_height, 3.2,
+                         sheet.hang_height_mm);
+  };
+
+  const std::string on_a_table = sheet.name + ": on a table";
+  writer.begin(on_a_table);
+  writer.paragraph(introduction(sheet));
+  const double table_room = std::max(110.0, writer.left_over() - table_mm - 34);
+  writer.heading("From above: the board's lower edge is towards you");
+  const BenchDrawing above = draw(Projection::table_above, 0.6 * table_room);
+  writer.drawing(above);
+  writer.heading("From the lower edge: heights above the face");
+  writer.drawing(draw(Projection::table_front, std::max(0.4 * table_room, table_room - above.drawing.size_mm.y())));
+  writer.y += 3;
+  if (table_mm > writer.left_over()) writer.begin(on_a_table + ", places");
+  add_places(writer, on_table(sheet), "near and far", "height", on_a_table);
+
+  const std::string on_a_wall = sheet.name + ": on a wall";
+  writer.begin(on_a_wall);
+  writer.paragraph(fmt::format("The board's middle hangs {:.0f} mm above the floor, its lower edge at {:.0f} mm.",
+                               sheet.hang_height_mm, sheet.hang_height_mm - sheet.board.size_mm.y() / 2));
+  for (const std::string& warning : warnings(sheet)) writer.paragraph(warning);
+  const double wall_room = std::max(110.0, writer.left_over() - table_mm - 34), gap = 0.03;
+  writer.heading("From the left: the wall at the left; and as you look at it");
+  const BenchDrawing side = draw(Projection::wall_side, 0.55 * wall_room, (1 - gap) / 2),
+                     front = draw(Projection::wall_front, 0.55 * wall_room, (1 - gap) / 2);
+  add_drawing(writer.page(), front.drawing, {kMargin_mm + (1 + gap) / 2 * writer.width(), writer.y});
+  writer.drawing(side, front.drawing.size_mm.y());
+  writer.heading("From above: the wall at the top");
+  writer.drawing(draw(Projection::wall_above, 0.45 * wall_room));
+  writer.y += 3;
+  if (table_mm > writer.left_over()) writer.begin(on_a_wall + ", places");
+  add_places(writer, on_wall(sheet), "height", "from the wall", on_a_wall);
+
+  const std::string photos = sheet.name + ": photos, in this order";
+  writer.begin(photos);
+  writer.paragraph(focus_in_words(sheet.focus));
+  writer.paragraph("The board lies on a table, its lower edge towards you; mm above the face, and from its edges.");
+  for (const std::string& said : focus_notes(sheet.plan, sheet.focus)) writer.paragraph(said + ".", Tint::soft);
+  std::vector<std::vector<std::string>> rows;
+  for (const PhotoInWords& p : photos_in_words(sheet)) rows.push_back({p.name, p.place, p.exposures, p.lamp});
+  add_table(writer, {{"photo", 0.16}, {"place", 0.43}, {"exposures", 0.29}, {"lamp", 0.12}}, rows, true, photos);
+  return std::move(writer.pages);
+}
+
+}  // namespace burin

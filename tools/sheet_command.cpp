@@ -1,0 +1,98 @@
+#include <CLI/App.hpp>
+#include <CLI/Validators.hpp>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/scratches.h"
+#include "tools/commands.h"
+#include "tools/drawing/pdf.h"
+#include "tools/plan_words.h"
+#include "tools/print/printed_page.h"
+#include "tools/progress_bar.h"
+#include "tools/sheet/sheet.h"
+#include "tools/wanted_bench.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  fs::path project;
+  std::vector<fs::path> out;
+  std::string paper = "a4", focus_range;
+  double hang_height_mm = 1500, focus_mm = 0;
+  int shots = 8;
+};
+
+void run(const Options& options) {
+  std::vector<fs::path> out = options.out;
+  if (out.empty()) out = {options.project / "sheet.pdf", options.project / "sheet.html"};
+  for (const fs::path& file : out)
+    if (file.extension() != ".pdf" && file.extension() != ".html")
+      fail(file.string(), "is the name of neither a PDF nor a page",
+           "write --out " + shell_word(fs::path(file).replace_extension(".pdf").string()) + " or .html");
+  const Paper paper = find_paper(options.paper);
+  const WantedBench wanted = wanted_bench({options.project});
+  Sheet sheet;
+  sheet.name = fs::absolute(options.project / "x").lexically_normal().parent_path().filename().string();
+  sheet.board = wanted.board;
+  sheet.places = sheet_places(wanted);
+  sheet.measured_rounds = wanted.measured_rounds;
+  sheet.hang_height_mm = options.hang_height_mm;
+  PlanOptions plan_options;
+  plan_options.shots = options.shots;
+  plan_options.designed = designed_places(wanted.design, wanted.bench);
+  sheet.focus = plan_focus(wanted.board, wanted.bench, plan_options.designed, options.focus_mm, options.focus_range);
+  plan_options.focus = sheet.focus.range;
+  const Sent sent = wanted.scratches.empty() ? test_strokes(wanted.board) : Sent(read_scratches(wanted.scratches));
+  ProgressBar bar;
+  sheet.plan = plan_shots(wanted.board, wanted.bench, sent, plan_options, bar.progress());
+  bar.clear();
+  std::string written;
+  for (const fs::path& file : out) {
+    if (file.has_parent_path()) make_output_folder(file.parent_path());
+    write_text(file.extension() == ".pdf"
+                   ? pdf(sheet_pages(sheet, paper.size_mm), {paper.size_mm, {1, 1}, sheet.name + ": where to stand"})
+                   : sheet_html(sheet),
+               file);
+    written += (written.empty() ? "" : " and ") + file.string();
+  }
+  for (const std::string& warning : warnings(sheet)) note(warning);
+  for (const std::string& said : focus_notes(sheet.plan, sheet.focus)) note(said);
+  fmt::print("Wrote {}: {} and {} photos in order; print it, or open it on a phone; next: {}\n", written,
+             sheet.places.size() == 1 ? "1 place" : fmt::format("{} places", sheet.places.size()),
+             sheet.plan.shots.size(), "burin loop " + shell_word(options.project.string()));
+}
+
+}  // namespace
+
+void add_sheet_command(CLI::App& burin) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = burin.add_subcommand(
+      "sheet", "Draw where lamps hang and eyes stand, with the photos to take: a page for the wall and for the phone");
+  command->add_option("PROJECT", options->project, "The project's folder")->required();
+  command
+      ->add_option("--out", options->out,
+                   "What to write, a .pdf or an .html (give it twice for both); without it, sheet.pdf and sheet.html "
+                   "in the project")
+      ->take_all()
+      ->expected(1);
+  command->add_option("--hang-height", options->hang_height_mm, "Of the board's middle above the floor, mm")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 10'000.0));
+  command->add_option("--shots", options->shots, "How many photos to plan beside the designed views")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 12));
+  command->add_option("--focus-mm", options->focus_mm, "Where the lens is focused, instead of at the designed views")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--focus-range", options->focus_range, "What is sharp then, like 900-1500mm (burin plan)");
+  command->add_option("--paper", options->paper, "a4, letter, a3 or tabloid")->capture_default_str();
+  command->footer(example("burin sheet my-board --hang-height 1500"));
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace burin
