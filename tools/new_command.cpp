@@ -217,8 +217,9 @@ void run(Options o) {
   const bool incomplete = o.folder.empty() || o.pictures.empty();
   const bool person = isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0;
   if (incomplete && !person)
-    throw CLI::RequiredError(std::string(o.folder.empty() ? "DIR" : "--pictures") +
-                             " (at a terminal it would be asked): burin new DIR --pictures a.jpg b.jpg c.jpg");
+    throw CLI::ValidationError(
+        o.folder.empty() ? "DIR" : "--pictures",
+        "is missing, and there is no terminal to ask at: burin new DIR --pictures a.jpg b.jpg c.jpg");
   Conversation talk{std::cin, std::cout};
   if (incomplete) ask_what_is_missing(o, talk);
 

@@ -113,7 +113,7 @@ TEST(ViewPlaces, StandBeforeABoardWhoseLampIsAbove) {
   EXPECT_NEAR((*eyes)[1].x(), 100, 60);
   EXPECT_GT((*eyes)[2].x(), 500);
   for (const Eigen::Vector3d& eye : *eyes) {
-    EXPECT_LT(std::abs(eye.y() - (*eyes)[1].y()), 200);
+    EXPECT_LT(std::abs(eye.y() - (*eyes)[1].y()), 300);  // as far as knees bend, a meter away
     EXPECT_GT(eye.z(), 650);
   }
 }

@@ -193,10 +193,12 @@ class NewProjectTest : public ::testing::Test {
 };
 
 TEST_F(NewProjectTest, IsReadByTheOrdinaryReadersAndPreviewed) {
-  const Outcome made = make({"my board", "--board", "12x9cm", "--pictures", "a.png", "b.png", "c.png"});
+  const Outcome made =
+      make({"my board", "--board", "12x9cm", "--pictures", "a.png", "b.png", "c.png", "--scratches", "600"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.err, Not(HasSubstr("note:")));
-  EXPECT_THAT(made.out, AllOf(HasSubstr("next: burin loop 'my board'"), HasSubstr(" dB"), HasSubstr("b loses"),
+  EXPECT_THAT(made.out, AllOf(HasSubstr("next: burin loop 'my board'"), HasSubstr(" dB"),
+                              HasSubstr("b.png, 150 x 100 on 88 x 58 mm: fits"),
                               HasSubstr("Not said, so taken: --camera phone")));
   const fs::path project = folder_ / "my board";
   const DesignSpec spec = read_design(project / "design.json");
@@ -220,7 +222,7 @@ TEST_F(NewProjectTest, IsReadByTheOrdinaryReadersAndPreviewed) {
 }
 
 TEST_F(NewProjectTest, DefaultsNeedPicturesOnly) {
-  const Outcome made = make({"p", "--pictures", "a.png"});
+  const Outcome made = make({"p", "--pictures", "a.png", "--scratches", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.out, HasSubstr("--board 200x150, --camera phone"));
   EXPECT_THAT(file_text(folder_ / "p" / "loop.toml"), HasSubstr("machine = \"grbl-spring\""));

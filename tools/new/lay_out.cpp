@@ -122,37 +122,48 @@ void add_notes(const WantedBench& wanted, LaidOutBench& bench) {
         meters(bench.stand_mm), bench.tag_px, needed, meters(bench.stand_mm * bench.tag_px / needed)));
 }
 
-// Four times the diagonal, so that half vectors turn little over the board; further where the lens would crop it.
-double usual_stand_mm(const WantedBench& wanted) {
-  constexpr double kDiagonals = 4, kNearest_mm = 400, kUsualFurthest_mm = 2000, kRound_mm = 50;
-  const double diagonal = wanted.board_mm.norm();
-  double stand = std::clamp(kDiagonals * diagonal, kNearest_mm, std::max(kUsualFurthest_mm, 2 * diagonal));
-  stand = kRound_mm * std::round(stand / kRound_mm);
-  const double tag = tag_sizes(wanted.board_mm).usual_mm;
-  for (; stand < kFurthest_mm; stand = kRound_mm * std::ceil(1.1 * stand / kRound_mm)) {
-    const auto bench = laid_out_at(stand, tag, wanted);
-    if (bench && crowding(wanted.camera.lens, bench->eyes_mm, bench->board) <= 1) break;
+// The bench at one distance with tags as large as they must be; nothing where no groove can glint.
+std::optional<LaidOutBench> with_visible_tags(double stand_mm, const WantedBench& wanted) {
+  const TagSizes sizes = tag_sizes(wanted.board_mm);
+  const double needed = needed_px(wanted.camera.lens);
+  double tag = sizes.usual_mm;
+  auto bench = laid_out_at(stand_mm, tag, wanted);
+  while (bench && bench->tag_px < needed && tag < sizes.largest_mm) {
+    tag = std::min(sizes.largest_mm, std::max(tag + 1, std::ceil(tag * needed / bench->tag_px)));
+    auto larger = laid_out_at(stand_mm, tag, wanted);
+    if (!larger) break;
+    bench = std::move(larger);
   }
-  return std::min(stand, kFurthest_mm);
+  if (bench) add_notes(wanted, *bench);
+  return bench;
+}
+
+// Where nobody said how far away people stand: four times the diagonal, so that half vectors turn little over the
+// board; nearer where tags would be too small, or further where the lens would crop the board.
+std::optional<LaidOutBench> at_usual_distance(const WantedBench& wanted, double& stand_mm) {
+  constexpr double kNearest_mm = 400, kUsualFurthest_mm = 2000, kRound_mm = 50;
+  const double diagonal = wanted.board_mm.norm();
+  const auto rounded = [&](double times) {
+    const double mm = std::clamp(times * diagonal, kNearest_mm, std::max(kUsualFurthest_mm, 2 * diagonal));
+    return kRound_mm * std::round(mm / kRound_mm);
+  };
+  std::optional<LaidOutBench> usual;
+  for (const double times : {4.0, 3.4, 2.9, 2.4, 2.0, 1.7, 1.4, 1.2, 5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0}) {
+    stand_mm = times > 4 ? kRound_mm * std::round(times * diagonal / kRound_mm) : rounded(times);
+    if (stand_mm > kFurthest_mm) break;
+    const auto bench = with_visible_tags(stand_mm, wanted);
+    if (bench && bench->notes.empty()) return bench;
+    if (!usual) usual = bench;
+  }
+  return usual;
 }
 
 }  // namespace
 
 LaidOutBench lay_out(const WantedBench& wanted) {
-  const TagSizes sizes = tag_sizes(wanted.board_mm);
-  const double stand = wanted.stand_mm > 0 ? wanted.stand_mm : usual_stand_mm(wanted);
-  double tag = sizes.usual_mm;
-  auto bench = laid_out_at(stand, tag, wanted);
-  if (!bench) fail_without_glint(wanted, stand);
-  const double needed = needed_px(wanted.camera.lens);
-  // Larger tags make the carve area smaller, so eyes that served it do so still; but they are looked for again.
-  while (bench->tag_px < needed && tag < sizes.largest_mm) {
-    tag = std::min(sizes.largest_mm, std::max(tag + 1, std::ceil(tag * needed / bench->tag_px)));
-    auto larger = laid_out_at(stand, tag, wanted);
-    if (!larger) break;
-    bench = std::move(larger);
-  }
-  add_notes(wanted, *bench);
+  double stand_mm = wanted.stand_mm;
+  const auto bench = stand_mm > 0 ? with_visible_tags(stand_mm, wanted) : at_usual_distance(wanted, stand_mm);
+  if (!bench) fail_without_glint(wanted, stand_mm);
   return *bench;
 }
 

@@ -43,7 +43,7 @@ std::string view_name(const fs::path& file, std::size_t number) {
   bool letters = false;
   for (const char c : file.stem().string()) {
     const auto byte = static_cast<unsigned char>(c);
-    const bool plain = byte < 0x80 && (std::isalnum(byte) || c == '_');
+    const bool plain = byte >= 0x80 || std::isalnum(byte) != 0 || c == '_';  // letters of all languages
     letters = letters || (plain && c != '_');
     if (plain)
       name += c;
@@ -52,7 +52,12 @@ std::string view_name(const fs::path& file, std::size_t number) {
   }
   while (!name.empty() && name.back() == '-') name.pop_back();
   constexpr std::size_t kLongest = 40;
-  return letters ? name.substr(0, kLongest) : fmt::format("picture-{}", number);
+  if (name.size() > kLongest) {
+    std::size_t end = kLongest;
+    while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xC0) == 0x80) --end;  // not within a letter
+    name.resize(end);
+  }
+  return letters ? name : fmt::format("picture-{}", number);
 }
 
 // "name-2" for the second. File systems that do not tell A from a are meant too.
@@ -254,6 +259,7 @@ void store_picture(const ChosenPicture& picture, const fs::path& targets_folder)
   }
   write_atomically(to, [&](const fs::path& temporary) {
     fs::copy_file(picture.file, temporary, fs::copy_options::overwrite_existing);
+    fs::permissions(temporary, fs::perms::owner_write, fs::perm_options::add);  // a copy is the person's to edit
   });
 }
 

@@ -15,8 +15,8 @@ namespace burin {
 
 /// A picture that a board is to show.
 struct ChosenPicture {
-  std::filesystem::path file;    ///< the person's
-  std::string view;              ///< its view's name: the file's without ending, unique, of letters, digits, - and _
+  std::filesystem::path file;  ///< the person's
+  std::string view;  ///< its view's name: the file's without its ending, unique, what is no letter or digit as -
   std::filesystem::path stored;  ///< its name in the project's targets/, unique
   int width = 0, height = 0;     ///< upright, pixels
   Image small;                   ///< at most 640 pixels wide and high, one channel, encoded as in a file

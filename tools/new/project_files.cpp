@@ -90,6 +90,13 @@ void write_into(const NewProject& project, const fs::path& folder) {
   read_bench_of(read_board(spec.board), spec.board, spec.bench);
 }
 
+// Along the longer side: few, but for long boards enough across as well.
+int preview_pixels(const Board& board) {
+  constexpr double kUsual = 128, kAcross = 40, kMost = 640;
+  const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
+  return static_cast<int>(std::clamp(kAcross * area.maxCoeff() / area.minCoeff(), kUsual, kMost));
+}
+
 // A design's few pixels, large enough to be looked at beside the others.
 Image to_look_at(const Image& image, int pictures) {
   constexpr int kLargest = 360, kSmallest = 160, kAll = 1440;
@@ -139,10 +146,10 @@ std::string preview_project(const NewProject& project) {
   constexpr int kScratches = 1500, kMostScratches = 6000;  // a view; in all
   spec.scratches = std::min({spec.scratches, kScratches * views, kMostScratches});
   DesignOptions options;
-  options.pixels = 128;
+  options.pixels = preview_pixels(board);
   options.iterations = 40;
   options.contact_frames = 0;
-  options.time_limit_s = 8;
+  options.time_limit_s = 7;
   options.stop = &StopOnSignal::asked;
   ProgressBar bar;
   const StopOnSignal on_signal;

@@ -37,7 +37,7 @@ std::vector<double> places(double low, double high, double pitch_mm, double pape
 TagSizes tag_sizes(const Eigen::Vector2d& board_mm) {
   const double shorter = board_mm.minCoeff();
   constexpr double kLargestBoard_mm = 5000;
-  if (!(shorter > 0) || !(board_mm.maxCoeff() <= kLargestBoard_mm))
+  if (!board_mm.allFinite() || shorter <= 0 || board_mm.maxCoeff() > kLargestBoard_mm)
     fail("a board of " + size_text(board_mm), "cannot be made", "give width and height, each up to 5000 mm");
   TagSizes sizes;
   while (border_mm(sizes.largest_mm + 1) <= shorter / 4) ++sizes.largest_mm;

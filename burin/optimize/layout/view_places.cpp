@@ -82,7 +82,7 @@ class Search {
         const double tilt = std::acos(std::clamp(wo.z(), -1.0, 1.0));
         if (tilt > kFurthest || !glints_everywhere(middle_ + q_.distance_mm * wo)) continue;
         const double from_lamp = std::acos(std::clamp(wo.dot(to_lamp_), -1.0, 1.0));
-        out.push_back({wo, square(std::max(0.0, tilt - kComfortable) / (8 * kDegree)) +
+        out.push_back({wo, square(std::max(0.0, tilt - kComfortable) / (5 * kDegree)) +
                                square(std::max(0.0, kDarkFace - lean) / (3 * kDegree)) +
                                square(std::max(0.0, kFromLamp - from_lamp) / (6 * kDegree))});
       }
