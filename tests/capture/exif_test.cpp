@@ -127,6 +127,22 @@ TEST_F(ExifTest, OrientationAndApexValues) {
   EXPECT_NEAR(exif.f_number.value_or(0), 8, 1e-4);
 }
 
+TEST_F(ExifTest, SensorIsAsWideAsItsPixelsAre) {
+  const auto width = [&](float resolution, int unit, int counted) {
+    write("p.jpg", OIIO::TypeDesc::UINT8, [&](OIIO::ImageSpec& s) {
+      s.attribute("Exif:FocalPlaneXResolution", resolution);
+      s.attribute("Exif:FocalPlaneResolutionUnit", unit);
+      s.attribute("Exif:PixelXDimension", counted);
+    });
+    return read_exif(folder / "p.jpg").sensor_width_mm;
+  };
+  EXPECT_NEAR(width(4233.333F, 2, 6000).value_or(0), 36, 1e-3);  // 6000 pixels on 36 mm, an inch
+  EXPECT_NEAR(width(1666.667F, 3, 6000).value_or(0), 36, 1e-3);  // a centimeter
+  EXPECT_FALSE(width(300, 2, 6000));                             // a scan: half a meter
+  EXPECT_FALSE(width(4233, 1, 6000));                            // no unit
+  EXPECT_FALSE(width(0, 2, 6000));
+}
+
 TEST_F(ExifTest, NoPictureIsAnError) {
   EXPECT_THROW(read_exif(folder / "none.jpg"), Error);
   folder.write("text.jpg", "no picture");

@@ -295,6 +295,19 @@ TEST_F(SimulatedCamera, NothingOldVouchesForNewPhotos) {
   EXPECT_FALSE(fs::exists(out / "session.json"));
 }
 
+TEST_F(SimulatedCamera, StandsWhereAPersonSays) {
+  // The same pose and the same lens, said in words.
+  const BenchTruth by_matrix = truth();
+  json["views"][0].erase("T_camera_board");
+  json["views"][0]["eye_mm"] = {50, 40, 400};
+  json["camera"] = {{"focal_35mm", 800 * std::hypot(36.0, 24.0) / 400}, {"pixels", {320, 240}}};
+  const BenchTruth in_words = truth();
+  EXPECT_LT((in_words.views[0].T_camera_board.matrix() - by_matrix.views[0].T_camera_board.matrix()).norm(), 1e-9);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(in_words.lens.intrinsics[k], by_matrix.lens.intrinsics[k], 1e-9);
+  json["views"][0]["T_camera_board"] = {{1, 0, 0, -50}, {0, -1, 0, 40}, {0, 0, -1, 400}, {0, 0, 0, 1}};
+  EXPECT_THAT([&] { truth(); }, testing::ThrowsMessage<Error>(HasSubstr("keep one")));
+}
+
 // A photo of rig a again, from its truth and what its machine carved. What is left must be the sensor's noise and the
 // noise of two samplings: theirs, and ours, which a second run with another seed measures. Cloth is left out: its
 // pattern is not ours. So are values above 0.9: choosing by the other photo's clipping would choose by its noise.

@@ -73,6 +73,11 @@ TEST(NewWords, Cameras) {
   EXPECT_THAT([] { camera_in_words("no-such.jpg"); }, ThrowsMessage<Error>(HasSubstr("neither a word")));
   const fs::path sample = fs::path(places::source()) / "samples" / "small-bench";
   EXPECT_EQ(camera_in_words((sample / "camera.cameramodel").string()).lens.width, 900);
+  // A photo of 53 mm as on film, 1400 x 1050 pixels.
+  const SaidCamera photo = camera_in_words(
+      (fs::path(places::source()) / "tests" / "data" / "rigs" / "b-small" / "photos" / "IMG_4127.JPG").string());
+  EXPECT_DOUBLE_EQ(photo.focal_35mm, 53);
+  EXPECT_EQ(photo.lens.height, 1050);
   // A drawing says nothing of a camera.
   EXPECT_THAT([&] { camera_in_words((sample / "targets" / "moon.png").string()); },
               ThrowsMessage<Error>(AllOf(HasSubstr("moon.png"), HasSubstr("--camera"))));

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kPaper = 9.0 / 5;  // of a 41h12: modules across its paper, and across the square that is measured
 constexpr double kGap_mm = 1;       // to the edge, and to the carve area: tags are cut out and glued by hand
+constexpr double kGlued_mm = 0.5;   // one standard deviation of where a hand glues them, by a template
 constexpr double kSmallest_mm = 4;  // a module of 0.8 mm: what any printer still prints
 
 double center_mm(double tag_mm) { return std::ceil(kGap_mm + kPaper * tag_mm / 2); }
@@ -58,6 +59,7 @@ Board board_with_tags(const Eigen::Vector2d& board_mm, double tag_mm) {
          "take 4 to " + significant(tag_sizes(board_mm).largest_mm, 4) + " mm");
   Board board;
   board.size_mm = board_mm;
+  board.tags.sigma_mm = kGlued_mm;
   board.carve_min_mm = {border, border};
   board.carve_max_mm = {std::floor(board_mm.x() - border), std::floor(board_mm.y() - border)};
   const Eigen::Vector2d high(std::floor(board_mm.x() - low), std::floor(board_mm.y() - low));

@@ -19,7 +19,8 @@ TagSizes tag_sizes(const Eigen::Vector2d& board_mm);
 
 /// A board with a ring of 8 to some 20 tags of the family tagStandard41h12, whose paper is 1.8 times as wide as
 /// `tag_mm`: 1 mm in from the edges, centers on whole mm, papers apart, numbered counter-clockwise from the lower left
-/// corner. The carve area begins 1 mm inside of the papers, on whole mm. Throws Error for tags that have no room.
+/// corner, glued by hand (sigma_mm 0.5). The carve area begins 1 mm inside of the papers, on whole mm. Throws Error for
+/// tags that have no room.
 Board board_with_tags(const Eigen::Vector2d& board_mm, double tag_mm);
 
 }  // namespace burin
