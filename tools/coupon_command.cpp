@@ -1,6 +1,8 @@
 // burin coupon - a patch of test scratches that measures a machine. The work is in burin/optimize/carving/coupon.h
 // (layout) and burin/calib/coupon.h (reading).
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <memory>
@@ -12,6 +14,8 @@
 #include "burin/calib/coupon.h"
 #include "burin/calib/refine.h"
 #include "burin/capture/folder_session.h"
+#include "burin/capture/photo.h"
+#include "burin/capture/tags/tag_detector.h"
 #include "burin/optimize/carving/coupon.h"
 #include "burin/optimize/duration.h"
 #include "burin/optimize/toolpath.h"
@@ -136,22 +140,50 @@ void write_coupon_files(WriteOptions options) {
 
 struct ReadOptions {
   fs::path folder, photos, camera, out;
-  std::string machine = "grbl-spring";
-  bool into = false;
+  std::string machine;
 };
 
+// Throws Error where a photo shows tags of other coupons only: no other message would say that they were mixed up.
+void fail_if_another(const fs::path& photo, const Coupon& coupon, const fs::path& folder, const Board& board) {
+  Photo linear;
+  linear.file = photo;
+  linear.encoding = Encoding::srgb;  // tags are found in either
+  std::vector<int> others;
+  try {
+    TagDetector detector(board.tags.family);
+    for (const TagDetection& tag : detector.detect_coarse(read_photo(linear).value)) {
+      const int number = (tag.id - first_coupon_tag(1)) / kCouponTags + 1;
+      if (number == coupon.number) return;
+      if (tag.id >= first_coupon_tag(1) && number <= kMostCoupons) others.push_back(number);
+    }
+  } catch (const Error&) {
+    return;  // what cannot be read is said by those who read it
+  }
+  if (others.size() < 3 || std::count(others.begin(), others.end(), others.front()) < 3) return;
+  fail(photo.string(),
+       fmt::format("shows coupon {}, and {} is coupon {}", others.front(), folder.string(), coupon.number),
+       "give the photos of this coupon, or the folder of that one");
+}
+
 // A session, or a plain folder of photos.
-Session session_of(const fs::path& photos, const fs::path& board_file, const fs::path& folder, const Board& board,
-                   const Progress& progress) {
-  if (photos.extension() == ".json") return read_session(photos);
+Session session_of(const fs::path& photos, const fs::path& board_file, const fs::path& folder, const Coupon& coupon,
+                   const Board& board, const Progress& progress) {
+  if (photos.extension() == ".json") {
+    Session session = read_session(photos);
+    if (!session.photos.empty()) fail_if_another(session.photos.front().file, coupon, folder, board);
+    return session;
+  }
   const CaptureResult captured = capture_folder(photos, board_file, folder, progress);
   std::string first;
   for (const Finding& finding : captured.findings) {
     if (finding.severity == Finding::Severity::error && first.empty()) first = sentence(finding);
-    if (finding.severity != Finding::Severity::error) note(sentence(finding));
+    // What it says of the whole session is about boards, which need more photos than a coupon.
+    if (finding.severity != Finding::Severity::error && !finding.file.empty()) note(sentence(finding));
   }
-  if (captured.written.empty()) fail(photos.string(), "cannot be used: " + first, "correct the photos and try again");
-  (void)board;
+  if (captured.written.empty()) {
+    for (const Photo& photo : captured.session.photos) fail_if_another(photo.file, coupon, folder, board);
+    fail(photos.string(), "cannot be used: " + first, "correct the photos and try again");
+  }
   return read_session(captured.written);
 }
 
@@ -191,9 +223,10 @@ void print_reading(const Coupon& coupon, const CouponReading& r) {
   else if (!r.travel.seen)
     fmt::print("direction no difference seen ({:.1f} +- {:.1f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
   else
-    fmt::print("direction {:.1f} +- {:.1f} % deeper going towards {:.0f} degrees (0: right, 90: up) than going back\n",
-               100 * r.travel.share, 100 * r.travel.sigma, r.travel.towards_deg);
-  std::vector<std::string> told;
+    fmt::print(
+        "direction {:.1f} +- {:.1f} % deeper going towards {:.0f} +- {:.0f} degrees (0: right, 90: up) than going "
+        "back\n",
+        100 * r.travel.share, 100 * r.travel.sigma, r.travel.towards_deg, r.travel.towards_sigma_deg);
   for (std::size_t c = 0; c < r.cells.size(); ++c)
     for (const auto& [name, number] :
          {std::pair("depth", &r.cells[c].depth_um), std::pair("alpha", &r.cells[c].alpha)}) {
@@ -203,13 +236,77 @@ void print_reading(const Coupon& coupon, const CouponReading& r) {
     }
 }
 
+// What is kept in the machine's file.
+MachineMeasured measured_of(const Coupon& coupon, const CouponReading& r, const Board& board, const Scratches& told) {
+  MachineMeasured out;
+  out.coupon = coupon.number;
+  out.date = coupon.date;
+  out.tool_width_um = board.tool_width_um;
+  out.usual_feed_mm_min = coupon.usual_feed_mm_min;
+  out.usual_spacing_mm = coupon.cells.front().spacing_mm;
+  const auto number = [](const CouponNumber& n) {
+    return n.degree == Degree::not_determined ? std::nullopt : std::optional(MeasuredNumber{n.value, n.sigma});
+  };
+  const auto estimate = [](const Estimate& e) {
+    return e.known ? std::optional(MeasuredNumber{e.value, e.sigma}) : std::nullopt;
+  };
+  for (std::size_t c = 0; c < coupon.cells.size(); ++c)
+    out.cells.push_back({coupon.cells[c].command, coupon.cells[c].feed_mm_min, coupon.cells[c].spacing_mm,
+                         static_cast<int>(r.cells[c].fans), number(r.cells[c].depth_um), number(r.cells[c].alpha)});
+  out.repeat_depth = estimate(r.depth.repeat);
+  out.repeat_alpha = estimate(r.alpha.repeat);
+  for (std::size_t i = 0; i < told.size(); ++i)
+    out.wear_over_mm += std::hypot(told.x1_mm[i] - told.x0_mm[i], told.y1_mm[i] - told.y0_mm[i]);
+  out.wear_depth = estimate(r.depth.wear);
+  out.wear_alpha = estimate(r.alpha.wear);
+  if (r.travel.known) {
+    out.travel_depth = MeasuredNumber{r.travel.share, r.travel.sigma};
+    out.travel_towards_deg = r.travel.towards_deg;
+  }
+  return out;
+}
+
+void write_machine(const ReadOptions& options, const MachineProfile& machine, const MachineMeasured& measured) {
+  const DepthTable table = measured_table(measured);
+  const bool presses = machine.depth_by != DepthBy::fixed_z;
+  if (presses && table.rows.empty())
+    note(
+        "no depth table: it takes two commands at the usual speed whose depths are known, and depths that rise with "
+        "them; take the photos that the notes above ask for");
+  const std::optional<fs::path> former = write_measured_machine(options.machine, measured, options.out);
+  if (former) fmt::print("The former file is kept as {}\n", former->string());
+  const std::string what = presses && !table.rows.empty()
+                               ? fmt::format("a depth table of {} rows, {:.1f} to {:.1f} um", table.rows.size(),
+                                             table.rows.front().depth_um, table.rows.back().depth_um)
+                               : "what the coupon told";
+  fmt::print("Wrote {}: {}; next: burin toolpath SCRATCHES.csv --board BOARD.json --machine {} --out board.gcode\n",
+             options.out.string(), what, shell_word(options.out.string()));
+}
+
 void read_coupon_files(const ReadOptions& options) {
   const Coupon coupon = read_coupon(options.folder / "coupon.json");
+  std::optional<MachineProfile> machine;
+  if (!options.machine.empty()) {
+    machine = machine_profile(options.machine);
+    if (coupon.depth_by != depth_by_name(machine->depth_by))
+      fail(options.machine,
+           std::string("is a machine of depth_by ") + depth_by_name(machine->depth_by) +
+               ", and the coupon was carved by " + coupon.machine + ", whose depth_by is " + coupon.depth_by,
+           "give the machine that carved it");
+    if (coupon.usual_feed_mm_min != machine->carve_feed_mm_min)
+      note(fmt::format("{} carves at {:g} mm/min by now; the depth table will be that of {:g} mm/min", machine->name,
+                       machine->carve_feed_mm_min, coupon.usual_feed_mm_min));
+    if (options.out.extension() != ".json") fail(options.out.string(), "is no .json file", "name one for --out");
+    std::error_code unknown;
+    if (fs::exists(options.out) && !fs::equivalent(options.machine, options.out, unknown))
+      fail(options.out.string(), "is there already",
+           "name another file, or give it as --machine to be brought up to date");
+  }
   const fs::path board_file = options.folder / "board.json";
   const Board board = read_board(board_file);
   const Scratches told = read_scratches(board.scratches);
   ProgressBar bar;
-  const Session session = session_of(options.photos, board_file, options.folder, board, bar.progress());
+  const Session session = session_of(options.photos, board_file, options.folder, coupon, board, bar.progress());
   CalibrateOptions calibration;
   if (!options.camera.empty()) {
     calibration.lens = read_cameramodel(options.camera);
@@ -222,6 +319,13 @@ void read_coupon_files(const ReadOptions& options) {
   for (const Finding& finding : calibrated.findings) note(sentence(finding));
   for (const Finding& finding : reading.findings) note(sentence(finding));
   print_reading(coupon, reading);
+  if (machine)
+    write_machine(options, *machine, measured_of(coupon, reading, board, told));
+  else
+    fmt::print(
+        "Read coupon {}; next, into the machine's file: burin coupon read {} --photos {} --machine {} --out {}\n",
+        coupon.number, shell_word(options.folder.string()), shell_word(options.photos.string()), "MACHINE",
+        shell_word((options.folder / "machine.json").string()));
 }
 
 }  // namespace
@@ -266,6 +370,15 @@ void add_coupon_command(CLI::App& burin) {
   read->add_option("COUPON_DIR", reading->folder, "The folder that burin coupon write made")->required();
   read->add_option("--photos", reading->photos, "The folder of its photos, or a session.json of them")->required();
   read->add_option("--camera", reading->camera, "The camera's lens, if it was measured (burin lens): .cameramodel");
+  CLI::Option* machine =
+      read->add_option("--machine", reading->machine,
+                       "The machine that carved it, whose file what is measured goes into: " + built_in_machines() +
+                           ", or a burin/machine file");
+  CLI::Option* out = read->add_option("--out", reading->out,
+                                      "The machine's file to write (.json); the one of --machine itself is brought up "
+                                      "to date, and kept beside as .former");
+  machine->needs(out);
+  out->needs(machine);
   read->footer(example("burin coupon read coupon-3 --photos photos --machine grbl-spring --out machine.json"));
   read->callback([reading] { read_coupon_files(*reading); });
 }

@@ -192,6 +192,8 @@ TravelReading travel_of(const Vector2d& along, const Eigen::Matrix2d& covariance
   const double worst = 2 * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
   out.sigma = 2 * std::sqrt(u.dot(covariance * u));
   out.towards_deg = kDegrees * std::atan2(u.y(), u.x());
+  const Vector2d across(-u.y(), u.x());
+  if (along.norm() > 0) out.towards_sigma_deg = kDegrees * std::sqrt(across.dot(covariance * across)) / along.norm();
   constexpr double kTells = 0.1, kChance = 9.21;  // chi^2 of two degrees of freedom, 1 %
   out.known = worst < kTells;
   out.seen = out.known && along.dot(covariance.inverse() * along) > kChance;
@@ -215,7 +217,7 @@ void fill_reading(Rounds& run, const Eigen::MatrixXd& covariance, const Board& b
                         std::sqrt(covariance(n + f, n + f))});
   }
   // Fans that the photos do not tell would only hide what the others say of wear.
-  const auto told = [&](const std::vector<FanSample>& all, Index first, double prior) {
+  const auto told = [&](const std::vector<FanSample>& all, Index first, double prior, bool with_tilt) {
     std::vector<Index> kept;
     for (Index f = 0; f < n; ++f)
       if (std::sqrt(covariance(first + f, first + f)) < 0.8 * prior) kept.push_back(f);
@@ -226,10 +228,10 @@ void fill_reading(Rounds& run, const Eigen::MatrixXd& covariance, const Board& b
       for (std::size_t b = 0; b < kept.size(); ++b)
         of_kept(static_cast<Index>(a), static_cast<Index>(b)) = covariance(first + kept[a], first + kept[b]);
     }
-    return cell_statistics(samples, of_kept, coupon.cells.size());
+    return cell_statistics(samples, of_kept, coupon.cells.size(), with_tilt);
   };
-  out.depth = told(depth, 0, kFanDepthPrior);
-  out.alpha = told(alpha, n, kFanAlphaPrior);
+  out.depth = told(depth, 0, kFanDepthPrior, true);
+  out.alpha = told(alpha, n, kFanAlphaPrior, false);
   out.travel = travel_of(run.values.travel, covariance.block<2, 2>(2 * n, 2 * n));
   const std::vector<std::vector<FanInPhoto>> seen = fans_in_photos(run);
   for (std::size_t c = 0; c < coupon.cells.size(); ++c) {

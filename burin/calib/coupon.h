@@ -50,8 +50,9 @@ struct TravelReading {
   double share = 0;        ///< by how much it is deeper going towards `towards_deg` than going back
   double sigma = 0;        ///< of the share
   double towards_deg = 0;  ///< counter-clockwise from x
-  bool known = false;      ///< whether the photos could tell
-  bool seen = false;       ///< beyond chance, at 1 %
+  double towards_sigma_deg = 0;
+  bool known = false;  ///< whether the photos could tell
+  bool seen = false;   ///< beyond chance, at 1 %
 };
 
 struct CouponReading {

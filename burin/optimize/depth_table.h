@@ -13,7 +13,8 @@ namespace burin {
 /// One measured pair.
 struct DepthStep {
   double depth_um = 0;
-  double command = 0;  ///< preload in mm of Z below contact, or the servo's S
+  double command = 0;   ///< preload in mm of Z below contact, or the servo's S
+  double sigma_um = 0;  ///< of the depth; 0: not told
 };
 
 /// Depths rise from row to row, commands rise (or, for servos, fall). Between rows it is straight.

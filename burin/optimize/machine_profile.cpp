@@ -1,9 +1,11 @@
 #include "burin/optimize/machine_profile.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "burin/optimize/carving/toml_file.h"
+#include "burin/optimize/machine_measured_json.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 
@@ -100,8 +102,10 @@ void read_depth_table(JsonObject& json, MachineProfile& machine) {
   if (!rows.is_array() || rows.size() < 2) wrong("is no list of at least two rows");
   for (const Json& row : rows) {
     const auto finite = [](const Json& v) { return v.is_number() && std::isfinite(v.get<double>()); };
-    if (!row.is_array() || row.size() != 2 || !finite(row[0]) || !finite(row[1])) wrong("has a row " + row.dump());
-    const DepthStep step{row[0].get<double>(), row[1].get<double>()};
+    if (!row.is_array() || (row.size() != 2 && row.size() != 3) || !std::all_of(row.begin(), row.end(), finite))
+      wrong("has a row " + row.dump());
+    const DepthStep step{row[0].get<double>(), row[1].get<double>(), row.size() == 3 ? row[2].get<double>() : 0};
+    if (step.sigma_um < 0) wrong("has a negative sigma in row " + row.dump());
     if (!(step.depth_um > 0)) wrong("has a depth of " + row[0].dump() + " um");
     std::vector<DepthStep>& done = machine.depth_table.rows;
     if (!done.empty() && !(step.depth_um > done.back().depth_um)) wrong("has depths that do not rise at " + row.dump());
@@ -215,6 +219,7 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
   if (machine.max_lines != 0 && machine.max_lines < 100)
     json.fail_field("max_lines", "is " + std::to_string(machine.max_lines), "write 0 for no limit, or at least 100");
   machine.force = json.number("force", machine.force);
+  if (json.has("measured")) machine.measured = read_measured(json.object("measured"));
   if (json.has("limits")) machine.limits = read_limits(json.object("limits"));
   if (json.has("travel_mm")) {
     const Eigen::MatrixXd travel = json.matrix("travel_mm", 2, 2);

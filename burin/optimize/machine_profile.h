@@ -11,7 +11,7 @@
 //     "decimals": 3, "max_lines": 90000, "travel_mm": [[-10, -10], [400, 300]], "force": 350,
 //     "limits": { "step_mm": 0.0125, "shortest_mm": 0.5, "longest_mm": 40, "min_distance_mm": 0.05,
 //                 "max_overlap": 0.3, "max_grooves": 3 },
-//     "depth_by": "spring", "depth_table": [[5, 0.25], [12, 0.6], [20, 1.2]],
+//     "depth_by": "spring", "depth_table": [[5, 0.25], [12, 0.6], [20, 1.2, 0.4]],
 //     "start": ["G21", "G90", "M3 S{force}"], "per_scratch": ["G0 X{x0} Y{y0}", ...], "end": ["M5", "M2"] }
 //
 // In TOML the same keys stand before `=`, and `limits` is a table of its own.
@@ -24,7 +24,8 @@
 //
 // `depth_by` says how a depth comes about:
 //   "fixed-z"  Z goes to the depth itself, so the face must be as even as a part of that, or be followed (a height map)
-//   "spring"   the tool is pressed by going below the first contact, as far as depth_table says ([depth um, mm])
+//   "spring"   the tool is pressed by going below the first contact, as far as depth_table says ([depth um, mm], and
+//              the depth's standard deviation, um, where it was measured)
 //   "drag"     the same, by a drag bit's own spring
 //   "servo"    an S value presses the head ([depth um, S]); Z stays at the safe height
 #pragma once
@@ -36,6 +37,7 @@
 #include <vector>
 
 #include "burin/optimize/depth_table.h"
+#include "burin/optimize/machine_measured.h"
 
 namespace burin {
 
@@ -91,7 +93,8 @@ struct MachineProfile {
   double servo_up = 0;     ///< S that lifts a servo's head
   bool laser = false;      ///< the tool sits on a laser's axis: no file may turn the beam on
   MachineLimits limits;
-  std::optional<MachineBounds> travel;  ///< where the tool can go; nothing is checked if not known
+  std::optional<MachineMeasured> measured;  ///< by a coupon
+  std::optional<MachineBounds> travel;      ///< where the tool can go; nothing is checked if not known
   std::vector<std::string> start, per_scratch, end;
 };
 

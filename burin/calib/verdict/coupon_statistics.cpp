@@ -15,36 +15,68 @@ struct Solution {
   VectorXd x;
   MatrixXd covariance;
   double chi2 = 0;
+  double log_likelihood = 0;  // of the scatter, what is fitted being integrated over
 };
 
 Solution solve_with(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, double scatter2) {
   MatrixXd V = covariance;
   V.diagonal().array() += scatter2;
-  const Eigen::LDLT<MatrixXd> factor(V);
+  const Eigen::LLT<MatrixXd> factor(V);
   const MatrixXd WX = factor.solve(design);
+  const Eigen::LLT<MatrixXd> normal(design.transpose() * WX);
   Solution out;
-  out.covariance = (design.transpose() * WX).ldlt().solve(MatrixXd::Identity(design.cols(), design.cols()));
+  out.covariance = normal.solve(MatrixXd::Identity(design.cols(), design.cols()));
   out.x = out.covariance * (WX.transpose() * y);
   const VectorXd left = y - design * out.x;
   out.chi2 = left.dot(factor.solve(left));
+  const auto half_log_determinant = [](const Eigen::LLT<MatrixXd>& of) {
+    return of.matrixLLT().diagonal().array().log().sum();
+  };
+  out.log_likelihood = -0.5 * out.chi2 - half_log_determinant(factor) - half_log_determinant(normal);
   return out;
 }
 
-// The added scatter's square for which chi^2 is its degrees of freedom; it falls as scatter grows.
-double scatter_of(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, int degrees) {
-  if (degrees < 1 || solve_with(design, y, covariance, 0).chi2 <= degrees) return 0;
-  double low = 0, high = 1e-6;
-  while (solve_with(design, y, covariance, high).chi2 > degrees && high < 100) high *= 4;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (solve_with(design, y, covariance, middle).chi2 > degrees ? low : high) = middle;
+// The mean over all scatters that the samples allow, with the scatter itself: few repeats leave it open, and what is
+// open belongs into every sigma.
+Solution averaged(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, Estimate& scatter) {
+  constexpr int kSteps = 160;
+  constexpr double kMost = 0.6, kUsual = 0.05;  // of logarithms
+  std::vector<Solution> solutions;
+  std::vector<double> at, weight;
+  double best = -1e300;
+  for (int i = 0; i < kSteps; ++i) {
+    const double share = (i + 0.5) / kSteps, s = kMost * share * share;
+    solutions.push_back(solve_with(design, y, covariance, s * s));
+    at.push_back(s);
+    best = std::max(best, solutions.back().log_likelihood);
   }
-  return high;
+  double sum = 0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double share = (i + 0.5) / kSteps, prior = 1 / (1 + at[i] * at[i] / (kUsual * kUsual));
+    weight.push_back(share * prior * std::exp(solutions[i].log_likelihood - best));
+    sum += weight.back();
+  }
+  Solution out = solutions.front();
+  out.x.setZero();
+  out.covariance.setZero();
+  scatter = {0, 0, true};
+  for (int i = 0; i < kSteps; ++i) {
+    out.x += weight[i] / sum * solutions[i].x;
+    scatter.value += weight[i] / sum * at[i];
+  }
+  for (int i = 0; i < kSteps; ++i) {
+    const VectorXd off = solutions[i].x - out.x;
+    out.covariance += weight[i] / sum * (solutions[i].covariance + off * off.transpose());
+    scatter.sigma += weight[i] / sum * std::pow(at[i] - scatter.value, 2);
+  }
+  scatter.sigma = std::sqrt(scatter.sigma);
+  return out;
 }
 
 }  // namespace
 
-CellStatistics cell_statistics(const std::vector<FanSample>& samples, const MatrixXd& covariance, std::size_t cells) {
+CellStatistics cell_statistics(const std::vector<FanSample>& samples, const MatrixXd& covariance, std::size_t cells,
+                               bool with_tilt) {
   CellStatistics out;
   out.cells.resize(cells);
   out.covariance = MatrixXd::Zero(static_cast<Index>(cells), static_cast<Index>(cells));
@@ -54,20 +86,22 @@ CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Matr
   Index seen = 0;
   for (const FanSample& s : samples)
     if (column[s.cell] < 0) column[s.cell] = seen++;
-  constexpr Index kTrends = 3;
-  const bool trends = n - seen - kTrends >= 3;
-  MatrixXd design = MatrixXd::Zero(n, seen + (trends ? kTrends : 0));
+  constexpr Index kFewestLeft = 2;
+  const Index wear = n - seen - 1 >= kFewestLeft ? 1 : 0;
+  const Index tilt = with_tilt && n - seen - 3 >= kFewestLeft ? 2 : 0;
+  MatrixXd design = MatrixXd::Zero(n, seen + wear + tilt);
   VectorXd y(n);
   for (Index i = 0; i < n; ++i) {
     const FanSample& s = samples[static_cast<std::size_t>(i)];
     y[i] = s.value;
     design(i, column[s.cell]) = 1;
-    if (trends) design.row(i).tail(kTrends) << s.age - 0.5, s.place.x(), s.place.y();
+    if (wear > 0) design(i, seen) = s.age - 0.5;
+    if (tilt > 0) design.row(i).tail<2>() = s.place.transpose();
   }
   out.degrees = static_cast<int>(n - design.cols());
   out.chi2 = solve_with(design, y, covariance, 0).chi2;
-  const double scatter2 = scatter_of(design, y, covariance, out.degrees);
-  const Solution solution = solve_with(design, y, covariance, scatter2);
+  const Solution solution =
+      out.degrees > 0 ? averaged(design, y, covariance, out.repeat) : solve_with(design, y, covariance, 0);
   const auto number = [&](Index at) {
     return Estimate{solution.x[at], std::sqrt(std::max(0.0, solution.covariance(at, at))), true};
   };
@@ -78,17 +112,8 @@ CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Matr
       if (column[b] >= 0)
         out.covariance(static_cast<Index>(a), static_cast<Index>(b)) = solution.covariance(column[a], column[b]);
   }
-  if (trends) {
-    out.wear = number(seen);
-    out.tilt_x = number(seen + 1);
-    out.tilt_y = number(seen + 2);
-  }
-  if (out.degrees >= 1) {
-    // A variance from so many degrees of freedom, that of the photos being part of what was seen.
-    const double seen2 = scatter2 + covariance.diagonal().mean(), spread = std::sqrt(2.0 / out.degrees) * seen2;
-    const double scatter = std::sqrt(scatter2);
-    out.repeat = {scatter, scatter > std::sqrt(spread) ? spread / (2 * scatter) : std::sqrt(spread), true};
-  }
+  if (wear > 0) out.wear = number(seen);
+  if (tilt > 0) out.tilt_x = number(seen + 1), out.tilt_y = number(seen + 2);
   return out;
 }
 

@@ -33,10 +33,10 @@ struct CellStatistics {
   int degrees = 0;              ///< of freedom that chi2 has
 };
 
-/// Generalized least squares with the samples' `covariance`, to which is added the scatter that makes chi^2 what its
-/// degrees of freedom let expect (Paule and Mandel 1982). Wear and tilt are sought where three repeats or more remain
-/// besides them.
+/// Generalized least squares with the samples' `covariance` and a scatter of fans that is not known: all scatters count
+/// by their likelihood (restricted, with a half-Cauchy prior of 5 %; Gelman 2006), so that few repeats make large
+/// sigmas. Wear and, `with_tilt`, the place are sought where two repeats or more remain besides them.
 CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Eigen::MatrixXd& covariance,
-                               std::size_t cells);
+                               std::size_t cells, bool with_tilt);
 
 }  // namespace burin

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <utility>
 
@@ -198,25 +199,27 @@ Board coupon_board(const CouponOptions& options, double depth_um) {
 }
 
 // Lamp and eyes so that half vectors lean by as much as walls of the ladder's grooves do at their steepest, on both
-// sides of each, and lie 60 degrees apart seen from above.
+// sides of each even if what is believed is a third off, and lie 60 degrees apart seen from above. The lamp is low:
+// then the eye that sees the largest lean looks past it.
 void place_shots(double shallowest_um, double deepest_um, Coupon& coupon, double tool_width_um) {
-  constexpr double kLampTilt = std::numbers::pi / 4, kLamp_mm = 600, kEye_mm = 300;
-  const double low = 2 * std::atan(groove_rim(tool_width_um, shallowest_um)),
-               high = 2 * std::atan(groove_rim(tool_width_um, deepest_um));
+  constexpr double kLampTilt = std::numbers::pi / 3, kLamp_mm = 600, kEye_mm = 300;
+  constexpr double kOff = 0.3, kLeastLean = 0.15, kMostLean = 0.84;  // off the mirror's light; the eye off the lamp
+  const double low = 2 * std::atan(groove_rim(tool_width_um, (1 - kOff) * shallowest_um)),
+               high = 2 * std::atan(groove_rim(tool_width_um, (1 + kOff) * deepest_um));
   const Eigen::Vector3d middle(kSize_mm / 2, kSize_mm / 2, 0);
   const Eigen::Vector3d wi(0, -std::sin(kLampTilt), std::cos(kLampTilt));
   coupon.lamp_mm = (middle + kLamp_mm * wi).array().round();
-  const auto put = [&](double lean, double azimuth_deg) {
+  const auto put = [&](double share, double azimuth_deg) {
     const double azimuth = azimuth_deg * std::numbers::pi / 180;
-    const double tilt = std::clamp(lean, 0.15, 0.62);  // off the face's mirror light, and within what eyes can reach
-    const Eigen::Vector3d h(std::sin(tilt) * std::cos(azimuth), std::sin(tilt) * std::sin(azimuth), std::cos(tilt));
+    const double lean = std::clamp(low + share * (high - low), kLeastLean, kMostLean);
+    const Eigen::Vector3d h(std::sin(lean) * std::cos(azimuth), std::sin(lean) * std::sin(azimuth), std::cos(lean));
     const Eigen::Vector3d wo = 2 * wi.dot(h) * h - wi;
     coupon.shots.push_back(
-        {std::round(10 * tilt * 180 / std::numbers::pi) / 10, (middle + kEye_mm * wo).array().round()});
+        {std::round(10 * lean * 180 / std::numbers::pi) / 10, (middle + kEye_mm * wo).array().round()});
   };
-  put(low + 0.1 * (high - low), -30);
-  put(low + 0.5 * (high - low), -150);
-  put(low + 0.9 * (high - low), -90);
+  put(0.15, -30);
+  put(0.5, -150);
+  put(0.9, -90);
 }
 
 // How many fans stand in a row, and how long their spokes are.
@@ -227,8 +230,52 @@ struct Grid {
   std::vector<Spokes> spokes;  // of each cell
 };
 
-Grid grid_for(const std::vector<CouponCell>& cells, std::size_t usual, double label_mm, const MachineProfile& machine,
-              double tool_width_um) {
+// The shortest scratch that shows and that the machine carves.
+double shortest_mm(const MachineProfile& machine) {
+  return std::max(kShortestSpoke_mm, machine.limits.shortest_mm + 2 * machine.limits.step_mm);
+}
+
+double groove_width_mm(const CouponCell& cell, double tool_width_um) {
+  return 2e-3 * half_width_um(tool_width_um, kDeeper * cell.depth_um);
+}
+
+// A cell's spokes in fans of this radius; nothing where its grooves would touch or be too short.
+std::optional<Spokes> fitting_spokes(const CouponCell& cell, double outer_mm, const MachineProfile& machine,
+                                     double tool_width_um) {
+  const double clear_mm = std::max(groove_width_mm(cell, tool_width_um), machine.limits.distance_mm) + 0.02;
+  Spokes spokes = spokes_of(outer_mm, cell.spacing_mm, clear_mm);
+  if (machine.limits.longest_mm > 0)
+    spokes.inner_mm = std::max(spokes.inner_mm, outer_mm - machine.limits.longest_mm + 2 * machine.limits.step_mm);
+  if (spokes.outer_mm - spokes.inner_mm < shortest_mm(machine)) return std::nullopt;
+  return spokes;
+}
+
+// Spacings that nobody asked for become as wide as grooves need them; a second one that is not closer any more goes.
+void widen_spacings(double outer_mm, const MachineProfile& machine, double tool_width_um,
+                    std::vector<CouponCell>& cells) {
+  constexpr double kStep = 1.05, kMost_mm = 1.5, kCloserBy = 0.9;
+  double usual = cells.front().spacing_mm, closer = cells.back().spacing_mm;
+  const auto all_fit = [&] {
+    return std::all_of(cells.begin(), cells.end() - 1, [&](CouponCell cell) {
+      cell.spacing_mm = usual;
+      return fitting_spokes(cell, outer_mm, machine, tool_width_um).has_value();
+    });
+  };
+  while (!all_fit() && usual < kMost_mm) usual *= kStep;
+  CouponCell last = cells.back();
+  for (last.spacing_mm = closer; last.spacing_mm < kCloserBy * usual; last.spacing_mm *= kStep)
+    if (fitting_spokes(last, outer_mm, machine, tool_width_um)) break;
+  const auto rounded = [](double mm) { return std::round(100 * mm) / 100 + 0.01; };
+  if (usual > cells.front().spacing_mm)
+    for (CouponCell& cell : cells) cell.spacing_mm = rounded(usual);
+  if (last.spacing_mm < kCloserBy * usual)
+    cells.back().spacing_mm = last.spacing_mm > closer ? rounded(last.spacing_mm) : closer;
+  else
+    cells.pop_back();
+}
+
+Grid grid_for(std::vector<CouponCell>& cells, std::size_t usual, bool free_spacings, double label_mm,
+              const MachineProfile& machine, double tool_width_um) {
   Grid grid;
   const std::size_t wanted = cells.size() + usual + 2;
   while (grid.across < kMostAcross && static_cast<std::size_t>(grid.across) * grid.across < wanted) ++grid.across;
@@ -242,21 +289,17 @@ Grid grid_for(const std::vector<CouponCell>& cells, std::size_t usual, double la
   grid.first_mm = {kCarve_mm + 0.5 * (room_mm - (grid.across - 1) * grid.pitch_mm),
                    kCarve_mm + label_mm + 0.5 * grid.pitch_mm};
   const double gap_mm = std::max(kFanGap_mm, machine.limits.distance_mm + 0.05);
-  double outer_mm = 0.5 * (grid.pitch_mm - gap_mm);
+  const double outer_mm = 0.5 * (grid.pitch_mm - gap_mm);
+  if (free_spacings) widen_spacings(outer_mm, machine, tool_width_um, cells);
   for (const CouponCell& cell : cells) {
-    const double groove_mm = 2e-3 * half_width_um(tool_width_um, kDeeper * cell.depth_um);
-    const double clear_mm = std::max(groove_mm, machine.limits.distance_mm) + 0.02;
-    Spokes spokes = spokes_of(outer_mm, cell.spacing_mm, clear_mm);
-    const double shortest_mm = std::max(kShortestSpoke_mm, machine.limits.shortest_mm + 2 * machine.limits.step_mm);
-    if (machine.limits.longest_mm > 0)
-      spokes.inner_mm = std::max(spokes.inner_mm, outer_mm - machine.limits.longest_mm + 2 * machine.limits.step_mm);
-    if (spokes.outer_mm - spokes.inner_mm < shortest_mm)
+    const std::optional<Spokes> spokes = fitting_spokes(cell, outer_mm, machine, tool_width_um);
+    if (!spokes)
       fail(kWhere,
-           "has no room for scratches of " + significant(shortest_mm, 3) + " mm " + significant(cell.spacing_mm, 2) +
-               " mm apart in a fan of " + significant(2 * outer_mm, 3) + " mm, with grooves " +
-               significant(groove_mm, 2) + " mm wide",
+           "has no room for scratches of " + significant(shortest_mm(machine), 3) + " mm " +
+               significant(cell.spacing_mm, 2) + " mm apart in a fan of " + significant(2 * outer_mm, 3) +
+               " mm, with grooves " + significant(groove_width_mm(cell, tool_width_um), 2) + " mm wide",
            "try a wider spacing, shallower grooves, or fewer preloads and speeds, which leave larger fans");
-    grid.spokes.push_back(spokes);
+    grid.spokes.push_back(*spokes);
   }
   return grid;
 }
@@ -325,7 +368,8 @@ CouponPlan make_coupon(const MachineProfile& machine, const CouponOptions& optio
                                              " mm make letters too large for the coupon",
                                          "write them on it by hand"));
   const double label_mm = labeled ? label.height_mm + 0.6 : 0;
-  const Grid grid = grid_for(coupon.cells, commands.size(), label_mm, machine, options.tool_width_um);
+  const Grid grid =
+      grid_for(coupon.cells, commands.size(), options.spacings_mm.empty(), label_mm, machine, options.tool_width_um);
   for (std::size_t i = 0; i < coupon.cells.size(); ++i)
     coupon.cells[i].reached_mm_min =
         reached_mm_min(machine, grid.spokes[i].outer_mm - grid.spokes[i].inner_mm, coupon.cells[i].feed_mm_min);

@@ -1,0 +1,13 @@
+// burin/optimize/machine_measured_json.h - MachineMeasured as JSON. Include it in .cpp files only.
+#pragma once
+
+#include "burin/optimize/machine_measured.h"
+#include "burin/render/files/json_file.h"
+
+namespace burin {
+
+/// Throws Error naming file and field of what is wrong.
+MachineMeasured read_measured(JsonObject json);
+Json measured_json(const MachineMeasured& measured);
+
+}  // namespace burin
