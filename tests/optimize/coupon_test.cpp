@@ -311,7 +311,7 @@ TEST(MachineMeasured, ComesIntoTheMachinesFile) {
   EXPECT_FALSE(machine.depth_table.assumed);
   ASSERT_EQ(machine.depth_table.rows.size(), 3U);  // those at the usual speed whose depth is known
   EXPECT_EQ(machine.depth_table.rows[1].depth_um, 14.2);
-  EXPECT_EQ(machine.depth_table.rows[1].command, 0.6);
+  EXPECT_NEAR(machine.depth_table.rows[1].command, 0.6, 1e-12);
   EXPECT_NEAR(machine.depth_table.rows[1].sigma_um, 0.2, 1e-12);
   EXPECT_NEAR(plunge_mm(machine, 0.0142), 0.6, 1e-12);
   ASSERT_TRUE(machine.measured.has_value());

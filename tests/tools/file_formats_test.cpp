@@ -10,6 +10,7 @@
 #include "burin/capture/session.h"
 #include "burin/optimize/carving/height_map.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/render/coupon.h"
 #include "burin/render/scratches.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
@@ -77,7 +78,8 @@ class FileFormats : public ::testing::Test {
 TEST_F(FileFormats, PageHasAnExampleOfEachFile) {
   EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("burin/board", "csv", "burin/machine", "toml burin/machine",
                                                       "burin/session", "burin/bench", "burin/bench", "burin/design",
-                                                      "toml burin/loop", "burin/made", "burin/heights", "burin/names"));
+                                                      "toml burin/loop", "burin/made", "burin/heights", "burin/names",
+                                                      "burin/coupon"));
 }
 
 TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
@@ -86,6 +88,8 @@ TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
   EXPECT_EQ(read_names(folder_ / "names.json").lamps.at("ceiling"), "lamp");
   EXPECT_EQ(read_machine_profile(folder_ / "machine.json").limits.max_grooves, 3);
   EXPECT_EQ(read_machine_profile(folder_ / "machine.json").depth_by, DepthBy::drag);
+  EXPECT_EQ(read_machine_profile(folder_ / "machine.json").depth_table.rows.back().sigma_um, 0.4);
+  EXPECT_EQ(read_coupon(folder_ / "coupon.json").fans.front().rows, 58U);
   EXPECT_EQ(read_machine_profile(folder_ / "machine.toml").limits.max_overlap, 0.3);
   EXPECT_EQ(read_heights(folder_ / "heights.json").columns, 3);
   EXPECT_EQ(read_loop_options(folder_.path()).design.at("tolerance-mm").front(), "3");

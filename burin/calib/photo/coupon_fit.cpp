@@ -21,11 +21,22 @@ using Eigen::MatrixXd;
 using Eigen::Vector2d;
 using Eigen::VectorXd;
 
+constexpr double kAcrossPrior = 0.05;
 constexpr double kTravelPrior = 0.3;  // of a tool that hardly minds which way it goes
 constexpr int kSectors = 12;          // of a fan, whose scores are summed
 
 Vector2d travel_of(const Scratches& s, std::size_t i) {
   return Vector2d(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]).normalized();
+}
+
+constexpr int kTrends = 4;  // travel, across
+
+// By what a scratch's depth follows travel (2) and across (2).
+Eigen::Vector4d trends_of(const Scratches& s, std::size_t i, const CouponFan& fan) {
+  const Vector2d middle(0.5 * (s.x0_mm[i] + s.x1_mm[i]), 0.5 * (s.y0_mm[i] + s.y1_mm[i]));
+  Eigen::Vector4d out;
+  out << travel_of(s, i), (middle - fan.center_mm) / fan.radius_mm;
+  return out;
 }
 
 // Of each scratch the fan it belongs to; -1: none.
@@ -67,7 +78,8 @@ void add_costs(const FanProblem& problem, std::size_t k, const Image& value, std
 }
 
 double prior_cost(const FanProblem& problem, const FanValues& values) {
-  double cost = 0.5 * values.travel.squaredNorm() / (kTravelPrior * kTravelPrior);
+  double cost = 0.5 * values.travel.squaredNorm() / (kTravelPrior * kTravelPrior) +
+                0.5 * values.across.squaredNorm() / (kAcrossPrior * kAcrossPrior);
   for (std::size_t f = 0; f < values.log_depth.size(); ++f)
     cost += 0.5 * std::pow((values.log_depth[f] - problem.prior.log_depth[f]) / kFanDepthPrior, 2) +
             0.5 * std::pow((values.log_alpha[f] - problem.prior.log_alpha[f]) / kFanAlphaPrior, 2);
@@ -107,7 +119,7 @@ struct Layout {
 
   Layout(const FanProblem& problem, const State& state, bool with_geometry)
       : fans(static_cast<Index>(problem.coupon->fans.size())),
-        own(2 * fans + 2),
+        own(2 * fans + kTrends),
         global(global_count(state.lamps.size())) {
     if (!with_geometry || !problem.data.geometry) return;
     geometry = problem.data.geometry->information.rows();
@@ -135,16 +147,19 @@ struct FanEquations {
         g(VectorXd::Zero(n)) {}
 };
 
-// A photo's derivatives by what fans share: travel.
-std::array<Image, 2> travel_slopes(const FanProblem& problem, std::size_t k, const State& state, const Carved& carved,
-                                   const Image& value) {
+// A photo's derivatives by what fans share.
+std::array<Image, kTrends> trend_slopes(const FanProblem& problem, std::size_t k, const State& state,
+                                        const Carved& carved, const Image& value) {
   constexpr double kStep = 0.02;
-  std::array<Image, 2> out;
-  for (int axis = 0; axis < 2; ++axis) {
+  const std::vector<int> fan_of = fan_of_rows(*problem.coupon, carved.size());
+  std::array<Image, kTrends> out;
+  for (int trend = 0; trend < kTrends; ++trend) {
     Carved moved = carved;
     for (std::size_t i = 0; i < moved.size(); ++i)
-      moved.scratches.depth_um[i] *= std::exp(kStep * travel_of(carved.scratches, i)[axis]);
-    Image& slope = out[static_cast<std::size_t>(axis)];
+      if (fan_of[i] >= 0)
+        moved.scratches.depth_um[i] *= std::exp(
+            kStep * trends_of(problem.told, i, problem.coupon->fans[static_cast<std::size_t>(fan_of[i])])[trend]);
+    Image& slope = out[static_cast<std::size_t>(trend)];
     slope = value_of(problem, k, state, moved);
     for (std::size_t i = 0; i < slope.data.size(); ++i)
       slope.data[i] = (slope.data[i] - value.data[i]) / static_cast<float>(kStep);
@@ -175,10 +190,11 @@ void add_photo(const FanProblem& problem, std::size_t k, const State& state, con
   const PhotoData& photo = problem.data.photos[k];
   const Unknowns x = state.of(photo.photo.light);
   const GrooveSlopes own = predict_with_slopes(model, photo, x, carved);
-  const std::array<Image, 2> travel = travel_slopes(problem, k, state, carved, own.value);
+  const std::array<Image, kTrends> trends = trend_slopes(problem, k, state, carved, own.value);
   const FreeUnknowns wanted = wanted_of(stage, layout);
   const PhotoSlopes slopes = photo_slopes(model, photo, x, carved, wanted);
-  std::vector<Index> at{0, 0, 2 * layout.fans, 2 * layout.fans + 1};  // own depth and alpha first: set for each pixel
+  std::vector<Index> at{0, 0};  // own depth and alpha first: set for each fan
+  for (Index trend = 0; trend < kTrends; ++trend) at.push_back(2 * layout.fans + trend);
   for (const int index : slopes.index) at.push_back(layout.place(photo, index));
   if (wanted[unknown::ambient]) at.push_back(layout.place(photo, unknown::ambient));
   for (int v = 0; v < 3; ++v)
@@ -199,9 +215,8 @@ void add_photo(const FanProblem& problem, std::size_t k, const State& state, con
     const double vignette = vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i]));
     row[0] = fan < 0 ? 0 : own.by_log_depth.data[i];
     row[1] = fan < 0 ? 0 : own.by_log_alpha.data[i];
-    row[2] = travel[0].data[i];
-    row[3] = travel[1].data[i];
-    Index next = 4;
+    Index next = 2;
+    for (const Image& slope : trends) row[next++] = slope.data[i];
     for (const Image& column : slopes.columns) row[next++] = vignette * column.data[i];
     if (wanted[unknown::ambient]) row[next++] = vignette * model.f0;
     double power = photo.radius2[i];
@@ -252,7 +267,10 @@ void add_others(const FanProblem& problem, const State& state, const FanValues& 
     add(f, std::pow(kFanDepthPrior, -2), values.log_depth[i] - problem.prior.log_depth[i]);
     add(layout.fans + f, std::pow(kFanAlphaPrior, -2), values.log_alpha[i] - problem.prior.log_alpha[i]);
   }
-  for (int axis = 0; axis < 2; ++axis) add(2 * layout.fans + axis, std::pow(kTravelPrior, -2), values.travel[axis]);
+  for (int axis = 0; axis < 2; ++axis) {
+    add(2 * layout.fans + axis, std::pow(kTravelPrior, -2), values.travel[axis]);
+    add(2 * layout.fans + 2 + axis, std::pow(kAcrossPrior, -2), values.across[axis]);
+  }
   for (const LightSample& sample : problem.data.paper) {
     const auto [r, row] = paper_equation(problem.data, state, sample, free);
     const double weight = 1 / (1 + r * r / (kPaperLoss * kPaperLoss));
@@ -322,7 +340,10 @@ Sent scratches_of(const Scratches& told, const Coupon& coupon, const FanValues& 
   for (std::size_t i = 0; i < told.size(); ++i) {
     const auto fan = static_cast<std::size_t>(std::max(fan_of[i], 0));
     const bool of_fan = fan_of[i] >= 0;
-    out.depth_um[i] = std::exp((of_fan ? values.log_depth[fan] : log_depth) + values.travel.dot(travel_of(told, i)));
+    Eigen::Vector4d trends;
+    trends << values.travel, values.across;
+    out.depth_um[i] =
+        std::exp(of_fan ? values.log_depth[fan] + trends.dot(trends_of(told, i, coupon.fans[fan])) : log_depth);
     out.alpha[i] = std::min(1.0, std::exp(of_fan ? values.log_alpha[fan] : log_alpha));
   }
   return Sent(std::move(out));
@@ -422,6 +443,7 @@ double fit_fans(FanProblem& problem, const Stage& stage, int max_iterations, Sta
             at.log_alpha[static_cast<std::size_t>(f)] + share * step[layout.fans + f], std::log(0.004), std::log(0.8));
       }
       at.travel += share * step.segment<2>(2 * layout.fans);
+      at.across += share * step.segment<2>(2 * layout.fans + 2);
       const auto [least_blur, most_blur] = log_blur_range(problem.data);
       double& log_blur = moved.shared[unknown::log_blur];
       log_blur = std::clamp(log_blur, least_blur, most_blur);

@@ -21,6 +21,9 @@ namespace burin {
 struct FanValues {
   std::vector<double> log_depth, log_alpha;  ///< um; a fan's, at its center
   Eigen::Vector2d travel{0, 0};              ///< log depth rises by this . (unit vector of travel)
+  /// and by this . (scratch's middle from its fan's center, in its radii): a sheet that is tilted, or what the photos
+  /// have wrong across a fan, is no travel.
+  Eigen::Vector2d across{0, 0};
 };
 
 /// Where all this starts from: one depth a fan as the coupon believes, one roughness.
@@ -52,8 +55,8 @@ double fit_fans(FanProblem& problem, const Stage& stage, int max_iterations, Sta
                 const Progress& progress);
 
 /// How well the photos tell the values: one covariance over the fans' log depths, then their log roughnesses, then
-/// travel. The larger, number by number, of two estimates: from the curvature, and from scores summed over fans'
-/// sectors (errors that a groove has in all its pixels). Cameras and all other unknowns are eliminated, not held.
+/// travel, then across. The larger, number by number, of two estimates: from the curvature, and from scores summed over
+/// fans' sectors (errors that a groove has in all its pixels). Cameras and all other unknowns are eliminated, not held.
 Eigen::MatrixXd fan_covariance(FanProblem& problem, const Stage& stage, const State& state, const FanValues& values);
 
 /// Sigmas of the weak priors: of the logarithms of depth and roughness.

@@ -155,15 +155,24 @@ std::vector<CouponCell> cells_of(const MachineProfile& machine, const CouponOpti
   return cells;
 }
 
-// Which cell each fan belongs to, in carving order: all cells and then repeats of those at the usual speed, shuffled,
-// between two fans of the middle command.
+void shuffle(std::vector<std::size_t>& list, std::mt19937_64& random) {
+  for (std::size_t i = list.size(); i > 1; --i) std::swap(list[i - 1], list[random() % i]);
+}
+
+// Which cell each fan belongs to, in carving order: the cells at the usual speed early, their repeats late, so that
+// wear shows between the two; all others between them, where it matters least; each of the three shuffled. The middle
+// command comes first and last.
 std::vector<std::size_t> order_of(std::size_t cells, std::size_t usual, std::size_t fans, std::mt19937_64& random) {
   const std::size_t middle = usual / 2;
-  std::vector<std::size_t> order(cells);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  for (std::size_t k = 0; order.size() + 2 < fans; ++k) order.push_back((middle + 1 + k) % usual);
-  for (std::size_t i = order.size(); i > 1; --i) std::swap(order[i - 1], order[random() % i]);
-  order.insert(order.begin(), middle);
+  std::vector<std::size_t> early(usual), between(cells - usual), late;
+  std::iota(early.begin(), early.end(), std::size_t{0});
+  std::iota(between.begin(), between.end(), usual);
+  for (std::size_t k = 0; cells + k + 2 < fans; ++k) (k < usual ? late : between).push_back((middle + 1 + k) % usual);
+  std::vector<std::size_t> order{middle};
+  for (std::vector<std::size_t>* part : {&early, &between, &late}) {
+    shuffle(*part, random);
+    order.insert(order.end(), part->begin(), part->end());
+  }
   order.push_back(middle);
   return order;
 }
@@ -310,7 +319,7 @@ void add_fans(const Grid& grid, std::size_t usual, CouponPlan& plan) {
   const auto places = static_cast<std::size_t>(grid.across) * grid.across;
   std::vector<std::size_t> place(places);
   std::iota(place.begin(), place.end(), std::size_t{0});
-  for (std::size_t i = places; i > 1; --i) std::swap(place[i - 1], place[random() % i]);
+  shuffle(place, random);
   const std::vector<std::size_t> order = order_of(coupon.cells.size(), usual, places, random);
   std::vector<bool> outward(coupon.cells.size());
   for (std::size_t i = 0; i < outward.size(); ++i) outward[i] = i % 2 == 0;
@@ -358,7 +367,9 @@ CouponPlan make_coupon(const MachineProfile& machine, const CouponOptions& optio
 
   LabelSize label;
   const double stroke_mm = machine.limits.shortest_mm + 2 * machine.limits.step_mm;
-  label.gap_mm = std::max(label.gap_mm, machine.limits.distance_mm);
+  label.gap_mm = std::max({label.gap_mm, machine.limits.distance_mm,
+                           0.6 * groove_width_mm(coupon.cells[commands.size() / 2], options.tool_width_um) + 0.02});
+  if (shortest_label_stroke_mm(label) < 0.4) label.height_mm = 2 * (0.4 + 2 * label.gap_mm);
   if (stroke_mm > shortest_label_stroke_mm(label)) label.height_mm = 2 * (stroke_mm + 2 * label.gap_mm);
   const std::string text = options.date + (options.date.empty() ? "" : " ") + std::to_string(options.number);
   const double text_mm = static_cast<double>(text.size()) * label_advance_mm(label);

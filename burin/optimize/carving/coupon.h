@@ -4,7 +4,8 @@
 // 60 mm with twelve tags along the edges and, between them, a square of fans: one for each command and speed, some at
 // another spacing, and repeats. Places and order are drawn by chance (the coupon's number is the seed), so that neither
 // a sheet that is not even nor a tool that wears looks like a command's doing; one cell in the middle of the ladder is
-// carved first and last. Half of each cell's fans are carved away from their centers, half towards them.
+// carved first and last, and those at the usual speed both early and late. Half of each cell's fans are carved away
+// from their centers, half towards them.
 #pragma once
 
 #include <string>
