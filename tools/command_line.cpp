@@ -58,6 +58,7 @@ std::unique_ptr<CLI::App> make_app() {
   add_probe_command(*burin);
   add_coupon_command(*burin);
   add_report_command(*burin);
+  add_view_command(*burin);
   add_loop_command(*burin);
   add_status_command(*burin);
   add_trace_command(*burin);

@@ -54,6 +54,7 @@ void add_toolpath_command(CLI::App& burin);
 void add_probe_command(CLI::App& burin);
 void add_coupon_command(CLI::App& burin);
 void add_report_command(CLI::App& burin);
+void add_view_command(CLI::App& burin);
 void add_loop_command(CLI::App& burin);
 void add_status_command(CLI::App& burin);
 void add_trace_command(CLI::App& burin);

@@ -1,0 +1,50 @@
+// tools/view/board_view.h - what the viewer's page shows: a board as one or several benches show it, the places to look
+// from, and what each was to show. `burin view` gathers it (view_sources.h) and writes it (view_page.h).
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burin/render/bench.h"
+#include "burin/render/board.h"
+#include "burin/render/carve.h"
+#include "burin/render/image.h"
+#include "burin/render/progress.h"
+#include "tools/match_views.h"
+
+namespace burin {
+
+/// A place to look from, under a lamp, and what is to be seen from there.
+struct ViewedPicture {
+  std::string view, light;  ///< names in the bench
+  Image target;             ///< on the carve area, one channel, gamma-encoded, row 0 the largest y; no pixels: none
+};
+
+/// The board on a bench, believed or measured.
+struct ViewedBoard {
+  std::string name;      ///< a button's: "Before", "As carved"
+  std::string sentence;  ///< what it is
+  Bench bench;
+  Carved carved;
+  std::vector<ViewedPicture> pictures;     ///< at least one
+  std::vector<MatchTolerance> tolerances;  ///< by match_tolerances(); may be empty
+};
+
+/// All that goes into one page.
+struct BoardView {
+  std::string title;
+  Board board;
+  std::vector<ViewedBoard> boards;  ///< at least one; the page begins with the first
+};
+
+/// What a picture looks like when it is laid flat on the carve area, encoded as it is shown, and the exposure (times
+/// radiance) that it is shown at: what comes nearest to the target, or, without one, all but the brightest half per
+/// cent below white. Rendered as `burin design` sees it, `long_side_px` on its longer side.
+struct FlatPicture {
+  Image shown;
+  double exposure = 1;
+};
+FlatPicture flat_picture(const Board& board, const ViewedBoard& viewed, const ViewedPicture& picture, int long_side_px);
+
+}  // namespace burin

@@ -1,0 +1,87 @@
+// burin view - a page with the board in it, to be held in the hand before it is carved.
+#include <CLI/App.hpp>
+#include <CLI/Error.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+#include "tools/view/view_page.h"
+#include "tools/view/view_sources.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostBytes = 3'000'000;
+
+struct Options {
+  fs::path folder, out;
+  ViewFiles files;
+};
+
+void require_command_line(const Options& o) {
+  const bool any = !o.files.board.empty() || !o.files.bench.empty() || !o.files.scratches.empty() ||
+                   !o.files.design.empty() || o.files.as_sent;
+  if (!o.folder.empty() && any)
+    throw CLI::ValidationError("PROJECT_DIR", "give a project, or --board and --bench of their own, not both");
+  if (o.folder.empty() && (o.files.board.empty() || o.files.bench.empty()))
+    throw CLI::ValidationError("PROJECT_DIR", "give a project, or --board and --bench (and --scratches, --design)");
+}
+
+void run(const Options& o) {
+  require_command_line(o);
+  std::vector<std::string> notes;
+  ProgressBar bar;
+  bar.progress()("reading", 0);
+  BoardView view = o.folder.empty() ? view_of_files(o.files, notes) : view_of_project(o.folder, notes);
+  for (const ViewedBoard& board : view.boards)
+    if (!is_lens_drawn(board.bench.lens)) {
+      notes.push_back(
+          fmt::format("the lens is {}, which the viewer shows as a pinhole: \"As a photo\" is bent otherwise",
+                      board.bench.lens.model));
+      break;
+    }
+  std::string page = view_page(view, bar.progress());
+  if (page.size() > kMostBytes && view.boards.size() > 2) {
+    notes.push_back(fmt::format("with the next design the page would have {:.1f} MB; it is left out",
+                                static_cast<double>(page.size()) * 1e-6));
+    view.boards.resize(2);
+    page = view_page(view, bar.progress());
+  }
+  const fs::path out = !o.out.empty() ? o.out : o.folder.empty() ? fs::path("view.html") : o.folder / "view.html";
+  write_text(page, out);
+  bar.clear();
+  for (const std::string& sentence : notes) note(sentence);
+  std::size_t most = 0;
+  for (const ViewedBoard& board : view.boards) most = std::max(most, board.carved.size());
+  fmt::print(
+      "Wrote {}: {} grooves, {} place{} to look from, {:.1f} MB, all in one file; next: open it in a browser, "
+      "or send it to a phone and tilt it.\n",
+      out.string(), most, view.boards.front().pictures.size(), view.boards.front().pictures.size() == 1 ? "" : "s",
+      static_cast<double>(page.size()) * 1e-6);
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& burin) {
+  auto o = std::make_shared<Options>();
+  CLI::App* c = burin.add_subcommand("view", "Write a page with the board in it: move eye and lamp and see it glint");
+  c->add_option("PROJECT_DIR", o->folder, "The project: its newest design, before and after it was measured");
+  c->add_option("--out", o->out, "Page to write (default: PROJECT_DIR/view.html)");
+  c->add_option("--board", o->files.board, "Without a project: the board");
+  c->add_option("--bench", o->files.bench, "Without a project: the bench, its views and lamps");
+  c->add_option("--scratches", o->files.scratches, "These scratches instead of the board's");
+  c->add_option("--design", o->files.design, "What the views are to show (default: all views, without targets)");
+  c->add_flag("--as-carved", o->files.as_sent, "The scratches are what the machine was told (a loop's sent.csv)");
+  c->footer(example("burin view samples/small-bench --out view.html"));
+  c->callback([o] { run(*o); });
+}
+
+}  // namespace burin
