@@ -39,7 +39,7 @@ std::string card(const Finding& finding) {
 
 std::string elements(const std::vector<std::string>& texts, const std::string& name) {
   std::string out;
-  for (const std::string& text : texts) out += "<" + name + ">" + text + "</" + name + ">\n";
+  for (const std::string& text : texts) out += fmt::format("<{0}>{1}</{0}>\n", name, text);
   return out;
 }
 
