@@ -66,7 +66,7 @@ Views read_views(JsonObject& report, const std::filesystem::path& home) {
     const auto shown = [&](const char* key, const std::string& word, const std::string& value,
                            const std::string& more) {
       return Figure{picture_within(home / view.text(key), kPictureSidePx),
-                    "View " + name + ": " + more + (value.empty() ? "" : ", " + value),
+                    fmt::format("View {}: {}{}{}", name, more, value.empty() ? "" : ", ", value),
                     "<b>" + word + "</b>" + (value.empty() ? "" : " " + unbroken(value)), word};
     };
     const std::vector<Figure> figures{shown("target", "Target", "", "the target, as it lies on the carve area"),
