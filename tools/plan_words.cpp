@@ -91,6 +91,11 @@ std::string focus_in_words(const PlanFocus& focus) {
 
 std::vector<std::string> focus_notes(const Plan& plan, const PlanFocus& focus) {
   std::vector<std::string> out;
+  for (const std::string& view : plan.unseen)
+    out.push_back(fmt::format(
+        "from view \"{}\" this lens sees no tag large enough to be measured: it is not photographed; larger tags or a "
+        "longer focal length would do",
+        view));
   bool others = false;
   for (const PlannedShot& shot : plan.shots) {
     others = others || shot.view.empty();

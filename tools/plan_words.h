@@ -34,7 +34,8 @@ PlanFocus plan_focus(const Board& board, const Bench& bench, const std::vector<D
 /// "Focus once at 500 mm, at f/8 or smaller: from 452 to 559 mm is sharp. Leave focus and zoom as they are."
 std::string focus_in_words(const PlanFocus& focus);
 
-/// What a person should know: designed views outside of it, and that no other place was found in it.
+/// What a person should know: designed views that no photo can be taken from, or outside of it, and that no other place
+/// was found in it.
 std::vector<std::string> focus_notes(const Plan& plan, const PlanFocus& focus);
 
 /// "bracket: the tags' paper at 60 % of white, then -3 stops, -5 stops", and in seconds where the bench was measured.

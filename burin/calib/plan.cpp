@@ -416,9 +416,6 @@ PlannedShot take_designed(Planning& planning, const DesignedPlace& designed, std
   if (lamp == lights.end())
     fail("view " + designed.view, "is designed for a lamp \"" + designed.light + "\" that the bench has not",
          "name one of its lamps");
-  if (!planning.geometry.views[place].used)
-    fail("view " + designed.view, "sees no tag of the board through this lens from its place",
-         "check T_camera_board in the bench, and the lens");
   PlannedShot shot = planning.take(place, static_cast<std::size_t>(lamp - lights.begin()));
   shot.view = designed.view;
   return shot;
@@ -461,7 +458,10 @@ Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, cons
 
   Planning planning{board, bench, options, own_lamps, places, geometry, measures, std::move(depths), geometry.prior};
   for (std::size_t k = 0; k < options.designed.size(); ++k)
-    out.shots.push_back(take_designed(planning, options.designed[k], first_designed + k));
+    if (geometry.views[first_designed + k].used)
+      out.shots.push_back(take_designed(planning, options.designed[k], first_designed + k));
+    else
+      out.unseen.push_back(options.designed[k].view);
   for (int shot = 0; shot < options.shots; ++shot) {
     if (progress) progress("choosing places", static_cast<double>(shot) / options.shots);
     const auto best = planning.best_shot();

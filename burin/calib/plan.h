@@ -83,11 +83,13 @@ struct Plan {
   std::vector<PlannedShot> shots;
   bool straddles = false;             ///< whether half vectors straddle the cut-off, at every depth
   std::vector<PlanAtDepth> at_depth;  ///< the least depth first
+  /// Designed places from which this lens sees no tag large enough: not among the shots.
+  std::vector<std::string> unseen;
 };
 
 /// Plans for `nominal`: its lens, its lamps (each shot is taken under one of them; several are places that the lamp can
 /// be put at), its material. Throws Error for a board without tags, a bench without lamps, no scratches, fewer than one
-/// shot, a designed place from which no tag is seen, and a focus in which no place sees the whole board.
+/// shot, and where there is nothing to plan: no place within the focus sees the whole board, no designed place a tag.
 Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options = {},
                 const Progress& progress = {});
 

@@ -169,6 +169,11 @@ TEST(Plan, KeepsOneFocus) {
   const Plan designed = plan_shots(board, bench, test_strokes(board), options);
   ASSERT_EQ(designed.shots.size(), 1U);
   EXPECT_EQ(designed.shots[0].view, "far");
+  // A place from which tags are too small to be measured is no photo, and no reason to give up.
+  options.designed.push_back({"balcony", {60, 50, 20'000}, "lamp"});
+  const Plan both = plan_shots(board, bench, test_strokes(board), options);
+  EXPECT_EQ(both.shots.size(), 1U);
+  EXPECT_EQ(both.unseen, std::vector<std::string>{"balcony"});
 }
 
 TEST(DepthOfField, IsThatOfATableForPhotographers) {

@@ -183,6 +183,7 @@ TEST_P(Printed, TagsAndRulersHaveTheirSizesOnPaper) {
   ASSERT_EQ(pages.tags.size(), board.tags.list.size());
   TagDetector detector(board.tags.family);
   std::size_t found = 0;
+  double worst = 0;
   for (std::size_t page = 0; page < paper.size(); ++page) {
     expect_rulers(paper[page], printer, pages.pages[page]);
     for (const TagDetection& tag : detector.detect(paper[page], {}, {}).tags) {
@@ -194,11 +195,14 @@ TEST_P(Printed, TagsAndRulersHaveTheirSizesOnPaper) {
       for (int k = 0; k < 4; ++k) {
         const double right = k == 1 || k == 2 ? 0.5 : -0.5, down = k < 2 ? 0.5 : -0.5;
         const Eigen::Vector2d expected = at->center_mm + at->size_mm * Eigen::Vector2d(right, down);
-        EXPECT_LT((printer.mm(tag.corner_px[k]) - expected).norm(), kGood_mm) << tag.id;
+        const double error = (printer.mm(tag.corner_px[k]) - expected).norm();
+        EXPECT_LT(error, kGood_mm) << tag.id;
+        worst = std::max(worst, error);
       }
     }
   }
   EXPECT_EQ(found, board.tags.list.size());
+  RecordProperty("worst_mm", std::to_string(worst));
 }
 
 // All tiles joined along the middles of their seams, 300 pixels an inch of board, row 0 at the board's upper edge.
@@ -257,13 +261,19 @@ TEST_P(Printed, TemplatePutsEveryTagInItsPlaceOnTheBoard) {
   TagDetector detector(board.tags.family);
   const auto found = detector.detect(whole, {}, {}).tags;
   EXPECT_EQ(found.size(), board.tags.list.size());
+  double worst = 0;
   for (const TagDetection& tag : found) {
     const auto at =
         std::find_if(board.tags.list.begin(), board.tags.list.end(), [&](const Tag& t) { return t.id == tag.id; });
     ASSERT_NE(at, board.tags.list.end());
     const auto corners = tag_corners_mm(*at);
-    for (int k = 0; k < 4; ++k) EXPECT_LT((on_board(tag.corner_px[k]) - corners[k]).norm(), kGood_mm) << tag.id;
+    for (int k = 0; k < 4; ++k) {
+      const double error = (on_board(tag.corner_px[k]) - corners[k]).norm();
+      EXPECT_LT(error, kGood_mm) << tag.id;
+      worst = std::max(worst, error);
+    }
   }
+  RecordProperty("worst_mm", std::to_string(worst));
   // The board's outline, at a height where there is no tag: first and last dark line across.
   const Printer exact;
   const double y_mm = 6 + 0.45 * board.size_mm.y();
@@ -302,6 +312,21 @@ TEST(Print, LensFindsTheChessboardInItsSize) {
       // OpenCV's corners; 0.1 mm are a pixel.
       EXPECT_NEAR((printer.mm(q[i]) - printer.mm(q[k])).norm(), page.square_mm * (a - b).norm(), 0.1);
     }
+}
+
+TEST(Print, LongNamesStayOnThePage) {
+  const std::string name(200, 'w');
+  EXPECT_LE(words_width_mm(shortened(name, 4, 100, true), 4, true), 100);
+  EXPECT_TRUE(shortened(name, 4, 100, true).ends_with("..."));
+  EXPECT_EQ(shortened("short", 4, 100), "short");
+  const std::string letters = "\xC3\xA4\xC3\xB6\xC3\xBC";  // three letters of two bytes
+  for (const std::string& line : wrapped(letters + letters + letters, 4, 9)) EXPECT_EQ(line.size() % 2, 0U);
+  std::string together;
+  for (const std::string& line : wrapped("a " + name + " b", 4, 60)) {
+    EXPECT_LE(words_width_mm(line, 4), 60);
+    together += line;
+  }
+  EXPECT_EQ(std::count(together.begin(), together.end(), 'w'), 200);
 }
 
 TEST(Print, RefusesWhatCannotBePrinted) {

@@ -59,14 +59,43 @@ double words_width_mm(std::string_view text, double size_mm, bool bold) {
   return em * size_mm * (bold ? 1.1 : 1);
 }
 
+namespace {
+
+// How many bytes of the text are at most so long, letters whole; one letter at least.
+std::size_t bytes_within(const std::string& text, double size_mm, double width_mm, bool bold) {
+  std::size_t end = 0;
+  while (end < text.size()) {
+    std::size_t next = end + 1;
+    while (next < text.size() && (static_cast<unsigned char>(text[next]) & 0xC0) == 0x80) ++next;
+    if (end > 0 && words_width_mm(text.substr(0, next), size_mm, bold) > width_mm) break;
+    end = next;
+  }
+  return end;
+}
+
+}  // namespace
+
+std::string shortened(const std::string& text, double size_mm, double width_mm, bool bold) {
+  if (words_width_mm(text, size_mm, bold) <= width_mm) return text;
+  return text.substr(0, bytes_within(text, size_mm, width_mm - words_width_mm("...", size_mm, bold), bold)) + "...";
+}
+
 std::vector<std::string> wrapped(std::string_view text, double size_mm, double width_mm) {
   std::vector<std::string> lines;
   std::string line;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t end = std::min(text.find(' ', at), text.size());
-    const std::string word(text.substr(at, end - at));
+    std::string word(text.substr(at, end - at));
     at = end + 1;
     if (word.empty()) continue;
+    while (words_width_mm(word, size_mm) > width_mm) {
+      const std::size_t cut = bytes_within(word, size_mm, width_mm, false);
+      if (cut == word.size()) break;  // one letter
+      if (!line.empty()) lines.push_back(line);
+      line.clear();
+      lines.push_back(word.substr(0, cut));
+      word.erase(0, cut);
+    }
     const std::string longer = line.empty() ? word : line + " " + word;
     if (!line.empty() && words_width_mm(longer, size_mm) > width_mm) {
       lines.push_back(line);

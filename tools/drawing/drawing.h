@@ -60,7 +60,10 @@ void add_drawing(Drawing& drawing, const Drawing& other, const Eigen::Vector2d& 
 /// About how long the words become in a sans-serif font, mm: on the safe side, since fonts differ.
 double words_width_mm(std::string_view text, double size_mm, bool bold = false);
 
-/// The text cut to words that are at most so long together, mm, a line each.
+/// The text, its end left out (...) where it is longer than that, mm.
+std::string shortened(const std::string& text, double size_mm, double width_mm, bool bold = false);
+
+/// The text cut to words that are at most so long together, mm, a line each; a word that is longer is cut.
 std::vector<std::string> wrapped(std::string_view text, double size_mm, double width_mm);
 
 /// What of a convex polygon lies within the rectangle; empty if nothing does.

@@ -101,7 +101,10 @@ PrintedPage new_page(const PrintSetup& setup, const std::string& title, const st
   page.free = free_area(setup, head_mm);
   const Eigen::Vector2d low = page.free.low - Eigen::Vector2d(kRulerStrip_mm, head_mm);
   const double width = page.free.high.x() - low.x();
-  add_words(page.drawing, {.at_mm = low + Eigen::Vector2d(0, 3.6), .text = title, .size_mm = 4.2, .bold = true});
+  add_words(page.drawing, {.at_mm = low + Eigen::Vector2d(0, 3.6),
+                           .text = shortened(title, 4.2, width, true),
+                           .size_mm = 4.2,
+                           .bold = true});
   double y = low.y() + 8;
   constexpr double kSize = 2.5, kLine = 3.4;
   std::vector<std::string> told = lines;

@@ -14,6 +14,9 @@ namespace {
 std::string rounded(double mm) { return fmt::format("{:.{}f}", mm, std::abs(mm) < 9.95 ? 1 : 0); }
 
 std::string beside(double value, double size, const char* low, const char* high) {
+  constexpr double kAt = 0.5;
+  if (std::abs(value) < kAt) return fmt::format("at the {} edge", low);
+  if (std::abs(value - size) < kAt) return fmt::format("at the {} edge", high);
   if (value < 0) return fmt::format("{:.0f} mm beyond the {} edge", -value, low);
   if (value > size) return fmt::format("{:.0f} mm beyond the {} edge", value - size, high);
   return value <= size / 2 ? fmt::format("{:.0f} mm in from the {} edge", value, low)
@@ -21,8 +24,7 @@ std::string beside(double value, double size, const char* low, const char* high)
 }
 
 std::string tolerance_words(const PlaceTolerance& t) {
-  return fmt::format("{} mm sideways, {} mm up or down, {} mm in depth", rounded(t.sideways.least()),
-                     rounded(t.up.least()), rounded(t.depth.least()));
+  return fmt::format("{}, {}, {} mm", rounded(t.sideways.least()), rounded(t.up.least()), rounded(t.depth.least()));
 }
 
 MoveRange smaller(const MoveRange& a, const MoveRange& b) { return a.least() <= b.least() ? a : b; }

@@ -32,8 +32,9 @@ std::vector<SheetPlace> sheet_places(const WantedBench& wanted);
 struct PlaceInWords {
   std::string name;                   ///< "1 left"
   std::string across, upright, away;  ///< from the board's edges; height (of the face, the floor); from table or wall
-  std::string tolerance;              ///< "12 mm sideways, 14 mm up or down, 90 mm in depth"
+  std::string tolerance;              ///< "12, 14, 90 mm": sideways, up or down, in depth
 };
+inline constexpr const char* kToleranceHead = "holds within: sideways, up, in depth";
 std::vector<PlaceInWords> on_table(const Sheet& sheet);
 std::vector<PlaceInWords> on_wall(const Sheet& sheet);
 

@@ -25,9 +25,12 @@ struct PageWriter {
 
   void begin(const std::string& title) {
     pages.push_back({paper_mm, {}});
-    add_words(page(), {.at_mm = {kMargin_mm, kMargin_mm + 5}, .text = title, .size_mm = 5.6, .bold = true});
+    add_words(page(), {.at_mm = {kMargin_mm, kMargin_mm + 5},
+                       .text = shortened(title, 5.6, width(), true),
+                       .size_mm = 5.6,
+                       .bold = true});
     add_words(page(), {.at_mm = {paper_mm.x() - kMargin_mm, paper_mm.y() - 7},
-                       .text = fmt::format("{}, page {}", name, pages.size()),
+                       .text = fmt::format("{}, page {}", shortened(name, 2.4, width() / 2), pages.size()),
                        .size_mm = 2.4,
                        .tint = Tint::soft,
                        .anchor = Anchor::end});
@@ -67,18 +70,29 @@ void add_table(PageWriter& writer, const std::vector<Column>& columns,
     return x;
   };
   const auto head = [&] {
+    constexpr double kHead_mm = 2.5, kNext_mm = 3.2;
     writer.y += kLine_mm;
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      add_words(writer.page(),
-                {.at_mm = {left_of(c), writer.y}, .text = columns[c].head, .size_mm = 2.5, .tint = Tint::soft});
-    writer.y += 1.6;
+    std::size_t most = 1;
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const std::vector<std::string> lines = wrapped(columns[c].head, kHead_mm, columns[c].share * width);
+      most = std::max(most, lines.size());
+      for (std::size_t i = 0; i < lines.size(); ++i)
+        add_words(writer.page(), {.at_mm = {left_of(c), writer.y + kNext_mm * static_cast<double>(i)},
+                                  .text = lines[i],
+                                  .size_mm = kHead_mm,
+                                  .tint = Tint::soft});
+    }
+    writer.y += kNext_mm * static_cast<double>(most) - 1.6;
   };
   head();
+  constexpr double kNarrower = 1.12;  // words take less than words_width_mm(), which is on the safe side
   for (const auto& row : rows) {
     std::vector<std::vector<std::string>> lines;
     std::size_t most = 1;
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      lines.push_back(wrapped(row[c], kText_mm, columns[c].share * width - 3));
+      const double column_mm = columns[c].share * width - 3;
+      lines.push_back(
+          wrapped(row[c], kText_mm, c == 0 ? column_mm / kNarrower : kNarrower * column_mm));  // the first is bold
       most = std::max(most, lines.back().size());
     }
     const double height = kLine_mm * static_cast<double>(most) + 2.6;
@@ -105,17 +119,23 @@ void add_places(PageWriter& writer, const std::vector<PlaceInWords>& places, con
                 const std::string& title) {
   std::vector<std::vector<std::string>> rows;
   for (const PlaceInWords& p : places) rows.push_back({p.name, p.across, p.upright, p.away, p.tolerance});
-  add_table(writer,
-            {{"", 0.17}, {"left and right", 0.21}, {upright, 0.21}, {away, 0.18}, {"its picture holds within", 0.23}},
-            rows, false, title);
+  add_table(writer, {{"", 0.16}, {"left and right", 0.22}, {upright, 0.22}, {away, 0.19}, {kToleranceHead, 0.21}}, rows,
+            false, title);
 }
 
 }  // namespace
 
 std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& paper_mm) {
   PageWriter writer{paper_mm, sheet.name};
-  // What the table of places takes, about, is kept free.
-  const double table_mm = 12 + 13.0 * static_cast<double>(sheet.places.size());
+  // What the table of places takes, about, is kept free; where little is left, it has a page of its own.
+  const double table_mm = 18 + 10.4 * static_cast<double>(sheet.places.size());
+  bool own_page = false;
+  const auto room_for_drawings = [&] {
+    constexpr double kHeadings_mm = 44, kLeast_mm = 100;
+    const double room = writer.left_over() - kHeadings_mm;
+    own_page = room - table_mm < kLeast_mm;
+    return own_page ? std::max(room, kLeast_mm) : room - table_mm;
+  };
   const auto draw = [&](Projection projection, double most_height, double share = 1) {
     return bench_drawing(sheet.board, sheet.places, projection, share * writer.width(), most_height, 3.2,
                          sheet.hang_height_mm);
@@ -124,14 +144,14 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
   const std::string on_a_table = sheet.name + ": on a table";
   writer.begin(on_a_table);
   writer.paragraph(introduction(sheet));
-  const double table_room = std::max(110.0, writer.left_over() - table_mm - 34);
+  const double table_room = room_for_drawings();
   writer.heading("From above: the board's lower edge is towards you");
   const BenchDrawing above = draw(Projection::table_above, 0.6 * table_room);
   writer.drawing(above);
   writer.heading("From the lower edge: heights above the face");
   writer.drawing(draw(Projection::table_front, std::max(0.4 * table_room, table_room - above.drawing.size_mm.y())));
   writer.y += 3;
-  if (table_mm > writer.left_over()) writer.begin(on_a_table + ", places");
+  if (own_page || table_mm > writer.left_over()) writer.begin(on_a_table + ", places");
   add_places(writer, on_table(sheet), "near and far", "height", on_a_table);
 
   const std::string on_a_wall = sheet.name + ": on a wall";
@@ -139,7 +159,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
   writer.paragraph(fmt::format("The board's middle hangs {:.0f} mm above the floor, its lower edge at {:.0f} mm.",
                                sheet.hang_height_mm, sheet.hang_height_mm - sheet.board.size_mm.y() / 2));
   for (const std::string& warning : warnings(sheet)) writer.paragraph(warning);
-  const double wall_room = std::max(110.0, writer.left_over() - table_mm - 34), gap = 0.03;
+  const double wall_room = room_for_drawings(), gap = 0.03;
   writer.heading("From the left: the wall at the left; and as you look at it");
   const BenchDrawing side = draw(Projection::wall_side, 0.55 * wall_room, (1 - gap) / 2),
                      front = draw(Projection::wall_front, 0.55 * wall_room, (1 - gap) / 2);
@@ -148,7 +168,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
   writer.heading("From above: the wall at the top");
   writer.drawing(draw(Projection::wall_above, 0.45 * wall_room));
   writer.y += 3;
-  if (table_mm > writer.left_over()) writer.begin(on_a_wall + ", places");
+  if (own_page || table_mm > writer.left_over()) writer.begin(on_a_wall + ", places");
   add_places(writer, on_wall(sheet), "height", "from the wall", on_a_wall);
 
   const std::string photos = sheet.name + ": photos, in this order";
@@ -158,7 +178,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
   for (const std::string& said : focus_notes(sheet.plan, sheet.focus)) writer.paragraph(said + ".", Tint::soft);
   std::vector<std::vector<std::string>> rows;
   for (const PhotoInWords& p : photos_in_words(sheet)) rows.push_back({p.name, p.place, p.exposures, p.lamp});
-  add_table(writer, {{"photo", 0.16}, {"place", 0.43}, {"exposures", 0.29}, {"lamp", 0.12}}, rows, true, photos);
+  add_table(writer, {{"photo", 0.15}, {"place", 0.48}, {"exposures", 0.26}, {"lamp", 0.11}}, rows, true, photos);
   return std::move(writer.pages);
 }
 
