@@ -227,13 +227,6 @@ void print_reading(const Coupon& coupon, const CouponReading& r) {
         "direction {:.1f} +- {:.1f} % deeper going towards {:.0f} +- {:.0f} degrees (0: right, 90: up) than going "
         "back\n",
         100 * r.travel.share, 100 * r.travel.sigma, r.travel.towards_deg, r.travel.towards_sigma_deg);
-  for (std::size_t c = 0; c < r.cells.size(); ++c)
-    for (const auto& [name, number] :
-         {std::pair("depth", &r.cells[c].depth_um), std::pair("alpha", &r.cells[c].alpha)}) {
-      if (number->reason.empty()) continue;
-      note(fmt::format("{} at {:g}, {:g} mm/min: {}", name, coupon.cells[c].command, coupon.cells[c].feed_mm_min,
-                       number->reason));
-    }
 }
 
 // What is kept in the machine's file.

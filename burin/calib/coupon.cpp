@@ -141,47 +141,38 @@ std::string place_for_lean(double lean, const Bench& bench, const Board& board) 
   return "from " + place_in_words(Vector3d(middle + distance_mm * best), board);
 }
 
-// Why a depth is not known, from what its fans look like; empty: nothing speaks against it.
-std::string against_depth(double depth_um, double alpha, std::span<const FanInPhoto> seen, const Bench& bench,
-                          const Board& board) {
-  const double steepest = 2 * std::atan(groove_rim(board.tool_width_um, depth_um)), margin = kReach * alpha;
-  double least = 9, most = 0;
+// What speaks against a depth, whatever its sigma: its cut-off, which no photo comes near, or clipped photos. Fills in
+// the cell's leans.
+CouponCause against_depth(double depth_um, double alpha, std::span<const FanInPhoto> seen, const Board& board,
+                          CellReading& cell) {
+  const double margin = kReach * alpha;
+  cell.steepest_rad = 2 * std::atan(groove_rim(board.tool_width_um, depth_um));
+  cell.least_lean_rad = std::numbers::pi;
   std::size_t clipped = 0;
   constexpr double kClipped = 0.1;
   for (const FanInPhoto& fan : seen) {
     clipped += fan.clipped > kClipped || fan.pixels == 0 ? 1 : 0;
     if (fan.pixels == 0 || fan.clipped > 0.5) continue;
-    least = std::min(least, fan.lean);
-    most = std::max(most, fan.lean);
+    cell.least_lean_rad = std::min(cell.least_lean_rad, fan.lean);
+    cell.most_lean_rad = std::max(cell.most_lean_rad, fan.lean);
   }
-  if (2 * clipped > seen.size())
-    return "its fans are overexposed in most photos; take a bracket with shorter exposures";
-  const auto degrees = [](double angle) { return significant(kDegrees * angle, 2) + " degrees"; };
-  if (most < steepest - margin)
-    return "all photos look inside the reach of its grooves, where light does not depend on depth (they lean up to " +
-           degrees(most) + ", its walls are as steep as " + degrees(steepest) + "); add a photo " +
-           place_for_lean(steepest, bench, board);
-  if (least > steepest + margin)
-    return "no photo looks where its grooves shine (they lean " + degrees(least) +
-           " or more, its walls are no steeper than " + degrees(steepest) + "); add a photo " +
-           place_for_lean(0.9 * steepest, bench, board);
-  return "";
+  if (2 * clipped > seen.size()) return CouponCause::overexposed;
+  if (cell.most_lean_rad < cell.steepest_rad - margin) return CouponCause::inside_reach;
+  if (cell.least_lean_rad > cell.steepest_rad + margin) return CouponCause::beyond_reach;
+  return CouponCause::none;
 }
 
-CouponNumber number_of(const Estimate& log_value, const std::string& against, double prior_sigma) {
+CouponNumber number_of(const Estimate& log_value, CouponCause against) {
   CouponNumber out;
-  if (!log_value.known) {
-    out.reason = "no photo shows its fans";
-    return out;
-  }
+  out.cause = log_value.known ? against : against == CouponCause::none ? CouponCause::unseen : against;
+  if (!log_value.known) return out;
   out.value = std::exp(log_value.value);
   out.sigma = out.value * log_value.sigma;
-  const bool told = log_value.sigma < std::min(kWeakly, 0.8 * prior_sigma) && against.empty();
-  out.degree = !told ? Degree::not_determined : log_value.sigma < kDetermined ? Degree::determined : Degree::weakly;
-  if (out.degree == Degree::determined) return out;
-  out.reason = !against.empty() ? against
-                                : "one sigma is " + significant(100 * log_value.sigma, 2) +
-                                      " %; add photos with shorter exposures, or from nearer";
+  if (out.cause != CouponCause::none) return out;
+  out.degree = log_value.sigma < kDetermined ? Degree::determined
+               : log_value.sigma < kWeakly   ? Degree::weakly
+                                             : Degree::not_determined;
+  if (out.degree != Degree::determined) out.cause = CouponCause::large_sigma;
   return out;
 }
 
@@ -200,55 +191,128 @@ TravelReading travel_of(const Vector2d& along, const Eigen::Matrix2d& covariance
   return out;
 }
 
-// From fans to cells.
-void fill_reading(Rounds& run, const Eigen::MatrixXd& covariance, const Board& board, CouponReading& out) {
+// The fans that `serve`, as one number a cell.
+CellStatistics statistics_of(const Rounds& run, const std::vector<double>& values, const Eigen::MatrixXd& covariance,
+                             Index first, const std::vector<bool>& serve, bool with_tilt) {
   const Coupon& coupon = *run.problem.coupon;
-  const auto n = static_cast<Index>(coupon.fans.size());
-  std::vector<FanSample> depth, alpha;
   const auto rows = static_cast<double>(run.problem.told.size() - 1);
-  for (Index f = 0; f < n; ++f) {
-    const auto i = static_cast<std::size_t>(f);
-    const CouponFan& fan = coupon.fans[i];
+  std::vector<FanSample> samples;
+  std::vector<Index> kept;
+  for (std::size_t f = 0; f < coupon.fans.size(); ++f) {
+    if (!serve[f]) continue;
+    const CouponFan& fan = coupon.fans[f];
     const double age = (static_cast<double>(fan.first_row) + 0.5 * static_cast<double>(fan.rows - 1)) / rows;
-    const Vector2d place = fan.center_mm.cwiseQuotient(board.size_mm).array() - 0.5;
-    depth.push_back({fan.cell, run.values.log_depth[i], age, place});
-    alpha.push_back({fan.cell, run.values.log_alpha[i], age, place});
-    out.fans.push_back({run.values.log_depth[i], std::sqrt(covariance(f, f)), run.values.log_alpha[i],
-                        std::sqrt(covariance(n + f, n + f))});
+    samples.push_back({fan.cell, values[f], age, fan.center_mm.cwiseQuotient(run.board.size_mm).array() - 0.5});
+    kept.push_back(first + static_cast<Index>(f));
   }
-  // Fans that the photos do not tell would only hide what the others say of wear.
-  const auto told = [&](const std::vector<FanSample>& all, Index first, double prior, bool with_tilt) {
-    std::vector<Index> kept;
-    for (Index f = 0; f < n; ++f)
-      if (std::sqrt(covariance(first + f, first + f)) < 0.8 * prior) kept.push_back(f);
-    std::vector<FanSample> samples;
-    Eigen::MatrixXd of_kept(kept.size(), kept.size());
-    for (std::size_t a = 0; a < kept.size(); ++a) {
-      samples.push_back(all[static_cast<std::size_t>(kept[a])]);
-      for (std::size_t b = 0; b < kept.size(); ++b)
-        of_kept(static_cast<Index>(a), static_cast<Index>(b)) = covariance(first + kept[a], first + kept[b]);
-    }
-    return cell_statistics(samples, of_kept, coupon.cells.size(), with_tilt);
-  };
-  out.depth = told(depth, 0, kFanDepthPrior, true);
-  out.alpha = told(alpha, n, kFanAlphaPrior, false);
-  out.travel = travel_of(run.values.travel, covariance.block<2, 2>(2 * n, 2 * n));
+  return cell_statistics(samples, covariance(kept, kept), coupon.cells.size(), with_tilt);
+}
+
+// From fans to cells.
+void fill_reading(const Rounds& run, const Eigen::MatrixXd& covariance, CouponReading& out) {
+  const Coupon& coupon = *run.problem.coupon;
+  const std::size_t n = coupon.fans.size();
+  const auto alpha_at = static_cast<Index>(n);
+  for (std::size_t f = 0; f < n; ++f) {
+    const auto at = static_cast<Index>(f);
+    out.fans.push_back({run.values.log_depth[f], std::sqrt(covariance(at, at)), run.values.log_alpha[f],
+                        std::sqrt(covariance(alpha_at + at, alpha_at + at))});
+  }
+  // What photos do not tell of a fan would only hide what others say of wear.
   const std::vector<std::vector<FanInPhoto>> seen = fans_in_photos(run);
+  std::vector<CouponCause> against(coupon.cells.size());
+  std::vector<bool> tells_depth(n), tells_alpha(n);
+  std::size_t cells_with_depth = 0;
   for (std::size_t c = 0; c < coupon.cells.size(); ++c) {
-    CellReading cell;
+    CellReading& cell = out.cells.emplace_back();
     std::vector<FanInPhoto> all;
-    for (std::size_t f = 0; f < coupon.fans.size(); ++f)
-      if (coupon.fans[f].cell == c) {
-        ++cell.fans;
-        all.insert(all.end(), seen[f].begin(), seen[f].end());
-      }
-    const Estimate &d = out.depth.cells[c], &a = out.alpha.cells[c];
-    const std::string against =
-        d.known && a.known ? against_depth(std::exp(d.value), std::exp(a.value), all, run.bench, board) : "";
-    cell.depth_um = number_of(d, against, kFanDepthPrior);
-    cell.alpha = number_of(a, against.find("overexposed") != std::string::npos ? against : "", kFanAlphaPrior);
-    out.cells.push_back(std::move(cell));
+    double log_depth = 0, log_alpha = 0;
+    for (std::size_t f = 0; f < n; ++f) {
+      if (coupon.fans[f].cell != c) continue;
+      ++cell.fans;
+      log_depth += run.values.log_depth[f];
+      log_alpha += run.values.log_alpha[f];
+      all.insert(all.end(), seen[f].begin(), seen[f].end());
+    }
+    const auto fans = static_cast<double>(std::max<std::size_t>(cell.fans, 1));
+    against[c] = against_depth(std::exp(log_depth / fans), std::exp(log_alpha / fans), all, run.board, cell);
+    cells_with_depth += against[c] == CouponCause::none ? 1 : 0;
   }
+  constexpr double kOfPrior = 0.8;
+  for (std::size_t f = 0; f < n; ++f) {
+    tells_depth[f] =
+        against[coupon.fans[f].cell] == CouponCause::none && out.fans[f].log_depth_sigma < kOfPrior * kFanDepthPrior;
+    tells_alpha[f] = against[coupon.fans[f].cell] != CouponCause::overexposed &&
+                     out.fans[f].log_alpha_sigma < kOfPrior * kFanAlphaPrior;
+  }
+  out.depth = statistics_of(run, run.values.log_depth, covariance, 0, tells_depth, true);
+  out.alpha = statistics_of(run, run.values.log_alpha, covariance, alpha_at, tells_alpha, false);
+  for (std::size_t c = 0; c < coupon.cells.size(); ++c) {
+    out.cells[c].depth_um = number_of(out.depth.cells[c], against[c]);
+    out.cells[c].alpha = number_of(
+        out.alpha.cells[c], against[c] == CouponCause::overexposed ? CouponCause::overexposed : CouponCause::none);
+  }
+  out.travel = travel_of(run.values.travel, covariance.block<2, 2>(2 * alpha_at, 2 * alpha_at));
+  // Where no photo comes near a cut-off, what seems to be a difference in depth is something else.
+  constexpr std::size_t kCutOffs = 2;
+  if (cells_with_depth < kCutOffs) out.travel.known = out.travel.seen = false;
+}
+
+// Numbers that are not determined, those of one cause in one sentence, with the photo that would tell them.
+void judge_cells(const Rounds& run, CouponReading& out) {
+  const Coupon& coupon = *run.problem.coupon;
+  const auto degrees = [](double low, double high) {
+    const std::string a = significant(kDegrees * low, 2), b = significant(kDegrees * high, 2);
+    return (a == b ? a : a + " to " + b) + " degrees";
+  };
+  for (const bool of_depth : {true, false})
+    for (const CouponCause cause : {CouponCause::overexposed, CouponCause::inside_reach, CouponCause::beyond_reach,
+                                    CouponCause::unseen, CouponCause::large_sigma}) {
+      std::string which;
+      std::size_t count = 0;
+      double low = 9, high = 0, least = 9, most = 0, worst = 0;
+      for (std::size_t c = 0; c < out.cells.size(); ++c) {
+        const CellReading& cell = out.cells[c];
+        const CouponNumber& number = of_depth ? cell.depth_um : cell.alpha;
+        if (number.cause != cause) continue;
+        constexpr std::size_t kNamed = 4;
+        if (count < kNamed)
+          which += (count == 0 ? "" : ", ") + significant(coupon.cells[c].command, 4) + " at " +
+                   significant(coupon.cells[c].feed_mm_min, 4);
+        ++count;
+        low = std::min(low, cell.steepest_rad), high = std::max(high, cell.steepest_rad);
+        least = std::min(least, cell.least_lean_rad), most = std::max(most, cell.most_lean_rad);
+        if (number.value > 0) worst = std::max(worst, number.sigma / number.value);
+      }
+      if (count == 0) continue;
+      const std::string what = std::string(of_depth ? "depth" : "roughness") + " of " + std::to_string(count) + " of " +
+                               std::to_string(out.cells.size()) + " kinds of fans (" + which + " mm/min" +
+                               (count > 4 ? ", ..." : "") + "): ";
+      const auto tell = [&](const std::string& why, const std::string& remedy) {
+        out.findings.push_back(make_warning(what + why, remedy));
+      };
+      switch (cause) {
+        case CouponCause::overexposed:
+          tell("they are overexposed in most photos", "take a bracket with shorter exposures");
+          break;
+        case CouponCause::inside_reach:
+          tell("all photos look inside the grooves' reach, where light does not depend on depth (they lean up to " +
+                   degrees(most, most) + ", the walls are as steep as " + degrees(low, high) + " or more)",
+               "add a photo " + place_for_lean(0.5 * (low + high), run.bench, run.board));
+          break;
+        case CouponCause::beyond_reach:
+          tell("no photo looks where the grooves shine (they lean " + degrees(least, least) +
+                   " or more, the walls are as steep as " + degrees(low, high) + " or less)",
+               "add a photo " + place_for_lean(0.45 * (low + high), run.bench, run.board));
+          break;
+        case CouponCause::unseen:
+          tell("no photo shows them", "see that the whole coupon is in every photo, sharp and not overexposed");
+          break;
+        default:
+          tell("one sigma is up to " + significant(100 * worst, 2) + " %",
+               "add photos from nearer, with shorter and longer exposures");
+      }
+    }
 }
 
 // Photos that could not serve, and why.
@@ -306,11 +370,11 @@ CouponReading read_coupon_photos(std::span<const MergedView> photos, const Coupo
     find_fans(run.state, run.problem);
     fit_fans(run.problem, stage_of_fans(), kIterations, run.state, run.values, progress);
     out.photos = std::move(refined.photos);
-    out.findings = std::move(refined.findings);
   }
   if (progress) progress("judging the result", 0);
   put_state(run.state, run.problem.data, run.bench);
-  fill_reading(run, fan_covariance(run.problem, stage_of_fans(), run.state, run.values), board, out);
+  fill_reading(run, fan_covariance(run.problem, stage_of_fans(), run.state, run.values), out);
+  judge_cells(run, out);
   judge_photos(run, out);
   out.bench = std::move(run.bench);
   return out;

@@ -12,7 +12,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 
 #include "burin/calib/verdict/coupon_statistics.h"
@@ -27,17 +26,29 @@
 
 namespace burin {
 
+/// Why a number of a cell is not determined.
+enum class CouponCause {
+  none,          ///< it is
+  unseen,        ///< no photo shows its fans, or shows anything of them
+  overexposed,   ///< in most photos
+  inside_reach,  ///< of a depth: all photos lean less than its walls, where light does not depend on it
+  beyond_reach,  ///< of a depth: all photos lean more
+  large_sigma    ///< they do tell, but not well
+};
+
 /// A number of a cell.
 struct CouponNumber {
   double value = 0, sigma = 0;
   Degree degree = Degree::not_determined;
-  std::string reason;  ///< why not, and what to do; empty where it is determined
+  CouponCause cause = CouponCause::none;
 };
 
 /// What the photos say of a cell, halfway through the carving.
 struct CellReading {
   CouponNumber depth_um, alpha;
   std::size_t fans = 0;
+  double steepest_rad = 0;                       ///< of its walls
+  double least_lean_rad = 0, most_lean_rad = 0;  ///< of the half vectors at its fans, in all photos
 };
 
 /// What they say of one fan: logarithms and their sigmas.

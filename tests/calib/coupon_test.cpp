@@ -75,7 +75,7 @@ TEST(CouponStatistics, SigmasHold) {
       wear.push_back((s.wear.value - kWear) / s.wear.sigma);
       tilt.push_back((s.tilt_x.value - kTilt) / s.tilt_x.sigma);
       repeat += s.repeat.value / kCoupons;
-      EXPECT_EQ(s.degrees, 25 - 16 - 3);
+      EXPECT_EQ(s.degrees, 25 - 16 - 1);
     }
     // 95.4 % of a normal distribution; 60 coupons say it to 3 %, and the cells of one are not independent.
     EXPECT_GT(scores(cells).within, 0.90) << photo_sigma << " " << scatter;
@@ -95,7 +95,7 @@ TEST(CouponStatistics, FewRepeatsKnowLittle) {
   const CellStatistics sure = cell_statistics(many.samples, many.covariance, 4, true),
                        unsure = cell_statistics(few.samples, few.covariance, 16, true);
   EXPECT_TRUE(unsure.wear.known);
-  EXPECT_FALSE(unsure.tilt_x.known);  // nothing would be left to say how much fans differ
+  EXPECT_GT(unsure.tilt_x.sigma, sure.tilt_x.sigma);
   EXPECT_GT(unsure.repeat.sigma, 2 * sure.repeat.sigma);
   EXPECT_GT(unsure.cells[0].sigma, 1.3 * sure.cells[0].sigma);
 }

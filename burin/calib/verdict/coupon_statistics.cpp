@@ -18,9 +18,11 @@ struct Solution {
   double log_likelihood = 0;  // of the scatter, what is fitted being integrated over
 };
 
-Solution solve_with(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, double scatter2) {
+// The first `fans` rows scatter; those below are priors.
+Solution solve_with(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, Index fans,
+                    double scatter2) {
   MatrixXd V = covariance;
-  V.diagonal().array() += scatter2;
+  V.diagonal().head(fans).array() += scatter2;
   const Eigen::LLT<MatrixXd> factor(V);
   const MatrixXd WX = factor.solve(design);
   const Eigen::LLT<MatrixXd> normal(design.transpose() * WX);
@@ -38,21 +40,23 @@ Solution solve_with(const MatrixXd& design, const VectorXd& y, const MatrixXd& c
 
 // The mean over all scatters that the samples allow, with the scatter itself: few repeats leave it open, and what is
 // open belongs into every sigma.
-Solution averaged(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, Estimate& scatter) {
+Solution averaged(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, Index fans,
+                  Estimate& scatter) {
   constexpr int kSteps = 160;
-  constexpr double kMost = 0.6, kUsual = 0.05;  // of logarithms
+  constexpr double kMost = 0.6, kUsual = 0.02, kUsualLog = 0.8;  // of logarithms; a lognormal prior
   std::vector<Solution> solutions;
   std::vector<double> at, weight;
   double best = -1e300;
   for (int i = 0; i < kSteps; ++i) {
     const double share = (i + 0.5) / kSteps, s = kMost * share * share;
-    solutions.push_back(solve_with(design, y, covariance, s * s));
+    solutions.push_back(solve_with(design, y, covariance, fans, s * s));
     at.push_back(s);
     best = std::max(best, solutions.back().log_likelihood);
   }
   double sum = 0;
   for (int i = 0; i < kSteps; ++i) {
-    const double share = (i + 0.5) / kSteps, prior = 1 / (1 + at[i] * at[i] / (kUsual * kUsual));
+    const double share = (i + 0.5) / kSteps, off = std::log(at[i] / kUsual) / kUsualLog,
+                 prior = std::exp(-0.5 * off * off) / at[i];
     weight.push_back(share * prior * std::exp(solutions[i].log_likelihood - best));
     sum += weight.back();
   }
@@ -87,10 +91,10 @@ CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Matr
   for (const FanSample& s : samples)
     if (column[s.cell] < 0) column[s.cell] = seen++;
   constexpr Index kFewestLeft = 2;
-  const Index wear = n - seen - 1 >= kFewestLeft ? 1 : 0;
-  const Index tilt = with_tilt && n - seen - 3 >= kFewestLeft ? 2 : 0;
-  MatrixXd design = MatrixXd::Zero(n, seen + wear + tilt);
-  VectorXd y(n);
+  constexpr double kTilt = 0.05;  // of a sheet that lies well: edge to edge
+  const Index wear = n - seen - 1 >= kFewestLeft ? 1 : 0, tilt = with_tilt ? 2 : 0;
+  MatrixXd design = MatrixXd::Zero(n + tilt, seen + wear + tilt);
+  VectorXd y = VectorXd::Zero(n + tilt);
   for (Index i = 0; i < n; ++i) {
     const FanSample& s = samples[static_cast<std::size_t>(i)];
     y[i] = s.value;
@@ -98,10 +102,16 @@ CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Matr
     if (wear > 0) design(i, seen) = s.age - 0.5;
     if (tilt > 0) design.row(i).tail<2>() = s.place.transpose();
   }
-  out.degrees = static_cast<int>(n - design.cols());
-  out.chi2 = solve_with(design, y, covariance, 0).chi2;
+  MatrixXd errors = MatrixXd::Zero(n + tilt, n + tilt);
+  errors.topLeftCorner(n, n) = covariance;
+  for (Index i = 0; i < tilt; ++i) {
+    design(n + i, seen + wear + i) = 1;
+    errors(n + i, n + i) = kTilt * kTilt;
+  }
+  out.degrees = static_cast<int>(n - seen - wear);
+  out.chi2 = solve_with(design, y, errors, n, 0).chi2;
   const Solution solution =
-      out.degrees > 0 ? averaged(design, y, covariance, out.repeat) : solve_with(design, y, covariance, 0);
+      out.degrees > 0 ? averaged(design, y, errors, n, out.repeat) : solve_with(design, y, errors, n, 0);
   const auto number = [&](Index at) {
     return Estimate{solution.x[at], std::sqrt(std::max(0.0, solution.covariance(at, at))), true};
   };
@@ -113,7 +123,7 @@ CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Matr
         out.covariance(static_cast<Index>(a), static_cast<Index>(b)) = solution.covariance(column[a], column[b]);
   }
   if (wear > 0) out.wear = number(seen);
-  if (tilt > 0) out.tilt_x = number(seen + 1), out.tilt_y = number(seen + 2);
+  if (tilt > 0) out.tilt_x = number(seen + wear), out.tilt_y = number(seen + wear + 1);
   return out;
 }
 

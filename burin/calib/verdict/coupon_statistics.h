@@ -34,8 +34,8 @@ struct CellStatistics {
 };
 
 /// Generalized least squares with the samples' `covariance` and a scatter of fans that is not known: all scatters count
-/// by their likelihood (restricted, with a half-Cauchy prior of 5 %; Gelman 2006), so that few repeats make large
-/// sigmas. Wear and, `with_tilt`, the place are sought where two repeats or more remain besides them.
+/// by their likelihood (restricted) and a prior (lognormal, about 2 %), so that few repeats make large sigmas. Wear is
+/// sought where two repeats or more remain besides it; `with_tilt`, a tilt of some 5 % over the coupon may be there.
 CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Eigen::MatrixXd& covariance,
                                std::size_t cells, bool with_tilt);
 
