@@ -213,7 +213,7 @@ TEST_F(ViewPage, ObeysKeysFingersAndATiltedPhone) {
   EXPECT_EQ(picture(), first);  // as it was held first
   hold(36);
   EXPECT_NE(picture(), first);
-  EXPECT_THAT(status(), HasSubstr("6.0\u00b0 from d0"));
+  EXPECT_THAT(status(), HasSubstr("5.3\u00b0 from d0"));  // 6 about x, for an eye 62 degrees from x: 6 sin 62
   EXPECT_THAT(browser.complaints(), IsEmpty());
 }
 
@@ -252,7 +252,7 @@ TEST_F(ViewPage, SaysWhatToDoWhereThereIsNothingToShow) {
           "nothing is designed here yet; run burin design project/design.json");
   refused({"view", "nowhere", "--out", "out.html"}, "name a project folder");
   refused({"view", "--board", "project/board.json", "--bench", "project/bench.json", "--out", "out.html"},
-          "--scratches");
+          "scratches.csv: does not exist");
   EXPECT_EQ(run_burin(folder_, {"view"}).exit_code, 2);
   EXPECT_EQ(run_burin(folder_, {"view", "project", "--board", "project/board.json"}).exit_code, 2);
   design();

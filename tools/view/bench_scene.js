@@ -51,7 +51,7 @@ function burinBenchScene(element, data, options = {}) {
     const low = [0, 1, 2].map((i) => Math.min(...points.map((p) => p[i])));
     const high = [0, 1, 2].map((i) => Math.max(...points.map((p) => p[i])));
     center = scale(add(low, high), 0.5);
-    radius = Math.max(1, Math.hypot(...add(high, low, -1)) / 2);
+    radius = Math.max(1, ...points.map((p) => Math.hypot(...add(p, center, -1))));
     // The board lies on a table (its face is up), or hangs on a wall (its y is up).
     floor = state.hung ? low[1] - 0.12 * radius : 0;
     factor = magnification();
@@ -66,7 +66,7 @@ function burinBenchScene(element, data, options = {}) {
     const towards = add(scale(level, Math.cos(state.tilt)), n, Math.sin(state.tilt));
     const right = unit(cross(n, towards)), upward = cross(towards, right);
     const box = canvas.getBoundingClientRect();
-    const unit_px = 0.46 * Math.min(box.width, box.height) / radius * state.zoom;
+    const unit_px = 0.55 * Math.min(box.width, box.height) / radius * state.zoom;
     view = { right, upward, towards, unit_px, x: box.width / 2, y: box.height / 2 };
   }
   const to_px = (p) => {
@@ -155,7 +155,8 @@ function burinBenchScene(element, data, options = {}) {
     stroke([eye.at_mm, on_floor(eye.at_mm)], '#888', 1, 0.7, [2, 3]);
     if (eye.sigma_mm)
       ellipsoid(eye.at_mm, eye.sigma_mm.map((s, i) => [0, 1, 2].map((j) => (i === j ? factor * s : 0))), '#2a6fd6', 0.3);
-    say(eye.name, eye.at_mm);
+    // Of many photos only the designed views are named.
+    if (data.eyes.length <= 8 || eye.tolerance_mm || !data.eyes.some((e) => e.tolerance_mm)) say(eye.name, eye.at_mm);
   }
 
   // The shadow on the floor of where the eye may be: the ellipse of the half axes' projections.
