@@ -62,10 +62,10 @@ void run(const Options& o) {
   std::size_t most = 0;
   for (const ViewedBoard& board : view.boards) most = std::max(most, board.carved.size());
   fmt::print(
-      "Wrote {}: {} grooves, {} place{} to look from, {:.1f} MB, all in one file; next: open it in a browser, "
+      "Wrote {}: {} groove{}, {} place{} to look from, {:.1f} MB, all in one file; next: open it in a browser, "
       "or send it to a phone and tilt it.\n",
-      out.string(), most, view.boards.front().pictures.size(), view.boards.front().pictures.size() == 1 ? "" : "s",
-      static_cast<double>(page.size()) * 1e-6);
+      out.string(), most, most == 1 ? "" : "s", view.boards.front().pictures.size(),
+      view.boards.front().pictures.size() == 1 ? "" : "s", static_cast<double>(page.size()) * 1e-6);
 }
 
 }  // namespace

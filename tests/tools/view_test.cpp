@@ -59,13 +59,10 @@ class ViewPage : public ::testing::Test {
     if (!Chromium::is_installed()) GTEST_SKIP() << Chromium::kMissing;
     make_tiny_project(folder_, {"v00"}, 0.5);
     project_ = folder_ / "project";
-    halve_camera();
+    take_small_camera();
   }
-  void halve_camera() const {
-    std::string text = file_text(project_ / "camera.cameramodel");
-    const auto model = text.find("'intrinsics'");
-    ASSERT_NE(model, std::string::npos);
-    std::ofstream(project_ / "camera.cameramodel") << "{ 'lensmodel': 'LENSMODEL_PINHOLE', 'intrinsics': [ 700, 700, "
+  void take_small_camera() const {
+    std::ofstream(project_ / "camera.cameramodel") << "{ 'lensmodel': 'LENSMODEL_PINHOLE', 'intrinsics': [ 1150, 1150, "
                                                       "224.5, 174.5 ], 'extrinsics': [ 0, 0, 0, 0, 0, "
                                                       "0 ], 'imagersize': [ 450, 350 ] }\n";
   }
@@ -152,6 +149,42 @@ TEST_F(ViewPage, AgreesWithRenderOnABenchThatHasEverything) {
     std::printf("view %s: %.1f dB\n", name.c_str(), psnr);
     EXPECT_GT(psnr, 35) << name;
   }
+}
+
+// A round that was measured: the lamp is not where it was believed, and the machine carves beside its place.
+TEST_F(ViewPage, ShowsTheBoardBeforeAndAfterItWasMeasured) {
+  design();
+  const fs::path round = project_ / "round-01";
+  fs::create_directories(round);
+  Json wanted = read_json_file(project_ / "design.json"), bench = read_json_file(project_ / "bench.json");
+  for (const char* name : {"board", "bench"}) wanted[name] = "../" + wanted[name].get<std::string>();
+  for (Json& view : wanted["views"]) view["target"] = "../" + view["target"].get<std::string>();
+  bench["camera"] = "../camera.cameramodel";
+  bench["lights"][0]["position_mm"][0] = bench["lights"][0]["position_mm"][0].get<double>() + 12;
+  bench["machine"]["affine"] = {{1, 0, 1.5}, {0, 1, -1}};
+  std::ofstream(round / "design.json") << wanted;
+  std::ofstream(round / "bench.json") << bench;
+  fs::copy(project_ / "design" / "scratches.csv", round / "scratches.csv");
+  fs::copy(project_ / "design" / "scratches.csv", round / "sent.csv");
+  const fs::path page = view({"project"});
+  const Outcome run =
+      run_burin(folder_, {"render", "project/board.json", "--bench", "project/round-01/bench.json", "--view", "d1",
+                          "--as-carved", "--scratches", "project/round-01/sent.csv", "--out", "render.png"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  Chromium browser(folder_);
+  const Image carved = read_picture(folder_ / "render.png");
+  EXPECT_GT(psnr_on_board(shown(browser, page, "board=1&view=d1"), carved), 35);
+  EXPECT_LT(psnr_on_board(shown(browser, page, "board=0&view=d1"), carved), 30);
+
+  browser.open(page, 1280, 900);
+  EXPECT_EQ(browser.evaluate("[...document.querySelectorAll('#boards button')].map(b => b.textContent).join()"),
+            "Before,As carved");
+  browser.press("b");
+  EXPECT_EQ(browser.evaluate("burinView.state.board"), 1);
+  EXPECT_THAT(browser.evaluate("document.getElementById('sentence').textContent").get<std::string>(),
+              HasSubstr("as it was carved"));
+  EXPECT_EQ(browser.evaluate("[...document.querySelectorAll('.gallery')].map(g => g.hidden).join()"), "true,false");
+  EXPECT_THAT(browser.complaints(), IsEmpty());
 }
 
 TEST_F(ViewPage, ObeysKeysFingersAndATiltedPhone) {

@@ -48,12 +48,18 @@ function burinBenchScene(element, data, options = {}) {
       ...data.lamps.map((l) => l.at_mm)];
     if (state.eye) points.push(state.eye);
     if (state.lamp) points.push(state.lamp);
-    const low = [0, 1, 2].map((i) => Math.min(...points.map((p) => p[i])));
-    const high = [0, 1, 2].map((i) => Math.max(...points.map((p) => p[i])));
-    center = scale(add(low, high), 0.5);
-    radius = Math.max(1, ...points.map((p) => Math.hypot(...add(p, center, -1))));
-    // The board lies on a table (its face is up), or hangs on a wall (its y is up).
+    const extent = () => {
+      const low = [0, 1, 2].map((i) => Math.min(...points.map((p) => p[i])));
+      const high = [0, 1, 2].map((i) => Math.max(...points.map((p) => p[i])));
+      center = scale(add(low, high), 0.5);
+      radius = Math.max(1, ...points.map((p) => Math.hypot(...add(p, center, -1))));
+      return low;
+    };
+    // The board lies on a table (its face is up), or hangs on a wall (its y is up), the floor a little below all that is there.
+    const low = extent();
     floor = state.hung ? low[1] - 0.12 * radius : 0;
+    points.push(...points.map(on_floor));
+    extent();
     factor = magnification();
   }
   const up = () => (state.hung ? [0, 1, 0] : [0, 0, 1]);
