@@ -1,5 +1,4 @@
 #include <CLI/Error.hpp>
-#include <CLI/Validators.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -43,7 +42,11 @@ void take_photos(const Options& o) {
   Shoot shoot;
   shoot.board = read_board(o.board);
   if (!o.bench.empty()) shoot.lens = read_bench(o.bench).lens;
-  if (!o.plan.empty()) shoot.wanted = planned_shots(o.plan, shoot.board);
+  shoot.least_places = kFewestPlaces;
+  if (!o.plan.empty()) {
+    shoot.wanted = planned_shots(o.plan, shoot.board);
+    shoot.least_places = 0;
+  }
   shoot_tethered({o.port, o.stops, o.photos, o.once}, shoot, [](const Shoot& so_far, double, double) {
     fmt::print("{}", last_photo_words(so_far));
     std::fflush(stdout);
@@ -66,17 +69,8 @@ void add_capture_command(CLI::App& burin) {
                                           "Take the photos now, by a camera on a USB cable (libgphoto2), at M: a "
                                           "bracket from each place, each photo judged "
                                           "as it comes");
-  command
-      ->add_option(
-          "--brackets", options->stops,
-          "The exposures of each bracket, in stops from the tags' paper at 60 % of white: 0,-3,-6; without it, "
-          "three stops darker each until no glint is clipped")
-      ->delimiter(',')
-      ->check(CLI::Range(-15.0, 5.0))
-      ->needs(tether);
+  add_tether_options(*command, tether, options->stops, options->port);
   command->add_option("--plan", options->plan, "The plan.json of `burin plan`: which places these are")->needs(tether);
-  command->add_option("--port", options->port, "The camera's port, where there are several: usb:001,005")
-      ->needs(tether);
   command->add_flag("--once", options->once, "One bracket from where the camera stands, without asking")->needs(tether);
   command->footer(
       example("burin capture photos --board board.json --bench bench.json --out session\n"

@@ -14,6 +14,7 @@
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/stop_signal.h"
+#include "tools/tether/tethered_shoot.h"
 #include "tools/watch/photo_inbox.h"
 #include "tools/watch/say_shoot.h"
 #include "tools/watch/watched_project.h"
@@ -28,7 +29,9 @@ constexpr auto kBetweenLooks = 300ms;
 
 struct Options {
   fs::path project, photos, plan;
-  bool once = false, json = false, copy = false;
+  bool once = false, json = false, copy = false, tether = false;
+  std::string port;
+  std::vector<double> stops;
 };
 
 // All that is said while watching, in words or as lines of JSON.
@@ -71,7 +74,7 @@ void copy_photo(const fs::path& file, const fs::path& into, const Teller& teller
   make_output_folder(into);
   write_atomically(to, [&](const fs::path& part) {
     std::error_code error;
-    if (!fs::copy_file(file, part, error))
+    if (!fs::copy_file(file, part, fs::copy_options::overwrite_existing, error))
       fail(to.string(), "could not be copied (" + error.message() + ")", "make room on the disk");
   });
 }
@@ -101,6 +104,21 @@ class Watch {
 
   void run() {
     say_what_is_wanted();
+    options_.tether ? take_photos() : wait_for_photos();
+    say_summary();
+  }
+
+ private:
+  // By a connected camera, beside those that lie in the folder.
+  void take_photos() {
+    take_news(inbox_.look());
+    shoot_tethered({options_.port, options_.stops, project_.photos, options_.once}, project_.shoot,
+                   [&](const Shoot& shoot, double seconds, double processor_seconds) {
+                     teller_.say_last(shoot, seconds, processor_seconds);
+                   });
+  }
+
+  void wait_for_photos() {
     const StopOnSignal stop;
     while (!StopOnSignal::asked()) {
       take_news(inbox_.look());
@@ -111,10 +129,8 @@ class Watch {
         break;
       std::this_thread::sleep_for(kBetweenLooks);
     }
-    say_summary();
   }
 
- private:
   void say_what_is_wanted() {
     const Shoot& shoot = project_.shoot;
     std::string words = fmt::format("Watching {} for photos of the board and its {} tags; Ctrl-C ends.\n",
@@ -227,12 +243,17 @@ void add_watch_command(CLI::App& burin) {
                       "The folder that photos arrive in (a tethered camera's, a phone's sync), instead of the round's "
                       "own");
   command->add_option("--plan", o->plan, "The plan.json of `burin plan`, if it is not in the project");
-  command->add_flag("--copy", o->copy, "Copy photos that are of use from --photos into the round's folder");
+  CLI::Option* tether = command->add_flag(
+      "--tether", o->tether, "Take the photos by a camera on a USB cable (libgphoto2): as burin capture --tether");
+  add_tether_options(*command, tether, o->stops, o->port);
+  command->add_flag("--copy", o->copy, "Copy photos that are of use from --photos into the round's folder")
+      ->excludes(tether);
   command->add_flag("--once", o->once, "Judge the photos that are there, and end");
-  command->add_flag("--json", o->json, "One JSON object a line instead of words");
+  command->add_flag("--json", o->json, "One JSON object a line instead of words")->excludes(tether);
   command->footer(
       example("burin watch my-board\n"
-              "  burin watch my-board --photos ~/Phone/Camera --copy"));
+              "  burin watch my-board --photos ~/Phone/Camera --copy\n"
+              "  burin watch my-board --tether"));
   command->callback([o] { Watch(*o).run(); });
 }
 

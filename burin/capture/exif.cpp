@@ -132,7 +132,8 @@ Exif read_exif(const fs::path& file) {
     fail(file.string(), "is no photo that can be read (" + OIIO::geterror() + ")",
          std::string("copy it from the camera again, or take it out of the folder") +
              (extension == ".heic" || extension == ".heif"
-                  ? "; HEIC needs libheif's decoder (on Debian 13 the package libheif-plugin-libde265)"
+                  ? "; if no HEIC can be read, its decoder is missing: on Debian 13, sudo apt-get install "
+                    "libheif-plugin-libde265"
                   : ""));
   }
   const OIIO::ImageSpec& spec = input->spec();

@@ -17,6 +17,7 @@ namespace {
 constexpr double kSearch_px = 3e6;       // of the copy that tags are searched in
 constexpr double kLargeTag_px = 40;      // in that copy: one of this size would have been found
 constexpr double kOtherFocal = 1.0 / 7;  // a lens that differs by more is another one
+constexpr double kAside = 0.01;          // of the photo's width: what lens and bow may move a tag by
 constexpr double kSamePlace_s = 60;      // from photo to photo
 constexpr double kFullFrameDiagonal_mm = 43.267;
 
@@ -138,7 +139,7 @@ bool has_focal(const Lens* lens) {
   return lens != nullptr && lens->intrinsics.size() >= 4 && lens->width > 0 && lens->intrinsics[0] > 0;
 }
 
-void find_pose(const AgreeingCorners& corners, const Lens* believed, PhotoFacts& facts) {
+void find_pose(AgreeingCorners& corners, const Lens* believed, PhotoFacts& facts) {
   std::optional<Lens> lens;
   double told = 0;
   if (facts.exif.focal_35mm)
@@ -153,6 +154,7 @@ void find_pose(const AgreeingCorners& corners, const Lens* believed, PhotoFacts&
     facts.lens_from = LensFrom::exif;
   }
   if (lens) {
+    drop_stray_tag(corners, *lens, kAside * facts.width);
     facts.pose = board_pose(corners, *lens);
     facts.focal_px = lens->intrinsics[0];
   } else {
@@ -291,9 +293,9 @@ PhotoFacts judge_photo(const std::filesystem::path& file, const Board& board, co
   judge_paper(facts);
   measure_blur(found, linear, grays.mean, board.tags.family, facts);
 
-  const AgreeingCorners corners = agreeing_corners(facts.tags, board.tags, 0.01 * facts.width, true);
-  facts.stray_tags = corners.stray;
+  AgreeingCorners corners = agreeing_corners(facts.tags, board.tags, kAside * facts.width, true);
   find_pose(corners, believed, facts);
+  facts.stray_tags = corners.stray;
   place_carve_area(corners, board, facts);
   if (before != nullptr) take_place_of(*before, facts);
   if (facts.carve_seen) judge_glints(linear, grays.top, facts);

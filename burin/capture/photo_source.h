@@ -1,8 +1,7 @@
 // burin/capture/photo_source.h - where photos come from: the one door through which they enter.
 //
 // A source is a function that hands out one photo after another and nothing when there are no more. A folder is the
-// first; a connected camera (libgphoto2: each shot downloaded into the session's folder, then handed out) is to be the
-// next, and needs nothing here changed.
+// only one: a connected camera (tools/tether) puts its photos into a folder too.
 #pragma once
 
 #include <filesystem>

@@ -154,7 +154,9 @@ void TetheredCamera::State::connect(const std::string& port) {
     if (gp_list_get_name(list.get(), i, &name) >= GP_OK && gp_list_get_value(list.get(), i, &where) >= GP_OK)
       found.emplace_back(name, where);
   }
-  if (found.empty()) fail_camera(GP_ERROR_MODEL_NOT_FOUND, "", "no camera was found");
+  if (found.empty())
+    fail("the camera", "none was found",
+         "plug it in, switch it on, and set its USB connection to PTP or \"PC remote\" (not to mass storage)");
   std::string names;
   std::erase_if(found, [&](const auto& camera_there) {
     names += (names.empty() ? "" : "; ") + camera_there.second + " is a " + camera_there.first;

@@ -3,6 +3,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <CLI/Validators.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -129,6 +130,7 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
   std::string why;
   const double paper_s = find_paper(camera, photos, shoot, told, stopped, why);
   if (!(paper_s > 0)) return why;
+  const std::size_t first = shoot.photos.size() - 1;  // the paper's photo: a bracket is whole by itself
   std::set<double> taken{paper_s};
   std::vector<fs::path> files;
   if (!stops.empty()) {
@@ -143,7 +145,7 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
     return "";
   }
   for (int i = 0; i < kMostDarker; ++i) {
-    const NextStep next = next_exposure(shoot);
+    const NextStep next = next_exposure(shoot, first);
     if (next.kind != NextStep::Kind::expose || !next.for_glints) break;
     if (stopped()) return "stopped";
     const double time_s = camera.set_shutter(time_for(next.factor, shoot.photos.back().facts));
@@ -158,6 +160,17 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
   }
   camera.set_shutter(paper_s);  // where the next place begins
   return why;
+}
+
+void add_tether_options(CLI::App& command, CLI::Option* tether, std::vector<double>& stops, std::string& port) {
+  command
+      .add_option("--brackets", stops,
+                  "The exposures of each bracket, in stops from the tags' paper at 60 % of white: 0,-3,-6; without it, "
+                  "three stops darker each until no glint is clipped")
+      ->delimiter(',')
+      ->check(CLI::Range(-15.0, 5.0))
+      ->needs(tether);
+  command.add_option("--port", port, "The camera's port, where there are several: usb:001,005")->needs(tether);
 }
 
 void shoot_tethered(const TetheredShoot& how, Shoot& shoot, const PhotoTold& told) {

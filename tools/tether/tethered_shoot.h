@@ -2,6 +2,7 @@
 // first exposure on, the next one follows from what the last one shows.
 #pragma once
 
+#include <CLI/App.hpp>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -30,6 +31,9 @@ struct TetheredShoot {
   std::filesystem::path photos;  ///< the folder
   bool once = false;             ///< one bracket, without asking
 };
+
+/// --brackets and --port, which go with the flag `tether`.
+void add_tether_options(CLI::App& command, CLI::Option* tether, std::vector<double>& stops, std::string& port);
 
 /// Asks for the camera to be put to the next place, again and again, and takes a bracket from each: Enter on standard
 /// input takes one, q or the input's end ends it, and so does Ctrl-C (between two photos). Then puts the camera's

@@ -16,15 +16,16 @@ std::string mm_words(double mm) {
   return fmt::format("{:.0f} mm", a >= 30 ? 5 * std::round(a / 5) : std::round(a));
 }
 
-// "40 mm to the left, 15 mm up"; parts below `least_mm` are left out. Empty where nothing is left.
-std::string way_words(double right_mm, double up_mm, double away_mm, double least_mm) {
+// "40 mm to the left, 15 mm higher": board axes, as a person sees them who stands at the lower edge of a board on a
+// table. Parts below `least_mm` are left out; empty where nothing is left.
+std::string way_words(const Eigen::Vector3d& way_mm, double least_mm) {
   std::string out;
   const auto add = [&](double mm, const char* plus, const char* minus) {
     if (std::abs(mm) >= least_mm) out += (out.empty() ? "" : ", ") + mm_words(mm) + (mm > 0 ? plus : minus);
   };
-  add(right_mm, " to the right", " to the left");
-  add(up_mm, " up", " down");
-  add(away_mm, " further away", " nearer");
+  add(way_mm.x(), " to the right", " to the left");
+  add(way_mm.y(), " towards the upper edge", " towards the lower edge");
+  add(way_mm.z(), " higher", " lower");
   return out;
 }
 
@@ -45,14 +46,14 @@ std::string which_words(const JudgedPhoto& photo, const Shoot& shoot) {
   if (!photo.nearest) return "";
   const WantedShot& shot = shoot.wanted[*photo.nearest];
   const Offset& o = photo.offset;
-  const std::string off = way_words(o.sideways_mm, o.up_mm, o.along_mm, least_step_mm(shot, shoot.board));
-  if (photo.shot) return called(shot) + (off.empty() ? ", in its place" : ", " + off + " of its place");
+  const std::string off = way_words(*photo.facts.eye_mm() - shot.eye_mm, least_step_mm(shot, shoot.board));
+  if (photo.shot) return called(shot) + (off.empty() ? ", in its place" : ", off by " + off);
   if (photo.wrong_way_up && o.reaches <= 1)
     return "from the place of " + called(shot) + ", which wants the camera turned by 90 degrees";
   return "none of the planned ones; nearest is " + called(shot) +
          (o.degrees > 40 ? fmt::format(", {:.0f} degrees away", o.degrees)
           : off.empty()  ? ""
-                         : ", this is " + off + " of it");
+                         : ", this is off by " + off);
 }
 
 std::string share_words(double share) {
@@ -92,19 +93,13 @@ std::string move_words(const NextStep& next, const Shoot& shoot) {
     out += fmt::format("; lamp \"{}\" {}", shot.light, shot.lamp_place);
   if (last != nullptr)
     if (const auto eye = last->facts.eye_mm()) {
-      const Offset way = offset_of(*eye, shot.eye_mm, shoot.board, shot.tolerance);
-      constexpr double kAsOneMove_deg = 40;
-      const std::string words = way_words(way.sideways_mm, way.up_mm, way.along_mm, least_step_mm(shot, shoot.board));
-      if (way.degrees < kAsOneMove_deg && !words.empty()) out += "; from here " + words;
+      const std::string words = way_words(shot.eye_mm - *eye, least_step_mm(shot, shoot.board));
+      if (!words.empty()) out += "; from here " + words;
     }
   std::string exposure;
   if (last != nullptr) exposure = exposure_words(next.factor, last->facts);
   if (exposure.empty() && shot.exposure_s) exposure = shutter_words(*shot.exposure_s) + " (f/8, ISO 100)";
   return out + (exposure.empty() ? "; the tags' paper at 60 % of white" : "; at " + exposure);
-}
-
-Json offset_json(const Offset& o) {
-  return {{"to_the_right_mm", o.sideways_mm}, {"up_mm", o.up_mm}, {"away_mm", o.along_mm}, {"degrees", o.degrees}};
 }
 
 }  // namespace
@@ -220,7 +215,7 @@ std::string last_photo_json(const Shoot& shoot, double seconds, double processor
   if (photo.shot) json["shot"] = shoot.wanted[*photo.shot].name;
   if (photo.nearest && !f.place_of_before) {
     json["nearest"] = shoot.wanted[*photo.nearest].name;
-    json["off"] = offset_json(photo.offset);
+    json["off_mm"] = to_json(Eigen::Vector3d(*f.eye_mm() - shoot.wanted[*photo.nearest].eye_mm));
   }
   json["faults"] = Json::array();
   for (const Finding& fault : photo.faults)

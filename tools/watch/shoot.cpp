@@ -9,6 +9,7 @@
 namespace burin {
 namespace {
 
+constexpr double kDimPaper = 0.05, kSameDimEye = 0.04;  // the same where paper is dim
 constexpr double kSameEye = 0.01;  // of the distance: what poses from one photo scatter by, and more
 constexpr double kDarkest = -8.5;  // stops: what still clips there is no groove's glint
 constexpr double kGlintStep = 1.0 / 8;
@@ -52,7 +53,8 @@ bool same_place(const PhotoFacts& a, const PhotoFacts& b, const Board& board) {
   const auto eye_a = a.eye_mm(), eye_b = b.eye_mm();
   if (!eye_a || !eye_b) return false;
   const Eigen::Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
-  return (*eye_a - *eye_b).norm() <= kSameEye * (*eye_a - middle).norm();
+  const double reach = std::min(a.paper, b.paper) < kDimPaper ? kSameDimEye : kSameEye;
+  return (*eye_a - *eye_b).norm() <= reach * (*eye_a - middle).norm();
 }
 
 // What the photos from one place hold together.
@@ -60,9 +62,10 @@ struct PlaceState {
   bool tags = false, glints = false;
 };
 
-PlaceState place_state(const JudgedPhoto& at, const Shoot& shoot) {
+PlaceState place_state(const JudgedPhoto& at, const Shoot& shoot, std::size_t from = 0) {
   PlaceState out;
-  for (const JudgedPhoto& photo : shoot.photos) {
+  for (std::size_t i = from; i < shoot.photos.size(); ++i) {
+    const JudgedPhoto& photo = shoot.photos[i];
     if (has_error(photo) || photo.shot != at.shot) continue;
     if (&photo != &at && !same_place(photo.facts, at.facts, shoot.board)) continue;
     out.tags = out.tags || shows_tags_well(photo.facts, shoot.board);
@@ -172,14 +175,14 @@ std::size_t places_of(const Shoot& shoot) {
   return places.size();
 }
 
-NextStep next_exposure(const Shoot& shoot) {
+NextStep next_exposure(const Shoot& shoot, std::size_t from) {
   NextStep next;
   if (shoot.photos.empty()) return next;
   const JudgedPhoto& last = shoot.photos.back();
   const PhotoFacts& facts = last.facts;
   if (!facts.exposure_factor) return next;
   next.shot = last.shot;
-  const PlaceState state = place_state(last, shoot);
+  const PlaceState state = place_state(last, shoot, from);
   if (!state.tags) {
     next.kind = NextStep::Kind::expose;
     const bool measured = facts.paper > 0.002 && facts.paper_clipped <= kPaperLost;
@@ -193,8 +196,9 @@ NextStep next_exposure(const Shoot& shoot) {
   }
   if (state.glints) return next;
   double darkest = *facts.exposure_factor;
-  for (const JudgedPhoto& photo : shoot.photos)
-    if (!has_error(photo) && photo.facts.exposure_factor && same_place(photo.facts, facts, shoot.board))
+  for (std::size_t i = from; i < shoot.photos.size(); ++i)
+    if (const JudgedPhoto& photo = shoot.photos[i];
+        !has_error(photo) && photo.facts.exposure_factor && same_place(photo.facts, facts, shoot.board))
       darkest = std::min(darkest, *photo.facts.exposure_factor);
   next.kind = NextStep::Kind::expose;
   next.factor = darkest * kGlintStep;

@@ -69,7 +69,8 @@ struct NextStep {
 };
 NextStep next_step(const Shoot& shoot);
 
-/// Whether the bracket of the last photo still lacks an exposure, and which: `expose`, or else `finished`.
-NextStep next_exposure(const Shoot& shoot);
+/// Whether the bracket of the last photo still lacks an exposure, and which: `expose`, or else `finished`. Only
+/// photos from index `from` on count.
+NextStep next_exposure(const Shoot& shoot, std::size_t from = 0);
 
 }  // namespace burin

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -14,6 +15,9 @@
 #include "tools/match_views.h"
 
 namespace burin {
+
+/// From so many places at least a board is photographed where no plan says from which: docs/calibration.md.
+inline constexpr std::size_t kFewestPlaces = 8;
 
 /// One place to photograph from, and what counts as having stood there.
 struct WantedShot {

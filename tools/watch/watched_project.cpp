@@ -88,7 +88,6 @@ WatchedProject watched_project(const fs::path& folder, const fs::path& photos, c
     take_tolerances(tolerances, out.shoot.wanted);
     out.wanted_from = found.string();
   } else {
-    constexpr std::size_t kFewestPlaces = 8;  // docs/calibration.md
     out.shoot.least_places = kFewestPlaces;
     if (design) out.wanted_from = design_file.string();
     out.plan_line = "burin plan " + shell_word(board.string()) +

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/calib3d.hpp>
+#include <set>
+#include <utility>
 
 #include "burin/render/median.h"
 
@@ -33,6 +35,7 @@ AgreeingCorners agreeing_corners(std::span<const TagLook> seen, const TagSet& ta
     if (!inlier[i]) continue;
     out.board_mm.emplace_back(board[i].x, board[i].y);
     out.pixel.emplace_back(pixel[i].x, pixel[i].y);
+    out.id.push_back(id[i]);
   }
   return out;
 }
@@ -83,6 +86,54 @@ std::optional<BoardPose> board_pose(const AgreeingCorners& corners, const Lens& 
     if (std::isfinite(pose.error_px) && (!best || pose.error_px < best->error_px)) best = pose;
   }
   return best;
+}
+
+namespace {
+
+AgreeingCorners without(const AgreeingCorners& corners, int id) {
+  AgreeingCorners out;
+  out.stray = corners.stray;
+  for (std::size_t i = 0; i < corners.id.size(); ++i) {
+    if (corners.id[i] == id) continue;
+    out.board_mm.push_back(corners.board_mm[i]);
+    out.pixel.push_back(corners.pixel[i]);
+    out.id.push_back(corners.id[i]);
+  }
+  return out;
+}
+
+// How far the worst corner lies from where the best pose has it.
+double worst_error_px(const AgreeingCorners& corners, const Lens& lens) {
+  const auto pose = board_pose(corners, lens);
+  if (!pose) return std::numeric_limits<double>::infinity();
+  std::vector<Eigen::Vector3d> p_camera;
+  for (const Eigen::Vector2d& p : corners.board_mm)
+    p_camera.push_back(pose->T_camera_board * Eigen::Vector3d(p.x(), p.y(), 0));
+  std::vector<Eigen::Vector2d> predicted(p_camera.size());
+  project(lens, p_camera, predicted);
+  double worst = 0;
+  for (std::size_t i = 0; i < predicted.size(); ++i) worst = std::max(worst, (predicted[i] - corners.pixel[i]).norm());
+  return worst;
+}
+
+}  // namespace
+
+void drop_stray_tag(AgreeingCorners& corners, const Lens& lens, double tolerance_px) {
+  const std::set<int> ids(corners.id.begin(), corners.id.end());
+  if (ids.size() < 3 || worst_error_px(corners, lens) <= tolerance_px) return;
+  double best = tolerance_px;
+  std::optional<AgreeingCorners> agreeing;
+  for (const int id : ids) {
+    AgreeingCorners rest = without(corners, id);
+    const double error = worst_error_px(rest, lens);
+    if (error > best) continue;
+    best = error;
+    rest.stray.push_back(id);
+    agreeing = std::move(rest);
+  }
+  if (!agreeing) return;
+  corners = std::move(*agreeing);
+  std::sort(corners.stray.begin(), corners.stray.end());
 }
 
 Lens plain_lens(double focal_px, int width, int height) {

@@ -17,6 +17,7 @@ namespace burin {
 /// Corners of tags in a photo that lie where the board says, up to what a lens bends: point by point.
 struct AgreeingCorners {
   std::vector<Eigen::Vector2d> board_mm, pixel;
+  std::vector<int> id;     ///< of each point's tag
   std::vector<int> stray;  ///< ids of tags of which no corner lies where the board has it
 };
 
@@ -32,6 +33,11 @@ struct BoardPose {
 
 /// The pose that fits best through that lens. Nothing where fewer than four corners agree, or no pose explains them.
 std::optional<BoardPose> board_pose(const AgreeingCorners& corners, const Lens& lens);
+
+/// Takes a tag out of `corners` (and into its `stray`) where that alone makes them fit: tags that lie at the corners of
+/// a rectangle agree with each other wherever one of them is, but not with a lens that is known. Nothing changes with
+/// fewer than three tags, or where all fit within `tolerance_px`.
+void drop_stray_tag(AgreeingCorners& corners, const Lens& lens, double tolerance_px);
 
 /// A lens without distortion, of that focal length, centered on the picture.
 Lens plain_lens(double focal_px, int width, int height);

@@ -1,0 +1,266 @@
+// Proves: a folder is watched as folders are filled: photos that grow, come under other names first, are renamed,
+// replaced, deleted, empty, or beside raw files; each is judged once it is whole; what is missing, wrong or broken is
+// said and ends nothing; no photo is touched, copies are made only where asked. Oracle: files that the test writes, of
+// a drawn board (tests/drawn_photo.h).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "burin/capture/tags/board_pose.h"
+#include "burin/render/bench.h"
+#include "burin/render/files/json_file.h"
+#include "tests/drawn_photo.h"
+#include "tests/tools/program.h"
+#include "tools/watch/photo_inbox.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+using ::testing::Pair;
+
+struct PhotoInboxTest : testing::Test {
+  TemporaryFolder folder;
+  PhotoInbox inbox{folder.path()};
+  std::vector<fs::path> whole() { return inbox.look().whole; }
+  fs::path at(const std::string& name) const { return folder / name; }
+};
+
+TEST_F(PhotoInboxTest, TakesWhatIsThereAtOnceAndWhatComesWhenItStays) {
+  folder.write("IMG_10.JPG", "abc");
+  folder.write("IMG_9.JPG", "abc");
+  EXPECT_THAT(whole(), ElementsAre(at("IMG_9.JPG"), at("IMG_10.JPG")));
+  folder.write("IMG_11.JPG", "abc");
+  EXPECT_THAT(whole(), IsEmpty());
+  EXPECT_TRUE(inbox.expects());
+  folder.write("IMG_11.JPG", "abcdef");
+  EXPECT_THAT(whole(), IsEmpty()) << "it has grown";
+  EXPECT_THAT(whole(), ElementsAre(at("IMG_11.JPG")));
+  EXPECT_THAT(whole(), IsEmpty()) << "once";
+  EXPECT_FALSE(inbox.expects());
+}
+
+TEST_F(PhotoInboxTest, PassesOverWhatIsInTheMakingAndWhatIsNoPhoto) {
+  for (const char* name :
+       {".hidden.jpg", "~a.jpg", "a.jpg.part", "b.jpg.tmp", ".c.jpg.icloud", "film.mov", "notes.txt"})
+    folder.write(name, "abc");
+  fs::create_directories(at("folder.jpg"));
+  EXPECT_THAT(whole(), IsEmpty());
+  fs::rename(at("a.jpg.part"), at("a.jpg"));
+  EXPECT_THAT(whole(), IsEmpty());
+  EXPECT_THAT(whole(), ElementsAre(at("a.jpg")));
+}
+
+TEST_F(PhotoInboxTest, KnowsARenamedADeletedAndAReplacedFile) {
+  folder.write("a.jpg", "abc");
+  folder.write("b.jpg", "abcd");
+  inbox.look();
+  fs::rename(at("a.jpg"), at("c.jpg"));
+  InboxNews news = inbox.look();
+  EXPECT_THAT(news.renamed, ElementsAre(Pair(at("a.jpg"), at("c.jpg"))));
+  EXPECT_THAT(news.gone, IsEmpty());
+  EXPECT_THAT(news.whole, IsEmpty());
+  fs::remove(at("b.jpg"));
+  EXPECT_THAT(inbox.look().gone, ElementsAre(at("b.jpg")));
+  folder.write("c.jpg", "another one");
+  EXPECT_THAT(whole(), IsEmpty());
+  EXPECT_THAT(whole(), ElementsAre(at("c.jpg")));
+}
+
+TEST_F(PhotoInboxTest, RawGoesBeforeItsJpeg) {
+  folder.write("a.jpg", "abc");
+  EXPECT_THAT(whole(), ElementsAre(at("a.jpg")));
+  folder.write("a.CR2", "abc");
+  EXPECT_THAT(inbox.look().gone, ElementsAre(at("a.jpg")));
+  EXPECT_THAT(whole(), ElementsAre(at("a.CR2")));
+}
+
+TEST_F(PhotoInboxTest, BrokenFileIsGivenUpAndTakenWhenItGrows) {
+  folder.write("a.jpg", "half");
+  folder.write("empty.jpg", "");
+  EXPECT_THAT(whole(), ElementsAre(at("a.jpg")));
+  inbox.not_yet(at("a.jpg"));
+  EXPECT_THAT(whole(), IsEmpty());
+  EXPECT_TRUE(inbox.expects());
+  std::this_thread::sleep_for(PhotoInbox::kGivenUp + 100ms);
+  EXPECT_THAT(inbox.look().given_up, ElementsAre(at("a.jpg"), at("empty.jpg")));
+  EXPECT_FALSE(inbox.expects());
+  folder.write("a.jpg", "half and the rest");
+  inbox.look();
+  EXPECT_THAT(whole(), ElementsAre(at("a.jpg")));
+}
+
+TEST_F(PhotoInboxTest, FolderThatVanishesForgetsNothing) {
+  const fs::path share = at("share"), away = at("away");
+  folder.write("share/a.jpg", "abc");
+  PhotoInbox there(share);
+  EXPECT_THAT(there.look().whole, ElementsAre(share / "a.jpg"));
+  fs::rename(share, away);
+  const InboxNews news = there.look();
+  EXPECT_FALSE(news.folder_there);
+  EXPECT_THAT(news.why_not, HasSubstr("No such file"));
+  EXPECT_THAT(news.gone, IsEmpty());
+  fs::rename(away, share);
+  EXPECT_TRUE(there.look().folder_there);
+  EXPECT_THAT(there.look().whole, IsEmpty());
+}
+
+// A project with a plan of two shots, and photos of both.
+struct WatchCommand : testing::Test {
+  TemporaryFolder folder;
+  DrawnPhoto photo;
+  std::vector<Eigen::Isometry3d> places{looking_at_board(photo.board, 500, 0, 0),
+                                        looking_at_board(photo.board, 520, 28, 5)};
+
+  WatchCommand() {
+    fs::create_directories(folder / "my board");
+    fs::create_directories(folder / "in");
+    write_board(photo.board, folder / "my board/board.json");
+    Bench bench;
+    bench.lens = plain_lens(photo.focal_px, photo.width, photo.height);
+    Light light;
+    light.position_mm = {100, 700, 900};
+    bench.lights = {light};
+    write_bench(bench, photo.board.tool_width_um, folder / "my board/bench.json");
+    Json plan{{"format", "burin/plan"}, {"version", 1}};
+    for (const Eigen::Isometry3d& T : places)
+      plan["shots"].push_back({{"view", "p" + std::to_string(plan["shots"].size() + 1)},
+                               {"camera", "camera there"},
+                               {"center_mm", to_json(Eigen::Vector3d(T.inverse().translation()))},
+                               {"T_camera_board", to_json(T.matrix())},
+                               {"light", {{"id", "lamp"}, {"position_mm", to_json(light.position_mm)}}},
+                               {"exposure_stops", {0, -3}}});
+    write_json(plan, folder / "my board/plan.json");
+  }
+
+  // Paper and glints from one place: NAME-1.jpg, NAME-2.jpg.
+  void take(std::size_t place, const std::string& name) {
+    photo.T_camera_board = places[place];
+    photo.glint = 3;
+    Image linear = drawn(photo);
+    photo.exposure_s = 1.0 / 60;
+    photo.taken_at = fmt_time(place, 0);
+    ASSERT_TRUE(write_drawn(linear, photo, folder / (name + "-1.jpg")));
+    for (float& v : linear.data) v /= 8;
+    photo.exposure_s = 1.0 / 480;
+    photo.taken_at = fmt_time(place, 4);
+    ASSERT_TRUE(write_drawn(linear, photo, folder / (name + "-2.jpg")));
+  }
+  static std::string fmt_time(std::size_t minute, int second) {
+    return "2024:05:01 12:0" + std::to_string(minute) + ":0" + std::to_string(second);
+  }
+  static std::vector<Json> lines(const std::string& text) {
+    std::vector<Json> out;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) out.push_back(Json::parse(line));
+    return out;
+  }
+};
+
+TEST_F(WatchCommand, JudgesPhotosThatArriveSlowly) {
+  take(0, "a");
+  take(1, "b");
+  // One grows in two halves, one comes under another name first, one is renamed later, one is never more than begun.
+  const Outcome run = run_shell(
+      folder, "cd " + quoted(folder.path().string()) + "; timeout 90 " + quoted(places::program()) +
+                  " watch 'my board' --photos in --json >log & pid=$!; sleep 1;"
+                  "head -c 20000 a-1.jpg >in/a-1.jpg; sleep 1.2; tail -c +20001 a-1.jpg >>in/a-1.jpg;"
+                  "cp a-2.jpg in/.a-2.jpg.part; mv in/.a-2.jpg.part in/a-2.jpg; head -c 9000 b-1.jpg >in/c.jpg;"
+                  "sleep 2; mv in/a-2.jpg in/renamed.jpg; cp b-1.jpg b-2.jpg in; wait $pid");
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  std::map<std::string, Json> of;
+  std::vector<std::string> events;
+  for (const Json& line : lines(file_text(folder / "log"))) {
+    if (line.contains("event"))
+      events.push_back(line["event"]);
+    else
+      of[fs::path(line["photo"].get<std::string>()).filename()] = line;
+  }
+  ASSERT_EQ(of.size(), 4U) << file_text(folder / "log");
+  EXPECT_EQ(of["a-1.jpg"]["shot"], "p1");
+  EXPECT_EQ(of["b-1.jpg"]["shot"], "p2");
+  EXPECT_EQ(of["a-1.jpg"]["tags"].size(), 6U);
+  EXPECT_THAT(of["a-1.jpg"]["now"].get<std::string>(), HasSubstr("the same place at 1/500 s"));
+  EXPECT_EQ(of["b-2.jpg"]["state"], "2 of 2 shots");
+  EXPECT_THAT(events, ElementsAre("began", "renamed", "unreadable", "finished"));
+  EXPECT_TRUE(file_text(folder / "in/a-1.jpg") == file_text(folder / "a-1.jpg")) << "a photo was touched";
+}
+
+TEST_F(WatchCommand, OnceSaysWhatIsMissing) {
+  take(0, "in/a");
+  const Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--once"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out,
+              AllOf(HasSubstr("a-1.jpg: shot \"p1\", in its place: 6 of 6 tags"),
+                    HasSubstr("missing     shot \"p2\": camera there"), HasSubstr("1 of 2 shots"),
+                    HasSubstr("next: burin capture in --board 'my board/board.json' --bench 'my board/bench.json' "
+                              "--out DIR")));
+}
+
+TEST_F(WatchCommand, CtrlCEndsWithASummary) {
+  take(0, "in/a");
+  const Outcome run =
+      run_shell(folder, "cd " + quoted(folder.path().string()) + "; timeout 60 " + quoted(places::program()) +
+                            " watch 'my board' --photos in >log & pid=$!; "
+                            "for i in $(seq 100); do grep -q 1.of.2 log && break; sleep 0.2; done; "
+                            "kill -TERM $pid; wait $pid; cat log");
+  EXPECT_THAT(run.out, HasSubstr("Not all is there yet: 1 of 2 shots"));
+}
+
+TEST_F(WatchCommand, RoundsPhotosAndCopies) {
+  take(0, "in/a");
+  fs::create_directories(folder / "my board/round-01");
+  fs::rename(folder / "my board/plan.json", folder / "my board/round-01/plan.json");
+  folder.write("my board/round-01/photos/a-2.jpg", "of another day");
+  Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_TRUE(file_text(folder / "my board/round-01/photos/a-1.jpg") == file_text(folder / "in/a-1.jpg"));
+  EXPECT_EQ(file_text(folder / "my board/round-01/photos/a-2.jpg"), "of another day");
+  EXPECT_THAT(run.out, AllOf(HasSubstr("not copied: my board/round-01/photos/a-2.jpg is there already"),
+                             HasSubstr("next: burin loop 'my board'")));
+  // The round's own folder, made where it is missing.
+  fs::remove_all(folder / "my board/round-01/photos");
+  run = run_burin(folder, {"watch", "my board", "--once"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("my board/round-01/photos: holds no photo"));
+  folder.write("my board/round-01/bench.json", "{}");
+  EXPECT_THAT(run_burin(folder, {"watch", "my board", "--once"}).err, HasSubstr("its photos are measured already"));
+}
+
+TEST_F(WatchCommand, SaysWhatCannotBeWatched) {
+  const auto error = [&](const std::vector<std::string>& words) {
+    const Outcome run = run_burin(folder, words);
+    EXPECT_EQ(run.exit_code, 1) << run.out;
+    return run.err;
+  };
+  EXPECT_THAT(error({"watch", "nowhere"}), HasSubstr("nowhere: there is no such folder"));
+  EXPECT_THAT(error({"watch", "in"}), HasSubstr("there is no board to look for"));
+  EXPECT_THAT(error({"watch", "my board"}), HasSubstr("has no board to be photographed yet"));
+  EXPECT_THAT(error({"watch", "my board", "--photos", "gone"}), HasSubstr("gone: there is no such folder"));
+  EXPECT_THAT(error({"watch", "my board", "--photos", "in", "--once"}), HasSubstr("in: holds no photo"));
+  EXPECT_THAT(error({"watch", "my board", "--photos", "in", "--copy"}), HasSubstr("burin loop 'my board'"));
+  folder.write("plan.json", "{}");
+  EXPECT_THAT(error({"watch", "my board", "--photos", "in", "--plan", "plan.json"}), HasSubstr("plan.json"));
+  folder.write("in/a.jpg", "");
+  folder.write("in/b.jpg", "no picture");
+  const Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--once"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.out, AllOf(HasSubstr("BAD in/b.jpg: is no photo that can be read"),
+                             HasSubstr("BAD in/a.jpg: is empty (0 bytes)")));
+}
+
+}  // namespace
+}  // namespace burin
