@@ -145,7 +145,7 @@ Section rerun_section(const RerunInput& input, const Progress& progress) {
                             fmt::format("{:+.1f} dB", is.psnr_db - was.psnr_db)});
     const auto shown = [&](const Image& picture, const std::string& name, const std::string& what,
                            const std::string& value) {
-      return Figure{picture, "View " + asked.view + ": " + what + (value.empty() ? "" : ", " + value),
+      return Figure{picture, fmt::format("View {}: {}{}{}", asked.view, what, value.empty() ? "" : ", ", value),
                     "<b>" + name + "</b> " + (value.empty() ? "" : unbroken(value)), name};
     };
     const std::vector<Figure> figures{
