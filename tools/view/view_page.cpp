@@ -13,6 +13,7 @@
 #include "embedded/view.h"
 #include "tools/content_policy.h"
 #include "tools/report/html.h"
+#include "tools/report/pictures.h"
 #include "tools/view/bench_scene.h"
 #include "tools/view/packed_scratches.h"
 
