@@ -264,6 +264,11 @@ TEST_F(ViewPage, IsOneFileUnderAStrictPolicyAndSaysItWithoutWebGL) {
   EXPECT_EQ(browser.evaluate("[...document.images].filter(i => !i.hasAttribute('alt')).length"), 0);
   EXPECT_EQ(browser.evaluate("[...document.querySelectorAll('button')].filter(b => !b.textContent.trim()).length"), 0);
 
+  browser.open(page, 1280, 900,
+               "picture&size=0xyz&view=%&eye=1,2&exposure=-3&board=99&look=upside");  // an address of nonsense
+  EXPECT_EQ(browser.evaluate("burinView.state.look"), "seen");
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+
   browser.command("Page.addScriptToEvaluateOnNewDocument",
                   {{"source", "HTMLCanvasElement.prototype.getContext = () => null;"}});
   browser.open(page, 390, 800, "", true);

@@ -12,7 +12,8 @@
   for (const element of document.querySelectorAll('script[type="x-shader"]')) shaders[element.id] = element.textContent;
   const asked = Object.fromEntries(location.hash.slice(1).split('&').filter(Boolean).map((part) => {
     const at = part.indexOf('=');
-    return at < 0 ? [part, true] : [part.slice(0, at), decodeURIComponent(part.slice(at + 1))];
+    const text = part.slice(at + 1);
+    try { return at < 0 ? [part, true] : [part.slice(0, at), decodeURIComponent(text)]; } catch (error) { return [part, text]; }
   }));
   const galleries = [...document.querySelectorAll('.gallery')];
 
@@ -123,9 +124,9 @@
   // ---- drawing ------------------------------------------------------------------------------------------------------------
   const scene_of = (b) => ({ size_mm: data.size_mm, bow_mm: b.bow_mm, material: b.material, ambient: b.ambient });
   function fit_canvas() {
-    if (asked.size && state.picture_only) {
-      const [w, h] = asked.size.split('x').map(Number);
-      canvas.width = w; canvas.height = h;
+    const size = /^(\d{1,4})x(\d{1,4})$/.exec(asked.size);
+    if (size && state.picture_only) {
+      [canvas.width, canvas.height] = [size[1], size[2]].map((v) => Math.max(1, Number(v)));
     } else if (state.picture_only && state.look === 'photo') {
       canvas.width = now().lens.width; canvas.height = now().lens.height;
     } else {
