@@ -208,7 +208,13 @@ class Watch {
   void say_summary() {
     const Shoot& shoot = project_.shoot;
     if (options_.once && shoot.photos.empty())
-      fail(project_.photos.string(), unreadable_ > 0 ? "holds no photo that can be read" : "holds no photo",
+      fail(project_.photos.string(),
+           unreadable_ > 0 ? "holds no photo that can be read"
+           : inbox_.passed_over() > 0
+               ? fmt::format("holds no photo ({} other file{} or folder{} there; folders within are not looked into)",
+                             inbox_.passed_over(), inbox_.passed_over() == 1 ? "" : "s",
+                             inbox_.passed_over() == 1 ? " is" : "s are")
+               : "holds no photo",
            "give the folder that the photos arrive in");
     std::string words = missing_words(shoot);
     if (!words.empty()) words = "Still wanted:\n" + words;

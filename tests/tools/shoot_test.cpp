@@ -70,7 +70,7 @@ TEST_F(ShootTest, BeginsWithTheFirstShot) {
 }
 
 TEST_F(ShootTest, BracketIsPaperAndThenGlints) {
-  const JudgedPhoto& first = add_photo(photo(505, -29, 1, 0), shoot);
+  const JudgedPhoto first = add_photo(photo(505, -29, 1, 0), shoot);
   EXPECT_EQ(first.shot, 0U);
   EXPECT_EQ(state_of(shoot, 0), ShotState::begun);
   NextStep next = next_step(shoot);
@@ -108,13 +108,27 @@ TEST_F(ShootTest, BracketStandsStill) {
 }
 
 TEST_F(ShootTest, PhotoFromElsewhereIsNone) {
-  const JudgedPhoto& far = add_photo(photo(500, 14, 0, 0), shoot);
+  const JudgedPhoto far = add_photo(photo(500, 14, 0, 0), shoot);
   EXPECT_FALSE(far.shot);
   EXPECT_EQ(far.nearest, 1U);
   EXPECT_NEAR(far.offset.sideways_mm, 500 * std::tan(14 * M_PI / 180), 1);
   EXPECT_THAT(last_photo_words(shoot), AllOf(HasSubstr("none of the planned ones; nearest is shot \"middle\""),
                                              HasSubstr("120 mm to the right, 15 mm lower")));
   EXPECT_EQ(next_step(shoot).kind, Kind::move);
+}
+
+// Where no plan names the further photos, one from anywhere else is one of them; one beside a wanted place missed it.
+TEST_F(ShootTest, WithoutAPlanPhotosFromElsewhereAreFurtherOnes) {
+  shoot.least_places = 8;
+  add_photo(photo(500, 14, 0, 0), shoot);  // 121 mm aside where 45 count
+  EXPECT_EQ(next_step(shoot).kind, Kind::move);
+  EXPECT_THAT(last_photo_words(shoot), HasSubstr("none of the planned ones"));
+  add_photo(photo(500, 40, 30, 0), shoot);
+  EXPECT_THAT(last_photo_words(shoot), HasSubstr("a further place: 6 of 6 tags"));
+  EXPECT_EQ(next_step(shoot).kind, Kind::expose);
+  add_photo(photo(500, 40, 30, -6), shoot);
+  EXPECT_EQ(next_step(shoot).shot, 0U);
+  EXPECT_THAT(next_words(shoot), Not(HasSubstr("camera somewhere"))) << "said before";
 }
 
 TEST_F(ShootTest, FaultsAreTakenAgain) {

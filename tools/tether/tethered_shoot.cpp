@@ -38,10 +38,10 @@ const JudgedPhoto& take_one(TetheredCamera& camera, const fs::path& photos, Shoo
   const std::clock_t processor = std::clock();
   PhotoFacts facts = judge_photo(one_of(files), shoot.board, shoot.lens ? &*shoot.lens : nullptr,
                                  shoot.photos.empty() ? nullptr : &shoot.photos.back().facts);
-  const JudgedPhoto& photo = add_photo(std::move(facts), shoot);
+  add_photo(std::move(facts), shoot);
   told(shoot, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(),
        static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
-  return photo;
+  return shoot.photos.back();
 }
 
 // Our own copies of a try that was of no use; the camera keeps its.

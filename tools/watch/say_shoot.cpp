@@ -50,6 +50,7 @@ std::string which_words(const JudgedPhoto& photo, const Shoot& shoot) {
   if (photo.shot) return called(shot) + (off.empty() ? ", in its place" : ", off by " + off);
   if (photo.wrong_way_up && o.reaches <= 1)
     return "from the place of " + called(shot) + ", which wants the camera turned by 90 degrees";
+  if (is_further_place(photo, shoot)) return "a further place";
   return "none of the planned ones; nearest is " + called(shot) +
          (o.degrees > 40 ? fmt::format(", {:.0f} degrees away", o.degrees)
           : off.empty()  ? ""
@@ -87,8 +88,9 @@ std::string exposure_words(double factor, const PhotoFacts& like) {
 
 std::string move_words(const NextStep& next, const Shoot& shoot) {
   const WantedShot& shot = shoot.wanted[*next.shot];
-  std::string out = called(shot) + ": " + shot.place;
   const JudgedPhoto* last = shoot.photos.empty() ? nullptr : &shoot.photos.back();
+  const bool said = last != nullptr && shoot.sent_to == next.shot;  // the last time: its place need not be said again
+  std::string out = called(shot) + (said && last->facts.pose ? "" : ": " + shot.place);
   if (last == nullptr || (last->shot && shoot.wanted[*last->shot].light != shot.light))
     out += fmt::format("; lamp \"{}\" {}", shot.light, shot.lamp_place);
   if (last != nullptr)

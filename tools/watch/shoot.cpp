@@ -122,8 +122,15 @@ NextStep move_on(const Shoot& shoot) {
 
 }  // namespace
 
+bool is_further_place(const JudgedPhoto& photo, const Shoot& shoot) {
+  constexpr double kAttempt = 3;  // what is nearer than so many times a wanted place's reach was meant for it
+  return !photo.shot && photo.facts.pose && shoot.least_places > 0 &&
+         (!photo.nearest || photo.offset.reaches > kAttempt);
+}
+
 const JudgedPhoto& add_photo(PhotoFacts facts, Shoot& shoot) {
   remove_photo(facts.file, shoot);
+  if (const NextStep before = next_step(shoot); before.kind == NextStep::Kind::move) shoot.sent_to = before.shot;
   JudgedPhoto photo;
   photo.facts = std::move(facts);
   photo.faults = photo_faults(photo.facts, shoot.board, others_of(shoot, photo.facts.file));
@@ -217,7 +224,7 @@ NextStep next_step(const Shoot& shoot) {
       again.factor = 8 * *last.facts.exposure_factor;
     return again;
   }
-  if (last.shot || shoot.wanted.empty()) {
+  if (last.shot || shoot.wanted.empty() || is_further_place(last, shoot)) {
     const NextStep exposure = next_exposure(shoot);
     if (exposure.kind == NextStep::Kind::expose) return exposure;
   }

@@ -37,9 +37,13 @@ struct Shoot {
   Board board;
   std::optional<Lens> lens;  ///< of the bench
   std::vector<WantedShot> wanted;
-  std::size_t least_places = 0;     ///< from which photos are wanted in all; a plan knows better
-  std::vector<JudgedPhoto> photos;  ///< in the order in which they came
+  std::size_t least_places = 0;        ///< from which photos are wanted in all; a plan knows better
+  std::optional<std::size_t> sent_to;  ///< the shot that was last gone to, before the last photo came
+  std::vector<JudgedPhoto> photos;     ///< in the order in which they came
 };
+
+/// Whether a photo is from a place of its own, of use where no plan names the further ones: not a wanted shot missed.
+bool is_further_place(const JudgedPhoto& photo, const Shoot& shoot);
 
 /// Takes a photo in, judged by judge_photo(); one of the same file that was there before is replaced.
 const JudgedPhoto& add_photo(PhotoFacts facts, Shoot& shoot);
