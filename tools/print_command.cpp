@@ -1,6 +1,7 @@
 #include <CLI/App.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "burin/render/board.h"
@@ -18,7 +19,8 @@ namespace fs = std::filesystem;
 struct Options {
   fs::path project, out;
   std::string paper = "a4";
-  double across_mm = 100, upright_mm = 0;
+  double across_mm = 100;
+  std::optional<double> upright_mm;
   bool no_template = false, no_chessboard = false;
 };
 
@@ -43,8 +45,9 @@ void run(const Options& options) {
   PrintSetup setup;
   setup.paper = find_paper(options.paper);
   setup.across_mm = options.across_mm;
-  setup.upright_mm = options.upright_mm > 0 ? options.upright_mm : options.across_mm;
-  setup.name = name_of(file);
+  setup.upright_mm = options.upright_mm.value_or(options.across_mm);
+  constexpr double kName_mm = 80;  // of a page's title, whose end says which page it is
+  setup.name = shortened(name_of(file), 4.2, kName_mm, true);
   require_good(setup);
 
   const TagPages tags = tag_pages(board, setup);
@@ -78,9 +81,12 @@ void run(const Options& options) {
   if (options.no_chessboard) again += " --no-chessboard";
   if (is_compensated(setup))
     fmt::print(
-        "Wrote {}, with sizes put right for a printer whose ruler measured {:g} mm: print it with the same "
-        "settings; its rulers must now measure 100 mm (if they measure L: {} --ruler-measured {:g} x L)\n",
-        out.string(), setup.across_mm, again, setup.across_mm / 100);
+        "Wrote {}, with sizes put right for a printer whose ruler measured {:g} mm: print it with the same settings; "
+        "its rulers must now measure 100 mm (if they measure L: {} --ruler-measured {:g} x L{})\n",
+        out.string(), setup.across_mm, again, setup.across_mm / 100,
+        setup.upright_mm == setup.across_mm
+            ? ""
+            : fmt::format(" --upright-ruler-measured {:g} x L", setup.upright_mm / 100));
   else
     fmt::print(
         "Wrote {}: print it at 100 %, and measure its rulers; if 100 mm are not 100 mm: {} --ruler-measured MM\n",

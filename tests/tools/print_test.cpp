@@ -359,13 +359,16 @@ TEST(PrintCommand, WritesTheSameBytesAgainWithFontsAndWithout) {
   EXPECT_TRUE(bytes.starts_with("%PDF-"));
   ASSERT_EQ(run_burin(folder, {"print", "my board/board.json", "--out", "again.pdf"}).exit_code, 0);
   EXPECT_EQ(file_text(folder / "again.pdf"), bytes);
-  const Outcome bare = run_shell(folder, "cd " + quoted(folder.path().string()) + " && FONTCONFIG_FILE=/dev/null " +
-                                             quoted(places::program()) + " print 'my board' --out bare.pdf");
+  folder.write("none.conf", "<?xml version=\"1.0\"?><fontconfig></fontconfig>");
+  const Outcome bare =
+      run_shell(folder, "cd " + quoted(folder.path().string()) + " && FONTCONFIG_FILE=$PWD/none.conf " +
+                            quoted(places::program()) + " print 'my board' --out bare.pdf");
   EXPECT_EQ(bare.exit_code, 0) << bare.err;
   const Outcome right = run_burin(folder, {"print", "my board", "--ruler-measured", "97.5", "--out", "right.pdf"});
   EXPECT_EQ(right.exit_code, 0) << right.err;
   EXPECT_THAT(right.out, HasSubstr("must now measure 100 mm"));
   EXPECT_EQ(run_burin(folder, {"print", "my board", "--ruler-measured", "9.75"}).exit_code, 1);
+  EXPECT_EQ(run_burin(folder, {"print", "my board", "--upright-ruler-measured=-5"}).exit_code, 1);
   const Outcome other = run_burin(folder, {"print", "my board", "--out", "my board/board.json"});
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_THAT(other.err, HasSubstr("is not the name of a PDF"));

@@ -127,6 +127,7 @@ void add_places(PageWriter& writer, const std::vector<PlaceInWords>& places, con
 
 std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& paper_mm) {
   PageWriter writer{paper_mm, sheet.name};
+  const std::string name = shortened(sheet.name, 5.6, writer.width() / 2, true);  // what the page is must be read
   // What the table of places takes, about, is kept free; where little is left, it has a page of its own.
   const double table_mm = 18 + 10.4 * static_cast<double>(sheet.places.size());
   bool own_page = false;
@@ -141,7 +142,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
                          sheet.hang_height_mm);
   };
 
-  const std::string on_a_table = sheet.name + ": on a table";
+  const std::string on_a_table = name + ": on a table";
   writer.begin(on_a_table);
   writer.paragraph(introduction(sheet));
   const double table_room = room_for_drawings();
@@ -154,7 +155,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
   if (own_page || table_mm > writer.left_over()) writer.begin(on_a_table + ", places");
   add_places(writer, on_table(sheet), "near and far", "height", on_a_table);
 
-  const std::string on_a_wall = sheet.name + ": on a wall";
+  const std::string on_a_wall = name + ": on a wall";
   writer.begin(on_a_wall);
   writer.paragraph(fmt::format("The board's middle hangs {:.0f} mm above the floor, its lower edge at {:.0f} mm.",
                                sheet.hang_height_mm, sheet.hang_height_mm - sheet.board.size_mm.y() / 2));
@@ -171,7 +172,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
   if (own_page || table_mm > writer.left_over()) writer.begin(on_a_wall + ", places");
   add_places(writer, on_wall(sheet), "height", "from the wall", on_a_wall);
 
-  const std::string photos = sheet.name + ": photos, in this order";
+  const std::string photos = name + ": photos, in this order";
   writer.begin(photos);
   writer.paragraph(focus_in_words(sheet.focus));
   writer.paragraph("The board lies on a table, its lower edge towards you; mm above the face, and from its edges.");
