@@ -218,6 +218,11 @@ void print_reading(const Coupon& coupon, const CouponReading& r) {
                100 * r.alpha.repeat.sigma);
   print_trend("wear      depth: ", r.depth.wear, "grows", "falls");
   print_trend("          alpha: ", r.alpha.wear, "grows", "falls");
+  for (const auto& [tilt, way] :
+       {std::pair(r.depth.tilt_x, "left to right"), std::pair(r.depth.tilt_y, "bottom to top")})
+    if (tilt.known && std::abs(tilt.value) > 3 * tilt.sigma)
+      fmt::print("tilt      depth changes by {:+.0f} +- {:.0f} % from {}: the sheet does not lie level\n",
+                 100 * tilt.value, 100 * tilt.sigma, way);
   if (!r.travel.known)
     fmt::print("direction not determined ({:.0f} +- {:.0f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
   else if (!r.travel.seen)

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "burin/calib/light/light_samples.h"
@@ -27,6 +28,7 @@ using Eigen::Vector3d;
 
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kDetermined = 0.2, kWeakly = 0.6;  // sigmas of a depth or roughness, relative
+constexpr double kBeyond = 1;                       // the same for photos beyond it, where little light is left
 constexpr double kReach = 1.5;  // roughnesses about the steepest wall within which a photo tells the depth
 
 // What one fan looks like in one photo.
@@ -145,7 +147,6 @@ std::string place_for_lean(double lean, const Bench& bench, const Board& board) 
 // the cell's leans.
 CouponCause against_depth(double depth_um, double alpha, std::span<const FanInPhoto> seen, const Board& board,
                           CellReading& cell) {
-  const double margin = kReach * alpha;
   cell.steepest_rad = 2 * std::atan(groove_rim(board.tool_width_um, depth_um));
   cell.least_lean_rad = std::numbers::pi;
   std::size_t clipped = 0;
@@ -157,8 +158,8 @@ CouponCause against_depth(double depth_um, double alpha, std::span<const FanInPh
     cell.most_lean_rad = std::max(cell.most_lean_rad, fan.lean);
   }
   if (2 * clipped > seen.size()) return CouponCause::overexposed;
-  if (cell.most_lean_rad < cell.steepest_rad - margin) return CouponCause::inside_reach;
-  if (cell.least_lean_rad > cell.steepest_rad + margin) return CouponCause::beyond_reach;
+  if (cell.most_lean_rad < cell.steepest_rad - kReach * alpha) return CouponCause::inside_reach;
+  if (cell.least_lean_rad > cell.steepest_rad + kBeyond * alpha) return CouponCause::beyond_reach;
   return CouponCause::none;
 }
 
@@ -193,7 +194,7 @@ TravelReading travel_of(const Vector2d& along, const Eigen::Matrix2d& covariance
 
 // The fans that `serve`, as one number a cell.
 CellStatistics statistics_of(const Rounds& run, const std::vector<double>& values, const Eigen::MatrixXd& covariance,
-                             Index first, const std::vector<bool>& serve, bool with_tilt) {
+                             Index first, const std::vector<bool>& serve, const std::optional<TiltPrior>& tilt) {
   const Coupon& coupon = *run.problem.coupon;
   const auto rows = static_cast<double>(run.problem.told.size() - 1);
   std::vector<FanSample> samples;
@@ -205,7 +206,20 @@ CellStatistics statistics_of(const Rounds& run, const std::vector<double>& value
     samples.push_back({fan.cell, values[f], age, fan.center_mm.cwiseQuotient(run.board.size_mm).array() - 0.5});
     kept.push_back(first + static_cast<Index>(f));
   }
-  return cell_statistics(samples, covariance(kept, kept), coupon.cells.size(), with_tilt);
+  return cell_statistics(samples, covariance(kept, kept), coupon.cells.size(), tilt);
+}
+
+// What the slope within fans says of the slope over the coupon.
+TiltPrior tilt_of(const Rounds& run, const Eigen::MatrixXd& covariance) {
+  constexpr double kModel = 0.03;  // what the model may have wrong across a fan, times as many radii as the coupon has
+  TiltPrior out;
+  const Vector2d radii = run.board.size_mm / run.problem.coupon->fans.front().radius_mm;
+  const auto across = static_cast<Index>(2 * run.problem.coupon->fans.size() + 2);
+  for (Index i = 0; i < 2; ++i) {
+    out.value[i] = radii[i] * run.values.across[i];
+    out.sigma[i] = std::hypot(radii[i] * std::sqrt(covariance(across + i, across + i)), kModel);
+  }
+  return out;
 }
 
 // From fans to cells.
@@ -245,8 +259,8 @@ void fill_reading(const Rounds& run, const Eigen::MatrixXd& covariance, CouponRe
     tells_alpha[f] = against[coupon.fans[f].cell] != CouponCause::overexposed &&
                      out.fans[f].log_alpha_sigma < kOfPrior * kFanAlphaPrior;
   }
-  out.depth = statistics_of(run, run.values.log_depth, covariance, 0, tells_depth, true);
-  out.alpha = statistics_of(run, run.values.log_alpha, covariance, alpha_at, tells_alpha, false);
+  out.depth = statistics_of(run, run.values.log_depth, covariance, 0, tells_depth, tilt_of(run, covariance));
+  out.alpha = statistics_of(run, run.values.log_alpha, covariance, alpha_at, tells_alpha, std::nullopt);
   for (std::size_t c = 0; c < coupon.cells.size(); ++c) {
     out.cells[c].depth_um = number_of(out.depth.cells[c], against[c]);
     out.cells[c].alpha = number_of(
@@ -318,7 +332,7 @@ void judge_cells(const Rounds& run, CouponReading& out) {
 // Photos that could not serve, and why.
 void judge_photos(const Rounds& run, CouponReading& out) {
   const std::vector<std::vector<FanInPhoto>> seen = fans_in_photos(run);
-  constexpr double kMirror = 6 / kDegrees, kClipped = 0.01;
+  constexpr double kMirror = 9 / kDegrees, kClipped = 0.01;
   for (std::size_t k = 0; k < run.problem.data.photos.size(); ++k) {
     const std::string& view = run.bench.views[run.problem.data.photos[k].photo.view].name;
     double lean = 0;

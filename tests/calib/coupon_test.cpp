@@ -67,7 +67,7 @@ TEST(CouponStatistics, SigmasHold) {
     constexpr int kCoupons = 60;
     for (int i = 0; i < kCoupons; ++i) {
       const Drawn drawn = draw(random, photo_sigma, scatter);
-      const CellStatistics s = cell_statistics(drawn.samples, drawn.covariance, drawn.truth.size(), true);
+      const CellStatistics s = cell_statistics(drawn.samples, drawn.covariance, drawn.truth.size(), TiltPrior{});
       for (std::size_t c = 0; c < drawn.truth.size(); ++c) {
         ASSERT_TRUE(s.cells[c].known);
         cells.push_back((s.cells[c].value - drawn.truth[c]) / s.cells[c].sigma);
@@ -92,8 +92,8 @@ TEST(CouponStatistics, SigmasHold) {
 TEST(CouponStatistics, FewRepeatsKnowLittle) {
   std::mt19937_64 random(5);
   const Drawn many = draw(random, 0.01, 0.03, 4, 25), few = draw(random, 0.01, 0.03, 16, 19);
-  const CellStatistics sure = cell_statistics(many.samples, many.covariance, 4, true),
-                       unsure = cell_statistics(few.samples, few.covariance, 16, true);
+  const CellStatistics sure = cell_statistics(many.samples, many.covariance, 4, TiltPrior{}),
+                       unsure = cell_statistics(few.samples, few.covariance, 16, TiltPrior{});
   EXPECT_TRUE(unsure.wear.known);
   EXPECT_GT(unsure.tilt_x.sigma, sure.tilt_x.sigma);
   EXPECT_GT(unsure.repeat.sigma, 2 * sure.repeat.sigma);
@@ -105,11 +105,11 @@ TEST(CouponStatistics, SaysWhatNoFanTells) {
   Drawn drawn = draw(random, 0.01, 0.02);
   std::erase_if(drawn.samples, [](const FanSample& s) { return s.cell == 7; });
   const auto n = static_cast<Eigen::Index>(drawn.samples.size());
-  const CellStatistics s = cell_statistics(drawn.samples, drawn.covariance.topLeftCorner(n, n), 16, true);
+  const CellStatistics s = cell_statistics(drawn.samples, drawn.covariance.topLeftCorner(n, n), 16, TiltPrior{});
   EXPECT_FALSE(s.cells[7].known);
   EXPECT_TRUE(s.cells[6].known);
   EXPECT_EQ(s.covariance(7, 7), 0);
-  EXPECT_FALSE(cell_statistics({}, {}, 16, true).cells[0].known);
+  EXPECT_FALSE(cell_statistics({}, {}, 16, std::nullopt).cells[0].known);
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct CouponTruth {
   double travel = 0.03, travel_towards_deg = 40;         ///< deeper that way than back
   int pixels = 520;
   std::vector<double> exposures_s{0.0125, 0.0016, 0.0002};
-  bool mirror = false;  ///< cameras where the face mirrors the lamp
+  bool mirror = false;  ///< cameras near where the face mirrors the lamp
 };
 
 /// What came of each cell, halfway.
@@ -79,8 +79,9 @@ inline std::vector<CarvedCell> write_coupon_truth(const std::filesystem::path& f
   for (std::size_t k = 0; k < coupon.shots.size(); ++k) {
     Eigen::Vector3d eye = coupon.shots[k].eye_mm;
     if (t.mirror) {
-      const Eigen::Vector3d wi = (coupon.lamp_mm - middle).normalized();
-      eye = middle + 300 * Eigen::Vector3d(-wi.x() + 0.03 * static_cast<double>(k), -wi.y(), wi.z());
+      // Sixteen degrees from the mirror's direction: nearer, no tag could be read. Half vectors lean eight.
+      const double tilt = std::acos((coupon.lamp_mm - middle).normalized().z()) - 16 * std::numbers::pi / 180;
+      eye = middle + 300 * Eigen::Vector3d(0.04 * (static_cast<double>(k) - 1), std::sin(tilt), std::cos(tilt));
     }
     eye += 5 * Eigen::Vector3d(normal(random), normal(random), normal(random));
     const Eigen::Vector3d z = (middle + Eigen::Vector3d(normal(random), normal(random), 0) - eye).normalized();

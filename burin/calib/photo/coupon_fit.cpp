@@ -466,14 +466,21 @@ MatrixXd fan_covariance(FanProblem& problem, const Stage& stage, const State& st
   const FanEquations e = equations_of(problem, held, state, values, layout);
   const MatrixXd inverse = safe_inverse(e.curvature, all_free(problem, held, state, layout));
   // Scores: of sectors, and of all that is no pixel.
-  MatrixXd scatter = e.clusters * e.clusters.transpose();
   FanEquations others(layout.size(), 0);
   add_others(problem, state, values, free_unknowns(problem.data, held, state.lamps.size()), layout, others);
-  scatter += others.H;
-  const MatrixXd sandwich = (inverse * scatter * inverse).topLeftCorner(layout.own, layout.own);
+  // And of whole fans, for what fans share: a fan's own errors.
+  const auto groups = static_cast<Index>(problem.coupon->fans.size() + 1);
+  MatrixXd of_fans = MatrixXd::Zero(layout.size(), groups);
+  for (Index c = 0; c < e.clusters.cols(); ++c) of_fans.col(c / kSectors % groups) += e.clusters.col(c);
+  const auto sandwich = [&](const MatrixXd& scores) {
+    return MatrixXd((inverse * (scores + others.H) * inverse).topLeftCorner(layout.own, layout.own));
+  };
+  const MatrixXd by_sectors = sandwich(e.clusters * e.clusters.transpose()),
+                 by_fans = sandwich(of_fans * of_fans.transpose());
   MatrixXd out = inverse.topLeftCorner(layout.own, layout.own);
   VectorXd grow(layout.own);
-  for (Index i = 0; i < layout.own; ++i) grow[i] = std::sqrt(std::max(1.0, sandwich(i, i) / out(i, i)));
+  for (Index i = 0; i < layout.own; ++i)
+    grow[i] = std::sqrt(std::max({1.0, by_sectors(i, i) / out(i, i), by_fans(i, i) / out(i, i)}));
   return grow.asDiagonal() * out * grow.asDiagonal();
 }
 

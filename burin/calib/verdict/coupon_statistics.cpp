@@ -80,7 +80,7 @@ Solution averaged(const MatrixXd& design, const VectorXd& y, const MatrixXd& cov
 }  // namespace
 
 CellStatistics cell_statistics(const std::vector<FanSample>& samples, const MatrixXd& covariance, std::size_t cells,
-                               bool with_tilt) {
+                               const std::optional<TiltPrior>& tilt_prior) {
   CellStatistics out;
   out.cells.resize(cells);
   out.covariance = MatrixXd::Zero(static_cast<Index>(cells), static_cast<Index>(cells));
@@ -91,8 +91,7 @@ CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Matr
   for (const FanSample& s : samples)
     if (column[s.cell] < 0) column[s.cell] = seen++;
   constexpr Index kFewestLeft = 2;
-  constexpr double kTilt = 0.05;  // of a sheet that lies well: edge to edge
-  const Index wear = n - seen - 1 >= kFewestLeft ? 1 : 0, tilt = with_tilt ? 2 : 0;
+  const Index wear = n - seen - 1 >= kFewestLeft ? 1 : 0, tilt = tilt_prior ? 2 : 0;
   MatrixXd design = MatrixXd::Zero(n + tilt, seen + wear + tilt);
   VectorXd y = VectorXd::Zero(n + tilt);
   for (Index i = 0; i < n; ++i) {
@@ -106,7 +105,8 @@ CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Matr
   errors.topLeftCorner(n, n) = covariance;
   for (Index i = 0; i < tilt; ++i) {
     design(n + i, seen + wear + i) = 1;
-    errors(n + i, n + i) = kTilt * kTilt;
+    y[n + i] = tilt_prior->value[i];
+    errors(n + i, n + i) = tilt_prior->sigma[i] * tilt_prior->sigma[i];
   }
   out.degrees = static_cast<int>(n - seen - wear);
   out.chi2 = solve_with(design, y, errors, n, 0).chi2;

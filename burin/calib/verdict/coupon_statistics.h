@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace burin {
@@ -33,10 +34,15 @@ struct CellStatistics {
   int degrees = 0;              ///< of freedom that chi2 has
 };
 
+/// What is known of a tilt over the coupon before fans are compared, edge to edge.
+struct TiltPrior {
+  Eigen::Vector2d value{0, 0}, sigma{0.05, 0.05};
+};
+
 /// Generalized least squares with the samples' `covariance` and a scatter of fans that is not known: all scatters count
 /// by their likelihood (restricted) and a prior (lognormal, about 2 %), so that few repeats make large sigmas. Wear is
-/// sought where two repeats or more remain besides it; `with_tilt`, a tilt of some 5 % over the coupon may be there.
+/// sought where two repeats or more remain besides it; a tilt only with a prior, since few repeats take chance for one.
 CellStatistics cell_statistics(const std::vector<FanSample>& samples, const Eigen::MatrixXd& covariance,
-                               std::size_t cells, bool with_tilt);
+                               std::size_t cells, const std::optional<TiltPrior>& tilt_prior);
 
 }  // namespace burin

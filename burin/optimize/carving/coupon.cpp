@@ -226,9 +226,9 @@ void place_shots(double shallowest_um, double deepest_um, Coupon& coupon, double
     coupon.shots.push_back(
         {std::round(10 * lean * 180 / std::numbers::pi) / 10, (middle + kEye_mm * wo).array().round()});
   };
-  put(0.15, -30);
-  put(0.5, -150);
-  put(0.9, -90);
+  put(0.08, -30);
+  put(0.45, -150);
+  put(0.87, -90);
 }
 
 // How many fans stand in a row, and how long their spokes are.
