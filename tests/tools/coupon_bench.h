@@ -37,7 +37,8 @@ struct CarvedCell {
   double depth_um = 0, alpha = 0;
 };
 
-/// Writes `folder`/NAME.json and NAME.csv for `burin simulate`; the coupon lies in `coupon_dir`.
+/// Writes `folder`/NAME.json and NAME.csv for `burin simulate`, and NAME.cameramodel, the lens; the coupon lies in
+/// `coupon_dir`.
 inline std::vector<CarvedCell> write_coupon_truth(const std::filesystem::path& folder, const std::string& name,
                                                   const std::filesystem::path& coupon_dir, const CouponTruth& t) {
   using nlohmann::json;
@@ -143,6 +144,11 @@ inline std::vector<CarvedCell> write_coupon_truth(const std::filesystem::path& f
       {"views", views},
       {"exif", {{"make", "Altair"}, {"model", "M07"}, {"focal_mm", 50}}}};
   std::ofstream(folder / (name + ".json")) << truth.dump(1);
+  std::ofstream model(folder / (name + ".cameramodel"));
+  model.precision(12);
+  model << "{ 'lensmodel': 'LENSMODEL_OPENCV4', 'intrinsics': [";
+  for (const json& v : truth["camera"]["intrinsics"]) model << v.get<double>() << ",";
+  model << "], 'extrinsics': [0,0,0,0,0,0,], 'imagersize': [" << t.pixels << "," << t.pixels << ",] }\n";
   return cells;
 }
 
