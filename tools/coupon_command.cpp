@@ -131,10 +131,11 @@ void write_coupon_files(WriteOptions options) {
                                             plan.coupon.at_mm.x(), plan.coupon.at_mm.y());
   const bool at_corner = !on && plan.coupon.at_mm.isZero();
   fmt::print(
-      "Wrote {}: set work zero {}, carve {}, put the tags on, take the photos with short exposures beside the "
-      "usual one; then: burin coupon read {} --photos PHOTOS_DIR --machine {} --out {}\n",
+      "Wrote {}: set work zero {}, carve {}, put the tags on (burin print {}), take the photos with short exposures "
+      "beside the usual one; then: burin coupon read {} --photos PHOTOS_DIR --machine {} --out {}\n",
       (options.out / "coupon.json").string(), at_corner ? "at the coupon's lower left corner" : zero,
-      shell_word(report.files.front().string()), shell_word(options.out.string()), shell_word(options.machine),
+      shell_word(report.files.front().string()), shell_word((options.out / "board.json").string()),
+      shell_word(options.out.string()), shell_word(options.machine),
       shell_word((options.out / "machine.json").string()));
 }
 

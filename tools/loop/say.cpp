@@ -122,21 +122,21 @@ std::string your_turn(const LoopProject& loop, int round) {
                      match_tolerances(spec, bench, board, project.round(round) / "design" / "design-report.json")));
   std::string where;
   for (std::string line; std::getline(places, line);) where += "       " + line + "\n";
+  const std::string here = shell_word(project.folder.string());
   return fmt::format(
       "Your turn:\n"
       "  1. Read {}, run board-frame.gcode in the air, and carve {}.\n"
-      "  2. Stick the tags of {} on it, and photograph it:\n{}"
-      "     and from three places near the mirror direction, where the plain face shines, and from five or more "
-      "further\n"
-      "     ones, with the camera tilted and the board in other parts of the frame. Keep focus and zoom as they are. "
-      "Some\n"
-      "     views must hardly glint: only half vectors on both sides of the grooves' cut-off angle tell how deep they\n"
-      "     are. In words and mm for each: burin plan {} --bench {} --design {}\n"
-      "  3. Put the photos into {}; then: {}\n\n",
-      (project.round(round) / "carve-check.html").string(), gcode_of(loop, round),
-      (project.folder / "board.json").string(), where, shell_word((project.round(round) / "board.json").string()),
-      shell_word(spec.bench.lexically_normal().string()), shell_word((project.round(round) / "design.json").string()),
-      (project.round(round) / "photos").string(), loop_line(project));
+      "  2. Stick the tags on it (burin print {} makes them and shows where), and photograph it\n"
+      "     (burin sheet {} draws the places):\n{}"
+      "     and from three places near the mirror direction, where the plain face shines, and from five or more\n"
+      "     further ones, with the camera tilted and the board in other parts of the frame. Keep focus and zoom as\n"
+      "     they are. Some views must hardly glint: only half vectors on both sides of the grooves' cut-off angle "
+      "tell\n"
+      "     how deep they are. The best such places, in words and mm: burin plan {}\n"
+      "  3. Put the photos into {}\n"
+      "     (burin watch {} judges each as it comes); then: {}\n\n",
+      (project.round(round) / "carve-check.html").string(), gcode_of(loop, round), here, here, where, here,
+      (project.round(round) / "photos").string(), here, loop_line(project));
 }
 
 }  // namespace burin

@@ -409,6 +409,7 @@ double travel_mm(const Scratches& scratches, const std::vector<CarvingStep>& ord
 
 Scratches in_carving_order(const Scratches& scratches, const std::vector<CarvingStep>& order) {
   std::vector<std::size_t> rows;
+  rows.reserve(order.size());
   for (const CarvingStep& step : order) rows.push_back(step.scratch);
   Scratches out = selected(scratches, rows);
   for (std::size_t k = 0; k < order.size(); ++k)

@@ -24,8 +24,8 @@ struct HeightMap {
 
   /// Where point `i` lies.
   Eigen::Vector2d at(std::size_t i) const {
-    const auto column = static_cast<double>(i % columns), row = static_cast<double>(i / columns);
-    return first_mm + Eigen::Vector2d(column * step_mm.x(), row * step_mm.y());
+    const std::size_t row = i / columns, column = i % columns;
+    return first_mm + Eigen::Vector2d(static_cast<double>(column), static_cast<double>(row)).cwiseProduct(step_mm);
   }
 };
 
