@@ -250,7 +250,7 @@ void run(Options o) {
   for (const std::string& text : project.bench.notes) note(text);
   const std::string preview = preview_project(project);
   const std::string folder = shell_word(project.folder.string());
-  fmt::print("Preview: {}: {}; the whole design will show more\n",
+  fmt::print("Preview: {}: {}; the whole design will show finer detail\n",
              shell_word((project.folder / "preview.png").string()), preview);
   fmt::print(
       "         burin view {} shows it in the hand, burin print {} prints the tags, burin sheet {} draws where to "

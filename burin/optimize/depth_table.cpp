@@ -17,7 +17,7 @@ double command_for_depth(const DepthTable& table, double depth_um, const std::st
     fail(where,
          "has no command for a depth of " + significant(depth_um, 4) + " um: its depth_table goes from " +
              significant(rows.front().depth_um, 4) + " to " + significant(rows.back().depth_um, 4) + " um",
-         "carve test scratches that deep and add what they needed to depth_table, or design for another depth");
+         "carve a coupon with depths like that (burin coupon write --depths), or design for another depth");
   const auto above =
       std::find_if(rows.begin() + 1, rows.end() - 1, [&](const DepthStep& row) { return row.depth_um >= depth_um; });
   const DepthStep &a = *(above - 1), &b = *above;

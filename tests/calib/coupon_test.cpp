@@ -27,7 +27,7 @@ Drawn draw(std::mt19937_64& random, double photo_sigma, double scatter, int cell
   Drawn out;
   for (int c = 0; c < cells; ++c) out.truth.push_back(std::log(5.0 + 1.5 * c));
   std::vector<int> cell(static_cast<std::size_t>(fans));
-  for (int f = 0; f < fans; ++f) cell[static_cast<std::size_t>(f)] = f < cells ? f : (f - cells) % 5;
+  for (int f = 0; f < fans; ++f) cell[static_cast<std::size_t>(f)] = f < cells ? f : (f - cells) % std::min(5, cells);
   std::shuffle(cell.begin(), cell.end(), random);
   out.covariance = Eigen::MatrixXd::Constant(fans, fans, 0.5 * photo_sigma * photo_sigma);
   out.covariance.diagonal().array() += 0.5 * photo_sigma * photo_sigma;

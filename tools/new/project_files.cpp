@@ -165,7 +165,8 @@ std::string preview_project(const NewProject& project) {
   write_picture(tiled({shown, targets}, 4), folder / "preview.png");
   bar.clear();
   for (const Finding& finding : result.findings) note(sentence(finding));
-  return fmt::format("{} ({} scratches of {}, {:.0f} s)", numbers, result.scratches.size(), written.scratches,
+  return fmt::format("{} ({} x {} pixels, {} scratches of {}, {:.0f} s)", numbers, result.views.front().shown.width,
+                     result.views.front().shown.height, result.scratches.size(), written.scratches,
                      result.total_seconds);
 }
 

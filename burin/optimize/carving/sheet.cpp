@@ -135,8 +135,7 @@ std::vector<Finding> sheet_findings(const Toolpath& path, const Board& board, co
   else if (machine.depth_table.assumed)
     add(findings, Finding::Severity::warning,
         "nobody measured what depth a preload makes on " + machine.name + ": its table is a guess",
-        "carve test scratches and write a profile with depth_table, or let photos of the first board measure the "
-        "depth");
+        "carve a coupon on scrap (burin coupon write), or let photos of the first board measure the depth");
   // A wire or a flat spring presses alike at every height.
   if (machine.depth_by == DepthBy::servo) return findings;
   if (path.face.map) {
