@@ -27,17 +27,6 @@ double quantile(std::vector<float>& values, double q) {
   return *nth;
 }
 
-// Each thread keeps the tables of the family that it used last: tens of megabytes.
-TagDetector& detector_for(const std::string& family) {
-  thread_local std::string made_for;
-  thread_local std::optional<TagDetector> detector;
-  if (!detector || made_for != family) {
-    detector.emplace(family);
-    made_for = family;
-  }
-  return *detector;
-}
-
 // The mean of the channels, in which tags are found, and the brightest of them, which clips first.
 struct Grays {
   Image mean, top;
@@ -74,7 +63,7 @@ void add_new(std::vector<TagDetection>&& seen, const TagSet& tags, double scale,
 }
 
 std::vector<TagDetection> find_tags(const Image& gray, const TagSet& tags) {
-  TagDetector& detector = detector_for(tags.family);
+  TagDetector& detector = detector_of_this_thread(tags.family);
   const double pixels = 1.0 * gray.width * gray.height;
   const double scale = std::max(1.0, std::ceil(std::sqrt(pixels / kSearch_px)));
   std::vector<TagDetection> found;
@@ -107,7 +96,7 @@ void measure_blur(const std::vector<TagDetection>& found, const LinearPhoto& pho
   std::vector<std::uint8_t> valid(photo.clipped.size());
   std::transform(photo.clipped.begin(), photo.clipped.end(), valid.begin(),
                  [](std::uint8_t c) { return static_cast<std::uint8_t>(!c); });
-  const TagsInPhoto measured = detector_for(family).measure(gray, valid, {}, found);
+  const TagsInPhoto measured = detector_of_this_thread(family).measure(gray, valid, {}, found);
   std::vector<double> all, along_rows, along_columns;
   for (const TagDetection& tag : measured.tags) {
     for (int k = 0; k < 4; ++k) {

@@ -44,22 +44,11 @@ std::optional<double> edge_sigma_px(const cv::Mat& gray, double low, double high
   return 1 / (quantile(std::move(steepness), 0.99) * std::sqrt(2 * std::numbers::pi));
 }
 
-// A family's tables take tens of megabytes and a while to make: each thread keeps what it used last.
-TagDetector& detector_for(const std::string& family) {
-  thread_local std::string made_for;
-  thread_local std::optional<TagDetector> detector;
-  if (!detector || made_for != family) {
-    detector.emplace(family);
-    made_for = family;
-  }
-  return *detector;
-}
-
 std::vector<TagLook> look_for_tags(const Image& gray, std::span<const std::uint8_t> clipped, const TagSet& tags) {
   // A highlight may be far brighter than paper: with more light until every tag is found.
   std::vector<TagDetection> found;
   for (const double brighter : {1., 8., 64.}) {
-    std::vector<TagDetection> seen = detector_for(tags.family).detect_coarse(gray, brighter);
+    std::vector<TagDetection> seen = detector_of_this_thread(tags.family).detect_coarse(gray, brighter);
     std::erase_if(seen, [&](const TagDetection& t) {
       const bool listed = std::any_of(tags.list.begin(), tags.list.end(), [&](const Tag& b) { return b.id == t.id; });
       const bool known = std::any_of(found.begin(), found.end(), [&](const TagDetection& f) {

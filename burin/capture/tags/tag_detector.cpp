@@ -437,4 +437,14 @@ std::string explain_missing_tags(const Image& linear, std::span<const std::uint8
   return {};
 }
 
+TagDetector& detector_of_this_thread(const std::string& family) {
+  thread_local std::string made_for;
+  thread_local std::optional<TagDetector> detector;
+  if (!detector || made_for != family) {
+    detector.emplace(family);
+    made_for = family;
+  }
+  return *detector;
+}
+
 }  // namespace burin

@@ -85,6 +85,10 @@ class TagDetector {
   std::unique_ptr<State> state_;
 };
 
+/// A detector of that family for the thread that asks, kept until it asks for another family: its tables take a while
+/// to make. Throws Error as TagDetector's constructor does.
+TagDetector& detector_of_this_thread(const std::string& family);
+
 /// For a photo in which no tag of `family` was found: a sentence's end saying what it holds instead, e.g. "it holds 19
 /// tags of family tag36h11" or "it is mirrored: flip it"; empty if nothing was found either.
 std::string explain_missing_tags(const Image& linear, std::span<const std::uint8_t> valid, const std::string& family);
