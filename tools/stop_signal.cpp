@@ -1,17 +1,32 @@
 #include "tools/stop_signal.h"
 
 #include <csignal>
+#include <ctime>
 
 namespace burin {
 namespace {
 
 constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
+// One wish to stop often arrives twice: timeout(1), some shells and terminals send it to the process and again to its
+// group. Whoever asks once more after this time means it, and ends the program at once.
+constexpr double kOneWish_s = 0.5;
+
 volatile std::sig_atomic_t asked_to_stop = 0;
+timespec asked_at;  // written before asked_to_stop, read after it
 
 void on_signal(int number) {
-  asked_to_stop = 1;
-  std::signal(number, SIG_DFL);
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  if (asked_to_stop == 0) {
+    asked_at = now;
+    asked_to_stop = 1;
+  } else if (static_cast<double>(now.tv_sec - asked_at.tv_sec) +
+                 1e-9 * static_cast<double>(now.tv_nsec - asked_at.tv_nsec) >
+             kOneWish_s) {
+    std::signal(number, SIG_DFL);
+    std::raise(number);
+  }
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 
 namespace burin {
 
-/// While it lives, the first SIGINT, SIGTERM or SIGHUP only sets a flag; a second one ends the program as usual. A
-/// signal that was ignored (nohup) stays ignored. One at a time.
+/// While it lives, the first SIGINT, SIGTERM or SIGHUP only sets a flag; another one, half a second
+/// later or more, ends the program as usual. A signal that was ignored (nohup) stays ignored. One at a time.
 class StopOnSignal {
  public:
   StopOnSignal();
