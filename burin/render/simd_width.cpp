@@ -1,10 +1,24 @@
 #include "burin/render/simd_width.h"
 
+#include <atomic>
 #include <string>
 
 #include "burin/render/error.h"
+#include "burin/render/simd_choice.h"
 
 namespace burin {
+namespace {
+
+std::atomic<SimdWidth> chosen = SimdWidth::best;
+
+std::string widths_here() {
+  std::string names;
+  for (const SimdWidth width : {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512})
+    if (has_kernel(width)) names += (names.empty() ? "" : " or ") + std::string(name(width));
+  return names;
+}
+
+}  // namespace
 
 bool has_kernel(SimdWidth width) {
   switch (width) {
@@ -26,10 +40,25 @@ bool has_kernel(SimdWidth width) {
 
 SimdWidth resolved_simd(SimdWidth width) {
   if (!has_kernel(width))
-    fail("SimdWidth", std::string(name(width)) + " does not run on this machine", "leave it at SimdWidth::best");
+    fail("simd", std::string(name(width)) + " does not run on this machine: its processor or system lacks it",
+         "choose " + widths_here());
   if (width != SimdWidth::best) return width;
+  if (const SimdWidth wanted = chosen; wanted != SimdWidth::best) return wanted;
   if (has_kernel(SimdWidth::avx512)) return SimdWidth::avx512;
   return has_kernel(SimdWidth::avx2) ? SimdWidth::avx2 : SimdWidth::generic;
+}
+
+SimdChoice::SimdChoice(SimdWidth width) : before_(chosen) {
+  if (width != SimdWidth::best) resolved_simd(width);
+  chosen = width;
+}
+
+SimdChoice::~SimdChoice() { chosen = before_; }
+
+std::optional<SimdWidth> simd_named(std::string_view wanted) {
+  for (const SimdWidth width : {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512})
+    if (wanted == name(width)) return width;
+  return std::nullopt;
 }
 
 int kernel_lanes(SimdWidth width) {

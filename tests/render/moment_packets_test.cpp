@@ -13,6 +13,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/footprint/footprint_core.h"
+#include "burin/render/simd_choice.h"
 
 namespace burin::footprint {
 namespace {
@@ -142,6 +143,26 @@ TEST(MomentPackets, LanesAreIndependent) {
       }
     }
   }
+}
+
+// Proves that the width that is used everywhere can be chosen, and ends with the choice.
+TEST(SimdChoice, IsWhatBestMeansWhileItLives) {
+  const SimdWidth widest = resolved_simd(SimdWidth::best);
+  {
+    const SimdChoice plain(SimdWidth::generic);
+    EXPECT_EQ(resolved_simd(SimdWidth::best), SimdWidth::generic);
+    EXPECT_STREQ(name(SimdWidth::best), name(SimdWidth::generic));
+    {
+      const SimdChoice inner(widest);
+      EXPECT_EQ(resolved_simd(SimdWidth::best), widest);
+    }
+    EXPECT_EQ(resolved_simd(SimdWidth::best), SimdWidth::generic);
+  }
+  EXPECT_EQ(resolved_simd(SimdWidth::best), widest);
+  EXPECT_THROW(SimdChoice(static_cast<SimdWidth>(99)), Error);
+  for (const SimdWidth width : {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512})
+    EXPECT_EQ(simd_named(name(width)), width);
+  EXPECT_EQ(simd_named("mmx"), std::nullopt);
 }
 
 // Proves that the choice of width is sound on this machine, and that misuse is told.

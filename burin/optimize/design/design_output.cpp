@@ -8,6 +8,7 @@
 #include "burin/optimize/design/carving_plot.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/simd_width.h"
 
 namespace burin {
 namespace {
@@ -184,6 +185,7 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
       json["dropped_by_limits"][rule_name(static_cast<Rule>(r))] = result.dropped_by_rule[r];
   json["pairs"] = result.pairs;
   json["stopped_early"] = result.stopped_early;
+  json["simd"] = name(SimdWidth::best);
   json["loss_start"] = result.history.front().loss;
   json["loss_final"] = result.final_loss;
   json["loss_before_drop"] = result.loss_before_drop;

@@ -6,6 +6,7 @@
 //
 // design-report.json, "format": "burin/design-report", "version": 1:
 //   scratches, started_with, dropped, relocated, pairs, stopped_early      counts
+//   simd                                                                   what pictures were computed with: "avx2"
 //   carved                                                                 of the scratches: in the metal before
 //   dropped_by_limits: { "overlap": 12 }                                   by the machine's and the board's limits
 //   loss_start, loss_final, loss_before_drop                                sums over views
