@@ -6,19 +6,29 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <memory>
+#include <optional>
 
 #include "burin/optimize/duration.h"
 #include "burin/render/error.h"
+#include "burin/render/simd_choice.h"
 #include "burin/render/threads.h"
 #include "tools/commands.h"
 #include "tools/output_mode.h"
+#include "tools/stop_signal.h"
 
 namespace burin {
 namespace {
 
 enum ExitCode { kDone = 0, kNotDone = 1, kWrongCommandLine = 2 };
+
+std::unique_ptr<SimdChoice> simd_choice(const std::string& name, const char* where) {
+  const std::optional<SimdWidth> width = simd_named(name);
+  if (!width) throw CLI::ValidationError(where, "write sse2, avx2 or avx512, not \"" + name + "\"");
+  return std::make_unique<SimdChoice>(*width);
+}
 
 }  // namespace
 
@@ -39,6 +49,14 @@ std::unique_ptr<CLI::App> make_app() {
           },
           "Use at most so many threads (all cores unless given); stands before COMMAND")
       ->type_name("N");
+  const auto choice = std::make_shared<std::unique_ptr<SimdChoice>>();
+  burin
+      ->add_option_function<std::string>(
+          "--simd", [choice](const std::string& name) { *choice = simd_choice(name, "--simd"); },
+          "Which of the processor's instructions pictures are computed with: sse2, avx2 or avx512 (the widest it has "
+          "unless given, here or as BURIN_SIMD); the same ones give the same design on another machine; stands before "
+          "COMMAND")
+      ->type_name("NAME");
   // Taken out before anything is parsed (tools/output_mode.h); here for --help.
   burin->add_flag("--quiet")->description("Say nothing but notes and errors; stands before COMMAND");
   burin->add_flag("--json")->description("Say all in one JSON object when it is done; stands before COMMAND");
@@ -101,16 +119,31 @@ void run_command(const std::vector<std::string>& arguments) { parse(*make_app(),
 
 namespace {
 
+// A command that kept what it had when it was asked to stop has said so.
+int said_stopped() {
+  wait_if_ending();
+  fmt::print(stderr, "burin: {}\n", stop_sentence());
+  return stop_exit_code();
+}
+
 int run_in_words(const std::vector<std::string>& arguments) {
   const auto app = make_app();
+  std::unique_ptr<SimdChoice> by_environment;
   try {
+    if (const char* const name = std::getenv("BURIN_SIMD"); name != nullptr && *name != 0)
+      by_environment = simd_choice(name, "BURIN_SIMD");
     parse(*app, arguments);
+    stop_if_asked();
+  } catch (const Stopped&) {
+    return said_stopped();
   } catch (const CLI::ParseError& error) {
     return app->exit(error) == 0 ? kDone : kWrongCommandLine;
   } catch (const Error& error) {
+    wait_if_ending();
     fmt::print(stderr, "burin: {}\n", error.what());
-    return kNotDone;
+    return StopOnSignal::asked() ? stop_exit_code() : kNotDone;
   } catch (const std::exception& error) {
+    wait_if_ending();
     fmt::print(stderr, "burin: {}; this is a fault in Burin, please report it with the command you gave\n",
                error.what());
     return kNotDone;
@@ -123,6 +156,11 @@ int run_in_words(const std::vector<std::string>& arguments) {
 int run_program(const std::vector<std::string>& arguments) {
   std::vector<std::string> command = arguments;
   const OutputMode mode = take_output_mode(command);
+  std::string line = "burin";
+  for (const std::string& word : arguments) line += " " + shell_word(word);
+  end_on_signals(line, [mode, command](const std::string& sentence, int exit_code) {
+    say_at_the_end(mode, command, sentence, exit_code);
+  });
   return run_in_mode(mode, command, [&] { return run_in_words(command); });
 }
 

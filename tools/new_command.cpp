@@ -245,10 +245,9 @@ void run(Options o) {
   project.scratches = o.scratches > 0 ? o.scratches : usual_scratches(project.pictures.size());
   const Eigen::Vector2d area_mm = board.carve_max_mm - board.carve_min_mm;
   lay_pictures(o, person ? &talk : nullptr, area_mm, project.pictures);
-  write_project(project);
   print_project(o, project, area_mm);
   for (const std::string& text : project.bench.notes) note(text);
-  const std::string preview = preview_project(project);
+  const std::string preview = write_project(project);
   const std::string folder = shell_word(project.folder.string());
   fmt::print("Preview: {}: {}; the whole design will show finer detail\n",
              shell_word((project.folder / "preview.png").string()), preview);

@@ -1,9 +1,11 @@
 #include "tools/output_mode.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <memory>
 #include <string_view>
@@ -14,13 +16,25 @@
 namespace burin {
 namespace {
 
+// Where standard output and standard error really are, for a thread that ends the process meanwhile.
+std::atomic<int> real_descriptors[] = {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO};
+
+void write_whole(int descriptor, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t n = ::write(descriptor, text.data(), text.size());
+    if (n <= 0) return;
+    text.remove_prefix(static_cast<std::size_t>(n));
+  }
+}
+
 // What goes to a file descriptor goes to a nameless file instead, until it is given back.
 class Caught {
  public:
   Caught(std::FILE* stream, int descriptor)
       : stream_(stream), descriptor_(descriptor), file_(std::tmpfile(), &std::fclose) {
     std::fflush(stream_);
-    before_ = dup(descriptor_);
+    before_ = fcntl(descriptor_, F_DUPFD_CLOEXEC, 3);
+    real_descriptors[descriptor_] = before_;
     if (!file_ || before_ < 0 || dup2(fileno(file_.get()), descriptor_) < 0)
       fail("--json, --quiet", "what the command says cannot be caught", "make room in the folder for temporary files");
   }
@@ -43,6 +57,7 @@ class Caught {
     if (before_ < 0) return;
     std::fflush(stream_);
     dup2(before_, descriptor_);
+    real_descriptors[descriptor_] = descriptor_;
     close(before_);
     before_ = -1;
   }
@@ -90,7 +105,8 @@ Json as_json(const std::vector<std::string>& arguments, int exit_code, const std
 
 std::size_t place_of_command(const std::vector<std::string>& arguments) {
   std::size_t at = 0;
-  while (at < arguments.size() && arguments[at].starts_with("--")) at += arguments[at] == "--threads" ? 2 : 1;
+  while (at < arguments.size() && arguments[at].starts_with("--"))
+    at += arguments[at] == "--threads" || arguments[at] == "--simd" ? 2 : 1;
   return at;
 }
 
@@ -101,10 +117,22 @@ OutputMode take_output_mode(std::vector<std::string>& arguments) {
       mode = arguments[i] == "--json" ? OutputMode::json : OutputMode::quiet;
       arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
-      i += arguments[i] == "--threads" ? 2 : 1;
+      i += arguments[i] == "--threads" || arguments[i] == "--simd" ? 2 : 1;
     }
   }
   return mode;
+}
+
+void say_at_the_end(OutputMode mode, const std::vector<std::string>& arguments, const std::string& sentence,
+                    int exit_code) {
+  const int err = real_descriptors[STDERR_FILENO];
+  if (mode == OutputMode::json) {
+    const Json json = as_json(arguments, exit_code, "", sentence + "\n");
+    write_whole(real_descriptors[STDOUT_FILENO], json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    return;
+  }
+  if (isatty(err) == 1) write_whole(err, "\r\x1b[K");  // a progress bar
+  write_whole(err, "burin: " + sentence + "\n");
 }
 
 int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, const std::function<int()>& work) {

@@ -21,6 +21,11 @@ OutputMode take_output_mode(std::vector<std::string>& arguments);
 /// Where COMMAND stands among the arguments: behind the program's own options.
 std::size_t place_of_command(const std::vector<std::string>& arguments);
 
+/// Says why the command ends before its time, on the real standard streams, wherever `mode` has put them: the sentence
+/// to stderr, or the JSON object to stdout. For a process that ends then.
+void say_at_the_end(OutputMode mode, const std::vector<std::string>& arguments, const std::string& sentence,
+                    int exit_code);
+
 /// Does `work`, whose result is an exit code, in that mode; `arguments` are the command's, without the mode. JSON:
 ///   { "burin": "0.1.0", "command": "capture", "exit_code": 0, "said": [lines], "notes": [..], "errors": [..],
 ///     "next": "burin calibrate ..." }

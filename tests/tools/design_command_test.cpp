@@ -86,8 +86,9 @@ TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {
       "cd " + quoted(folder_.path().string()) + " && { " + quoted(places::program()) +
           " design bench/design.json --out out --scratches 400 --pixels 64 --iterations 1000000 --live & pid=$!; "
           "for i in $(seq 600); do [ -e out/live.png ] && break; sleep 0.1; done; sleep 0.3; "
-          "kill -INT $pid; wait $pid; }");
-  ASSERT_EQ(run.exit_code, 0) << run.out << run.err;
+          "kill -INT $pid; wait $pid; echo exit code $?; }");
+  EXPECT_THAT(run.out, HasSubstr("exit code 130")) << run.err;
+  EXPECT_THAT(run.err, HasSubstr("burin: stopped by Ctrl-C (SIGINT)"));
   EXPECT_THAT(run.out, HasSubstr("Go on with: burin design bench/design.json --out out --from out/scratches.csv"));
   const Json stopped = read(folder_ / "out" / "design-report.json");
   EXPECT_TRUE(stopped["stopped_early"].get<bool>());

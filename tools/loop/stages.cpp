@@ -8,9 +8,11 @@
 #include "burin/render/board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/unfinished.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/loop/round_design.h"
+#include "tools/stop_signal.h"
 
 namespace burin {
 namespace {
@@ -20,6 +22,7 @@ namespace fs = std::filesystem;
 void run_step(const std::vector<std::string>& arguments) {
   std::string line = "burin";
   for (const std::string& a : arguments) line += " " + shell_word(a);
+  stop_if_asked();
   fmt::print("> {}\n", line);
   std::fflush(stdout);
   run_command(arguments);
@@ -186,8 +189,10 @@ void make_board(const Project& project, int number) {
 void make_photos(const Project& project, int number) {
   const fs::path round = project.round(number), photos = round / "photos", part = round / "workshop.part";
   fs::remove_all(part);
+  const Unfinished unfinished(part);
   run_step({"simulate", (project.folder / "truth.json").string(), "--scratches", (round / "sent.csv").string(), "--out",
             part.string()});
+  const auto whole = finishing();
   fs::remove(photos);  // only ever an empty folder
   fs::rename(part / "photos", photos);
   fs::remove_all(part);

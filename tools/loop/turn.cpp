@@ -10,6 +10,7 @@
 #include "tools/loop/aside.h"
 #include "tools/loop/say.h"
 #include "tools/loop/unknown.h"
+#include "tools/stop_signal.h"
 
 namespace burin {
 namespace {
@@ -255,6 +256,7 @@ void make(Turn& turn, const StageState& state) {
 // One stage as it stands after all before it: nothing to do, made, or a question. False where a person has to go to the
 // workshop.
 bool turn_stage(Turn& turn, const StageOfRound& at) {
+  stop_if_asked();
   const StageState state = state_of(turn.loop, at, turn.hashes);
   const bool again = turn.again.contains(at);
   if (at.stage == StageKind::photos && state.condition != Condition::done) {

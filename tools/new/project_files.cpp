@@ -11,11 +11,11 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/unfinished.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
 #include "tools/loop/toml_line.h"
 #include "tools/progress_bar.h"
-#include "tools/stop_signal.h"
 
 namespace burin {
 namespace {
@@ -106,38 +106,8 @@ Image to_look_at(const Image& image, int pictures) {
                  std::max(1, static_cast<int>(std::lround(image.height * scale))));
 }
 
-}  // namespace
-
-void fail_unless_new(const fs::path& folder) {
-  if (folder.empty()) fail("the project's folder", "has no name", "give one: my-board");
-  std::error_code error;
-  if (!fs::exists(folder, error)) return;
-  if (!fs::is_directory(folder, error)) fail(folder.string(), "is a file", "give a folder that is not there yet");
-  if (!fs::is_empty(folder, error) || error)
-    fail(folder.string(), "exists and is not empty", "give a folder that is not there yet: nothing is overwritten");
-}
-
-void write_project(const NewProject& project) {
-  fail_unless_new(project.folder);
-  fs::path folder = fs::absolute(project.folder).lexically_normal();
-  if (!folder.has_filename()) folder = folder.parent_path();  // "my-board/"
-  make_output_folder(folder.parent_path());
-  const fs::path staging = folder.parent_path() / fmt::format(".{}.new-{}", folder.filename().string(), getpid());
-  std::error_code error;
-  try {
-    write_into(project, staging);
-    make_output_folder(folder);
-    for (const fs::directory_entry& entry : fs::directory_iterator(staging))
-      fs::rename(entry.path(), folder / entry.path().filename());
-    fs::remove_all(staging, error);
-  } catch (...) {
-    fs::remove_all(staging, error);
-    throw;
-  }
-}
-
-std::string preview_project(const NewProject& project) {
-  const fs::path folder = project.folder;
+// A quick design of what is written there. Says each view's PSNR in words.
+std::string preview_project(const fs::path& folder) {
   const DesignSpec written = read_design(folder / "design.json");
   const Board board = read_board(written.board);
   const Bench bench = read_bench_of(board, written.board, written.bench);
@@ -150,9 +120,7 @@ std::string preview_project(const NewProject& project) {
   options.iterations = 40;
   options.contact_frames = 0;
   options.time_limit_s = 7;
-  options.stop = &StopOnSignal::asked;
   ProgressBar bar;
-  const StopOnSignal on_signal;
   const DesignResult result = design(spec, board, bench, options, bar.progress());
   std::vector<Image> shown, targets;
   std::string numbers;
@@ -168,6 +136,40 @@ std::string preview_project(const NewProject& project) {
   return fmt::format("{} ({} x {} pixels, {} scratches of {}, {:.0f} s)", numbers, result.views.front().shown.width,
                      result.views.front().shown.height, result.scratches.size(), written.scratches,
                      result.total_seconds);
+}
+
+}  // namespace
+
+void fail_unless_new(const fs::path& folder) {
+  if (folder.empty()) fail("the project's folder", "has no name", "give one: my-board");
+  std::error_code error;
+  if (!fs::exists(folder, error)) return;
+  if (!fs::is_directory(folder, error)) fail(folder.string(), "is a file", "give a folder that is not there yet");
+  if (!fs::is_empty(folder, error) || error)
+    fail(folder.string(), "exists and is not empty", "give a folder that is not there yet: nothing is overwritten");
+}
+
+std::string write_project(const NewProject& project) {
+  fail_unless_new(project.folder);
+  fs::path folder = fs::absolute(project.folder).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();  // "my-board/"
+  make_output_folder(folder.parent_path());
+  const fs::path staging = folder.parent_path() / fmt::format(".{}.new-{}", folder.filename().string(), getpid());
+  std::error_code error;
+  const Unfinished unfinished(staging);
+  try {
+    write_into(project, staging);
+    std::string preview = preview_project(staging);
+    const auto whole = finishing();
+    make_output_folder(folder);
+    for (const fs::directory_entry& entry : fs::directory_iterator(staging))
+      fs::rename(entry.path(), folder / entry.path().filename());
+    fs::remove_all(staging, error);
+    return preview;
+  } catch (...) {
+    fs::remove_all(staging, error);
+    throw;
+  }
 }
 
 }  // namespace burin

@@ -25,11 +25,9 @@ struct NewProject {
 void fail_unless_new(const std::filesystem::path& folder);
 
 /// Writes the project into its folder, which is made or is empty, beside it first: nothing is left half-written. The
-/// files are read back by the ordinary readers. Throws Error where that fails.
-void write_project(const NewProject& project);
-
-/// A quick design of a written project, of a few seconds: preview.png in it (the pictures as the views will show them,
-/// their targets below), and its scratches as scratches.csv, for looking at. Says each view's PSNR in words.
-std::string preview_project(const NewProject& project);
+/// files are read back by the ordinary readers. With it a quick design of a few seconds: preview.png (the pictures as
+/// the views will show them, their targets below), and its scratches as scratches.csv, for looking at. Says each view's
+/// PSNR in words. Throws Error where that fails.
+std::string write_project(const NewProject& project);
 
 }  // namespace burin

@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "burin/render/error.h"
+#include "burin/render/files/unfinished.h"
 
 namespace burin {
 namespace {
@@ -295,12 +296,14 @@ void write_atomically(const std::filesystem::path& file,
   static std::atomic<unsigned> counter{0};
   const fs::path temporary = folder / ("." + file.stem().string() + ".part-" + std::to_string(::getpid()) + "-" +
                                        std::to_string(counter++) + file.extension().string());
+  const Unfinished unfinished(temporary);
   {
     const std::ofstream probe(temporary, std::ios::binary);
     if (!probe) fail(file.string(), "cannot be written", remedy);
   }
   try {
     write(temporary);
+    const auto whole = finishing();
     fs::rename(temporary, file, error);
     if (error) fail(file.string(), "cannot be written: " + error.message(), remedy);
   } catch (...) {

@@ -1,0 +1,132 @@
+// Proves: wherever a command is, a signal ends it with its own exit code and one sentence, nothing half done stays, and
+// the same command then ends as if it had never been stopped; kills and second loops do no harm either.
+#include <gmock/gmock.h>
+
+#include "burin/render/image.h"
+#include "tests/tools/program.h"
+
+namespace burin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+std::string burin() { return quoted(places::program()); }
+
+// A photograph that takes minutes: of the sample, with many points a pixel.
+std::string endless_photo(const TemporaryFolder& folder) {
+  std::filesystem::copy(places::source() + "/samples/small-bench", folder / "bench",
+                        std::filesystem::copy_options::recursive);
+  std::string truth = file_text(folder / "bench" / "truth.json");
+  truth.replace(truth.find("\"samples\": 100"), 14, "\"samples\": 40000");
+  folder.write("bench/truth.json", truth);
+  folder.write("some.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n50,50,54,51\n");
+  return burin() + " simulate bench/truth.json --scratches some.csv --out out";
+}
+
+// In the shell: `command` is begun, gets a signal once it is at work, and its exit code is said.
+std::string stopped(const std::string& command, const std::string& signals, const std::string& before = "") {
+  // It listens for SIGTERM (bit 14 of what it catches) once it has begun, which takes long where many tests run at
+  // once.
+  const std::string begun =
+      "while kill -0 $pid && [ $((0x$(sed -n 's/^SigCgt:[[:space:]]*//p' /proc/$pid/status) & 0x4000)) = 0 ]; do sleep "
+      "0.05; "
+      "done; sleep 0.5; ";
+  return before + command + " & pid=$!; " + begun + signals + "; wait $pid; echo exit code $?";
+}
+
+class Stop : public ::testing::Test {
+ protected:
+  Stop() : endless_(endless_photo(folder_)) {}
+
+  Outcome run(const std::string& line) const {
+    return run_shell(folder_, "cd " + quoted(folder_.path().string()) + " && { " + line + "; }");
+  }
+  bool left() const {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path()))
+      if (entry.path().filename().string().find(".part") != std::string::npos) return true;
+    return false;
+  }
+
+  TemporaryFolder folder_;
+  std::string endless_;
+};
+
+TEST_F(Stop, EachSignalHasItsExitCodeAndOneSentence) {
+  for (const auto& [name, code] : {std::pair{"INT", "130"}, std::pair{"TERM", "143"}, std::pair{"HUP", "129"}}) {
+    const Outcome ended = run(stopped(endless_, std::string("kill -") + name + " $pid"));
+    EXPECT_THAT(ended.out, HasSubstr(std::string("exit code ") + code)) << ended.err;
+    EXPECT_THAT(ended.err, AllOf(HasSubstr("burin: stopped by "), HasSubstr(name), HasSubstr("burin simulate bench")));
+    EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+    EXPECT_FALSE(left());
+  }
+}
+
+TEST_F(Stop, IsSaidAsJsonWhereAllIs) {
+  std::string json = endless_;
+  json.replace(json.find(" simulate"), 9, " --json simulate");
+  const Outcome ended = run(stopped(json, "kill -TERM $pid"));
+  EXPECT_THAT(ended.out,
+              AllOf(HasSubstr("\"exit_code\": 143"), HasSubstr("\"stopped by SIGTERM"), HasSubstr("exit code 143")));
+  EXPECT_EQ(ended.err, "");
+}
+
+// nohup: what was ignored from the beginning stays so.
+TEST_F(Stop, AHangupThatIsIgnoredStaysIgnored) {
+  const Outcome ended = run(
+      stopped(endless_, "kill -HUP $pid; sleep 0.3; kill -0 $pid && echo at work; kill -TERM $pid", "trap '' HUP; "));
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("at work"), HasSubstr("exit code 143"))) << ended.err;
+}
+
+// A design keeps what it has at the first signal; the second one ends it, wherever it is, even in its guided start.
+TEST_F(Stop, ASecondSignalEndsAtOnce) {
+  const std::string design = burin() + " design bench/design.json --out out --scratches 200000 --pixels 600";
+  const Outcome ended = run(stopped(design, "kill -INT $pid; sleep 0.7; kill -INT $pid 2>/dev/null"));
+  EXPECT_THAT(ended.out, HasSubstr("exit code 130")) << ended.err;
+  EXPECT_EQ(
+      std::count(ended.err.begin(), ended.err.end(), '\n') - (ended.err.find("note: ") != std::string::npos ? 1 : 0), 1)
+      << ended.err;
+  EXPECT_FALSE(left());
+}
+
+// The short form of `tests/reliability/stops signals --minutes M`: every command once, at a random moment. Kills of a
+// loop, and two at once: tests/tools/loop_mishaps_test.cpp.
+TEST(Stops, AtRandomMomentsLoseNothing) {
+  const TemporaryFolder folder;
+  if (run_shell(folder, "python3 -c ''").exit_code != 0) GTEST_SKIP() << "python3 is not installed";
+  const Outcome stops = run_shell(
+      folder, "python3 " + quoted(places::source() + "/tests/reliability/stops") + " signals --program " + burin());
+  EXPECT_EQ(stops.exit_code, 0) << stops.out << stops.err;
+  EXPECT_THAT(stops.out, AllOf(HasSubstr("signal: design"), HasSubstr("signal: refine")));
+}
+
+TEST(Simd, IsChosenByOptionOrEnvironmentAndWrittenDown) {
+  const TemporaryFolder folder;
+  const std::string bench = places::source() + "/samples/small-bench";
+  const std::vector<std::string> design{"design", bench + "/design.json", "--scratches", "100",  "--pixels",
+                                        "48",     "--iterations",         "3",           "--out"};
+  const auto made_with = [&](std::vector<std::string> before, const std::string& out) {
+    before.insert(before.end(), design.begin(), design.end());
+    before.push_back(out);
+    const Outcome run = run_burin(folder, before);
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return file_text(folder / out / "design-report.json");
+  };
+#if defined(__x86_64__)
+  EXPECT_THAT(made_with({"--simd", "sse2"}, "a"), HasSubstr("\"simd\": \"sse2\""));
+  const Outcome by_environment =
+      run_shell(folder, "cd " + quoted(folder.path().string()) + " && BURIN_SIMD=sse2 " + burin() + " design " +
+                            quoted(bench + "/design.json") + " --scratches 100 --pixels 48 --iterations 3 --out b");
+  ASSERT_EQ(by_environment.exit_code, 0) << by_environment.err;
+  EXPECT_EQ(file_text(folder / "a" / "scratches.csv"), file_text(folder / "b" / "scratches.csv"));
+  EXPECT_THAT(file_text(folder / "b" / "design-report.json"), HasSubstr("\"simd\": \"sse2\""));
+#endif
+  EXPECT_THAT(made_with({}, "c"), HasSubstr("\"simd\": \""));
+  const Outcome wrong = run_burin(folder, {"--simd", "mmx", "status", "."});
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("sse2, avx2 or avx512"));
+}
+
+}  // namespace
+}  // namespace burin
