@@ -69,24 +69,20 @@ std::string zero_text(const MachineProfile& machine, const ToolpathReport& repor
       by_preload(machine.depth_by) && !report.face.followed() ? "where the tool first touches the face" : where);
 }
 
-// What G-code tells the machine, to its last decimal: read back from the files, since that is what is in the metal.
-Scratches told_by(const ToolpathReport& report, const MachineProfile& machine, bool with_frame) {
+// What G-code tells the machine, to its last decimal: as it was read back from the files, since that is what is in the
+// metal.
+Scratches told_by(const ToolpathReport& report) {
   Scratches told = report.sent.scratches;
-  std::size_t row = 0;
-  for (std::size_t k = 0; k + (with_frame ? 1 : 0) < report.files.size(); ++k) {
-    const std::string file = report.files[k].string();
-    for (const ReplayedScratch& s : replay_gcode(read_text(file), machine, file, &report.face).scratches) {
-      if (row == told.size()) fail(file, "carves more scratches than were planned", "this is a fault in Burin");
-      told.x0_mm[row] = s.from_mm.x(), told.y0_mm[row] = s.from_mm.y();
-      told.x1_mm[row] = s.to_mm.x(), told.y1_mm[row] = s.to_mm.y();
-      // A head that presses is told a force instead of a depth.
-      if (!told.depth_um.empty() && std::isfinite(s.depth_mm)) told.depth_um[row] = 1e3 * s.depth_mm;
-      ++row;
-    }
-  }
-  if (row != told.size())
-    fail(report.files.front().string(), fmt::format("carves {} scratches of {}", row, told.size()),
+  if (report.replayed.size() != told.size())
+    fail(report.files.front().string(), fmt::format("carves {} scratches of {}", report.replayed.size(), told.size()),
          "this is a fault in Burin");
+  for (std::size_t row = 0; row < told.size(); ++row) {
+    const ReplayedScratch& s = report.replayed[row];
+    told.x0_mm[row] = s.from_mm.x(), told.y0_mm[row] = s.from_mm.y();
+    told.x1_mm[row] = s.to_mm.x(), told.y1_mm[row] = s.to_mm.y();
+    // A head that presses is told a force instead of a depth.
+    if (!told.depth_um.empty() && std::isfinite(s.depth_mm)) told.depth_um[row] = 1e3 * s.depth_mm;
+  }
   return told;
 }
 
@@ -114,7 +110,7 @@ void write(const Options& options) {
   if (!options.sent.empty()) {
     const bool drawing = report.files.front().extension() == ".svg" || report.files.front().extension() == ".dxf" ||
                          report.files.front().extension() == ".csv";
-    write_scratches(drawing ? report.sent.scratches : told_by(report, machine, options.frame), options.sent);
+    write_scratches(drawing ? report.sent.scratches : told_by(report), options.sent);
   }
 
   for (std::size_t i = 0; i < report.files.size(); ++i)
@@ -167,6 +163,7 @@ void replay(const Options& options) {
   double duration_s = 0;
   for (const std::filesystem::path& file : options.replay) {
     const Replay done = replay_gcode(read_text(file), machine, file.string(), &planned.face);
+    fail_unless_ended(done, machine, file.string());
     carved.insert(carved.end(), done.scratches.begin(), done.scratches.end());
     duration_s += done.duration_s;
     fmt::print("{}: {} lines, {} scratches, {:.1f} m in the metal, {:.1f} m in the air, {}\n", file.string(),

@@ -7,6 +7,7 @@
 #include "burin/optimize/carving/toml_file.h"
 #include "burin/optimize/machine_measured_json.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 
 namespace burin {
@@ -162,10 +163,31 @@ void read_block(JsonObject& json, const std::string& key, std::vector<std::strin
   if (!lines.is_array()) json.fail_field(key, "is no array", "write an array of lines, each in double quotes");
   block.clear();
   for (const Json& line : lines) {
-    if (!line.is_string() || line.get<std::string>().find('\n') != std::string::npos)
-      json.fail_field(key, "has an entry that is not one line of text", "write each line of G-code in double quotes");
+    const auto printable = [](unsigned char c) { return c >= 0x20 && c <= 0x7E; };
+    const bool text = line.is_string();
+    const std::string words = text ? line.get<std::string>() : "";
+    if (!text || !std::all_of(words.begin(), words.end(), printable))
+      json.fail_field(key, "has an entry that is not one line of text in plain ASCII",
+                      "write each line of G-code in double quotes");
     block.push_back(line.get<std::string>());
   }
+}
+
+std::vector<int> read_m_codes(JsonObject& json) {
+  std::vector<int> codes;
+  const Json& list = json.raw("other_m_codes");
+  const auto wrong = [&](const std::string& what) {
+    json.fail_field("other_m_codes", what, "write a list of numbers, such as [42, 106]");
+  };
+  if (!list.is_array()) wrong("is no list");
+  for (const Json& code : list) {
+    if (!code.is_number_integer() || code.get<double>() < 0 || code.get<double>() > 999) wrong("has " + code.dump());
+    codes.push_back(code.get<int>());
+    // Codes with a meaning of their own: ends, calls, and offsets.
+    for (const int never : {2, 6, 30, 98, 99, 206, 428})
+      if (codes.back() == never) wrong("has M" + std::to_string(never) + ", which does more than it tells");
+  }
+  return codes;
 }
 
 MachineLimits read_limits(JsonObject json) {
@@ -203,22 +225,35 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
   if (!known) json.fail_field("based_on", "is \"" + base + "\"", "write " + built_in_machines());
   MachineProfile machine = *known;
   machine.name = json.text("name", file.stem().string());
-  machine.carve_feed_mm_min = json.positive("carve_feed_mm_min", machine.carve_feed_mm_min);
-  machine.plunge_feed_mm_min = json.positive("plunge_feed_mm_min", machine.plunge_feed_mm_min);
-  machine.rapid_mm_min = json.positive("rapid_mm_min", machine.rapid_mm_min);
-  machine.rapid_z_mm_min = json.positive("rapid_z_mm_min", machine.rapid_z_mm_min);
-  machine.acceleration_mm_s2 = json.positive("acceleration_mm_s2", machine.acceleration_mm_s2);
-  machine.acceleration_z_mm_s2 = json.positive("acceleration_z_mm_s2", machine.acceleration_z_mm_s2);
-  machine.safe_z_mm = json.positive("safe_z_mm", machine.safe_z_mm);
+  const auto within = [&](const char* key, double& value, double least, double most, const char* unit) {
+    value = least > 0 ? json.positive(key, value) : json.number(key, value);
+    if (!(value >= least && value <= most))
+      json.fail_field(key, "is " + Json(value).dump(),
+                      "write " + shortest(least) + " to " + shortest(most) + " " + unit);
+  };
+  constexpr double kSlowest = 1, kFastest = 1e6;  // as the replay (carving/toolpath_check.h)
+  within("carve_feed_mm_min", machine.carve_feed_mm_min, kSlowest, kFastest, "mm/min");
+  within("plunge_feed_mm_min", machine.plunge_feed_mm_min, kSlowest, kFastest, "mm/min");
+  within("rapid_mm_min", machine.rapid_mm_min, kSlowest, kFastest, "mm/min");
+  within("rapid_z_mm_min", machine.rapid_z_mm_min, kSlowest, kFastest, "mm/min");
+  within("acceleration_mm_s2", machine.acceleration_mm_s2, 0.1, 1e6, "mm/s^2");
+  within("acceleration_z_mm_s2", machine.acceleration_z_mm_s2, 0.1, 1e6, "mm/s^2");
+  within("safe_z_mm", machine.safe_z_mm, 0.01, 1000, "mm, clear of the face and of what lies on it");
   machine.dwell_s = json.number("dwell_s", machine.dwell_s);
   if (machine.dwell_s < 0) json.fail_field("dwell_s", "is negative", "write 0 or a time in seconds");
+  within("dwell_s", machine.dwell_s, 0, 600, "s");
   machine.decimals = json.integer("decimals", machine.decimals);
   if (machine.decimals < 2 || machine.decimals > 6)
     json.fail_field("decimals", "is " + std::to_string(machine.decimals), "write 2 to 6");
   machine.max_lines = json.integer("max_lines", machine.max_lines);
   if (machine.max_lines != 0 && machine.max_lines < 100)
     json.fail_field("max_lines", "is " + std::to_string(machine.max_lines), "write 0 for no limit, or at least 100");
-  machine.force = json.number("force", machine.force);
+  machine.max_line_characters = json.integer("max_line_characters", machine.max_line_characters);
+  if (machine.max_line_characters != 0 && (machine.max_line_characters < 40 || machine.max_line_characters > 1000))
+    json.fail_field("max_line_characters", "is " + std::to_string(machine.max_line_characters),
+                    "write 40 to 1000, or 0 for what its dialect reads");
+  if (json.has("other_m_codes")) machine.other_m_codes = read_m_codes(json);
+  within("force", machine.force, -1e6, 1e6, "in the unit that {force} has in the blocks");
   if (json.has("measured")) machine.measured = read_measured(json.object("measured"));
   if (json.has("limits")) machine.limits = read_limits(json.object("limits"));
   if (json.has("travel_mm")) {

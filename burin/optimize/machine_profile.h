@@ -8,8 +8,9 @@
 //   { "format": "burin/machine", "version": 1, "name": "my router", "based_on": "grbl",
 //     "carve_feed_mm_min": 900, "plunge_feed_mm_min": 200, "rapid_mm_min": 3000, "rapid_z_mm_min": 800,
 //     "acceleration_mm_s2": 200, "acceleration_z_mm_s2": 80, "safe_z_mm": 1, "dwell_s": 0.05,
-//     "decimals": 3, "max_lines": 90000, "travel_mm": [[-10, -10], [400, 300]], "force": 350,
-//     "limits": { "step_mm": 0.0125, "shortest_mm": 0.5, "longest_mm": 40, "min_distance_mm": 0.05,
+//     "decimals": 3, "max_lines": 90000, "max_line_characters": 79, "other_m_codes": [42], "travel_mm": [[-10, -10],
+//     [400, 300]], "force": 350, "limits": { "step_mm": 0.0125, "shortest_mm": 0.5, "longest_mm": 40,
+//     "min_distance_mm": 0.05,
 //                 "max_overlap": 0.3, "max_grooves": 3 },
 //     "depth_by": "spring", "depth_table": [[5, 0.25], [12, 0.6], [20, 1.2, 0.4]],
 //     "start": ["G21", "G90", "M3 S{force}"], "per_scratch": ["G0 X{x0} Y{y0}", ...], "end": ["M5", "M2"] }
@@ -87,6 +88,8 @@ struct MachineProfile {
   double dwell_s = 0;                 ///< settling time at the bottom before the scratch begins
   int decimals = 4;                   ///< of coordinates; 4 keeps a 1 mm scratch's direction to 0.004 degrees
   int max_lines = 95000;              ///< a file; longer jobs are split. 0: no limit
+  int max_line_characters = 0;        ///< a line that the controller reads, without its end. 0: its dialect's
+  std::vector<int> other_m_codes;     ///< M codes that its files may hold beside the usual: they move nothing
   double force = 0;                   ///< of heads that press, in the unit that {force} has in the blocks
   DepthBy depth_by = DepthBy::fixed_z;
   DepthTable depth_table;  ///< of spring, drag and servo

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <functional>
 #include <string>
 #include <system_error>
 
@@ -58,6 +59,19 @@ std::string extension_of(const fs::path& out) {
   return extension;
 }
 
+// G-code under its name is G-code that was read back from the disk and replayed.
+void write_gcode(const std::string& text, const fs::path& file, const Toolpath& path, const MachineProfile& machine,
+                 const std::function<void(Replay&)>& check) {
+  write_atomically(file, [&](const fs::path& part) {
+    std::ofstream stream(part, std::ios::binary);
+    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+    stream.close();
+    if (!stream) fail(file.string(), "could not be written whole", "check that the disk is not full");
+    Replay replay = replay_written(part, text, path, machine, file.string());
+    check(replay);
+  });
+}
+
 }  // namespace
 
 ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
@@ -108,7 +122,10 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   report.duration_s = 0;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const fs::path file = part_file(out, k, parts.size());
-    write_text(parts[k].text, file);
+    write_gcode(parts[k].text, file, path, machine, [&](Replay& replay) {
+      fail_unless_carves(replay, path, parts[k], machine, file.string());
+      report.replayed.insert(report.replayed.end(), replay.scratches.begin(), replay.scratches.end());
+    });
     report.files.push_back(file);
     report.file_duration_s.push_back(parts[k].duration_s);
     report.duration_s += parts[k].duration_s;
@@ -116,8 +133,8 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   if (options.frame) {
     const std::string frame = frame_gcode(path, machine);
     report.files.push_back(out.parent_path() / (out.stem().string() + "-frame" + out.extension().string()));
-    write_text(frame, report.files.back());
-    report.file_duration_s.push_back(replay_gcode(frame, machine, report.files.back().string(), &path.face).duration_s);
+    write_gcode(frame, report.files.back(), path, machine,
+                [&](Replay& replay) { report.file_duration_s.push_back(replay.duration_s); });
   }
   if (!options.after) remove_stale_parts(out, report.files);
   return report;

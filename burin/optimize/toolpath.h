@@ -28,8 +28,9 @@ struct ToolpathReport {
   double file_order_travel_mm = 0;  ///< what the travel would have been in the order of the scratches given
   Eigen::Vector2d min_mm, max_mm;
   std::vector<CarvingStep> order;
-  Sent sent;                ///< what the machine is told, in carving order: what sent.csv holds
-  bool kept_order = false;  ///< whether the order is that of the scratches given
+  Sent sent;                              ///< what the machine is told, in carving order: what sent.csv holds
+  std::vector<ReplayedScratch> replayed;  ///< of G-code: what the files carve, read back from the disk
+  bool kept_order = false;                ///< whether the order is that of the scratches given
   bool compensated = false;
   std::size_t already_carved = 0;
   double stepped_mm = 0;
@@ -40,10 +41,10 @@ struct ToolpathReport {
 
 /// Plans and writes `out` by its extension: .gcode, .nc, .ngc, .svg, .dxf or .csv (the
 /// scratches as sent, in carving order, with their width, depth and alpha). G-code of several parts becomes
-/// out-01.gcode, out-02.gcode, ...; parts that an earlier, longer run left behind are removed. G-code is replayed
-/// before it is written: a scratch lost, doubled, mirrored or too deep is an Error and nothing is written; so is G-code
-/// that goes to a fixed Z on a sheet that is known to be less even than that depth (carving/sheet.h). After an
-/// interruption no other file is removed, and `out` may not be the interrupted one.
+/// out-01.gcode, out-02.gcode, ...; parts that an earlier, longer run left behind are removed. G-code is read
+/// back from the disk and replayed before it gets its name: a scratch lost, doubled, mirrored or too deep is an Error
+/// and nothing is written; so is G-code that goes to a fixed Z on a sheet that is known to be less even than that depth
+/// (carving/sheet.h). After an interruption no other file is removed, and `out` may not be the interrupted one.
 ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                               const MachineProfile& machine, const ToolpathOptions& options,
                               const std::filesystem::path& out, const Progress& progress = {});

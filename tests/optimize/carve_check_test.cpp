@@ -238,7 +238,7 @@ TEST_F(CarveChecked, TheFrameGoesRoundTheseScratches) {
 TEST_F(CarveChecked, WhatTheMachineCannotReach) {
   CarveCheckInput input = written();
   input.machine.travel = MachineBounds{{0, 0}, {150, 100}};
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("leave the travel of grbl"));
+  EXPECT_THAT(red(check_carve(input)), HasSubstr("out of the machine's travel"));
   input = written();
   input.board.tags.z_mm = 1.5;
   EXPECT_THAT(red(check_carve(input)), AllOf(HasSubstr("travels 1.00 mm above the face"), HasSubstr("1.50 mm thick")));

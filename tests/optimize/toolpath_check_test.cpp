@@ -21,8 +21,8 @@ constexpr const char* kHead = "G21 G90\nG0 Z1\n";
 
 TEST(Replay, WordsInAnyCaseAndSpacingAreRead) {
   const Replay r = replay(
-      "%\n(a comment G91)\nN10 g21g90 ; another\nG0Z1\nG00 X10 Y 20.5\ng1 z-.01 f 300\nX+13Y24.5F600\nG0 Z1 *71\nM117 "
-      "Hello (world)\n");
+      "%\n(a comment G91)\nN10 g21g90 ; another\nG0Z1\nG00 X10 Y 20.5\ng1 z-.01 f 300\nX+13Y24.5F600\nG0 Z1\r\nM2\n",
+      "linuxcnc");
   ASSERT_EQ(r.scratches.size(), 1u);
   EXPECT_EQ(r.scratches[0].from_mm, Eigen::Vector2d(10, 20.5));
   EXPECT_EQ(r.scratches[0].to_mm, Eigen::Vector2d(13, 24.5));
@@ -30,6 +30,9 @@ TEST(Replay, WordsInAnyCaseAndSpacingAreRead) {
   EXPECT_EQ(r.scratches[0].line, 7u);
   EXPECT_EQ(r.carve_mm, 5);
   EXPECT_EQ(r.lines, 9u);
+  EXPECT_TRUE(r.ended);
+  // Marlin's display is told text that is no G-code.
+  EXPECT_EQ(replay("G21\nG90\nG0 Z1 F900\nM117 Hello (world) G1 X5\n", "marlin").travel_mm, 0);
 }
 
 TEST(Replay, InchesAreInches) {
@@ -48,7 +51,7 @@ TEST(Replay, TimeIsTheSumOfTrapezoids) {
   EXPECT_NEAR(r.duration_s, expected, 1e-9);
   EXPECT_EQ(r.travel_mm, 100);
   m.dialect = GcodeDialect::marlin;
-  EXPECT_NEAR(replay_gcode("G21 G90\nG4 P500\nG4 S2\n", m, "x").duration_s, 2.5, 1e-12);
+  EXPECT_NEAR(replay_gcode("G21\nG90\nG4 P500\nG4 S2\n", m, "x").duration_s, 2.5, 1e-12);
 }
 
 TEST(Replay, FaultsAreNamedWithTheirLine) {
@@ -74,7 +77,120 @@ TEST(Replay, FaultsAreNamedWithTheirLine) {
   expect(head + "G4\n", HasSubstr("without a time"));
   expect(head + "(open\n", HasSubstr("not closed"));
   expect(head + "#1=5\n", HasSubstr("cannot read \"#\""));
-  expect("G21 G90\nG0 Z1\nG28 Z0\nG0 X1\n", HasSubstr("before the tool was lifted"));  // home: who knows where that is
+  expect("G21 G90\nG0 Z1\nG28\nG0 X1\n", HasSubstr("before the tool was lifted"));  // home: who knows where that is
+}
+
+// What a controller would read otherwise than a person does, each with its line.
+TEST(Replay, WhatAControllerWouldMisreadIsRefused) {
+  const auto refuses = [](const std::string& line, const std::string& why) {
+    EXPECT_THAT([&] { replay("G21 G90\nG0 Z1\nG0 X1 Y1\n" + line + "\n"); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("file.nc:4"), HasSubstr(why))))
+        << line;
+  };
+  for (const char* feed : {"G1 X2 F0", "G1 X2 F-100", "G1 X2 F0.001", "F1000001", "F9999999"})
+    refuses(feed, "a feed of");
+  refuses("G1 X2 F1e-300", "has a word E");
+  refuses("G1 X3e10 F100", "has a word E");
+  refuses("G1 X" + std::string(300, '9') + " F100", "characters, and the machine reads 79");
+  refuses("G1 X" + std::string(60, '9') + " F100", "more digits than controllers read");
+  refuses("G1 X0.0000000000000001 F100", "more digits than controllers read");
+  refuses("G1 X1000000 F100", "where no machine is");
+  refuses("G1 Xnan F100", "no number after X");
+  refuses("G1 Xinf F100", "no number after X");
+  refuses("G1 X. F100", "no number after X");
+  refuses("G1 X1 2 F100", "cannot read \"2\"");
+  refuses("G20", "changes the units");
+  refuses("G18", "changes the plane");
+  refuses("G90.1", "unknown code G90.1");
+  refuses("G0 G1 X5 F100", "exclude each other");
+  refuses("G1.04 X5 F100", "no such code");
+  refuses("G55", "changes where zero is");
+  refuses("G43.1 Z5", "shifts or turns the coordinates");
+  refuses("G28 Z0", "goes home by a place of the board");
+  refuses("G4 P1 X5", "moves in the line of a dwell");
+  refuses("G4 P1000000", "rests for");
+  refuses("G4 P-1", "rests for");
+  refuses("G1 X5 F100 A3", "has a word A");
+  refuses("G1 X5 F100 P3", "has a word P");
+  refuses("M98 P1", "M98");
+  refuses("M6 T1", "M6");
+  refuses("$J=G91 X5 F100", "cannot read \"$\"");
+  refuses("/G0 X5", "cannot read \"/\"");
+  refuses("G0 X5*57", "cannot read \"*\"");
+  refuses("%", "cannot read \"%\"");
+  refuses("(stop!)", "which grbl obeys at once");
+  refuses("(a (comment) in a comment)", "holds another one");
+  refuses("(caf\xc3\xa9)", "0xC3");
+  refuses(std::string("G0 X5\0", 6), "0x00");
+  refuses("G0 X5\rG1 Z-1 F100", "0x0D");
+  refuses("(" + std::string(80, 'a') + ")", "82 characters, and the machine reads 79");
+}
+
+// The tool goes where nothing is carved: through the face, into it, or out of reach.
+TEST(Replay, WaysThatSpoilABoardAreRefused) {
+  const auto refuses = [](const std::string& lines, const std::string& why, const MachineProfile& machine) {
+    EXPECT_THAT([&] { replay_gcode("G21 G90\nG0 Z1\nG0 X1 Y1\n" + lines, machine, "file.nc"); },
+                ThrowsMessage<Error>(HasSubstr(why)))
+        << lines;
+  };
+  MachineProfile grbl = machine_profile("grbl");
+  refuses("G0 Z0\nG0 X5\n", "travels on the face", grbl);
+  refuses("G0 Z0.000000001\nG1 X5 F100\n", "travels on the face", grbl);
+  refuses("G0 Z-0.01\n", "into the metal with G0", grbl);
+  refuses("G1 Z-5 F100\nG0 Z1\n", "a hole", grbl);
+  refuses("G1 Z-5 F100\nG1 Z-0.01\nG1 X5\nG0 Z1\n", "changes its depth in the metal", grbl);
+  refuses("G28\nG1 Z-0.01 F100\n", "from a height that the file does not tell", grbl);
+  refuses("G1 Z-0.01 F100\nG28\n", "home with the tool in the metal", grbl);
+  refuses("G53 G0 X0 Y0 Z0\n", "in machine coordinates before the tool was lifted", grbl);
+  refuses("M2\nG1 Z-5 F100\n", "goes on after its end", grbl);
+  refuses("M3 S1000\n", "ends with the spindle on", grbl);
+  EXPECT_NO_THROW(replay_gcode("G21 G90\nG0 Z1\nM3 S1000\nM5\n", grbl, "file.nc"));
+  grbl.travel = MachineBounds{{0, 0}, {200, 100}};
+  refuses("G0 X1 Y100.01\n", "out of the machine's travel", grbl);
+  refuses("G0 X-0.01\n", "out of the machine's travel", grbl);
+  EXPECT_NO_THROW(replay_gcode("G21 G90\nG0 Z1\nG0 X200 Y100\n", grbl, "file.nc"));
+
+  // A file that was cut off, for machines whose files have an end.
+  const auto ended = [](const std::string& text, const MachineProfile& machine) {
+    fail_unless_ended(replay_gcode(text, machine, "file.nc"), machine, "file.nc");
+  };
+  EXPECT_THAT([&] { ended("G21 G90\nG0 Z1\n", grbl); }, ThrowsMessage<Error>(HasSubstr("has no end")));
+  EXPECT_NO_THROW(ended("G21 G90\nG0 Z1\nM2\n", grbl));
+  EXPECT_NO_THROW(ended("%\nG21 G90\nG0 Z1\n%\n", machine_profile("linuxcnc")));
+  EXPECT_NO_THROW(ended("G21\nG90\nG0 Z1 F900\n", machine_profile("marlin")));
+}
+
+// Every dialect by what it alone cannot read, and a person's own machine by its profile.
+TEST(Replay, EachDialectHasItsOwnRules) {
+  const auto refuses = [](const std::string& text, const std::string& why, const char* machine) {
+    EXPECT_THAT([&] { replay(text, machine); }, ThrowsMessage<Error>(HasSubstr(why))) << text;
+  };
+  refuses("G21 G90\n", "Marlin obeys the first one alone", "marlin");
+  refuses("G21\nG90\nG0 Z1 F900\nX5\n", "without saying how", "marlin");
+  refuses("(comment)\n", "write it after ;", "marlin");
+  refuses("g21\n", "cannot read \"g\"", "marlin");
+  refuses("G20\n", "inches", "marlin");
+  refuses("(LOGOPEN,/etc/passwd)\n", "LinuxCNC executes", "linuxcnc");
+  refuses(";py,print()\n", "LinuxCNC executes", "linuxcnc");
+  refuses("%\nG21 G90\n%\nG0 Z1\n", "after its end", "linuxcnc");
+  refuses("M5 S0\nG21 G90\nG0 Z1\nM3 S5\n", "laser on", "laser-z");
+  EXPECT_NO_THROW(replay("(" + std::string(100, 'a') + ")\nG21 G90\n", "linuxcnc"));
+
+  MachineProfile own = machine_profile("grbl");
+  own.max_line_characters = 40;
+  EXPECT_THAT([&] { replay_gcode("(" + std::string(45, 'a') + ")\n", own, "x"); },
+              ThrowsMessage<Error>(HasSubstr("reads 40")));
+  EXPECT_THAT([&] { replay_gcode("M42 P1\n", own, "x"); }, ThrowsMessage<Error>(HasSubstr("other_m_codes")));
+  own.other_m_codes = {42};
+  EXPECT_NO_THROW(replay_gcode("M42 P1\n", own, "x"));
+}
+
+TEST(ToolpathCheck, FarAndNoPlacesAreForeign) {
+  std::vector<PlannedScratch> p{{0, {1e300, 0}, {1e300, 5}, 0.01}, {1, {0, 0}, {3, 4}, 0.01}};
+  std::vector<ReplayedScratch> c{{{0, 0}, {3, 4}, 0.01, 1}, {{-1e308, 1e308}, {std::nan(""), 1}, 0.01, 2}};
+  const ToolpathCheck check = check_toolpath(c, p, 1e-3);
+  EXPECT_EQ(check.lost, 1u);
+  EXPECT_EQ(check.foreign, 1u);
 }
 
 std::vector<PlannedScratch> planned() {

@@ -255,6 +255,8 @@ TEST(Toolpath, WhatCannotBeCarvedIsNamed) {
   machine.per_scratch = {"G0 X{x0} Y{y0}", "G1 Z{zcarve} F100"};
   expect(some_scratches(3), nullptr, "board.gcode", AllOf(HasSubstr("{zcarve}"), HasSubstr("z_carve")));
   machine.per_scratch = {"G0 X{x0} Y{y0}", "G1 Z{z_carve} F100", "G0 Z{z_safe}"};  // forgets to carve
+  expect(some_scratches(3), nullptr, "board.gcode", HasSubstr("carves nothing: a hole"));
+  machine.per_scratch = {"G0 X{x0} Y{y0}"};
   expect(some_scratches(3), nullptr, "board.gcode", HasSubstr("3 scratches lost"));
   machine.per_scratch = {"G0 X{x0} Y{y0}", "G1 Z{z_carve} F100", "G0 X{x1} Y{y1}", "G0 Z{z_safe}"};
   expect(some_scratches(3), nullptr, "board.gcode", HasSubstr("G0 through the metal"));

@@ -57,6 +57,7 @@ void replay_files(Work& work, CarveCheck& check) {
     CheckedFile done{file};
     try {
       const Replay replay = replay_gcode(read_text(file), work.input.machine, file.string(), &work.told.face);
+      fail_unless_ended(replay, work.input.machine, file.string());
       done.scratches = replay.scratches.size();
       done.lines = replay.lines;
       done.duration_s = replay.duration_s;

@@ -8,10 +8,11 @@
 #include <utility>
 
 #include "burin/optimize/carving/carving_time.h"
-#include "burin/optimize/carving/toolpath_check.h"
+#include "burin/optimize/carving/gcode_line.h"
 #include "burin/optimize/duration.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
+#include "burin/render/files/json_file.h"
 
 namespace burin {
 namespace {
@@ -28,6 +29,14 @@ struct BlockValues {
   BlockValues(const MachineProfile& profile, const Toolpath& path)
       : machine(profile), face(&path.face), highest_mm(path.highest_mm) {}
 };
+
+/// A feed, a force or a servo's position: no more decimals than a controller keeps.
+std::string plain(double value) {
+  std::string text = fixed(value, 6);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.ends_with('.')) text.pop_back();
+  return text;
+}
 
 Eigen::Vector2d along(const PlannedScratch& s, double t) { return s.from_mm + t * (s.to_mm - s.from_mm); }
 
@@ -47,12 +56,12 @@ std::optional<std::string> placeholder(const std::string& name, const BlockValue
   const MachineProfile& m = values.machine;
   const PlannedScratch* s = values.scratch;
   if (name == "z_safe") return fixed(m.safe_z_mm + values.highest_mm, m.decimals);
-  if (name == "feed") return shortest(s != nullptr && s->feed_mm_min > 0 ? s->feed_mm_min : m.carve_feed_mm_min);
-  if (name == "plunge_feed") return shortest(m.plunge_feed_mm_min);
-  if (name == "rapid") return shortest(m.rapid_mm_min);
-  if (name == "force" && m.force != 0) return shortest(m.force);
-  if (name == "rapid_z") return shortest(m.rapid_z_mm_min);
-  if (name == "servo_up") return shortest(m.servo_up);
+  if (name == "feed") return plain(s != nullptr && s->feed_mm_min > 0 ? s->feed_mm_min : m.carve_feed_mm_min);
+  if (name == "plunge_feed") return plain(m.plunge_feed_mm_min);
+  if (name == "rapid") return plain(m.rapid_mm_min);
+  if (name == "force" && m.force != 0) return plain(m.force);
+  if (name == "rapid_z") return plain(m.rapid_z_mm_min);
+  if (name == "servo_up") return plain(m.servo_up);
   if (name == "dwell_s") return m.dwell_s > 0 ? std::optional(fixed(m.dwell_s, 3)) : std::nullopt;
   if (name == "dwell_ms") return m.dwell_s > 0 ? std::optional(fixed(m.dwell_s * 1e3, 0)) : std::nullopt;
   if (s != nullptr) {
@@ -131,6 +140,7 @@ void append_scratch(std::string& text, const MachineProfile& machine, const Tool
   }
 }
 
+/// A comment of ours. Words from outside come into it by comment_word() alone.
 void append_comment(std::string& text, const MachineProfile& machine, const std::string& comment) {
   text += machine.dialect == GcodeDialect::marlin ? "; " + comment + "\n" : "(" + comment + ")\n";
 }
@@ -190,12 +200,10 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
     append_block(body, machine.end, {machine, path});
     const Replay replay = replay_gcode(body, machine, "tool path, part " + std::to_string(k + 1), &path.face);
     part.duration_s = replay.duration_s;
-    fail_unless_good(check_toolpath(replay.scratches, std::span(path.scratches).subspan(part.first, part.count),
-                                    2 * std::pow(10.0, -machine.decimals), depth_share(path.face)),
-                     "tool path, part " + std::to_string(k + 1));
+    fail_unless_carves(replay, path, part, machine, "tool path, part " + std::to_string(k + 1));
 
-    // Short lines: grbl reads at most 80 characters.
-    append_comment(part.text, machine, "Burin tool path for " + machine.name + ", mm");
+    // Short lines: grbl reads 79 characters. What is written is read back and replayed whole (replay_written).
+    append_comment(part.text, machine, "Burin tool path for " + comment_word(machine.name) + ", mm");
     append_comment(part.text, machine,
                    "part " + std::to_string(k + 1) + " of " + std::to_string(parts.size()) + ", scratches " +
                        std::to_string(part.first + 1) + " to " + std::to_string(part.first + part.count) + " of " +
@@ -212,13 +220,33 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
   return list;
 }
 
+Replay replay_written(const std::filesystem::path& written, std::string_view text, const Toolpath& path,
+                      const MachineProfile& machine, const std::string& name) {
+  const std::string bytes = read_text(written);
+  if (bytes != text)
+    fail(name,
+         "is not on the disk as it was written (" + std::to_string(bytes.size()) + " bytes of " +
+             std::to_string(text.size()) + " came back, or others)",
+         "check the disk, and write it again");
+  Replay replay = replay_gcode(bytes, machine, name, &path.face);
+  fail_unless_ended(replay, machine, name);
+  return replay;
+}
+
+void fail_unless_carves(const Replay& replay, const Toolpath& path, const GcodePart& part,
+                        const MachineProfile& machine, const std::string& name) {
+  fail_unless_good(check_toolpath(replay.scratches, std::span(path.scratches).subspan(part.first, part.count),
+                                  2 * std::pow(10.0, -machine.decimals), depth_share(path.face)),
+                   name);
+}
+
 std::string frame_gcode(const Toolpath& path, const MachineProfile& machine) {
   std::string text;
-  append_comment(text, machine, "Burin frame for " + machine.name + ", mm: round the scratches, in the air");
+  append_comment(text, machine, "Burin frame for " + comment_word(machine.name) + ", mm, in the air");
   append_block(text, machine.start, {machine, path});
   const auto go = [&](const std::string& how, double x, double y) {
     text += how + " X" + fixed(x, machine.decimals) + " Y" + fixed(y, machine.decimals) + " F" +
-            shortest(machine.carve_feed_mm_min) + "\n";
+            plain(machine.carve_feed_mm_min) + "\n";
   };
   go("G0", path.min_mm.x(), path.min_mm.y());
   go("G1", path.max_mm.x(), path.min_mm.y());

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "burin/optimize/carving/planned_path.h"
+#include "burin/optimize/carving/toolpath_check.h"
 #include "burin/optimize/machine_profile.h"
 
 namespace burin {
@@ -21,6 +24,15 @@ struct GcodePart {
 /// Files of at most about part_s each (0: as few as the profile's max_lines allows), each replayed and found to carve
 /// its scratches once. Throws Error for a block of the profile with a placeholder that nobody knows.
 std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& machine, double part_s = 0);
+
+/// Reads a file back from the disk, byte by byte, and replays it whole, comments and all. Throws Error where it is not
+/// `text`, where the replay cannot follow it, or where it has no end; `name` is what errors call it.
+Replay replay_written(const std::filesystem::path& written, std::string_view text, const Toolpath& path,
+                      const MachineProfile& machine, const std::string& name);
+
+/// Throws Error unless a replay carves the scratches of a part, each once and as planned.
+void fail_unless_carves(const Replay& replay, const Toolpath& path, const GcodePart& part,
+                        const MachineProfile& machine, const std::string& name);
 
 /// A way round all scratches at safe height, at the carving feed.
 std::string frame_gcode(const Toolpath& path, const MachineProfile& machine);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/carving/gcode_line.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/table.h"
@@ -258,10 +259,11 @@ std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine) {
   const std::string touch = "G38.2 Z" + z(-kSearch_mm) + slow;
   const std::string lift = "G0 Z" + z(std::max(machine.safe_z_mm, kTravel_mm)) + "\n";
 
-  std::string text = "(Burin probing for " + machine.name + ", mm: " + std::to_string(plan.points_mm.size() - 1) +
+  std::string text = "(Burin probing for " + comment_word(machine.name) + ", mm)\n(" +
+                     std::to_string(plan.points_mm.size() - 1) +
                      " points of the face)\n(tool and sheet close the probe's contact; try that by hand first)\n" +
                      "(before: work zero at the lower left corner, Z zero on the face by eye)\n" +
-                     "(this file sets Z zero at the first point; leave it so until the board is carved)\n";
+                     "(this file sets Z zero at the first point; leave it so until carved)\n";
   if (machine.laser) text += "M5 S0\n";
   text += "G21 G90 G17 G94 G54\n" + lift + go(plan.points_mm.front());
   // Quickly to find the face, then slowly for its height.

@@ -2,28 +2,30 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <unordered_map>
 
+#include "burin/optimize/carving/gcode_line.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-/// One line's words, by letter; a letter may come several times only if it is G or M.
-struct Words {
-  std::vector<double> g, m;
-  std::array<double, 26> value;
-  std::array<bool, 26> given{};
+// What no machine means by a number: a board of a hundred meters, a feed of a kilometer a minute, ten minutes' rest.
+constexpr double kFarthest_mm = 1e5, kFastest_mm_min = 1e6, kLongestDwell_s = 600, kMostSpindle = 1e6;
+constexpr double kSlowest_mm_min = 1;  // grbl's own least feed (MINIMUM_FEED_RATE): a smaller one is not obeyed
 
-  bool has(char letter) const { return given[letter - 'A']; }
-  double operator[](char letter) const { return value[letter - 'A']; }
-};
+// Way in the air that is lower scrapes along the face: decimals of coordinates end here.
+constexpr double kLeastTravel_mm = 0.01;
+
+constexpr double kSameServo = 1e-4;  // S as a file's decimals and a controller's digits leave it
+
+constexpr double kTravelRounding_mm = 1e-3;  // of the machine's bounds
 
 class Machine {
  public:
@@ -40,23 +42,33 @@ class Machine {
 
   void line(std::string_view text) {
     ++replay_.lines;
-    const Words words = parse(text);
-    for (const double g : words.g) modal(g);
+    const GcodeLine words = read_gcode_line(text, profile_, name_, replay_.lines);
+    if (words.percent) return percent();
+    if (words.empty()) return;
+    if (replay_.ended) error("goes on after its end (M2, M30 or %)", "take away what follows the end");
+    if (words.home) return go_home();
+    for (const int g : words.g) modal(g);
     spindle(words);
-    if (words.has('F')) feed_mm_min_ = words['F'] * unit_mm_;
-    if (elsewhere_) {
-      go_elsewhere(words);
-    } else if (dwelling_) {
+    if (words.has('F')) feed(words['F'] * unit_mm_);
+    if (words.has('T') && !(words['T'] >= 0 && words['T'] <= 255)) error("names no tool", "correct T");
+    if (words.has_g(280) || words.has_g(300))
+      go_home(words);
+    else if (words.has_g(530))
+      go_in_machine_coordinates(words);
+    else if (words.has_g(40))
       dwell(words);
-    } else if (words.has('X') || words.has('Y') || words.has('Z')) {
+    else if (words.has_axis() && !settings(words))
       move(words);
-    }
+    // Motors that are off hold no place.
+    if (profile_.dialect == GcodeDialect::marlin && (words.has_m(840) || words.has_m(180))) go_home();
+    if (words.has_m(20) || words.has_m(300)) end(words);
   }
 
   Replay finish() {
     if (carves_below_face_ && clearance_mm(at_) < 0)
       error("the file ends with the tool in the metal", "lift it at the end");
     if (by_servo_ && head_depth_mm_ > 0) error("the file ends with the head pressed down", "lift it at the end");
+    if (spindle_on_ && !by_servo_ && !replay_.ended) error("the file ends with the spindle on", "add M5 at the end");
     return std::move(replay_);
   }
 
@@ -65,49 +77,35 @@ class Machine {
     fail(name_ + ":" + std::to_string(replay_.lines), what, remedy);
   }
 
-  Words parse(std::string_view text) const {
-    Words words;
-    bool message = false;
-    std::size_t i = 0;
-    while (i < text.size()) {
-      const char c = static_cast<char>(std::toupper(static_cast<unsigned char>(text[i])));
-      if (c == '(') {
-        const std::size_t end = text.find(')', i);
-        if (end == std::string_view::npos) error("a comment is not closed", "add )");
-        i = end + 1;
-      } else if (c == ';' || c == '%' || c == '$' || c == '/' || c == '*') {
-        break;
-      } else if (c == ' ' || c == '\t' || c == '\r') {
-        ++i;
-      } else if (c >= 'A' && c <= 'Z') {
-        ++i;
-        while (i < text.size() && text[i] == ' ') ++i;
-        if (i < text.size() && text[i] == '+') ++i;
-        double value = 0;
-        const auto result =
-            std::from_chars(text.data() + i, text.data() + text.size(), value, std::chars_format::fixed);
-        if (result.ec != std::errc{} && message) break;
-        if (result.ec != std::errc{}) error(std::string("no number after ") + c, "correct the line");
-        i = static_cast<std::size_t>(result.ptr - text.data());
-        if (c == 'G') {
-          words.g.push_back(value);
-        } else if (c == 'M') {
-          words.m.push_back(value);
-          message = true;  // M117 and its like are followed by text
-        } else {
-          if (words.has(c)) error(std::string(1, c) + " stands twice in a line", "keep one of them");
-          words.given[c - 'A'] = true;
-          words.value[c - 'A'] = value;
-        }
-      } else {
-        error(std::string("cannot read \"") + text[i] + "\"", "correct the line");
-      }
-    }
-    return words;
+  /// Whether X, Y and Z are numbers of a setting (Marlin's M201 and its like), and no move.
+  static bool settings(const GcodeLine& words) {
+    return std::any_of(words.m.begin(), words.m.end(), [](int m) { return m >= 2010 && m <= 2050; });
   }
 
-  void modal(double g) {
-    const int code = static_cast<int>(std::lround(g * 10));
+  /// Begins a program, if nothing was before it, or ends one.
+  void percent() {
+    if (replay_.ended && percent_ != 1) error("has a % too many", "keep one before the program and one behind it");
+    if (percent_ == 0 && (moving_ || unit_mm_ != 0 || absolute_))
+      error("has a % within the program, which ends it", "take it away, or put one before the first line");
+    if (++percent_ > 2) error("has a % too many", "keep one before the program and one behind it");
+    if (percent_ == 2) replay_.ended = true;
+  }
+
+  void end(const GcodeLine& words) {
+    if (words.has_axis()) error("moves in the line of its end", "give the move its own line");
+    replay_.ended = true;
+    spindle_on_ = false;
+  }
+
+  void feed(double mm_min) {
+    if (unit_mm_ == 0) error("sets a feed before units are set", "begin the file with G21 G90");
+    if (!(mm_min >= kSlowest_mm_min && mm_min <= kFastest_mm_min))
+      error("has a feed of " + shortest(mm_min) + " mm/min, which no controller obeys",
+            "write one from 1 to 1000000 mm/min");
+    feed_mm_min_ = mm_min;
+  }
+
+  void modal(int code) {
     switch (code) {
       case 0:
         rapid_ = true, moving_ = true;
@@ -115,66 +113,65 @@ class Machine {
       case 10:
         rapid_ = false, moving_ = true;
         break;
-      case 40:
-        dwelling_ = true;
+      case 800:
+        moving_ = false;
         break;
       case 200:
-        unit_mm_ = 25.4;
+      case 210: {
+        const double unit_mm = code == 200 ? 25.4 : 1;
+        if (unit_mm_ != 0 && unit_mm != unit_mm_)
+          error("changes the units", "keep millimeters (G21), or inches (G20), from beginning to end");
+        unit_mm_ = unit_mm;
         break;
-      case 210:
-        unit_mm_ = 1;
-        break;
+      }
       case 900:
         absolute_ = true;
         break;
-      case 280:
-      case 300:
-      case 530:
-        elsewhere_ = true;
+      case 430:
+      case 490:
+      case 540:
+      case 550:
+      case 560:
+      case 570:
+      case 580:
+      case 590:
+      case 591:
+      case 592:
+      case 593:
+        // They say where zero is: on the machine, before anything moves.
+        if (moved_ && code != offset_[code >= 540])
+          error("changes where zero is after the first move (G" + std::to_string(code / 10) + ")",
+                "choose the offset before the first move");
+        offset_[code >= 540] = code;
         break;
-      case 20:
-      case 30:
-        error("has an arc (G2, G3)", "write straight moves only");
-      case 910:
-        error("has relative coordinates (G91)", "write absolute ones (G90)");
-      case 100:
-      case 510:
-      case 520:
-      case 680:
-      case 920:
-        error("shifts or turns the coordinates (G" + std::to_string(code / 10) + ")", "set offsets on the machine");
       default:
-        // Planes, compensation off, work offsets, path modes, feed modes: they move nothing.
-        static constexpr std::array kHarmless{170, 180, 190, 400, 430, 431, 490, 540, 550, 560, 570,
-                                              580, 590, 610, 611, 640, 690, 800, 901, 911, 940, 970};
-        if (std::find(kHarmless.begin(), kHarmless.end(), code) == kHarmless.end())
-          error("has an unknown code G" + std::to_string(code / 10), "remove it or check the file on the machine");
+        break;  // what moves nothing; others are refused by read_gcode_line()
     }
   }
 
   /// What turns a spindle, a beam or a servo. S in other lines is a dwell's or a firmware's setting.
-  void spindle(const Words& words) {
-    bool on = false, off = false, set = false;
+  void spindle(const GcodeLine& words) {
+    const bool on = words.has_m(30) || words.has_m(40), off = words.has_m(50);
+    const bool set = words.has_m(670) || words.has_m(680) || words.has_m(2800);
     double command = 0;
-    for (const double m : words.m) {
-      const int code = static_cast<int>(std::lround(m));
-      on = on || code == 3 || code == 4;
-      off = off || code == 5;
-      set = set || code == 67 || code == 68 || code == 280;
-      if (code == 67 || code == 68) command = words.has('Q') ? words['Q'] : 0;
-      if (code == 280) command = words.has('S') ? words['S'] : 0;
-    }
-    if ((on || off || words.m.empty()) && words.has('S') && !dwelling_) spindle_s_ = words['S'];
+    if (words.has_m(670) || words.has_m(680)) command = words.has('Q') ? words['Q'] : 0;
+    if (words.has_m(2800)) command = words.has('S') ? words['S'] : 0;
+    if (words.has('S') && !(std::abs(words['S']) <= kMostSpindle && (by_servo_ || words['S'] >= 0)))
+      error("has an S that no spindle knows", "correct it");
+    if ((on || off || words.m.empty()) && words.has('S') && !words.has_g(40)) spindle_s_ = words['S'];
     if (on || off) spindle_on_ = on;
     if (profile_.laser && (on || (set && command != 0) || (spindle_s_ != 0 && !std::isnan(spindle_s_))))
       error("turns the laser on", "take M3, M4 and S away: the tool on its axis carves with the beam off");
     if (!by_servo_ || !(on || off || set || (spindle_on_ && words.has('S')))) return;
     if (!set) command = spindle_on_ ? spindle_s_ : profile_.servo_up;
     const double depth_um = depth_for_command(profile_.depth_table, command, false);
-    if (std::isnan(depth_um) && !(std::abs(command - profile_.servo_up) < 1e-9))
-      error("sets the servo to S" + std::to_string(command) + ", which neither lifts it nor is a depth",
+    if (std::isnan(depth_um) && !(std::abs(command - profile_.servo_up) < kSameServo))
+      error("sets the servo to S" + shortest(command) + ", which neither lifts it nor is a depth",
             "correct it, or depth_table and servo_up of the machine profile");
+    if (head_depth_mm_ > 0 && !carved_since_)
+      error("presses the head down and carves nothing", "take these lines away");
     head_depth_mm_ = std::isnan(depth_um) ? 0 : 1e-3 * depth_um;
+    carved_since_ = false;
   }
 
   /// How far a place lies above the face.
@@ -182,31 +179,88 @@ class Machine {
     return face_ == nullptr || !p.allFinite() ? p.z() : p.z() - height_mm(*face_, p.head<2>());
   }
 
-  /// Home, or a place in the machine's own coordinates: where that is the file does not tell.
-  void go_elsewhere(const Words& words) {
-    elsewhere_ = false;
-    const bool all = !words.has('X') && !words.has('Y') && !words.has('Z');
+  bool in_metal() const { return by_servo_ ? head_depth_mm_ > 0 : carves_below_face_ && clearance_mm(at_) < 0; }
+
+  /// Home, or another place that was stored on the machine: where that is the file does not tell.
+  void go_home(const GcodeLine& words = {}) {
+    if (in_metal()) error("goes home with the tool in the metal", "lift it first");
+    // All but Marlin take the words for a place of the board to go by.
+    if (words.has_axis() && profile_.dialect != GcodeDialect::marlin)
+      error("goes home by a place of the board", "lift the tool by a line of its own, and take X, Y and Z away");
     for (int axis = 0; axis < 3; ++axis)
-      if (all || words.has("XYZ"[axis])) at_[axis] = kUnknown;
+      if (!words.has_axis() || words.has("XYZ"[axis])) at_[axis] = kUnknown;
+    moved_ = true;
   }
 
-  void dwell(const Words& words) {
-    dwelling_ = false;
+  /// G53: a place in the machine's own coordinates.
+  void go_in_machine_coordinates(const GcodeLine& words) {
+    if (in_metal()) error("leaves for a place of the machine with the tool in the metal", "lift it first");
+    const bool along = words.has('X') || words.has('Y');
+    if (along && (words.has('Z') || (carves_below_face_ && !(clearance_mm(at_) >= kLeastTravel_mm))))
+      error("moves along the board in machine coordinates before the tool was lifted", "lift it by a line of its own");
+    if (!moving_ || !words.has_axis()) error("has a G53 without a move", "write G0 and a place, or take it away");
+    for (int axis = 0; axis < 3; ++axis)
+      if (words.has("XYZ"[axis])) at_[axis] = kUnknown;
+    moved_ = true;
+  }
+
+  void dwell(const GcodeLine& words) {
+    if (words.has_axis() || words.has_g(0) || words.has_g(10))
+      error("moves in the line of a dwell (G4)", "give each its own line");
+    double seconds = kUnknown;
     if (words.has('S') && profile_.dialect == GcodeDialect::marlin)
-      replay_.duration_s += words['S'];
+      seconds = words['S'];
     else if (words.has('P'))
-      replay_.duration_s += words['P'] * (profile_.dialect == GcodeDialect::marlin ? 1e-3 : 1);
+      seconds = words['P'] * (profile_.dialect == GcodeDialect::marlin ? 1e-3 : 1);
     else
       error("a dwell (G4) without a time", "add one");
+    if (!(seconds >= 0 && seconds <= kLongestDwell_s))
+      error("rests for " + shortest(seconds) + " s (G4)", "write a time from 0 to 600 s");
+    replay_.duration_s += seconds;
   }
 
-  void move(const Words& words) {
+  /// Throws for a place that is none, or that the machine does not reach.
+  void check_place(const GcodeLine& words, const Eigen::Vector3d& to) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!words.has("XYZ"[axis])) continue;
+      if (!(std::abs(to[axis]) <= kFarthest_mm))
+        error(std::string("goes to ") + "XYZ"[axis] + shortest(to[axis]) + " mm, where no machine is", "correct it");
+      if (axis == 2 || !profile_.travel) continue;
+      if (to[axis] < profile_.travel->min_mm[axis] - kTravelRounding_mm ||
+          to[axis] > profile_.travel->max_mm[axis] + kTravelRounding_mm)
+        error(std::string("goes to ") + "XYZ"[axis] + fixed(to[axis], 3) + ", out of the machine's travel (" +
+                  fixed(profile_.travel->min_mm[axis], 3) + " to " + fixed(profile_.travel->max_mm[axis], 3) + ")",
+              "move the board, or correct travel_mm of the machine profile");
+    }
+  }
+
+  /// Straight down and up: into the metal once for each scratch, and not deeper meanwhile.
+  void check_plunge(const Eigen::Vector3d& to, double along_mm, double up_mm) {
+    if (by_servo_ || !carves_below_face_ || along_mm > 0) return;
+    const double from_mm = clearance_mm(at_), to_mm = clearance_mm(to);
+    if (to_mm < 0 && !(from_mm < 0)) {
+      if (rapid_) error("goes into the metal with G0", "plunge with G1");
+      if (std::isnan(from_mm)) error("goes into the metal from a height that the file does not tell", "lift it first");
+      if (!to.allFinite())
+        error("goes into the metal at a place that the file does not tell", "go to the scratch's beginning first");
+      carved_since_ = false;
+    } else if (to_mm < 0 && up_mm > 0) {
+      error("changes its depth in the metal without a way along the board", "plunge to the depth at once");
+    } else if (from_mm < 0 && to_mm >= 0 && !carved_since_) {
+      error("goes into the metal and carves nothing: a hole", "take these lines away");
+    }
+  }
+
+  void move(const GcodeLine& words) {
     if (unit_mm_ == 0 || !absolute_)
       error("moves before units and absolute coordinates are set", "begin the file with G21 G90");
-    if (!moving_) error("moves without saying how", "write G0 or G1 first");
+    const bool said = profile_.dialect != GcodeDialect::marlin || words.has_g(0) || words.has_g(10);
+    if (!moving_ || !said) error("moves without saying how", "write G0 or G1 first");
     Eigen::Vector3d to = at_;
     for (int axis = 0; axis < 3; ++axis)
       if (const char letter = "XYZ"[axis]; words.has(letter)) to[axis] = words[letter] * unit_mm_;
+    check_place(words, to);
+    moved_ = true;
     const Eigen::Vector2d along = to.head<2>() - at_.head<2>();
     const bool along_board = words.has('X') || words.has('Y');
     if (along_board && std::isnan(at_.z()) && carves_below_face_)
@@ -215,6 +269,9 @@ class Machine {
       error("moves along the board before the head was lifted", "lift it first");
     if (along_board && by_servo_ && head_depth_mm_ > 0 && !along.allFinite())
       error("carves from a place that the file does not tell", "go to its beginning first, lifted");
+    if (along_board && carves_below_face_ && !along.allFinite() &&
+        !(clearance_mm(to) >= kLeastTravel_mm && clearance_mm(at_) >= kLeastTravel_mm))
+      error("moves along the board before the tool was lifted", "go to a safe height first");
     for (int axis = 0; axis < 3; ++axis) {
       if (std::isnan(to[axis])) continue;
       replay_.min_mm[axis] = std::fmin(replay_.min_mm[axis], to[axis]);
@@ -225,6 +282,7 @@ class Machine {
     const double along_mm = along.allFinite() ? along.norm() : 0;
     const double up_mm = std::isnan(to.z() - at_.z()) ? 0 : std::abs(to.z() - at_.z());
     const bool in_metal = along_mm > 0 && goes_through_metal(to, up_mm);
+    check_plunge(to, along_mm, up_mm);
     if (!rapid_ && feed_mm_min_ <= 0) error("a G1 without a feed rate", "add F");
     replay_.duration_s += duration_s(along_mm, up_mm);
     if (in_metal)
@@ -247,6 +305,8 @@ class Machine {
       if (std::min(from_mm, to_mm) < 0) error("goes into or out of the metal at a slant", "plunge and lift straight");
       if (face_ != nullptr && depth_along(to).second > 0)
         error("goes through a high place of the face", "travel higher: raise safe_z_mm");
+      if (std::min(from_mm, to_mm) < kLeastTravel_mm)
+        error("travels on the face, " + fixed(std::min(from_mm, to_mm), 4) + " mm above it", "raise safe_z_mm");
       return false;
     }
     if (rapid_) error("moves with G0 through the metal", "carve with G1");
@@ -274,6 +334,7 @@ class Machine {
 
   void carve(const Eigen::Vector3d& to, double along_mm) {
     replay_.carve_mm += along_mm;
+    carved_since_ = true;
     ReplayedScratch s{at_.head<2>(), to.head<2>(), by_servo_ ? head_depth_mm_ : kUnknown, replay_.lines};
     if (carves_below_face_) {
       const auto [least_mm, most_mm] = depth_along(to);
@@ -325,7 +386,10 @@ class Machine {
   bool goes_on_ = false;  ///< the move before carved
   bool spindle_on_ = false;
   double spindle_s_ = kUnknown, head_depth_mm_ = kUnknown;
-  bool rapid_ = true, moving_ = false, absolute_ = false, dwelling_ = false, elsewhere_ = false;
+  bool carved_since_ = false;  ///< since the tool went into the metal
+  bool rapid_ = true, moving_ = false, absolute_ = false, moved_ = false;
+  int percent_ = 0;                      ///< how many there were
+  std::array<int, 2> offset_{490, 540};  ///< of the tool's length, and of the work
   double unit_mm_ = 0, feed_mm_min_ = 0;
   Eigen::Vector3d at_ = Eigen::Vector3d::Constant(kUnknown);
 };
@@ -373,15 +437,22 @@ class StrokeIndex {
             (near(p.from_mm, s.to_mm) && near(p.to_mm, s.from_mm)));
   }
   Cell cell(const Eigen::Vector2d& sum_of_ends) const {  // ends within the tolerance move their sum by at most twice it
-    return {static_cast<std::int64_t>(std::floor(sum_of_ends.x() / cell_mm_)),
-            static_cast<std::int64_t>(std::floor(sum_of_ends.y() / cell_mm_))};
+    // Whatever lies farther out lies in the outermost cell; same() tells it apart.
+    constexpr double kOutermost = 1e15;
+    const auto index = [&](double mm) {
+      const double at = std::floor(mm / cell_mm_);
+      return static_cast<std::int64_t>(std::isnan(at) ? kOutermost : std::clamp(at, -kOutermost, kOutermost));
+    };
+    return {index(sum_of_ends.x()), index(sum_of_ends.y())};
   }
-  static std::int64_t key(const Cell& cell) { return cell.first * 0x1000003 + cell.second; }
+  static std::uint64_t key(const Cell& cell) {
+    return static_cast<std::uint64_t>(cell.first) * 0x1000003 + static_cast<std::uint64_t>(cell.second);
+  }
 
   std::span<const PlannedScratch> planned_;
   double tolerance_mm_, depth_share_, cell_mm_;
   std::vector<std::size_t> hits_;
-  std::unordered_map<std::int64_t, std::vector<std::size_t>> cells_;
+  std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
 };
 
 /// How many of the carved strokes are planned ones once x (or y) is turned round about the middle of what they cover.
@@ -444,6 +515,16 @@ std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved
   found.reserve(carved.size());
   for (const ReplayedScratch& s : carved) found.push_back(index.hit(s));
   return found;
+}
+
+void fail_unless_ended(const Replay& replay, const MachineProfile& machine, const std::string& name) {
+  if (replay.ended || machine.dialect == GcodeDialect::marlin) return;
+  // Where the profile ends its files so, one without it was cut off; LinuxCNC takes none without it.
+  const bool its_own = std::any_of(machine.end.begin(), machine.end.end(), [](const std::string& line) {
+    return line.find("M2") != std::string::npos || line.find("M30") != std::string::npos;
+  });
+  if (its_own || machine.dialect == GcodeDialect::linuxcnc)
+    fail(name, "has no end (M2 or M30): it was cut off, or never whole", "write it again, or add M2 as its last line");
 }
 
 void fail_unless_good(const ToolpathCheck& check, const std::string& name) {

@@ -1,13 +1,14 @@
 // burin/optimize/carving/toolpath_check.h - reads a G-code file as a machine would, and says what it would do.
 //
-// What is followed: G0, G1, G4, G20, G21, G90, F, and X Y Z words in any case and spacing, comments in ( ) and after ;,
-// line numbers, % and block-delete lines. What does not move anything (M, S, T, G17, G40, G43, G49, G54-G59, G61, G64,
-// G80, G94, ...) is passed over; G28, G30 and G53 go somewhere that the file does not tell. Everything that would make
-// the replay wrong instead is an error that names the line: arcs, relative coordinates, offsets, unknown codes.
-// Depths are told from Z, from the machine's table where it presses (a preload, a servo's S by M3, M4, M67, M68 or
-// M280), and from the face's height where a path follows one: strokes that go on without a lift in a straight line are
-// then one scratch. A laser's axis must never see its beam turned on. Machine coordinates
-// (burin/optimize/machine_profile.h), mm.
+// What is followed: G0, G1, G4, G20, G21, G90, F, and X Y Z words, comments, line numbers and % as the machine's
+// dialect has them (gcode_line.h). What does not move anything (M, S, T, G17, G40, G61, G64, G80, G94, ...) is passed
+// over; G28, G30 and G53 go somewhere that the file does not tell. Everything that a controller would misread, or that
+// would make the replay wrong, is an error that names the line: arcs, relative coordinates, changes of units, plane or
+// offsets, unknown codes and words, feeds that are none, numbers too long, lines too long, bytes that are not ASCII,
+// ways outside the machine's travel, and anything behind the end. Depths are told from Z, from the machine's table
+// where it presses (a preload, a servo's S by M3, M4, M67, M68 or M280), and from the face's height where a path
+// follows one: strokes that go on without a lift in a straight line are then one scratch. A laser's axis must never see
+// its beam turned on. Machine coordinates (burin/optimize/machine_profile.h), mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -39,12 +40,14 @@ struct Replay {
   double lowest_travel_mm = std::numeric_limits<double>::infinity();
   double duration_s = 0;  ///< each move from rest to rest, with the profile's accelerations; dwells included
   std::size_t lines = 0;
+  bool ended = false;  ///< by M2, M30 or LinuxCNC's second %
 };
 
 /// Replays a file. `name` is what errors call it. Throws Error for what cannot be followed, for a move before units
 /// (G20 or G21) and absolute coordinates (G90) are set, for a move along the board before the tool was lifted or
-/// placed, for a rapid move (G0) through the metal, for an end below the face, and for a beam turned on. `face`: that
-/// the file follows; without one it is even.
+/// placed, for a rapid move (G0) into or through the metal, for ways in the air that touch the face, for holes (the
+/// tool goes down and up and carves nothing), for an end below the face, and for a beam or a spindle left on. `face`:
+/// that the file follows; without one it is even.
 Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name,
                     const Face* face = nullptr);
 
@@ -69,6 +72,9 @@ ToolpathCheck check_toolpath(std::span<const ReplayedScratch> carved, std::span<
 std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved,
                                          std::span<const PlannedScratch> planned, double tolerance_mm,
                                          double depth_share = 0);
+
+/// Throws Error for a file that has no end though its machine's files have one: it was cut off.
+void fail_unless_ended(const Replay& replay, const MachineProfile& machine, const std::string& name);
 
 /// Throws Error saying what is wrong, unless the check is good.
 void fail_unless_good(const ToolpathCheck& check, const std::string& name);

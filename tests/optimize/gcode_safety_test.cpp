@@ -1,0 +1,117 @@
+// Proves: no word from outside reaches G-code but made safe, what lies on the disk is what was replayed, and of
+// thousands of changed files and profiles the replay accepts none that a second, stricter reader would carve otherwise.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "burin/optimize/carving/gcode_line.h"
+#include "burin/optimize/toolpath.h"
+#include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
+#include "tests/optimize/carving_bench.h"
+#include "tests/reliability/gcode_fuzz.h"
+#include "tests/reliability/strict_gcode.h"
+#include "tests/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::ThrowsMessage;
+
+TEST(CommentWord, KeepsLettersDigitsBlankAndLittleElse) {
+  EXPECT_EQ(comment_word("my router-2_a.b"), "my router-2_a.b");
+  EXPECT_EQ(comment_word("my router (left)\nG1 Z-5"), "my router _left__G1 Z-5");
+  EXPECT_EQ(comment_word("caf\xc3\xa9 !?~%;"), "caf__ _____");
+  EXPECT_EQ(comment_word(std::string(300, 'x')), std::string(40, 'x'));
+}
+
+TEST(GcodeSafety, AMachinesNameMovesNothing) {
+  const TemporaryFolder folder;
+  MachineProfile machine = machine_profile("grbl");
+  const Scratches scratches = read_scratches(folder.write("s.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n30,30,34,33\n"));
+  Board board;
+  board.size_mm = {100, 100};
+  board.carve_min_mm = {10, 10};
+  board.carve_max_mm = {90, 90};
+  board.material.depth_um = 10;
+  for (const char* name : {"a\nG0 X5\nG1 Z-9 F100", "my router (left)", ")G1 Z-9 F9(", "\xe4\xb8\xad", "!"}) {
+    machine.name = name;
+    ToolpathOptions options;
+    options.frame = true;
+    const ToolpathReport report = write_toolpath(scratches, board, nullptr, machine, options, folder / "board.gcode");
+    ASSERT_EQ(report.replayed.size(), 1u);
+    for (const auto& file : report.files) {
+      const std::string text = read_text(file);
+      EXPECT_THAT(text, Not(HasSubstr("\nG1 Z-9")));
+      EXPECT_TRUE(text.starts_with("(Burin "));
+      EXPECT_THAT(text.substr(0, text.find('\n')), ::testing::MatchesRegex("[(][a-zA-Z0-9 _.,-]*[)]"));
+      EXPECT_EQ(text.find_first_not_of("\nABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789 .,:;_-()"),
+                std::string::npos)
+          << text;
+      EXPECT_EQ(strict::execute(text, {}).alarm, "");
+    }
+  }
+  // What a profile's numbers and lines would do wrong is found before a file is there.
+  machine.name = "grbl";
+  const std::string before = read_text(folder / "board.gcode");
+  const auto refused = [&](const std::string& why) {
+    EXPECT_THAT([&] { write_toolpath(scratches, board, nullptr, machine, {}, folder / "board.gcode"); },
+                ThrowsMessage<Error>(HasSubstr(why)));
+    EXPECT_EQ(read_text(folder / "board.gcode"), before);
+  };
+  machine.carve_feed_mm_min = 1e-300;
+  refused("a feed of 0 mm/min");
+  machine.carve_feed_mm_min = 1200;
+  machine.safe_z_mm = 1e-9;
+  refused("before the tool was lifted");
+  machine.safe_z_mm = 1;
+  machine.end = {"G0 Z1", "M2", "G0 X0 Y0"};
+  refused("goes on after its end");
+}
+
+TEST(GcodeSafety, WhatIsOnTheDiskIsWhatIsReplayed) {
+  const TemporaryFolder folder;
+  const MachineProfile machine = machine_profile("grbl");
+  const std::string text = "G21 G90\nG0 Z1\nM2\n";
+  EXPECT_NO_THROW(replay_written(folder.write("a.gcode", text), text, {}, machine, "a.gcode"));
+  for (const std::string& other : {std::string("G21 G90\nG0 Z2\nM2\n"), text.substr(0, 9), std::string()})
+    EXPECT_THAT([&] { replay_written(folder.write("a.gcode", other), text, {}, machine, "a.gcode"); },
+                ThrowsMessage<Error>(HasSubstr("not on the disk as it was written")));
+}
+
+TEST(GcodeSafety, ProfilesWithNumbersThatNoMachineHasAreRefused) {
+  const TemporaryFolder folder;
+  const auto refuses = [&](const std::string& keys, const std::string& field) {
+    const auto file = folder.write("m.json", "{\"format\":\"burin/machine\",\"version\":1," + keys + "}");
+    EXPECT_THAT([&] { read_machine_profile(file); }, ThrowsMessage<Error>(HasSubstr(field))) << keys;
+  };
+  refuses("\"carve_feed_mm_min\":1e-300", "carve_feed_mm_min");
+  refuses("\"carve_feed_mm_min\":1e100", "carve_feed_mm_min");
+  refuses("\"plunge_feed_mm_min\":-3", "plunge_feed_mm_min");
+  refuses("\"safe_z_mm\":1e-9", "safe_z_mm");
+  refuses("\"dwell_s\":1e9", "dwell_s");
+  refuses("\"force\":1e300", "force");
+  refuses("\"max_line_characters\":7", "max_line_characters");
+  refuses("\"other_m_codes\":[30]", "other_m_codes");
+  refuses("\"other_m_codes\":\"M42\"", "other_m_codes");
+  refuses("\"start\":[\"G21\\rG1 Z-5\"]", "start");
+  refuses("\"end\":[\"M2 \\u00e9\"]", "end");
+}
+
+// The short form of tests/reliability/gcode_fuzz_main.cpp.
+TEST(GcodeSafety, ChangedFilesAreReadAsStrictlyAsAControllerReads) {
+  const GcodeFuzz fuzz = fuzz_gcode(20260101, 40000, 20);
+  EXPECT_GT(fuzz.accepted, fuzz.runs / 50) << "too few good ones to say anything";
+  for (const std::string& finding : fuzz.findings) ADD_FAILURE() << finding;
+}
+
+TEST(GcodeSafety, ChangedProfilesWriteNothingThatIsUnsafe) {
+  const TemporaryFolder folder;
+  const GcodeFuzz fuzz = fuzz_profiles(20260102, 5000, 10, folder.path());
+  EXPECT_GT(fuzz.accepted, fuzz.runs / 50) << "too few good ones to say anything";
+  for (const std::string& finding : fuzz.findings) ADD_FAILURE() << finding;
+}
+
+}  // namespace
+}  // namespace burin
