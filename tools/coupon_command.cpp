@@ -20,6 +20,7 @@
 #include "burin/optimize/duration.h"
 #include "burin/optimize/toolpath.h"
 #include "burin/render/error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
@@ -116,6 +117,7 @@ void write_coupon_files(WriteOptions options) {
     shifted.y0_mm[i] += plan.coupon.at_mm.y(), shifted.y1_mm[i] += plan.coupon.at_mm.y();
   }
   ProgressBar bar;
+  FilesTogether all;
   const ToolpathReport report = write_toolpath(shifted, on_machine, nullptr, plan.machine, settings,
                                                options.out / "coupon.gcode", bar.progress());
   bar.clear();
@@ -124,7 +126,8 @@ void write_coupon_files(WriteOptions options) {
   write_scratches(in_coupon(plan, report.sent), options.out / "scratches.csv");
   plan.board.scratches = options.out / "scratches.csv";
   write_board(plan.board, options.out / "board.json");
-  write_coupon(plan.coupon, options.out / "coupon.json");  // last: a folder that has it is complete
+  write_coupon(plan.coupon, options.out / "coupon.json");
+  all.put();
   print_plan(plan, report);
   const std::string zero = on ? "at the board's lower left corner"
                               : fmt::format("at X{:g} Y{:g} left and below of the coupon's corner",

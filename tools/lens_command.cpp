@@ -12,6 +12,7 @@
 
 #include "burin/calib/geometry/chessboard.h"
 #include "burin/calib/geometry/lens_solver.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/image.h"
 #include "burin/render/median.h"
@@ -134,8 +135,10 @@ void run(const Options& options) {
   if (options.out.has_parent_path()) make_output_folder(options.out.parent_path());
   std::filesystem::path picture = options.out;
   picture.replace_extension(".coverage.png");
+  FilesTogether all;
   write_picture(coverage_picture(found.views, s), picture);
   write_cameramodel(s.lens, options.out);
+  all.put();
 
   for (const Finding& finding : found.findings) note(sentence(finding));
   print_lens(found, s, options.bow);

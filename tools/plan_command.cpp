@@ -13,6 +13,7 @@
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/parameter_name.h"
 #include "tools/commands.h"
@@ -287,8 +288,10 @@ void add_plan_command(CLI::App& burin) {
       return;
     }
     make_output_folder(options->out);
+    FilesTogether all;
     write_json(plan_json(plan, in.board, focus), options->out / "plan.json");
     write_text(plan_drawing(plan, in.board), options->out / "plan.svg");
+    all.put();
     fmt::print("Wrote {}, plan.svg shows where to stand: {}\n", (options->out / "plan.json").string(), next);
   });
 }

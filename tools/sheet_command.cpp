@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
@@ -53,6 +54,7 @@ void run(const Options& options) {
   sheet.plan = plan_shots(wanted.board, wanted.bench, sent, plan_options, bar.progress());
   bar.clear();
   std::string written;
+  FilesTogether all;
   for (const fs::path& file : out) {
     if (file.has_parent_path()) make_output_folder(file.parent_path());
     write_text(file.extension() == ".pdf"
@@ -61,6 +63,7 @@ void run(const Options& options) {
                file);
     written += (written.empty() ? "" : " and ") + file.string();
   }
+  all.put();
   for (const std::string& warning : warnings(sheet)) note(warning);
   for (const std::string& said : focus_notes(sheet.plan, sheet.focus)) note(said);
   fmt::print("Wrote {}: {} and {} photos in order; print it, or open it on a phone; next: {}\n", written,

@@ -72,11 +72,7 @@ void copy_photo(const fs::path& file, const fs::path& into, const Teller& teller
     return;
   }
   make_output_folder(into);
-  write_atomically(to, [&](const fs::path& part) {
-    std::error_code error;
-    if (!fs::copy_file(file, part, fs::copy_options::overwrite_existing, error))
-      fail(to.string(), "could not be copied (" + error.message() + ")", "make room on the disk");
-  });
+  copy_whole(file, to);
 }
 
 std::string why_unreadable(const fs::path& file, const std::string& error) {

@@ -16,6 +16,7 @@
 #include "burin/capture/photo.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/median.h"
 #include "burin/render/parameter_name.h"
@@ -270,10 +271,12 @@ std::string residual_table(const Calibration& c) {
 
 void write_calibration(const Calibration& c, const std::filesystem::path& folder) {
   make_output_folder(folder);
+  FilesTogether all;
   write_text(residual_table(c), folder / "residuals.vnl");
   Bench bench = c.bench;
   bench.camera = folder / "camera.cameramodel";
   write_bench(bench, c.tool_width_um, folder / "bench.json");
+  all.put();
 }
 
 }  // namespace burin

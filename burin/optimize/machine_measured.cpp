@@ -8,6 +8,7 @@
 #include "burin/optimize/machine_measured_json.h"
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/error.h"
+#include "burin/render/files/files_together.h"
 
 namespace burin {
 namespace {
@@ -178,15 +179,14 @@ std::optional<fs::path> write_measured_machine(const std::string& machine, const
   }
   json["measured"] = measured_json(measured);
   std::optional<fs::path> former;
+  FilesTogether all;
   if (in_place) {
     former = former_name(out);
-    fs::copy_file(out, *former, unknown);
-    if (unknown) fail(former->string(), "cannot be written", "make its folder writable");
+    copy_whole(out, *former);
   }
-  write_atomically(out, [&](const fs::path& file) {
-    write_json(json, file);
-    (void)read_machine_profile(file);
-  });
+  write_file(json_text(json, out), out, Durability::on_disk,
+             [](const fs::path& file) { (void)read_machine_profile(file); });
+  all.put();
   return former;
 }
 

@@ -9,6 +9,7 @@
 #include "burin/optimize/carving/sheet.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/render/error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/parameter_name.h"
 
@@ -49,7 +50,7 @@ void remove_stale_parts(const fs::path& out, const std::vector<fs::path>& writte
     const auto same_name = [&](const fs::path& w) { return w.filename() == file.filename(); };
     if (ours && std::none_of(written.begin(), written.end(), same_name) && written_by_us(file)) stale.push_back(file);
   }
-  for (const fs::path& file : stale) fs::remove(file, error);
+  for (const fs::path& file : stale) remove_file(file);
 }
 
 std::string extension_of(const fs::path& out) {
@@ -120,6 +121,7 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
     if (finding.severity == Finding::Severity::error) fail("tool path", finding.what, finding.remedy);
   const std::vector<GcodePart> parts = gcode_parts(path, machine, options.part_s);
   report.duration_s = 0;
+  FilesTogether all;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const fs::path file = part_file(out, k, parts.size());
     write_gcode(parts[k].text, file, path, machine, [&](Replay& replay) {
@@ -137,6 +139,7 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
                 [&](Replay& replay) { report.file_duration_s.push_back(replay.duration_s); });
   }
   if (!options.after) remove_stale_parts(out, report.files);
+  all.put();
   return report;
 }
 

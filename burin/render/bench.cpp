@@ -9,6 +9,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/files/camera_json.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/material_json.h"
 #include "burin/render/files/verdict_json.h"
@@ -326,6 +327,7 @@ Bench read_bench(const std::filesystem::path& file) {
 void write_bench(const Bench& bench, double tool_width_um, const std::filesystem::path& file) {
   const fs::path camera = bench.camera.empty() ? file.parent_path() / "camera.cameramodel" : bench.camera;
   const fs::path folder = fs::absolute(file).lexically_normal().parent_path();
+  FilesTogether all;
   if (fs::absolute(camera).lexically_normal().parent_path() == folder) write_cameramodel(bench.lens, camera);
 
   Json json;
@@ -358,6 +360,7 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   if (bench.machine_affine_sigma) json["machine"]["affine_sigma"] = to_json(*bench.machine_affine_sigma);
   for (const auto& [name, verdict] : bench.verdict) json["verdict"][name] = verdict_json(verdict);
   write_json(json, file);
+  all.put();
 }
 
 namespace {

@@ -12,7 +12,9 @@
 #include <string_view>
 
 #include "burin/render/error.h"
+#include "burin/render/files/encoded_picture.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/write_file.h"
 
 namespace burin {
 namespace {
@@ -136,18 +138,10 @@ void write_picture(const Image& image, const std::filesystem::path& file, int pn
                    [](float v) { return v > 0 ? std::min(v, 1.0f) : 0.0f; });  // NaN becomes 0 too
     pixels = clamped.data();
   }
-  write_atomically(file, [&](const fs::path& temporary) {
-    const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(temporary.string());
-    if (!output)
-      fail(file.string(), "cannot be written: " + one_line(OIIO::geterror()), "use .png, .jpg, .exr or .tif");
-    OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
-    if (type != OIIO::TypeDesc::FLOAT) spec.attribute("oiio:ColorSpace", "sRGB");
-    if (extension == ".jpg" || extension == ".jpeg") spec.attribute("Compression", "jpeg:95");
-    if (!output->open(temporary.string(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, pixels) ||
-        !output->close())
-      fail(file.string(), "cannot be written: " + one_line(output->geterror()),
-           "check the folder and the disk's free space");
-  });
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
+  if (type != OIIO::TypeDesc::FLOAT) spec.attribute("oiio:ColorSpace", "sRGB");
+  if (extension == ".jpg" || extension == ".jpeg") spec.attribute("Compression", "jpeg:95");
+  write_file(encoded_picture(extension, spec, OIIO::TypeDesc::FLOAT, pixels, file), file, Durability::by_the_system);
 }
 
 Image luminance(const Image& image) {

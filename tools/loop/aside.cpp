@@ -1,12 +1,10 @@
 #include "tools/loop/aside.h"
 
 #include <fmt/core.h>
-#include <signal.h>
 
-#include <cerrno>
-#include <cstdlib>
 #include <vector>
 
+#include "burin/render/files/part_file.h"
 #include "tools/loop/state.h"
 
 namespace burin {
@@ -52,23 +50,6 @@ void complete_last_move(const LoopProject& loop, const StageOfRound& at, Content
   }
 }
 
-// ".bench.part-4711-0.json" of a process that ended.
-bool is_half_written(const std::string& name) {
-  const std::string mark = ".part-";
-  const std::size_t at = name.rfind(mark);
-  if (name.front() != '.' || at == std::string::npos) return false;
-  const int process = std::atoi(name.c_str() + at + mark.size());
-  return process > 0 && ::kill(process, 0) != 0 && errno == ESRCH;
-}
-
-void remove_half_written_in(const fs::path& folder) {
-  std::vector<fs::path> files;
-  if (fs::is_directory(folder))
-    for (const auto& entry : fs::directory_iterator(folder))
-      if (entry.is_regular_file() && is_half_written(entry.path().filename().string())) files.push_back(entry.path());
-  for (const fs::path& file : files) fs::remove(file);
-}
-
 }  // namespace
 
 fs::path begin_stage(const LoopProject& loop, const StageOfRound& at, const MadeRecord& begun, ContentHashes& hashes) {
@@ -99,10 +80,10 @@ fs::path begin_stage(const LoopProject& loop, const StageOfRound& at, const Made
 }
 
 void remove_half_written(const Project& project) {
-  remove_half_written_in(project.folder);
+  clear_leftovers(project.folder);
   for (int round = 1; round <= project.rounds(); ++round)
     for (const char* folder : {"", "made", "design", "calibration", "refinement"})
-      remove_half_written_in(project.round(round) / folder);
+      clear_leftovers(project.round(round) / folder);
 }
 
 }  // namespace burin

@@ -7,6 +7,7 @@
 #include "burin/optimize/design_file.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/unfinished.h"
 #include "tools/command_line.h"
@@ -26,11 +27,6 @@ void run_step(const std::vector<std::string>& arguments) {
   fmt::print("> {}\n", line);
   std::fflush(stdout);
   run_command(arguments);
-}
-
-void copy_atomically(const fs::path& from, const fs::path& to) {
-  write_atomically(
-      to, [&](const fs::path& temporary) { fs::copy_file(from, temporary, fs::copy_options::overwrite_existing); });
 }
 
 // All regular files below a folder but hidden ones; none if it is not there.
@@ -203,7 +199,9 @@ void make_refinement(const Project& project, int number) {
   fs::remove_all(refinement);
   fs::copy(round / "calibration", refinement, fs::copy_options::recursive);
   run_step({"refine", (round / "session.json").string(), "--bench", (refinement / "bench.json").string()});
-  for (const fs::path& file : files_below(refinement)) copy_atomically(file, round / file.filename());
+  FilesTogether all;
+  for (const fs::path& file : files_below(refinement)) copy_whole(file, round / file.filename());
+  all.put();
 }
 
 }  // namespace
@@ -350,7 +348,7 @@ bool has_result(const LoopProject& loop, const StageOfRound& at) {
 
 void finish_design(const LoopProject& loop, int number) {
   const fs::path round = loop.project.round(number);
-  copy_atomically(round / "design" / "scratches.csv", round / "scratches.csv");
+  copy_whole(round / "design" / "scratches.csv", round / "scratches.csv");
 }
 
 bool make_stage(const LoopProject& loop, const StageOfRound& at) {

@@ -257,10 +257,7 @@ void store_picture(const ChosenPicture& picture, const fs::path& targets_folder)
     write_picture(*picture.smaller, to);
     return;
   }
-  write_atomically(to, [&](const fs::path& temporary) {
-    fs::copy_file(picture.file, temporary, fs::copy_options::overwrite_existing);
-    fs::permissions(temporary, fs::perms::owner_write, fs::perm_options::add);  // a copy is the person's to edit
-  });
+  copy_whole(picture.file, to);
 }
 
 }  // namespace burin

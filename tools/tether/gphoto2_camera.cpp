@@ -11,7 +11,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <optional>
 #include <utility>
 
@@ -248,12 +247,7 @@ fs::path TetheredCamera::State::download(const CameraFilePath& path, const fs::p
   std::error_code ignored;
   for (int i = 2; fs::exists(to, ignored); ++i)
     to = folder / fmt::format("{}-{}{}", name.stem().string(), i, name.extension().string());
-  write_atomically(to, [&](const fs::path& part) {
-    std::ofstream out(part, std::ios::binary);
-    out.write(data, static_cast<std::streamsize>(size));
-    out.close();
-    if (!out) fail(to.string(), "could not be written", "make room on the disk; the photo is on the camera's card");
-  });
+  write_file({data, size}, to);
   return to;
 }
 

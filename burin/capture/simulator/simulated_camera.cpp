@@ -8,8 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <random>
 #include <span>
 #include <string_view>
@@ -17,6 +15,8 @@
 
 #include "burin/capture/simulator/point_sampler.h"
 #include "burin/render/error.h"
+#include "burin/render/files/encoded_picture.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/sensor.h"
 
@@ -78,20 +78,9 @@ void set_fractions(std::span<char> tiff, const BenchTruth& truth, const Photo& p
   if (truth.focal_mm) set_fraction(tiff, 37386, *truth.focal_mm);
 }
 
-std::vector<char> bytes_of(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-void write_bytes(const std::vector<char>& bytes, const fs::path& file) {
-  std::ofstream out(file, std::ios::binary);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!out.flush()) fail(file.string(), "cannot be written", "check that the disk is not full");
-}
-
 // OpenImageIO 2.4 reads the EXIF chunk of PNG files but writes none: it is put in after the header (PNG 1.5, eXIf).
-void add_exif_to_png(const fs::path& file, const OIIO::ImageSpec& spec, const BenchTruth& truth, const Photo& photo) {
-  constexpr std::ptrdiff_t kHeaderEnd = 33;  // signature and IHDR
+void add_exif_to_png(std::string& png, const OIIO::ImageSpec& spec, const BenchTruth& truth, const Photo& photo) {
+  constexpr std::size_t kHeaderEnd = 33;  // signature and IHDR
   std::vector<char> exif;
   OIIO::encode_exif(spec, exif, OIIO::endian::little);
   set_fractions(exif, truth, photo);
@@ -106,19 +95,15 @@ void add_exif_to_png(const fs::path& file, const OIIO::ImageSpec& spec, const Be
   const auto length = big_endian(exif.size());
   chunk.insert(chunk.begin(), length.begin(), length.end());
   chunk.insert(chunk.end(), check.begin(), check.end());
-  std::vector<char> png = bytes_of(file);
-  png.insert(png.begin() + kHeaderEnd, chunk.begin(), chunk.end());
-  write_bytes(png, file);
+  png.insert(kHeaderEnd, chunk.data(), chunk.size());  // what OpenImageIO has just made is never shorter
 }
 
-void exact_exif_of_jpeg(const fs::path& file, const BenchTruth& truth, const Photo& photo) {
-  std::vector<char> jpeg = bytes_of(file);
+void exact_exif_of_jpeg(std::string& jpeg, const BenchTruth& truth, const Photo& photo) {
   constexpr std::string_view kMark("Exif\0\0II*\0", 10);
   const auto mark = std::search(jpeg.begin(), jpeg.begin() + std::min<std::ptrdiff_t>(4096, std::ssize(jpeg)),
                                 kMark.begin(), kMark.end());
   if (std::distance(mark, jpeg.end()) < 64) return;
   set_fractions(std::span(jpeg).subspan(static_cast<std::size_t>(mark - jpeg.begin()) + 6), truth, photo);
-  write_bytes(jpeg, file);
 }
 
 void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& value, const fs::path& file) {
@@ -151,30 +136,23 @@ void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& 
   if (jpeg) spec.attribute("Compression", "jpeg:" + std::to_string(truth.sensor.jpeg_quality));
   if (extension == ".png") spec.attribute("png:compressionLevel", 3);
 
-  write_atomically(file, [&](const fs::path& temporary) {
-    auto out = OIIO::ImageOutput::create(temporary.string());
-    if (!out || !out->open(temporary.string(), spec))
-      fail(file.string(), "cannot be written (" + (out ? out->geterror() : OIIO::geterror()) + ")",
-           "name the photo .png, .tif or .jpg, and check that the folder can be written");
-    bool done = false;
-    if (srgb) {
-      std::vector<std::uint8_t> stored(value.data.size());
-      std::transform(value.data.begin(), value.data.end(), stored.begin(),
-                     [](float v) { return static_cast<std::uint8_t>(std::lround(255 * encoded(v, Encoding::srgb))); });
-      done = out->write_image(OIIO::TypeDesc::UINT8, stored.data());
-    } else {
-      const int shift = 16 - truth.sensor.bits;
-      const float top = static_cast<float>((1 << truth.sensor.bits) - 1);
-      std::vector<std::uint16_t> stored(value.data.size());
-      std::transform(value.data.begin(), value.data.end(), stored.begin(),
-                     [&](float v) { return static_cast<std::uint16_t>(std::lround(top * v) << shift); });
-      done = out->write_image(OIIO::TypeDesc::UINT16, stored.data());
-    }
-    if (!done || !out->close())
-      fail(file.string(), "cannot be written (" + out->geterror() + ")", "check that the disk is not full");
-    if (extension == ".png") add_exif_to_png(temporary, spec, truth, photo.photo);
-    if (jpeg) exact_exif_of_jpeg(temporary, truth, photo.photo);
-  });
+  std::string bytes;
+  if (srgb) {
+    std::vector<std::uint8_t> stored(value.data.size());
+    std::transform(value.data.begin(), value.data.end(), stored.begin(),
+                   [](float v) { return static_cast<std::uint8_t>(std::lround(255 * encoded(v, Encoding::srgb))); });
+    bytes = encoded_picture(extension, spec, OIIO::TypeDesc::UINT8, stored.data(), file);
+  } else {
+    const int shift = 16 - truth.sensor.bits;
+    const float top = static_cast<float>((1 << truth.sensor.bits) - 1);
+    std::vector<std::uint16_t> stored(value.data.size());
+    std::transform(value.data.begin(), value.data.end(), stored.begin(),
+                   [&](float v) { return static_cast<std::uint16_t>(std::lround(top * v) << shift); });
+    bytes = encoded_picture(extension, spec, OIIO::TypeDesc::UINT16, stored.data(), file);
+  }
+  if (extension == ".png") add_exif_to_png(bytes, spec, truth, photo.photo);
+  if (jpeg) exact_exif_of_jpeg(bytes, truth, photo.photo);
+  write_file(bytes, file, Durability::by_the_system);
 }
 
 }  // namespace
@@ -222,9 +200,9 @@ void simulate(const fs::path& truth_json, const fs::path& out_dir, const Simulat
   const PointSampler sampler(truth, carved);
 
   make_output_folder(out_dir);
+  FilesTogether all;
   // A session that stands from an earlier run would vouch for photos that are about to change.
-  std::error_code none;
-  fs::remove(out_dir / "session.json", none);
+  if (!truth.writes_session) remove_file(out_dir / "session.json");
   write_scratches(sent.scratches, out_dir / "scratches.csv");
   write_scratches(carved.scratches, out_dir / "carved.csv");
   Board believed = truth.believed;
@@ -261,6 +239,7 @@ void simulate(const fs::path& truth_json, const fs::path& out_dir, const Simulat
     }
   }
   if (truth.writes_session) write_session(session, out_dir / "session.json");
+  all.put();
 }
 
 }  // namespace burin

@@ -7,6 +7,8 @@
 
 #include "burin/optimize/design/carving_plot.h"
 #include "burin/render/error.h"
+#include "burin/render/files/file_names.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/simd_width.h"
 
@@ -19,13 +21,15 @@ Json list(const std::vector<double>& values) {
   return json;
 }
 
-// "v00", or "v00-lamp" where a view shows a picture under each of several lamps.
-std::string label(const DesignedView& view, const std::vector<DesignedView>& all) {
-  const auto same = std::count_if(all.begin(), all.end(), [&](const DesignedView& v) { return v.view == view.view; });
-  std::string name = same > 1 ? view.view + "-" + view.light : view.view;
-  for (char& c : name)
-    if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-' && c != '_' && c != '.') c = '_';
-  return name;
+// What each view's files are called: "v00", or "v00-lamp" where a view shows a picture under each of several lamps.
+std::vector<std::string> labels_of(const std::vector<DesignedView>& views) {
+  std::vector<std::string> names;
+  for (const DesignedView& view : views) {
+    const auto same =
+        std::count_if(views.begin(), views.end(), [&](const DesignedView& v) { return v.view == view.view; });
+    names.push_back(same > 1 ? view.view + "-" + view.light : view.view);
+  }
+  return distinct_file_names(names, {"-start"});
 }
 
 Json bench_as_used(const DesignSpec& spec, const Board& board, const Bench& bench) {
@@ -74,9 +78,9 @@ Image tolerance_map(const ViewTolerance& t) {
 }
 
 // One view's pictures into the folder, and what the report says of it.
-Json write_view(const DesignResult& result, std::size_t k, const std::filesystem::path& folder) {
+Json write_view(const DesignResult& result, std::size_t k, const std::string& name,
+                const std::filesystem::path& folder) {
   const DesignedView& v = result.views[k];
-  const std::string name = label(v, result.views);
   Json json;
   json["view"] = v.view;
   json["light"] = v.light;
@@ -157,12 +161,14 @@ Image tiled(const std::vector<std::vector<Image>>& rows, int gap_px) {
 void write_design_result(const DesignResult& result, const DesignSpec& spec, const Board& board, const Bench& bench,
                          const std::filesystem::path& folder) {
   make_output_folder(folder);
+  FilesTogether all;
   write_scratches(result.scratches, folder / "scratches.csv");
 
+  const std::vector<std::string> names = labels_of(result.views);
   Json views = Json::array();
   std::vector<std::vector<Image>> sheet;
   for (std::size_t k = 0; k < result.views.size(); ++k) {
-    views.push_back(write_view(result, k, folder));
+    views.push_back(write_view(result, k, names[k], folder));
     sheet.push_back(contact_row(result, k));
   }
   write_picture(tiled(sheet, 4), folder / "contact-sheet.png");
@@ -195,8 +201,6 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
     for (const CarvingPoint& p : result.curve)
       json["carving_curve"]["points"].push_back(
           {{"scratches", p.scratches}, {"hours", p.hours}, {"psnr_db", list(p.psnr_db)}, {"ssim", list(p.ssim)}});
-    std::vector<std::string> names;
-    for (const DesignedView& v : result.views) names.push_back(label(v, result.views));
     write_text(carving_plot(result.curve, names), folder / "carving-curve.svg");
   }
   json["contact_sheet"] = "contact-sheet.png";
@@ -217,6 +221,7 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
   for (const DesignIteration& i : result.history)
     json["history"].push_back({{"loss", i.loss}, {"views", list(i.view_loss)}, {"seconds", i.seconds}});
   write_json(json, folder / "design-report.json");
+  all.put();
 }
 
 }  // namespace burin

@@ -3,14 +3,15 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
+#include <cerrno>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <system_error>
 
 #include "burin/render/error.h"
-#include "burin/render/files/unfinished.h"
+#include "burin/render/files/file_error.h"
+#include "burin/render/files/files_together.h"
 
 namespace burin {
 namespace {
@@ -240,6 +241,7 @@ void JsonObject::finish() const {
 
 std::string read_text(const std::filesystem::path& file) {
   std::error_code error;
+  settle_folder(file.parent_path());  // a change that was cut off is none that may be read
   if (fs::is_directory(file, error)) fail(file.string(), "is a folder", "name a file in it");
   if (!fs::exists(file, error)) fail(file.string(), "does not exist", "check the path");
   std::ifstream stream(file, std::ios::binary);
@@ -282,46 +284,7 @@ Json read_json(const std::filesystem::path& file, const std::string& format, int
   return json;
 }
 
-void write_atomically(const std::filesystem::path& file,
-                      const std::function<void(const std::filesystem::path&)>& write) {
-  const std::string remedy = "choose a folder that exists and that you may write to";
-  std::error_code error;
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  if (file.filename().empty()) fail(file.string(), "names no file", "add a file name");
-  if (fs::is_directory(file, error)) fail(file.string(), "is a folder", "name a file");
-  if (!fs::is_directory(folder, error))
-    fail(file.string(), "cannot be written: there is no folder " + folder.string(), remedy);
-
-  // The name must differ between threads and processes that write the same file at once: the last one wins, whole.
-  static std::atomic<unsigned> counter{0};
-  const fs::path temporary = folder / ("." + file.stem().string() + ".part-" + std::to_string(::getpid()) + "-" +
-                                       std::to_string(counter++) + file.extension().string());
-  const Unfinished unfinished(temporary);
-  {
-    const std::ofstream probe(temporary, std::ios::binary);
-    if (!probe) fail(file.string(), "cannot be written", remedy);
-  }
-  try {
-    write(temporary);
-    const auto whole = finishing();
-    fs::rename(temporary, file, error);
-    if (error) fail(file.string(), "cannot be written: " + error.message(), remedy);
-  } catch (...) {
-    fs::remove(temporary, error);
-    throw;
-  }
-}
-
-void write_text(const std::string& text, const std::filesystem::path& file) {
-  write_atomically(file, [&](const fs::path& temporary) {
-    std::ofstream stream(temporary, std::ios::binary);
-    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-    stream.close();
-    if (!stream) fail(file.string(), "could not be written whole", "check that the disk is not full");
-  });
-}
-
-void write_json(const Json& json, const std::filesystem::path& file) {
+std::string json_text(const Json& json, const std::filesystem::path& file) {
   // One number a line would make matrices unreadable: short arrays without objects go on one line.
   const std::function<std::string(const Json&, int)> pretty = [&](const Json& value, int indent) -> std::string {
     const auto has_object = [](const Json& v) {
@@ -350,18 +313,25 @@ void write_json(const Json& json, const std::filesystem::path& file) {
       fail(file.string(), "a value to be written is not a finite number", "this is a fault of the calculation before");
     return value.dump();
   };
-  write_text(pretty(json, 0) + "\n", file);
+  try {
+    return pretty(json, 0) + "\n";
+  } catch (const Json::type_error& e) {
+    fail(file.string(), "cannot hold a name or a text that is not UTF-8: " + without_prefix(e.what()),
+         "give the photos, pictures and folders names in UTF-8 (convmv renames them), or in plain letters");
+  }
 }
 
+void write_json(const Json& json, const std::filesystem::path& file) { write_text(json_text(json, file), file); }
+
 void make_output_folder(const std::filesystem::path& folder) {
-  const std::string remedy = "choose another folder or make it writable";
+  fail_unless_name(folder / "x");
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     fail(folder.string(), "is a file, not a folder", "choose another name for the output folder");
   fs::create_directories(folder, error);
-  if (error || !fs::is_directory(folder))
-    fail(folder.string(), "the folder cannot be made: " + error.message(), remedy);
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(folder.string(), "the folder is not writable", remedy);
+  std::error_code unknown;
+  if (!fs::is_directory(folder, unknown)) fail_with(folder, "the folder cannot be made", error.value());
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) fail_with(folder, "the folder is not writable", errno);
 }
 
 std::filesystem::path resolve_path(const std::filesystem::path& file, const std::string& named) {

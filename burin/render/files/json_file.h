@@ -1,14 +1,15 @@
-// burin/render/files/json_file.h - reading Burin's JSON files strictly, and writing files so that none is ever
-// half-written. Include it in .cpp files only: it pulls in nlohmann-json.
+// burin/render/files/json_file.h - reading Burin's JSON files strictly, and writing them
+// (burin/render/files/write_file.h). Include it in .cpp files only: it pulls in nlohmann-json.
 #pragma once
 
 #include <Eigen/Core>
 #include <filesystem>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
+
+#include "burin/render/files/write_file.h"
 
 namespace burin {
 
@@ -68,14 +69,12 @@ Json read_json(const std::filesystem::path& file, const std::string& format, int
 /// The whole of a file. Throws Error if it is missing, a folder or unreadable.
 std::string read_text(const std::filesystem::path& file);
 
-/// Writes beside the final name and renames into place; makes no folders. `write` gets the temporary file's path (same
-/// extension). Throws Error naming `file` if the folder is missing or cannot be written, leaving nothing behind.
-void write_atomically(const std::filesystem::path& file,
-                      const std::function<void(const std::filesystem::path&)>& write);
+/// Pretty-printed JSON, doubles with the digits they need. Throws Error naming `file`, which it is for, where it holds
+/// a number that is not finite or a text that is not UTF-8.
+std::string json_text(const Json& json, const std::filesystem::path& file);
 
-/// Pretty-printed JSON, doubles with the digits they need; atomic.
+/// Writes json_text() (write_file).
 void write_json(const Json& json, const std::filesystem::path& file);
-void write_text(const std::string& text, const std::filesystem::path& file);
 
 /// Makes a folder and its parents for output. Throws Error naming it if that fails or if it is not writable.
 void make_output_folder(const std::filesystem::path& folder);

@@ -1,0 +1,32 @@
+#include "burin/render/files/encoded_picture.h"
+
+#include <OpenImageIO/filesystem.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "burin/render/error.h"
+
+namespace burin {
+
+std::string encoded_picture(const std::string& extension, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels,
+                            const std::filesystem::path& file) {
+  // OpenImageIO puts the clock into EXR and TIFF files that have no date.
+  const bool dates = extension == ".exr" || extension == ".tif" || extension == ".tiff";
+  if (dates && spec.find_attribute("DateTime") == nullptr) spec.attribute("DateTime", "");
+  const std::string name = "picture" + extension;
+  std::vector<unsigned char> bytes;
+  OIIO::Filesystem::IOVecOutput memory(bytes);
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name);
+  if (!output || !output->supports("ioproxy") || !output->set_ioproxy(&memory) || !output->open(name, spec) ||
+      !output->write_image(type, pixels) || !output->close()) {
+    std::string said = output ? output->geterror() : OIIO::geterror();
+    std::replace(said.begin(), said.end(), '\n', ' ');
+    fail(file.string(), "cannot be made: " + (said.empty() ? "OpenImageIO does not say why" : said),
+         "use .png, .jpg, .exr or .tif");
+  }
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace burin

@@ -1,0 +1,54 @@
+// burin/render/files/files_together.h - files that belong together change together: all of them, or none.
+//
+// While a FilesTogether lives, what its thread writes (burin/render/files/write_file.h) stays beside its place. put()
+// writes a journal, ".burin-change", into the folder that holds them all, moves every file to its place, and removes
+// the journal. Where a move fails, all are moved back. Where the process dies, whoever next reads or writes there finds
+// the journal and completes the change (settle_folder): nobody ever reads a mixture of old and new.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "burin/render/files/part_file.h"
+
+namespace burin {
+
+/// One change of several files, by this thread. Within another one, it is part of that.
+class FilesTogether {
+ public:
+  FilesTogether();
+  /// Without put(), nothing has changed.
+  ~FilesTogether();
+  FilesTogether(const FilesTogether&) = delete;
+  FilesTogether& operator=(const FilesTogether&) = delete;
+
+  /// Puts all files in their places. Throws Error where one cannot be; then all are as before.
+  void put();
+
+  /// One file of a change.
+  struct Item {
+    FilePlace place;
+    std::filesystem::path part;    ///< what becomes of it; empty: it is removed
+    std::filesystem::path former;  ///< what it was, until the change is complete
+  };
+
+ private:
+  friend bool joins_change(const FilePlace& place, const std::filesystem::path& part);
+  friend std::filesystem::path as_written(const std::filesystem::path& file);
+
+  FilesTogether* outer_ = nullptr;
+  std::vector<Item> items_;
+};
+
+/// Hands a part file (empty: a removal) to this thread's change. False where there is none.
+bool joins_change(const FilePlace& place, const std::filesystem::path& part);
+
+/// Where the bytes of a file lie that this thread's change has written; otherwise the file itself.
+std::filesystem::path as_written(const std::filesystem::path& file);
+
+/// Completes, or takes back, a change in this folder or the two above it whose process died. Waits for one that is
+/// being made just now. Throws Error where it cannot: what is there is a mixture. Called before every reading.
+void settle_folder(const std::filesystem::path& folder);
+
+}  // namespace burin

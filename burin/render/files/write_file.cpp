@@ -1,0 +1,98 @@
+#include "burin/render/files/write_file.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+
+#include "burin/render/error.h"
+#include "burin/render/files/file_error.h"
+#include "burin/render/files/files_together.h"
+#include "burin/render/files/part_file.h"
+#include "burin/render/files/unfinished.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+int result_output = -1;
+
+void write_to_output(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(result_output, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) fail_with("standard output", "could not be written whole", errno);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+}
+
+FilePlace place_to_write(const fs::path& file) {
+  FilePlace place = find_place(file);
+  settle_folder(place.folder());
+  clear_leftovers_once(place.folder());
+  // A change that was cut off may just have put it there.
+  return find_place(file);
+}
+
+void put_in_place(const FilePlace& place, const fs::path& part, bool durable) {
+  if (joins_change(place, part)) return;
+  const auto whole = finishing();
+  if (std::rename(part.c_str(), place.file.c_str()) != 0) {
+    const int error = errno;
+    remove_part(part);
+    fail_with(place.named, "cannot be written", error);
+  }
+  forget_part(part);
+  if (durable) sync_folder(place.folder());
+}
+
+}  // namespace
+
+void write_file(std::string_view bytes, const fs::path& file, Durability durability, const CheckFile& check) {
+  if (file == "-" && result_output >= 0) return write_to_output(bytes);
+  const FilePlace place = place_to_write(file);
+  const bool durable = durability == Durability::on_disk;
+  const fs::path part = write_part(place, bytes, durable);
+  if (check) try {
+      check(part);
+    } catch (...) {
+      remove_part(part);
+      throw;
+    }
+  put_in_place(place, part, durable);
+}
+
+void write_atomically(const fs::path& file, const std::function<void(const fs::path&)>& write) {
+  const FilePlace place = place_to_write(file);
+  const fs::path part = write_part(place, "", false);
+  try {
+    write(part);
+    sync_part(place, part);
+  } catch (...) {
+    remove_part(part);
+    throw;
+  }
+  put_in_place(place, part, true);
+}
+
+void set_result_output(int descriptor) { result_output = descriptor; }
+
+void write_text(const std::string& text, const fs::path& file) { write_file(text, file); }
+
+void copy_whole(const fs::path& from, const fs::path& to) {
+  const FilePlace place = place_to_write(to);
+  put_in_place(place, copy_part(as_written(from), place), true);
+}
+
+void remove_file(const fs::path& file) {
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(file, error))) return;
+  FilePlace place;
+  place.named = place.file = file;  // a link goes, not what it leads to
+  place.there = true;
+  if (joins_change(place, {})) return;
+  if (::unlink(file.c_str()) != 0 && errno != ENOENT) fail_with(file, "cannot be removed", errno);
+}
+
+}  // namespace burin
