@@ -4,9 +4,12 @@
 #include <memory>
 
 #include "burin/calib/calibrate.h"
+#include "burin/render/files/files_together.h"
+#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 
@@ -40,6 +43,8 @@ void add_calibrate_command(CLI::App& burin) {
   command->callback([options, hold_out] {
     const Session session = read_session(options->session);
     const Board board = read_board(session.board);
+    make_output_folder(options->out);
+    const WorkLock lock(options->out, "burin calibrate");
     CalibrateOptions o;
     o.lens_model = options->lens_model;
     if (!options->camera.empty()) {
@@ -48,6 +53,7 @@ void add_calibrate_command(CLI::App& burin) {
     }
     ProgressBar bar;
     const Calibration c = calibrate(session, board, o, bar.progress());
+    FilesTogether all;
     write_calibration(c, options->out);
     HoldOutFile held;
     if (hold_out->count() > 0) {
@@ -58,6 +64,7 @@ void add_calibrate_command(CLI::App& burin) {
                            c.solver, bar.progress());
       write_hold_out(held, options->out);
     }
+    all.put();
     bar.clear();
     for (const Finding& finding : c.findings) note(sentence(finding));
     const BoardSolution& g = c.geometry;

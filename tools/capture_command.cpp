@@ -8,11 +8,13 @@
 #include "burin/capture/folder_session.h"
 #include "burin/render/bench.h"
 #include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/tether/tethered_shoot.h"
 #include "tools/watch/say_shoot.h"
 #include "tools/watch/wanted_shots.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -82,6 +84,8 @@ void add_capture_command(CLI::App& burin) {
     }
     const std::string light = lamp_name(options->light, options->bench);
     if (options->tether) take_photos(*options);
+    make_output_folder(options->out);
+    const WorkLock lock(options->out, "burin capture");
     ProgressBar bar;
     const CaptureResult result = capture_folder(options->photos, options->board, options->out, bar.progress(), light);
     bar.clear();

@@ -19,6 +19,7 @@
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/stop_signal.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -89,6 +90,7 @@ void run(const Options& o) {
     options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
   make_output_folder(o.out);
+  const WorkLock lock(o.out, "burin design");
 
   ProgressBar bar;
   const StopOnSignal on_signal;

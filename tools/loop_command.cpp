@@ -8,10 +8,10 @@
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/error.h"
 #include "tools/commands.h"
-#include "tools/loop/lock.h"
 #include "tools/loop/options.h"
 #include "tools/loop/round_design.h"
 #include "tools/loop/turn.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -30,7 +30,7 @@ void run(const Options& o) {
     if (!fs::exists(o.project.folder / file))
       fail((o.project.folder / file).string(), "a loop project needs this file",
            "see samples/small-bench for a complete project");
-  const ProjectLock lock(o.project.folder);
+  const WorkLock lock(o.project.folder, "burin loop");
   remember_names(o.project, o.views, o.lamps);
   if (!o.said.machine.empty()) machine_profile(o.said.machine);  // refused before it is kept
   const LoopProject loop{o.project, remember_options(o.said, o.project.folder)};

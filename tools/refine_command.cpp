@@ -8,11 +8,13 @@
 #include "burin/calib/refine.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/groove.h"
 #include "burin/render/parameter_name.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -117,6 +119,7 @@ void add_refine_command(CLI::App& burin) {
       ->capture_default_str();
   command->footer(example("burin refine session/session.json --bench bench/bench.json"));
   command->callback([options, hold_out] {
+    const WorkLock lock(options->bench.parent_path(), "burin refine");
     const Session session = read_session(options->session);
     const Board board = read_board(session.board);
     const Bench measured = read_bench(options->bench);
@@ -132,6 +135,7 @@ void add_refine_command(CLI::App& burin) {
     bar.progress()("reading photos", 0);
     const std::vector<MergedView> merged = photos_for_refine(session, board, measured);
     const Refinement result = refine(merged, board, sent, measured, o, bar.progress());
+    FilesTogether all;
     write_bench(result.bench, board.tool_width_um, options->bench);
     HoldOutFile held;
     if (hold_out->count() > 0) {
@@ -144,6 +148,7 @@ void add_refine_command(CLI::App& burin) {
       held.pixels = hold_out_pixels(result, merged, board, sent, measured, folds, o, bar.progress());
       write_hold_out(held, folder);
     }
+    all.put();
     bar.clear();
     for (const Finding& finding : result.findings) note(sentence(finding));
     print_result(result, board);

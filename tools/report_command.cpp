@@ -8,6 +8,7 @@
 #include "tools/progress_bar.h"
 #include "tools/report/rerun.h"
 #include "tools/report/section.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 
@@ -32,6 +33,7 @@ void add_report_command(CLI::App& burin) {
       example("burin report round-01\n"
               "  burin report second --before first --under bench.json --board board.json"));
   command->callback([options] {
+    const WorkLock lock(options->folder, "burin report", WorkLock::Where::projects);
     ProgressBar bar;
     std::optional<Section> rerun;
     if (!options->before.empty())

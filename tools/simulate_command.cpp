@@ -4,8 +4,10 @@
 #include <vector>
 
 #include "burin/capture/simulator/simulated_camera.h"
+#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 
@@ -26,6 +28,8 @@ void add_simulate_command(CLI::App& burin) {
       ->check(CLI::Range(1, 1000000));
   command->footer(example("burin simulate truth.json --out bench --views d0 d1"));
   command->callback([options] {
+    make_output_folder(options->out);
+    const WorkLock lock(options->out, "burin simulate");
     ProgressBar bar;
     if (options->samples > 0) options->simulate.samples = options->samples;
     simulate(options->truth, options->out, options->simulate, bar.progress());

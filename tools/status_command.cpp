@@ -5,9 +5,9 @@
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
-#include "tools/loop/lock.h"
 #include "tools/loop/say.h"
 #include "tools/loop/state.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -72,7 +72,7 @@ void run(const fs::path& folder, bool as_json) {
   const LoopProject loop{{folder}, read_loop_options(folder)};
   ContentHashes hashes;
   const std::vector<StageState> states = states_of(loop, hashes);
-  const std::string at_work = loop_at_work(folder), next = next_of(loop, states);
+  const std::string at_work = who_works_in(folder), next = next_of(loop, states);
   if (as_json) {
     Json json{{"format", "burin/status"}, {"version", 1}, {"project", folder.string()}, {"burin", BURIN_VERSION}};
     json["options"] = in_words(loop.options);

@@ -15,10 +15,12 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -87,6 +89,7 @@ Scratches told_by(const ToolpathReport& report) {
 }
 
 void write(const Options& options) {
+  const WorkLock lock(options.out.parent_path(), "burin toolpath", WorkLock::Where::projects);
   const MachineProfile machine = machine_of(options);
   const Board board = read_board(options.board);
   std::optional<Bench> bench;
@@ -103,6 +106,7 @@ void write(const Options& options) {
   if (!options.resume.empty()) settings.after = Interruption{options.resume, options.at_line};
 
   ProgressBar bar;
+  FilesTogether all;
   const ToolpathReport report =
       write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
   bar.clear();
@@ -112,6 +116,7 @@ void write(const Options& options) {
                          report.files.front().extension() == ".csv";
     write_scratches(drawing ? report.sent.scratches : told_by(report), options.sent);
   }
+  all.put();
 
   for (std::size_t i = 0; i < report.files.size(); ++i)
     fmt::print("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));

@@ -1,0 +1,146 @@
+#include "tools/work_lock.h"
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <ctime>
+#include <map>
+#include <mutex>
+#include <optional>
+
+#include "burin/render/error.h"
+#include "burin/render/files/file_error.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What this process holds, by the real name of its folder: flock would take it for another one.
+struct Held {
+  int file = -1, times = 0;
+  fs::path name;
+};
+
+struct AllHeld {
+  std::mutex mutex;
+  std::map<std::string, Held> by_folder;
+};
+
+AllHeld& all_held() {
+  static AllHeld all;
+  return all;
+}
+
+fs::path lock_file(const fs::path& folder) { return folder / ".burin-lock"; }
+
+// What the holder wrote; it may be writing it just now.
+std::string holder(int file) {
+  std::array<char, 400> text{};
+  const ssize_t length = ::pread(file, text.data(), text.size(), 0);
+  const std::string said = length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : "";
+  return said.empty() ? "another process" : said.substr(0, said.find('\n'));
+}
+
+bool is_round(const std::string& name) {
+  constexpr std::string_view kRound = "round-";
+  return name.starts_with(kRound) && name.size() > kRound.size() &&
+         name.find_first_not_of("0123456789", kRound.size()) == std::string::npos;
+}
+
+bool is_project(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_regular_file(folder / "design.json", error) && fs::is_regular_file(folder / "board.json", error);
+}
+
+// The lock's file, locked; nothing where the one that was opened is no more (its holder removed it).
+std::optional<int> locked_file(const fs::path& name, const fs::path& folder) {
+  const int file = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
+  if (file < 0)
+    fail_with(name, "cannot be written, and without it two commands could spoil each other's results", errno);
+  if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
+    const int error = errno;
+    const std::string who = error == EWOULDBLOCK ? holder(file) : "";
+    if (error != EWOULDBLOCK) ::unlink(name.c_str());
+    ::close(file);
+    if (error != EWOULDBLOCK)
+      fail(name.string(), "cannot be locked: " + error_text(error), "keep the project on a disk that knows locks");
+    fail(folder.string(), "is being worked on by " + who, "wait until that has ended, or stop it");
+  }
+  struct stat open {
+  }, named{};
+  if (::fstat(file, &open) == 0 && ::stat(name.c_str(), &named) == 0 && open.st_ino == named.st_ino &&
+      open.st_dev == named.st_dev)
+    return file;
+  ::close(file);
+  return std::nullopt;
+}
+
+}  // namespace
+
+fs::path locked_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::path at = fs::weakly_canonical(folder.empty() ? fs::path(".") : folder, error);
+  if (error) at = fs::absolute(folder).lexically_normal();
+  if (!at.has_filename()) at = at.parent_path();
+  if (is_round(at.filename().string()) && is_project(at.parent_path())) return at.parent_path();
+  constexpr int kDeepest = 3;  // round-01/design/...
+  fs::path up = at;
+  for (int i = 0; i < kDeepest && up != up.parent_path(); ++i, up = up.parent_path())
+    if (is_round(up.filename().string()) && is_project(up.parent_path())) return up.parent_path();
+  return at;
+}
+
+WorkLock::WorkLock(const fs::path& folder, const std::string& work, Where where) {
+  const fs::path place = locked_folder(folder);
+  std::error_code error;
+  if (!fs::is_directory(place, error)) return;  // nobody can work there; who writes says so
+  if (where == Where::projects && !is_project(place)) return;
+  key_ = place.native();
+  const std::lock_guard<std::mutex> guard(all_held().mutex);
+  Held& held = all_held().by_folder[key_];
+  if (held.times > 0) {
+    ++held.times;
+    return;
+  }
+  const fs::path name = lock_file(place);
+  std::optional<int> file;
+  try {
+    while (!file) file = locked_file(name, folder);
+  } catch (...) {
+    all_held().by_folder.erase(key_);
+    throw;
+  }
+  held = {*file, 1, name};
+  const std::string text =
+      fmt::format("{}, process {} since {:%Y-%m-%d %H:%M:%S}\n", work, ::getpid(), fmt::localtime(std::time(nullptr)));
+  // It only tells the other one who is here; the lock holds without it.
+  if (::ftruncate(held.file, 0) != 0 || ::pwrite(held.file, text.data(), text.size(), 0) < 0) return;
+}
+
+WorkLock::~WorkLock() {
+  if (key_.empty()) return;
+  const std::lock_guard<std::mutex> guard(all_held().mutex);
+  const auto found = all_held().by_folder.find(key_);
+  if (found == all_held().by_folder.end() || --found->second.times > 0) return;
+  // Removed while it is locked: who has it open already finds that out (locked_file), and makes a new one.
+  ::unlink(found->second.name.c_str());
+  ::close(found->second.file);
+  all_held().by_folder.erase(found);
+}
+
+std::string who_works_in(const fs::path& folder) {
+  const int file = ::open(lock_file(locked_folder(folder)).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (file < 0) return "";
+  std::string who;
+  if (::flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) who = holder(file);
+  ::close(file);
+  return who;
+}
+
+}  // namespace burin
