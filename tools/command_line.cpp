@@ -8,15 +8,19 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include "burin/optimize/duration.h"
 #include "burin/render/error.h"
+#include "burin/render/files/file_error.h"
 #include "burin/render/simd_choice.h"
 #include "burin/render/threads.h"
 #include "tools/commands.h"
 #include "tools/output_mode.h"
+#include "tools/standard_streams.h"
 #include "tools/stop_signal.h"
 
 namespace burin {
@@ -142,6 +146,19 @@ int run_in_words(const std::vector<std::string>& arguments) {
     wait_if_ending();
     fmt::print(stderr, "burin: {}\n", error.what());
     return StopOnSignal::asked() ? stop_exit_code() : kNotDone;
+  } catch (const std::filesystem::filesystem_error& error) {
+    wait_if_ending();
+    // What nobody looked at before: a folder that may not be read, links in a circle, a name that is too long.
+    fmt::print(stderr, "burin: {}: cannot be used: {}; {}\n",
+               error.path1().empty() ? "a file or folder" : error.path1().string(), error_text(error.code().value()),
+               error_remedy(error.code().value()));
+    return kNotDone;
+  } catch (const std::system_error& error) {
+    wait_if_ending();
+    // Standard output's is told when all is over; this is what fmt::print throws for it.
+    if (std::ferror(stdout) == 0)
+      fmt::print(stderr, "burin: {}; {}\n", error.what(), error_remedy(error.code().value()));
+    return kNotDone;
   } catch (const std::exception& error) {
     wait_if_ending();
     fmt::print(stderr, "burin: {}; this is a fault in Burin, please report it with the command you gave\n",
@@ -154,6 +171,7 @@ int run_in_words(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int run_program(const std::vector<std::string>& arguments) {
+  fill_closed_streams();
   std::vector<std::string> command = arguments;
   const OutputMode mode = take_output_mode(command);
   std::string line = "burin";
@@ -161,7 +179,17 @@ int run_program(const std::vector<std::string>& arguments) {
   end_on_signals(line, [mode, command](const std::string& sentence, int exit_code) {
     say_at_the_end(mode, command, sentence, exit_code);
   });
-  return run_in_mode(mode, command, [&] { return run_in_words(command); });
+  int exit_code = kDone;
+  try {
+    const ResultToOutput result(command);
+    exit_code = run_in_mode(mode, command, [&] { return run_in_words(command); });
+  } catch (const Error& error) {
+    fmt::print(stderr, "burin: {}\n", error.what());
+    exit_code = kNotDone;
+  } catch (const std::system_error&) {  // of standard output: told below
+    exit_code = kNotDone;
+  }
+  return exit_code_with_output_checked(exit_code);
 }
 
 }  // namespace burin
