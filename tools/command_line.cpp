@@ -10,12 +10,15 @@
 #include <exception>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 #include "burin/optimize/duration.h"
 #include "burin/render/error.h"
 #include "burin/render/files/file_error.h"
+#include "burin/render/files/printable.h"
 #include "burin/render/simd_choice.h"
 #include "burin/render/threads.h"
 #include "tools/commands.h"
@@ -25,6 +28,10 @@
 
 namespace burin {
 namespace {
+
+constexpr const char* kMoreMemory =
+    "close other programs, lift a limit on memory (ulimit -v), or give less: fewer views, smaller photos "
+    "(docs/limits.md has what each costs)";
 
 enum ExitCode { kDone = 0, kNotDone = 1, kWrongCommandLine = 2 };
 
@@ -150,8 +157,8 @@ int run_in_words(const std::vector<std::string>& arguments) {
     wait_if_ending();
     // What nobody looked at before: a folder that may not be read, links in a circle, a name that is too long.
     fmt::print(stderr, "burin: {}: cannot be used: {}; {}\n",
-               error.path1().empty() ? "a file or folder" : error.path1().string(), error_text(error.code().value()),
-               error_remedy(error.code().value()));
+               error.path1().empty() ? "a file or folder" : printable(error.path1().string()),
+               error_text(error.code().value()), error_remedy(error.code().value()));
     return kNotDone;
   } catch (const std::system_error& error) {
     wait_if_ending();
@@ -159,10 +166,17 @@ int run_in_words(const std::vector<std::string>& arguments) {
     if (std::ferror(stdout) == 0)
       fmt::print(stderr, "burin: {}; {}\n", error.what(), error_remedy(error.code().value()));
     return kNotDone;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "burin: memory ran out; {}\n", kMoreMemory);
+    return kNotDone;
   } catch (const std::exception& error) {
     wait_if_ending();
+    if (std::string_view(error.what()).find("Failed to allocate") != std::string_view::npos) {  // OpenCV's own words
+      fmt::print(stderr, "burin: memory ran out; {}\n", kMoreMemory);
+      return kNotDone;
+    }
     fmt::print(stderr, "burin: {}; this is a fault in Burin, please report it with the command you gave\n",
-               error.what());
+               printable(error.what()));
     return kNotDone;
   }
   return kDone;

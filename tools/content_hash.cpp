@@ -5,10 +5,12 @@
 
 #include <array>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
 
 namespace burin {
 namespace {
@@ -20,6 +22,7 @@ constexpr std::size_t kBytesAtOnce = 1 << 20;
 }  // namespace
 
 std::string content_hash(const fs::path& file) {
+  require_plain_file(file, std::numeric_limits<std::uintmax_t>::max(), "a file");
   std::ifstream stream(file, std::ios::binary);
   if (!stream) fail(file.string(), "cannot be read", "give yourself the right to read it");
   const std::unique_ptr<EVP_MD_CTX, void (*)(EVP_MD_CTX*)> digest(EVP_MD_CTX_new(), EVP_MD_CTX_free);

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "burin/calib/plan.h"
+#include "burin/calib/verdict/planned_tags.h"
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/brdf.h"
@@ -267,6 +268,9 @@ void add_plan_command(CLI::App& burin) {
       sent = test_strokes(in.board);
       note(fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size()));
     }
+    if (in.board.tags.list.size() > kMostPlannedTags)
+      note(fmt::format("planned with {} of the board's {} tags, spread over it: more change no place", kMostPlannedTags,
+                       in.board.tags.list.size()));
     plan_options.designed = in.designed;
     const PlanFocus focus = plan_focus(in.board, in.bench, in.designed, options->focus_mm, options->focus_range);
     plan_options.focus = focus.range;

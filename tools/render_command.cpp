@@ -51,13 +51,14 @@ void run(const Options& o) {
   if (!o.scratches.empty()) board.scratches = o.scratches;
   if (board.scratches.empty())
     fail(o.board.string(), "names no scratches", "name some in \"scratches\", or give --scratches FILE.csv");
+  ProgressBar bar;
+  bar.progress()("reading scratches", 0);
   const Scratches rows = read_scratches(board.scratches);
   const Carved carved = o.as_sent ? carve(Sent(rows), bench, board) : carve(Designed(rows), bench, board);
   const View& view = find_view(bench, o.view, "--view");
   const Light& light = o.light.empty() ? bench.lights.front() : find_light(bench, o.light, "--light");
 
-  ProgressBar bar;
-  bar.progress()("rendering", 0);
+  bar.progress()("rendering", 0.2);
   const CameraView camera = make_camera_view(bench, board, view, {0, 0, bench.lens.width, bench.lens.height});
   ViewRenderer renderer(make_scene(bench, board, camera, light), {3});
   Image image;

@@ -16,6 +16,7 @@
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/candidate_photo.h"
 #include "burin/calib/verdict/half_samples.h"
+#include "burin/calib/verdict/planned_tags.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/parameter_name.h"
@@ -423,11 +424,17 @@ PlannedShot take_designed(Planning& planning, const DesignedPlace& designed, std
 
 }  // namespace
 
-Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options,
+Plan plan_shots(const Board& whole_board, const Bench& nominal, const Sent& sent, const PlanOptions& options,
                 const Progress& progress) {
-  require_something_to_plan(board, nominal, sent, options);
+  require_something_to_plan(whole_board, nominal, sent, options);
+  const Board board = with_planned_tags(whole_board);
   Plan out;
   out.bench = with_proposed_lamps(board, nominal, options);
+  if (board.tags.list.size() < whole_board.tags.list.size())
+    std::erase_if(out.bench.tags, [&](const Tag& measured) {
+      return std::none_of(board.tags.list.begin(), board.tags.list.end(),
+                          [&](const Tag& tag) { return tag.id == measured.id; });
+    });
   const Bench& bench = out.bench;
   const std::size_t own_lamps = nominal.lights.size();
   std::vector<CameraPlace> places = camera_places(board, bench.lens, true, options.focus);

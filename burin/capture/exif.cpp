@@ -8,11 +8,14 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
-#include <fstream>
 #include <string_view>
 
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
+#include "burin/render/files/picture_file.h"
+#include "burin/render/files/printable.h"
 #include "burin/render/files/table.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -61,7 +64,7 @@ std::optional<double> time_of(const OIIO::ImageSpec& spec) {
     std::tm t{};
     if (std::sscanf(text.c_str(), "%d%*c%d%*c%d %d:%d:%d", &t.tm_year, &t.tm_mon, &t.tm_mday, &t.tm_hour, &t.tm_min,
                     &t.tm_sec) != 6 ||
-        t.tm_year < 1971)
+        t.tm_year < 1971 || t.tm_year > 9999)
       continue;
     t.tm_year -= 1900;
     t.tm_mon -= 1;
@@ -76,32 +79,27 @@ std::optional<double> time_of(const OIIO::ImageSpec& spec) {
 
 // OpenImageIO calls every PNG sRGB, so the file's own words count: an sRGB chunk, or a gamma of 1/2.2.
 bool png_says_srgb(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  in.seekg(8);
-  std::array<unsigned char, 12> head{};
-  while (in.read(reinterpret_cast<char*>(head.data()), 8)) {
-    const auto big_endian = [&](int at) {
-      return head[at] * 16777216.0 + head[at + 1] * 65536.0 + head[at + 2] * 256.0 + head[at + 3];
-    };
-    const double length = big_endian(0);
-    const std::string_view type(reinterpret_cast<const char*>(&head[4]), 4);
+  const std::string head = read_head(file, limit::kMiB);
+  const auto big_endian = [&](std::size_t at) {
+    double value = 0;
+    for (std::size_t i = 0; i < 4; ++i) value = 256 * value + static_cast<unsigned char>(head[at + i]);
+    return value;
+  };
+  for (std::size_t at = 8; at + 12 <= head.size();) {
+    const std::string_view type = std::string_view(head).substr(at + 4, 4);
     if (type == "IDAT") return false;
     if (type == "sRGB") return true;
-    if (type == "gAMA") {
-      in.read(reinterpret_cast<char*>(&head[8]), 4);
-      return std::abs(big_endian(8) - 45455) < 1000;
-    }
-    in.seekg(static_cast<std::streamoff>(length) + 4, std::ios::cur);
+    if (type == "gAMA") return std::abs(big_endian(at + 8) - 45455) < 1000;
+    const double next = static_cast<double>(at) + big_endian(at) + 12;
+    if (next > static_cast<double>(head.size())) return false;
+    at = static_cast<std::size_t>(next);
   }
   return false;
 }
 
 // libheif turns pixels as the file's `irot` boxes say (ISO 23008-12, 6.5.10), and tells nobody.
 int heic_turned_deg(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string head(1U << 18U, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string head = read_head(file, 1U << 18U);
   const std::string_view box("\0\0\0\x09irot", 8);
   const std::size_t at = head.find(box);
   return at == std::string::npos || at + box.size() >= head.size() ? 0 : 90 * (head[at + box.size()] & 3);
@@ -123,19 +121,15 @@ constexpr std::array<std::string_view, 18> kRaws{".dng", ".cr2", ".cr3", ".crw",
 }  // namespace
 
 Exif read_exif(const fs::path& file) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(file, ignored))
-    fail(file.string(), "there is no such file", "check the path, and that the photo was copied");
-  auto input = OIIO::ImageInput::open(file.string());
-  if (!input) {
-    const std::string extension = lower_extension(file);
-    fail(file.string(), "is no photo that can be read (" + OIIO::geterror() + ")",
-         std::string("copy it from the camera again, or take it out of the folder") +
-             (extension == ".heic" || extension == ".heif"
-                  ? "; if no HEIC can be read, its decoder is missing: on Debian 13, sudo apt-get install "
-                    "libheif-plugin-libde265"
-                  : ""));
-  }
+  const std::string extension = lower_extension(file);
+  const auto input = open_picture(
+      file, {limit::kPhotoPixels, "a photo",
+             std::string("copy it from the camera again, or take it out of the folder") +
+                 (extension == ".heic" || extension == ".heif"
+                      ? "; if no HEIC can be read, its decoder is missing: on Debian 13, sudo apt-get install "
+                        "libheif-plugin-libde265"
+                      : ""),
+             is_raw_name(file)});
   const OIIO::ImageSpec& spec = input->spec();
   Exif exif;
   exif.width = spec.width;
@@ -157,8 +151,8 @@ Exif read_exif(const fs::path& file) {
   // The raw plugin turns pixels unless told not to, and then says 1; what the camera noted is kept beside it.
   exif.orientation = spec.get_int_attribute("raw:Orientation", spec.get_int_attribute("Orientation", 1));
   if (exif.kind == "heif") exif.turned_deg = heic_turned_deg(file);
-  exif.make = spec.get_string_attribute("Make");
-  exif.model = spec.get_string_attribute("Model");
+  exif.make = printable(spec.get_string_attribute("Make"));
+  exif.model = printable(spec.get_string_attribute("Model"));
   exif.says_srgb = spec.get_int_attribute("Exif:ColorSpace") == 1 ||
                    spec.get_string_attribute("ICCProfile:profile_description").find("sRGB") != std::string::npos ||
                    (exif.kind == "png" && png_says_srgb(file));

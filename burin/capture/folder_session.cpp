@@ -9,10 +9,13 @@
 #include <optional>
 #include <utility>
 
+#include "burin/capture/photo_memory.h"
 #include "burin/capture/preflight.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -89,6 +92,9 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
   std::vector<std::pair<Photo, Exif>> photos;
   while (const auto incoming = source())
     if (const auto photo = photo_of(*incoming, result.findings)) photos.emplace_back(*photo, incoming->exif);
+  require_at_most(
+      photos.size(), limit::kPhotos, "the photos", "files",
+      "take some of them into a folder of their own: a few dozen from many directions tell all there is to know");
   if (photos.empty())  // nothing is left: what each photo lacks is why
     for (Finding& finding : result.findings)
       if (finding.severity == warning) finding.severity = error;
@@ -105,10 +111,15 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
   // A few at a time, so that progress can be told from this thread and big photos do not pile up.
   std::vector<std::optional<PhotoLook>> looks(photos.size());
   std::vector<std::string> broken(photos.size());
-  constexpr std::size_t kAtOnce = 4;
-  for (std::size_t begin = 0; begin < photos.size(); begin += kAtOnce) {
+  constexpr std::size_t kMostAtOnce = 4;
+  for (std::size_t begin = 0, end = 0; begin < photos.size(); begin = end) {
     if (progress) progress("reading photos", static_cast<double>(begin) / static_cast<double>(photos.size()));
-    tbb::parallel_for(begin, std::min(begin + kAtOnce, photos.size()), [&](std::size_t i) {
+    end = std::min(begin + kMostAtOnce, photos.size());
+    double largest = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      largest = std::max(largest, 1.0 * photos[i].second.width * photos[i].second.height);
+    end = begin + static_cast<std::size_t>(groups_at_once(largest, static_cast<int>(end - begin)));
+    tbb::parallel_for(begin, end, [&](std::size_t i) {
       try {
         looks[i] = look_at(photos[i].first, &tags);
       } catch (const Error& unreadable) {

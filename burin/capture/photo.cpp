@@ -8,13 +8,16 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <memory>
 #include <utility>
 
+#include "burin/capture/exif.h"
+#include "burin/capture/photo_memory.h"
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
+#include "burin/render/files/picture_file.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -48,32 +51,24 @@ OIIO::ImageSpec raw_settings() {
 // libjpeg fills a file that was cut short with gray and only warns; so look for its end marker. Segments are walked so
 // that an embedded thumbnail's end is not taken for the photo's.
 bool jpeg_is_complete(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  const std::string text = read_bytes(file, limit::kPictureBytes, "a photo");
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   std::size_t i = 2;
-  while (i + 4 <= bytes.size() && bytes[i] == 0xFF && bytes[i + 1] != 0xDA)
-    i += bytes[i + 1] == 0xFF ? 1 : 2 + bytes[i + 2] * std::size_t{256} + bytes[i + 3];
-  for (; i + 1 < bytes.size(); ++i)
-    if (bytes[i] == 0xFF && bytes[i + 1] == 0xD9) return true;
-  return false;
+  while (i + 4 <= text.size() && byte(i) == 0xFF && byte(i + 1) != 0xDA)
+    i += byte(i + 1) == 0xFF ? 1 : 2 + byte(i + 2) * std::size_t{256} + byte(i + 3);
+  return text.find("\xFF\xD9", i) != std::string::npos;
 }
 
 std::unique_ptr<OIIO::ImageInput> open_photo(const Photo& photo) {
-  std::error_code ignored;
-  if (!fs::is_regular_file(photo.file, ignored))
-    fail(photo.file.string(), "there is no such file", "check the path, and that the photo was copied");
-  const OIIO::ImageSpec config = raw_settings();
-  auto input = OIIO::ImageInput::open(photo.file.string(), &config);
-  if (!input)
-    fail(photo.file.string(), "is no photo that can be read (" + OIIO::geterror() + ")",
-         "give a PNG, TIFF, JPEG, HEIC, EXR or camera raw file, and copy it again if it is damaged");
+  auto input = open_picture(photo.file,
+                            {limit::kPhotoPixels, "a photo",
+                             "give a PNG, TIFF, JPEG, HEIC, EXR or camera raw file, and copy it again if it is damaged",
+                             is_raw_name(photo.file)},
+                            raw_settings());
   const bool is_raw = std::string(input->format_name()) == "raw";
   if (is_raw != (photo.encoding == Encoding::raw))
     fail(photo.file.string(), is_raw ? "is a raw file, but its encoding is not \"raw\"" : "is not a raw file",
          "correct \"encoding\" in the session");
-  const OIIO::ImageSpec& spec = input->spec();
-  if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1 || spec.depth > 1)
-    fail(photo.file.string(), "holds no picture", "give a plain photo");
   return input;
 }
 
@@ -198,6 +193,7 @@ struct Exposures {
 
 Exposures read_exposures(std::span<const Photo> photos) {
   const std::size_t count = photos.size();
+  require_bracket_fits(photos);
   Exposures e{std::vector<LinearPhoto>(count), std::vector<std::vector<std::uint8_t>>(count),
               std::vector<double>(count), std::vector<int>(count)};
   for (std::size_t k = 0; k < count; ++k) {
@@ -334,6 +330,7 @@ std::vector<std::vector<Photo>> grouped(std::span<const Photo> photos) {
 std::vector<NoiseSample> measure(const std::vector<Photo>& bracket) {
   std::vector<LinearPhoto> photos;
   photos.reserve(bracket.size());
+  require_bracket_fits(bracket);
   for (const Photo& photo : bracket) photos.push_back(read_photo(photo));
   std::vector<NoiseSample> samples;
   for (std::size_t a = 0; a < photos.size(); ++a)
@@ -361,8 +358,16 @@ NoiseModel estimate_noise(std::span<const Photo> photos) {
   const auto groups = grouped(photos);
   const std::size_t used = std::min(groups.size(), kMostBrackets);
   std::vector<std::vector<NoiseSample>> samples(used);
-  tbb::parallel_for(std::size_t{0}, used,
-                    [&](std::size_t i) { samples[i] = measure(groups[i * groups.size() / used]); });
+  std::size_t longest = 1;
+  for (const auto& group : groups) longest = std::max(longest, group.size());
+  if (photos.empty()) return fit_noise({});
+  tbb::task_arena arena(groups_at_once(pixels_of(photos.front().file) * static_cast<double>(longest),
+                                       tbb::this_task_arena::max_concurrency()));
+  arena.execute([&] {
+    tbb::parallel_for(
+        std::size_t{0}, used, [&](std::size_t i) { samples[i] = measure(groups[i * groups.size() / used]); },
+        tbb::simple_partitioner());
+  });
   std::vector<NoiseSample> all;
   for (const auto& more : samples) all.insert(all.end(), more.begin(), more.end());
   return fit_noise(all);

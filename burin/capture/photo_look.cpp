@@ -88,7 +88,8 @@ PhotoLook look_at(const Photo& photo, const TagSet* tags) {
   look.height = value.height;
   if (tags) look.tags = look_for_tags(gray, linear.clipped, *tags);
   look.scale = std::max(1.0, value.width / 800.0);
-  const cv::Size size(static_cast<int>(value.width / look.scale), static_cast<int>(value.height / look.scale));
+  const cv::Size size(std::max(1, static_cast<int>(value.width / look.scale)),
+                      std::max(1, static_cast<int>(value.height / look.scale)));
   cv::Mat small, mask(value.height, value.width, CV_8U);
   std::transform(linear.clipped.begin(), linear.clipped.end(), mask.begin<std::uint8_t>(),
                  [](std::uint8_t c) { return static_cast<std::uint8_t>(c ? 255 : 0); });

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/printable.h"
 
 namespace burin {
 namespace {
@@ -55,7 +56,12 @@ PhotoSource folder_source(const fs::path& folder, std::vector<Finding>& findings
   std::map<std::string, fs::path> raw_of;  // by stem
   for (const fs::directory_entry& entry : entries) {
     const std::string name = entry.path().filename().string();
-    if (name.front() == '.' || !entry.is_regular_file()) continue;
+    if (name.front() == '.' || !entry.is_regular_file(error)) continue;
+    if (!is_printable(name)) {
+      findings.push_back({Finding::Severity::warning, entry.path(),
+                          "was passed over: its name holds bytes that are no text", "rename the file"});
+      continue;
+    }
     if (!is_photo_name(entry.path())) {
       findings.push_back({Finding::Severity::note, entry.path(), "is no photo and was passed over", ""});
       continue;

@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "burin/capture/photo.h"
+#include "burin/capture/photo_memory.h"
 #include "burin/capture/tags/tag_coverage.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
@@ -317,10 +318,14 @@ std::vector<Finding> preflight(const Session& session, const Progress& progress)
   std::vector<PhotoLook> looks(n);
   std::vector<std::string> broken(n);
   const TagSet tags = read_board(session.board).tags;
-  constexpr std::size_t kAtOnce = 4;
-  for (std::size_t begin = 0; begin < n; begin += kAtOnce) {
+  constexpr std::size_t kMostAtOnce = 4;
+  for (std::size_t begin = 0, end = 0; begin < n; begin = end) {
     if (progress) progress("reading photos", static_cast<double>(begin) / static_cast<double>(n));
-    tbb::parallel_for(begin, std::min(begin + kAtOnce, n), [&](std::size_t i) {
+    end = std::min(begin + kMostAtOnce, n);
+    double largest = 0;
+    for (std::size_t i = begin; i < end; ++i) largest = std::max(largest, pixels_of(session.photos[i].file));
+    end = begin + static_cast<std::size_t>(groups_at_once(largest, static_cast<int>(end - begin)));
+    tbb::parallel_for(begin, end, [&](std::size_t i) {
       try {
         exif[i] = read_exif(session.photos[i].file);
         looks[i] = look_at(session.photos[i], &tags);

@@ -6,7 +6,9 @@
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -46,14 +48,18 @@ Session read_session(const fs::path& file) {
     if (photo.view.empty()) entry.fail_field("view", "is empty", "give each place of the camera a name");
     if (!seen.insert(photo.file).second)
       entry.fail_field("file", photo.file.string() + " is listed twice", "list each photo once");
-    if (!fs::is_regular_file(photo.file))
+    std::error_code unknown;
+    if (!fs::is_regular_file(photo.file, unknown))
       entry.fail_field("file", "there is no file " + photo.file.string(),
                        "put the photo there, or take it off the list");
     session.photos.push_back(std::move(photo));
   }
   root.finish();
+  require_at_most(session.photos.size(), limit::kPhotos, file.string() + ": photos", "photos",
+                  "calibrate with some of them: a few dozen from many directions tell all there is to know");
   if (session.photos.empty()) root.fail_field("photos", "the list is empty", "a session needs at least one photo");
-  if (!fs::is_regular_file(session.board))
+  std::error_code unknown;
+  if (!fs::is_regular_file(session.board, unknown))
     root.fail_field("board", "there is no file " + session.board.string(), "put board.json there, or correct the path");
   return session;
 }

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "burin/render/error.h"
+#include "burin/render/linear_picture.h"
 
 namespace burin {
 namespace {
@@ -13,21 +14,18 @@ constexpr double kDegree = std::numbers::pi / 180;
 
 // Of an image in memory (if it has pixels) or of a file. `name` is what errors call it.
 Image linear_luminance(const Image& in_memory, const std::filesystem::path& file, const std::string& name) {
-  Image picture = in_memory.width > 0 ? in_memory : read_picture(file);
-  if (picture.width < 1 || picture.height < 1) fail(name, "holds no pixels", "give another picture");
+  if (in_memory.width <= 0) return read_linear_luminance(file);
+  Image picture = in_memory;
+  if (picture.height < 1) fail(name, "holds no pixels", "give another picture");
   const std::size_t values =
       static_cast<std::size_t>(picture.width) * picture.height * static_cast<std::size_t>(picture.channels);
   if ((picture.channels != 1 && picture.channels != 3) || picture.data.size() != values)
     fail(name,
          "has " + std::to_string(picture.channels) + " channels and " + std::to_string(picture.data.size()) + " values",
          "give width x height values for one channel or three");
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  const bool linear = in_memory.width == 0 && (extension == ".exr" || extension == ".hdr");
   for (float& v : picture.data) {
     if (!std::isfinite(v)) fail(name, "holds values that are not finite", "repair the picture");
-    if (!linear) v = srgb_to_linear(std::clamp(v, 0.0F, 1.0F));
+    v = srgb_to_linear(std::clamp(v, 0.0F, 1.0F));
   }
   return luminance(picture);
 }

@@ -4,12 +4,14 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <system_error>
 
 #include "burin/optimize/carving/sheet.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/render/error.h"
 #include "burin/render/files/files_together.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/parameter_name.h"
 
@@ -28,10 +30,10 @@ fs::path part_file(const fs::path& out, std::size_t part, std::size_t parts) {
 }
 
 bool written_by_us(const fs::path& file) {
-  std::ifstream stream(file);
-  std::string first_line;
-  std::getline(stream, first_line);
-  return first_line.find("Burin") != std::string::npos;
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) return false;
+  const std::string head = read_head(file, 1024);
+  return std::string_view(head).substr(0, head.find('\n')).find("Burin") != std::string_view::npos;
 }
 
 /// A shorter job leaves no part of a longer one behind: someone would carve it.

@@ -10,10 +10,12 @@
 #include "burin/render/error.h"
 #include "burin/render/files/camera_json.h"
 #include "burin/render/files/files_together.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/material_json.h"
 #include "burin/render/files/verdict_json.h"
 #include "burin/render/groove.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -271,6 +273,8 @@ Bench read_bench(const std::filesystem::path& file) {
     for (JsonObject& item : json.objects("views")) bench.views.push_back(read_view(item));
   if (json.has("lights"))
     for (JsonObject& item : json.objects("lights")) bench.lights.push_back(read_light(item));
+  require_at_most(bench.views.size(), limit::kViews, file.string() + ": views", "views", "keep those that are used");
+  require_at_most(bench.lights.size(), limit::kLights, file.string() + ": lights", "lamps", "keep those that are used");
   fail_unless_unique(
       bench.views, [](const View& v) { return v.name; }, json, "views");
   fail_unless_unique(

@@ -6,8 +6,10 @@
 #include <set>
 
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/material_json.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -29,6 +31,8 @@ TagSet read_tags(JsonObject json, const Eigen::Vector2d& size_mm) {
   if (!(tags.white_albedo > tags.black_albedo))
     json.fail_field("white_albedo", "is not greater than black_albedo", "correct one of them");
   if (json.has("list")) {
+    require_at_most(json.raw("list").size(), limit::kTags, json.where() + ".list", "tags",
+                    "list fewer: a few dozen tell all there is to know");
     std::set<int> ids;
     for (JsonObject& item : json.objects("list")) {
       Tag tag;
@@ -194,6 +198,8 @@ void fail_if_tags_overlap(const TagSet& tags, const std::string& where) {
   for (std::size_t i = 0; i < tags.list.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const Tag &a = tags.list[i], &b = tags.list[j];
+      constexpr double kHalfDiagonal = 0.7072;
+      if ((a.center_mm - b.center_mm).norm() > kHalfDiagonal * paper * (a.size_mm + b.size_mm)) continue;
       if (apart(corners_at(a, paper), corners_at(b, print)) && apart(corners_at(a, print), corners_at(b, paper)))
         continue;
       const auto mm = [](double v) { return Json(std::round(v * 100) / 100).dump(); };
@@ -221,6 +227,10 @@ Board read_board(const std::filesystem::path& file) {
   board.size_mm = json.vec2("size_mm");
   if (!(board.size_mm.array() > 0).all())
     json.fail_field("size_mm", "is " + to_json(board.size_mm).dump(), "write width and height in mm, both above 0");
+  if (board.size_mm.maxCoeff() > limit::kBoard_mm)
+    json.fail_field("size_mm", "is " + to_json(board.size_mm).dump(),
+                    "write width and height in mm, at most " +
+                        with_commas(static_cast<std::uintmax_t>(limit::kBoard_mm)) + " (docs/limits.md)");
   board.carve_max_mm = board.size_mm;
   if (json.has("carve_mm")) {
     const Eigen::MatrixXd carve = json.matrix("carve_mm", 2, 2);
@@ -231,8 +241,11 @@ Board read_board(const std::filesystem::path& file) {
       json.fail_field("carve_mm", "is " + to_json(carve).dump(),
                       "write the lower-left and the upper-right corner of the carve area, within the board");
   }
-  if (json.has("keep_out"))
+  if (json.has("keep_out")) {
+    require_at_most(json.raw("keep_out").size(), limit::kKeepOut, file.string() + ": keep_out", "places",
+                    "join those that touch");
     for (JsonObject& place : json.objects("keep_out")) board.keep_out.push_back(read_keep_out(place));
+  }
   if (json.has("tags")) {
     board.tags = read_tags(json.object("tags"), board.size_mm);
     fail_if_tags_overlap(board.tags, file.string() + ": tags");

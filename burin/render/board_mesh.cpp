@@ -2,15 +2,18 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
+#include <sstream>
 #include <string>
 #include <string_view>
 
 #include "burin/render/embree_rays.h"
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -37,6 +40,11 @@ struct ObjReader {
 
   [[noreturn]] void fail_line(const std::string& what, const std::string& remedy) const {
     fail(file.string() + ":" + std::to_string(line), what, remedy);
+  }
+
+  [[noreturn]] void fail_size(const std::string& things) const {
+    fail_line("it has more " + things + " than Burin takes (" + with_commas(limit::kTriangles) + " triangles)",
+              "use a coarser mesh (docs/limits.md)");
   }
 
   static std::vector<std::string_view> words(std::string_view text) {
@@ -109,6 +117,7 @@ struct ObjReader {
       const auto& p = mesh.position_mm;
       const Eigen::Vector3d a = p[t[1].position] - p[t[0].position], b = p[t[2].position] - p[t[0].position];
       if (!(a.cross(b).norm() > 1e-14 * std::max(a.squaredNorm(), b.squaredNorm()))) continue;
+      if (mesh.triangle.size() == limit::kTriangles) fail_size("triangles");
       mesh.triangle.push_back({t[0].position, t[1].position, t[2].position});
       mesh.line.push_back(line);
       auto& uv = mesh.uv.emplace_back();
@@ -126,8 +135,10 @@ struct ObjReader {
     std::string text;
     while (std::getline(in, text)) {
       ++line;
+      if (text.size() > limit::kMeshLineBytes) fail_line("the line is too long", "export the mesh again, as triangles");
       const auto w = words(std::string_view(text).substr(0, text.find('#')));
       if (w.empty()) continue;
+      if (std::max({mesh.position_mm.size(), vt.size(), vn.size()}) > 3 * limit::kTriangles) fail_size("vertices");
       if (w[0] == "v") mesh.position_mm.push_back(vector<3>(w));
       if (w[0] == "vt") vt.push_back(vector<2>(w));
       if (w[0] == "vn") vn.push_back(vector<3>(w));
@@ -228,11 +239,9 @@ std::vector<std::array<Eigen::Vector3d, 3>> smooth_normals(const TriangleMesh& m
 }  // namespace
 
 TriangleMesh read_obj(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in || std::filesystem::is_directory(file)) fail(file.string(), "cannot be read", "give a Wavefront OBJ file");
+  std::istringstream in(read_bytes(file, limit::kMeshBytes, "an OBJ file"));
   ObjReader reader{file, 0, {}, {}, true, true, {}};
   reader.read(in);
-  if (in.bad()) fail(file.string(), "cannot be read to its end", "check the file");
   if (reader.mesh.triangle.empty()) {
     fail(file.string(), "has no face with an area", "give a Wavefront OBJ file with v, vt and f lines");
   }

@@ -1,5 +1,7 @@
 #include "burin/render/error.h"
 
+#include "burin/render/files/printable.h"
+
 namespace burin {
 namespace {
 
@@ -13,7 +15,7 @@ std::string one_line(const std::string& text) {
       out += ", ";
   }
   while (out.ends_with(", ")) out.resize(out.size() - 2);
-  return out;
+  return printable(out);
 }
 
 }  // namespace

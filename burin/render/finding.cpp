@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "burin/render/files/printable.h"
+
 namespace burin {
 
 Finding make_warning(std::string what, std::string remedy) {
@@ -10,8 +12,8 @@ Finding make_warning(std::string what, std::string remedy) {
 }
 
 std::string sentence(const Finding& finding) {
-  return (finding.file.empty() ? "" : finding.file.string() + ": ") + finding.what +
-         (finding.remedy.empty() ? "" : "; " + finding.remedy);
+  return printable((finding.file.empty() ? "" : finding.file.string() + ": ") + finding.what +
+                   (finding.remedy.empty() ? "" : "; " + finding.remedy));
 }
 
 bool has_errors(const std::vector<Finding>& findings) {

@@ -1,25 +1,31 @@
 #include "burin/render/image.h"
 
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "burin/render/error.h"
 #include "burin/render/files/encoded_picture.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/picture_file.h"
 #include "burin/render/files/write_file.h"
+#include "burin/render/limits.h"
+#include "burin/render/linear_picture.h"
 
 namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kPictureRemedy = "use a PNG, TIFF, JPEG or EXR picture that other programs open";
 
 std::string lower_extension(const fs::path& file) {
   std::string extension = file.extension().string();
@@ -28,16 +34,10 @@ std::string lower_extension(const fs::path& file) {
   return extension;
 }
 
-/// OpenImageIO's messages may run over several lines; ours are one sentence.
-std::string one_line(std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  return message;
-}
-
 /// libjpeg fills a file that was cut short with gray and only warns. The end marker stands behind the last scan: within
 /// a scan neither marker can occur.
 bool jpeg_is_whole(const fs::path& file) {
-  const std::string bytes = read_text(file);
+  const std::string bytes = read_bytes(file, limit::kPictureBytes, "a picture");
   const std::size_t end = bytes.rfind("\xFF\xD9"), scan = bytes.rfind("\xFF\xDA");
   return end != std::string::npos && (scan == std::string::npos || end > scan);
 }
@@ -71,48 +71,139 @@ std::vector<Tap> taps(int source, int destination) {
   return list;
 }
 
-}  // namespace
+/// A picture's rows, upright as its EXIF orientation says, colors over white, are handed on a few at a time: no more of
+/// it is in memory than what the caller keeps.
+struct UprightPicture {
+  std::unique_ptr<OIIO::ImageInput> input;
+  OIIO::ImageSpec spec;
+  int orientation = 1;
+  int width = 0, height = 0, channels = 1;  ///< upright; 1 or 3 channels
 
-Image read_picture(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!fs::exists(file, error)) fail(file.string(), "does not exist", "check the path of the picture");
-  if (fs::is_directory(file, error)) fail(file.string(), "is a folder", "name a picture");
-  const std::string remedy = "use a PNG, TIFF, JPEG or EXR picture that other programs open";
+  bool lies() const { return orientation >= 5; }
 
+  /// Where the stored pixel (x, y) stands upright (TIFF 6.0, Orientation).
+  std::pair<int, int> place(int x, int y) const {
+    const int right = spec.width - 1 - x, bottom = spec.height - 1 - y;
+    switch (orientation) {
+      case 2:
+        return {right, y};
+      case 3:
+        return {right, bottom};
+      case 4:
+        return {x, bottom};
+      case 5:
+        return {y, x};
+      case 6:
+        return {bottom, x};
+      case 7:
+        return {bottom, right};
+      case 8:
+        return {y, right};
+      default:
+        return {x, y};
+    }
+  }
+};
+
+UprightPicture open_upright(const fs::path& file) {
   // Colors as stored, not multiplied by alpha in 8 bits behind our back.
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(file.string(), &config);
-  if (!input) fail(file.string(), "is not a picture that can be read: " + one_line(OIIO::geterror()), remedy);
-  const OIIO::ImageSpec spec = input->spec();
-  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep ||
-      spec.image_pixels() > 1'000'000'000ULL)
-    fail(file.string(), "is not a flat picture of usable size", remedy);
-
-  OIIO::ImageBuf buffer(OIIO::ImageSpec(spec.width, spec.height, spec.nchannels, OIIO::TypeDesc::FLOAT));
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, buffer.localpixels()))
-    fail(file.string(), "is broken: " + one_line(input->geterror()), remedy);
-  if (std::string_view(input->format_name()) == "jpeg" && !jpeg_is_whole(file))
+  UprightPicture picture;
+  picture.input = open_picture(file, {limit::kPicturePixels, "a picture", kPictureRemedy}, config);
+  picture.spec = picture.input->spec();
+  if (std::string_view(picture.input->format_name()) == "jpeg" && !jpeg_is_whole(file))
     fail(file.string(), "is cut short", "copy it again from where it came from");
-  const int orientation = spec.get_int_attribute("Orientation", 1);
-  if (orientation != 1) {
-    buffer.specmod().attribute("Orientation", orientation);
-    buffer = OIIO::ImageBufAlgo::reorient(buffer);
-  }
+  const int said = picture.spec.get_int_attribute("Orientation", 1);
+  picture.orientation = said >= 1 && said <= 8 ? said : 1;
+  picture.width = picture.lies() ? picture.spec.height : picture.spec.width;
+  picture.height = picture.lies() ? picture.spec.width : picture.spec.height;
+  picture.channels = picture.spec.nchannels >= 3 ? 3 : 1;
+  return picture;
+}
 
-  const int width = buffer.spec().width, height = buffer.spec().height, stored = spec.nchannels;
+/// Hands each pixel's values, over white, to take(x, y, values), x and y being upright.
+template <typename Take>
+void for_each_pixel(UprightPicture& picture, const fs::path& file, const Take& take) {
+  const OIIO::ImageSpec& spec = picture.spec;
+  const int stored = spec.nchannels, channels = picture.channels;
   const int alpha = spec.alpha_channel >= 0 ? spec.alpha_channel : (stored == 2 || stored == 4 ? stored - 1 : -1);
   const bool unassociated = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
-  Image image(width, height, stored >= 3 ? 3 : 1);
-  const auto* pixels = static_cast<const float*>(buffer.localpixels());
-  for (std::size_t i = 0; i < static_cast<std::size_t>(width) * height; ++i, pixels += stored) {
-    for (int c = 0; c < image.channels; ++c) {
-      float value = pixels[c];
-      if (alpha >= 0 && alpha != c) value = (unassociated ? value * pixels[alpha] : value) + (1 - pixels[alpha]);
-      if (!std::isfinite(value)) fail(file.string(), "has pixels that are not numbers", "export the picture again");
-      image.data[i * image.channels + c] = value;
-    }
+  const auto row_values = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(stored);
+  constexpr std::size_t kValuesAtOnce = 1 << 22;
+  const int at_once = spec.tile_height > 0
+                          ? spec.tile_height
+                          : static_cast<int>(std::clamp<std::size_t>(kValuesAtOnce / row_values, 1, 1024));
+  std::vector<float> rows(row_values * static_cast<std::size_t>(std::min(at_once, spec.height)));
+  std::array<float, 3> values{};
+  for (int y0 = 0; y0 < spec.height; y0 += at_once) {
+    const int y1 = std::min(y0 + at_once, spec.height);
+    const bool read = spec.tile_height > 0
+                          ? picture.input->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + y0, spec.y + y1,
+                                                      spec.z, spec.z + 1, 0, stored, OIIO::TypeDesc::FLOAT, rows.data())
+                          : picture.input->read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, stored,
+                                                          OIIO::TypeDesc::FLOAT, rows.data());
+    if (!read) fail(file.string(), "is broken: " + one_line(picture.input->geterror()), kPictureRemedy);
+    const float* pixels = rows.data();
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < spec.width; ++x, pixels += stored) {
+        for (int c = 0; c < channels; ++c) {
+          float value = pixels[c];
+          if (alpha >= 0 && alpha != c) value = (unassociated ? value * pixels[alpha] : value) + (1 - pixels[alpha]);
+          if (!std::isfinite(value)) fail(file.string(), "has pixels that are not numbers", "export the picture again");
+          values[static_cast<std::size_t>(c)] = value;
+        }
+        const auto [upright_x, upright_y] = picture.place(x, y);
+        take(upright_x, upright_y, values);
+      }
   }
+}
+
+float luminance_of(const float* p) { return 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2]; }
+
+}  // namespace
+
+Image read_picture(const std::filesystem::path& file) {
+  UprightPicture picture = open_upright(file);
+  Image image(picture.width, picture.height, picture.channels);
+  for_each_pixel(picture, file, [&](int x, int y, const std::array<float, 3>& values) {
+    std::copy_n(values.begin(), image.channels, &image.at(x, y));
+  });
+  return image;
+}
+
+Image read_linear_luminance(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  const bool linear = extension == ".exr" || extension == ".hdr";
+  UprightPicture picture = open_upright(file);
+  Image image(picture.width, picture.height, 1);
+  for_each_pixel(picture, file, [&](int x, int y, std::array<float, 3> values) {
+    for (float& v : values)
+      if (!linear) v = srgb_to_linear(std::clamp(v, 0.0F, 1.0F));
+    image.at(x, y) = picture.channels == 3 ? luminance_of(values.data()) : values[0];
+  });
+  return image;
+}
+
+Image read_large_picture(const std::filesystem::path& file, int longest_px, int& width, int& height) {
+  constexpr std::int64_t kLargePixels = 64'000'000;
+  UprightPicture picture = open_upright(file);
+  width = picture.width;
+  height = picture.height;
+  const int square = static_cast<std::int64_t>(width) * height <= kLargePixels
+                         ? 1
+                         : std::max(1, std::max(width, height) / std::max(1, longest_px));
+  // What is left over at the right and at the bottom is less than a square.
+  Image image(std::max(1, width / square), std::max(1, height / square), picture.channels);
+  const float share = 1.0f / (static_cast<float>(square) * static_cast<float>(square));
+  for_each_pixel(picture, file, [&](int x, int y, const std::array<float, 3>& values) {
+    const int column = x / square, row = y / square;
+    if (column >= image.width || row >= image.height) return;
+    for (int c = 0; c < image.channels; ++c) {
+      float& sum = image.at(column, row, c);
+      sum = square == 1 ? values[static_cast<std::size_t>(c)] : sum + share * values[static_cast<std::size_t>(c)];
+    }
+  });
   return image;
 }
 
@@ -149,7 +240,7 @@ Image luminance(const Image& image) {
   const std::size_t count = out.data.size();
   for (std::size_t i = 0; i < count; ++i) {
     const float* p = &image.data[i * image.channels];
-    out.data[i] = image.channels >= 3 ? 0.2126f * p[0] + 0.7152f * p[1] + 0.0722f * p[2] : p[0];
+    out.data[i] = image.channels >= 3 ? luminance_of(p) : p[0];
   }
   return out;
 }

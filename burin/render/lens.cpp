@@ -10,8 +10,11 @@ extern "C" {  // mrcal.h has no guard for C++ of its own
 #include <limits>
 
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/picture_file.h"
 #include "burin/render/files/python_literal.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -136,7 +139,7 @@ int lens_parameter_count(const std::string& model) {
 }
 
 Lens read_cameramodel(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
+  const std::string text = read_bytes(file, limit::kLensBytes, "a lens model");
   const Json content = PythonLiteral(text, file.string()).value();
   JsonObject json(content, file.string());
   Lens lens;
@@ -148,6 +151,7 @@ Lens read_cameramodel(const std::filesystem::path& file) {
       json.fail_field("imagersize", "is " + json.raw("imagersize").dump(), "write width and height in whole pixels");
   lens.width = static_cast<int>(size[0]);
   lens.height = static_cast<int>(size[1]);
+  require_picture_size(lens.width, lens.height, limit::kPhotoPixels, file.string() + ": imagersize", "a photo");
   checked_model(lens, file.string());
   if (!(lens.intrinsics[0] > 0) || !(lens.intrinsics[1] > 0))
     json.fail_field("intrinsics", "has a focal length that is not greater than 0", "correct its first two numbers");

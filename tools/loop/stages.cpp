@@ -8,8 +8,10 @@
 #include "burin/render/board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/files_together.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/unfinished.h"
+#include "burin/render/limits.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/loop/round_design.h"
@@ -43,7 +45,7 @@ std::vector<fs::path> files_below(const fs::path& folder) {
 void add_bench(const fs::path& bench, std::set<fs::path>& files) {
   files.insert(bench);
   if (!fs::exists(bench)) return;
-  const Json json = Json::parse(read_text(bench), nullptr, false);
+  const Json json = Json::parse(read_bytes(bench, limit::kJsonBytes, "a JSON file"), nullptr, false);
   if (json.is_object() && json.contains("camera") && json["camera"].is_string())
     files.insert(resolve_path(bench, json["camera"].get<std::string>()));
 }
@@ -134,7 +136,7 @@ bool make_design(const LoopProject& loop, int number) {
     words.emplace_back("--report-tolerance");
   run_step(words);
   const fs::path report = round / "design" / "design-report.json";
-  const Json json = Json::parse(read_text(report), nullptr, false);
+  const Json json = Json::parse(read_bytes(report, limit::kJsonBytes, "a JSON file"), nullptr, false);
   if (!json.is_object() || json.value("stopped_early", true)) return false;
   finish_design(loop, number);
   return true;

@@ -11,6 +11,7 @@
 #include "burin/optimize/target.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/linear_picture.h"
 
 namespace burin {
 namespace {
@@ -85,14 +86,12 @@ Image luminance_encoded(const Image& image, bool linear) {
 
 ChosenPicture read_chosen(const fs::path& file) {
   fail_unless_text(file);
-  const Image image = read_picture(file);
   ChosenPicture p;
+  const Image image = read_large_picture(file, kLargest, p.width, p.height);
   p.file = file;
   p.stored = file.filename();
-  p.width = image.width;
-  p.height = image.height;
   const bool linear = is_linear(file);
-  if (std::max(image.width, image.height) > kLargest && !linear) {
+  if (std::max(p.width, p.height) > kLargest && !linear) {
     p.smaller = at_most(image, kLargest);
     const std::string extension = lower(file.extension().string());
     p.stored =

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/linear_picture.h"
 #include "tools/report/html.h"
 
 namespace burin {
@@ -67,7 +68,8 @@ std::string compared_in_lockstep(const std::string& place, const std::string& co
 }
 
 Image picture_within(const std::filesystem::path& file, int longer_side_px) {
-  Image image = read_picture(file);
+  int width = 0, height = 0;
+  Image image = read_large_picture(file, longer_side_px, width, height);
   const int longer = std::max(image.width, image.height);
   if (longer <= longer_side_px) return image;
   return resized(image, std::max(1, image.width * longer_side_px / longer),

@@ -31,7 +31,7 @@ ResidualTable read_residuals(const std::filesystem::path& file) {
     const auto value = [&](std::size_t name) { return table.number(at(name)); };
     ShownResidual r;
     r.view = table.text(at(0));
-    r.tag = static_cast<int>(value(1));
+    r.tag = table.whole(at(1));
     r.q_px = {value(2), value(3)};
     r.residual_px = {value(4), value(5)};
     r.left_out = value(6) == 0;

@@ -11,6 +11,7 @@
 #include "burin/capture/photo_source.h"
 #include "burin/render/error.h"
 #include "burin/render/files/table.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -33,6 +34,7 @@ struct Corners {
 };
 std::optional<Corners> corners_in(const cv::Mat& gray, const Chessboard& board, int window_px) {
   constexpr double kSearchWidth = 1600;
+  if (std::min(gray.cols, gray.rows) < limit::kLeastPhotoSide) return std::nullopt;
   const double scale = std::max(1.0, gray.cols / kSearchWidth);
   cv::Mat small = gray;
   if (scale > 1) cv::resize(gray, small, {}, 1 / scale, 1 / scale, cv::INTER_AREA);

@@ -254,7 +254,10 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
   LightView pixels;
   pixels.light = light;
   const double mm_per_px = place.distance_mm / bench.lens.intrinsics[0];
-  const int bin = std::max(1, static_cast<int>(std::lround(options.pixel_mm / mm_per_px)));
+  // Large boards in coarser pixels: what they tell grows with the number of grooves, not of pixels.
+  constexpr double kMostPixels = 200'000;
+  const double coarse_mm = std::max(options.pixel_mm, std::sqrt(board.size_mm.prod() / kMostPixels));
+  const int bin = std::max(1, static_cast<int>(std::lround(coarse_mm / mm_per_px)));
   pixels.lens = binned_lens(bench.lens, bin);
   pixels.window = window_of(pixels.lens, place.T_camera_board, surface, {0, 0}, board.size_mm, 1);
   if (pixels.window.width < 8 || pixels.window.height < 8) return out;

@@ -8,7 +8,10 @@
 
 #include "burin/render/error.h"
 #include "burin/render/files/camera_json.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/picture_file.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -118,6 +121,8 @@ void read_scratch_source(JsonObject& root, BenchTruth& truth) {
   JsonObject json = root.object("scratches");
   JsonObject random = json.object("random");
   truth.random.count = at_least(random, "count", 0, 0);
+  require_at_most(static_cast<std::size_t>(truth.random.count), limit::kScratches, random.where(), "random scratches",
+                  "ask for fewer");
   const auto length = random.numbers("length_mm", 2);
   if (!(length[0] > 0) || length[1] < length[0])
     random.fail_field("length_mm", "is no range", "write [shortest, longest] in mm");
@@ -136,10 +141,13 @@ void read_lens(JsonObject json, BenchTruth& truth) {
   }
   truth.lens.model = json.text("lensmodel");
   const auto size = json.numbers("imagersize", 2);
+  for (const double v : size)
+    if (!(v >= 1 && v <= limit::kPictureSide && v == std::floor(v)))
+      json.fail_field("imagersize", "is no picture's size", "write [width, height] in whole pixels");
   truth.lens.width = static_cast<int>(size[0]);
   truth.lens.height = static_cast<int>(size[1]);
-  if (truth.lens.width < 1 || truth.lens.height < 1 || size[0] > 1e5 || size[1] > 1e5)
-    json.fail_field("imagersize", "is no picture's size", "write [width, height] in pixels");
+  require_picture_size(truth.lens.width, truth.lens.height, limit::kPhotoPixels, json.where() + ".imagersize",
+                       "a photo");
   truth.lens.intrinsics = json.numbers("intrinsics", lens_parameter_count(truth.lens.model));
   json.finish();
 }
@@ -234,6 +242,8 @@ Dust read_dust(JsonObject json, std::uint64_t seed) {
   Dust dust;
   dust.specks = at_least(json, "specks", 0, 0);
   dust.fibers = at_least(json, "fibres", 0, 0);
+  for (const int count : {dust.specks, dust.fibers})
+    require_at_most(static_cast<std::size_t>(count), limit::kDust, json.where(), "pieces of dust", "strew less");
   const auto size = json.has("speck_mm") ? json.numbers("speck_mm", 2) : std::vector{dust.smallest_mm, dust.largest_mm};
   if (!(size[0] > 0) || size[1] < size[0])
     json.fail_field("speck_mm", "is no range", "write [smallest, largest] in mm");
@@ -256,6 +266,9 @@ BenchTruth read_bench_truth(const fs::path& file) {
   truth.seed = seed_of(root, "seed", 0);
   truth.samples = at_least(root, "samples", 1, truth.samples);
   truth.samples_plain = at_least(root, "samples_plain", 1, truth.samples_plain);
+  for (const int samples : {truth.samples, truth.samples_plain})
+    require_at_most(static_cast<std::size_t>(samples), limit::kSamples, file.string() + ": samples", "points a pixel",
+                    "ask for fewer: 1,024 are enough for every figure in the docs");
   const std::string overlap = root.text("overlap", "sum");
   if (overlap != "sum" && overlap != "last")
     root.fail_field("overlap", "\"" + overlap + "\" is not known", "write \"sum\" or \"last\"");
@@ -287,6 +300,9 @@ BenchTruth read_bench_truth(const fs::path& file) {
   truth.optics.vignette = root.vec3("vignette", truth.optics.vignette);
   for (JsonObject& light : root.objects("lights")) truth.lights.push_back(read_light(light));
   for (JsonObject& view : root.objects("views")) truth.views.push_back(read_view(view, truth));
+  require_at_most(truth.views.size(), limit::kViews, file.string() + ": views", "views", "photograph in several runs");
+  require_at_most(truth.lights.size(), limit::kLights, file.string() + ": lights", "lamps", "name fewer");
+  require_at_most(truth.board.tags.list.size(), limit::kTags, file.string() + ": board.tags", "tags", "list fewer");
   if (truth.views.empty()) root.fail_field("views", "the list is empty", "a camera needs at least one place");
   truth.ambient = color(root, "ambient", truth.ambient);
   if (root.has("background")) {

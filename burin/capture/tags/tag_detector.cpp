@@ -14,6 +14,7 @@
 
 #include "burin/capture/tags/tag_family.h"
 #include "burin/render/error.h"
+#include "burin/render/limits.h"
 #include "burin/render/median.h"
 
 namespace burin {
@@ -342,6 +343,7 @@ TagDetector::TagDetector(TagDetector&&) noexcept = default;
 TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
 
 std::vector<TagDetection> TagDetector::detect_coarse(std::span<const std::uint8_t> gray, int width, int height) {
+  if (std::min(width, height) < limit::kLeastPhotoSide) return {};  // libapriltag reads past the rows of less
   const bool half = 1e-6 * width * height > state_->options.half_resolution_above_mpx;
   state_->detector->quad_decimate = half ? 2.0F : 1.0F;
   state_->detector->refine_edges = half;

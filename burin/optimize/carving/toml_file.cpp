@@ -6,9 +6,13 @@
 #define TOML_HEADER_ONLY 1
 #include <toml++/toml.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
+#include "burin/render/files/printable.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -38,6 +42,9 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
       return array;
     }
     case toml::node_type::string:
+      if (!is_printable(node.as_string()->get()))
+        fail(at_line(file, node.source()) + ": " + key, "holds a control character",
+             "write text that can be read, on one line: no escapes, no zero bytes");
       return node.as_string()->get();
     case toml::node_type::integer:
       return node.as_integer()->get();
@@ -67,7 +74,11 @@ void with_line(const std::filesystem::path& file, const TomlFile& toml, const st
 }
 
 TomlFile read_toml(const std::filesystem::path& file, const std::string& format, int version) {
-  const std::string text = read_text(file);
+  const std::string text = read_bytes(file, limit::kTomlBytes, "a TOML file");
+  if (const std::size_t zero = text.find('\0'); zero != std::string::npos)  // toml++ asserts on some of them
+    fail(file.string() + ":" +
+             std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n')),
+         "holds a zero byte, so it is no TOML", "check that it is the right file");
   TomlFile toml;
   try {
     const toml::table table = toml::parse(text);

@@ -244,6 +244,21 @@ void DesignRun::measure() {
   if (options_.optimize_depth) result_.depth_um = std::exp(log_shared_[1]);
   if (options_.optimize_alpha) result_.alpha = std::exp(log_shared_[2]);
   result_.scratches = std::move(scratches_);
+  warn_if_hardly_any_is_left();
+}
+
+// A scratch that helps one picture and harms another at the same place is of no use to either, and is dropped.
+void DesignRun::warn_if_hardly_any_is_left() {
+  constexpr double kHardlyAny = 0.1;
+  const std::size_t left = result_.scratches.size() - result_.carved;
+  if (static_cast<double>(left) > kHardlyAny * static_cast<double>(result_.started_with)) return;
+  result_.findings.push_back(make_warning(
+      "only " + std::to_string(left) + " of " + std::to_string(result_.started_with) +
+          " scratches were of any use, so the board will show next to nothing" +
+          (shown_ > 1 ? ": the " + std::to_string(shown_) +
+                            " views ask the same scratches for different pictures, or see them too weakly"
+                      : ": the view sees them too weakly"),
+      "design for fewer views, further apart, or move the lamp; burin sheet draws where eyes and lamps are"));
 }
 
 void DesignRun::measure_pictures() {

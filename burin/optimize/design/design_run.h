@@ -83,6 +83,7 @@ class DesignRun {
   bool time_to_end();
 
   // Parts of measure().
+  void warn_if_hardly_any_is_left();
   void measure_pictures();
   void measure_ghosts();
 

@@ -11,8 +11,11 @@
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/picture_metrics.h"
+#include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -96,6 +99,12 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
   const auto [width, height] = grid_size(board, options.pixels);
+  const double pixels = 1.0 * width * height * static_cast<double>(spec.views.size());
+  if (pixels > static_cast<double>(limit::kDesignPixels))
+    fail("design",
+         std::to_string(spec.views.size()) + " views of " + std::to_string(width) + " x " + std::to_string(height) +
+             " pixels are more than the " + with_commas(limit::kDesignPixels) + " that a design takes in all",
+         "ask for fewer with --pixels, or for fewer views (docs/limits.md)");
   std::vector<GlintView> glints;
   for (const DesignView& v : spec.views) glints.push_back(glint_of(v, bench));
   // Before any picture is loaded: a bench that cannot work is the first thing to know.

@@ -3,6 +3,9 @@
 #include <cmath>
 #include <string>
 
+#include "burin/render/files/input_file.h"
+#include "burin/render/files/picture_file.h"
+#include "burin/render/limits.h"
 #include "burin/render/look_at.h"
 
 namespace burin {
@@ -71,6 +74,8 @@ Lens read_nominal_lens(JsonObject& json) {
   for (const double v : pixels)
     if (!(v >= 16 && v <= 1e5 && v == std::floor(v)))
       json.fail_field("pixels", "is " + json.raw("pixels").dump(), "write width and height of a photo in whole pixels");
+  require_picture_size(static_cast<std::int64_t>(pixels[0]), static_cast<std::int64_t>(pixels[1]), limit::kPhotoPixels,
+                       json.where() + ": pixels", "a photo");
   return nominal_lens(focal_35mm, static_cast<int>(pixels[0]), static_cast<int>(pixels[1]));
 }
 

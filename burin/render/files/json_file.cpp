@@ -12,6 +12,9 @@
 #include "burin/render/error.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/files_together.h"
+#include "burin/render/files/input_file.h"
+#include "burin/render/files/printable.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -69,14 +72,21 @@ std::string without_prefix(const std::string& message) {
   return end == std::string::npos ? message : message.substr(end + 2);
 }
 
-/// JSON allows a key to appear twice and parsers silently keep one of them: a person would not know which.
-struct DuplicateKeyCheck {
+/// What the grammar allows and we do not. A key that appears twice: parsers silently keep one of them, and a person
+/// would not know which. Text that a terminal obeys (printable.h). Brackets without end.
+struct ContentCheck {
   std::vector<std::set<std::string>> open_objects;
-  std::string duplicate;
+  std::string duplicate, unprintable;
+  int deepest = 0;
 
-  bool operator()(int /*depth*/, Json::parse_event_t event, Json& parsed) {
+  bool operator()(int depth, Json::parse_event_t event, Json& parsed) {
+    deepest = std::max(deepest, depth);
+    if (depth > limit::kNesting) return false;  // dropped: nothing that is read from it would be seen
     if (event == Json::parse_event_t::object_start) open_objects.emplace_back();
     if (event == Json::parse_event_t::object_end && !open_objects.empty()) open_objects.pop_back();
+    if ((event == Json::parse_event_t::key || event == Json::parse_event_t::value) && parsed.is_string() &&
+        unprintable.empty() && !is_printable(parsed.get_ref<const std::string&>()))
+      unprintable = parsed.get<std::string>();
     if (event == Json::parse_event_t::key && !open_objects.empty()) {
       const std::string key = parsed.get<std::string>();
       if (!open_objects.back().insert(key).second && duplicate.empty()) duplicate = key;
@@ -240,18 +250,7 @@ void JsonObject::finish() const {
 }
 
 std::string read_text(const std::filesystem::path& file) {
-  std::error_code error;
-  settle_folder(file.parent_path());  // a change that was cut off is none that may be read
-  if (fs::is_directory(file, error)) fail(file.string(), "is a folder", "name a file in it");
-  if (!fs::exists(file, error)) fail(file.string(), "does not exist", "check the path");
-  std::ifstream stream(file, std::ios::binary);
-  const std::uintmax_t bytes = fs::file_size(file, error);
-  if (!stream || error) fail(file.string(), "cannot be opened", "check that it is a plain file that you may read");
-  std::string text(bytes, '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(bytes));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != bytes)
-    fail(file.string(), "cannot be read whole", "check the disk and the file's permissions");
-  return text;
+  return read_bytes(file, limit::kGcodeBytes, "a file of text");
 }
 
 int check_format(JsonObject object, const std::string& format, int version, int oldest) {
@@ -268,15 +267,21 @@ int check_format(JsonObject object, const std::string& format, int version, int 
 }
 
 Json read_json(const std::filesystem::path& file, const std::string& format, int version, int oldest) {
-  const std::string text = read_text(file);
+  const std::string text = read_bytes(file, limit::kJsonBytes, "a JSON file");
   Json json;
-  DuplicateKeyCheck check;
+  ContentCheck check;
   try {
     json = Json::parse(text, std::ref(check));
   } catch (const Json::exception& e) {
     fail(file.string(), "is not JSON: " + without_prefix(e.what()),
          "correct it there (JSON has no comments, no trailing commas, no NaN, and text in double quotes)");
   }
+  if (check.deepest > limit::kNesting)
+    fail(file.string(), "has brackets within brackets, deeper than " + std::to_string(limit::kNesting),
+         "check that it is the right file");
+  if (!check.unprintable.empty())
+    fail(file.string(), "holds a control character, in \"" + check.unprintable.substr(0, 60) + "\"",
+         "write text that can be read: no escapes, no line breaks, no zero bytes");
   if (!check.duplicate.empty())
     fail(file.string() + ": " + check.duplicate, "the key appears twice in one object", "keep one of them");
 

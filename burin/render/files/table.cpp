@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <system_error>
 #include <utility>
 
 #include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/render/files/input_file.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -36,7 +38,7 @@ TableReader::TableReader(std::filesystem::path file, TableStyle style, std::vect
       style_(style),
       required_(std::move(required)),
       remedy_(std::move(remedy)),
-      content_(read_text(file_)),
+      content_(read_bytes(file_, limit::kTableBytes, "a table")),
       rest_(content_) {
   if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // the mark that some spreadsheets put first
   if (style_ == TableStyle::csv) read_csv_header();
@@ -55,6 +57,8 @@ void TableReader::read_csv_header() {
   while (!rest_.empty() && header.empty()) header = next_line();
   if (header.empty()) return;
   split_csv(header);
+  if (values_.size() > limit::kColumns)
+    fail(where(), "names more than " + with_commas(limit::kColumns) + " columns", remedy_);
   for (const std::string_view name : values_) {
     if (find(name)) fail(where(), "column " + std::string(name) + " appears twice", "keep one of them");
     columns_.emplace_back(name);
@@ -74,7 +78,7 @@ void TableReader::split_csv(std::string_view line) {
   for (;;) {
     const std::size_t comma = line.find(',');
     values_.push_back(trimmed(line.substr(0, comma)));
-    if (comma == std::string_view::npos) return;
+    if (comma == std::string_view::npos || values_.size() > limit::kColumns) return;
     line.remove_prefix(comma + 1);
   }
 }
@@ -82,10 +86,17 @@ void TableReader::split_csv(std::string_view line) {
 void TableReader::split_words(std::string_view line) {
   values_.clear();
   for (line = trimmed(line); !line.empty(); line = trimmed(line)) {
+    if (values_.size() > limit::kColumns) return;
     const std::size_t end = std::min(line.find_first_of(" \t"), line.size());
     values_.push_back(line.substr(0, end));
     line.remove_prefix(end);
   }
+}
+
+void TableReader::count_row() {
+  if (rows_++ == limit::kScratches)
+    fail(where(), "is one row more than the " + with_commas(limit::kScratches) + " that Burin takes of a table",
+         "split the table, or thin it out (docs/limits.md)");
 }
 
 bool TableReader::next() {
@@ -94,6 +105,7 @@ bool TableReader::next() {
     if (line.empty()) continue;
     if (style_ == TableStyle::csv) {
       split_csv(line);
+      count_row();
       const std::string columns = std::to_string(columns_.size());
       if (values_.size() < columns_.size())
         fail(where(), "has " + std::to_string(values_.size()) + " values, the first line names " + columns + " columns",
@@ -125,7 +137,7 @@ bool TableReader::next() {
 std::string TableReader::where() const { return file_.string() + ":" + std::to_string(line_); }
 
 std::size_t TableReader::rows_left() const {
-  return static_cast<std::size_t>(std::count(rest_.begin(), rest_.end(), '\n')) + 1;
+  return std::min(static_cast<std::size_t>(std::count(rest_.begin(), rest_.end(), '\n')) + 1, limit::kScratches);
 }
 
 std::string_view TableReader::text(std::size_t column) const {
@@ -139,6 +151,13 @@ double TableReader::number(std::size_t column) const {
     fail_at(column, "is \"" + std::string(text(column).substr(0, 40)) + "\"",
             "write a finite number with a decimal point");
   return *value;
+}
+
+int TableReader::whole(std::size_t column) const {
+  const double value = number(column);
+  if (value != std::floor(value) || std::abs(value) > std::numeric_limits<int>::max())
+    fail_at(column, "is " + std::string(text(column).substr(0, 40)), "write a whole number of at most 9 digits");
+  return static_cast<int>(value);
 }
 
 double TableReader::positive(std::size_t column) const {

@@ -45,6 +45,8 @@ class TableReader {
   bool has(std::size_t column) const { return column < values_.size() && values_[column] != "-"; }
   /// Throws Error naming the column for what is no finite number.
   double number(std::size_t column) const;
+  /// And for what is no whole number, or none that an int holds.
+  int whole(std::size_t column) const;
   /// And for what is not above 0.
   double positive(std::size_t column) const;
   /// Throws Error: this row's column `is` something that it should not be.
@@ -53,6 +55,7 @@ class TableReader {
  private:
   std::string_view next_line();
   void read_csv_header();
+  void count_row();
   void split_csv(std::string_view line);
   void split_words(std::string_view line);
 
@@ -62,7 +65,7 @@ class TableReader {
   std::string remedy_;
   std::string content_;
   std::string_view rest_;
-  std::size_t line_ = 0;
+  std::size_t line_ = 0, rows_ = 0;
   std::vector<std::string_view> values_;
 };
 

@@ -1,0 +1,188 @@
+// Proves: what kind a picture is and how large is known from its first bytes, as OpenImageIO knows it after opening;
+// what claims to be larger than the limits, or than its file, is refused before a library takes memory for it; and
+// pictures that lie on their side, are tiled or have alpha are read as before.
+#include "burin/render/files/picture_file.h"
+
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "burin/render/error.h"
+#include "burin/render/image.h"
+#include "burin/render/limits.h"
+#include "burin/render/linear_picture.h"
+#include "tests/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::ThrowsMessage;
+
+std::string bytes_of(std::uint64_t value, int bytes, bool big) {
+  std::string out;
+  for (int i = 0; i < bytes; ++i) out += static_cast<char>(value >> (8 * (big ? bytes - 1 - i : i)) & 0xFFU);
+  return out;
+}
+
+/// Writes waves through OpenImageIO; false where it has no writer for that kind.
+bool write_with_oiio(const std::filesystem::path& file, OIIO::ImageSpec spec) {
+  const auto out = OIIO::ImageOutput::create(file.string());
+  if (!out) return false;
+  std::vector<float> values(static_cast<std::size_t>(spec.width) * spec.height * spec.nchannels);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = 0.5F + 0.5F * std::sin(0.37F * static_cast<float>(i));
+  return out->open(file.string(), spec) && out->write_image(OIIO::TypeDesc::FLOAT, values.data()) && out->close();
+}
+
+TEST(PictureFile, SizeAndKindAreReadFromTheHeader) {
+  const TemporaryFolder folder;
+  const std::map<std::string, std::string> kinds{
+      {"a.png", "png"}, {"a.jpg", "jpeg"}, {"a.tif", "tiff"},  {"a.hdr", "hdr"}, {"a.exr", "openexr"},
+      {"a.bmp", "bmp"}, {"a.gif", "gif"},  {"a.webp", "webp"}, {"a.ppm", "pnm"}, {"a.heic", "heif"}};
+  int written = 0;
+  for (const auto& [name, kind] : kinds) {
+    if (!write_with_oiio(folder / name, OIIO::ImageSpec(67, 34, 3, OIIO::TypeDesc::UINT8))) continue;
+    ++written;
+    const PictureHeader header = read_picture_header(folder / name, false);
+    EXPECT_EQ(header.kind, kind);
+    if (kind != "heif") {  // tiles of a HEIC may be larger than the picture
+      EXPECT_EQ(header.width, 67) << name;
+      EXPECT_EQ(header.height, 34) << name;
+    }
+    // Under another name it is the same picture.
+    std::filesystem::copy_file(folder / name, folder / "other.txt", std::filesystem::copy_options::overwrite_existing);
+    EXPECT_EQ(read_picture(folder / "other.txt").width, 67) << name;
+  }
+  EXPECT_GE(written, 7);
+}
+
+TEST(PictureFile, WhatIsNoneOfOursIsNamed) {
+  const TemporaryFolder folder;
+  for (const char* bytes : {"%PDF-1.7 and more", "8BPS", "<svg xmlns=''/>", "x"})
+    EXPECT_THAT([&] { read_picture_header(folder.write("a.png", bytes), false); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("no picture of a kind"), HasSubstr("use PNG"))))
+        << bytes;
+  EXPECT_THAT([&] { read_picture_header(folder.write("a.png", ""), false); },
+              ThrowsMessage<Error>(HasSubstr("is empty")));
+}
+
+std::string png_of(std::uint64_t width, std::uint64_t height) {
+  return "\x89PNG\r\n\x1a\n" + bytes_of(13, 4, true) + "IHDR" + bytes_of(width, 4, true) + bytes_of(height, 4, true) +
+         std::string("\x08\0\0\0\0", 5) + "crc.";
+}
+
+TEST(PictureFile, BombsAreRefusedByTheirHeaders) {
+  const TemporaryFolder folder;
+  const auto refused = [&](const std::string& name, const std::string& bytes, const std::string& words) {
+    EXPECT_THAT([&] { read_picture(folder.write(name, bytes)); }, ThrowsMessage<Error>(HasSubstr(words))) << name;
+  };
+  refused("wide.png", png_of(2'000'000'000, 1), "more than 100,000 on a side");
+  refused("large.png", png_of(60'000, 60'000), "more than the 268,435,456");
+  refused("cut.png", "\x89PNG\r\n\x1a\n", "ends within its header");
+  // A TIFF of 60,000 x 60,000; one whose tile is of a gigabyte; one whose directory is longer than the file.
+  const auto tiff = [](std::vector<std::pair<int, std::uint64_t>> tags, std::uint64_t count) {
+    std::string out = std::string("II*\0", 4) + bytes_of(8, 4, false) + bytes_of(count, 2, false);
+    for (const auto& [tag, value] : tags)
+      out += bytes_of(static_cast<std::uint64_t>(tag), 2, false) + bytes_of(4, 2, false) + bytes_of(1, 4, false) +
+             bytes_of(value, 4, false);
+    return out + bytes_of(0, 4, false);
+  };
+  refused("large.tif", tiff({{256, 60'000}, {257, 60'000}}, 2), "more than the 268,435,456");
+  refused("tile.tif", tiff({{256, 100}, {257, 100}, {322, 32'768}, {323, 32'768}}, 4), "its tiles are of 32768");
+  refused("long.tif", tiff({{256, 100}}, 4000), "a directory is larger than the file");
+  // 367 bytes that make OpenEXR ask for 1.95 GB: an attribute that says so long a value. And a window of 2^31 rows.
+  const std::string exr = std::string("\x76\x2f\x31\x01\x02\0\0\0", 8);
+  const auto attribute = [](const std::string& name, const std::string& type, std::uint64_t bytes) {
+    return name + '\0' + type + '\0' + bytes_of(bytes, 4, false);
+  };
+  refused("long.exr", exr + attribute("comments", "string", 1'950'000'000) + std::string(300, 'x'),
+          "an attribute is longer than the file");
+  refused("tall.exr",
+          exr + attribute("dataWindow", "box2i", 16) + bytes_of(0, 4, false) + bytes_of(0, 4, false) +
+              bytes_of(9, 4, false) + bytes_of(2'000'000'000, 4, false) + std::string(1, '\0'),
+          "more than 100,000 on a side");
+  refused("tile.exr",
+          exr + attribute("tiles", "tiledesc", 9) + bytes_of(1U << 20U, 4, false) + bytes_of(1U << 20U, 4, false) +
+              std::string(2, '\0'),
+          "its tiles are of 1048576");
+  refused("large.heic",
+          bytes_of(16, 4, true) + "ftypheic" + bytes_of(0, 4, true) + bytes_of(40, 4, true) + "meta" +
+              bytes_of(0, 4, true) + bytes_of(20, 4, true) + "ispe" + bytes_of(0, 4, true) + bytes_of(32'000, 4, true) +
+              bytes_of(32'000, 4, true) + bytes_of(0, 8, true),
+          "more than the 268,435,456");
+  refused("large.ppm", "P6\n# a comment\n70000 70000\n255\n", "more than the 268,435,456");
+  refused("large.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 70000 +X 70000\n", "more than the 268,435,456");
+  refused("large.bmp",
+          "BM" + std::string(12, '\0') + bytes_of(40, 4, false) + bytes_of(70'000, 4, false) +
+              bytes_of(70'000, 4, false) + std::string(40, '\0'),
+          "more than the 268,435,456");
+}
+
+// All eight ways in which a camera may have been held, in color and gray, against OpenImageIO's own turning.
+TEST(PictureFile, PicturesAreReadUpright) {
+  const TemporaryFolder folder;
+  for (const int channels : {1, 3})
+    for (int orientation = 1; orientation <= 8; ++orientation) {
+      OIIO::ImageSpec spec(13, 7, channels, OIIO::TypeDesc::FLOAT);
+      spec.attribute("Orientation", orientation);
+      // A name of its own: OpenImageIO remembers pictures by their names.
+      const auto file = folder / (std::to_string(channels) + "-" + std::to_string(orientation) + ".tif");
+      ASSERT_TRUE(write_with_oiio(file, spec));
+      const OIIO::ImageBuf upright = OIIO::ImageBufAlgo::reorient(OIIO::ImageBuf(file.string()));
+      const Image image = read_picture(file);
+      ASSERT_EQ(image.width, upright.spec().width) << orientation;
+      ASSERT_EQ(image.height, upright.spec().height) << orientation;
+      for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+          for (int c = 0; c < channels; ++c)
+            ASSERT_EQ(image.at(x, y, c), upright.getchannel(x, y, 0, c)) << orientation << ": " << x << ", " << y;
+    }
+}
+
+// Tiles are read a row of tiles at a time; the last are only partly within the picture.
+TEST(PictureFile, TiledPicturesAreTheSame) {
+  const TemporaryFolder folder;
+  for (const char* extension : {".tif", ".exr"}) {
+    OIIO::ImageSpec spec(77, 53, 3, OIIO::TypeDesc::FLOAT);
+    ASSERT_TRUE(write_with_oiio(folder / (std::string("rows") + extension), spec));
+    spec.tile_width = spec.tile_height = 32;
+    ASSERT_TRUE(write_with_oiio(folder / (std::string("tiles") + extension), spec));
+    const Image rows = read_picture(folder / (std::string("rows") + extension));
+    EXPECT_EQ(read_picture(folder / (std::string("tiles") + extension)).data, rows.data) << extension;
+  }
+}
+
+TEST(PictureFile, LightIsWhatThePictureInColorGives) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.exr"}) {
+    ASSERT_TRUE(write_with_oiio(folder / name, OIIO::ImageSpec(31, 17, 3, OIIO::TypeDesc::FLOAT)));
+    Image color = read_picture(folder / name);
+    if (std::string(name) == "a.png")
+      for (float& v : color.data) v = srgb_to_linear(std::clamp(v, 0.0F, 1.0F));
+    EXPECT_EQ(read_linear_luminance(folder / name).data, luminance(color).data) << name;
+  }
+}
+
+// 9000 x 8000 pixels are more than 64 million: squares of 4 pixels (9000 / 2000) are averaged while they are read.
+TEST(PictureFile, VeryLargePicturesAreReadSmaller) {
+  const TemporaryFolder folder;
+  Image large(9000, 8000, 1);
+  for (int y = 0; y < large.height; ++y)
+    for (int x = 0; x < large.width; ++x) large.at(x, y) = static_cast<float>(x % 2);
+  write_picture(large, folder / "a.png");
+  int width = 0, height = 0;
+  const Image small = read_large_picture(folder / "a.png", 2000, width, height);
+  EXPECT_EQ(width, 9000);
+  EXPECT_EQ(height, 8000);
+  EXPECT_EQ(small.width, 2250);
+  EXPECT_EQ(small.height, 2000);
+  for (const float v : small.data) ASSERT_NEAR(v, 0.5F, 1e-6F);
+}
+
+}  // namespace
+}  // namespace burin
