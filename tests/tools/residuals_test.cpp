@@ -42,6 +42,10 @@ TEST(Residuals, BrokenOnesAreNamedAndMissingOnesAreNone) {
   EXPECT_THAT([&] { read_residuals(comma); }, ThrowsMessage<Error>(AllOf(HasSubstr(":2"), HasSubstr("\"12,5\""))));
   const auto cut = folder.write("cut.vnl", legend + "v00 7 0 12.5\n");
   EXPECT_THAT([&] { read_residuals(cut); }, ThrowsMessage<Error>(HasSubstr("y_px")));
+  for (const char* tag : {"1e300", "3000000000", "7.5"}) {  // what no int holds
+    const auto odd = folder.write("odd.vnl", legend + "v00 " + tag + " 0 12.5 3 0 0 1\n");
+    EXPECT_THAT([&] { read_residuals(odd); }, ThrowsMessage<Error>(HasSubstr("whole number"))) << tag;
+  }
 }
 
 }  // namespace
