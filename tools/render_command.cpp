@@ -11,6 +11,7 @@
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/part_file.h"
 #include "burin/render/image.h"
 #include "burin/render/scratches.h"
 #include "burin/render/view_renderer.h"
@@ -44,6 +45,7 @@ double automatic_exposure(const Image& radiance) {
 }
 
 void run(const Options& o) {
+  find_place(o.out);  // refused before the work
   Board board = read_board(o.board);
   const Bench bench = read_bench_of(board, o.board, o.bench);
   for (const Finding& finding : bench.findings) note(sentence(finding));

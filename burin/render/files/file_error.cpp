@@ -27,6 +27,8 @@ std::string error_remedy(int error) {
       return "choose shorter names: the system takes 255 bytes for each, and 4095 for all of a path";
     case ELOOP:
       return "mend the symbolic links: they lead round in a circle";
+    case EBADF:
+      return "it is closed: leave it open (no `>&-`), or send it to a file";
     case ENOENT:
       return "choose a folder that exists and that you may write to";
     case ENOTDIR:
