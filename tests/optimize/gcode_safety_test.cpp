@@ -99,6 +99,23 @@ TEST(GcodeSafety, ProfilesWithNumbersThatNoMachineHasAreRefused) {
   refuses("\"end\":[\"M2 \\u00e9\"]", "end");
 }
 
+// The judge is worth something: it stops at what would spoil a board, and measures where it does not.
+TEST(GcodeSafety, TheStrictReaderIsStrict) {
+  const std::string head = "G21 G90\nG0 Z1\nG0 X1 Y1\n";
+  for (const char* line :
+       {"G1 X2 F0",     "G1 X3e10 F9", "G20",   "G91",   "G2 X5 I1",    "M98",    "G0 Z-1", "G1 Z-1 F9\nG0 Z1",
+        "G1 X5 Z-1 F9", "G0 Z0\nX5",   "(!)",   "(a",    "$J=G91 X5",   "%",      "G55",    "M2\nG0 X5",
+        "G1 Z-1 F9",    "G28 Z0",      "G4 X5", "X1 X2", "G0 G1 X5 F9", "M3 S100"})
+    EXPECT_NE(strict::execute(head + line + "\n", {}).alarm, "") << line;
+  const strict::Executed done = strict::execute(head + "G1 Z-0.0125 F9\nX2.5 Y-3\nG0 Z1\nM2\n", {});
+  EXPECT_EQ(done.alarm, "");
+  ASSERT_EQ(done.strokes.size(), 1u);
+  EXPECT_EQ(done.strokes[0].x0, 1000000);
+  EXPECT_EQ(done.strokes[0].x1, 2500000);
+  EXPECT_EQ(done.strokes[0].y1, -3000000);
+  EXPECT_EQ(done.strokes[0].z, 12500);
+}
+
 // The short form of tests/reliability/gcode_fuzz_main.cpp.
 TEST(GcodeSafety, ChangedFilesAreReadAsStrictlyAsAControllerReads) {
   const GcodeFuzz fuzz = fuzz_gcode(20260101, 40000, 20);
