@@ -261,6 +261,9 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
     machine.travel = MachineBounds{travel.row(0).transpose(), travel.row(1).transpose()};
     if (!(machine.travel->min_mm.array() < machine.travel->max_mm.array()).all())
       json.fail_field("travel_mm", "is " + to_json(travel).dump(), "write the lower-left, then the upper-right corner");
+    constexpr double kFarthest_mm = 1e5;  // as the replay: no machine reaches 100 m
+    if (!(travel.cwiseAbs().maxCoeff() <= kFarthest_mm))
+      json.fail_field("travel_mm", "is " + to_json(travel).dump(), "write millimeters, at most 100000");
   }
   read_depth_by(json, machine);
   read_block(json, "start", machine.start);

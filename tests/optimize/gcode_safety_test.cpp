@@ -92,6 +92,7 @@ TEST(GcodeSafety, ProfilesWithNumbersThatNoMachineHasAreRefused) {
   refuses("\"safe_z_mm\":1e-9", "safe_z_mm");
   refuses("\"dwell_s\":1e9", "dwell_s");
   refuses("\"force\":1e300", "force");
+  refuses("\"travel_mm\":[[0,0],[400,1e308]]", "travel_mm");
   refuses("\"max_line_characters\":7", "max_line_characters");
   refuses("\"other_m_codes\":[30]", "other_m_codes");
   refuses("\"other_m_codes\":\"M42\"", "other_m_codes");
