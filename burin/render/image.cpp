@@ -127,7 +127,10 @@ template <typename Take>
 void for_each_pixel(UprightPicture& picture, const fs::path& file, const Take& take) {
   const OIIO::ImageSpec& spec = picture.spec;
   const int stored = spec.nchannels, channels = picture.channels;
-  const int alpha = spec.alpha_channel >= 0 ? spec.alpha_channel : (stored == 2 || stored == 4 ? stored - 1 : -1);
+  // OpenImageIO's reader of GIF names a fifth channel of four.
+  const int alpha = spec.alpha_channel >= 0 && spec.alpha_channel < stored ? spec.alpha_channel
+                    : stored == 2 || stored == 4                           ? stored - 1
+                                                                           : -1;
   const bool unassociated = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
   const auto row_values = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(stored);
   constexpr std::size_t kValuesAtOnce = 1 << 22;

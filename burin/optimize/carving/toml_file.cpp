@@ -1,15 +1,31 @@
 #include "burin/optimize/carving/toml_file.h"
 
+#include "burin/render/error.h"
+
+namespace burin {
+namespace {
+
+[[noreturn]] void fail_broken_off() { throw Error("a bracket or a key is broken off"); }
+
+}  // namespace
+}  // namespace burin
+
+// What the parser takes for granted and then finds otherwise ("[" at the end of a line): an error, in every build,
+// instead of assert()'s end of the program in some and of nothing in others.
+#pragma push_macro("NDEBUG")
+#undef NDEBUG
+#define TOML_ASSERT(expression) ((expression) ? void() : burin::fail_broken_off())
 // Debian builds toml++ as a library of its own, which those who link an installed Burin would have to find too.
 #undef TOML_HEADER_ONLY
 #undef TOML_SHARED_LIB
 #define TOML_HEADER_ONLY 1
 #include <toml++/toml.h>
+#pragma pop_macro("NDEBUG")
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 
-#include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/printable.h"
 #include "burin/render/limits.h"
@@ -58,6 +74,34 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
   }
 }
 
+/// Where text that is not ASCII stands outside of quotes and comments, where TOML has none: toml++ 3 goes astray on
+/// some of it. std::string::npos if nowhere.
+std::size_t bare_foreign_letter(std::string_view text) {
+  std::string_view quotes;  // that end what was begun; empty outside
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (!quotes.empty()) {
+      if (text[i] == '\\' && quotes[0] == '"')
+        ++i;
+      else if (text.substr(i).starts_with(quotes) || (quotes.size() == 1 && text[i] == '\n'))
+        i += quotes.size() - 1, quotes = {};
+    } else if (text[i] == '#') {
+      i = std::min(text.find('\n', i), text.size());
+    } else if (text[i] == '"' || text[i] == '\'') {
+      const std::string_view three = text.substr(i, 3);
+      quotes = three == "\"\"\"" || three == "'''" ? three : text.substr(i, 1);
+      i += quotes.size() - 1;
+    } else if (static_cast<unsigned char>(text[i]) >= 0x80) {
+      return i;
+    }
+  }
+  return std::string_view::npos;
+}
+
+std::string line_of(const std::filesystem::path& file, std::string_view text, std::size_t at) {
+  return file.string() + ":" +
+         std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n'));
+}
+
 }  // namespace
 
 void with_line(const std::filesystem::path& file, const TomlFile& toml, const std::function<void()>& read) {
@@ -75,14 +119,20 @@ void with_line(const std::filesystem::path& file, const TomlFile& toml, const st
 
 TomlFile read_toml(const std::filesystem::path& file, const std::string& format, int version) {
   const std::string text = read_bytes(file, limit::kTomlBytes, "a TOML file");
-  if (const std::size_t zero = text.find('\0'); zero != std::string::npos)  // toml++ asserts on some of them
-    fail(file.string() + ":" +
-             std::to_string(1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n')),
-         "holds a zero byte, so it is no TOML", "check that it is the right file");
+  if (const std::size_t zero = text.find('\0'); zero != std::string::npos)
+    fail(line_of(file, text, zero), "holds a zero byte, so it is no TOML", "check that it is the right file");
+  const std::string_view content = std::string_view(text).substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
+  if (const std::size_t letter = bare_foreign_letter(content); letter != std::string_view::npos)
+    fail(line_of(file, content, letter), "is not TOML: a letter that is not ASCII stands outside of quotes",
+         "put text in double quotes, or begin a comment with #");
   TomlFile toml;
   try {
-    const toml::table table = toml::parse(text);
+    const toml::table table = toml::parse(content);
     toml.content = as_json(table, "", file, toml.line);
+  } catch (const Error& error) {
+    if (std::string_view(error.what()).starts_with(file.string())) throw;
+    fail(file.string(), std::string("is not TOML: ") + error.what(),
+         "correct its brackets [ ] and what stands in them");
   } catch (const toml::parse_error& error) {
     fail(at_line(file, error.source()), "is not TOML: " + std::string(error.description()),
          "correct it there (a key, =, and a number, text in double quotes, or an array in [ ])");

@@ -1,6 +1,7 @@
 // The sizes that pictures say they have, read by hand: a few fixed places, or a walk over sections whose lengths are
 // held against the file's. Nothing is taken for granted, and nothing is decoded.
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
 #include <string_view>
@@ -146,6 +147,46 @@ void tiff_size(FileBytes& file, PictureHeader& header) {
   }
 }
 
+/// Whether an EXR's attribute has the bytes that its type has. OpenEXR reads by the type and passes over the length
+/// that is said, so that a wrong one moves all that follows.
+bool is_as_long_as_its_type(std::string_view type, std::string_view value) {
+  struct Fixed {
+    std::string_view type;
+    std::size_t bytes;
+  };
+  constexpr std::array<Fixed, 24> kFixed{
+      {{"box2i", 16}, {"box2f", 16},   {"compression", 1}, {"lineOrder", 1}, {"envmap", 1},   {"deepImageState", 1},
+       {"float", 4},  {"double", 8},   {"int", 4},         {"v2i", 8},       {"v2f", 8},      {"v2d", 16},
+       {"v3i", 12},   {"v3f", 12},     {"v3d", 24},        {"m33f", 36},     {"m33d", 72},    {"m44f", 64},
+       {"m44d", 128}, {"rational", 8}, {"timecode", 8},    {"keycode", 28},  {"tiledesc", 9}, {"chromaticities", 32}}};
+  for (const Fixed& fixed : kFixed)
+    if (type == fixed.type) return value.size() == fixed.bytes;
+  const auto number = [&](std::size_t at) {
+    std::uint64_t out = 0;
+    for (std::size_t i = 4; i-- > 0;) out = out << 8U | static_cast<unsigned char>(value[at + i]);
+    return out;
+  };
+  if (type == "preview")
+    return value.size() >= 8 && number(0) <= limit::kPictureSide && number(4) <= limit::kPictureSide &&
+           value.size() - 8 == 4 * number(0) * number(4);
+  if (type == "chlist") {  // names with 16 bytes each, and an empty name
+    constexpr std::size_t kChannelBytes = 16;
+    std::size_t at = 0;
+    while (at < value.size() && value[at] != '\0') {
+      const std::size_t end = value.find('\0', at);
+      if (end == std::string_view::npos) return false;
+      at = end + 1 + kChannelBytes;
+    }
+    return at + 1 == value.size();
+  }
+  if (type == "stringvector") {  // each with its length
+    std::size_t at = 0;
+    while (at + 4 <= value.size() && number(at) <= value.size() - at - 4) at += 4 + number(at);
+    return at == value.size();
+  }
+  return true;
+}
+
 /// Header attributes of an EXR (openexr.com, file layout): name, type, length, value. Lengths must fit into the file.
 void exr_size(FileBytes& file, PictureHeader& header) {
   const auto version = file.little_endian(4, 4);
@@ -164,10 +205,13 @@ void exr_size(FileBytes& file, PictureHeader& header) {
     if (at >= text.size()) file.broken("its header does not end");
     if (text[at] == '\0') break;
     const std::string_view name = word();
-    word();  // its type
+    const std::string_view type = word();
+    if (text.size() - std::min(at, text.size()) < 4) file.broken("its header does not end");
     const auto length = file.little_endian(at, 4);
     at += 4;
     if (length > text.size() - std::min(at, text.size())) file.broken("an attribute is longer than the file");
+    if (!is_as_long_as_its_type(type, text.substr(at, length)))
+      file.broken("an attribute has not the length of its type");
     if (name == "dataWindow" || name == "displayWindow") {
       if (length != 16) file.broken("its window is none");
       const auto v = [&](int i) { return as_signed(file.little_endian(at + 4 * static_cast<std::size_t>(i), 4)); };
