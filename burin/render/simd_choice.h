@@ -1,5 +1,5 @@
-// burin/render/simd_choice.h - the same width of the float kernels on several machines. Widths differ in the last bits of
-// a picture, and after a thousand iterations in every scratch of a design: the same design on two machines needs the
+// burin/render/simd_choice.h - the same width of the float kernels on several machines. Widths differ in the last bits
+// of a picture, and after a thousand iterations in every scratch of a design: the same design on two machines needs the
 // same width on both.
 #pragma once
 
