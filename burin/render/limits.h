@@ -13,7 +13,7 @@ namespace burin::limit {
 constexpr std::uintmax_t kKiB = 1024, kMiB = 1024 * kKiB, kGiB = 1024 * kMiB;
 
 // Bytes of a file.
-constexpr std::uintmax_t kJsonBytes = 64 * kMiB;         ///< board, bench, session, ...: 2,000 photos take 0.5 MiB
+constexpr std::uintmax_t kJsonBytes = 32 * kMiB;         ///< board, bench, session, ...: 2,000 photos take 0.5 MiB
 constexpr std::uintmax_t kTomlBytes = kMiB;              ///< a machine's profile, a project's options
 constexpr std::uintmax_t kLensBytes = 4 * kMiB;          ///< a .cameramodel
 constexpr std::uintmax_t kTableBytes = kGiB;             ///< scratches.csv, residuals, corners: kScratches take 0.5 GiB

@@ -3,8 +3,7 @@
 // pictures that lie on their side, are tiled or have alpha are read as before.
 #include "burin/render/files/picture_file.h"
 
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -123,24 +122,39 @@ TEST(PictureFile, BombsAreRefusedByTheirHeaders) {
           "more than the 268,435,456");
 }
 
-// All eight ways in which a camera may have been held, in color and gray, against OpenImageIO's own turning.
+// All eight ways in which a camera may have been held, in color and gray, against the words of the standard (EXIF 2.3,
+// tag 274): which side of the upright picture the stored row 0 is, and the stored column 0. (OpenImageIO 2.4's own
+// turning exchanges 5 and 7.)
 TEST(PictureFile, PicturesAreReadUpright) {
   const TemporaryFolder folder;
+  const std::vector<std::pair<std::string, std::string>> sides{
+      {"top", "left"}, {"top", "right"}, {"bottom", "right"}, {"bottom", "left"},
+      {"left", "top"}, {"right", "top"}, {"right", "bottom"}, {"left", "bottom"}};
+  constexpr int kWidth = 13, kHeight = 7;
   for (const int channels : {1, 3})
     for (int orientation = 1; orientation <= 8; ++orientation) {
-      OIIO::ImageSpec spec(13, 7, channels, OIIO::TypeDesc::FLOAT);
-      spec.attribute("Orientation", orientation);
-      // A name of its own: OpenImageIO remembers pictures by their names.
       const auto file = folder / (std::to_string(channels) + "-" + std::to_string(orientation) + ".tif");
+      OIIO::ImageSpec spec(kWidth, kHeight, channels, OIIO::TypeDesc::FLOAT);
+      ASSERT_TRUE(write_with_oiio(folder / "stored.tif", spec));
+      spec.attribute("Orientation", orientation);
       ASSERT_TRUE(write_with_oiio(file, spec));
-      const OIIO::ImageBuf upright = OIIO::ImageBufAlgo::reorient(OIIO::ImageBuf(file.string()));
-      const Image image = read_picture(file);
-      ASSERT_EQ(image.width, upright.spec().width) << orientation;
-      ASSERT_EQ(image.height, upright.spec().height) << orientation;
-      for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x)
+      const Image stored = read_picture(folder / "stored.tif"), image = read_picture(file);
+      const auto& [row_0, column_0] = sides[static_cast<std::size_t>(orientation) - 1];
+      const bool lies = row_0 == "left" || row_0 == "right";
+      ASSERT_EQ(image.width, lies ? kHeight : kWidth);
+      ASSERT_EQ(image.height, lies ? kWidth : kHeight);
+      for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x) {
+          int across = 0, down = 0;
+          for (const auto& [side, distance] : {std::pair(row_0, y), std::pair(column_0, x)}) {
+            if (side == "top") down = distance;
+            if (side == "bottom") down = image.height - 1 - distance;
+            if (side == "left") across = distance;
+            if (side == "right") across = image.width - 1 - distance;
+          }
           for (int c = 0; c < channels; ++c)
-            ASSERT_EQ(image.at(x, y, c), upright.getchannel(x, y, 0, c)) << orientation << ": " << x << ", " << y;
+            ASSERT_EQ(image.at(across, down, c), stored.at(x, y, c)) << orientation << ": " << x << ", " << y;
+        }
     }
 }
 

@@ -77,7 +77,8 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
 /// Where text that is not ASCII stands outside of quotes and comments, where TOML has none: toml++ 3 goes astray on
 /// some of it. std::string::npos if nowhere.
 std::size_t bare_foreign_letter(std::string_view text) {
-  std::string_view quotes;  // that end what was begun; empty outside
+  constexpr std::string_view kBeforeText = " \t\r\n=[,{.";  // a quote elsewhere begins no text
+  std::string_view quotes;                                  // that end what was begun; empty outside
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (!quotes.empty()) {
       if (text[i] == '\\' && quotes[0] == '"')
@@ -86,7 +87,8 @@ std::size_t bare_foreign_letter(std::string_view text) {
         i += quotes.size() - 1, quotes = {};
     } else if (text[i] == '#') {
       i = std::min(text.find('\n', i), text.size());
-    } else if (text[i] == '"' || text[i] == '\'') {
+    } else if ((text[i] == '"' || text[i] == '\'') &&
+               (i == 0 || kBeforeText.find(text[i - 1]) != std::string_view::npos)) {
       const std::string_view three = text.substr(i, 3);
       quotes = three == "\"\"\"" || three == "'''" ? three : text.substr(i, 1);
       i += quotes.size() - 1;

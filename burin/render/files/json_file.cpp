@@ -72,6 +72,12 @@ std::string without_prefix(const std::string& message) {
   return end == std::string::npos ? message : message.substr(end + 2);
 }
 
+/// Line breaks and tabs are left to those who know what a text is for (JsonObject::text takes none).
+std::string without_breaks(std::string text) {
+  std::erase_if(text, [](char c) { return c == '\n' || c == '\r' || c == '\t'; });
+  return text;
+}
+
 /// What the grammar allows and we do not. A key that appears twice: parsers silently keep one of them, and a person
 /// would not know which. Text that a terminal obeys (printable.h). Brackets without end.
 struct ContentCheck {
@@ -85,7 +91,7 @@ struct ContentCheck {
     if (event == Json::parse_event_t::object_start) open_objects.emplace_back();
     if (event == Json::parse_event_t::object_end && !open_objects.empty()) open_objects.pop_back();
     if ((event == Json::parse_event_t::key || event == Json::parse_event_t::value) && parsed.is_string() &&
-        unprintable.empty() && !is_printable(parsed.get_ref<const std::string&>()))
+        unprintable.empty() && !is_printable(without_breaks(parsed.get_ref<const std::string&>())))
       unprintable = parsed.get<std::string>();
     if (event == Json::parse_event_t::key && !open_objects.empty()) {
       const std::string key = parsed.get<std::string>();
@@ -163,6 +169,8 @@ bool JsonObject::boolean(const std::string& key, bool fallback) { return has(key
 std::string JsonObject::text(const std::string& key) {
   const Json& value = raw(key);
   if (!value.is_string()) fail_field(key, described(value), "write text in double quotes");
+  if (!is_printable(value.get_ref<const std::string&>()))
+    fail_field(key, "holds a control character", "write text on one line: no line breaks, no tabs, no escapes");
   return value.get<std::string>();
 }
 
