@@ -22,6 +22,8 @@ class CellIndex {
       x1 = std::max({x1, s.x0_mm[i], s.x1_mm[i]});
       y1 = std::max({y1, s.y0_mm[i], s.y1_mm[i]});
     }
+    constexpr double kMostCells = 16e6;  // coarser ones find the same, and more that is then passed over
+    cell_mm_ = std::max(cell_mm_, std::sqrt(std::max(0.0, x1 - x0_) * std::max(0.0, y1 - y0_) / kMostCells));
     columns_ = static_cast<int>((x1 - x0_) / cell_mm_) + 1;
     rows_ = static_cast<int>((y1 - y0_) / cell_mm_) + 1;
     cells_.resize(static_cast<std::size_t>(columns_) * rows_);

@@ -246,6 +246,8 @@ bool BoardMask::is_free(double x_mm, double y_mm) const {
 
 BoardMask metal_mask(const Board& board, const Bench& bench, double margin_mm) {
   BoardMask mask;
+  constexpr double kMostCells = 16e6;  // a board of a meter; larger ones in coarser cells
+  mask.cell_mm = std::max(mask.cell_mm, std::sqrt(board.size_mm.prod() / kMostCells));
   mask.width = static_cast<int>(std::ceil(board.size_mm.x() / mask.cell_mm));
   mask.height = static_cast<int>(std::ceil(board.size_mm.y() / mask.cell_mm));
   mask.free.assign(static_cast<std::size_t>(mask.width) * mask.height, 0);
