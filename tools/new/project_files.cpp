@@ -1,9 +1,12 @@
 #include "tools/new/project_files.h"
 
 #include <fmt/core.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstdlib>
 
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_output.h"
@@ -138,6 +141,34 @@ std::string preview_project(const fs::path& folder) {
                      result.total_seconds);
 }
 
+// What a project that was being made left when its process died: ".my-board.new-4711".
+void remove_stagings_of_dead(const fs::path& parent, const std::string& begin) {
+  std::error_code error;
+  std::vector<fs::path> left;
+  for (fs::directory_iterator entry(parent, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (!name.starts_with(begin)) continue;
+    const int process = std::atoi(name.c_str() + begin.size());
+    if (process > 0 && (process == getpid() || (::kill(process, 0) != 0 && errno == ESRCH)))
+      left.push_back(entry->path());
+  }
+  for (const fs::path& folder : left) fs::remove_all(folder, error);
+}
+
+// All at once, where the folder is not there or is empty. One that cannot be replaced (a link, a mounted disk, the one
+// that somebody is in) is filled, design.json last: without it nothing is a project.
+void put_in_place(const fs::path& staging, const fs::path& folder) {
+  std::error_code error;
+  fs::rename(staging, folder, error);
+  if (!error) return;
+  make_output_folder(folder);
+  std::vector<fs::path> names;
+  for (const fs::directory_entry& entry : fs::directory_iterator(staging)) names.push_back(entry.path().filename());
+  std::stable_partition(names.begin(), names.end(), [](const fs::path& name) { return name != "design.json"; });
+  for (const fs::path& name : names) fs::rename(staging / name, folder / name);
+  fs::remove_all(staging, error);
+}
+
 }  // namespace
 
 void fail_unless_new(const fs::path& folder) {
@@ -154,17 +185,16 @@ std::string write_project(const NewProject& project) {
   fs::path folder = fs::absolute(project.folder).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();  // "my-board/"
   make_output_folder(folder.parent_path());
-  const fs::path staging = folder.parent_path() / fmt::format(".{}.new-{}", folder.filename().string(), getpid());
+  const std::string begin = fmt::format(".{}.new-", folder.filename().string());
+  remove_stagings_of_dead(folder.parent_path(), begin);
+  const fs::path staging = folder.parent_path() / (begin + std::to_string(getpid()));
   std::error_code error;
   const Unfinished unfinished(staging);
   try {
     write_into(project, staging);
     std::string preview = preview_project(staging);
     const auto whole = finishing();
-    make_output_folder(folder);
-    for (const fs::directory_entry& entry : fs::directory_iterator(staging))
-      fs::rename(entry.path(), folder / entry.path().filename());
-    fs::remove_all(staging, error);
+    put_in_place(staging, folder);
     return preview;
   } catch (...) {
     fs::remove_all(staging, error);
