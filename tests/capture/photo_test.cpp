@@ -124,7 +124,7 @@ TEST_F(PhotoTest, OrientationIsNotApplied) {
 }
 
 TEST_F(PhotoTest, BrokenFilesAreNamed) {
-  EXPECT_THAT(error_of(photo("none.png", Encoding::linear)), AllOf(HasSubstr("none.png"), HasSubstr("no such file")));
+  EXPECT_THAT(error_of(photo("none.png", Encoding::linear)), AllOf(HasSubstr("none.png"), HasSubstr("does not exist")));
   folder.write("empty.jpg", "");
   EXPECT_THAT(error_of(photo("empty.jpg", Encoding::srgb)), HasSubstr("empty.jpg"));
   folder.write("text.png", "this is no picture");

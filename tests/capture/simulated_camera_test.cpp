@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <numbers>
 
 #include "burin/capture/photo.h"
@@ -289,10 +290,19 @@ TEST_F(SimulatedCamera, ErrorsNameFieldAndRemedy) {
 TEST_F(SimulatedCamera, NothingOldVouchesForNewPhotos) {
   const fs::path out = folder / "out";
   simulate(write_truth(folder, json), out);
-  ASSERT_TRUE(fs::exists(out / "session.json"));
-  const auto stop = [](std::string_view, double) { throw Error("stopped"); };
+  std::map<fs::path, std::string> before;
+  for (const auto& entry : fs::recursive_directory_iterator(out))
+    if (entry.is_regular_file()) before[entry.path()] = file_text(entry.path());
+  ASSERT_TRUE(before.contains(out / "session.json"));
+  json["seed"] = 4;  // other photos, of which none takes its place before all are there
+  const auto stop = [](std::string_view, double share) {
+    if (share > 0.5) throw Error("stopped");
+  };
   EXPECT_THROW(simulate(write_truth(folder, json), out, {}, stop), Error);
-  EXPECT_FALSE(fs::exists(out / "session.json"));
+  std::map<fs::path, std::string> after;
+  for (const auto& entry : fs::recursive_directory_iterator(out))
+    if (entry.is_regular_file()) after[entry.path()] = file_text(entry.path());
+  EXPECT_TRUE(after == before);
 }
 
 TEST_F(SimulatedCamera, StandsWhereAPersonSays) {
