@@ -43,8 +43,7 @@ void add_calibrate_command(CLI::App& burin) {
   command->callback([options, hold_out] {
     const Session session = read_session(options->session);
     const Board board = read_board(session.board);
-    make_output_folder(options->out);
-    const WorkLock lock(options->out, "burin calibrate");
+    const WorkLock lock(options->out, "burin calibrate", WorkLock::Where::new_folders);
     CalibrateOptions o;
     o.lens_model = options->lens_model;
     if (!options->camera.empty()) {

@@ -84,8 +84,7 @@ void add_capture_command(CLI::App& burin) {
     }
     const std::string light = lamp_name(options->light, options->bench);
     if (options->tether) take_photos(*options);
-    make_output_folder(options->out);
-    const WorkLock lock(options->out, "burin capture");
+    const WorkLock lock(options->out, "burin capture", WorkLock::Where::new_folders);
     ProgressBar bar;
     const CaptureResult result = capture_folder(options->photos, options->board, options->out, bar.progress(), light);
     bar.clear();

@@ -89,8 +89,7 @@ void run(const Options& o) {
     const Scratches carved = carve(Sent(read_scratches(file)), whole, board).scratches;
     options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
-  make_output_folder(o.out);
-  const WorkLock lock(o.out, "burin design");
+  const WorkLock lock(o.out, "burin design", WorkLock::Where::new_folders);
 
   ProgressBar bar;
   const StopOnSignal on_signal;

@@ -28,8 +28,7 @@ void add_simulate_command(CLI::App& burin) {
       ->check(CLI::Range(1, 1000000));
   command->footer(example("burin simulate truth.json --out bench --views d0 d1"));
   command->callback([options] {
-    make_output_folder(options->out);
-    const WorkLock lock(options->out, "burin simulate");
+    const WorkLock lock(options->out, "burin simulate", WorkLock::Where::new_folders);
     ProgressBar bar;
     if (options->samples > 0) options->simulate.samples = options->samples;
     simulate(options->truth, options->out, options->simulate, bar.progress());

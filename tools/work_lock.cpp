@@ -15,6 +15,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/files/file_error.h"
+#include "burin/render/files/json_file.h"
 
 namespace burin {
 namespace {
@@ -81,6 +82,19 @@ std::optional<int> locked_file(const fs::path& name, const fs::path& folder) {
   return std::nullopt;
 }
 
+// The folder and those above it that are not there, the deepest first.
+std::vector<fs::path> missing_folders(fs::path folder) {
+  std::vector<fs::path> missing;
+  std::error_code error;
+  for (; !folder.empty() && !fs::exists(folder, error); folder = folder.parent_path()) missing.push_back(folder);
+  return missing;
+}
+
+void remove_if_empty(const std::vector<fs::path>& folders) {
+  std::error_code not_empty;
+  for (const fs::path& folder : folders) fs::remove(folder, not_empty);
+}
+
 }  // namespace
 
 fs::path locked_folder(const fs::path& folder) {
@@ -98,6 +112,10 @@ fs::path locked_folder(const fs::path& folder) {
 
 WorkLock::WorkLock(const fs::path& folder, const std::string& work, Where where) {
   const fs::path place = locked_folder(folder);
+  if (where == Where::new_folders) {
+    made_ = missing_folders(fs::absolute(folder).lexically_normal());
+    make_output_folder(folder);
+  }
   std::error_code error;
   if (!fs::is_directory(place, error)) return;  // nobody can work there; who writes says so
   if (where == Where::projects && !is_project(place)) return;
@@ -114,6 +132,7 @@ WorkLock::WorkLock(const fs::path& folder, const std::string& work, Where where)
     while (!file) file = locked_file(name, folder);
   } catch (...) {
     all_held().by_folder.erase(key_);
+    remove_if_empty(made_);
     throw;
   }
   held = {*file, 1, name};
@@ -132,6 +151,7 @@ WorkLock::~WorkLock() {
   ::unlink(found->second.name.c_str());
   ::close(found->second.file);
   all_held().by_folder.erase(found);
+  remove_if_empty(made_);
 }
 
 std::string who_works_in(const fs::path& folder) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace burin {
 
@@ -16,7 +17,8 @@ std::filesystem::path locked_folder(const std::filesystem::path& folder);
 class WorkLock {
  public:
   /// Commands that write one file into a folder that is no project's keep nobody from writing another one there.
-  enum class Where { all_folders, projects };
+  /// A new folder is made where there is none yet, and goes again if nothing has come to lie in it.
+  enum class Where { all_folders, new_folders, projects };
 
   /// Throws Error that says who works there, at what and since when, where another process does. `work` says that of
   /// this one: "burin design". Where a folder cannot be written to, nothing can be made there: Error, too.
@@ -27,6 +29,7 @@ class WorkLock {
 
  private:
   std::string key_;
+  std::vector<std::filesystem::path> made_;
 };
 
 /// "burin loop my-board, process 4711 since 2025-06-01 10:30:00" of who is at work there; empty if nobody is.
