@@ -125,7 +125,8 @@ void mishaps_before_carving(const Person& p) {
     wait_s(1.5);
     const Outcome second = p.loop();
     EXPECT_EQ(second.exit_code, 1);
-    EXPECT_THAT(second.err, HasSubstr("is being worked on by burin loop, process " + std::to_string(first.process()) + " since"));
+    EXPECT_THAT(second.err,
+                HasSubstr("is being worked on by burin loop, process " + std::to_string(first.process()) + " since"));
     EXPECT_EQ(first.stop(signal), 128 + signal) << "stopped is not done";
     EXPECT_THAT(p.status().out, AllOf(HasSubstr("ended early"), Not(HasSubstr("toolpath"))));
     EXPECT_FALSE(fs::exists(p.project / "round-01" / "scratches.csv"));
