@@ -17,11 +17,11 @@ namespace {
 constexpr double kPage = 900, kMargin = 46;  // SVG units
 constexpr const char* kInk = "#1f2328";
 constexpr const char* kSoft = "#6e7781";
-constexpr const char* kLamp = "#bf8700";
+constexpr const char* kLampColor = "#bf8700";
 constexpr const char* kCamera = "#0969da";
 
 // One of the two views: millimeters (right, up) to the page.
-struct Frame {
+struct PlanFrame {
   Eigen::Vector2d low, high;  // mm
   double scale = 1, top = 0;
 
@@ -47,7 +47,7 @@ std::string star(const Eigen::Vector2d& c, double radius) {
     const double r = i % 2 == 0 ? radius : 0.45 * radius, a = i * std::numbers::pi / 8;
     points.emplace_back(c.x() + r * std::cos(a), c.y() + r * std::sin(a));
   }
-  return svg_polygon(points, fmt::format("fill=\"{}\"", kLamp));
+  return svg_polygon(points, fmt::format("fill=\"{}\"", kLampColor));
 }
 
 // A length of 1, 2 or 5 times a power of ten, about a sixth of the page.
@@ -76,8 +76,8 @@ std::string plan_drawing(const Plan& plan, const Board& board) {
   low -= Eigen::Vector3d::Constant(pad);
   high += Eigen::Vector3d::Constant(pad);
   const double scale = (kPage - 2 * kMargin) / (high.x() - low.x());
-  Frame above{low.head<2>(), high.head<2>(), scale, kMargin + 14};
-  Frame side{{low.x(), std::min(low.z(), 0.0)}, {high.x(), high.z()}, scale, 0};
+  PlanFrame above{low.head<2>(), high.head<2>(), scale, kMargin + 14};
+  PlanFrame side{{low.x(), std::min(low.z(), 0.0)}, {high.x(), high.z()}, scale, 0};
   side.top = above.top + above.height() + 56;
   const double page_height = std::round(side.top + side.height() + kMargin);
 
@@ -106,7 +106,7 @@ std::string plan_drawing(const Plan& plan, const Board& board) {
     const Light& light = plan.bench.lights[lamp];
     for (const Eigen::Vector2d& p : both(light.position_mm)) {
       svg += star(p, 12);
-      svg += text(p + Eigen::Vector2d(0, -16), light.id, kLamp, "middle", 13);
+      svg += text(p + Eigen::Vector2d(0, -16), light.id, kLampColor, "middle", 13);
     }
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {

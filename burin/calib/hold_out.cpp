@@ -110,17 +110,17 @@ HeldOutBundle held_out_bundle(const BoardSolution& solution, const BoardSolution
   return out;
 }
 
-// Squares of the corners' errors, and what is to be expected of them, over both axes of each.
-struct Squares {
+// SquaredErrors of the corners' errors, and what is to be expected of them, over both axes of each.
+struct SquaredErrors {
   double sum = 0, expected = 0;
   std::size_t axes = 0;
 };
 
 // Poses from each half of the tags predict the corners of the other.
-Squares predict_halves(const HeldOutBundle& held) {
+SquaredErrors predict_halves(const HeldOutBundle& held) {
   BundleOptions pose_only;
   pose_only.fix_lens = pose_only.fix_bow = pose_only.fix_tags = true;
-  Squares out;
+  SquaredErrors out;
   for (const bool first : {true, false}) {
     Bundle half = held.bundle, other = held.bundle;
     for (std::size_t i = 0; i < held.bundle.corners.size(); ++i) {
@@ -176,7 +176,7 @@ HeldOutCorners hold_out_corners(const BoardSolution& solution, const Board& boar
 
   HeldOutCorners out;
   double fit2 = 0;
-  Squares all;
+  SquaredErrors all;
   for (std::size_t f = 0; f < folds.size(); ++f) {
     if (progress)
       progress("solving without the photos held out", static_cast<double>(f) / static_cast<double>(folds.size()));
@@ -193,7 +193,7 @@ HeldOutCorners hold_out_corners(const BoardSolution& solution, const Board& boar
       const HeldOutBundle one = held_out_bundle(solution, fold, *known, view, board);
       constexpr int kFewestTags = 4;
       if (one.tags < kFewestTags) continue;
-      const Squares squares = predict_halves(one);
+      const SquaredErrors squares = predict_halves(one);
       if (squares.axes == 0) continue;
       const HeldOutView judged{name, one.tags, fit_rms_px(solution, name), root_mean(squares.sum, squares.axes),
                                root_mean(squares.expected, squares.axes)};

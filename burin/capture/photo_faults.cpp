@@ -14,16 +14,16 @@ namespace {
 using enum Finding::Severity;
 
 constexpr std::size_t kFewTags = 4;
-constexpr double kSmallTag_px = 20;     // the largest families decode from there on
-constexpr double kSharp_px = 1.8;       // Gaussian sigma of edges: no photo below it is called blurred
-constexpr double kBlurredFactor = 1.6;  // times the sharpest of the session
-constexpr double kUseless_px = 4;       // edges that wide are no edges of a tag, whatever the others are
+constexpr double kSmallTag_px = 20;             // the largest families decode from there on
+constexpr double kSharp_px = 1.8;               // Gaussian sigma of edges: no photo below it is called blurred
+constexpr double kBlurredBesideSharpest = 1.6;  // times the sharpest of the session
+constexpr double kUseless_px = 4;               // edges that wide are no edges of a tag, whatever the others are
 constexpr double kDarkPaper = 0.15, kLostInTheDark = 0.02;
 constexpr double kShake = 1.6;     // times wider in one direction
 constexpr double kUnevenBlur = 2;  // one tag's edges over the others'
 
 template <typename... Args>
-std::string text(const char* format, Args... args) {
+std::string words(const char* format, Args... args) {
   char buffer[256];
   std::snprintf(buffer, sizeof buffer, format, args...);
   return buffer;
@@ -43,7 +43,7 @@ void judge_tags(const PhotoFacts& facts, const Board& board, std::vector<Finding
     if (facts.place_of_before) return;
     if (facts.bright < kLostInTheDark)
       out.push_back({error, facts.file,
-                     text("shows no tag: it is dark, its brightest parts reach %.1f %% of white", 100 * facts.bright),
+                     words("shows no tag: it is dark, its brightest parts reach %.1f %% of white", 100 * facts.bright),
                      "take it 8 times longer"});
     else
       out.push_back({error, facts.file, "shows no tag of the board's (family " + board.tags.family + ")",
@@ -51,12 +51,12 @@ void judge_tags(const PhotoFacts& facts, const Board& board, std::vector<Finding
     return;
   }
   if (facts.tags.size() < std::min(kFewTags, all))
-    out.push_back(
-        {error, facts.file,
-         text("shows %zu of the board's %zu tags (not %s)", facts.tags.size(), all, listed(facts.missing_tags).c_str()),
-         "keep the whole board in the photo, sharp and evenly lit"});
+    out.push_back({error, facts.file,
+                   words("shows %zu of the board's %zu tags (not %s)", facts.tags.size(), all,
+                         listed(facts.missing_tags).c_str()),
+                   "keep the whole board in the photo, sharp and evenly lit"});
   if (facts.tag_side_px < kSmallTag_px)
-    out.push_back({warning, facts.file, text("its tags are %.0f pixels wide", facts.tag_side_px),
+    out.push_back({warning, facts.file, words("its tags are %.0f pixels wide", facts.tag_side_px),
                    "go closer, so that the board fills the frame"});
   if (!facts.stray_tags.empty())
     out.push_back({warning, facts.file,
@@ -71,15 +71,15 @@ void judge_sharpness(const PhotoFacts& facts, std::span<const PhotoFacts* const>
   if (is_blurred(facts, others)) {
     const bool shaken = facts.one_way_blur > kShake;
     out.push_back({error, facts.file,
-                   text(shaken ? "was shaken: its tags' edges are %.1f px wide, %.1f times wider in one direction"
-                               : "is blurred: its tags' edges are %.1f px wide",
-                        *facts.blur_px, facts.one_way_blur),
+                   words(shaken ? "was shaken: its tags' edges are %.1f px wide, %.1f times wider in one direction"
+                                : "is blurred: its tags' edges are %.1f px wide",
+                         *facts.blur_px, facts.one_way_blur),
                    shaken ? "use a tripod and a remote release or the self-timer, and take it again"
                           : "focus once by hand on the board's face, and take it again"});
   } else if (*facts.worst_blur_px > std::max(kSharp_px, kUnevenBlur * *facts.blur_px)) {
     out.push_back({warning, facts.file,
-                   text("is soft at tag %d (%.1f px; %.1f px elsewhere)", facts.worst_blur_tag, *facts.worst_blur_px,
-                        *facts.blur_px),
+                   words("is soft at tag %d (%.1f px; %.1f px elsewhere)", facts.worst_blur_tag, *facts.worst_blur_px,
+                         *facts.blur_px),
                    "close the aperture to f/8 or f/11, and focus on the board's middle"});
   }
 }
@@ -107,14 +107,14 @@ void judge_file(const PhotoFacts& facts, std::span<const PhotoFacts* const> othe
     const bool rotated = size->first == facts.height && size->second == facts.width;
     out.push_back(
         {error, facts.file,
-         text("is %d x %d pixels where others are %d x %d", facts.width, facts.height, size->first, size->second),
+         words("is %d x %d pixels where others are %d x %d", facts.width, facts.height, size->first, size->second),
          rotated ? "hold the phone the same way for all photos, and switch off \"auto-rotate\""
                  : "use one camera at one size, uncropped"});
   }
   const auto focal = usual<double>(others, [](const auto& f) { return f.exif.focal_mm.value_or(0); });
   if (focal && *focal > 0 && exif.focal_mm && std::abs(*exif.focal_mm / *focal - 1) > 0.01)
     out.push_back({error, facts.file,
-                   text("was taken at %.4g mm focal length, others at %.4g mm", *exif.focal_mm, *focal),
+                   words("was taken at %.4g mm focal length, others at %.4g mm", *exif.focal_mm, *focal),
                    "leave zoom and lens alone during a session"});
   const auto model = usual<std::string>(others, [](const auto& f) { return f.exif.model; });
   if (model && !model->empty() && !exif.model.empty() && exif.model != *model)
@@ -122,7 +122,7 @@ void judge_file(const PhotoFacts& facts, std::span<const PhotoFacts* const> othe
         {error, facts.file, "was taken with a " + exif.model + ", others with a " + *model, "use one camera"});
   const auto aperture = usual<double>(others, [](const auto& f) { return f.exif.f_number.value_or(0); });
   if (aperture && *aperture > 0 && exif.f_number && *exif.f_number != *aperture)
-    out.push_back({warning, facts.file, text("was taken at f/%.3g, others at f/%.3g", *exif.f_number, *aperture),
+    out.push_back({warning, facts.file, words("was taken at f/%.3g, others at f/%.3g", *exif.f_number, *aperture),
                    "set the aperture by hand, and change exposures by the time alone"});
 }
 
@@ -133,7 +133,7 @@ bool is_blurred(const PhotoFacts& facts, std::span<const PhotoFacts* const> othe
   double sharpest = *facts.blur_px;
   for (const PhotoFacts* other : others)
     if (other->blur_px) sharpest = std::min(sharpest, *other->blur_px);
-  return *facts.blur_px > kUseless_px || *facts.blur_px > kBlurredFactor * sharpest;
+  return *facts.blur_px > kUseless_px || *facts.blur_px > kBlurredBesideSharpest * sharpest;
 }
 
 bool shows_tags_well(const PhotoFacts& facts, const Board& board) {

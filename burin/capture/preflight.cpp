@@ -21,16 +21,16 @@ namespace {
 
 using enum Finding::Severity;
 
-constexpr double kMuchClipped = 0.05;    // of the pixels, in the shortest exposure of a view
-constexpr double kTooDark = 0.05;        // of the white level: the brightest pixels of a view's longest exposure
-constexpr double kBlurred_px = 1.8;      // Gaussian sigma of the sharpest edges
-constexpr double kBlurredFactor = 1.6;   // times the session's median
-constexpr double kExposureError = 0.08;  // nominal exposure times are rounded by up to 7 % (1/60 for 1/64)
+constexpr double kMuchClipped = 0.05;        // of the pixels, in the shortest exposure of a view
+constexpr double kTooDark = 0.05;            // of the white level: the brightest pixels of a view's longest exposure
+constexpr double kBlurred_px = 1.8;          // Gaussian sigma of the sharpest edges
+constexpr double kBlurredBesideUsual = 1.6;  // times the session's median
+constexpr double kExposureError = 0.08;      // nominal exposure times are rounded by up to 7 % (1/60 for 1/64)
 constexpr double kMoved_px = 0.3;
 constexpr int kFewViews = 4;
-constexpr int kFewTags = 4;            // in a view
-constexpr double kSmallTag_px = 20;    // the largest families decode from there on
-constexpr double kPaperClipped = 0.2;  // of the white cells of a view's tags, in its shortest exposure
+constexpr int kFewTagsInView = 4;          // in a view
+constexpr double kSmallTagInView_px = 20;  // the largest families decode from there on
+constexpr double kPaperClipped = 0.2;      // of the white cells of a view's tags, in its shortest exposure
 constexpr double kLittleOfFrame = 0.35;
 constexpr double kOneDirection_deg = 20;  // between the views that differ most
 constexpr double kTiltForFocal_deg =
@@ -142,7 +142,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
     for (const int i : bracket.photos) {
       const PhotoLook& look = looks[i];
       if (look.edge_sigma_px && look.bright > kTooDark && *look.edge_sigma_px > kBlurred_px &&
-          *look.edge_sigma_px > kBlurredFactor * usual_edge)
+          *look.edge_sigma_px > kBlurredBesideUsual * usual_edge)
         findings.push_back(
             {warning, session.photos[i].file,
              text("is blurred: its sharpest edges are %.1f px wide, others' %.1f px", *look.edge_sigma_px, usual_edge),
@@ -250,12 +250,12 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
     const std::string& name = brackets[b].view;
     double lost = 0;
     for (const TagLook& tag : best[b]->tags) lost += tag.clipped_fraction / static_cast<double>(view.tags);
-    if (view.tags < std::min(kFewTags, static_cast<int>(tags.list.size())))
+    if (view.tags < std::min(kFewTagsInView, static_cast<int>(tags.list.size())))
       findings.push_back(
           {warning, file,
            text("view %s shows %d of the board's %d tags", name.c_str(), view.tags, static_cast<int>(tags.list.size())),
            "keep the whole board in the photo, sharp and evenly lit, or leave the photo out"});
-    else if (view.side_px < kSmallTag_px)
+    else if (view.side_px < kSmallTagInView_px)
       findings.push_back({warning, file, text("the tags of view %s are %.0f pixels wide", name.c_str(), view.side_px),
                           "go closer, so that the board fills the frame, or print larger tags (40 pixels are good)"});
     if (lost > kPaperClipped)

@@ -12,7 +12,7 @@
 namespace burin {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMissed = std::numeric_limits<double>::quiet_NaN();
 
 /// Inverting a lens by its own solver costs microseconds a pixel. On this lattice it is done that way; between its
 /// nodes the slopes are interpolated to about 0.01 px and two Newton steps on the projection finish them.
@@ -34,7 +34,7 @@ void check_surface(const Surface& surface, const char* where) {
 }
 
 Eigen::Vector2d slope_of(const Eigen::Vector3d& v) {
-  return v.z() > 0 ? Eigen::Vector2d(v.x() / v.z(), v.y() / v.z()) : Eigen::Vector2d(kNaN, kNaN);
+  return v.z() > 0 ? Eigen::Vector2d(v.x() / v.z(), v.y() / v.z()) : Eigen::Vector2d(kMissed, kMissed);
 }
 
 /// A pinhole, or an OpenCV model with all of its distortion zero.
@@ -87,7 +87,7 @@ std::vector<int> lattice(int count) {
 
 /// Where the ray from `origin` along `direction` meets the face from its front; NaN if it does not.
 Eigen::Vector2d meet_face(const Surface& surface, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
-  Eigen::Vector2d missed(kNaN, kNaN);
+  Eigen::Vector2d missed(kMissed, kMissed);
   if (!(direction.z() < 0)) return missed;
   double lambda = -origin.z() / direction.z();  // of the plane z = 0
   if (surface.bow_mm != Eigen::Vector3d::Zero()) {

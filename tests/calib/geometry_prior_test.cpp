@@ -41,7 +41,7 @@ Bench two_views() {
   return bench;
 }
 
-Board small_board() {
+Board board_of_few_tags() {
   Board board;
   board.size_mm << 60, 40;
   board.carve_min_mm << 5, 5;
@@ -66,7 +66,7 @@ TEST(Geometry, DifferenceAndMoveAreInverse) {
 }
 
 TEST(Geometry, TagsThatAreExactTellTheirCornersInformation) {
-  Board board = small_board();
+  Board board = board_of_few_tags();
   const Bench bench = two_views();
   board.tags.sigma_mm = 1e-4;  // as exact as a prior gets
   const GeometryPrior prior = geometry_prior(board, bench);
@@ -106,7 +106,7 @@ TEST(Geometry, TagsThatAreExactTellTheirCornersInformation) {
 // A bow shows in how corners move against each other between views: with tags that lie anywhere it is unknown, with
 // exact ones it is known to the corners' noise over the views' parallax.
 TEST(Geometry, BowIsKnownAsWellAsTheTags) {
-  Board board = small_board();
+  Board board = board_of_few_tags();
   const Bench bench = two_views();
   const auto bow_sigma = [&](double tag_sigma_mm) {
     board.tags.sigma_mm = tag_sigma_mm;
@@ -121,7 +121,7 @@ TEST(Geometry, BowIsKnownAsWellAsTheTags) {
 }
 
 TEST(Geometry, StepsBringThePosesBack) {
-  const Board board = small_board();
+  const Board board = board_of_few_tags();
   const Bench truth = two_views();
   Sent sent;
   std::mt19937_64 random(5);

@@ -34,15 +34,15 @@ TEST(HoldOutFolds, RefusesWhatLeavesTooLittle) {
   EXPECT_THROW(hold_out_folds("", {"a", "b", "c"}, 3), Error);
 }
 
-struct World {
+struct HeldOutWorld {
   Board board;
   Lens lens;
   std::vector<ViewTags> pictures;
 };
 
 // Ten views of 12 tags, corners with 0.03 px of noise; in view `bent`, the board's middle stands up by `bow_mm`.
-World photograph(int bent, double bow_mm) {
-  World w;
+HeldOutWorld photograph(int bent, double bow_mm) {
+  HeldOutWorld w;
   w.board.size_mm << 200, 200;
   w.board.tags.sigma_mm = 0.1;
   for (int i = 0; i < 12; ++i) {
@@ -81,7 +81,7 @@ World photograph(int bent, double bow_mm) {
 }
 
 TEST(HoldOutCorners, ArePredictedAsWellAsTheirNoiseAllows) {
-  const World w = photograph(-1, 0);
+  const HeldOutWorld w = photograph(-1, 0);
   const BoardSolution s = solve_board(w.board, w.pictures, w.lens.width, w.lens.height);
   std::vector<std::string> names;
   for (const View& view : s.views) names.push_back(view.name);
@@ -94,7 +94,7 @@ TEST(HoldOutCorners, ArePredictedAsWellAsTheirNoiseAllows) {
 }
 
 TEST(HoldOutCorners, ShowAPhotoThatTheModelDoesNotFit) {
-  const World w = photograph(4, 0.25);
+  const HeldOutWorld w = photograph(4, 0.25);
   const BoardSolution s = solve_board(w.board, w.pictures, w.lens.width, w.lens.height);
   std::vector<std::string> names;
   for (const View& view : s.views) names.push_back(view.name);

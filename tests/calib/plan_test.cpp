@@ -43,7 +43,7 @@ Bench small_bench(const Board& board) {
   return bench;
 }
 
-PlanOptions quick() {
+PlanOptions quick_plan() {
   PlanOptions options;
   options.light.pixel_mm = 3;
   return options;
@@ -59,7 +59,7 @@ double sigma_of(const Plan& plan, const std::string& name, std::size_t shot) {
 TEST(Plan, PromisesTheScatterOfSolvesOfSuchPhotos) {
   const Board board = small_board();
   const Bench bench = small_bench(board);
-  PlanOptions options = quick();
+  PlanOptions options = quick_plan();
   options.shots = 6;
   const Plan plan = plan_shots(board, bench, test_strokes(board), options);
   ASSERT_EQ(plan.shots.size(), 6U);
@@ -106,7 +106,7 @@ TEST(Plan, SaysWhenTheDepthStaysUnknown) {
   // Grooves so deep that their walls reach 80 degrees: no half vector leans that far.
   board.tool_width_um = 400;
   board.material.depth_um = 250;
-  PlanOptions options = quick();
+  PlanOptions options = quick_plan();
   options.shots = 3;
   const Plan plan = plan_shots(board, small_bench(board), test_strokes(board), options);
   EXPECT_FALSE(plan.straddles);
@@ -118,7 +118,7 @@ TEST(Plan, SaysWhenTheDepthStaysUnknown) {
 TEST(Plan, HoldsForADepthThatIsThirtyPercentOff) {
   const Board board = small_board();
   const Bench believed = small_bench(board);
-  PlanOptions options = quick();
+  PlanOptions options = quick_plan();
   options.shots = 4;
   const Plan plan = plan_shots(board, believed, test_strokes(board), options);
   ASSERT_EQ(plan.at_depth.size(), 3U);
@@ -136,7 +136,7 @@ TEST(Plan, HoldsForADepthThatIsThirtyPercentOff) {
     // places as designed ones. The same number by another way.
     Bench other = believed;
     other.material.depth_um = at.depth_um;
-    PlanOptions alone = quick();
+    PlanOptions alone = quick_plan();
     alone.shots = 1;
     alone.depth_share = 0;
     for (const PlannedShot& shot : plan.shots)
@@ -153,7 +153,7 @@ TEST(Plan, HoldsForADepthThatIsThirtyPercentOff) {
 TEST(Plan, KeepsOneFocus) {
   const Board board = small_board();
   const Bench bench = small_bench(board);
-  PlanOptions options = quick();
+  PlanOptions options = quick_plan();
   options.shots = 6;
   options.focus = FocusRange{400, 470};
   const Plan plan = plan_shots(board, bench, test_strokes(board), options);
@@ -202,12 +202,12 @@ TEST(Plan, RefusesWhatItCannotPlanFor) {
   Bench bench = small_bench(board);
   Board bare = board;
   bare.tags.list.clear();
-  EXPECT_THROW(plan_shots(bare, bench, test_strokes(board), quick()), Error);
-  EXPECT_THROW(plan_shots(board, bench, {}, quick()), Error);
+  EXPECT_THROW(plan_shots(bare, bench, test_strokes(board), quick_plan()), Error);
+  EXPECT_THROW(plan_shots(board, bench, {}, quick_plan()), Error);
   bench.lights[0].position_mm.z() = -100;
-  EXPECT_THROW(plan_shots(board, bench, test_strokes(board), quick()), Error);
+  EXPECT_THROW(plan_shots(board, bench, test_strokes(board), quick_plan()), Error);
   bench.lights.clear();
-  EXPECT_THROW(plan_shots(board, bench, test_strokes(board), quick()), Error);
+  EXPECT_THROW(plan_shots(board, bench, test_strokes(board), quick_plan()), Error);
 }
 
 TEST(PlaceInWords, CanBeFollowedWithARuler) {

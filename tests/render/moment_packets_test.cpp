@@ -18,7 +18,7 @@
 namespace burin::footprint {
 namespace {
 
-struct Table {
+struct MomentTable {
   std::vector<float> hx, hy, hz, alpha, t1, t2;
   std::vector<float> r[6];
 
@@ -38,8 +38,8 @@ struct Table {
 
 /// Intervals of all lengths anywhere on the front-facing groove; with `extreme` half vectors down to the horizon, alpha
 /// from 1e-3 to 1, and special directions.
-Table random_table(int count, bool extreme) {
-  Table t;
+MomentTable random_table(int count, bool extreme) {
+  MomentTable t;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(0, 1);
   for (int i = 0; i < count; ++i) {
@@ -61,11 +61,11 @@ Table random_table(int count, bool extreme) {
   return t;
 }
 
-constexpr SimdWidth kWidths[] = {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512};
+constexpr SimdWidth kPacketWidths[] = {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512};
 
 // Largest error of each of the six results, over what it could at most be: the interval's length (times half its length
 // for m1) times the peak of the integrand, s^-4, s^-5 (a turn by s crosses the peak) and s^-6.
-std::array<double, 6> worst_errors(const Table& t) {
+std::array<double, 6> worst_errors(const MomentTable& t) {
   std::array<double, 6> worst{};
   for (std::size_t i = 0; i < t.t1.size(); ++i) {
     const auto l = make_lobes<double>(t.hx[i], t.hy[i], t.hz[i], t.alpha[i]);
@@ -87,8 +87,8 @@ std::array<double, 6> worst_errors(const Table& t) {
 // rule's 1e-7), 2e-5 for anything that passes the preconditions, down to the horizon.
 TEST(MomentPackets, EveryWidthAgreesWithDouble) {
   for (const bool extreme : {false, true}) {
-    Table t = random_table(20000, extreme);
-    for (const auto width : kWidths) {
+    MomentTable t = random_table(20000, extreme);
+    for (const auto width : kPacketWidths) {
       if (!has_kernel(width)) continue;
       for (auto& v : t.r) std::fill(v.begin(), v.end(), std::numeric_limits<float>::quiet_NaN());
       moments_with_derivatives(t.intervals(), t.results(), width);
@@ -108,7 +108,7 @@ TEST(MomentPackets, EveryWidthAgreesWithDouble) {
 
 // Proves the same of plain float, the type between double and the packets.
 TEST(MomentPackets, PlainFloatAgreesWithDouble) {
-  Table t = random_table(20000, false);
+  MomentTable t = random_table(20000, false);
   for (std::size_t i = 0; i < t.t1.size(); ++i) {
     const auto m = moments_with_derivatives(make_lobes(t.hx[i], t.hy[i], t.hz[i], t.alpha[i]), t.t1[i], t.t2[i]);
     const float results[] = {m.value.m0, m.value.m1, m.turn.m0, m.turn.m1, m.radial_over_r2.m0, m.radial_over_r2.m1};
@@ -121,16 +121,16 @@ TEST(MomentPackets, PlainFloatAgreesWithDouble) {
 // Proves that a lane's result does not depend on its neighbors or its place: any order, any length of array gives the
 // same bits. Images that do not depend on how work is cut rest on this.
 TEST(MomentPackets, LanesAreIndependent) {
-  const Table t = random_table(1000, true);
-  for (const auto width : kWidths) {
+  const MomentTable t = random_table(1000, true);
+  for (const auto width : kPacketWidths) {
     if (!has_kernel(width)) continue;
-    Table whole = t;
+    MomentTable whole = t;
     moments_with_derivatives(whole.intervals(), whole.results(), width);
     std::vector<std::size_t> order(t.t1.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
     std::shuffle(order.begin(), order.end(), std::mt19937(5));
     for (const std::size_t length : {std::size_t(1), std::size_t(7), std::size_t(16), std::size_t(37), order.size()}) {
-      Table part;
+      MomentTable part;
       for (std::size_t k = 0; k < length; ++k) {
         const std::size_t i = order[k];
         part.hx.push_back(t.hx[i]), part.hy.push_back(t.hy[i]), part.hz.push_back(t.hz[i]);
@@ -171,7 +171,7 @@ TEST(MomentPackets, WidthsAndErrors) {
   EXPECT_TRUE(has_kernel(resolved_simd(SimdWidth::best)));
   const auto none = static_cast<SimdWidth>(99);
   EXPECT_FALSE(has_kernel(none));
-  Table t = random_table(20, false);
+  MomentTable t = random_table(20, false);
   EXPECT_THROW(moments(t.intervals(), t.results(), none), Error);
   MomentArrays short_results = t.results();
   short_results.m1 = short_results.m1.first(3);

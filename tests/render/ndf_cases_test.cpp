@@ -32,7 +32,7 @@ class NdfCases : public ::testing::Test {
   TemporaryFolder folder_;
 };
 
-const std::string kHeader =
+const std::string kCasesHeader =
     "hx,hy,hz,alpha,width_um,depth_um,L_mm,x0_mm,y0_mm,x1_mm,y1_mm,x2_mm,y2_mm,x3_mm,y3_mm,Dhat_mm2";
 // alpha 1: D = 1/pi, so Dhat is the area over pi, known without any code: 0.02 x 0.03 mm inside a groove of w = 0.0599
 // mm.
@@ -40,7 +40,7 @@ const std::string kRow = "0,0,1,1,400,18.4,10,-0.01,1,0.01,1,0.01,1.03,-0.01,1.0
 
 // Proves that a minimal table is read and its row, known by hand, passes.
 TEST_F(NdfCases, MinimalTable) {
-  const auto cases = read_ndf_cases(write(kHeader + "\n" + kRow + "\n"));
+  const auto cases = read_ndf_cases(write(kCasesHeader + "\n" + kRow + "\n"));
   ASSERT_EQ(cases.size(), 1u);
   EXPECT_EQ(cases[0].id, "0");
   EXPECT_EQ(cases[0].groove.depth_um, 18.4);
@@ -58,7 +58,7 @@ TEST_F(NdfCases, OtherOrderAndExtraColumns) {
   std::string header =
       "\xEF\xBB\xBF"
       "kind,note,Dhat_mm2, " +
-      kHeader.substr(0, kHeader.rfind(','));
+      kCasesHeader.substr(0, kCasesHeader.rfind(','));
   std::string row = "mine,whatever,1.9098593171027440292e-4," + kRow.substr(0, kRow.rfind(','));
   const auto cases = read_ndf_cases(write(header + "\r\n" + row + "\r\n\r\n" + row + "\r\n"));
   ASSERT_EQ(cases.size(), 2u);
@@ -70,7 +70,7 @@ TEST_F(NdfCases, OtherOrderAndExtraColumns) {
 // Proves that a wrong value, area or derivative is found, and named.
 TEST_F(NdfCases, WrongRowsAreNamed) {
   const auto text = [](const char* Dhat, const char* area, const char* depth) {
-    return kHeader +
+    return kCasesHeader +
            ",area_mm2,darea_dwidth_um,darea_ddepth_um,darea_dL_mm,darea_dx0,darea_dy0,darea_dx1,darea_dy1,darea_dx2,"
            "darea_dy2,darea_dx3,darea_dy3\n" +
            kRow.substr(0, kRow.rfind(',') + 1) + Dhat + "," + area + ",0," + depth +
@@ -93,7 +93,7 @@ TEST_F(NdfCases, BrokenTables) {
   const auto with = [](const std::string& from, const std::string& to) {
     std::string row = kRow;
     row.replace(row.find(from), from.size(), to);
-    return kHeader + "\n" + row + "\n";
+    return kCasesHeader + "\n" + row + "\n";
   };
   EXPECT_THAT(message(with("18.4", "deep")), AllOf(HasSubstr("cases.csv:2: depth_um"), HasSubstr("\"deep\"")));
   EXPECT_THAT(message(with("18.4", "nan")), AllOf(HasSubstr(":2: depth_um"), HasSubstr("finite")));
@@ -105,7 +105,7 @@ TEST_F(NdfCases, BrokenTables) {
   EXPECT_THAT(message(with("18.4,", "")), AllOf(HasSubstr(":2"), HasSubstr("15 values"), HasSubstr("16 columns")));
   EXPECT_THAT(message("hx,hy\n1,2\n"), AllOf(HasSubstr(":1"), HasSubstr("column hz"), HasSubstr("missing")));
   EXPECT_THAT(message("hx,hx\n1,2\n"), HasSubstr("twice"));
-  EXPECT_THAT(message(kHeader + "\n"), HasSubstr("no rows"));
+  EXPECT_THAT(message(kCasesHeader + "\n"), HasSubstr("no rows"));
   EXPECT_THAT(message(""), HasSubstr("no rows"));
   EXPECT_THROW(read_ndf_cases("/nowhere/cases.csv"), Error);
   EXPECT_THROW(read_ndf_cases(folder_.path()), Error);

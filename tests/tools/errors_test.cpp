@@ -21,7 +21,7 @@ using ::testing::StartsWith;
 
 const fs::path kSample = fs::path(places::source()) / "samples" / "small-bench";
 
-Json read(const fs::path& file) { return Json::parse(file_text(file)); }
+Json parsed(const fs::path& file) { return Json::parse(file_text(file)); }
 
 void write(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
 void write(const fs::path& file, const Json& json) { write(file, json.dump(1)); }
@@ -53,7 +53,7 @@ class PhotographedBoard : public ::testing::Test {
     photographed_ = new fs::path(fs::temp_directory_path() / ("burin-photographed-" + std::to_string(::getpid())));
     fs::remove_all(*photographed_);
     fs::create_directories(*photographed_);
-    Json truth = read(kSample / "truth.json");
+    Json truth = parsed(kSample / "truth.json");
     truth["session"] = true;
     truth["samples_plain"] = 4;
     truth["scratches"]["random"]["count"] = 200;
@@ -72,7 +72,7 @@ class PhotographedBoard : public ::testing::Test {
 
   fs::path bench() const { return folder_ / "bench"; }
   fs::path photo(int index) const {
-    return bench() / read(bench() / "session.json")["photos"][index]["file"].get<std::string>();
+    return bench() / parsed(bench() / "session.json")["photos"][index]["file"].get<std::string>();
   }
   Outcome calibrate() const { return run_burin(folder_, {"calibrate", "bench/session.json", "--out", "measured"}); }
   void expect_nothing_measured() const { EXPECT_EQ(files_under(folder_ / "measured"), 0U); }
@@ -106,7 +106,7 @@ TEST_F(PhotographedBoard, PhotoThatIsNoPicture) {
 
 TEST_F(PhotographedBoard, NoTagsFound) {
   // The board's own picture of one gray: a photo, and not a tag in it.
-  Json truth = read(kSample / "truth.json");
+  Json truth = parsed(kSample / "truth.json");
   truth["session"] = true;
   truth["samples_plain"] = 1;
   truth["scratches"]["random"]["count"] = 1;
@@ -121,7 +121,7 @@ TEST_F(PhotographedBoard, NoTagsFound) {
 }
 
 TEST_F(PhotographedBoard, WrongTagFamily) {
-  Json board = read(bench() / "board.json");
+  Json board = parsed(bench() / "board.json");
   board["tags"]["family"] = "tag36h11";
   write(bench() / "board.json", board);
   expect_refusal(calibrate(), "tag36h11", "tagStandard41h12");
@@ -129,7 +129,7 @@ TEST_F(PhotographedBoard, WrongTagFamily) {
 }
 
 TEST_F(PhotographedBoard, TagFamilyThatNobodyKnows) {
-  Json board = read(bench() / "board.json");
+  Json board = parsed(bench() / "board.json");
   board["tags"]["family"] = "tag99";
   write(bench() / "board.json", board);
   expect_refusal(calibrate(), "board.json", "tag99");
@@ -137,7 +137,7 @@ TEST_F(PhotographedBoard, TagFamilyThatNobodyKnows) {
 }
 
 TEST_F(PhotographedBoard, OneViewOnly) {
-  Json session = read(bench() / "session.json");
+  Json session = parsed(bench() / "session.json");
   Json kept = Json::array();
   for (const Json& p : session["photos"])
     if (p["view"] == "d0") kept.push_back(p);
@@ -148,7 +148,7 @@ TEST_F(PhotographedBoard, OneViewOnly) {
 }
 
 TEST_F(PhotographedBoard, PhotoSizesDiffer) {
-  Json truth = read(kSample / "truth.json");
+  Json truth = parsed(kSample / "truth.json");
   truth["session"] = true;
   truth["samples_plain"] = 1;
   truth["scratches"]["random"]["count"] = 1;
@@ -163,7 +163,7 @@ TEST_F(PhotographedBoard, PhotoSizesDiffer) {
 }
 
 TEST_F(PhotographedBoard, UnknownKeyInTheManifest) {
-  Json session = read(bench() / "session.json");
+  Json session = parsed(bench() / "session.json");
   session["photos"][0]["shutter"] = 3;
   write(bench() / "session.json", session);
   expect_refusal(calibrate(), "session.json", "shutter");
@@ -230,7 +230,7 @@ TEST_F(BoardFiles, ScratchOfNoLength) {
 }
 
 TEST_F(BoardFiles, UnknownKeyInTheBoard) {
-  Json board = read(folder_ / "bench" / "board.json");
+  Json board = parsed(folder_ / "bench" / "board.json");
   board["color"] = "silver";
   write(folder_ / "bench" / "board.json", board);
   expect_refusal(render(), "board.json", "color");
@@ -253,7 +253,7 @@ TEST_F(BoardFiles, ViewThatTheBenchDoesNotHave) {
 
 TEST_F(BoardFiles, MeshWithoutUv) {
   write(folder_ / "bench" / "bent.obj", std::string("v 0 0 0\nv 120 0 0\nv 120 120 1\nv 0 120 0\nf 1 2 3\nf 1 3 4\n"));
-  Json board = read(folder_ / "bench" / "board.json");
+  Json board = parsed(folder_ / "bench" / "board.json");
   board["mesh"] = "bent.obj";
   write(folder_ / "bench" / "board.json", board);
   expect_refusal(render(), "bent.obj", "uv");

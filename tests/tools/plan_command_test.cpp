@@ -14,12 +14,12 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const std::string kSample = places::source() + "/samples/small-bench/";
+const std::string kSampleBench = places::source() + "/samples/small-bench/";
 
 TEST(PlanCommand, SaysWhereToStandAndDrawsIt) {
   const TemporaryFolder folder;
-  const Outcome run = run_burin(
-      folder, {"plan", kSample + "board.json", "--bench", kSample + "bench.json", "--shots", "3", "--out", "plan"});
+  const Outcome run = run_burin(folder, {"plan", kSampleBench + "board.json", "--bench", kSampleBench + "bench.json",
+                                         "--shots", "3", "--out", "plan"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, AllOf(HasSubstr("  3. camera "), HasSubstr("mm above the"), HasSubstr("Expected sigma"),
                              HasSubstr("depth_um"), HasSubstr("Wrote plan/plan.json")));
@@ -43,11 +43,11 @@ TEST(PlanCommand, SaysWhereToStandAndDrawsIt) {
 // A board is photographed from where it is to be looked at, and all of it with one focus.
 TEST(PlanCommand, ViewsOfTheDesignComeFirstAndTheRestKeepsTheirFocus) {
   const TemporaryFolder folder;
-  const Outcome run = run_burin(folder, {"plan", kSample + "board.json", "--bench", kSample + "bench.json", "--design",
-                                         kSample + "design.json", "--shots", "2", "--out", "plan"});
+  const Outcome run = run_burin(folder, {"plan", kSampleBench + "board.json", "--bench", kSampleBench + "bench.json",
+                                         "--design", kSampleBench + "design.json", "--shots", "2", "--out", "plan"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, AllOf(HasSubstr("Focus once at 500 mm"), HasSubstr("  1. view \"d0\" of the design: camera"),
-                             HasSubstr("--bench " + kSample + "bench.json --out DIR")));
+                             HasSubstr("--bench " + kSampleBench + "bench.json --out DIR")));
   const auto plan = nlohmann::json::parse(file_text(folder / "plan" / "plan.json"));
   ASSERT_EQ(plan["shots"].size(), 5U);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -62,7 +62,7 @@ TEST(PlanCommand, ViewsOfTheDesignComeFirstAndTheRestKeepsTheirFocus) {
 TEST(PlanCommand, AProjectsFolderIsEnough) {
   const TemporaryFolder folder;
   const Outcome run =
-      run_burin(folder, {"plan", kSample, "--shots", "2", "--focus-range", "0.45-0.6m", "--out", "plan"});
+      run_burin(folder, {"plan", kSampleBench, "--shots", "2", "--focus-range", "0.45-0.6m", "--out", "plan"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out,
               AllOf(HasSubstr("450 to 600 mm was said to be sharp"), HasSubstr("  3. view \"d2\" of the design"),
@@ -76,14 +76,14 @@ TEST(PlanCommand, AProjectsFolderIsEnough) {
     EXPECT_LE(shot["distance_mm"].get<double>(), 600.1);
   }
   for (const char* wrong : {"500", "900-100", "1-2km"})
-    EXPECT_EQ(run_burin(folder, {"plan", kSample, std::string("--focus-range=") + wrong}).exit_code, 1) << wrong;
-  EXPECT_EQ(run_burin(folder, {"plan", kSample, "--focus-range", "450-600", "--focus-mm", "700"}).exit_code, 1);
+    EXPECT_EQ(run_burin(folder, {"plan", kSampleBench, std::string("--focus-range=") + wrong}).exit_code, 1) << wrong;
+  EXPECT_EQ(run_burin(folder, {"plan", kSampleBench, "--focus-range", "450-600", "--focus-mm", "700"}).exit_code, 1);
 }
 
 TEST(PlanCommand, LampsThatAreGivenReplaceTheBenchs) {
   const TemporaryFolder folder;
-  const std::vector<std::string> plan = {"plan", kSample + "board.json", "--bench", kSample + "bench.json", "--shots",
-                                         "2"};
+  const std::vector<std::string> plan = {
+      "plan", kSampleBench + "board.json", "--bench", kSampleBench + "bench.json", "--shots", "2"};
   std::vector<std::string> arguments = plan;
   arguments.insert(arguments.end(), {"--lamp", "-200", "60", "500"});
   const Outcome run = run_burin(folder, arguments);
@@ -100,7 +100,7 @@ TEST(PlanCommand, LampsThatAreGivenReplaceTheBenchs) {
 
 TEST(PlanCommand, RefusesWrongNumbersAndMissingFiles) {
   const TemporaryFolder folder;
-  EXPECT_EQ(run_burin(folder, {"plan", kSample + "board.json", "--shots", "13"}).exit_code, 2);
+  EXPECT_EQ(run_burin(folder, {"plan", kSampleBench + "board.json", "--shots", "13"}).exit_code, 2);
   EXPECT_EQ(run_burin(folder, {"plan", "none.json"}).exit_code, 1);
 }
 

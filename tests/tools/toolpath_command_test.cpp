@@ -19,13 +19,13 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr const char* kBoard = R"({"format": "burin/board", "version": 1, "size_mm": [100, 80]})";
-constexpr const char* kScratches = "x0_mm,y0_mm,x1_mm,y1_mm\n10,10,14,12\n90,70,85,70\n14,13,15,19\n";
+constexpr const char* kPlainBoard = R"({"format": "burin/board", "version": 1, "size_mm": [100, 80]})";
+constexpr const char* kThreeScratches = "x0_mm,y0_mm,x1_mm,y1_mm\n10,10,14,12\n90,70,85,70\n14,13,15,19\n";
 
 TEST(ToolpathCommand, WritesAndReplays) {
   const TemporaryFolder folder;
-  folder.write("board.json", kBoard);
-  folder.write("scratches.csv", kScratches);
+  folder.write("board.json", kPlainBoard);
+  folder.write("scratches.csv", kThreeScratches);
   const Outcome made = run_burin(folder, {"toolpath", "scratches.csv", "--board", "board.json", "--machine", "grbl",
                                           "--out", "board.gcode", "--sent", "carved.csv"});
   EXPECT_EQ(made.exit_code, 0) << made.err;
@@ -40,8 +40,8 @@ TEST(ToolpathCommand, WritesAndReplays) {
 
 TEST(ToolpathCommand, GoesOnAfterAnInterruption) {
   const TemporaryFolder folder;
-  folder.write("board.json", kBoard);
-  folder.write("scratches.csv", kScratches);
+  folder.write("board.json", kPlainBoard);
+  folder.write("scratches.csv", kThreeScratches);
   const std::vector<std::string> command{"toolpath", "scratches.csv", "--board", "board.json", "--out"};
   const auto run = [&](std::vector<std::string> more) {
     more.insert(more.begin(), command.begin(), command.end());
@@ -66,7 +66,7 @@ TEST(ToolpathCommand, GoesOnAfterAnInterruption) {
 TEST(ToolpathCommand, FollowsAProbedSheet) {
   const TemporaryFolder folder;
   folder.write("board.json", R"({"format": "burin/board", "version": 1, "size_mm": [100, 80], "flatness_um": 60})");
-  folder.write("scratches.csv", kScratches);
+  folder.write("scratches.csv", kThreeScratches);
   const std::vector<std::string> command{"toolpath", "scratches.csv", "--board", "board.json"};
   const auto run = [&](std::vector<std::string> more) {
     more.insert(more.begin(), command.begin(), command.end());
@@ -112,8 +112,8 @@ TEST(ToolpathCommand, FollowsAProbedSheet) {
 
 TEST(ToolpathCommand, SaysWhatIsWrongAndWritesNothing) {
   const TemporaryFolder folder;
-  folder.write("board.json", kBoard);
-  folder.write("scratches.csv", std::string(kScratches) + "10,10,10,10\n");
+  folder.write("board.json", kPlainBoard);
+  folder.write("scratches.csv", std::string(kThreeScratches) + "10,10,10,10\n");
   const auto run = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments{"toolpath", "scratches.csv", "--board", "board.json"};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -122,7 +122,7 @@ TEST(ToolpathCommand, SaysWhatIsWrongAndWritesNothing) {
   const Outcome zero_length = run({"--out", "a.gcode"});
   EXPECT_EQ(zero_length.exit_code, 1);
   EXPECT_THAT(zero_length.err, AllOf(HasSubstr("scratches.csv:5"), HasSubstr("no length")));
-  folder.write("scratches.csv", kScratches);
+  folder.write("scratches.csv", kThreeScratches);
   EXPECT_EQ(run({"--out", "a.cnc"}).exit_code, 1);
   EXPECT_EQ(run({"--out", "no/folder/a.gcode"}).exit_code, 1);
   EXPECT_EQ(run({"--out", "a.gcode", "--machine", "toaster"}).exit_code, 1);

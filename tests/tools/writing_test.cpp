@@ -19,12 +19,12 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-const fs::path kSample = fs::path(places::source()) / "samples" / "small-bench";
+const fs::path kSampleFolder = fs::path(places::source()) / "samples" / "small-bench";
 
 class Writing : public ::testing::Test {
  protected:
   Writing() {
-    fs::copy(kSample, folder / "p", fs::copy_options::recursive);
+    fs::copy(kSampleFolder, folder / "p", fs::copy_options::recursive);
     folder.write("s.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n30,30,34,33\n40,30,44,33\n");
   }
   Outcome toolpath(const std::string& out, const std::string& more = "") const {

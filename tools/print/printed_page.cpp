@@ -11,7 +11,7 @@ namespace burin {
 namespace {
 
 // What printers leave white, and the strips of the two rulers inside it.
-constexpr double kMargin_mm = 10, kRulerStrip_mm = 10;
+constexpr double kPageMargin_mm = 10, kRulerStrip_mm = 10;
 constexpr double kFull_mm = 100;
 
 // A filled bar: a line's width would be rounded to pixels by some programs, a bar's edges are not.
@@ -90,7 +90,7 @@ FreeArea free_area(const PrintSetup& setup, double head_mm) {
   const Eigen::Vector2d size = printed_size_mm(setup);
   // A page that comes out larger than the paper is cut off on whichever side the printer likes.
   const Eigen::Vector2d cut = (size - setup.paper.size_mm).cwiseMax(0);
-  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kMargin_mm) + cut;
+  const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kPageMargin_mm) + cut;
   return {margin + Eigen::Vector2d(kRulerStrip_mm, head_mm), size - margin - Eigen::Vector2d(0, kRulerStrip_mm)};
 }
 

@@ -18,16 +18,16 @@ constexpr double kHead_mm = 32;     // with the overview
 constexpr double kLabel_mm = 3;     // a tag's number
 constexpr int kMostPages = 400;
 
-struct Box {
+struct PaperBox {
   Eigen::Vector2d low, high;
 };
 
-bool overlap(const Box& a, const Box& b) {
+bool overlap(const PaperBox& a, const PaperBox& b) {
   return (a.low.array() < b.high.array()).all() && (b.low.array() < a.high.array()).all();
 }
 
-Box around(const std::vector<Eigen::Vector2d>& points) {
-  Box box{points[0], points[0]};
+PaperBox around(const std::vector<Eigen::Vector2d>& points) {
+  PaperBox box{points[0], points[0]};
   for (const Eigen::Vector2d& p : points) box = {box.low.cwiseMin(p), box.high.cwiseMax(p)};
   return box;
 }
@@ -118,8 +118,8 @@ struct TagMarks {
 
 std::vector<TagMarks> marks_of(const Board& board) {
   std::vector<TagMarks> out;
-  std::vector<Box> taken;
-  const auto is_free = [&](const Box& box, std::size_t but) {
+  std::vector<PaperBox> taken;
+  const auto is_free = [&](const PaperBox& box, std::size_t but) {
     for (std::size_t i = 0; i < taken.size(); ++i)
       if (i != but && overlap(taken[i], box)) return false;
     return true;
@@ -144,7 +144,7 @@ std::vector<TagMarks> marks_of(const Board& board) {
     }
     marks.number = std::to_string(tag.id);
     const Eigen::Vector2d half(words_width_mm(marks.number, kLabel_mm, true) / 2 + 0.3, kLabel_mm / 2);
-    const Box paper = taken[i];
+    const PaperBox paper = taken[i];
     const Eigen::Vector2d reach = (paper.high - paper.low) / 2 + half + Eigen::Vector2d(0.8, 0.8);
     // Towards the board's middle first, where most room is; beside the arrow last.
     const double to_x = tag.center_mm.x() < middle.x() ? 1 : -1, to_y = tag.center_mm.y() < middle.y() ? 1 : -1;
@@ -158,7 +158,7 @@ std::vector<TagMarks> marks_of(const Board& board) {
     marks.number_mm = tag.center_mm + tried[0];
     for (const Eigen::Vector2d& d : tried) {
       const Eigen::Vector2d at = tag.center_mm + d;
-      const Box box{at - half, at + half};
+      const PaperBox box{at - half, at + half};
       if (!is_free(box, taken.size())) continue;
       marks.number_mm = at;
       break;
@@ -193,7 +193,7 @@ void draw_board(const TilePen& pen, const Board& board) {
       pen.line({x, y + out_y}, {x, y + out_y * (kBeyond_mm - 1)}, {Tint::ink, 0.12, 0});
     }
   pen.outline(rectangle(board.carve_min_mm, board.carve_max_mm), {Tint::soft, 0.15, 2});
-  const Box seen{pen.tile.low_mm.cwiseMax(board.carve_min_mm), pen.tile.high_mm.cwiseMin(board.carve_max_mm)};
+  const PaperBox seen{pen.tile.low_mm.cwiseMax(board.carve_min_mm), pen.tile.high_mm.cwiseMin(board.carve_max_mm)};
   const Eigen::Vector2d room = seen.high - seen.low;
   const std::string carved = fmt::format("carved here: {:g} x {:g} mm", (board.carve_max_mm - board.carve_min_mm).x(),
                                          (board.carve_max_mm - board.carve_min_mm).y());
@@ -207,7 +207,7 @@ void draw_board(const TilePen& pen, const Board& board) {
       corners.emplace_back(place.center_mm + place.radius_mm * Eigen::Vector2d(std::cos(a), std::sin(a)));
     }
     pen.outline(corners, {Tint::soft, 0.2, 0.8});
-    const Box box = around(corners);
+    const PaperBox box = around(corners);
     if (const Eigen::Vector2d at = (box.low + box.high) / 2; !place.name.empty() && pen.shows(at, 2))
       pen.words(at, place.name, 2.2, Tint::soft);
   }
@@ -272,8 +272,10 @@ void draw_overview(PrintedPage& page, const Board& board, const std::vector<Tile
     return tile.turned ? Eigen::Vector2d(origin.x() + scale * (size.x() - p.y()), origin.y() - scale * p.x())
                        : Eigen::Vector2d(origin.x() + scale * p.x(), origin.y() - scale * p.y());
   };
-  const auto inside = [&](const Tile& one) { return Box{one.low_mm.cwiseMax(0), one.high_mm.cwiseMin(board.size_mm)}; };
-  const Box here = inside(tile);
+  const auto inside = [&](const Tile& one) {
+    return PaperBox{one.low_mm.cwiseMax(0), one.high_mm.cwiseMin(board.size_mm)};
+  };
+  const PaperBox here = inside(tile);
   if (tiles.size() > 1) add_rectangle(page.drawing, at(here.low), at(here.high), Tint::faint);
   for (const Tag& tag : board.tags.list) {
     std::vector<Eigen::Vector2d> corners = tag_paper(tag, board.tags.family).polygon_mm;
@@ -283,7 +285,7 @@ void draw_overview(PrintedPage& page, const Board& board, const std::vector<Tile
   add_rectangle(page.drawing, at({0, 0}), at(board.size_mm), Tint::none, {Tint::ink, 0.2, 0});
   if (tiles.size() == 1) return;
   for (const Tile& one : tiles) {
-    const Box box = inside(one);
+    const PaperBox box = inside(one);
     add_rectangle(page.drawing, at(box.low), at(box.high), Tint::none, {Tint::soft, 0.1, 0});
     if (tiles.size() <= 30)
       add_words(page.drawing, {.at_mm = at((box.low + box.high) / 2),

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Severity = Finding::Severity;
 
-constexpr int kPictureSidePx = 360;
+constexpr int kCarvePictureSidePx = 360;
 
 std::size_t count_of(const CarveCheck& check, Severity severity) {
   return static_cast<std::size_t>(std::count_if(check.findings.begin(), check.findings.end(),
@@ -145,9 +145,9 @@ Promise promise_of(const fs::path& folder) {
     std::string more = fmt::format("; the plain face's own light allows {}.", decibels(allows));
     if (view.has("tolerance")) more += " " + html(view.object("tolerance").text("text")) + ".";
     const std::vector<Figure> figures{
-        {picture_within(folder / view.text("target"), kPictureSidePx), "View " + name + ": the target", "<b>Target</b>",
-         "Target"},
-        {picture_within(folder / view.text("preview"), kPictureSidePx),
+        {picture_within(folder / view.text("target"), kCarvePictureSidePx), "View " + name + ": the target",
+         "<b>Target</b>", "Target"},
+        {picture_within(folder / view.text("preview"), kCarvePictureSidePx),
          fmt::format("View {}, as promised: {}", name, decibels(psnr)),
          fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", unbroken(decibels(psnr)), more),
          "As promised"}};

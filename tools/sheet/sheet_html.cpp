@@ -13,11 +13,11 @@ namespace burin {
 namespace {
 
 // A phone shows it 390 pixels wide, and words must still be read: drawn narrow, with large words.
-constexpr double kWidth_mm = 100, kMostHeight_mm = 110, kText_mm = 3.6;
+constexpr double kWidth_mm = 100, kMostHeight_mm = 110, kDrawingText_mm = 3.6;
 
 std::string figure_of(const Sheet& sheet, Projection projection, const std::string& caption) {
-  const BenchDrawing drawn =
-      bench_drawing(sheet.board, sheet.places, projection, kWidth_mm, kMostHeight_mm, kText_mm, sheet.hang_height_mm);
+  const BenchDrawing drawn = bench_drawing(sheet.board, sheet.places, projection, kWidth_mm, kMostHeight_mm,
+                                           kDrawingText_mm, sheet.hang_height_mm);
   std::string told = caption + ". ";
   for (const SheetPlace& place : sheet.places)
     told += fmt::format("{} at x {:.0f}, y {:.0f}, z {:.0f} mm. ", place.name, place.at_mm.x(), place.at_mm.y(),

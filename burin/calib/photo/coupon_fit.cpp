@@ -114,10 +114,10 @@ double total_cost(FanProblem& problem, const State& state, const FanValues& valu
 }
 
 // All numbers of the fit in one vector: the fans', the shared and the lamps', and, behind them, cameras, bow and lens.
-struct Layout {
+struct FanLayout {
   Index fans = 0, own = 0, global = 0, geometry = 0, lens = 0;
 
-  Layout(const FanProblem& problem, const State& state, bool with_geometry)
+  FanLayout(const FanProblem& problem, const State& state, bool with_geometry)
       : fans(static_cast<Index>(problem.coupon->fans.size())),
         own(2 * fans + kTrends),
         global(global_count(state.lamps.size())) {
@@ -172,7 +172,7 @@ int sector_of(const Vector2d& from_center) {
   return std::clamp(static_cast<int>(share * kSectors), 0, kSectors - 1);
 }
 
-FreeUnknowns wanted_of(const Stage& stage, const Layout& layout) {
+FreeUnknowns wanted_of(const Stage& stage, const FanLayout& layout) {
   FreeUnknowns wanted{};
   for_each_unknown([&](const UnknownRow& row, int first) {
     if (row.scope == Scope::paper || row.group == Group::groove) return;
@@ -185,7 +185,7 @@ FreeUnknowns wanted_of(const Stage& stage, const Layout& layout) {
 
 // One photo's part. Its row of derivatives is short: by the pixel's own fan, travel, and what the photo depends on.
 void add_photo(const FanProblem& problem, std::size_t k, const State& state, const Carved& carved, const Stage& stage,
-               const Layout& layout, FanEquations& out) {
+               const FanLayout& layout, FanEquations& out) {
   const ModelData& model = problem.data.model;
   const PhotoData& photo = problem.data.photos[k];
   const Unknowns x = state.of(photo.photo.light);
@@ -256,7 +256,7 @@ void add_photo(const FanProblem& problem, std::size_t k, const State& state, con
 
 // Priors of fans and of the table, paper, and the tags' word on cameras.
 void add_others(const FanProblem& problem, const State& state, const FanValues& values, const std::vector<bool>& free,
-                const Layout& layout, FanEquations& out) {
+                const FanLayout& layout, FanEquations& out) {
   const auto add = [&](Index at, double information, double off) {
     out.H(at, at) += information;
     out.curvature(at, at) += information;
@@ -292,7 +292,7 @@ void add_others(const FanProblem& problem, const State& state, const FanValues& 
 }
 
 FanEquations equations_of(FanProblem& problem, const Stage& stage, const State& state, const FanValues& values,
-                          const Layout& layout) {
+                          const FanLayout& layout) {
   Sent sent;
   const Carved carved = carved_of(problem, sent, state, values);
   const std::size_t photos = problem.data.photos.size();
@@ -310,7 +310,7 @@ FanEquations equations_of(FanProblem& problem, const Stage& stage, const State& 
   return out;
 }
 
-std::vector<bool> all_free(const FanProblem& problem, const Stage& stage, const State& state, const Layout& layout) {
+std::vector<bool> all_free(const FanProblem& problem, const Stage& stage, const State& state, const FanLayout& layout) {
   std::vector<bool> free(static_cast<std::size_t>(layout.size()), true);
   const std::vector<bool> global = free_unknowns(problem.data, stage, state.lamps.size());
   std::copy(global.begin(), global.end(), free.begin() + layout.own);
@@ -421,7 +421,7 @@ void try_fans(FanProblem& problem, const State& state, FanValues& values, const 
 double fit_fans(FanProblem& problem, const Stage& stage, int max_iterations, State& state, FanValues& values,
                 const Progress& progress) {
   const Stage held = without_grooves(stage);
-  const Layout layout(problem, state, false);
+  const FanLayout layout(problem, state, false);
   const std::vector<bool> free = free_unknowns(problem.data, held, state.lamps.size());
   double cost = total_cost(problem, state, values, free);
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
@@ -462,7 +462,7 @@ double fit_fans(FanProblem& problem, const Stage& stage, int max_iterations, Sta
 
 MatrixXd fan_covariance(FanProblem& problem, const Stage& stage, const State& state, const FanValues& values) {
   const Stage held = without_grooves(stage);
-  const Layout layout(problem, state, true);
+  const FanLayout layout(problem, state, true);
   const FanEquations e = equations_of(problem, held, state, values, layout);
   const MatrixXd inverse = safe_inverse(e.curvature, all_free(problem, held, state, layout));
   // Scores: of sectors, and of all that is no pixel.

@@ -9,11 +9,11 @@ namespace burin {
 namespace {
 
 // Counts by square of the board.
-struct Squares {
+struct BoardSquares {
   int columns, rows;
   std::vector<int> seen, strange;  // photos
 
-  explicit Squares(const Board& board)
+  explicit BoardSquares(const Board& board)
       : columns(static_cast<int>(std::ceil(board.size_mm.x() / kStrangeSquareMm))),
         rows(static_cast<int>(std::ceil(board.size_mm.y() / kStrangeSquareMm))),
         seen(static_cast<std::size_t>(columns) * rows, 0),
@@ -36,7 +36,7 @@ struct Squares {
 
 std::vector<StrangeRegion> strange_regions(const Problem& data, const State& state) {
   constexpr double kBeyond = 4;  // expected errors
-  Squares squares(*data.model.board);
+  BoardSquares squares(*data.model.board);
   const Carved carved = carved_at(data.model, state.of(0));
   for (const PhotoData& photo : data.photos) {
     const Image value = predict(data.model, photo, state.of(photo.photo.light), carved);
@@ -98,7 +98,7 @@ std::vector<StrangeRegion> strange_regions(const Problem& data, const State& sta
 }
 
 void leave_out(const std::vector<StrangeRegion>& regions, const Problem& data, std::vector<LightView>& views) {
-  const Squares squares(*data.model.board);
+  const BoardSquares squares(*data.model.board);
   std::vector<bool> out(squares.seen.size(), false);
   for (const StrangeRegion& region : regions)
     for (const Eigen::Vector2i& square : region.squares)

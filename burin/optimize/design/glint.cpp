@@ -12,11 +12,11 @@ namespace burin {
 namespace {
 
 constexpr double kPiHalf = std::numbers::pi / 2;
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kOneDegree = std::numbers::pi / 180;
 
 std::string degrees(double radians) {
   char text[32];
-  std::snprintf(text, sizeof text, "%.1f", radians / kDegree);
+  std::snprintf(text, sizeof text, "%.1f", radians / kOneDegree);
   return text;
 }
 

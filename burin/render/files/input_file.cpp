@@ -19,14 +19,14 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A file descriptor, closed at the end.
-class Descriptor {
+class InputDescriptor {
  public:
-  explicit Descriptor(int number) : number_(number) {}
-  ~Descriptor() {
+  explicit InputDescriptor(int number) : number_(number) {}
+  ~InputDescriptor() {
     if (number_ >= 0) ::close(number_);
   }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
+  InputDescriptor(const InputDescriptor&) = delete;
+  InputDescriptor& operator=(const InputDescriptor&) = delete;
   int number() const { return number_; }
 
  private:
@@ -119,14 +119,14 @@ std::uintmax_t require_plain_file(const fs::path& file, std::uintmax_t most_byte
 
 std::string read_bytes(const fs::path& file, std::uintmax_t most_bytes, const std::string& kind) {
   const auto [number, bytes] = open_plain(file);
-  const Descriptor open(number);
+  const InputDescriptor open(number);
   require_size(file, bytes, most_bytes, kind);
   return read_so_many(file, open.number(), bytes);
 }
 
 std::string read_head(const fs::path& file, std::uintmax_t bytes) {
   const auto [number, size] = open_plain(file);
-  const Descriptor open(number);
+  const InputDescriptor open(number);
   return read_so_many(file, open.number(), std::min(bytes, size));
 }
 
