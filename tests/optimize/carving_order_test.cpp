@@ -13,7 +13,7 @@
 namespace burin {
 namespace {
 
-Scratches random_scratches(std::size_t count, double length_mm, unsigned seed) {
+Scratches unordered_scratches(std::size_t count, double length_mm, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(0, 100), angle(0, 2 * std::numbers::pi);
   Scratches s;
@@ -59,7 +59,7 @@ TEST(CarvingOrder, SmallBoardsComeCloseToTheBestOfAllOrders) {
   for (unsigned seed = 0; seed < 12; ++seed)
     for (const bool back : {false, true})
       for (const std::size_t count : {2u, 3u, 5u, 6u}) {
-        const Scratches s = random_scratches(count, 20, 100 * seed + static_cast<unsigned>(count));
+        const Scratches s = unordered_scratches(count, 20, 100 * seed + static_cast<unsigned>(count));
         CarvingOrderOptions options;
         options.return_to_start = back;
         const auto order = carving_order(s, options);
@@ -72,7 +72,7 @@ TEST(CarvingOrder, SmallBoardsComeCloseToTheBestOfAllOrders) {
 }
 
 TEST(CarvingOrder, NoExchangeOfTwoWaysIsLeft) {
-  const Scratches s = random_scratches(400, 5, 1);
+  const Scratches s = unordered_scratches(400, 5, 1);
   CarvingOrderOptions options;
   options.neighbors = 60;
   const auto order = carving_order(s, options);
@@ -92,7 +92,7 @@ TEST(CarvingOrder, NoExchangeOfTwoWaysIsLeft) {
 }
 
 TEST(CarvingOrder, LargeBoardsAreShortAndTheSameEachTime) {
-  const Scratches s = random_scratches(20000, 3, 5);
+  const Scratches s = unordered_scratches(20000, 3, 5);
   const auto order = carving_order(s);
   expect_each_once(order, s.size());
   const auto again = carving_order(s);

@@ -19,11 +19,11 @@ constexpr double kDepth_um = 14;     // what a drag bit scratches; others only w
 constexpr double kFace_alpha = 0.1;  // polished, or fine satin: what glints stand out from
 constexpr double kFurthest_mm = 10e3;
 
-Eigen::Vector3d middle_of(const Board& board) { return {board.size_mm.x() / 2, board.size_mm.y() / 2, 0}; }
+Eigen::Vector3d board_middle(const Board& board) { return {board.size_mm.x() / 2, board.size_mm.y() / 2, 0}; }
 
 std::vector<Eigen::Vector2d> seen(const Lens& lens, const Eigen::Vector3d& eye_mm, const Board& board,
                                   const std::vector<Eigen::Vector2d>& places) {
-  const Eigen::Isometry3d T = look_at(eye_mm, middle_of(board));
+  const Eigen::Isometry3d T = look_at(eye_mm, board_middle(board));
   std::vector<Eigen::Vector3d> p;
   for (const Eigen::Vector2d& place : places) p.push_back(T * Eigen::Vector3d(place.x(), place.y(), 0));
   std::vector<Eigen::Vector2d> q(p.size());

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kSpoiled = 0.5, kNoticed = 0.1;  // of the depth
 
-std::string um(double mm) { return significant(1e3 * mm, 2) + " um"; }
+std::string micrometers(double mm) { return significant(1e3 * mm, 2) + " um"; }
 
 const char* remedy(const MachineProfile& machine) {
   return machine.dialect == GcodeDialect::marlin
@@ -33,7 +33,7 @@ void judge_even_z(const DepthRange& depth, const std::optional<Unevenness>& know
   if (!known) {
     add(findings, Finding::Severity::warning,
         "nobody knows how even this sheet is: Z goes to -" + fixed(depth.least_mm, 4) +
-            " mm everywhere, which on a sheet that is not flat to " + um(kNoticed * depth.least_mm) +
+            " mm everywhere, which on a sheet that is not flat to " + micrometers(kNoticed * depth.least_mm) +
             " carves air in one place and too deep in another",
         std::string(remedy(machine)) + "; or write \"flatness_um\" into board.json once it is known");
     return;
@@ -42,8 +42,8 @@ void judge_even_z(const DepthRange& depth, const std::optional<Unevenness>& know
   if (error <= kNoticed * depth.least_mm) return;
   const bool spoiled = error > kSpoiled * depth.least_mm;
   add(findings, spoiled ? Finding::Severity::error : Finding::Severity::warning,
-      "the face lies " + um(error) + " higher in one place than in another (" + known->source +
-          "), and a fixed Z is to carve " + um(depth.least_mm) + " deep: the depth would differ by " +
+      "the face lies " + micrometers(error) + " higher in one place than in another (" + known->source +
+          "), and a fixed Z is to carve " + micrometers(depth.least_mm) + " deep: the depth would differ by " +
           fixed(100 * error / depth.least_mm, 0) + " %" +
           (spoiled ? ", and some scratches may not touch the metal" : ""),
       remedy(machine));
@@ -56,17 +56,19 @@ void judge_preload(const DepthRange& depth, const std::optional<Unevenness>& kno
   const std::string head = machine.depth_by == DepthBy::spring ? "the spring" : "the drag bit";
   if (!known) {
     add(findings, Finding::Severity::note,
-        "nobody knows how even this sheet is; " + head + " turns each 0.1 mm of unevenness into " + um(error) +
+        "nobody knows how even this sheet is; " + head + " turns each 0.1 mm of unevenness into " + micrometers(error) +
             " of depth",
         "");
   } else if (error > kNoticed * depth.least_mm) {
     add(findings, error > kSpoiled * depth.least_mm ? Finding::Severity::error : Finding::Severity::warning,
-        "the face lies " + um(probe_mm) + " higher in one place than in another (" + known->source + "), of which " +
-            head + " makes " + um(error) + " of the depth of " + um(depth.least_mm),
+        "the face lies " + micrometers(probe_mm) + " higher in one place than in another (" + known->source +
+            "), of which " + head + " makes " + micrometers(error) + " of the depth of " + micrometers(depth.least_mm),
         "clamp the sheet flatter, use a softer spring, or probe it (burin probe write) and give --heights");
   } else {
     add(findings, Finding::Severity::note,
-        head + " makes " + um(error) + " of depth of the face's " + um(probe_mm) + " (" + known->source + ")", "");
+        head + " makes " + micrometers(error) + " of depth of the face's " + micrometers(probe_mm) + " (" +
+            known->source + ")",
+        "");
   }
 }
 
@@ -124,8 +126,8 @@ std::vector<Finding> sheet_findings(const Toolpath& path, const Board& board, co
   const double rounding_mm = 0.5 * std::pow(10.0, -machine.decimals);
   if (depth_error_mm(machine, depth.least_mm, rounding_mm) > kNoticed * depth.least_mm)
     add(findings, Finding::Severity::warning,
-        "coordinates with " + std::to_string(machine.decimals) + " decimals round a depth of " + um(depth.least_mm) +
-            " by up to " + um(rounding_mm),
+        "coordinates with " + std::to_string(machine.decimals) + " decimals round a depth of " +
+            micrometers(depth.least_mm) + " by up to " + micrometers(rounding_mm),
         "write more decimals (--decimals, or the profile's)");
   if (machine.depth_table.assumed && measured != nullptr && depth_is_measured(*measured))
     add(findings, Finding::Severity::note,
@@ -140,7 +142,8 @@ std::vector<Finding> sheet_findings(const Toolpath& path, const Board& board, co
   if (machine.depth_by == DepthBy::servo) return findings;
   if (path.face.map) {
     add(findings, Finding::Severity::note,
-        "Z follows the height map, " + um(range_mm(*path.face.map)) + " from its lowest to its highest point", "");
+        "Z follows the height map, " + micrometers(range_mm(*path.face.map)) + " from its lowest to its highest point",
+        "");
     return findings;
   }
   if (path.face.bow) {
