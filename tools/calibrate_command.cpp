@@ -5,7 +5,6 @@
 
 #include "burin/calib/calibrate.h"
 #include "burin/render/files/files_together.h"
-#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"

@@ -8,7 +8,6 @@
 #include "burin/capture/folder_session.h"
 #include "burin/render/bench.h"
 #include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/tether/tethered_shoot.h"

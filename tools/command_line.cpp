@@ -188,9 +188,7 @@ int run_program(const std::vector<std::string>& arguments) {
   fill_closed_streams();
   std::vector<std::string> command = arguments;
   const OutputMode mode = take_output_mode(command);
-  std::string line = "burin";
-  for (const std::string& word : arguments) line += " " + shell_word(word);
-  end_on_signals(line, [mode, command](const std::string& sentence, int exit_code) {
+  end_on_signals(command_text(arguments), [mode, command](const std::string& sentence, int exit_code) {
     say_at_the_end(mode, command, sentence, exit_code);
   });
   int exit_code = kDone;

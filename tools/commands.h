@@ -35,6 +35,7 @@
 #include <CLI/App.hpp>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace burin {
 
@@ -83,6 +84,13 @@ inline std::string shell_word(const std::string& word) {
   std::string quoted = "'";
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
+}
+
+/// `burin ARGUMENTS...` as a person can paste it.
+inline std::string command_text(const std::vector<std::string>& arguments) {
+  std::string line = "burin";
+  for (const std::string& word : arguments) line += " " + shell_word(word);
+  return line;
 }
 
 /// Tells the person about something that does not stop the work: a photo left out, a value assumed. To stderr.

@@ -15,7 +15,6 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/stop_signal.h"

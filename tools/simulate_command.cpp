@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "burin/capture/simulator/simulated_camera.h"
-#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/work_lock.h"

@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <fmt/chrono.h>
 #include <sys/file.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
@@ -11,9 +10,10 @@
 #include <ctime>
 #include <map>
 #include <mutex>
-#include <optional>
+#include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/json_file.h"
 
@@ -24,7 +24,8 @@ namespace fs = std::filesystem;
 
 // What this process holds, by the real name of its folder: flock would take it for another one.
 struct Held {
-  int file = -1, times = 0;
+  Descriptor file;
+  int times = 0;
   fs::path name;
 };
 
@@ -59,27 +60,18 @@ bool is_project(const fs::path& folder) {
   return fs::is_regular_file(folder / "design.json", error) && fs::is_regular_file(folder / "board.json", error);
 }
 
-// The lock's file, locked; nothing where the one that was opened is no more (its holder removed it).
-std::optional<int> locked_file(const fs::path& name, const fs::path& folder) {
-  const int file = ::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
-  if (file < 0)
-    fail_with(name, "cannot be written, and without it two commands could spoil each other's results", errno);
-  if (::flock(file, LOCK_EX | LOCK_NB) != 0) {
+// The lock's file, locked; none where the one that was opened is no more (its holder removed it).
+Descriptor locked_file(const fs::path& name, const fs::path& folder) {
+  Descriptor file(::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
+  if (!file) fail_with(name, "cannot be written, and without it two commands could spoil each other's results", errno);
+  if (::flock(file.number(), LOCK_EX | LOCK_NB) != 0) {
     const int error = errno;
-    const std::string who = error == EWOULDBLOCK ? holder(file) : "";
-    if (error != EWOULDBLOCK) ::unlink(name.c_str());
-    ::close(file);
-    if (error != EWOULDBLOCK)
-      fail(name.string(), "cannot be locked: " + error_text(error), "keep the project on a disk that knows locks");
-    fail(folder.string(), "is being worked on by " + who, "wait until that has ended, or stop it");
+    if (error == EWOULDBLOCK)
+      fail(folder.string(), "is being worked on by " + holder(file.number()), "wait until that has ended, or stop it");
+    ::unlink(name.c_str());
+    fail(name.string(), "cannot be locked: " + error_text(error), "keep the project on a disk that knows locks");
   }
-  struct stat open {
-  }, named{};
-  if (::fstat(file, &open) == 0 && ::stat(name.c_str(), &named) == 0 && open.st_ino == named.st_ino &&
-      open.st_dev == named.st_dev)
-    return file;
-  ::close(file);
-  return std::nullopt;
+  return is_at(file.number(), name) ? std::move(file) : Descriptor();
 }
 
 // The folder and those above it that are not there, the deepest first.
@@ -127,7 +119,7 @@ WorkLock::WorkLock(const fs::path& folder, const std::string& work, Where where)
     return;
   }
   const fs::path name = lock_file(place);
-  std::optional<int> file;
+  Descriptor file;
   try {
     while (!file) file = locked_file(name, folder);
   } catch (...) {
@@ -135,11 +127,11 @@ WorkLock::WorkLock(const fs::path& folder, const std::string& work, Where where)
     remove_if_empty(made_);
     throw;
   }
-  held = {*file, 1, name};
+  held = {std::move(file), 1, name};
   const std::string text =
       fmt::format("{}, process {} since {:%Y-%m-%d %H:%M:%S}\n", work, ::getpid(), fmt::localtime(std::time(nullptr)));
   // It only tells the other one who is here; the lock holds without it.
-  if (::ftruncate(held.file, 0) != 0 || ::pwrite(held.file, text.data(), text.size(), 0) < 0) return;
+  if (::ftruncate(held.file.number(), 0) != 0 || ::pwrite(held.file.number(), text.data(), text.size(), 0) < 0) return;
 }
 
 WorkLock::~WorkLock() {
@@ -149,18 +141,15 @@ WorkLock::~WorkLock() {
   if (found == all_held().by_folder.end() || --found->second.times > 0) return;
   // Removed while it is locked: who has it open already finds that out (locked_file), and makes a new one.
   ::unlink(found->second.name.c_str());
-  ::close(found->second.file);
   all_held().by_folder.erase(found);
   remove_if_empty(made_);
 }
 
 std::string who_works_in(const fs::path& folder) {
-  const int file = ::open(lock_file(locked_folder(folder)).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-  if (file < 0) return "";
-  std::string who;
-  if (::flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK) who = holder(file);
-  ::close(file);
-  return who;
+  const Descriptor file(
+      ::open(lock_file(locked_folder(folder)).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
+  const bool is_held = file && ::flock(file.number(), LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  return is_held ? holder(file.number()) : "";
 }
 
 }  // namespace burin

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "burin/render/error.h"
+#include "burin/render/files/file_names.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/picture_file.h"
 #include "burin/render/files/printable.h"
@@ -103,13 +104,6 @@ int heic_turned_deg(const fs::path& file) {
   const std::string_view box("\0\0\0\x09irot", 8);
   const std::size_t at = head.find(box);
   return at == std::string::npos || at + box.size() >= head.size() ? 0 : 90 * (head[at + box.size()] & 3);
-}
-
-std::string lower_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
 }
 
 constexpr std::array<std::string_view, 9> kPictures{".jpg", ".jpeg", ".png",  ".tif", ".tiff",

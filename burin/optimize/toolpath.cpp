@@ -10,6 +10,7 @@
 #include "burin/optimize/carving/sheet.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/render/error.h"
+#include "burin/render/files/file_names.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
@@ -55,13 +56,6 @@ void remove_stale_parts(const fs::path& out, const std::vector<fs::path>& writte
   for (const fs::path& file : stale) remove_file(file);
 }
 
-std::string extension_of(const fs::path& out) {
-  std::string extension = out.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
-
 // G-code under its name is G-code that was read back from the disk and replayed.
 void write_gcode(const std::string& text, const fs::path& file, const Toolpath& path, const MachineProfile& machine,
                  const std::function<void(Replay&)>& check) {
@@ -80,7 +74,7 @@ void write_gcode(const std::string& text, const fs::path& file, const Toolpath& 
 ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                               const MachineProfile& machine, const ToolpathOptions& options,
                               const std::filesystem::path& out, const Progress& progress) {
-  const std::string extension = extension_of(out);
+  const std::string extension = lower_extension(out);
   const bool is_gcode = extension == ".gcode" || extension == ".nc" || extension == ".ngc";
   if (!is_gcode && extension != ".svg" && extension != ".dxf" && extension != ".csv")
     fail(out.string(), "unknown kind of tool path \"" + extension + "\"", "use .gcode, .nc, .ngc, .svg, .dxf or .csv");

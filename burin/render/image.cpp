@@ -13,6 +13,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/files/encoded_picture.h"
+#include "burin/render/files/file_names.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/picture_file.h"
@@ -26,13 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPictureRemedy = "use a PNG, TIFF, JPEG or EXR picture that other programs open";
-
-std::string lower_extension(const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 /// libjpeg fills a file that was cut short with gray and only warns. The end marker stands behind the last scan: within
 /// a scan neither marker can occur.
@@ -146,7 +140,7 @@ void for_each_pixel(UprightPicture& picture, const fs::path& file, const Take& t
                                                       spec.z, spec.z + 1, 0, stored, OIIO::TypeDesc::FLOAT, rows.data())
                           : picture.input->read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, stored,
                                                           OIIO::TypeDesc::FLOAT, rows.data());
-    if (!read) fail(file.string(), "is broken: " + one_line(picture.input->geterror()), kPictureRemedy);
+    if (!read) fail(file.string(), "is broken: " + picture.input->geterror(), kPictureRemedy);
     const float* pixels = rows.data();
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < spec.width; ++x, pixels += stored) {

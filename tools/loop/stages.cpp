@@ -23,10 +23,8 @@ namespace {
 namespace fs = std::filesystem;
 
 void run_step(const std::vector<std::string>& arguments) {
-  std::string line = "burin";
-  for (const std::string& a : arguments) line += " " + shell_word(a);
   stop_if_asked();
-  fmt::print("> {}\n", line);
+  fmt::print("> {}\n", command_text(arguments));
   std::fflush(stdout);
   run_command(arguments);
 }
@@ -41,11 +39,16 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   return files;
 }
 
+// What is in a file that a person may have edited: no object where it cannot be understood.
+Json json_or_broken(const fs::path& file) {
+  return Json::parse(read_bytes(file, limit::kJsonBytes, "a JSON file"), nullptr, false);
+}
+
 // A bench and the lens that it names. A bench that cannot be read names none: whoever uses it says what is wrong.
 void add_bench(const fs::path& bench, std::set<fs::path>& files) {
   files.insert(bench);
   if (!fs::exists(bench)) return;
-  const Json json = Json::parse(read_bytes(bench, limit::kJsonBytes, "a JSON file"), nullptr, false);
+  const Json json = json_or_broken(bench);
   if (json.is_object() && json.contains("camera") && json["camera"].is_string())
     files.insert(resolve_path(bench, json["camera"].get<std::string>()));
 }
@@ -136,7 +139,7 @@ bool make_design(const LoopProject& loop, int number) {
     words.emplace_back("--report-tolerance");
   run_step(words);
   const fs::path report = round / "design" / "design-report.json";
-  const Json json = Json::parse(read_bytes(report, limit::kJsonBytes, "a JSON file"), nullptr, false);
+  const Json json = json_or_broken(report);
   if (!json.is_object() || json.value("stopped_early", true)) return false;
   finish_design(loop, number);
   return true;

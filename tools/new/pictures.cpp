@@ -10,6 +10,7 @@
 
 #include "burin/optimize/target.h"
 #include "burin/render/error.h"
+#include "burin/render/files/file_names.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/linear_picture.h"
 
@@ -28,13 +29,8 @@ Image at_most(const Image& image, int longest) {
   return resized(image, side(image.width), side(image.height));
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool is_linear(const fs::path& file) {
-  const std::string extension = lower(file.extension().string());
+  const std::string extension = lower_extension(file);
   return extension == ".exr" || extension == ".hdr";
 }
 
@@ -65,7 +61,7 @@ std::string view_name(const fs::path& file, std::size_t number) {
 template <typename WithNumber>
 std::string unique(const std::string& name, std::set<std::string>& taken, WithNumber with_number) {
   std::string out = name;
-  for (int i = 2; !taken.insert(lower(out)).second; ++i) out = with_number(i);
+  for (int i = 2; !taken.insert(lower_case(out)).second; ++i) out = with_number(i);
   return out;
 }
 
@@ -93,7 +89,7 @@ ChosenPicture read_chosen(const fs::path& file) {
   const bool linear = is_linear(file);
   if (std::max(p.width, p.height) > kLargest && !linear) {
     p.smaller = at_most(image, kLargest);
-    const std::string extension = lower(file.extension().string());
+    const std::string extension = lower_extension(file);
     p.stored =
         file.stem().string() + (extension == ".png" || extension == ".tif" || extension == ".tiff" ? ".png" : ".jpg");
   }

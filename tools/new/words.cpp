@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <string_view>
@@ -12,14 +11,14 @@
 
 #include "burin/capture/exif.h"
 #include "burin/render/error.h"
+#include "burin/render/files/file_names.h"
 #include "burin/render/files/table.h"
 
 namespace burin {
 namespace {
 
 std::string trimmed_lower(std::string_view text) {
-  std::string out;
-  for (const char c : text) out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string out = lower_case(std::string(text));
   const std::size_t first = out.find_first_not_of(" \t"), last = out.find_last_not_of(" \t");
   return first == std::string::npos ? "" : out.substr(first, last - first + 1);
 }

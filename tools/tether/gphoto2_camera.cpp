@@ -1,13 +1,13 @@
 #include <fmt/core.h>
 
 #include "burin/render/error.h"
+#include "burin/render/files/file_names.h"
 #include "tools/tether/tethered_camera.h"
 
 #ifdef BURIN_GPHOTO2
 #include <gphoto2/gphoto2.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -57,12 +57,6 @@ struct FreeWidget {
   void operator()(CameraWidget* widget) const { gp_widget_free(widget); }
 };
 using Widget = std::unique_ptr<CameraWidget, FreeWidget>;
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 }  // namespace
 
@@ -210,7 +204,7 @@ void TetheredCamera::State::read_dial() {
 // An exposure time says nothing where the camera makes up for it.
 void TetheredCamera::State::fix_iso() {
   const Widget widget = setting("iso");
-  if (!widget || !is_choice(widget.get()) || !lower(value_of(widget.get())).starts_with("auto")) return;
+  if (!widget || !is_choice(widget.get()) || !lower_case(value_of(widget.get())).starts_with("auto")) return;
   constexpr double kIso = 100;
   std::string best;
   double distance = INFINITY;
@@ -227,7 +221,7 @@ void TetheredCamera::State::keep_on_card() {
   const Widget widget = setting("capturetarget");
   if (!widget || !is_choice(widget.get())) return;
   for (const std::string& choice : choices_of(widget.get()))
-    if (lower(choice).find("card") != std::string::npos) {
+    if (lower_case(choice).find("card") != std::string::npos) {
       set("capturetarget", choice);  // without a card the camera says no, and keeps photos in its memory
       return;
     }

@@ -16,6 +16,7 @@
 #include "burin/capture/simulator/point_sampler.h"
 #include "burin/render/error.h"
 #include "burin/render/files/encoded_picture.h"
+#include "burin/render/files/file_names.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/sensor.h"
@@ -107,9 +108,7 @@ void exact_exif_of_jpeg(std::string& jpeg, const BenchTruth& truth, const Photo&
 }
 
 void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& value, const fs::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  const std::string extension = lower_extension(file);
   const bool srgb = truth.sensor.encoding == Encoding::srgb;
   const bool jpeg = extension == ".jpg" || extension == ".jpeg";
   if (jpeg && !srgb) fail(file.string(), "a JPEG cannot hold linear values", "name the photo .png or .tif");

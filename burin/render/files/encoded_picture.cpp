@@ -2,7 +2,6 @@
 
 #include <OpenImageIO/filesystem.h>
 
-#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -21,8 +20,7 @@ std::string encoded_picture(const std::string& extension, OIIO::ImageSpec spec, 
   const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(name);
   if (!output || !output->supports("ioproxy") || !output->set_ioproxy(&memory) || !output->open(name, spec) ||
       !output->write_image(type, pixels) || !output->close()) {
-    std::string said = output ? output->geterror() : OIIO::geterror();
-    std::replace(said.begin(), said.end(), '\n', ' ');
+    const std::string said = output ? output->geterror() : OIIO::geterror();
     fail(file.string(), "cannot be made: " + (said.empty() ? "OpenImageIO does not say why" : said),
          "use .png, .jpg, .exr or .tif");
   }

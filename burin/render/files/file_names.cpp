@@ -85,4 +85,12 @@ std::vector<std::string> distinct_file_names(const std::vector<std::string>& nam
   return out;
 }
 
+std::string lower_case(std::string text) {
+  for (char& c : text)
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+  return text;
+}
+
+std::string lower_extension(const std::filesystem::path& file) { return lower_case(file.extension().string()); }
+
 }  // namespace burin

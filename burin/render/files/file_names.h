@@ -1,6 +1,7 @@
 // burin/render/files/file_names.h - names of views, lamps and the like, in any script, as names of files.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,5 +18,11 @@ std::string file_name_of(std::string_view name);
 /// both names from a view "left-start".
 std::vector<std::string> distinct_file_names(const std::vector<std::string>& names,
                                              const std::vector<std::string>& endings = {});
+
+/// Capital letters of ASCII as small ones: ".JPG" is ".jpg".
+std::string lower_case(std::string text);
+
+/// A file's extension with its dot, in small letters: what kind of file its name says that it is.
+std::string lower_extension(const std::filesystem::path& file);
 
 }  // namespace burin

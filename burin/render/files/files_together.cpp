@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "burin/render/error.h"
+#include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/unfinished.h"
 
@@ -41,20 +42,6 @@ struct Move {
   std::string file, part, former;
   bool there = false;
 };
-
-struct Descriptor {
-  int number = -1;
-  ~Descriptor() {
-    if (number >= 0) ::close(number);
-  }
-};
-
-bool is_at(int file, const fs::path& path) {
-  struct stat open {
-  }, named{};
-  return ::fstat(file, &open) == 0 && ::stat(path.c_str(), &named) == 0 && open.st_ino == named.st_ino &&
-         open.st_dev == named.st_dev;
-}
 
 std::string text_of(const std::vector<Move>& moves) {
   std::string text(kBegin);
@@ -172,26 +159,26 @@ std::string text_in(int file) {
 void settle_journal(const fs::path& folder, const char* name) {
   const fs::path journal = folder / name;
   // A link or a FIFO by that name is none of ours.
-  const Descriptor file{::open(journal.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC)};
+  const Descriptor file(::open(journal.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat found {};
-  if (file.number < 0) {
+  if (!file) {
     if (errno == ENOENT || errno == ELOOP) return;
     fail_mixed(folder, errno);
   }
-  if (::fstat(file.number, &found) != 0 || !S_ISREG(found.st_mode)) return;
+  if (::fstat(file.number(), &found) != 0 || !S_ISREG(found.st_mode)) return;
   // In /tmp and the like anybody can lay one down.
   struct stat around {};
   if (::stat(folder.c_str(), &around) == 0 && (around.st_mode & S_ISVTX) != 0 && found.st_uid != ::geteuid()) return;
   // Its process holds it while it lives; a change takes milliseconds.
-  for (int tries = 0; ::flock(file.number, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++tries) {
+  for (int tries = 0; ::flock(file.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++tries) {
     constexpr int kTries = 1000, kTry_us = 10'000;
     if (tries == kTries)
       fail(folder.string(), "another process has been changing files here for ten seconds",
            "wait until it has ended, or stop it");
     ::usleep(kTry_us);
   }
-  if (!is_at(file.number, journal)) return;  // it has ended
-  const auto moves = moves_of(text_in(file.number), folder);
+  if (!is_at(file.number(), journal)) return;  // it has ended
+  const auto moves = moves_of(text_in(file.number()), folder);
   if (!moves) {
     if (::unlink(journal.c_str()) != 0) fail_mixed(folder, errno);
     return;
@@ -242,30 +229,21 @@ void put_with_journal(std::vector<FilesTogether::Item>& items, const fs::path& f
   constexpr int kTries = 100;
   for (int tries = 0;; ++tries) {
     settle_folder(folder);
-    file.number = ::open(journal.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (file.number < 0 && (errno != EEXIST || tries == kTries)) fail_with(journal, "cannot be written", errno);
-    if (file.number < 0) continue;
-    ::flock(file.number, LOCK_EX);
-    if (is_at(file.number, journal)) break;  // not taken for one that was cut off, in between
-    ::close(file.number);
-    file.number = -1;
+    file = Descriptor(::open(journal.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+    if (!file && (errno != EEXIST || tries == kTries)) fail_with(journal, "cannot be written", errno);
+    if (!file) continue;
+    ::flock(file.number(), LOCK_EX);
+    if (is_at(file.number(), journal)) break;  // not taken for one that was cut off, in between
   }
-  const std::string text = text_of(moves);
-  std::size_t done = 0;
-  while (done < text.size()) {
-    const ssize_t written = ::write(file.number, text.data() + done, text.size() - done);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) break;
-    done += static_cast<std::size_t>(written);
-  }
-  if (done < text.size() || (::fsync(file.number) != 0 && errno != EINVAL)) {
-    const int error = errno;
+  int error = write_all(file.number(), text_of(moves));
+  if (error == 0 && ::fsync(file.number()) != 0 && errno != EINVAL) error = errno;
+  if (error != 0) {
     ::unlink(journal.c_str());
     fail_with(journal, "could not be written whole", error);
   }
   sync_folder(folder);
   for (std::size_t i = 0; i < moves.size(); ++i) {
-    const int error = move_on(moves[i], folder);
+    error = move_on(moves[i], folder);
     if (error == 0) continue;
     const fs::path back = folder / kBack;
     int stuck = renamed(journal, back);

@@ -11,27 +11,13 @@
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/descriptor.h"
 #include "burin/render/files/files_together.h"
 
 namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A file descriptor, closed at the end.
-class InputDescriptor {
- public:
-  explicit InputDescriptor(int number) : number_(number) {}
-  ~InputDescriptor() {
-    if (number_ >= 0) ::close(number_);
-  }
-  InputDescriptor(const InputDescriptor&) = delete;
-  InputDescriptor& operator=(const InputDescriptor&) = delete;
-  int number() const { return number_; }
-
- private:
-  int number_;
-};
 
 [[noreturn]] void fail_to_open(const fs::path& file, int error) {
   const std::string name = file.string();
@@ -61,17 +47,17 @@ class InputDescriptor {
 }
 
 /// An open plain file and its size.
-std::pair<int, std::uintmax_t> open_plain(const fs::path& file) {
+std::pair<Descriptor, std::uintmax_t> open_plain(const fs::path& file) {
   const std::string name = file.string();
   if (name.empty()) fail("the name of a file", "is empty", "name a file");
   if (name.find('\0') != std::string::npos)
     fail(name.substr(0, name.find('\0')), "has a zero byte in its name, which no file has", "correct the name");
   settle_folder(file.parent_path());  // a change that was cut off is none that may be read
   // O_NONBLOCK: a FIFO that nobody writes to would wait forever.
-  const int number = ::open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
-  if (number < 0) fail_to_open(file, errno);
+  Descriptor open(::open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
+  if (!open) fail_to_open(file, errno);
   struct stat status {};
-  const bool known = ::fstat(number, &status) == 0;
+  const bool known = ::fstat(open.number(), &status) == 0;
   const char* instead = nullptr;
   if (known && S_ISDIR(status.st_mode))
     instead = "is a folder";
@@ -81,10 +67,9 @@ std::pair<int, std::uintmax_t> open_plain(const fs::path& file) {
     instead = "is a device, not a file";
   if (instead != nullptr) {
     const bool folder = known && S_ISDIR(status.st_mode);
-    ::close(number);
     fail(name, instead, folder ? "name a file in it" : "write what it gives into a file, and name that");
   }
-  return {number, static_cast<std::uintmax_t>(status.st_size)};
+  return {std::move(open), static_cast<std::uintmax_t>(status.st_size)};
 }
 
 void require_size(const fs::path& file, std::uintmax_t bytes, std::uintmax_t most, const std::string& kind) {
@@ -111,22 +96,19 @@ std::string read_so_many(const fs::path& file, int number, std::uintmax_t bytes)
 }  // namespace
 
 std::uintmax_t require_plain_file(const fs::path& file, std::uintmax_t most_bytes, const std::string& kind) {
-  const auto [number, bytes] = open_plain(file);
-  ::close(number);
+  const std::uintmax_t bytes = open_plain(file).second;
   require_size(file, bytes, most_bytes, kind);
   return bytes;
 }
 
 std::string read_bytes(const fs::path& file, std::uintmax_t most_bytes, const std::string& kind) {
-  const auto [number, bytes] = open_plain(file);
-  const InputDescriptor open(number);
+  const auto [open, bytes] = open_plain(file);
   require_size(file, bytes, most_bytes, kind);
   return read_so_many(file, open.number(), bytes);
 }
 
 std::string read_head(const fs::path& file, std::uintmax_t bytes) {
-  const auto [number, size] = open_plain(file);
-  const InputDescriptor open(number);
+  const auto [open, size] = open_plain(file);
   return read_so_many(file, open.number(), std::min(bytes, size));
 }
 

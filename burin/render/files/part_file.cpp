@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/unfinished.h"
 
@@ -53,45 +54,40 @@ class Writing {
     do {
       if (!part_.empty()) forget_part(part_);  // a dead process' of our number has that name
       part_ = new_part_name(place);
-      file_ = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-    } while (file_ < 0 && errno == EEXIST);
-    if (file_ < 0) {
+      file_ = Descriptor(::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
+    } while (!file_ && errno == EEXIST);
+    if (!file_) {
       const int error = errno;
       forget_part(part_);
       fail_with(place.named, "cannot be written", error);
     }
   }
   ~Writing() {
-    if (file_ >= 0) ::close(file_);
     if (!ended_) remove_part(part_);
   }
   Writing(const Writing&) = delete;
   Writing& operator=(const Writing&) = delete;
 
   void write(std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(file_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written <= 0) fail_with(place_.named, "could not be written whole", written < 0 ? errno : ENOSPC);
-      bytes.remove_prefix(static_cast<std::size_t>(written));
-    }
+    if (const int error = write_all(file_.number(), bytes))
+      fail_with(place_.named, "could not be written whole", error);
   }
 
   fs::path end(bool durable) {
     if (place_.there) {
       // Who edits another one's file gives it back. Where the system does not let them, it becomes theirs.
       struct stat now {};
-      if (::fstat(file_, &now) == 0 && (now.st_uid != place_.user || now.st_gid != place_.group) &&
-          ::fchown(file_, place_.user, place_.group) != 0 && ::fchown(file_, static_cast<uid_t>(-1), place_.group) != 0)
+      if (::fstat(file_.number(), &now) == 0 && (now.st_uid != place_.user || now.st_gid != place_.group) &&
+          ::fchown(file_.number(), place_.user, place_.group) != 0 &&
+          ::fchown(file_.number(), static_cast<uid_t>(-1), place_.group) != 0)
         errno = 0;
-      if (::fchmod(file_, place_.mode) != 0 && errno != EPERM && errno != ENOTSUP)
+      if (::fchmod(file_.number(), place_.mode) != 0 && errno != EPERM && errno != ENOTSUP)
         fail_with(place_.named, "cannot keep its permissions", errno);
     }
     // EINVAL: a file system that knows no fsync.
-    if (durable && ::fsync(file_) != 0 && errno != EINVAL) fail_with(place_.named, "could not be written whole", errno);
-    const int file = file_;
-    file_ = -1;
-    if (::close(file) != 0 && errno != EINTR) fail_with(place_.named, "could not be written whole", errno);
+    if (durable && ::fsync(file_.number()) != 0 && errno != EINVAL)
+      fail_with(place_.named, "could not be written whole", errno);
+    if (const int error = file_.close()) fail_with(place_.named, "could not be written whole", error);
     ended_ = true;
     return part_;
   }
@@ -99,7 +95,7 @@ class Writing {
  private:
   const FilePlace& place_;
   fs::path part_;
-  int file_ = -1;
+  Descriptor file_;
   bool ended_ = false;
 };
 
@@ -201,21 +197,15 @@ fs::path write_part(const FilePlace& place, std::string_view bytes, bool durable
 }
 
 fs::path copy_part(const fs::path& from, const FilePlace& place) {
-  struct Input {
-    int file;
-    ~Input() {
-      if (file >= 0) ::close(file);
-    }
-  };
-  const Input in{::open(from.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
+  const Descriptor in(::open(from.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   struct stat found {};
-  if (in.file < 0 || ::fstat(in.file, &found) != 0) fail_with(from, "cannot be read", errno);
+  if (!in || ::fstat(in.number(), &found) != 0) fail_with(from, "cannot be read", errno);
   if (!S_ISREG(found.st_mode)) fail(from.string(), "is no plain file", "name one");
   // As private as it was, and the owner's to edit.
   Writing part(place, (found.st_mode & 0777) | S_IWUSR);
   std::vector<char> block(std::size_t{1} << 20);
   for (;;) {
-    const ssize_t got = ::read(in.file, block.data(), block.size());
+    const ssize_t got = ::read(in.number(), block.data(), block.size());
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) fail_with(from, "cannot be read whole", errno);
     if (got == 0) return part.end(true);
@@ -224,10 +214,9 @@ fs::path copy_part(const fs::path& from, const FilePlace& place) {
 }
 
 void sync_part(const FilePlace& place, const fs::path& part) {
-  const int file = ::open(part.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) fail_with(place.named, "could not be written whole", errno);
-  const int error = ::fsync(file) != 0 ? errno : 0;
-  ::close(file);
+  const Descriptor file(::open(part.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file) fail_with(place.named, "could not be written whole", errno);
+  const int error = ::fsync(file.number()) != 0 ? errno : 0;
   if (error != 0 && error != EINVAL) fail_with(place.named, "could not be written whole", error);
 }
 
@@ -252,10 +241,8 @@ void clear_leftovers_once(const fs::path& folder) {
 }
 
 void sync_folder(const fs::path& folder) {
-  const int file = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (file < 0) return;
-  static_cast<void>(::fsync(file));
-  ::close(file);
+  const Descriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (file) static_cast<void>(::fsync(file.number()));
 }
 
 }  // namespace burin

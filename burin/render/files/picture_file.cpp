@@ -32,16 +32,11 @@ std::unique_ptr<OIIO::ImageInput> opened(const std::string& kind, const fs::path
   std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(kind);
   OIIO::ImageSpec spec;
   if (input && input->open(file.string(), spec, config)) return input;
-  why = one_line(input ? input->geterror() : OIIO::geterror());
+  why = input ? input->geterror() : OIIO::geterror();
   return nullptr;
 }
 
 }  // namespace
-
-std::string one_line(std::string message) {
-  std::replace(message.begin(), message.end(), '\n', ' ');
-  return message;
-}
 
 void require_picture_size(std::int64_t width, std::int64_t height, std::int64_t most, const std::string& where,
                           const std::string& kind) {

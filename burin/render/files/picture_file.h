@@ -40,7 +40,4 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const std::filesystem::path& file
 void require_picture_size(std::int64_t width, std::int64_t height, std::int64_t most, const std::string& where,
                           const std::string& kind);
 
-/// A library's message, which may run over several lines, as one line.
-std::string one_line(std::string message);
-
 }  // namespace burin

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "burin/render/error.h"
+#include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/part_file.h"
@@ -17,15 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 int result_output = -1;
-
-void write_to_output(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(result_output, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail_with("standard output", "could not be written whole", errno);
-    bytes.remove_prefix(static_cast<std::size_t>(written));
-  }
-}
 
 FilePlace place_to_write(const fs::path& file) {
   FilePlace place = find_place(file);
@@ -50,7 +42,11 @@ void put_in_place(const FilePlace& place, const fs::path& part, bool durable) {
 }  // namespace
 
 void write_file(std::string_view bytes, const fs::path& file, Durability durability, const CheckFile& check) {
-  if (file == "-" && result_output >= 0) return write_to_output(bytes);
+  if (file == "-" && result_output >= 0) {
+    const int error = write_all(result_output, bytes);
+    if (error != 0) fail_with("standard output", "could not be written whole", error);
+    return;
+  }
   const FilePlace place = place_to_write(file);
   const bool durable = durability == Durability::on_disk;
   const fs::path part = write_part(place, bytes, durable);
