@@ -9,12 +9,14 @@
 #include "burin/calib/light/lamp.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/bench_unknowns.h"
+#include "burin/calib/photo/effect_choice.h"
 #include "burin/calib/photo/field_choice.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/photo/photo_weights.h"
 #include "burin/calib/photo/strange_regions.h"
+#include "burin/calib/verdict/effect_findings.h"
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
 #include "burin/calib/verdict/refine_result.h"
@@ -88,6 +90,8 @@ struct RefineRun {
   void choose_crossings();
   void fit_middle();
   void drop_spots();
+  void find_effects();
+  void find_profile();
   void fit_finest();
   void leave_out_what_lies_on_the_board();
   void free_geometry();
@@ -106,9 +110,13 @@ void RefineRun::find_lamp() {
   Bench start = out.bench;
   start.material = board.material;
   start.depth_field = start.alpha_field = {};
+  start.machine_errors = {};
+  out.bench.material.profile = board.material.profile;  // what a person has seen decides
   start.sensor.vignette.setZero();
   if (seed.found) {
     start.material.base_alpha = seed.base_alpha;
+    start.material.grain = seed.grain;
+    if (!seed.grain.none()) stage.free(Group::grain);
     start.ambient.setConstant(seed.ambient);
     start.sensor.vignette = seed.vignette;
     if (options.fit_lamp) start.lights = seed.lights;
@@ -192,6 +200,44 @@ void RefineRun::drop_spots() {
   }
 }
 
+// Looked for where the fit stands without them. Backlash first: what it does to a groove is larger than what a screw
+// does.
+void RefineRun::find_effects() {
+  if (!options.fit_effects) return;
+  tell("asking whether machine, face and grooves are as believed", 0);
+  set_flanks_to_ask_for(data, state);
+  const EffectEquations equations = effect_equations(data, stage, state);
+  bool more = false;
+  for (const Group group : {Group::backlash, Group::grain}) {
+    if (!photos_ask_for(data, state, equations, group)) continue;
+    stage.free(group);
+    more = true;
+  }
+  // Of a cross-section that a person saw, flanks are held, and burrs where they were seen.
+  const GrooveProfile& seen = board.material.profile;
+  const bool burrs_seen = seen.burr_left_um > 0 || seen.burr_right_um > 0;
+  const bool other_section = board.said.profile ? !burrs_seen : photos_ask_for(data, state, equations, Group::flank);
+  if (more) fit(options.max_iterations, 1e-5, "fitting backlash and the face's direction");
+  tell("asking whether the machine's screws are uneven", 0);
+  if (start_screws(data, state)) {
+    stage.free(Group::screw);
+    fit(options.max_iterations, 1e-5, "fitting the machine's screws");
+  }
+  if (other_section) find_profile();
+}
+
+// Photos ask for another cross-section than the paper's: which. (Of one that board.json gives: its burrs.)
+void RefineRun::find_profile() {
+  const auto tried = [&](const char* what, double share) { tell(what, share); };
+  const ProfileChoice choice = choose_profile(data, stage, state, tried);
+  if (choice.profile.is_paper()) return;
+  for (PhotoData& photo : data.photos) photo.profile = choice.profile;
+  data.model.profile = out.bench.material.profile = choice.profile;
+  state = choice.state;
+  for (const Group group : choice.free) stage.free(group);
+  fit(options.max_iterations, 1e-5, "fitting the grooves' cross-section");
+}
+
 void RefineRun::fit_finest() {
   if (bins.finest < bins.middle) {
     look_at_photos(bins.finest);
@@ -250,6 +296,7 @@ void RefineRun::judge() {
   const Uncertainty uncertainty = uncertainty_of(data, stage, state);
   const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
   keep_what_is_believed();
+  append(out.findings, effect_findings(out.bench));
   advise_light(data, state, uncertainty, judged, out.bench, progress);
   fit_colors(data, merged, state, out.bench);
   out.alpha_jitter = data.model.alpha_jitter;
@@ -268,12 +315,11 @@ void RefineRun::judge() {
 }
 
 // From rough and quick to fine: each stage starts where the one before ended.
-constexpr std::array kStages{&RefineRun::find_lamp,     &RefineRun::try_grooves,
-                             &RefineRun::fit_coarse,    &RefineRun::choose_crossings,
-                             &RefineRun::fit_middle,    &RefineRun::drop_spots,
-                             &RefineRun::fit_finest,    &RefineRun::leave_out_what_lies_on_the_board,
-                             &RefineRun::free_geometry, &RefineRun::free_depth_field,
-                             &RefineRun::judge};
+constexpr std::array kStages{
+    &RefineRun::find_lamp,        &RefineRun::try_grooves,      &RefineRun::fit_coarse,
+    &RefineRun::choose_crossings, &RefineRun::fit_middle,       &RefineRun::drop_spots,
+    &RefineRun::find_effects,     &RefineRun::fit_finest,       &RefineRun::leave_out_what_lies_on_the_board,
+    &RefineRun::free_geometry,    &RefineRun::free_depth_field, &RefineRun::judge};
 
 }  // namespace
 

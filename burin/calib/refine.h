@@ -41,6 +41,7 @@ struct RefineOptions {
   bool fit_lamp = true;                ///< false keeps bench.lights' positions
   bool fit_geometry = true;            ///< false: the bench's poses, bow and lens are exact
   bool fit_fields = true;              ///< let depth vary over the board and with wear (field_choice.h)
+  bool fit_effects = true;  ///< seek backlash, uneven screws, a brushed face, other grooves (effect_choice.h)
   /// Photos are binned until a pixel is at least this large on the board, 0 for the photos as taken. Grooves are found
   /// far below a pixel, so binning loses little and is several times faster; what it distorts is corrected by
   /// predictions on the photos' own pixels (correct_binning).

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/material_json.h"
+#include "burin/render/files/profile_json.h"
 #include "burin/render/files/verdict_json.h"
 #include "burin/render/groove.h"
 #include "burin/render/limits.h"
@@ -110,6 +112,51 @@ std::vector<Tag> read_measured_tags(JsonObject& json) {
   return tags;
 }
 
+// {"backlash_mm": [x, y], "screw_mm": [x, y], "screw_period_mm": [x, y], "screw_phase_deg": [x, y]}
+MachineErrors read_machine_errors(JsonObject& json) {
+  MachineErrors errors;
+  const auto sigma = [&](const char* key) -> std::optional<Eigen::Vector2d> {
+    if (!json.has(key)) return std::nullopt;
+    const Eigen::Vector2d v = json.vec2(key);
+    if ((v.array() < 0).any()) json.fail_field(key, "has a negative entry", "standard deviations are 0 or greater");
+    return v;
+  };
+  if (json.has("backlash_mm")) errors.backlash_mm = json.vec2("backlash_mm");
+  errors.backlash_sigma_mm = sigma("backlash_sigma_mm");
+  if (json.has("screw_mm")) {
+    const Eigen::Vector2d amplitude = json.vec2("screw_mm"), period = json.vec2("screw_period_mm"),
+                          phase = json.vec2("screw_phase_deg") * (std::numbers::pi / 180);
+    if (!(period.array() > 0).all())
+      json.fail_field("screw_period_mm", "is not positive", "write how far an axis moves in one turn of its screw, mm");
+    constexpr double kSteepest = 0.5;  // of a place by what is told: beyond it a screw would run backwards
+    if ((amplitude.array().abs() * (2 * std::numbers::pi) > kSteepest * period.array()).any())
+      json.fail_field("screw_mm", "is too large for screw_period_mm", "write amplitudes of some hundredths of a mm");
+    errors.screw_period_mm = period;
+    errors.screw_sin_mm = amplitude.array() * phase.array().cos();
+    errors.screw_cos_mm = amplitude.array() * phase.array().sin();
+    errors.screw_sigma_mm = sigma("screw_sigma_mm");
+  }
+  return errors;
+}
+
+Json machine_json(const Bench& bench) {
+  Json json;
+  json["affine"] = to_json(bench.machine_affine);
+  if (bench.machine_affine_sigma) json["affine_sigma"] = to_json(*bench.machine_affine_sigma);
+  const MachineErrors& errors = bench.machine_errors;
+  if (!errors.backlash_mm.isZero(0)) {
+    json["backlash_mm"] = to_json(errors.backlash_mm);
+    if (errors.backlash_sigma_mm) json["backlash_sigma_mm"] = to_json(*errors.backlash_sigma_mm);
+  }
+  if (errors.uneven()) {
+    json["screw_mm"] = to_json(errors.screw_mm());
+    if (errors.screw_sigma_mm) json["screw_sigma_mm"] = to_json(*errors.screw_sigma_mm);
+    json["screw_period_mm"] = to_json(errors.screw_period_mm);
+    json["screw_phase_deg"] = to_json(errors.screw_phase_deg());
+  }
+  return json;
+}
+
 void read_machine(JsonObject json, Bench& bench) {
   if (json.has("affine")) {
     bench.machine_affine = json.matrix("affine", 2, 3);
@@ -122,6 +169,7 @@ void read_machine(JsonObject json, Bench& bench) {
     if ((bench.machine_affine_sigma->array() < 0).any())
       json.fail_field("affine_sigma", "has a negative entry", "standard deviations are 0 or greater");
   }
+  bench.machine_errors = read_machine_errors(json);
   json.finish();
 }
 
@@ -216,6 +264,24 @@ Scatter read_scatter(JsonObject& json, const std::string& key) {
   return scatter;
 }
 
+// What stands beside the numbers of `brushed` and `profile`; read_material() takes these themselves.
+void read_profile_sigmas(JsonObject& material, MaterialSigma& sigma) {
+  if (material.has("brushed")) {
+    JsonObject json = material.object("brushed");
+    if (json.has("sigma")) sigma.grain = json.vec2("sigma");
+  }
+  if (!material.has("profile")) return;
+  JsonObject json = material.object("profile");
+  sigma.flank_deg = optional_sigma(json, "flank_sigma_deg");
+  sigma.across = optional_sigma(json, "alpha_across_sigma");
+  sigma.burr_width_um = optional_sigma(json, "burr_width_sigma_um");
+  if (json.has("burr_height_sigma_um")) {
+    const Eigen::Vector2d v = json.vec2("burr_height_sigma_um");
+    sigma.burr_left_um = v.x();
+    sigma.burr_right_um = v.y();
+  }
+}
+
 // {"alpha": 0.04, "depth_um": 11, "width_um": 400}
 ToldMaterial read_told(JsonObject json) {
   const auto number = [&](const char* key) { return json.has(key) ? std::optional(json.positive(key)) : std::nullopt; };
@@ -240,16 +306,38 @@ Crossings read_crossings(JsonObject& json) {
   return text == "last" ? Crossings::last : Crossings::add;
 }
 
+Json measured_grain_json(const Material& m, const MaterialSigma& sigma) {
+  Json json = grain_json(m);
+  if (sigma.grain) json["sigma"] = to_json(*sigma.grain);
+  return json;
+}
+
+Json measured_profile_json(const GrooveProfile& profile, const MaterialSigma& sigma) {
+  Json json = profile_json(profile);
+  const auto put = [&](const char* key, const std::optional<double>& s) {
+    if (s) json[key] = *s;
+  };
+  put("flank_sigma_deg", sigma.flank_deg);
+  put("alpha_across_sigma", sigma.across);
+  if (sigma.burr_left_um && sigma.burr_right_um)
+    json["burr_height_sigma_um"] = {*sigma.burr_left_um, *sigma.burr_right_um};
+  put("burr_width_sigma_um", sigma.burr_width_um);
+  return json;
+}
+
 Json material_json(const Bench& bench, double tool_width_um) {
   Json json;
   json["alpha"] = bench.material.alpha;
   if (bench.material_sigma.alpha) json["alpha_sigma"] = *bench.material_sigma.alpha;
   json["depth_um"] = bench.material.depth_um;
   if (bench.material_sigma.depth_um) json["depth_sigma_um"] = *bench.material_sigma.depth_um;
-  json["half_width_um"] = half_width_um(tool_width_um, bench.material.depth_um);
+  json["half_width_um"] = half_width_um(bench.material.profile, tool_width_um, bench.material.depth_um);
   json["base_alpha"] = bench.material.base_alpha;
   if (bench.material_sigma.base_alpha) json["base_alpha_sigma"] = *bench.material_sigma.base_alpha;
   json["f0"] = to_json(bench.material.f0);
+  if (!bench.material.grain.none()) json["brushed"] = measured_grain_json(bench.material, bench.material_sigma);
+  if (!bench.material.profile.is_paper())
+    json["profile"] = measured_profile_json(bench.material.profile, bench.material_sigma);
   if (!bench.depth_field.is_constant()) json["depth_field"] = field_json(bench.depth_field);
   if (!bench.alpha_field.is_constant()) json["alpha_field"] = field_json(bench.alpha_field);
   json["crossings"] = bench.crossings == Crossings::last ? "last" : "add";
@@ -279,7 +367,7 @@ Bench read_bench(const std::filesystem::path& file) {
       bench.views, [](const View& v) { return v.name; }, json, "views");
   fail_unless_unique(
       bench.lights, [](const Light& l) { return l.id; }, json, "lights");
-  bench.said = {false, false, false, false};
+  bench.said = {false, false, false, false, false, false};
   if (json.has("material")) {
     JsonObject material = json.object("material");
     bench.material = read_material(material);
@@ -290,6 +378,7 @@ Bench read_bench(const std::filesystem::path& file) {
     bench.material_sigma.base_alpha = optional_sigma(material, "base_alpha_sigma");
     bench.depth_field = read_field(material, "depth_field");
     bench.alpha_field = read_field(material, "alpha_field");
+    read_profile_sigmas(material, bench.material_sigma);
     bench.crossings = read_crossings(material);
     bench.alpha_scatter = read_scatter(material, "alpha_scatter");
     bench.depth_scatter = read_scatter(material, "depth_scatter");
@@ -360,8 +449,7 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
       tags.push_back(item);
     }
   }
-  json["machine"]["affine"] = to_json(bench.machine_affine);
-  if (bench.machine_affine_sigma) json["machine"]["affine_sigma"] = to_json(*bench.machine_affine_sigma);
+  json["machine"] = machine_json(bench);
   for (const auto& [name, verdict] : bench.verdict) json["verdict"][name] = verdict_json(verdict);
   write_json(json, file);
   all.put();

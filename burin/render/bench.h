@@ -15,6 +15,7 @@
 #include "burin/render/finding.h"
 #include "burin/render/groove_field.h"
 #include "burin/render/lens.h"
+#include "burin/render/machine_errors.h"
 #include "burin/render/sensor.h"
 #include "burin/render/verdict.h"
 
@@ -48,6 +49,8 @@ struct Light {
 /// Standard deviations of Material's numbers; empty for those that were not measured.
 struct MaterialSigma {
   std::optional<double> alpha, depth_um, base_alpha;
+  std::optional<Eigen::Vector2d> grain;                                                 ///< of FaceGrain's c and s
+  std::optional<double> flank_deg, burr_left_um, burr_right_um, burr_width_um, across;  ///< of the profile
 };
 
 /// What board.json said of the board that a bench was measured on: what its machine was told, and with which tool.
@@ -85,6 +88,7 @@ struct Bench {
   std::vector<Tag> tags;             ///< measured positions; empty where board.json's are believed
   Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();  ///< designed to carved board coordinates, mm
   std::optional<Affine2> machine_affine_sigma;
+  MachineErrors machine_errors;            ///< what its map leaves: backlash, uneven screws
   std::map<std::string, Verdict> verdict;  ///< by parameter name (burin/render/parameter_name.h)
   std::vector<Finding> findings;           ///< what a file of an older version lacks; not written
 };

@@ -73,6 +73,8 @@ void settle_material(Bench& bench, const std::filesystem::path& bench_file, cons
   const Settling s{bench, board, bench_file.string(), board_file.string()};
   Material& m = bench.material;
   const MaterialSigma& sigma = bench.material_sigma;
+  if (!bench.said.grain && s.nominal()) m.grain = board.material.grain;
+  if (!bench.said.profile && s.nominal()) m.profile = board.material.profile;
   if (s.measured(parameter::kAlpha, sigma.alpha)) s.told("material.alpha", bench.told.alpha, board.material.alpha);
   if (s.measured(parameter::kDepth, sigma.depth_um))
     s.told("material.depth_um", bench.told.depth_um, board.material.depth_um);

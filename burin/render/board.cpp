@@ -9,6 +9,7 @@
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/material_json.h"
+#include "burin/render/files/profile_json.h"
 #include "burin/render/limits.h"
 
 namespace burin {
@@ -139,11 +140,20 @@ Material read_material(JsonObject& json) {
   material.f0 = json.vec3("f0", material.f0);
   if ((material.f0.array() < 0).any() || (material.f0.array() > 1).any())
     json.fail_field("f0", "is " + to_json(material.f0).dump(), "write three numbers from 0 to 1");
+  if (json.has("brushed")) read_grain(json.object("brushed"), material);
+  if (json.has("profile")) {
+    material.profile = read_profile(json.object("profile"));
+    const GrooveProfile& p = material.profile;
+    if (std::max(p.burr_left_um, p.burr_right_um) > material.depth_um)
+      json.fail_field("profile.burr_height_um", "is larger than depth_um",
+                      "burrs stand lower than their groove is deep");
+  }
   return material;
 }
 
 SaidMaterial said_material(const JsonObject& json) {
-  return {json.has("alpha"), json.has("depth_um"), json.has("base_alpha"), json.has("f0")};
+  return {json.has("alpha"), json.has("depth_um"), json.has("base_alpha"),
+          json.has("f0"),    json.has("brushed"),  json.has("profile")};
 }
 
 std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag) {
@@ -310,6 +320,8 @@ void write_board(const Board& board, const std::filesystem::path& file) {
                       {"depth_um", board.material.depth_um},
                       {"base_alpha", board.material.base_alpha},
                       {"f0", to_json(board.material.f0)}};
+  if (!board.material.grain.none()) json["material"]["brushed"] = grain_json(board.material);
+  if (!board.material.profile.is_paper()) json["material"]["profile"] = profile_json(board.material.profile);
   if (board.flatness_um) json["flatness_um"] = *board.flatness_um;
   if (!board.mesh.empty()) json["mesh"] = path_beside(file, board.mesh);
   write_json(json, file);

@@ -10,6 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/face_grain.h"
+#include "burin/render/groove_profile.h"
+
 namespace burin {
 
 /// One AprilTag on the face. Its corners, as AprilTag reports them, form a square of side `size_mm`.
@@ -45,12 +48,15 @@ struct Material {
   double depth_um = 10;                  ///< d in the paper's Eqn. 2
   double base_alpha = 0.15;              ///< GGX roughness of the plain face
   Eigen::Vector3d f0{0.91, 0.92, 0.92};  ///< Fresnel reflectance at normal incidence, R G B
+  FaceGrain grain;                       ///< of a brushed face; base_alpha is the mean of its two roughnesses
+  GrooveProfile profile;                 ///< the grooves' cross-section
 };
 
 /// Which of Material's numbers a file says itself. What a bench.json leaves out is board.json's
 /// (burin/render/bench_of_board.h), and what that leaves out is Material's default.
 struct SaidMaterial {
   bool alpha = true, depth_um = true, base_alpha = true, f0 = true;
+  bool grain = false, profile = false;
 };
 
 /// `board.json`. docs/file-formats.md.

@@ -7,6 +7,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/groove.h"
+#include "burin/render/machine_errors.h"
 
 namespace burin {
 namespace {
@@ -19,11 +20,19 @@ Vector2d last_end(const Scratches& s, std::size_t i) { return {s.x1_mm[i], s.y1_
 
 double or_shared(const std::vector<double>& own, std::size_t i, double shared) { return own.empty() ? shared : own[i]; }
 
-// The ends of all rows that are still to be carved, through a map.
-void move_new_rows(const Affine2& map, Scratches& s) {
+// What the machine makes of told ends, and the ends to tell for wanted ones; the way is told - wanted lines hardly
+// turn.
+Vector2d carved_end(const Bench& bench, const Vector2d& told, const Vector2d& way) {
+  const Vector2d p = bench.machine_errors.none() ? told : displaced(bench.machine_errors, told, way);
+  return bench.machine_affine * p.homogeneous();
+}
+
+template <typename Move>
+void move_new_rows(Scratches& s, const Move& move) {
   for (std::size_t i = 0; i < s.size(); ++i) {
     if (s.is_carved(i)) continue;
-    const Vector2d p0 = map * first_end(s, i).homogeneous(), p1 = map * last_end(s, i).homogeneous();
+    const Vector2d way = last_end(s, i) - first_end(s, i);
+    const Vector2d p0 = move(first_end(s, i), way), p1 = move(last_end(s, i), way);
     s.x0_mm[i] = p0.x(), s.y0_mm[i] = p0.y(), s.x1_mm[i] = p1.x(), s.y1_mm[i] = p1.y();
   }
 }
@@ -57,15 +66,86 @@ void apply_field(const GrooveField& field, double shared, double most, const Vec
   }
 }
 
+// Grooves that uneven screws bend, as straight pieces in carving order: piece k is a part of row `source[k]`, from
+// begin[k] to end[k] of it.
+struct Bent {
+  Scratches pieces;
+  std::vector<std::uint32_t> source;
+  std::vector<double> begin, end;
+};
+Bent bent_grooves(const Scratches& placed, const Scratches& told, const Bench& bench) {
+  Bent out;
+  for (std::size_t i = 0; i < placed.size(); ++i) {
+    const Vector2d t0 = first_end(told, i), t1 = last_end(told, i);
+    const int n = placed.is_carved(i) ? 1 : pieces_for(bench.machine_errors, t0, t1);
+    Vector2d from = first_end(placed, i);
+    for (int k = 1; k <= n; ++k) {
+      const double at = static_cast<double>(k) / n;
+      const Vector2d to = k == n ? last_end(placed, i) : carved_end(bench, t0 + at * (t1 - t0), t1 - t0);
+      out.source.push_back(static_cast<std::uint32_t>(i));
+      out.begin.push_back(static_cast<double>(k - 1) / n);
+      out.end.push_back(at);
+      out.pieces.x0_mm.push_back(from.x());
+      out.pieces.y0_mm.push_back(from.y());
+      out.pieces.x1_mm.push_back(to.x());
+      out.pieces.y1_mm.push_back(to.y());
+      from = to;
+    }
+  }
+  const auto follow = [&](const auto& own, auto& to) {
+    if (own.empty()) return;
+    for (const std::uint32_t row : out.source) to.push_back(own[row]);
+  };
+  follow(placed.width_um, out.pieces.width_um);
+  follow(placed.depth_um, out.pieces.depth_um);
+  follow(placed.alpha, out.pieces.alpha);
+  follow(placed.carved, out.pieces.carved);
+  return out;
+}
+
+// The told rows that pieces of bent grooves belong to, instead of the straight pieces that were carved from them.
+void name_sources(const Bent& bent, Carved& carved) {
+  if (carved.source.empty()) {
+    carved.source = bent.source;
+    for (std::size_t k = 0; k < bent.source.size(); ++k) {
+      carved.begin.push_back({bent.begin[k], Boundary::own_end, 0});
+      carved.end.push_back({bent.end[k], Boundary::own_end, 0});
+    }
+    return;
+  }
+  for (std::size_t k = 0; k < carved.size(); ++k) {
+    const std::uint32_t piece = carved.source[k];
+    for (PieceEnd* end : {&carved.begin[k], &carved.end[k]}) {
+      end->at = bent.begin[piece] + end->at * (bent.end[piece] - bent.begin[piece]);
+      end->cutter = bent.source[end->cutter];
+    }
+    carved.source[k] = bent.source[piece];
+  }
+}
+
+Carved crossed(Scratches placed, const Bench& bench, const Board& board);
+
 constexpr double kMostDepth_um = 1e9, kMostAlpha = 1;
 
 // Depths, roughnesses and crossings of scratches that have come to their places in the metal.
-Carved grooves_at(Scratches placed, const Bench& bench, const Board& board) {
+// `told`: what the machine was told, where its screws bend the grooves.
+Carved grooves_at(Scratches placed, const Bench& bench, const Board& board, const Scratches* told = nullptr) {
   if (!bench.depth_field.is_constant() || !bench.alpha_field.is_constant()) {
     const std::vector<double> age = ages_of(placed);
     apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, placed, placed.depth_um);
     apply_field(bench.alpha_field, bench.material.alpha, kMostAlpha, board.size_mm, age, placed, placed.alpha);
   }
+  Bent bent;
+  if (told != nullptr) {
+    bent = bent_grooves(placed, *told, bench);
+    placed = std::move(bent.pieces);
+  }
+  Carved out = crossed(std::move(placed), bench, board);
+  if (told != nullptr) name_sources(bent, out);
+  return out;
+}
+
+Carved crossed(Scratches placed, const Bench& bench, const Board& board) {
   Carved out;
   if (bench.crossings == Crossings::add) {
     out.scratches = std::move(placed);
@@ -76,7 +156,8 @@ Carved grooves_at(Scratches placed, const Bench& bench, const Board& board) {
   std::vector<std::size_t> order(placed.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return placed.is_carved(i); });
-  VisiblePieces pieces = visible_pieces(selected(placed, order), board.tool_width_um, bench.material.depth_um);
+  VisiblePieces pieces =
+      visible_pieces(selected(placed, order), board.tool_width_um, bench.material.depth_um, bench.material.profile);
   for (std::uint32_t& row : pieces.source) row = static_cast<std::uint32_t>(order[row]);
   for (std::vector<PieceEnd>* ends : {&pieces.begin, &pieces.end})
     for (PieceEnd& end : *ends) end.cutter = static_cast<std::uint32_t>(order[end.cutter]);
@@ -174,7 +255,10 @@ Sent compensated(const Designed& designed, const Bench& bench, const Board& boar
   Affine2 inverse;
   inverse << A.inverse(), -A.inverse() * bench.machine_affine.col(2);
   Sent sent(designed.scratches);
-  move_new_rows(inverse, sent.scratches);
+  move_new_rows(sent.scratches, [&](const Vector2d& p, const Vector2d& way) -> Vector2d {
+    const Vector2d even = inverse * p.homogeneous();
+    return bench.machine_errors.none() ? even : told_for(bench.machine_errors, even, A.inverse() * way);
+  });
   for (std::size_t i = 0; i < sent.size(); ++i) {
     if (sent.scratches.is_carved(i)) continue;
     if (!sent.scratches.depth_um.empty())
@@ -188,14 +272,14 @@ Sent compensated(const Designed& designed, const Bench& bench, const Board& boar
 
 Carved carve(const Sent& sent, const Bench& bench, const Board& board) {
   Scratches placed = sent.scratches;
-  move_new_rows(bench.machine_affine, placed);
+  move_new_rows(placed, [&](const Vector2d& p, const Vector2d& way) { return carved_end(bench, p, way); });
   for (std::size_t i = 0; i < placed.size(); ++i) {
     if (placed.is_carved(i)) continue;
     if (!placed.depth_um.empty()) placed.depth_um[i] *= bench.material.depth_um / board.material.depth_um;
     if (!placed.alpha.empty())
       placed.alpha[i] = std::min(kMostAlpha, placed.alpha[i] * bench.material.alpha / board.material.alpha);
   }
-  return grooves_at(std::move(placed), bench, board);
+  return grooves_at(std::move(placed), bench, board, bench.machine_errors.uneven() ? &sent.scratches : nullptr);
 }
 
 Carved carve(const Designed& designed, const Bench& bench, const Board& board) {

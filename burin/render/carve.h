@@ -61,8 +61,9 @@ struct Carved {
 };
 
 /// What to tell the machine of a bench so that grooves come to lie where they are wanted, as deep as they are wanted:
-/// through the inverse of its measured map, depths and roughnesses back to the board's believed material. Fields and
-/// wear are not compensated. Throws Error for a map that cannot be inverted.
+/// through the inverse of its measured map, depths and roughnesses back to the board's believed material. Backlash
+/// and the screws' error are undone at both ends. Fields and wear are not compensated. Throws Error for a map that
+/// cannot be inverted.
 Sent compensated(const Designed& designed, const Bench& bench, const Board& board);
 
 /// What the machine of this bench makes of what it was told.

@@ -95,12 +95,13 @@ Stretch covered_stretch(const Scratches& s, std::size_t i, std::size_t j, double
 
 }  // namespace
 
-VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um) {
+VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
+                             const GrooveProfile& profile) {
   VisiblePieces out;
   if (carved.size() == 0) return out;
   std::vector<double> half_width_mm(carved.size());
   for (std::size_t i = 0; i < carved.size(); ++i)
-    half_width_mm[i] = 1e-3 * half_width_um(carved.width_um.empty() ? tool_width_um : carved.width_um[i],
+    half_width_mm[i] = 1e-3 * half_width_um(profile, carved.width_um.empty() ? tool_width_um : carved.width_um[i],
                                             carved.depth_um.empty() ? depth_um : carved.depth_um[i]);
   constexpr double kCellMm = 2;
   CellIndex index(carved, half_width_mm, kCellMm);

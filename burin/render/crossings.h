@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "burin/render/groove_profile.h"
 #include "burin/render/scratches.h"
 
 namespace burin {
@@ -34,6 +35,7 @@ struct VisiblePieces {
 };
 
 /// Cuts scratches by all later ones. Widths and depths come from the scratches, else from the two numbers given.
-VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um);
+VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
+                             const GrooveProfile& profile = {});
 
 }  // namespace burin

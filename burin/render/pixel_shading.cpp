@@ -10,7 +10,8 @@
 namespace burin {
 
 PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d& normal,
-                         const Eigen::Vector3d& camera_center_mm, const Light& light, double base_alpha) {
+                         const Eigen::Vector3d& camera_center_mm, const Light& light, double base_alpha,
+                         const FaceGrain& grain) {
   PixelShading p;
   const Eigen::Vector3d to_lamp = light.position_mm - center_mm, to_camera = camera_center_mm - center_mm;
   p.distance_i_mm = to_lamp.norm();
@@ -30,7 +31,18 @@ PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d
   p.cos_ho = p.h.dot(p.wo);
   p.spot = light.falloff_exponent == 0 ? 1 : std::pow(beam, light.falloff_exponent);
   p.direct = p.spot / (4 * p.cos_o * p.distance_i_mm * p.distance_i_mm);
-  p.base = ggx_D(p.h_face.z(), base_alpha) * smith_G(p.cos_i, p.cos_o, base_alpha);
+  if (grain.none()) {
+    p.base = ggx_D(p.h_face.z(), base_alpha) * smith_G(p.cos_i, p.cos_o, base_alpha);
+    return p;
+  }
+  const Eigen::Matrix3d R = R_face_board(normal);
+  p.wi_face = R * p.wi;
+  p.wo_face = R * p.wo;
+  const auto G1 = [&](const Eigen::Vector3d& v) {
+    return grained_G1(v.x(), v.y(), v.z(), base_alpha, grain.c, grain.s);
+  };
+  p.base =
+      grained_D(p.h_face.x(), p.h_face.y(), p.h_face.z(), base_alpha, grain.c, grain.s) * G1(p.wi_face) * G1(p.wo_face);
   return p;
 }
 
@@ -51,6 +63,14 @@ BaseLobe base_lobe(double cos_h, double alpha) {
   const double a2 = alpha * alpha, q = cos_h * cos_h * (a2 - 1) + 1;
   const double D = a2 / (std::numbers::pi * q * q);
   return {D, 2 * alpha / (std::numbers::pi * q * q) * (1 - 2 * a2 * cos_h * cos_h / q), -4 * cos_h * (a2 - 1) * D / q};
+}
+
+double base_slope(const PixelShading& pixel, double base_alpha, const FaceGrain& grain) {
+  if (!grain.none())
+    return grained_lobe(pixel.h_face, pixel.wi_face, pixel.wo_face, base_alpha, grain).by_log_alpha / base_alpha;
+  const Shadowing g = shadowing(pixel.cos_i, pixel.cos_o, base_alpha);
+  const BaseLobe base = base_lobe(pixel.h_face.z(), base_alpha);
+  return base.dD_dalpha * g.G + base.D * g.dG_dalpha;
 }
 
 void check_scene_values(const Eigen::Vector3d& camera_center_mm, const Light& light, const Material& material,
@@ -77,6 +97,8 @@ void check_scene_values(const Eigen::Vector3d& camera_center_mm, const Light& li
   const auto positive = [&](double v, const char* name) {
     number(std::isfinite(v) && v > 0, name, v, "it must be above 0");
   };
+  number(std::isfinite(material.grain.c) && std::isfinite(material.grain.s), "material.grain", material.grain.c,
+         "its roughnesses must be above 0 and at most 1");
   positive(material.depth_um, "material.depth_um");
   positive(tool_width_um, "tool_width_um");
 }

@@ -25,17 +25,19 @@ struct PixelShading {
   bool visible = false;  ///< the camera is above the face here
   bool lit = false;      ///< and the lamp too, and its beam reaches here; else direct and base are 0
   Eigen::Vector3d wi{0, 0, 1}, wo{0, 0, 1}, h{0, 0, 1};
-  Eigen::Vector3d h_face{0, 0, 1};  ///< h in the frame of R_face_board
+  Eigen::Vector3d h_face{0, 0, 1};                     ///< h in the frame of R_face_board
+  Eigen::Vector3d wi_face{0, 0, 1}, wo_face{0, 0, 1};  ///< filled where the face has a grain only
   double distance_i_mm = 1, distance_o_mm = 1;
   double cos_i = 0, cos_o = 0, cos_ho = 0;  ///< n.wi, n.wo, h.wo; n.h is h_face.z()
   double spot = 1;                          ///< max(0, axis . (-wi))^exponent
   double direct = 0;                        ///< spot / (4 cos_o distance_i^2), 1 / mm^2
-  double base = 0;                          ///< D(h, z; base_alpha) G(wi, wo; base_alpha)
+  double base = 0;                          ///< D(h, z; base_alpha) G(wi, wo; base_alpha), with its grain
 };
 
 /// A lamp or a camera on or behind the face gives visible or lit = false, never a NaN.
 PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d& normal,
-                         const Eigen::Vector3d& camera_center_mm, const Light& light, double base_alpha);
+                         const Eigen::Vector3d& camera_center_mm, const Light& light, double base_alpha,
+                         const FaceGrain& grain = {});
 
 /// Smith's G(wi, wo; alpha) of docs/model.md 3.2 with its derivatives. Both cosines above 0.
 struct Shadowing {
@@ -48,6 +50,9 @@ struct BaseLobe {
   double D = 0, dD_dalpha = 0, dD_dcos_h = 0;
 };
 BaseLobe base_lobe(double cos_h, double alpha);
+
+/// d(base) / d(base_alpha) of a lit pixel, whatever the face's grain.
+double base_slope(const PixelShading& pixel, double base_alpha, const FaceGrain& grain);
 
 /// Throws Error for a lamp, material or camera with values that are not numbers or out of range.
 void check_scene_values(const Eigen::Vector3d& camera_center_mm, const Light& light, const Material& material,

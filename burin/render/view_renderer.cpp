@@ -14,7 +14,8 @@ namespace burin {
 struct ViewRenderer::State {
   RenderOptions options;
   int width = 0, height = 0;
-  double tool_width_um = 0, depth_um = 0;  // shared
+  double tool_width_um = 0;  // shared
+  Material material;
   std::size_t scratch_count = 0;
 
   std::unique_ptr<FastView> fast;
@@ -34,8 +35,9 @@ struct ViewRenderer::State {
     width = scene.grid->width();
     height = scene.grid->height();
     tool_width_um = scene.tool_width_um;
-    depth_um = scene.material.depth_um;
-    if (options.use_double)
+    material = scene.material;
+    // The float path knows the paper's cross-section alone.
+    if (options.use_double || !material.profile.is_paper())
       exact = std::make_unique<Exact>(std::move(scene), options.channels);
     else  // which keeps what it needs of the scene, in float
       fast = std::make_unique<FastView>(scene, options.channels, options.material_gradients, options.simd,
@@ -50,7 +52,7 @@ struct ViewRenderer::State {
       fast->forward(scratches, keep_jacobian ? with : KernelMode::value, radiance);
       return;
     }
-    const std::vector<Strip> strips = strips_of(scratches, tool_width_um, depth_um);
+    const std::vector<Strip> strips = strips_of(scratches, tool_width_um, material);
     exact->view.forward(scratches, find_pairs(exact->index, width, height, strips), keep_jacobian, radiance);
   }
 };

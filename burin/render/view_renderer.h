@@ -120,6 +120,8 @@ enum class SceneParameter {
   bow_0_mm,
   bow_1_mm,
   bow_2_mm,
+  grain_c,
+  grain_s,  // of FaceGrain
 };
 
 /// Radiance and its derivative by each of `parameters`, all at once: what a Gauss-Newton fit to a photo needs.

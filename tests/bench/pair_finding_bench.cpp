@@ -36,7 +36,7 @@ using Pair = std::pair<std::uint32_t, std::uint32_t>;
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::vector<Strip> all_strips(const ViewScene& scene) {
-  return strips_of(paper_scratches(kScratches), scene.tool_width_um, scene.material.depth_um);
+  return strips_of(paper_scratches(kScratches), scene.tool_width_um, scene.material);
 }
 
 /// Every fortieth.

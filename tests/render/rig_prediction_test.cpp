@@ -200,7 +200,7 @@ TEST(RigPrediction, CleanBenchDownToTheNoise) {
 std::vector<bool> lonely_pixels(const ViewScene& scene, const Scratches& scratches, int reach) {
   const int w = scene.grid->width(), h = scene.grid->height();
   const PixelPairs pairs =
-      find_pairs(PixelIndex(*scene.grid), w, h, strips_of(scratches, scene.tool_width_um, scene.material.depth_um));
+      find_pairs(PixelIndex(*scene.grid), w, h, strips_of(scratches, scene.tool_width_um, scene.material));
   std::vector<bool> lonely(static_cast<std::size_t>(w) * h, false);
   for (int y = reach; y < h - reach; ++y) {
     for (int x = reach; x < w - reach; ++x) {

@@ -74,7 +74,7 @@ inline World small_world(int count = 60) {
 inline double weighted_sum(const World& w, const ViewPixels& pixels, const PixelIndex& index, const Image& weights) {
   ExactView view(w.scene, pixels);
   Image image;
-  const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material.depth_um);
+  const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material);
   view.forward(w.scratches, find_pairs(index, w.scene.grid->width(), w.scene.grid->height(), strips), false, image);
   double sum = 0;
   for (std::size_t i = 0; i < view.radiance().size(); ++i) sum += weights.data[i] * view.radiance()[i];

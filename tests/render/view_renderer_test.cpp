@@ -224,7 +224,7 @@ std::vector<double> radiance_in_double(const World& w, int channels) {
   const ViewPixels pixels = view_pixels(w.scene, channels);
   ExactView view(w.scene, pixels);
   Image image;
-  const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material.depth_um);
+  const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material);
   view.forward(w.scratches,
                find_pairs(PixelIndex(*w.scene.grid), w.scene.grid->width(), w.scene.grid->height(), strips), false,
                image);
@@ -389,11 +389,11 @@ TEST(ViewRenderer, AFineGridHoldsTheWholeScratch) {
   for (const double sum : sums) EXPECT_NEAR(sum, sums[0], 1e-4 * std::abs(sums[0]));
   const ViewPixels pixels = view_pixels(w.scene, 1);
   const PixelPairs pairs =
-      find_pairs(PixelIndex(*w.scene.grid), 301, 301, strips_of(w.scratches, w.scene.tool_width_um, m.depth_um));
+      find_pairs(PixelIndex(*w.scene.grid), 301, 301, strips_of(w.scratches, w.scene.tool_width_um, m));
   double area = 0;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     for (std::size_t k = pairs.begin[i]; k < pairs.begin[i + 1]; ++k) {
-      const ScratchFrame f = scratch_frame(w.scratches, 0, w.scene.tool_width_um, m.depth_um, m.alpha);
+      const ScratchFrame f = scratch_frame(w.scratches, 0, w.scene.tool_width_um, m);
       const auto corners = footprint_corners_mm(*w.scene.grid, static_cast<int>(i % 301), static_cast<int>(i / 301));
       area += footprint_integral(f.groove, in_scratch(f, corners), in_scratch(f, pixels.shading[i].h_face)).area_mm2;
     }

@@ -30,6 +30,7 @@ struct LampBlocks {
 struct Blocks {
   std::vector<LampBlocks> lamps;
   double shared[kShared] = {0, 0, 0, 0, 0};
+  double grain[2] = {0, 0};  // FaceGrain's c and s
 };
 
 template <typename T>
@@ -54,12 +55,14 @@ struct LogResidual {
   double albedo, f0, weight;
 
   template <typename T>
-  bool operator()(const T* position, const T* log_intensity, const T* spot, const T* shared, T* residual) const {
+  bool operator()(const T* position, const T* log_intensity, const T* spot, const T* shared, const T* grain,
+                  T* residual) const {
     using std::exp;
     using std::log;
     const LampModel<T> lamp = lamp_of(position, log_intensity, spot);
-    const T radiance = sample->kind == SampleKind::face ? face_radiance(lamp, shared[1], T(exp(shared[0])), f0, *sample)
-                                                        : paper_radiance(lamp, shared[1], albedo, *sample);
+    const T radiance = sample->kind == SampleKind::face
+                           ? face_radiance(lamp, shared[1], T(exp(shared[0])), grain, f0, *sample)
+                           : paper_radiance(lamp, shared[1], albedo, *sample);
     const T value = vignette_at(shared + 2, sample->radius2) * radiance;
     if (!(value > T(0))) return false;  // a step too far: Ceres takes a shorter one
     residual[0] = weight * log(value / sample->value);
@@ -125,14 +128,20 @@ Fit run_fit(const Data& data, const Blocks& start, const std::vector<bool>& spot
     const double weight = 1 / std::sqrt(relative * relative + data.model_error * data.model_error);
     LampBlocks& lamp = fit.blocks.lamps[sample.light];
     used[sample.light] = true;
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LogResidual, 1, kPosition, 1, kSpot, kShared>(
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LogResidual, 1, kPosition, 1, kSpot, kShared, 2>(
                                  new LogResidual{&sample, paper_albedo(*data.board, sample.kind), data.f0, weight}),
-                             new ceres::HuberLoss(2.0), lamp.position, lamp.log_intensity, lamp.spot,
-                             fit.blocks.shared);
+                             new ceres::HuberLoss(2.0), lamp.position, lamp.log_intensity, lamp.spot, fit.blocks.shared,
+                             fit.blocks.grain);
   }
   if (std::none_of(used.begin(), used.end(), [](bool u) { return u; })) return fit;
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SharedPrior, 4, kShared>(new SharedPrior{start.shared[0]}),
                            nullptr, fit.blocks.shared);
+  constexpr double kMostGrain = 1.2;  // one roughness ten times the other
+  for (int i = 0; i < 2; ++i) {
+    problem.SetParameterLowerBound(fit.blocks.grain, i, -kMostGrain);
+    problem.SetParameterUpperBound(fit.blocks.grain, i, kMostGrain);
+  }
+  if (start.grain[0] == 0 && start.grain[1] == 0) problem.SetParameterBlockConstant(fit.blocks.grain);
   problem.SetParameterLowerBound(fit.blocks.shared, 0, std::log(0.01));
   problem.SetParameterUpperBound(fit.blocks.shared, 0, 0);
   problem.SetParameterLowerBound(fit.blocks.shared, 1, 0);
@@ -322,6 +331,29 @@ void try_spots(const Data& data, const std::vector<bool>& usable, std::vector<bo
   }
 }
 
+// Takes the face for a brushed one, where that explains much more: from several directions, since a lamp that was found
+// without them may be far off.
+void try_grain(const Data& data, const std::vector<bool>& spot, Fit& fit) {
+  constexpr std::size_t kThin = 6;
+  constexpr double kStart = 0.3, kLeastGrain = 0.02;
+  Fit thin;
+  for (int i = 0; i < 4; ++i) {
+    Blocks from = fit.blocks;
+    const double twice = 2 * std::numbers::pi * i / 4;
+    from.grain[0] = kStart * std::cos(twice);
+    from.grain[1] = kStart * std::sin(twice);
+    Fit candidate = run_fit(data, from, spot, -1, kThin, true, 60, false);
+    if (candidate.usable && (!thin.usable || candidate.cost < thin.cost)) thin = std::move(candidate);
+  }
+  if (!thin.usable) return;
+  Fit best = run_fit(data, thin.blocks, spot, -1, 1, true, 60, false);
+  // As for spots: far more than a test of white noise would ask.
+  constexpr double kWorthIt = 0.85;
+  if (!best.usable || !(best.cost < kWorthIt * fit.cost)) return;
+  if (std::hypot(best.blocks.grain[0], best.blocks.grain[1]) < kLeastGrain) return;
+  fit = std::move(best);
+}
+
 // Residuals in the robust loss's core: their RMS, and the factor by which they exceed what was expected of them.
 std::pair<double, double> core_residuals(const Data& data, const std::vector<bool>& usable, const Fit& fit) {
   double sum = 0, sum_weighted = 0;
@@ -332,7 +364,7 @@ std::pair<double, double> core_residuals(const Data& data, const std::vector<boo
     const double relative = sample.sigma / sample.value;
     const LogResidual residual{&sample, paper_albedo(*data.board, sample.kind), data.f0, 1};
     double r = 0;
-    if (!residual(b.position, b.log_intensity, b.spot, fit.blocks.shared, &r)) continue;
+    if (!residual(b.position, b.log_intensity, b.spot, fit.blocks.shared, fit.blocks.grain, &r)) continue;
     const double expected2 = relative * relative + data.model_error * data.model_error;
     if (r * r > 9 * expected2) continue;
     sum += r * r;
@@ -351,6 +383,7 @@ void fill_seed(const Data& data, const std::vector<bool>& usable, const std::vec
   seed.residual_rms = rms;
   seed.base_alpha = std::exp(fit.blocks.shared[0]);
   seed.base_alpha_sigma = inflation * fit.log_base_alpha_sigma * seed.base_alpha;
+  seed.grain = {fit.blocks.grain[0], fit.blocks.grain[1]};
   seed.ambient = fit.blocks.shared[1];
   seed.vignette = Eigen::Vector3d::Map(fit.blocks.shared + 2);
   seed.aim_mm.assign(usable.size(), data.center_mm);
@@ -451,6 +484,7 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   Fit fit = run_fit(data, blocks, spot, -1, 1, true, 60, false);
   if (!fit.usable) return seed;
   if (options.fit_spot) try_spots(data, usable, spot, fit);
+  try_grain(data, spot, fit);
   fit = run_fit(data, fit.blocks, spot, -1, 1, true, 60, true);
   if (fit.usable) fill_seed(data, usable, spot, fit, seed);
   if (fit.usable && options.jackknife) widen_by_groups(data, fit, spot, seed);
@@ -477,6 +511,7 @@ Bench with_lamps(std::span<const LightSample> samples, const Board& board, const
   if (!seed.found) return bench;
   bench.lights = seed.lights;
   bench.material.base_alpha = seed.base_alpha;
+  bench.material.grain = seed.grain;
   bench.material_sigma.base_alpha = seed.base_alpha_sigma;
   bench.ambient.setConstant(seed.ambient);
   bench.sensor.vignette = seed.vignette;

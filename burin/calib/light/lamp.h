@@ -21,7 +21,9 @@
 #include "burin/render/board.h"
 #include "burin/render/brdf.h"
 #include "burin/render/carve.h"
+#include "burin/render/face_grain.h"
 #include "burin/render/finding.h"
+#include "burin/render/pixel_shading.h"
 
 namespace burin {
 
@@ -69,17 +71,26 @@ T paper_radiance(const LampModel<T>& lamp, const T& ambient, double albedo, cons
 }
 
 /// Radiance of the face between scratches: D G F / (4 wo.z) I / d^2 + F0 * ambient, all with base_alpha. `f0` is the
-/// mean of the channels.
+/// mean of the channels; `grain` FaceGrain's c and s.
 template <typename T>
-T face_radiance(const LampModel<T>& lamp, const T& ambient, const T& base_alpha, double f0, const LightSample& sample) {
+T face_radiance(const LampModel<T>& lamp, const T& ambient, const T& base_alpha, const T* grain, double f0,
+                const LightSample& sample) {
   Eigen::Matrix<T, 3, 1> wi;
   const T irradiance = lamp_irradiance(lamp, sample.p_board, wi);
   const Eigen::Matrix<T, 3, 1> wo = sample.to_camera.cast<T>(), n = sample.normal.cast<T>();
   const Eigen::Matrix<T, 3, 1> h = (wi + wo).normalized();
   const T cos_o = wo.dot(n);
-  const T lobe = ggx_D(T(h.dot(n)), base_alpha) * smith_G(T(wi.dot(n)), cos_o, base_alpha) *
-                 schlick_F(T(h.dot(wo)), T(f0)) / (4. * cos_o);
-  return lobe * irradiance + f0 * ambient;
+  const T around = schlick_F(T(h.dot(wo)), T(f0)) / (4. * cos_o);
+  if (grain[0] == T(0) && grain[1] == T(0)) {
+    const T lobe = ggx_D(T(h.dot(n)), base_alpha) * smith_G(T(wi.dot(n)), cos_o, base_alpha);
+    return lobe * around * irradiance + f0 * ambient;
+  }
+  const Eigen::Matrix<T, 3, 3> R = R_face_board(sample.normal).cast<T>();
+  const Eigen::Matrix<T, 3, 1> h_face = R * h, i_face = R * wi, o_face = R * wo;
+  const T lobe = grained_D(h_face.x(), h_face.y(), h_face.z(), base_alpha, grain[0], grain[1]) *
+                 grained_G1(i_face.x(), i_face.y(), i_face.z(), base_alpha, grain[0], grain[1]) *
+                 grained_G1(o_face.x(), o_face.y(), o_face.z(), base_alpha, grain[0], grain[1]);
+  return lobe * around * irradiance + f0 * ambient;
 }
 
 /// Prior of v1, v2, v3: lenses darken mostly as r^2, and photos hardly tell the higher orders from one another.
@@ -100,6 +111,7 @@ struct LampSeed {
   std::vector<Eigen::Vector2d> aim_mm;
   double base_alpha = 0;
   double base_alpha_sigma = 0;
+  FaceGrain grain;     ///< where the face's shine asks for one
   double ambient = 0;  ///< mean of the channels
   Eigen::Vector3d vignette{0, 0, 0};
   double residual_rms = 0;  ///< of log(photo / model), over the samples within the robust loss's core

@@ -50,6 +50,65 @@ constexpr auto kLinks = std::to_array<Link>({
      [](const double* from, const Problem& p, std::size_t, Bench& b) {
        b.machine_affine = affine_of(machine_map(from - unknown::machine), p.model.center_mm);
      }},
+    {unknown::backlash,
+     [](const Bench& b, const Problem&, std::size_t, double* to) {
+       std::copy_n(b.machine_errors.backlash_mm.data(), 2, to);
+     },
+     [](const double* from, const Problem&, std::size_t, Bench& b) {
+       std::copy_n(from, 2, b.machine_errors.backlash_mm.data());
+     }},
+    {unknown::screw,
+     [](const Bench& b, const Problem&, std::size_t, double* to) {
+       for (int axis = 0; axis < 2; ++axis) {
+         to[2 * axis] = b.machine_errors.screw_sin_mm[axis];
+         to[2 * axis + 1] = b.machine_errors.screw_cos_mm[axis];
+       }
+     },
+     [](const double* from, const Problem&, std::size_t, Bench& b) {
+       for (int axis = 0; axis < 2; ++axis) {
+         b.machine_errors.screw_sin_mm[axis] = from[2 * axis];
+         b.machine_errors.screw_cos_mm[axis] = from[2 * axis + 1];
+       }
+     }},
+    {unknown::screw_period,
+     [](const Bench& b, const Problem&, std::size_t, double* to) {
+       for (int axis = 0; axis < 2; ++axis) to[axis] = std::log(b.machine_errors.screw_period_mm[axis]);
+     },
+     [](const double* from, const Problem&, std::size_t, Bench& b) {
+       for (int axis = 0; axis < 2; ++axis) b.machine_errors.screw_period_mm[axis] = std::exp(from[axis]);
+     }},
+    {unknown::grain,
+     [](const Bench& b, const Problem&, std::size_t, double* to) {
+       to[0] = b.material.grain.c;
+       to[1] = b.material.grain.s;
+     },
+     [](const double* from, const Problem&, std::size_t, Bench& b) {
+       b.material.grain = {from[0], from[1]};
+     }},
+    {unknown::flank,
+     [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.material.profile.flank_deg; },
+     [](const double* from, const Problem& p, std::size_t, Bench& b) {
+       b.material.profile.kind = p.model.profile.kind;
+       b.material.profile.tip_radius_um = p.model.profile.tip_radius_um;
+       b.material.profile.flank_deg = *from;
+     }},
+    {unknown::burrs,
+     [](const Bench& b, const Problem&, std::size_t, double* to) {
+       to[0] = b.material.profile.burr_left_um;
+       to[1] = b.material.profile.burr_right_um;
+     },
+     [](const double* from, const Problem&, std::size_t, Bench& b) {
+       b.material.profile.burr_left_um = std::max(0.0, from[0]);
+       b.material.profile.burr_right_um = std::max(0.0, from[1]);
+     }},
+    {unknown::burr_width,
+     [](const Bench& b, const Problem&, std::size_t, double* to) { *to = std::log(b.material.profile.burr_width_um); },
+     [](const double* from, const Problem&, std::size_t, Bench& b) {
+       b.material.profile.burr_width_um = std::exp(*from);
+     }},
+    {unknown::log_across,
+     [](const Bench& b, const Problem&, std::size_t, double* to) { *to = std::log(b.material.profile.across); },
+     [](const double* from, const Problem&, std::size_t, Bench& b) { b.material.profile.across = std::exp(*from); }},
     {unknown::ambient, [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.ambient.mean(); },
      [](const double* from, const Problem&, std::size_t, Bench& b) { b.ambient.setConstant(*from); }},
     {unknown::vignette,

@@ -10,6 +10,7 @@
 
 #include "burin/calib/light/lamp.h"
 #include "burin/calib/photo/cauchy_loss.h"
+#include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/render/error.h"
 
@@ -22,6 +23,8 @@ const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
   scene.material.alpha = std::exp(x[unknown::log_alpha]);
   scene.material.depth_um = std::exp(x[unknown::log_depth]);
   scene.material.base_alpha = std::exp(x[unknown::log_base_alpha]);
+  scene.material.grain = grain_of(x);
+  scene.material.profile = profile_of(photo.profile, x);
   scene.light.position_mm = x.segment<3>(unknown::lamp_position);
   scene.light.intensity.setConstant(std::exp(x[unknown::log_intensity]));
   scene.light.falloff_exponent = 0;
@@ -108,6 +111,7 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
     data.scene.ambient.setZero();
   }
   data.scene.material.f0 = board.material.f0;
+  data.profile = bench.material.profile;
   data.scene.tool_width_um = board.tool_width_um;
   const PixelWindow& window = data.scene.grid->window;
   data.radius2.resize(static_cast<std::size_t>(window.width) * window.height);
@@ -195,6 +199,8 @@ Bench bench_at(const ModelData& model, const Unknowns& x) {
   bench.machine_affine = affine_of(machine_map(x), model.center_mm);
   bench.material.depth_um = std::exp(x[unknown::log_depth]);
   bench.material.alpha = std::exp(x[unknown::log_alpha]);
+  bench.material.profile = profile_of(model.profile, x);
+  bench.machine_errors = machine_errors_of(x);
   bench.depth_field.terms = depth_field_of(x);
   bench.alpha_field.terms = model.alpha_field;
   bench.crossings = model.crossings;
@@ -264,7 +270,12 @@ std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unkn
       gradients.alpha[i] *= carved.scratches.alpha[i];
       gradients.depth_um[i] *= carved.scratches.depth_um[i];
     }
-    out.push_back({std::move(gradients.alpha), std::move(gradients.depth_um)});
+    for (std::size_t i = 0; i < carved.size(); ++i) {
+      gradients.x0_mm[i] += gradients.x1_mm[i];
+      gradients.y0_mm[i] += gradients.y1_mm[i];
+    }
+    out.push_back({std::move(gradients.alpha), std::move(gradients.depth_um), std::move(gradients.x0_mm),
+                   std::move(gradients.y0_mm)});
   }
   return out;
 }
@@ -403,7 +414,7 @@ namespace {
 // What the renderer must differentiate by for some free unknowns, and where each derivative lies in its answer.
 struct Wanted {
   std::vector<SceneParameter> parameters;
-  int alpha = -1, depth = -1, base = -1, lamp = -1, machine = -1, bow = -1, pose = -1;  // -1: not asked for
+  int alpha = -1, depth = -1, base = -1, grain = -1, lamp = -1, machine = -1, bow = -1, pose = -1;  // -1: not asked for
 
   explicit Wanted(const FreeUnknowns& free) {
     using P = SceneParameter;
@@ -421,6 +432,7 @@ struct Wanted {
     depth = ask(free[unknown::log_depth] || any(unknown::depth_field, unknown::depth_wear - unknown::depth_field),
                 {P::depth_um});
     base = ask(free[unknown::log_base_alpha], {P::base_alpha});
+    grain = ask(any(unknown::grain, 2), {P::grain_c, P::grain_s});
     lamp = ask(any(unknown::lamp_position, 3), {P::light_x_mm, P::light_y_mm, P::light_z_mm});
     machine = ask(any(unknown::machine, 6),
                   {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
@@ -500,14 +512,29 @@ void add_depth(const ModelData& model, const PhotoData& photo, const Unknowns& x
 void add_by_difference(int at, const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
                        const std::vector<float>& falloff, ColumnWriter& columns) {
   if (!columns.wants(at)) return;
-  constexpr double kStep = 0.02;
+  const double step = difference_step(at, x[at]);
   Unknowns moved = x;
-  moved[at] += kStep;
+  moved[at] += step;
   Image change = rendered_light(photo, moved, carved_at(model, moved), falloff);
   scene_at(photo, x);
   for (std::size_t i = 0; i < change.data.size(); ++i)
-    change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(kStep);
+    change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(step);
   columns.add(at, std::move(change));
+}
+
+// Where grooves have the paper's cross-section, flanks of x[flank] degrees are asked for as a whole: what photos would
+// show with them less what they show, for effect_choice.h.
+void add_flanks(const PhotoData& photo, const Unknowns& x, const Carved& carved, const Image& light,
+                const std::vector<float>& falloff, ColumnWriter& columns) {
+  if (!columns.wants(unknown::flank)) return;
+  scene_at(photo, x);
+  photo.scene.material.profile.kind = GrooveProfile::Kind::rounded_v;
+  Image change;
+  ViewRenderer(photo.scene, {}, photo.room).forward(carved, change);
+  if (!falloff.empty()) multiply(change, falloff);
+  scene_at(photo, x);
+  for (std::size_t i = 0; i < change.data.size(); ++i) change.data[i] -= light.data[i];
+  columns.add(unknown::flank, std::move(change));
 }
 
 // The renderer moves the ends q as given: dq = M q + m. Ours: q = c + A (p - c) + t, so
@@ -570,6 +597,13 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   if (wanted.depth >= 0) add_depth(model, photo, x, by[wanted.depth], columns);
   add_by_difference(unknown::depth_wear, model, photo, x, light, spot.falloff, columns);
   if (wanted.base >= 0) columns.add(unknown::log_base_alpha, scaled(by[wanted.base], scene.material.base_alpha));
+  for (int k = 0; k < 2 && wanted.grain >= 0; ++k) columns.add(unknown::grain + k, std::move(by[wanted.grain + k]));
+  const bool flanks_as_a_whole = model.profile.kind == GrooveProfile::Kind::paper;
+  if (flanks_as_a_whole) add_flanks(photo, x, carved, light, spot.falloff, columns);
+  for (int at = unknown::backlash; at <= unknown::log_across; ++at) {
+    if (at == unknown::grain || at == unknown::grain + 1 || (at == unknown::flank && flanks_as_a_whole)) continue;
+    add_by_difference(at, model, photo, x, light, spot.falloff, columns);
+  }
   for (int k = 0; k < 3 && wanted.lamp >= 0; ++k) {
     Image image = std::move(by[wanted.lamp + k]);
     if (!spot.falloff.empty())

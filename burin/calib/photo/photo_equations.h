@@ -30,6 +30,7 @@ struct PhotoData {
   mutable ViewScene scene;
   /// What the renderer keeps of the grid, and the places of the last scratches; as for the scene, one thread at a time.
   std::shared_ptr<RenderWorkspace> room;
+  GrooveProfile profile;  ///< its kind; its numbers are unknowns
   CameraView camera;
   std::vector<float> weight;   ///< 1 / expected error of each pixel; 0 where it is not used
   std::vector<float> radius2;  ///< vignetting's r^2
@@ -47,6 +48,7 @@ struct ModelData {
   /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
   std::array<double, GrooveField::kTerms> alpha_field{};
   Crossings crossings = Crossings::add;  ///< overlap: see burin/render/carve.h
+  GrooveProfile profile;                 ///< its kind; its numbers are unknowns
   Eigen::Vector2d center_mm{0, 0};       ///< of the carve area
   double f0 = 0.92;                      ///< mean of the channels
   double cauchy = 3;                     ///< scale of the robust loss, in expected errors
@@ -79,9 +81,10 @@ struct GrooveSlopes {
 GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x,
                                  const Carved& carved);
 
-/// dE/d(log alpha) and dE/d(log depth) of each scratch.
+/// dE/d(log alpha) and dE/d(log depth) of each scratch, and by its place.
 struct GrooveGradients {
   std::vector<double> by_log_alpha, by_log_depth;
+  std::vector<double> by_x_mm, by_y_mm;  ///< of the groove as a whole
 };
 /// Those of several E, given dE/d(value) of each, one number a pixel: predict() backwards. `carved` must have depths
 /// and roughnesses of its own (carved_pieces).

@@ -17,6 +17,7 @@ Problem make_problem(const Board& board, const Sent& sent, const Bench& bench) {
   out.model.center_mm = 0.5 * (board.carve_min_mm + board.carve_max_mm);
   out.model.f0 = board.material.f0.mean();
   out.model.alpha_field = bench.alpha_field.terms;
+  out.model.profile = bench.material.profile;
   for (const Light& light : bench.lights) out.is_spot.push_back(light.falloff_exponent > 0);
   return out;
 }

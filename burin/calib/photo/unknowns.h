@@ -34,6 +34,12 @@ enum class Group {
   depth_quadratic,
   depth_wear,
   machine,
+  backlash,
+  screw,
+  grain,
+  flank,
+  burrs,
+  across,
   ambient,
   vignette,
   blur,
@@ -86,6 +92,18 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"depth_wear", 1, Scope::shared, Group::depth_wear},
     // a00 a01 a10 a11 tx ty (machine_map.h).
     {"machine", 6, Scope::shared, Group::machine},
+    // Of x and y, mm.
+    {"backlash", 2, Scope::shared, Group::backlash},
+    // The sine's and the cosine's parts of x, then of y, mm; then the logarithms of both periods.
+    {"screw", 4, Scope::shared, Group::screw},
+    {"log_screw_period", 2, Scope::shared, Group::screw},
+    // FaceGrain's c and s.
+    {"grain", 2, Scope::shared, Group::grain},
+    // The profile's: flanks' slope (degrees); burrs left and right, and their width (um); logarithm of across.
+    {"flank", 1, Scope::shared, Group::flank, Enters::light, {Bounds::Kind::plain, 5, 75}},
+    {"burrs", 2, Scope::shared, Group::burrs},
+    {"burr_width", 1, Scope::shared, Group::burrs, Enters::light, {Bounds::Kind::of_log, 1, 200}},
+    {"log_across", 1, Scope::shared, Group::across, Enters::light, {Bounds::Kind::of_log, 0.2, 5}},
     // Radiance, mean of the channels.
     {"ambient", 1, Scope::shared, Group::ambient, Enters::ambient, {Bounds::Kind::plain, 0, 1e9}},
     // v1 v2 v3.
@@ -131,6 +149,14 @@ inline constexpr int log_base_alpha = first_of("log_base_alpha");
 inline constexpr int depth_field = first_of("depth_linear");  // all terms of a GrooveField, in its order
 inline constexpr int depth_wear = first_of("depth_wear");
 inline constexpr int machine = first_of("machine");
+inline constexpr int backlash = first_of("backlash");
+inline constexpr int screw = first_of("screw");
+inline constexpr int screw_period = first_of("log_screw_period");
+inline constexpr int grain = first_of("grain");
+inline constexpr int flank = first_of("flank");
+inline constexpr int burrs = first_of("burrs");
+inline constexpr int burr_width = first_of("burr_width");
+inline constexpr int log_across = first_of("log_across");
 inline constexpr int ambient = first_of("ambient");
 inline constexpr int vignette = first_of("vignette");
 inline constexpr int log_blur = first_of("log_blur");
@@ -167,12 +193,14 @@ struct FreeField {
   bool linear = false, quadratic = false, wear = false;
 };
 
-/// The groups of unknowns that are free while one fit runs. At first all but the field of depth and the blur.
+/// The groups of unknowns that are free while one fit runs. At first all but the field of depth, the blur, and what
+/// only some benches have (effect_choice.h).
 class Stage {
  public:
   Stage() {
     free_.fill(true);
-    hold({Group::depth_linear, Group::depth_quadratic, Group::depth_wear, Group::blur});
+    hold({Group::depth_linear, Group::depth_quadratic, Group::depth_wear, Group::blur, Group::backlash, Group::screw,
+          Group::grain, Group::flank, Group::burrs, Group::across});
   }
   bool frees(Group group) const { return free_[static_cast<std::size_t>(group)]; }
   Stage& free(Group group, bool free = true) {

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "burin/calib/light/lamp.h"
+#include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/paper_equation.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
@@ -323,7 +324,7 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
   whole.crossings = Crossings::add;
   out.straddle =
       straddle_of(carved_at(whole, x), surface, std::exp(x[unknown::log_alpha]), std::exp(x[unknown::log_depth]),
-                  board.tool_width_um, x.segment<3>(unknown::lamp_position), eye);
+                  board.tool_width_um, x.segment<3>(unknown::lamp_position), eye, profile_of(data.model.profile, x));
   return out;
 }
 

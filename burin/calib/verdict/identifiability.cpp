@@ -8,9 +8,11 @@
 #include <string>
 #include <utility>
 
+#include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/render/groove.h"
+#include "burin/render/steepest_lean.h"
 #include "burin/render/parameter_name.h"
 #include "burin/render/surface.h"
 
@@ -292,7 +294,7 @@ Combinations judge_geometry(const BoardSolution& geometry, const Board& board, b
 // --- light, grooves, machine -----------------------------------------------------------------------------------------
 
 Straddle straddle_of(const Carved& grooves, const Surface& surface, double alpha, double depth_um, double tool_width_um,
-                     const Eigen::Vector3d& lamp, const Eigen::Vector3d& camera) {
+                     const Eigen::Vector3d& lamp, const Eigen::Vector3d& camera, const GrooveProfile& profile) {
   const Scratches& carved = grooves.scratches;
   Straddle out;
   for (std::size_t i = 0; i < carved.size(); ++i) {
@@ -303,7 +305,7 @@ Straddle straddle_of(const Carved& grooves, const Surface& surface, double alpha
     const Eigen::Vector3d h = ((lamp - p).normalized() + (camera - p).normalized()).normalized();
     if (std::abs(std::asin(std::clamp(h.dot(along), -1.0, 1.0))) > 2 * alpha) continue;
     const double width = carved.width_um.empty() ? tool_width_um : carved.width_um[i];
-    const double cutoff = 2 * std::atan(groove_rim(width, carved.depth_um.empty() ? depth_um : carved.depth_um[i]));
+    const double cutoff = steepest_lean(profile, width, carved.depth_um.empty() ? depth_um : carved.depth_um[i]);
     const double beyond = std::atan2(std::abs(h.dot(across)), h.dot(n)) - cutoff;
     const double band = 0.05 + 4 * alpha, softness = 0.5 * alpha;
     if (std::abs(beyond) > band || std::abs(beyond) < softness) continue;
@@ -342,7 +344,8 @@ Straddle straddle_of(const Problem& data, const State& state) {
     const Straddle one =
         straddle_of(carved, photo.camera.surface, std::exp(shared[unknown::log_alpha]),
                     std::exp(shared[unknown::log_depth]), data.model.board->tool_width_um,
-                    state.of(photo.photo.light).segment<3>(unknown::lamp_position), photo.scene.camera_center_mm);
+                    state.of(photo.photo.light).segment<3>(unknown::lamp_position), photo.scene.camera_center_mm,
+                    profile_of(data.model.profile, shared));
     out.inside += one.inside;
     out.outside += one.outside;
   }

@@ -58,7 +58,8 @@ struct Straddle {
 };
 /// For one photo under one lamp, at the middles of the scratches.
 Straddle straddle_of(const Carved& carved, const Surface& surface, double alpha, double depth_um, double tool_width_um,
-                     const Eigen::Vector3d& lamp_mm, const Eigen::Vector3d& camera_mm);
+                     const Eigen::Vector3d& lamp_mm, const Eigen::Vector3d& camera_mm,
+                     const GrooveProfile& profile = {});
 
 /// Over all photos of a problem.
 Straddle straddle_of(const Problem& data, const State& state);

@@ -115,11 +115,41 @@ Affine2 machine_sigma(const Problem& data, const Uncertainty& uncertainty) {
   return sigma;
 }
 
+// Of what only some benches have.
+void fill_effect_sigmas(const Uncertainty& uncertainty, const Stage& stage, Bench& bench) {
+  const auto two = [&](int first) { return Eigen::Vector2d(uncertainty.sigma(first), uncertainty.sigma(first + 1)); };
+  MachineErrors& errors = bench.machine_errors;
+  MaterialSigma& sigma = bench.material_sigma;
+  const GrooveProfile& profile = bench.material.profile;
+  if (stage.frees(Group::backlash)) errors.backlash_sigma_mm = two(unknown::backlash);
+  if (stage.frees(Group::screw)) {
+    Eigen::Vector2d amplitude_sigma(0, 0);
+    const Eigen::Vector2d amplitude = errors.screw_mm();
+    for (int axis = 0; axis < 2; ++axis) {
+      if (!(amplitude[axis] > 0)) continue;
+      Eigen::VectorXd a = Eigen::VectorXd::Zero(uncertainty.covariances.front().rows());
+      a[unknown::screw + 2 * axis] = errors.screw_sin_mm[axis] / amplitude[axis];
+      a[unknown::screw + 2 * axis + 1] = errors.screw_cos_mm[axis] / amplitude[axis];
+      amplitude_sigma[axis] = uncertainty.sigma(a);
+    }
+    errors.screw_sigma_mm = amplitude_sigma;
+  }
+  if (stage.frees(Group::grain)) sigma.grain = two(unknown::grain);
+  if (stage.frees(Group::flank)) sigma.flank_deg = uncertainty.sigma(unknown::flank);
+  if (stage.frees(Group::burrs)) {
+    sigma.burr_left_um = uncertainty.sigma(unknown::burrs);
+    sigma.burr_right_um = uncertainty.sigma(unknown::burrs + 1);
+    sigma.burr_width_um = profile.burr_width_um * uncertainty.sigma(unknown::burr_width);
+  }
+  if (stage.frees(Group::across)) sigma.across = profile.across * uncertainty.sigma(unknown::log_across);
+}
+
 // Of the numbers that put_state() wrote; judge_light() makes larger what halves of the photos contradict.
 void fill_sigmas(const Problem& data, const Uncertainty& uncertainty, const Stage& stage, Bench& bench) {
   bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
   bench.material_sigma.depth_um = bench.material.depth_um * uncertainty.sigma(unknown::log_depth);
   bench.material_sigma.base_alpha = bench.material.base_alpha * uncertainty.sigma(unknown::log_base_alpha);
+  fill_effect_sigmas(uncertainty, stage, bench);
   bench.depth_field.sigma.reset();
   if (!bench.depth_field.is_constant()) {
     bench.depth_field.sigma.emplace();

@@ -11,6 +11,7 @@
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/picture_file.h"
+#include "burin/render/files/profile_json.h"
 #include "burin/render/limits.h"
 
 namespace burin {
@@ -54,6 +55,31 @@ void read_material_into(JsonObject& json, Material& material) {
   material.depth_um = json.positive("depth_um", material.depth_um);
   material.base_alpha = roughness(json, "base_alpha", material.base_alpha);
   material.f0 = color(json, "f0", material.f0);
+}
+
+// Backlash and screws, with the words of bench.json.
+void read_machine_errors_into(JsonObject& json, MachineErrors& errors) {
+  if (json.has("backlash_mm")) errors.backlash_mm = json.vec2("backlash_mm");
+  if (!json.has("screw_mm")) return;
+  const Eigen::Vector2d amplitude = json.vec2("screw_mm");
+  const Eigen::Array2d phase = json.vec2("screw_phase_deg").array() * (std::numbers::pi / 180);
+  errors.screw_period_mm = json.vec2("screw_period_mm");
+  if (!(errors.screw_period_mm.array() > 0).all())
+    json.fail_field("screw_period_mm", "is not positive", "write how far an axis moves in one turn of its screw, mm");
+  errors.screw_sin_mm = amplitude.array() * phase.cos();
+  errors.screw_cos_mm = amplitude.array() * phase.sin();
+}
+
+void read_brushed(JsonObject json, BenchTruth& truth) {
+  read_grain_into(json, truth.board.material);
+  truth.streaks.slope = not_negative(json, "streak_slope", 0);
+  if (json.has("streak_mm")) {
+    const Eigen::Vector2d size = json.vec2("streak_mm");
+    if (!(size.array() > 0).all()) json.fail_field("streak_mm", "is not positive", "write [length, width] in mm");
+    truth.streaks.length_mm = size.x();
+    truth.streaks.width_mm = size.y();
+  }
+  json.finish();
 }
 
 void read_board_truth(JsonObject json, BenchTruth& truth) {
@@ -270,9 +296,12 @@ BenchTruth read_bench_truth(const fs::path& file) {
     require_at_most(static_cast<std::size_t>(samples), limit::kSamples, file.string() + ": samples", "points a pixel",
                     "ask for fewer: 1,024 are enough for every figure in the docs");
   const std::string overlap = root.text("overlap", "sum");
-  if (overlap != "sum" && overlap != "last")
-    root.fail_field("overlap", "\"" + overlap + "\" is not known", "write \"sum\" or \"last\"");
-  truth.last_rules = overlap == "last";
+  if (overlap != "sum" && overlap != "last" && overlap != "deepest")
+    root.fail_field("overlap", "\"" + overlap + "\" is not known", "write \"sum\", \"last\" or \"deepest\"");
+  truth.deepest_rules = overlap == "deepest";
+  truth.last_rules = overlap != "sum";
+  root.number("tolerance", 0);
+  root.text("sampling", "");
   const std::string h_at = root.text("h_at", "sample");
   if (h_at != "sample" && h_at != "center")
     root.fail_field("h_at", "\"" + h_at + "\" is not known", "write \"sample\" or \"center\"");
@@ -281,6 +310,14 @@ BenchTruth read_bench_truth(const fs::path& file) {
   read_board_truth(root.object("board"), truth);
   JsonObject material = root.object("material");
   read_material_into(material, truth.board.material);
+  if (material.has("profile")) {
+    truth.board.material.profile = read_profile(material.object("profile"));
+    const GrooveProfile& p = truth.board.material.profile;
+    if (std::max(p.burr_left_um, p.burr_right_um) > truth.board.material.depth_um)
+      material.fail_field("profile.burr_height_um", "is larger than depth_um",
+                          "burrs stand lower than their groove is deep");
+  }
+  if (material.has("brushed")) read_brushed(material.object("brushed"), truth);
   if (material.has("depth_gradient")) truth.depth_gradient = material.vec2("depth_gradient");
   truth.alpha_jitter = not_negative(material, "alpha_jitter", 0);
   truth.depth_jitter = not_negative(material, "depth_jitter", 0);
@@ -292,6 +329,7 @@ BenchTruth read_bench_truth(const fs::path& file) {
   if (root.has("machine")) {
     JsonObject machine = root.object("machine");
     truth.machine_affine = machine.matrix("affine", 2, 3);
+    read_machine_errors_into(machine, truth.machine_errors);
     machine.finish();
   }
   read_lens(root.object("camera"), truth);
@@ -356,13 +394,71 @@ Sent sent_scratches(const BenchTruth& truth) {
   return Sent(std::move(scratches));
 }
 
+namespace {
+
+// What uneven screws add to a told place, and half the backlash that a way takes away: the machine's own account, point
+// by point.
+Eigen::Vector2d screw_at(const BenchTruth& truth, const Eigen::Vector2d& p) {
+  const MachineErrors& m = truth.machine_errors;
+  Eigen::Vector2d out;
+  for (int i = 0; i < 2; ++i) {
+    const double turn = 2 * std::numbers::pi * p[i] / m.screw_period_mm[i];
+    out[i] = m.screw_sin_mm[i] * std::sin(turn) + m.screw_cos_mm[i] * std::cos(turn);
+  }
+  return out;
+}
+
+// The told scratches shifted by half the backlash against their way, as steps of the axes' screws.
+Sent lagging(const BenchTruth& truth, const Sent& sent) {
+  Sent out = sent;
+  Scratches& s = out.scratches;
+  const Eigen::Vector2d half = truth.machine_errors.backlash_mm / 2;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    if (s.is_carved(i)) continue;
+    const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i];
+    const double x = dx > 0 ? -half.x() : dx < 0 ? half.x() : 0, y = dy > 0 ? -half.y() : dy < 0 ? half.y() : 0;
+    s.x0_mm[i] += x, s.x1_mm[i] += x;
+    s.y0_mm[i] += y, s.y1_mm[i] += y;
+  }
+  return out;
+}
+
+// Each carved scratch as a chain of pieces of half a millimeter, moved by the screws.
+Carved bent(const BenchTruth& truth, const Sent& sent, const Carved& straight) {
+  const Scratches &told = sent.scratches, &from = straight.scratches;
+  Carved out;
+  Scratches& s = out.scratches;
+  constexpr double kPieceMm = 0.5;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const Eigen::Vector2d p0(from.x0_mm[i], from.y0_mm[i]), p1(from.x1_mm[i], from.y1_mm[i]);
+    const Eigen::Vector2d t0(told.x0_mm[i], told.y0_mm[i]), t1(told.x1_mm[i], told.y1_mm[i]);
+    const int n = std::max(1, static_cast<int>(std::ceil((p1 - p0).norm() / kPieceMm)));
+    const auto at = [&](int k) -> Eigen::Vector2d {
+      const double share = static_cast<double>(k) / n;
+      const Eigen::Vector2d straight_place = p0 + share * (p1 - p0);
+      if (told.is_carved(i)) return straight_place;
+      return straight_place + truth.machine_affine.leftCols<2>() * screw_at(truth, t0 + share * (t1 - t0));
+    };
+    for (int k = 0; k < n; ++k) {
+      const Eigen::Vector2d a = at(k), b = at(k + 1);
+      s.x0_mm.push_back(a.x()), s.y0_mm.push_back(a.y()), s.x1_mm.push_back(b.x()), s.y1_mm.push_back(b.y());
+      s.width_um.push_back(from.width_um[i]);
+      s.depth_um.push_back(from.depth_um[i]);
+      s.alpha.push_back(from.alpha[i]);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
 Carved carved_by(const BenchTruth& truth, const Sent& sent) {
   Bench bench;
   bench.machine_affine = truth.machine_affine;
   bench.material = truth.board.material;
   bench.depth_field.terms = {truth.depth_gradient.x(), truth.depth_gradient.y(), 0, 0, 0, truth.wear};
   // Grooves that cross are left whole: the sampler finds out at each point which of them rules.
-  Carved carved = carve(sent, bench, truth.believed);
+  Carved carved = carve(lagging(truth, sent), bench, truth.believed);
   Scratches& s = carved.scratches;
   const std::size_t n = s.size();
   if (s.width_um.empty()) s.width_um.assign(n, truth.board.tool_width_um);
@@ -375,7 +471,7 @@ Carved carved_by(const BenchTruth& truth, const Sent& sent) {
     s.depth_um[i] *= std::exp(truth.depth_jitter * depth_noise);
     s.alpha[i] = std::min(1.0, s.alpha[i] * std::exp(truth.alpha_jitter * alpha_noise));
   }
-  return carved;
+  return truth.machine_errors.uneven() ? bent(truth, sent, carved) : carved;
 }
 
 }  // namespace burin

@@ -7,7 +7,8 @@
 //   name, seed                 every random draw follows from the seed
 //   samples, samples_plain     points a pixel with and without scratches
 //   overlap                    "sum": grooves that cross add up; "last": the one carved last rules at a point
-//                              (docs/model.md 7.6)
+//                              (docs/model.md 7.6); "deepest": the lower surface does, burrs lie above the face
+//   tolerance, sampling        of other programs that read the same file; not used here
 //   h_at                       "sample": wi, wo and h at every point; "center": at the footprint's center
 //                              (docs/model.md 5.1)
 //   board                      as board.json, the tags where they really are; tags.quiet_mm: white paper beyond the
@@ -17,6 +18,9 @@
 //   material                   depth_gradient [gx, gy]: depth_um (1 + gx (u - 1/2) + gy (v - 1/2)); alpha_jitter,
 //                              depth_jitter: standard deviation of the logarithm per scratch; wear: depth falls from
 //                              1 + wear/2 times at the first scratch to 1 - wear/2 at the last
+//                              profile (as in board.json), brushed {along_deg, alpha_along, alpha_across, streak_slope,
+//                              streak_mm [long, wide]}
+//   machine                    affine, and as in bench.json: backlash_mm, screw_mm, screw_period_mm, screw_phase_deg
 //   sensor                     {channels, encoding, bits, jpeg_quality, gain, full_well_e, read_noise_e}; bits of
 //                              linear files stand in the high end of 16
 //   psf_sigma_px, vignette, ambient, background {albedo, noise, z_mm}, dust, shapes, exif, session
@@ -80,6 +84,12 @@ struct Dust {
   std::uint64_t seed = 0;
 };
 
+/// Streaks of a brushed face: value noise that tilts it across the brushing.
+struct Streaks {
+  double slope = 0;                     ///< from -slope to slope
+  double length_mm = 40, width_mm = 1;  ///< of the noise's cells, along and across
+};
+
 /// A photo that a truth asks for.
 struct TruthPhoto {
   std::filesystem::path file;  ///< relative to the output folder
@@ -106,7 +116,9 @@ struct BenchTruth {
   Surface surface;
   Eigen::Vector2d depth_gradient{0, 0};
   Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();
+  MachineErrors machine_errors;  ///< backlash and uneven screws
   double alpha_jitter = 0, depth_jitter = 0, wear = 0;
+  Streaks streaks;
   double quiet_mm = 0;
   std::filesystem::path scratches;  ///< empty: random
   RandomScratches random;
@@ -124,6 +136,7 @@ struct BenchTruth {
   Dust dust;
   std::vector<ShapeOnBoard> shapes;
   bool last_rules = false, h_at_center = false;
+  bool deepest_rules = false;
   bool writes_session = true;
 };
 

@@ -9,10 +9,13 @@
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "burin/capture/simulator/brushed_face.h"
+#include "burin/capture/simulator/groove_section.h"
 #include "burin/capture/simulator/things_on_board.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
@@ -36,6 +39,7 @@ std::uint64_t scattered(std::uint64_t v) {
 struct Groove {
   double x0, y0, ex, ey, length, half_width, t_per_mm;  // along the scratch: (ex, ey); across it: (ey, -ex)
   double alpha;
+  GrooveSection section;
 };
 
 // Grooves by place: those that reach into each cell of a square grid over the board, lowest index first.
@@ -47,6 +51,9 @@ struct GrooveBins {
   int column(double x_mm) const { return std::clamp(static_cast<int>(std::floor(x_mm / kCell_mm)), 0, nx - 1); }
   int row(double y_mm) const { return std::clamp(static_cast<int>(std::floor(y_mm / kCell_mm)), 0, ny - 1); }
 };
+
+// How far a groove reaches to either side of its middle, burrs included.
+double reach_of(const Groove& g) { return g.section.paper ? g.half_width : 1e-3 * g.section.reach_um; }
 
 double distance_to(const Groove& g, double x, double y) {
   const double dx = x - g.x0, dy = y - g.y0;
@@ -62,7 +69,7 @@ GrooveBins bins_of(const std::vector<Groove>& grooves, const Vector2d& size_mm) 
   const std::size_t cells = static_cast<std::size_t>(bins.nx) * bins.ny;
   const double reach = GrooveBins::kCell_mm * std::sqrt(0.5);
   const auto for_cells = [&](const Groove& g, const auto& visit) {
-    const double x1 = g.x0 + g.length * g.ex, y1 = g.y0 + g.length * g.ey, w = g.half_width;
+    const double x1 = g.x0 + g.length * g.ex, y1 = g.y0 + g.length * g.ey, w = reach_of(g);
     for (int r = bins.row(std::min(g.y0, y1) - w); r <= bins.row(std::max(g.y0, y1) + w); ++r)
       for (int c = bins.column(std::min(g.x0, x1) - w); c <= bins.column(std::max(g.x0, x1) + w); ++c)
         if (distance_to(g, (c + 0.5) * GrooveBins::kCell_mm, (r + 0.5) * GrooveBins::kCell_mm) <= w + reach)
@@ -120,7 +127,8 @@ struct Corner {
   double geometry = 0;                    // strength / (4 wo.n); 0 where lamp or camera is below the face
   double fresnel = 0;                     // (1 - h.wo)^5
   double cos_i = 0, cos_o = 0;
-  double base = 0;  // D G of the plain face times geometry
+  double base = 0;                                               // D G of the plain face times geometry
+  Vector3d base_h{0, 0, 1}, base_wi{0, 0, 1}, base_wo{0, 0, 1};  // of a brushed face
 };
 
 /// A pixel by its corners, in the order of (u, v) = (0, 0), (1, 0), (0, 1), (1, 1), v downwards.
@@ -146,6 +154,7 @@ struct PixelCorners {
 /// A groove as one pixel sees it.
 struct SeenGroove {
   double x0, y0, ex, ey, length, half_width, t_per_mm, a2, scale, tilt;
+  const GrooveSection* section;
 };
 
 /// Sums over the points of a pixel.
@@ -157,9 +166,59 @@ struct PointSums {
   double plain = 0;
 };
 
+/// The same for grooves of any cross-section: at each point its height and lean are asked for. A groove cuts what
+/// stands above the face; of several the last one, or the deepest, is left. Burrs are left where no groove is, the
+/// highest.
+bool add_sections(const std::vector<SeenGroove>& grooves, double px, double py, const Vector3d& h, double bare,
+                  bool last_rules, bool deepest_rules, PointSums& sums) {
+  struct Met {
+    double height_um, lean;
+    const SeenGroove* groove;
+  };
+  const auto shine = [&](const Met& met) {
+    const SeenGroove& g = *met.groove;
+    const double h_across = (h.x() * g.ey - h.y() * g.ex - h.z() * g.tilt) / std::sqrt(1 - g.tilt * g.tilt);
+    const double h_along = h.x() * g.ex + h.y() * g.ey;
+    const double sine = std::sin(met.lean), cosine = std::cos(met.lean);
+    const double n_h = h.z() * cosine - h_across * sine, m_h = (h_across * cosine + h.z() * sine) / g.section->across;
+    sums.covered += bare;
+    if (!(n_h > 0)) return;
+    // GGX with two roughnesses about the wall's normal.
+    const double q = m_h * m_h + h_along * h_along + g.a2 * n_h * n_h;
+    sums.groove_light += bare * g.scale / (g.section->across * q * q);
+  };
+  std::optional<Met> deepest, highest;
+  bool shows_plain = true;
+  for (std::size_t k = grooves.size(); k-- > 0;) {
+    const SeenGroove& g = grooves[k];
+    const double dx = px - g.x0, dy = py - g.y0;
+    const double across = dx * g.ey - dy * g.ex, along = dx * g.ex + dy * g.ey;
+    if (along < 0 || along > g.length) continue;
+    const std::optional<SectionPoint> point = section_at(*g.section, 1e3 * across);
+    if (!point) continue;
+    const Met met{point->height_um, point->lean, &g};
+    if (!last_rules) {
+      shine(met);
+      shows_plain = false;
+    } else if (met.height_um > 0) {
+      if (!highest || met.height_um > highest->height_um) highest = met;
+    } else if (!deepest || (deepest_rules && met.height_um < deepest->height_um)) {
+      deepest = met;
+    }
+  }
+  if (!last_rules) return shows_plain;
+  if (deepest)
+    shine(*deepest);
+  else if (highest)
+    shine(*highest);
+  return !deepest && !highest;
+}
+
 /// Light of the grooves at a point of the metal of which `bare` shows; whether the plain face shows there too.
 bool add_grooves(const std::vector<SeenGroove>& grooves, double px, double py, const Vector3d& h, double bare,
-                 bool last_rules, PointSums& sums) {
+                 bool last_rules, bool deepest_rules, PointSums& sums) {
+  if (!grooves.empty() && (deepest_rules || !grooves.front().section->paper))
+    return add_sections(grooves, px, py, h, bare, last_rules, deepest_rules, sums);
   bool shows_plain = true;
   for (std::size_t k = grooves.size(); k-- > 0;) {
     const SeenGroove& g = grooves[k];
@@ -188,9 +247,13 @@ struct PointSampler::State {
   std::vector<Groove> grooves;
   GrooveBins bins;
   ThingsOnBoard things;
+  std::optional<BrushedFace> brushed;
   std::vector<Vector3d> rays;  // through the pixels' corners, (width + 1) x (height + 1), camera frame
 
-  explicit State(const BenchTruth& t) : truth(t), things(t) {}
+  explicit State(const BenchTruth& t) : truth(t), things(t) {
+    if (!t.board.material.grain.none()) brushed = brushed_face(t);
+  }
+  bool has_streaks() const { return brushed && truth.streaks.slope > 0; }
 
   void fill_corners(const TruthView& view, const Light& light, int row, std::span<Corner> corners) const;
   Vector3d pixel(std::span<const Corner> above, std::span<const Corner> below, int x, const Light& light,
@@ -212,9 +275,11 @@ PointSampler::PointSampler(const BenchTruth& truth, const Carved& grooves) : sta
   for (std::size_t i = 0; i < n; ++i) {
     const double dx = carved.x1_mm[i] - carved.x0_mm[i], dy = carved.y1_mm[i] - carved.y0_mm[i];
     const double length = std::hypot(dx, dy);
-    state_->grooves.push_back({carved.x0_mm[i], carved.y0_mm[i], dx / length, dy / length, length,
-                               1e-3 * half_width_um(carved.width_um[i], carved.depth_um[i]),
-                               2 / (1e-3 * carved.width_um[i]), carved.alpha[i]});
+    state_->grooves.push_back(
+        {carved.x0_mm[i], carved.y0_mm[i], dx / length, dy / length, length,
+         1e-3 * half_width_um(truth.board.material.profile, carved.width_um[i], carved.depth_um[i]),
+         2 / (1e-3 * carved.width_um[i]), carved.alpha[i],
+         section_of(truth.board.material.profile, carved.width_um[i], carved.depth_um[i])});
   }
   state_->bins = bins_of(state_->grooves, truth.board.size_mm);
 
@@ -264,6 +329,15 @@ void PointSampler::State::fill_corners(const TruthView& view, const Light& light
     corner.cos_o = normal.dot(wo);
     corner.fresnel = schlick_F(h.dot(wo), 0.0);
     if (corner.cos_i > 0 && corner.cos_o > 0) corner.geometry = light_here.strength / (4 * corner.cos_o);
+    corner.base = 0;
+    if (brushed) {
+      corner.base_h = h;
+      corner.base_wi = light_here.wi;
+      corner.base_wo = wo;
+      const double tilt = truth.streaks.slope > 0 ? 0 : 1;  // streaks are finer than a pixel: asked for at its points
+      if (tilt > 0) corner.base = brushed_light(*brushed, normal, h, light_here.wi, wo) * corner.geometry;
+      continue;
+    }
     const double alpha = truth.board.material.base_alpha;
     corner.base = ggx_D(corner.h_n, alpha) * smith_G(corner.cos_i, corner.cos_o, alpha) * corner.geometry;
   }
@@ -279,7 +353,7 @@ void PointSampler::State::near_grooves(const Vector2d& low, const Vector2d& high
       const std::size_t cell = static_cast<std::size_t>(r) * bins.nx + c;
       for (int k = bins.begin[cell]; k < bins.begin[cell + 1]; ++k) {
         const Groove& g = grooves[bins.list[k]];
-        if (distance_to(g, middle.x(), middle.y()) <= g.half_width + radius) found.push_back(bins.list[k]);
+        if (distance_to(g, middle.x(), middle.y()) <= reach_of(g) + radius) found.push_back(bins.list[k]);
       }
     }
   if (c0 == c1 && r0 == r1) return;
@@ -305,7 +379,7 @@ void PointSampler::State::see_grooves(const std::vector<int>& near, const PixelC
     seen.push_back(
         {g.x0, g.y0, g.ex, g.ey, g.length, g.half_width, g.t_per_mm, a2,
          a2 / std::numbers::pi * smith_G(corners.mean(&Corner::cos_i), corners.mean(&Corner::cos_o), g.alpha),
-         normal.x() * g.ey - normal.y() * g.ex});
+         normal.x() * g.ey - normal.y() * g.ex, &g.section});
   }
 }
 
@@ -355,7 +429,7 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   near_grooves(low, high, near);
   const Vector3d f0 = truth.board.material.f0;
   const Vector3d F = f0 + (Vector3d::Ones() - f0) * corners.mean(&Corner::fresnel);
-  if (whole && near.empty() && near_things.empty())  // plain face, and smooth: nothing to sample
+  if (whole && near.empty() && near_things.empty() && !has_streaks())  // plain face, and smooth: nothing to sample
     return light.intensity.cwiseProduct(F) * corners.mean(&Corner::base) + truth.ambient.cwiseProduct(f0);
   const int wanted = near.empty() ? truth.samples_plain : truth.samples;
   const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(wanted))));
@@ -369,6 +443,7 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   const Vector3d wo = (camera - Vector3d(mean_x, mean_y, 0)).normalized();
 
   PointSums sums;
+  double streaked = 0;  // D G of the plain face, summed over its points
   const double cell = 1.0 / side;
   std::uint64_t state = seed;
   for (int j = 0; j < side; ++j)
@@ -387,7 +462,12 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
       const Vector3d h = truth.h_at_center ? mean_h
                                            : Vector3d(corners.at(&Corner::h_x, u, v), corners.at(&Corner::h_y, u, v),
                                                       corners.at(&Corner::h_n, u, v));
-      const bool shows_plain = add_grooves(seen_grooves, px, py, h, bare, truth.last_rules, sums);
+      const bool shows_plain = add_grooves(seen_grooves, px, py, h, bare, truth.last_rules, truth.deepest_rules, sums);
+      if ((shows_plain || !truth.last_rules) && has_streaks()) {
+        const Vector3d tilted = streaked_normal(*brushed, normal, px, py);
+        streaked += bare * brushed_light(*brushed, tilted, corners.corner[0]->base_h, corners.corner[0]->base_wi,
+                                         corners.corner[0]->base_wo);
+      }
       if (shows_plain || !truth.last_rules) {
         sums.plain += bare;
         sums.sum_u += bare * u;
@@ -403,6 +483,7 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
     base_light = corner[0]->base * (sums.plain - sums.sum_u - sums.sum_v + sums.sum_uv) +
                  corner[1]->base * (sums.sum_u - sums.sum_uv) + corner[2]->base * (sums.sum_v - sums.sum_uv) +
                  corner[3]->base * sums.sum_uv;
+  if (has_streaks()) base_light = streaked * corners.mean(&Corner::geometry);
   if (!truth.last_rules && sums.metal > 0) base_light *= 1 - std::min(1.0, sums.covered / sums.metal);
   const double reflected = sums.groove_light * corners.mean(&Corner::geometry) + base_light;
   const Vector3d sum =

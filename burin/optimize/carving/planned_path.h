@@ -32,7 +32,7 @@ struct Toolpath {
   double highest_mm = 0;                  ///< of the face, where the path goes: what the tool's travel must clear
   double duration_s = 0;                  ///< estimate, with acceleration, for the built-in way to carve a scratch
   bool kept_order = false;                ///< whether the order is that of the scratches given
-  bool compensated = false;               ///< whether a measured affine map other than none was undone
+  bool compensated = false;               ///< whether a measured map, or a machine's errors, were undone
   std::size_t already_carved = 0;         ///< rows of the scratches given that are in the metal and are left out
   double stepped_mm = 0;                  ///< the farthest that the machine's steps move an end
   std::size_t done_before = 0;            ///< scratches of the interrupted file that are done

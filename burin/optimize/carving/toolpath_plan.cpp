@@ -101,6 +101,20 @@ void append(Toolpath& path, const PlannedScratch& s, const MachineProfile& machi
   path.scratches.push_back(s);
 }
 
+// What the machine is told, in the order and the ways in which it will carve: a scratch that is carved backwards meets
+// the backlash from the other side.
+Sent told_in_order(const Scratches& wanted, const std::vector<CarvingStep>& order, const Board& board,
+                   const Bench& measured, double step_mm) {
+  Sent sent = sent_to(in_carving_order(wanted, order), board, &measured);
+  for (std::size_t i = 0; i < sent.size() && step_mm > 0; ++i) {
+    Ends e = ends_of(sent.scratches, i);
+    e.a = (e.a / step_mm).array().round() * step_mm;
+    e.b = (e.b / step_mm).array().round() * step_mm;
+    set_ends(sent.scratches, i, e);
+  }
+  return sent;
+}
+
 }  // namespace
 
 CarvingLimits toolpath_limits(const Board& board, const Bench* measured, const MachineProfile& machine) {
@@ -120,7 +134,8 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
   const CarvingLimits limits = toolpath_limits(board, measured, machine);
   Toolpath path;
   path.face = face_to_follow(board, measured != nullptr ? *measured : Bench{}, options.heights, options.follow_bow);
-  path.compensated = !limits.affine.isApprox(CarvingLimits().affine, 1e-12);
+  path.compensated = !limits.affine.isApprox(CarvingLimits().affine, 1e-12) ||
+                     (measured != nullptr && !measured->machine_errors.none());
   const auto [sent, carved] =
       told_to_machine(scratches, sent_to(scratches, board, measured), limits.affine, machine.limits.step_mm, path);
   if (path.already_carved == scratches.size())
@@ -135,7 +150,9 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
   const Scratches to_carve = selected(sent, rows);
   path.kept_order = options.keep_order.value_or(measured != nullptr && order_matters(*measured));
   path.order = path.kept_order ? file_order(to_carve) : carving_order(to_carve, {}, progress);
-  path.sent = Sent(in_carving_order(to_carve, path.order));
+  const bool lags = measured != nullptr && !measured->machine_errors.none();
+  path.sent = lags ? told_in_order(selected(scratches, rows), path.order, board, *measured, machine.limits.step_mm)
+                   : Sent(in_carving_order(to_carve, path.order));
   path.travel_mm = travel_mm(to_carve, path.order);
   path.file_order_travel_mm = travel_mm(to_carve, file_order(to_carve));
   for (CarvingStep& step : path.order) step.scratch = static_cast<std::uint32_t>(rows[step.scratch]);

@@ -110,11 +110,12 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   // Before any picture is loaded: a bench that cannot work is the first thing to know.
   const auto groove_at = [&](const Eigen::Vector2d& p_mm) {
     return GrooveShape{at_place(bench.depth_field, bench.material.depth_um, board.size_mm, p_mm),
-                       std::min(1.0, at_place(bench.alpha_field, bench.material.alpha, board.size_mm, p_mm))};
+                       std::min(1.0, at_place(bench.alpha_field, bench.material.alpha, board.size_mm, p_mm)),
+                       bench.material.profile};
   };
   append(findings, check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um, groove_at));
   const Image free =
-      carvable(limits, 1e-3 * half_width_um(board.tool_width_um, bench.material.depth_um), width, height);
+      carvable(limits, 1e-3 * half_width_um(bench.material.profile, board.tool_width_um, bench.material.depth_um), width, height);
   if (!free.data.empty())
     findings.push_back(
         make_warning(percent_text(1 - mean_value(free)) +

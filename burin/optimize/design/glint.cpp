@@ -7,6 +7,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/groove.h"
+#include "burin/render/steepest_lean.h"
 
 namespace burin {
 namespace {
@@ -51,7 +52,7 @@ Reached reached_over(const GlintView& view, const Eigen::Vector2d& min_mm, const
       const Eigen::Vector2d p(min_mm.x() + fx * (max_mm.x() - min_mm.x()), min_mm.y() + fy * (max_mm.y() - min_mm.y()));
       const double angle = lean_at(view, {p.x(), p.y(), 0}).angle;
       const GrooveShape groove = groove_at(p);
-      const double steepest = 2 * std::atan(groove_rim(width_um, groove.depth_um));
+      const double steepest = steepest_lean(groove.profile, width_um, groove.depth_um);
       const double part = reach(angle, steepest, groove.alpha);
       out.least_lean = std::min(out.least_lean, angle);
       out.most_lean = std::max(out.most_lean, angle);

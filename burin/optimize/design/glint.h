@@ -54,6 +54,7 @@ double depth_for_lean_um(double lean, double width_um);
 /// Of the groove that a scratch of a board becomes at a place.
 struct GrooveShape {
   double depth_um = 0, alpha = 0;
+  GrooveProfile profile{};
 };
 using GrooveAt = std::function<GrooveShape(const Eigen::Vector2d& p_mm)>;
 

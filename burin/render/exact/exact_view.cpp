@@ -52,7 +52,7 @@ void check_view(const ViewScene& scene, int channels) {
 
 PixelShading shade_pixel(const ViewScene& scene, std::size_t pixel) {
   PixelShading p = shade_pixel(scene.grid->center_mm[pixel], scene.grid->normal[pixel], scene.camera_center_mm,
-                               scene.light, scene.material.base_alpha);
+                               scene.light, scene.material.base_alpha, scene.material.grain);
   if (!scene.hidden_from_light.empty() && scene.hidden_from_light[pixel]) {
     p.lit = false;
     p.direct = p.base = 0;
@@ -89,7 +89,7 @@ void ExactView::forward(const Scratches& scratches, PixelPairs pairs, bool keep_
   scratch_count_ = scratches.size();
   std::vector<ScratchFrame> frames(scratch_count_);
   for (std::size_t s = 0; s < scratch_count_; ++s)
-    frames[s] = scratch_frame(scratches, s, scene_.tool_width_um, scene_.material.depth_um, scene_.material.alpha);
+    frames[s] = scratch_frame(scratches, s, scene_.tool_width_um, scene_.material);
   pair_light_mm2_.assign(pairs_.scratch.size(), 0);
   jacobian_.assign(keep_jacobian ? pairs_.scratch.size() : 0, {});
   covered_.assign(pixels_.size(), 0);
@@ -114,7 +114,7 @@ void ExactView::forward(const Scratches& scratches, PixelPairs pairs, bool keep_
               const Shadowing g = shadowing(p.cos_i, p.cos_o, f.groove.alpha);
               FootprintValue value;
               if (keep_jacobian) {
-                const FootprintGradient d = footprint_integral_gradient(f.groove, q, h);
+                const FootprintGradient d = pair_integral_gradient(f, q, h);
                 value = d.value;
                 const PairGradient light_by = to_board(f, q, h, d.dDhat_dcorner, d.dDhat_dhalf, d.dDhat_dlength_mm);
                 const PairGradient area_by =
@@ -129,7 +129,7 @@ void ExactView::forward(const Scratches& scratches, PixelPairs pairs, bool keep_
                 jacobian_[k].area = {area_by.p0.x(), area_by.p0.y(),    area_by.p1.x(),
                                      area_by.p1.y(), d.darea_dwidth_um, d.darea_ddepth_um};
               } else {
-                value = footprint_integral(f.groove, q, h);
+                value = pair_integral(f, q, h);
               }
               pair_light_mm2_[k] = g.G * value.Dhat_mm2;
               light += pair_light_mm2_[k];
@@ -178,11 +178,8 @@ void ExactView::backward(const Image& dE_dradiance, ScratchGradients& gradients)
     for (int c = 0; c < channels; ++c) by_lobes += dE_dradiance.data[i * channels + c] * factor[c] * p.direct;
     by_light[i] = by_lobes / pixels_.area_mm2[i];
     if (covered_[i] < 1) by_area[i] = -by_lobes * p.base / pixels_.area_mm2[i];
-    const double base_alpha = scene_.material.base_alpha;
-    const Shadowing g = shadowing(p.cos_i, p.cos_o, base_alpha);
-    const BaseLobe base = base_lobe(p.h_face.z(), base_alpha);
-    const double base_slope = base.dD_dalpha * g.G + base.D * g.dG_dalpha;
-    gradients.shared_base_alpha += by_lobes * (1 - std::min(1.0, covered_[i])) * base_slope;
+    gradients.shared_base_alpha +=
+        by_lobes * (1 - std::min(1.0, covered_[i])) * base_slope(p, scene_.material.base_alpha, scene_.material.grain);
   }
   std::vector<std::array<double, 7>> sums(scratch_count_, std::array<double, 7>{});
   gather([&](std::size_t s, std::size_t pair, std::size_t pixel) {

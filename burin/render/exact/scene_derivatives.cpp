@@ -21,7 +21,7 @@
 namespace burin {
 namespace {
 
-constexpr int kParameters = static_cast<int>(SceneParameter::bow_2_mm) + 1;
+constexpr int kParameters = static_cast<int>(SceneParameter::grain_s) + 1;
 using ByParameter = std::array<double, kParameters>;
 
 double& of(ByParameter& v, SceneParameter p, int offset = 0) { return v[static_cast<int>(p) + offset]; }
@@ -52,6 +52,51 @@ void add_gradient(Sum& sum, const PairGradient& g, double scale, const Scratches
   }
 }
 
+/// A direction of the board as one of the face, to first order in the bow: of this cosine with the normal.
+Eigen::Vector3d with_cosine(const Eigen::Vector3d& w, double cosine) { return {w.x(), w.y(), cosine}; }
+
+/// D G of the plain face by everything: by_cos_i and by_cos_o without a grain, by_wi and by_wo (frame of the face) with
+/// one.
+struct BaseSlopes {
+  double by_alpha = 0, by_c = 0, by_s = 0, by_cos_i = 0, by_cos_o = 0;
+  Eigen::Vector3d by_h{0, 0, 0}, by_wi{0, 0, 0}, by_wo{0, 0, 0};
+};
+BaseSlopes base_slopes(const PixelShading& p, const Material& material) {
+  BaseSlopes out;
+  const double alpha = material.base_alpha;
+  if (material.grain.none()) {
+    const Shadowing G = shadowing(p.cos_i, p.cos_o, alpha);
+    const BaseLobe D = base_lobe(p.h_face.z(), alpha);
+    out.by_alpha = D.dD_dalpha * G.G + D.D * G.dG_dalpha;
+    out.by_cos_i = D.D * G.dG_dcos_i;
+    out.by_cos_o = D.D * G.dG_dcos_o;
+    out.by_h.z() = D.dD_dcos_h * G.G;
+    // Where a grain would begin; its directions are those of the board, but for the bow.
+    const GrainedLobe lobe = grained_lobe(p.h_face, with_cosine(p.wi, p.cos_i), with_cosine(p.wo, p.cos_o), alpha, {});
+    out.by_c = lobe.by_c;
+    out.by_s = lobe.by_s;
+    return out;
+  }
+  const GrainedLobe lobe = grained_lobe(p.h_face, p.wi_face, p.wo_face, alpha, material.grain);
+  out.by_alpha = lobe.by_log_alpha / alpha;
+  out.by_c = lobe.by_c;
+  out.by_s = lobe.by_s;
+  out.by_h = lobe.by_h;
+  out.by_wi = lobe.by_wi;
+  out.by_wo = lobe.by_wo;
+  return out;
+}
+
+/// d/d(normal) of a quantity that depends by `by_face` on R_face_board(normal) v.
+Eigen::Vector3d turned_with_face(const Eigen::Vector3d& normal, const Eigen::Vector3d& v,
+                                 const Eigen::Vector3d& by_face) {
+  const Eigen::Vector3d m = normal + Eigen::Vector3d::UnitZ();
+  const double fold = 1 + normal.z(), vm = v.dot(m), gm = by_face.dot(m);
+  Eigen::Vector3d out = -(v * gm + by_face * vm) / fold + 2 * by_face.z() * v;
+  out.z() += vm * gm / (fold * fold);
+  return out;
+}
+
 /// How one channel's radiance answers to the pixel's geometry.
 struct GeometryGradient {
   Eigen::Vector3d light{0, 0, 0}, axis{0, 0, 0}, camera{0, 0, 0}, center{0, 0, 0}, normal{0, 0, 0};
@@ -77,9 +122,7 @@ struct Chain {
 void Chain::run(const PixelShading& p, const Eigen::Vector3d& normal, const Eigen::Vector3d& center,
                 const std::array<Eigen::Vector2d, 4>& corners, double A, const PixelSums& sums, double factor,
                 double factor_slope, ByParameter& out) const {
-  const double base_alpha = scene.material.base_alpha, cos_h = p.h_face.z();
-  const Shadowing base_G = shadowing(p.cos_i, p.cos_o, base_alpha);
-  const BaseLobe base_D = base_lobe(cos_h, base_alpha);
+  const BaseSlopes base = base_slopes(p, scene.material);
   const double covered = std::min(1.0, sums.area.value / A), plain = 1 - covered;
   const double clamp = sums.area.value < A ? 1 : 0;  // the side it is on
   const double scale = factor * p.direct;
@@ -89,27 +132,32 @@ void Chain::run(const PixelShading& p, const Eigen::Vector3d& normal, const Eige
   of(out, SceneParameter::alpha) = lobes(sums.light.alpha, 0);
   of(out, SceneParameter::depth_um) = lobes(sums.light.depth, sums.area.depth);
   of(out, SceneParameter::width_um) = lobes(sums.light.width, sums.area.width);
-  of(out, SceneParameter::base_alpha) = scale * plain * (base_D.dD_dalpha * base_G.G + base_D.D * base_G.dG_dalpha);
+  of(out, SceneParameter::base_alpha) = scale * plain * base.by_alpha;
+  of(out, SceneParameter::grain_c) = scale * plain * base.by_c;
+  of(out, SceneParameter::grain_s) = scale * plain * base.by_s;
   of(out, SceneParameter::log_intensity) = factor * Q;
   for (int k = 0; k < 6; ++k) of(out, SceneParameter::machine_00, k) = lobes(sums.light.affine[k], sums.area.affine[k]);
 
   // Backward from Q and F through half vector and cosines to places. by_x is d radiance / d x.
   Eigen::Vector3d by_h_face = scale / A * sums.light_by_h_face;
-  by_h_face.z() += scale * plain * base_D.dD_dcos_h * base_G.G;
-  const double by_cos_i = scale * (sums.light_by_cos_i / A + plain * base_D.D * base_G.dG_dcos_i);
-  const double by_cos_o =
-      scale * (sums.light_by_cos_o / A + plain * base_D.D * base_G.dG_dcos_o) - factor * Q / p.cos_o;
+  by_h_face += scale * plain * base.by_h;
+  const double by_cos_i = scale * (sums.light_by_cos_i / A + plain * base.by_cos_i);
+  const double by_cos_o = scale * (sums.light_by_cos_o / A + plain * base.by_cos_o) - factor * Q / p.cos_o;
   const double by_cos_ho = factor_slope * Q;
 
   GeometryGradient g;
-  const Eigen::Vector3d m = normal + Eigen::Vector3d::UnitZ();
-  const double fold = 1 + normal.z(), hm = p.h.dot(m), gm = by_h_face.dot(m);
   const Eigen::Vector3d by_h = R_face_board(normal).transpose() * by_h_face + by_cos_ho * p.wo;
-  g.normal = p.wi * by_cos_i + p.wo * by_cos_o - (p.h * gm + by_h_face * hm) / fold + 2 * by_h_face.z() * p.h;
-  g.normal.z() += hm * gm / (fold * fold);
+  g.normal = p.wi * by_cos_i + p.wo * by_cos_o + turned_with_face(normal, p.h, by_h_face);
   const Eigen::Vector3d by_sum = (by_h - p.h * p.h.dot(by_h)) / (p.wi + p.wo).norm();
   Eigen::Vector3d by_wi = by_sum + normal * by_cos_i;
-  const Eigen::Vector3d by_wo = by_sum + normal * by_cos_o + by_cos_ho * p.h;
+  Eigen::Vector3d by_wo = by_sum + normal * by_cos_o + by_cos_ho * p.h;
+  if (!scene.material.grain.none()) {
+    const Eigen::Matrix3d R = R_face_board(normal);
+    const Eigen::Vector3d by_wi_face = scale * plain * base.by_wi, by_wo_face = scale * plain * base.by_wo;
+    by_wi += R.transpose() * by_wi_face;
+    by_wo += R.transpose() * by_wo_face;
+    g.normal += turned_with_face(normal, p.wi, by_wi_face) + turned_with_face(normal, p.wo, by_wo_face);
+  }
 
   const Light& lamp = scene.light;
   if (lamp.falloff_exponent != 0) {
@@ -200,11 +248,11 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
   const int channels = options.channels;
   const ViewPixels pixels = view_pixels(scene, channels);
   const FootprintGrid& grid = *scene.grid;
-  const auto strips = strips_of(scratches, scene.tool_width_um, scene.material.depth_um);
+  const auto strips = strips_of(scratches, scene.tool_width_um, scene.material);
   const PixelPairs pairs = find_pairs(PixelIndex(grid), grid.width(), grid.height(), strips);
   std::vector<ScratchFrame> frames(scratches.size());
   for (std::size_t s = 0; s < frames.size(); ++s)
-    frames[s] = scratch_frame(scratches, s, scene.tool_width_um, scene.material.depth_um, scene.material.alpha);
+    frames[s] = scratch_frame(scratches, s, scene.tool_width_um, scene.material);
   const bool own_alpha = !scratches.alpha.empty(), own_depth = !scratches.depth_um.empty(),
              own_width = !scratches.width_um.empty();
 
@@ -223,13 +271,13 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
       const Quad q = in_scratch(f, corners);
       const Eigen::Vector3d h = in_scratch(f, p.h_face);
       if (parameters.empty()) {
-        const FootprintValue value = footprint_integral(f.groove, q, h);
+        const FootprintValue value = pair_integral(f, q, h);
         if (own_alpha) g = shadowing(p.cos_i, p.cos_o, f.groove.alpha);
         sums.light.value += g.G * value.Dhat_mm2;
         sums.area.value += value.area_mm2;
         continue;
       }
-      const FootprintGradient d = footprint_integral_gradient(f.groove, q, h);
+      const FootprintGradient d = pair_integral_gradient(f, q, h);
       if (d.value.area_mm2 == 0) continue;
       if (own_alpha) g = shadowing(p.cos_i, p.cos_o, f.groove.alpha);
       // A common factor's change moves each scratch's own value in proportion.

@@ -9,8 +9,12 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <vector>
 
+#include "burin/render/board.h"
 #include "burin/render/footprint/footprint_integral.h"
+#include "burin/render/footprint/profile_integral.h"
+#include "burin/render/groove_profile.h"
 #include "burin/render/scratches.h"
 
 namespace burin {
@@ -19,9 +23,12 @@ namespace burin {
 struct ScratchFrame {
   Eigen::Vector2d p0{0, 0}, x{1, 0}, y{0, 1};
   GrooveSegment groove;
+  std::vector<ProfileBand> bands;  ///< of a cross-section that is not the paper's
+  double across = 1;               ///< of such a one: GrooveProfile::across
 };
 
-inline ScratchFrame scratch_frame(const Scratches& s, std::size_t i, double width_um, double depth_um, double alpha) {
+inline ScratchFrame scratch_frame(const Scratches& s, std::size_t i, double width_um, const Material& material) {
+  const double depth_um = material.depth_um, alpha = material.alpha;
   ScratchFrame f;
   f.p0 = {s.x0_mm[i], s.y0_mm[i]};
   const Eigen::Vector2d d = Eigen::Vector2d(s.x1_mm[i], s.y1_mm[i]) - f.p0;
@@ -31,7 +38,21 @@ inline ScratchFrame scratch_frame(const Scratches& s, std::size_t i, double widt
   f.groove.width_um = s.width_um.empty() ? width_um : s.width_um[i];
   f.groove.depth_um = s.depth_um.empty() ? depth_um : s.depth_um[i];
   f.groove.alpha = s.alpha.empty() ? alpha : s.alpha[i];
+  if (!material.profile.is_paper()) {
+    f.bands = profile_bands(material.profile, f.groove.width_um, f.groove.depth_um);
+    f.across = material.profile.across;
+  }
   return f;
+}
+
+/// The footprint integral of whichever cross-section, with its derivatives or without.
+inline FootprintValue pair_integral(const ScratchFrame& f, const Quad& corners, const Eigen::Vector3d& h) {
+  return f.bands.empty() ? footprint_integral(f.groove, corners, h)
+                         : profile_integral(f.groove, f.bands, f.across, corners, h);
+}
+inline FootprintGradient pair_integral_gradient(const ScratchFrame& f, const Quad& corners, const Eigen::Vector3d& h) {
+  return f.bands.empty() ? footprint_integral_gradient(f.groove, corners, h)
+                         : profile_integral_gradient(f.groove, f.bands, f.across, corners, h);
 }
 
 inline Quad in_scratch(const ScratchFrame& f, const std::array<Eigen::Vector2d, 4>& corners_mm) {

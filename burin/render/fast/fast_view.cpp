@@ -135,9 +135,7 @@ void FastView::Data::shade(const ViewScene& scene, bool material) {
       const std::array<double, 3> f = channel_factors(scene, p.cos_ho, channels);
       for (int c = 0; c < channels; ++c) factor[i * channels + c] = static_cast<float>(f[c] * p.direct);
       if (!material) return;
-      const Shadowing g = shadowing(p.cos_i, p.cos_o, scene.material.base_alpha);
-      const BaseLobe lobe = base_lobe(p.h_face.z(), scene.material.base_alpha);
-      base_slope[i] = static_cast<float>(lobe.dD_dalpha * g.G + lobe.D * g.dG_dalpha);
+      base_slope[i] = static_cast<float>(burin::base_slope(p, scene.material.base_alpha, scene.material.grain));
     });
   });
 }

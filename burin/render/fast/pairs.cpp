@@ -13,6 +13,7 @@
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/fast/tile_runs.h"
 #include "burin/render/groove.h"
+#include "burin/render/groove_profile.h"
 
 namespace burin {
 namespace {
@@ -419,14 +420,18 @@ void check_scratches(const Scratches& scratches) {
   if (!scratches.alpha.empty()) check(scratches.alpha, "alpha", true);
 }
 
-std::vector<Strip> strips_of(const Scratches& scratches, double shared_width_um, double shared_depth_um) {
+std::vector<Strip> strips_of(const Scratches& scratches, double shared_width_um, const Material& material) {
   std::vector<Strip> strips(scratches.size());
+  const GrooveProfile& profile = material.profile;
   for (std::size_t s = 0; s < strips.size(); ++s) {
     const double width_um = scratches.width_um.empty() ? shared_width_um : scratches.width_um[s];
-    const double depth_um = scratches.depth_um.empty() ? shared_depth_um : scratches.depth_um[s];
-    strips[s] = {{scratches.x0_mm[s], scratches.y0_mm[s]},
-                 {scratches.x1_mm[s], scratches.y1_mm[s]},
-                 1e-3 * half_width_um(width_um, depth_um)};
+    const double depth_um = scratches.depth_um.empty() ? material.depth_um : scratches.depth_um[s];
+    double half_um = half_width_um(profile, width_um, depth_um);
+    if (!profile.is_paper()) {
+      const ProfileReach reach = profile_reach(profile, width_um, depth_um);
+      half_um = std::max(-reach.left_um, reach.right_um);
+    }
+    strips[s] = {{scratches.x0_mm[s], scratches.y0_mm[s]}, {scratches.x1_mm[s], scratches.y1_mm[s]}, 1e-3 * half_um};
   }
   return strips;
 }

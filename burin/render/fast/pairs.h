@@ -19,6 +19,7 @@
 #include <span>
 #include <vector>
 
+#include "burin/render/board.h"
 #include "burin/render/fast/tile.h"
 #include "burin/render/footprint_grid.h"
 #include "burin/render/scratches.h"
@@ -105,6 +106,6 @@ PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std:
 void check_scratches(const Scratches& scratches);
 
 /// The strips of scratches; width and depth shared where they carry none.
-std::vector<Strip> strips_of(const Scratches& scratches, double shared_width_um, double shared_depth_um);
+std::vector<Strip> strips_of(const Scratches& scratches, double shared_width_um, const Material& material);
 
 }  // namespace burin

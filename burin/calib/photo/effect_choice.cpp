@@ -1,0 +1,319 @@
+#include "burin/calib/photo/effect_choice.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "burin/calib/photo/machine_map.h"
+#include "burin/calib/photo/normal_system.h"
+#include "burin/calib/photo/photo_fit.h"
+#include "burin/render/groove.h"
+
+namespace burin {
+namespace {
+
+struct Gain {
+  double sum = 0, standard_error = 0;  // of the views' gains together
+};
+
+Gain gain_of(const std::vector<double>& of_views) {
+  const auto n = static_cast<double>(of_views.size());
+  Gain out;
+  out.sum = std::accumulate(of_views.begin(), of_views.end(), 0.0);
+  double scatter = 0;
+  for (const double one : of_views) scatter += std::pow(one - out.sum / n, 2);
+  out.standard_error = std::sqrt(n / (n - 1) * scatter);
+  return out;
+}
+
+// By how much each view's cost falls when `added` are fitted to the other views, everything else following them.
+std::vector<double> held_out_gains(const ViewEquations& e, const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
+                                   const std::vector<bool>& free, const std::vector<Eigen::Index>& added) {
+  const auto n = static_cast<Eigen::Index>(added.size());
+  Eigen::MatrixXd pick = Eigen::MatrixXd::Zero(n, H.cols());
+  for (Eigen::Index a = 0; a < n; ++a) pick(a, added[static_cast<std::size_t>(a)]) = 1;
+  const Eigen::MatrixXd follow = pick - pick * H * safe_inverse(H, free);
+  const Eigen::MatrixXd information = follow * H * follow.transpose();
+  const Eigen::VectorXd score = follow * g;
+  std::vector<double> out;
+  for (std::size_t k = 0; k < e.H.size(); ++k) {
+    const Eigen::MatrixXd own = follow * e.H[k] * follow.transpose();
+    const Eigen::VectorXd own_score = follow * e.g[k];
+    const Eigen::VectorXd terms = -(information - own).ldlt().solve(score - own_score);
+    out.push_back(-own_score.dot(terms) - 0.5 * terms.dot(own * terms));
+  }
+  return out;
+}
+
+}  // namespace
+
+EffectEquations effect_equations(const Problem& data, const Stage& stage, const State& state) {
+  EffectEquations out{stage, stage, {}, {}, {}};
+  out.all.free(Group::backlash).free(Group::grain).free(Group::flank);
+  out.views = view_equations(data, out.all, state);
+  out.H = out.views.prior_scatter;
+  out.g = out.views.prior_g;
+  for (std::size_t k = 0; k < out.views.H.size(); ++k) {
+    out.H += out.views.H[k];
+    out.g += out.views.g[k];
+  }
+  return out;
+}
+
+void set_flanks_to_ask_for(const Problem& data, State& state) {
+  constexpr double kLessSteep = 0.7;
+  const double rim = groove_rim(data.model.board->tool_width_um, std::exp(state.shared[unknown::log_depth]));
+  state.shared[unknown::flank] = kLessSteep * 2 * std::atan(rim) * 180 / std::numbers::pi;
+}
+
+bool photos_ask_for(const Problem& data, const State& state, const EffectEquations& equations, Group group) {
+  const ViewEquations& e = equations.views;
+  constexpr std::size_t kFewestViews = 3;
+  if (e.H.size() < kFewestViews || equations.stage.frees(group)) return false;
+  Stage with = equations.stage;
+  with.free(group);
+  const std::vector<bool> held = free_unknowns(data, equations.stage, state.lamps.size()),
+                          free = free_unknowns(data, with, state.lamps.size());
+  std::vector<Eigen::Index> added;
+  for (std::size_t i = 0; i < free.size(); ++i)
+    if (free[i] && !held[i]) added.push_back(static_cast<Eigen::Index>(i));
+  const Gain gain = gain_of(held_out_gains(e, equations.H, equations.g, held, added));
+  if (!(gain.sum > 2 * gain.standard_error)) return false;
+  // Beyond what places of the board make up: scores by square as they scatter, what the effect explains taken off.
+  const Eigen::MatrixXd inverse = safe_inverse(equations.H, free);
+  const Eigen::VectorXd step = -inverse * equations.g;
+  Eigen::MatrixXd scores = e.tiles;
+  const auto tiles = static_cast<double>(scores.cols());
+  scores.colwise() -= scores.rowwise().sum() / tiles;
+  const Eigen::MatrixXd covariance = inverse * (scores * scores.transpose() + e.prior_scatter) * inverse;
+  const auto n = static_cast<Eigen::Index>(added.size());
+  Eigen::MatrixXd C(n, n);
+  Eigen::VectorXd terms(n);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    terms[a] = step[added[static_cast<std::size_t>(a)]];
+    for (Eigen::Index b = 0; b < n; ++b)
+      C(a, b) = covariance(added[static_cast<std::size_t>(a)], added[static_cast<std::size_t>(b)]);
+  }
+  constexpr double kBeyondChance = 30;  // chi^2 of two numbers: once in three million times
+  return terms.dot(C.ldlt().solve(terms)) > kBeyondChance;
+}
+
+namespace {
+
+// What pulls at one piece of a groove, along x and y, and where the machine was told to be.
+struct Pulls {
+  std::vector<Eigen::Vector2d> place_mm, pull;
+};
+
+Pulls pulls_of(const Problem& data, const State& state) {
+  // Pieces of half a millimeter, as a screw of this period would make; its error is nothing.
+  constexpr double kPeriodMm = 4, kNothing = 1e-9;
+  State cut = state;
+  for (int axis = 0; axis < 2; ++axis) {
+    cut.shared[unknown::screw + 2 * axis] = kNothing;
+    cut.shared[unknown::screw_period + axis] = std::log(kPeriodMm);
+  }
+  const Carved pieces = carved_pieces(data.model, cut.of(0));
+  const std::size_t n = pieces.size();
+  Pulls out;
+  const MachineMap map = machine_map(state.shared);
+  const Eigen::Matrix2d back = map.A.inverse();
+  const Scratches& s = pieces.scratches;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector2d middle(0.5 * (s.x0_mm[i] + s.x1_mm[i]), 0.5 * (s.y0_mm[i] + s.y1_mm[i]));
+    out.place_mm.emplace_back(data.model.center_mm + back * (middle - data.model.center_mm - map.shift_mm));
+  }
+  out.pull.assign(n, Eigen::Vector2d::Zero());
+  std::vector<GrooveGradients> of_photos(data.photos.size());
+  each_photo(data.photos.size(), [&](std::size_t k) {
+    const PhotoData& photo = data.photos[k];
+    const Unknowns x = cut.of(photo.photo.light);
+    const Image value = predict(data.model, photo, x, pieces);
+    Image score(value.width, value.height, 1);
+    const double c2 = data.model.cauchy * data.model.cauchy;
+    for (std::size_t i = 0; i < value.data.size(); ++i) {
+      if (!(photo.weight[i] > 0)) continue;
+      const double weight = photo.weight[i],
+                   r = weight * (photo.photo.value.data[i] - static_cast<double>(value.data[i]));
+      score.data[i] = static_cast<float>(weight * r / (1 + r * r / c2));
+    }
+    of_photos[k] = std::move(groove_gradients(photo, x, pieces, {&score, 1}).front());
+  });
+  for (const GrooveGradients& one : of_photos)
+    for (std::size_t i = 0; i < n; ++i) out.pull[i] += Eigen::Vector2d(one.by_x_mm[i], one.by_y_mm[i]);
+  return out;
+}
+
+// The frequency (per mm) at which pulls go to and fro with their place most, and by how much more than chance: |sum of
+// pull exp(i 2 pi f place)|^2 over its expectation for pulls without a period.
+struct Peak {
+  double frequency = 0, above_chance = 0;
+};
+Peak strongest_period(const Pulls& pulls, int axis, double extent_mm) {
+  constexpr double kShortestMm = 1.5, kLongestMm = 25;
+  const double step = 0.25 / extent_mm;
+  const auto count = static_cast<std::size_t>((1 / kShortestMm - 1 / kLongestMm) / step);
+  std::vector<double> real(count, 0), imaginary(count, 0);
+  double expected = 0;
+  for (std::size_t i = 0; i < pulls.pull.size(); ++i) {
+    const double pull = pulls.pull[i][axis], place = pulls.place_mm[i][axis];
+    expected += pull * pull;
+    const double turn = 2 * std::numbers::pi * place, first = turn / kLongestMm, by = turn * step;
+    double c = std::cos(first), s = std::sin(first);
+    const double cb = std::cos(by), sb = std::sin(by);
+    for (std::size_t f = 0; f < count; ++f) {
+      real[f] += pull * c;
+      imaginary[f] += pull * s;
+      const double next = c * cb - s * sb;
+      s = s * cb + c * sb;
+      c = next;
+    }
+  }
+  Peak out;
+  for (std::size_t f = 0; f < count; ++f) {
+    const double power = (real[f] * real[f] + imaginary[f] * imaginary[f]) / expected;
+    if (power > out.above_chance) out = {1 / kLongestMm + step * static_cast<double>(f), power};
+  }
+  return out;
+}
+
+}  // namespace
+
+bool start_screws(const Problem& data, State& state) {
+  const Pulls pulls = pulls_of(data, state);
+  if (pulls.pull.empty()) return false;
+  const Board& board = *data.model.board;
+  const Eigen::Vector2d extent = board.carve_max_mm - board.carve_min_mm;
+  // Power is distributed as exp(-power) where nothing pulls; pieces of one groove pull alike, which the margin allows
+  // for.
+  constexpr double kBeyondChance = 40;
+  constexpr double kStartMm = 1e-4;
+  bool found = false;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Peak peak = strongest_period(pulls, axis, extent[axis]);
+    if (!(peak.above_chance > kBeyondChance)) continue;
+    state.shared[unknown::screw_period + axis] = -std::log(peak.frequency);
+    state.shared[unknown::screw + 2 * axis] = kStartMm;
+    found = true;
+  }
+  return found;
+}
+
+namespace {
+
+// Views' costs at a state.
+std::vector<double> costs_of_views(const Problem& data, const State& state) {
+  std::vector<double> out(data.photos.size());
+  const Carved carved = carved_at(data.model, state.of(0));
+  each_photo(data.photos.size(), [&](std::size_t k) {
+    out[k] = photo_cost(data.model, data.photos[k], state.of(data.photos[k].photo.light), carved);
+  });
+  return out;
+}
+
+void set_profile(Problem& data, const GrooveProfile& profile, State& state) {
+  data.model.profile = profile;
+  for (PhotoData& photo : data.photos) photo.profile = profile;
+  state.shared[unknown::flank] = profile.flank_deg;
+  state.shared[unknown::burrs] = profile.burr_left_um;
+  state.shared[unknown::burrs + 1] = profile.burr_right_um;
+  state.shared[unknown::burr_width] = std::log(profile.burr_width_um);
+  state.shared[unknown::log_across] = std::log(profile.across);
+}
+
+constexpr int kThen = 8;  // iterations
+
+struct Trial {
+  GrooveProfile profile;
+  State state;
+  std::vector<Group> free;
+  std::vector<double> costs;
+  double cost = 0;
+};
+
+Trial tried(Problem& data, Stage stage, const State& from, const GrooveProfile& profile, std::vector<Group> free,
+            int iterations) {
+  Trial out{profile, from, std::move(free), {}, 0};
+  set_profile(data, profile, out.state);
+  for (const Group group : out.free) stage.free(group);
+  if (iterations > 0) solve(data, stage, iterations, 1e-4, out.state, {}, "");
+  out.costs = costs_of_views(data, out.state);
+  out.cost = std::accumulate(out.costs.begin(), out.costs.end(), 0.0);
+  return out;
+}
+
+// Whether `more` is better than `less` by far more than the views scatter, and by a share that a few more numbers do
+// not make.
+bool clearly_better(const Trial& more, const Trial& less) {
+  std::vector<double> gains;
+  for (std::size_t k = 0; k < more.costs.size(); ++k) gains.push_back(less.costs[k] - more.costs[k]);
+  const Gain gain = gain_of(gains);
+  constexpr double kShare = 0.03, kSigmas = 2;
+  return gain.sum > kShare * less.cost && gain.sum > kSigmas * gain.standard_error;
+}
+
+// A rounded V in place of the paper's section, where that is clearly better.
+void try_flanks(Problem& data, const Stage& stage, const std::function<void(const char*, double)>& told, Trial& best) {
+  constexpr int kFirst = 3;
+  std::vector<Trial> shapes;
+  const std::array<double, 4> flanks{20, 26, 34, 45};
+  for (std::size_t i = 0; i < flanks.size(); ++i) {
+    told("trying other cross-sections", static_cast<double>(i) / 8);
+    GrooveProfile v = best.profile;
+    v.kind = GrooveProfile::Kind::rounded_v;
+    v.flank_deg = flanks[i];
+    shapes.push_back(tried(data, stage, best.state, v, {}, kFirst));
+  }
+  const auto first =
+      std::min_element(shapes.begin(), shapes.end(), [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
+  told("trying other cross-sections", 0.5);
+  Trial v = tried(data, stage, first->state, first->profile, {Group::flank}, kThen);
+  v.profile = data.model.profile;
+  if (clearly_better(v, best)) best = std::move(v);
+}
+
+}  // namespace
+
+ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state,
+                             const std::function<void(const char*, double)>& told) {
+  const GrooveProfile paper = data.model.profile;
+  Trial best = tried(data, stage, state, paper, {}, 0);
+  constexpr std::size_t kFewestViews = 3;
+  if (data.photos.size() < kFewestViews) return {paper, state, {}};
+  // Flanks from steep (an arc) to shallow, each fitted a little; then the best of them to its end.
+  if (paper.kind == GrooveProfile::Kind::paper) try_flanks(data, stage, told, best);
+
+  // Burrs, and roughness across the groove, each on top of what was found.
+  const auto add = [&](GrooveProfile profile, Group group, double share) {
+    told("trying burrs and roughness across grooves", share);
+    Trial from = best;
+    profile.flank_deg = from.state.shared[unknown::flank];
+    std::vector<Group> free = from.free;
+    free.push_back(group);
+    Trial more = tried(data, stage, from.state, profile, free, kThen);
+    if (clearly_better(more, best)) best = std::move(more);
+  };
+  GrooveProfile with = best.profile;
+  with.burr_left_um = with.burr_right_um = 1;
+  add(with, Group::burrs, 0.7);
+  with = best.profile;
+  with.burr_left_um = best.state.shared[unknown::burrs];
+  with.burr_right_um = best.state.shared[unknown::burrs + 1];
+  with.burr_width_um = std::exp(best.state.shared[unknown::burr_width]);
+  with.across = 1.1;
+  add(with, Group::across, 0.85);
+  GrooveProfile chosen = best.profile;
+  chosen.flank_deg = best.state.shared[unknown::flank];
+  chosen.burr_left_um = std::max(0.0, best.state.shared[unknown::burrs]);
+  chosen.burr_right_um = std::max(0.0, best.state.shared[unknown::burrs + 1]);
+  chosen.burr_width_um = std::exp(best.state.shared[unknown::burr_width]);
+  chosen.across = std::exp(best.state.shared[unknown::log_across]);
+  set_profile(data, chosen, best.state);
+  return {chosen, best.state, best.free};
+}
+
+}  // namespace burin

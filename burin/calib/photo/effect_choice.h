@@ -1,0 +1,49 @@
+// burin/calib/photo/effect_choice.h - what only some benches have, and whether photos ask for it: backlash, uneven
+// screws, a brushed face, grooves of another cross-section. docs/model.md 9, 'Effects'.
+//
+// Each test is taken where the fit stands without the effect, at the middle resolution: one look at the photos'
+// equations (backlash, grain), one spectrum of what pulls at the grooves' places (screws), or fits that begin with the
+// effect (cross-sections). An effect made up does more harm than one missed, so each must predict views that it was not
+// fitted to, by far more than they scatter, and be beyond what the model's own errors make up.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "burin/calib/photo/normal_system.h"
+#include "burin/calib/photo/photo_problem.h"
+
+namespace burin {
+
+/// The photos' equations near the optimum of a stage, of what it frees and of backlash, grain and cross-sections too:
+/// one look serves all their tests.
+struct EffectEquations {
+  Stage stage, all;
+  ViewEquations views;
+  Eigen::MatrixXd H;
+  Eigen::VectorXd g;
+};
+EffectEquations effect_equations(const Problem& data, const Stage& stage, const State& state);
+
+/// Whether unknowns of `group`, which the stage holds, explain views that they were not fitted to. For flanks, where
+/// grooves have the paper's cross-section: whether flanks of state's slope would.
+bool photos_ask_for(const Problem& data, const State& state, const EffectEquations& equations, Group group);
+
+/// Puts into `state` the flanks that effect_equations() asks for as a whole: less steep than the grooves' walls.
+void set_flanks_to_ask_for(const Problem& data, State& state);
+
+/// Whether something pulls grooves to and fro with their place along x or y, as an uneven screw does. If so puts its
+/// period, and an error of a tenth of a micrometer to start from, into `state`.
+bool start_screws(const Problem& data, State& state);
+
+/// The cross-section that explains the photos best, with the state that it was fitted to; the paper's where none does
+/// so by far enough. `told` is called with what is tried, and the share of all that is done.
+struct ProfileChoice {
+  GrooveProfile profile;
+  State state;
+  std::vector<Group> free;  ///< what of it the photos tell
+};
+ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state,
+                             const std::function<void(const char*, double)>& told);
+
+}  // namespace burin

@@ -1,0 +1,245 @@
+#include "burin/render/footprint/profile_integral.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace burin {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Shape = ProfileBand::Shape;
+
+// The NDF on a wall that leans by an angle (its sine and cosine), with its derivatives: docs/model.md 4.24.
+struct PointLight {
+  double D, by_alpha;
+  Vector3d by_h;
+};
+PointLight point_light(const Vector3d& h, double sine, double cosine, double alpha, double across, bool slopes) {
+  const double across2 = 1 / (across * across * alpha * alpha), along2 = 1 / (alpha * alpha);
+  const double m = h.x() * cosine + h.z() * sine, nh = h.z() * cosine - h.x() * sine;
+  PointLight out{0, 0, Vector3d::Zero()};
+  if (!(nh > 0)) return out;
+  const double Q = m * m * across2 + h.y() * h.y() * along2 + nh * nh;
+  out.D = along2 / (std::numbers::pi * across * Q * Q);
+  if (!slopes) return out;
+  const double scale = -4 * out.D / Q;
+  out.by_h = scale * Vector3d(m * cosine * across2 - nh * sine, h.y() * along2, m * sine * across2 + nh * cosine);
+  out.by_alpha = out.D * (-2 + 4 * (m * m * across2 + h.y() * h.y() * along2) / Q) / alpha;
+  return out;
+}
+
+// dx / d(lean) of a band's shape, but for a factor; and its integral.
+double density(Shape shape, double cosine) {
+  return shape == Shape::circle ? cosine : shape == Shape::paper ? 1 / (1 + cosine) : 1 / (cosine * cosine);
+}
+double density_integral(Shape shape, double lean) {
+  return shape == Shape::circle ? std::sin(lean) : shape == Shape::paper ? std::tan(lean / 2) : std::tan(lean);
+}
+
+constexpr std::array<double, 4> kNode{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+constexpr std::array<double, 4> kWeight{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+
+// A footprint cut with a groove's length and one band: a convex polygon, each side with what it lies on.
+enum Side : int { kQuadSides = 4, kFirstEnd = 4, kSecondEnd, kFrom, kTo };
+struct Corner {
+  Vector2d p;
+  int side;  // of the side that begins here: 0 to 3 of the quadrilateral, or a Side
+};
+struct Polygon {
+  std::array<Corner, 12> corner;
+  int count = 0;
+  void add(const Vector2d& p, int side) {
+    if (count < static_cast<int>(corner.size())) corner[count++] = {p, side};
+  }
+};
+
+// What of a polygon lies where sign (p[axis] - at) >= 0; the new side is `side`.
+Polygon clipped(const Polygon& in, int axis, double at, double sign, int side) {
+  Polygon out;
+  for (int i = 0; i < in.count; ++i) {
+    const Corner &a = in.corner[i], &b = in.corner[(i + 1) % in.count];
+    const double da = sign * (a.p[axis] - at), db = sign * (b.p[axis] - at);
+    if (da >= 0) out.add(a.p, a.side);
+    if ((da >= 0) == (db >= 0)) continue;
+    Vector2d p = a.p + da / (da - db) * (b.p - a.p);
+    p[axis] = at;
+    out.add(p, da >= 0 ? side : a.side);
+  }
+  return out;
+}
+
+struct AreaSlopes {
+  double area = 0, by_length = 0, by_from = 0, by_to = 0;
+  std::array<Vector2d, 4> by_corner{Vector2d::Zero(), Vector2d::Zero(), Vector2d::Zero(), Vector2d::Zero()};
+};
+
+double area_of(const Polygon& polygon) {
+  double twice = 0;
+  for (int i = 0; i < polygon.count; ++i) {
+    const Vector2d &a = polygon.corner[i].p, &b = polygon.corner[(i + 1) % polygon.count].p;
+    twice += (a.x() - polygon.corner[0].p.x()) * (b.y() - a.y()) - (a.y() - polygon.corner[0].p.y()) * (b.x() - a.x());
+  }
+  return std::max(0.0, twice / 2);
+}
+
+// By what moves each side outwards.
+void add_slopes(const Polygon& polygon, const Quad& quad, AreaSlopes& out) {
+  for (int i = 0; i < polygon.count; ++i) {
+    const Vector2d &a = polygon.corner[i].p, &b = polygon.corner[(i + 1) % polygon.count].p;
+    const int side = polygon.corner[i].side;
+    const Vector2d outwards(b.y() - a.y(), a.x() - b.x());  // times the side's length
+    if (side == kSecondEnd) out.by_length += outwards.y();
+    if (side == kFrom) out.by_from += outwards.x();
+    if (side == kTo) out.by_to += outwards.x();
+    if (side >= kQuadSides) continue;
+    const Vector2d &c = quad[side], &d = quad[(side + 1) % 4], e = d - c;
+    const double length2 = e.squaredNorm();
+    if (!(length2 > 0)) continue;
+    const double share = std::clamp((0.5 * (a + b) - c).dot(e) / length2, 0.0, 1.0);
+    out.by_corner[side] += (1 - share) * outwards;
+    out.by_corner[(side + 1) % 4] += share * outwards;
+  }
+}
+
+// The quadrilateral, counter-clockwise, cut with the groove's length. `order[i]`: the given corner that corner i was.
+struct Cut {
+  Quad quad;
+  std::array<int, 4> order{0, 1, 2, 3};
+  Polygon polygon;
+  double left = 0, right = 0;
+};
+Cut cut_to_length(const Quad& corners, double length_mm) {
+  Cut out;
+  const Vector2d a = corners[2] - corners[0], b = corners[3] - corners[1];
+  if (a.x() * b.y() - a.y() * b.x() < 0) out.order = {0, 3, 2, 1};
+  for (int i = 0; i < 4; ++i) out.quad[i] = corners[out.order[i]];
+  Polygon whole;
+  for (int i = 0; i < 4; ++i) whole.add(out.quad[i], i);
+  out.polygon = clipped(clipped(whole, 1, 0, 1, kFirstEnd), 1, length_mm, -1, kSecondEnd);
+  if (out.polygon.count == 0) return out;
+  out.left = out.right = out.polygon.corner[0].p.x();
+  for (int i = 1; i < out.polygon.count; ++i) {
+    out.left = std::min(out.left, out.polygon.corner[i].p.x());
+    out.right = std::max(out.right, out.polygon.corner[i].p.x());
+  }
+  return out;
+}
+
+// visit(band, polygon of the footprint within it) for the bands that it reaches.
+template <typename Visit>
+void each_band(const Cut& cut, std::span<const ProfileBand> bands, const Visit& visit) {
+  if (cut.polygon.count < 3) return;
+  for (const ProfileBand& band : bands) {
+    const double from = 1e-3 * band.from_um, to = 1e-3 * band.to_um;
+    if (to <= cut.left || from >= cut.right) continue;
+    Polygon part = cut.polygon;
+    if (from > cut.left) part = clipped(part, 0, from, 1, kFrom);
+    if (to < cut.right) part = clipped(part, 0, to, -1, kTo);
+    if (part.count >= 3) visit(band, part);
+  }
+}
+
+}  // namespace
+
+BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, double across, bool slopes) {
+  BandLight out;
+  const auto at = [&](double lean) { return point_light(h, std::sin(lean), std::cos(lean), alpha, across, slopes); };
+  if (band.shape == Shape::flank || band.from_lean == band.to_lean) {
+    const PointLight p = at(band.from_lean);
+    out.value = p.D;
+    out.by_alpha = p.by_alpha;
+    out.by_h = p.by_h;
+    return out;
+  }
+  const double H = std::hypot(h.x(), h.z());
+  if (!(H > 1e-12)) return out;
+  // tan(lean - lean of h) = s tan(psi): in psi the lobe is as smooth as a cosine.
+  const double along2 = 1 / (alpha * alpha), across2 = along2 / (across * across);
+  const double C = h.y() * h.y() * along2 + H * H, P = h.y() * h.y() * along2 + H * H * across2, s = std::sqrt(C / P);
+  const double sine_h = -h.x() / H, cosine_h = h.z() / H, lean_h = std::atan2(sine_h, cosine_h);
+  const auto psi_of = [&](double lean) {
+    constexpr double kDark = std::numbers::pi / 2 - 1e-9;
+    return std::atan(std::tan(std::clamp(lean - lean_h, -kDark, kDark)) / s);
+  };
+  const double psi_from = psi_of(band.from_lean), psi_to = psi_of(band.to_lean);
+  const double middle = (psi_from + psi_to) / 2, half = (psi_to - psi_from) / 2;
+  const double whole = density_integral(band.shape, band.to_lean) - density_integral(band.shape, band.from_lean);
+  const double factor = half * s * along2 / (std::numbers::pi * across * C * C) / whole;
+  for (int k = 0; k < 8; ++k) {
+    const double psi = middle + (k < 4 ? kNode[k] : -kNode[k - 4]) * half;
+    const double sine = std::sin(psi), cosine = std::cos(psi), r2 = cosine * cosine + s * s * sine * sine;
+    const double root = 1 / std::sqrt(r2), cos_u = cosine * root, sin_u = s * sine * root;
+    const double cos_lean = cosine_h * cos_u - sine_h * sin_u, sin_lean = sine_h * cos_u + cosine_h * sin_u;
+    const double weight = kWeight[k % 4] * factor * r2 * density(band.shape, cos_lean);
+    out.value += weight;
+    if (!slopes) continue;
+    const PointLight p = point_light(h, sin_lean, cos_lean, alpha, across, true);
+    if (!(p.D > 0)) continue;
+    out.by_h += weight / p.D * p.by_h;
+    out.by_alpha += weight / p.D * p.by_alpha;
+  }
+  if (!slopes) return out;
+  out.by_to_lean = density(band.shape, std::cos(band.to_lean)) * (at(band.to_lean).D - out.value) / whole;
+  out.by_from_lean = -density(band.shape, std::cos(band.from_lean)) * (at(band.from_lean).D - out.value) / whole;
+  return out;
+}
+
+FootprintValue profile_integral(const GrooveSegment& groove, std::span<const ProfileBand> bands, double across,
+                                const Quad& corners_mm, const Vector3d& h_scratch) {
+  FootprintValue out{};
+  const Vector3d h = h_scratch.normalized();
+  each_band(cut_to_length(corners_mm, groove.length_mm), bands, [&](const ProfileBand& band, const Polygon& part) {
+    const double area = area_of(part);
+    out.area_mm2 += area;
+    out.Dhat_mm2 += area * band_light(band, h, groove.alpha, across, false).value;
+  });
+  return out;
+}
+
+FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
+                                            double across, const Quad& corners_mm, const Vector3d& h_scratch) {
+  FootprintGradient out{};
+  out.dDhat_dcorner.fill(Vector2d::Zero());
+  out.darea_dcorner.fill(Vector2d::Zero());
+  out.dDhat_dhalf.setZero();
+  const Vector3d h = h_scratch.normalized();
+  const Cut cut = cut_to_length(corners_mm, groove.length_mm);
+  each_band(cut, bands, [&](const ProfileBand& band, const Polygon& part) {
+    AreaSlopes a;
+    a.area = area_of(part);
+    add_slopes(part, cut.quad, a);
+    const BandLight light = band_light(band, h, groove.alpha, across, true);
+    out.value.area_mm2 += a.area;
+    out.value.Dhat_mm2 += a.area * light.value;
+    for (int i = 0; i < 4; ++i) {
+      out.darea_dcorner[cut.order[i]] += a.by_corner[i];
+      out.dDhat_dcorner[cut.order[i]] += light.value * a.by_corner[i];
+    }
+    out.darea_dlength_mm += a.by_length;
+    out.dDhat_dlength_mm += light.value * a.by_length;
+    const double by_depth = 1e-3 * (a.by_from * band.from_by_depth + a.by_to * band.to_by_depth);
+    out.darea_ddepth_um += by_depth;
+    out.dDhat_ddepth_um += light.value * by_depth + a.area * (light.by_from_lean * band.from_lean_by_depth +
+                                                              light.by_to_lean * band.to_lean_by_depth);
+    out.dDhat_dalpha += a.area * light.by_alpha;
+    out.dDhat_dhalf += a.area * light.by_h;
+  });
+  // Euler's relation for homogeneous functions (docs/model.md 4.22).
+  double light_by_corners = 0, area_by_corners = 0;
+  for (int i = 0; i < 4; ++i) {
+    light_by_corners += corners_mm[i].dot(out.dDhat_dcorner[i]);
+    area_by_corners += corners_mm[i].dot(out.darea_dcorner[i]);
+  }
+  out.dDhat_dwidth_um = (2 * out.value.Dhat_mm2 - light_by_corners - groove.length_mm * out.dDhat_dlength_mm -
+                         groove.depth_um * out.dDhat_ddepth_um) /
+                        groove.width_um;
+  out.darea_dwidth_um = (2 * out.value.area_mm2 - area_by_corners - groove.length_mm * out.darea_dlength_mm -
+                         groove.depth_um * out.darea_ddepth_um) /
+                        groove.width_um;
+  return out;
+}
+
+}  // namespace burin

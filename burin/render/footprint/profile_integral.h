@@ -1,0 +1,35 @@
+// burin/render/footprint/profile_integral.h - the footprint integral of a groove whose cross-section is given in bands
+// (groove_profile.h): what footprint_integral.h is to the paper's. docs/model.md 4.24 to 4.28.
+//
+//   Dhat = sum over bands of (area of the band within the footprint) * (mean of the NDF over the band)
+//
+// The areas are exact, the means good to 1e-6 of the band's peak; where a footprint's edge runs along the groove within
+// a band, light is taken as even over the band, some micrometers.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+
+#include "burin/render/footprint/footprint_integral.h"
+#include "burin/render/groove_profile.h"
+
+namespace burin {
+
+/// The mean of the NDF over a band, with its derivatives.
+struct BandLight {
+  double value = 0, by_alpha = 0, by_from_lean = 0, by_to_lean = 0;
+  Eigen::Vector3d by_h{0, 0, 0};
+};
+
+/// `h`: unit, scratch frame; `alpha` along the groove, `across` times as rough across it. Derivatives where asked for.
+BandLight band_light(const ProfileBand& band, const Eigen::Vector3d& h, double alpha, double across,
+                     bool with_derivatives);
+
+/// As footprint_integral(): `groove` gives alpha and length; the cross-section is that of `bands`.
+FootprintValue profile_integral(const GrooveSegment& groove, std::span<const ProfileBand> bands, double across,
+                                const Quad& corners_mm, const Eigen::Vector3d& h_scratch);
+/// As footprint_integral_gradient(); the derivative by width is that by the scale of the whole section.
+FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
+                                            double across, const Quad& corners_mm, const Eigen::Vector3d& h_scratch);
+
+}  // namespace burin
