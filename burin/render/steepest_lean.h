@@ -1,5 +1,5 @@
-// burin/render/steepest_lean.h - how far a groove's walls lean from the face: the cut-off of its glint. docs/model.md 2.4
-// for the paper's cross-section, 2.6 and 2.7 for a rounded V. Burrs are not counted.
+// burin/render/steepest_lean.h - how far a groove's walls lean from the face: the cut-off of its glint.
+// docs/model.md 2.4 for the paper's cross-section, 2.6 and 2.7 for a rounded V. Burrs are not counted.
 #pragma once
 
 #include <algorithm>

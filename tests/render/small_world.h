@@ -90,7 +90,7 @@ inline Image random_weights(const World& w, int channels, unsigned seed) {
 
 inline std::vector<SceneParameter> all_parameters() {
   std::vector<SceneParameter> all;
-  for (int i = 0; i <= static_cast<int>(SceneParameter::bow_2_mm); ++i) all.push_back(static_cast<SceneParameter>(i));
+  for (int i = 0; i <= static_cast<int>(SceneParameter::grain_s); ++i) all.push_back(static_cast<SceneParameter>(i));
   return all;
 }
 

@@ -82,7 +82,8 @@ bool photos_ask_for(const Problem& data, const State& state, const EffectEquatio
   for (std::size_t i = 0; i < free.size(); ++i)
     if (free[i] && !held[i]) added.push_back(static_cast<Eigen::Index>(i));
   const Gain gain = gain_of(held_out_gains(e, equations.H, equations.g, held, added));
-  if (!(gain.sum > 2 * gain.standard_error)) return false;
+  // What shows in few views (a flank's flash, in those at its angle) scatters as much as it gains.
+  if (!(gain.sum > gain.standard_error)) return false;
   // Beyond what places of the board make up: scores by square as they scatter, what the effect explains taken off.
   const Eigen::MatrixXd inverse = safe_inverse(equations.H, free);
   const Eigen::VectorXd step = -inverse * equations.g;
@@ -252,8 +253,8 @@ bool clearly_better(const Trial& more, const Trial& less) {
   std::vector<double> gains;
   for (std::size_t k = 0; k < more.costs.size(); ++k) gains.push_back(less.costs[k] - more.costs[k]);
   const Gain gain = gain_of(gains);
-  constexpr double kShare = 0.03, kSigmas = 2;
-  return gain.sum > kShare * less.cost && gain.sum > kSigmas * gain.standard_error;
+  constexpr double kShare = 0.03;
+  return gain.sum > kShare * less.cost && gain.sum > gain.standard_error;
 }
 
 // A rounded V in place of the paper's section, where that is clearly better.

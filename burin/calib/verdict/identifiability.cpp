@@ -12,8 +12,8 @@
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/render/groove.h"
-#include "burin/render/steepest_lean.h"
 #include "burin/render/parameter_name.h"
+#include "burin/render/steepest_lean.h"
 #include "burin/render/surface.h"
 
 namespace burin {
@@ -341,11 +341,10 @@ Straddle straddle_of(const Problem& data, const State& state) {
   const Carved carved = carved_at(whole, shared);
   Straddle out;
   for (const PhotoData& photo : data.photos) {
-    const Straddle one =
-        straddle_of(carved, photo.camera.surface, std::exp(shared[unknown::log_alpha]),
-                    std::exp(shared[unknown::log_depth]), data.model.board->tool_width_um,
-                    state.of(photo.photo.light).segment<3>(unknown::lamp_position), photo.scene.camera_center_mm,
-                    profile_of(data.model.profile, shared));
+    const Straddle one = straddle_of(carved, photo.camera.surface, std::exp(shared[unknown::log_alpha]),
+                                     std::exp(shared[unknown::log_depth]), data.model.board->tool_width_um,
+                                     state.of(photo.photo.light).segment<3>(unknown::lamp_position),
+                                     photo.scene.camera_center_mm, profile_of(data.model.profile, shared));
     out.inside += one.inside;
     out.outside += one.outside;
   }

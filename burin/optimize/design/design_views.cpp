@@ -115,7 +115,8 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   };
   append(findings, check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um, groove_at));
   const Image free =
-      carvable(limits, 1e-3 * half_width_um(bench.material.profile, board.tool_width_um, bench.material.depth_um), width, height);
+      carvable(limits, 1e-3 * half_width_um(bench.material.profile, board.tool_width_um, bench.material.depth_um),
+               width, height);
   if (!free.data.empty())
     findings.push_back(
         make_warning(percent_text(1 - mean_value(free)) +

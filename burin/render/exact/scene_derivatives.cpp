@@ -52,16 +52,14 @@ void add_gradient(Sum& sum, const PairGradient& g, double scale, const Scratches
   }
 }
 
-/// A direction of the board as one of the face, to first order in the bow: of this cosine with the normal.
-Eigen::Vector3d with_cosine(const Eigen::Vector3d& w, double cosine) { return {w.x(), w.y(), cosine}; }
-
 /// D G of the plain face by everything: by_cos_i and by_cos_o without a grain, by_wi and by_wo (frame of the face) with
 /// one.
 struct BaseSlopes {
   double by_alpha = 0, by_c = 0, by_s = 0, by_cos_i = 0, by_cos_o = 0;
   Eigen::Vector3d by_h{0, 0, 0}, by_wi{0, 0, 0}, by_wo{0, 0, 0};
 };
-BaseSlopes base_slopes(const PixelShading& p, const Material& material) {
+/// `by_grain`: by c and s too where there is no grain.
+BaseSlopes base_slopes(const PixelShading& p, const Eigen::Vector3d& normal, const Material& material, bool by_grain) {
   BaseSlopes out;
   const double alpha = material.base_alpha;
   if (material.grain.none()) {
@@ -71,8 +69,9 @@ BaseSlopes base_slopes(const PixelShading& p, const Material& material) {
     out.by_cos_i = D.D * G.dG_dcos_i;
     out.by_cos_o = D.D * G.dG_dcos_o;
     out.by_h.z() = D.dD_dcos_h * G.G;
-    // Where a grain would begin; its directions are those of the board, but for the bow.
-    const GrainedLobe lobe = grained_lobe(p.h_face, with_cosine(p.wi, p.cos_i), with_cosine(p.wo, p.cos_o), alpha, {});
+    if (!by_grain) return out;
+    const Eigen::Matrix3d R = R_face_board(normal);
+    const GrainedLobe lobe = grained_lobe(p.h_face, R * p.wi, R * p.wo, alpha, {});
     out.by_c = lobe.by_c;
     out.by_s = lobe.by_s;
     return out;
@@ -108,6 +107,7 @@ struct Chain {
   const ViewScene& scene;
   const CameraView& camera;
   Eigen::Matrix3d R_camera_board;
+  bool by_grain;  ///< is asked for
 
   /// Q = direct (light / A + (1 - covered) base), radiance = factor(cos_ho) Q + ambient. Derivatives of one channel.
   void run(const PixelShading& p, const Eigen::Vector3d& normal, const Eigen::Vector3d& center,
@@ -122,7 +122,7 @@ struct Chain {
 void Chain::run(const PixelShading& p, const Eigen::Vector3d& normal, const Eigen::Vector3d& center,
                 const std::array<Eigen::Vector2d, 4>& corners, double A, const PixelSums& sums, double factor,
                 double factor_slope, ByParameter& out) const {
-  const BaseSlopes base = base_slopes(p, scene.material);
+  const BaseSlopes base = base_slopes(p, normal, scene.material, by_grain);
   const double covered = std::min(1.0, sums.area.value / A), plain = 1 - covered;
   const double clamp = sums.area.value < A ? 1 : 0;  // the side it is on
   const double scale = factor * p.direct;
@@ -260,7 +260,10 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
   result.radiance = Image(grid.width(), grid.height(), channels);
   result.d_radiance.assign(parameters.size(), Image(grid.width(), grid.height(), channels));
   const std::array<double, 3> ambient = ambient_radiance(scene, channels);
-  const Chain chain{scene, camera, camera.T_camera_board.linear()};
+  const bool by_grain = std::any_of(parameters.begin(), parameters.end(), [](SceneParameter p) {
+    return p == SceneParameter::grain_c || p == SceneParameter::grain_s;
+  });
+  const Chain chain{scene, camera, camera.T_camera_board.linear(), by_grain};
 
   const auto sum_pixel = [&](std::size_t i, const PixelShading& p, const std::array<Eigen::Vector2d, 4>& corners) {
     PixelSums sums;
