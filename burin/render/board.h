@@ -48,8 +48,8 @@ struct Material {
   double depth_um = 10;                  ///< d in the paper's Eqn. 2
   double base_alpha = 0.15;              ///< GGX roughness of the plain face
   Eigen::Vector3d f0{0.91, 0.92, 0.92};  ///< Fresnel reflectance at normal incidence, R G B
-  FaceGrain grain;                       ///< of a brushed face; base_alpha is the mean of its two roughnesses
-  GrooveProfile profile;                 ///< the grooves' cross-section
+  FaceGrain grain{};                     ///< of a brushed face; base_alpha is the mean of its two roughnesses
+  GrooveProfile profile{};               ///< the grooves' cross-section
 };
 
 /// Which of Material's numbers a file says itself. What a bench.json leaves out is board.json's
