@@ -111,8 +111,8 @@ struct Pulls {
 };
 
 Pulls pulls_of(const Problem& data, const State& state) {
-  // Pieces of half a millimeter, as a screw of this period would make; its error is nothing.
-  constexpr double kPeriodMm = 4, kNothing = 1e-9;
+  // Pieces of a millimeter, as a screw of this period would make; its error is nothing.
+  constexpr double kPeriodMm = 8, kNothing = 1e-9;
   State cut = state;
   for (int axis = 0; axis < 2; ++axis) {
     cut.shared[unknown::screw + 2 * axis] = kNothing;
