@@ -67,6 +67,10 @@ double bulk_variance(std::vector<float>& values, double floor) {
 }  // namespace
 
 double linear_step(const StoredAs& stored, double v) {
+  if (!stored.bent_steps.empty()) {
+    const double at = std::sqrt(std::clamp(v, 0.0, 1.0)) * static_cast<double>(stored.bent_steps.size() - 1);
+    return stored.bent_steps[static_cast<std::size_t>(std::lround(at))];
+  }
   if (!stored.srgb) return stored.step;
   v = std::clamp(v, 0.0, 1.0);
   return v <= 0.0031308 ? stored.step / 12.92 : stored.step * (2.4 / 1.055) * std::pow(v, 1.4 / 2.4);

@@ -101,6 +101,56 @@ void read_pixels(OIIO::ImageInput& input, const Photo& photo, const OIIO::TypeDe
     fail(photo.file.string(), "is damaged or cut short (" + input.geterror() + ")", "copy it from the camera again");
 }
 
+// Stored values made linear. `eight_bits`: they are whole 255ths, of which a table has all.
+void make_linear(const Photo& photo, bool eight_bits, std::vector<float>& v) {
+  const bool srgb = photo.encoding == Encoding::srgb;
+  if (!srgb && photo.response.is_none()) return;
+  const auto linear = [&](float stored) {
+    const auto plain = photo.response.is_none() ? stored : static_cast<float>(unbent(photo.response, stored));
+    return srgb ? srgb_to_linear(plain) : plain;
+  };
+  if (!eight_bits && photo.response.is_none()) {
+    for (float& value : v) value = linear(value);
+    return;
+  }
+  if (eight_bits) {
+    std::array<float, 256> table{};
+    for (int s = 0; s < 256; ++s) table[s] = linear(static_cast<float>(s) / 255);
+    for (float& value : v) value = table[static_cast<int>(std::lround(value * 255))];
+    return;
+  }
+  // A bent curve takes long to evaluate: from a table that is fine enough for 16 bits.
+  constexpr int kSteps = 4096;
+  std::vector<float> table(kSteps + 2);
+  for (int s = 0; s <= kSteps; ++s) table[s] = linear(static_cast<float>(s) / kSteps);
+  table[kSteps + 1] = table[kSteps];
+  for (float& value : v) {
+    const float at = std::clamp(value, 0.0F, 1.0F) * kSteps;
+    const int s = static_cast<int>(at);
+    value = table[s] + (at - static_cast<float>(s)) * (table[s + 1] - table[s]);
+  }
+}
+
+// The linear width of a stored level `step` wide, at the squares of i / (count - 1).
+std::vector<float> bent_steps(const Photo& photo, double step) {
+  constexpr int kCount = 257;
+  constexpr float kHalf = 0.002F;  // of the difference that the slope is taken from
+  std::vector<float> steps(kCount);
+  for (int i = 0; i < kCount; ++i) {
+    const float root = static_cast<float>(i) / (kCount - 1), v = root * root;
+    const float plain = photo.encoding == Encoding::srgb ? linear_to_srgb(v) : v;
+    const float stored = std::clamp(static_cast<float>(bent(photo.response, plain)), kHalf, 1 - kHalf);
+    std::vector<float> about{stored - kHalf, stored + kHalf};
+    make_linear(photo, false, about);
+    steps[i] = static_cast<float>(step) * (about[1] - about[0]) / (2 * kHalf);
+  }
+  return steps;
+}
+
+double balance_of(const Photo& photo, int channels, std::size_t channel) {
+  return channels == 3 ? photo.balance[static_cast<Eigen::Index>(channel)] : photo.balance.mean();
+}
+
 }  // namespace
 
 LinearPhoto read_photo(const Photo& photo) {
@@ -127,16 +177,10 @@ LinearPhoto read_photo(const Photo& photo) {
     if (spec.format == OIIO::TypeDesc::UINT8) result.stored.step = 1.0 / 255;
   }
 
-  if (photo.encoding == Encoding::srgb) {
-    result.stored.srgb = true;
-    if (spec.format == OIIO::TypeDesc::UINT8) {
-      std::array<float, 256> linear{};
-      for (int s = 0; s < 256; ++s) linear[s] = srgb_to_linear(static_cast<float>(s) / 255);
-      for (float& value : v) value = linear[static_cast<int>(std::lround(value * 255))];
-    } else {
-      for (float& value : v) value = srgb_to_linear(value);
-    }
-  }
+  unsharpened(photo.sharpening, result.value);
+  result.stored.srgb = photo.encoding == Encoding::srgb;
+  if (!photo.response.is_none()) result.stored.bent_steps = bent_steps(photo, result.stored.step);
+  make_linear(photo, spec.format == OIIO::TypeDesc::UINT8 && !(photo.sharpening.amount > 0), v);
   const float from = own_top(v, kClippedFrom);
   result.clipped.assign(v.size() / channels, 0);
   for (std::size_t i = 0; i < v.size(); ++i)
@@ -144,6 +188,8 @@ LinearPhoto read_photo(const Photo& photo) {
       result.clipped[i / channels] = 1;
       if (!std::isfinite(v[i])) v[i] = 1;
     }
+  if (photo.balance != Eigen::Vector3d::Ones())
+    for (std::size_t i = 0; i < v.size(); ++i) v[i] /= static_cast<float>(balance_of(photo, channels, i % channels));
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/camera_effects_json.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/limits.h"
@@ -54,6 +55,8 @@ Session read_session(const fs::path& file) {
                        "put the photo there, or take it off the list");
     session.photos.push_back(std::move(photo));
   }
+  if (root.has("response")) session.response = read_response(root.object("response"));
+  if (root.has("sharpening")) session.sharpening = read_sharpening(root.object("sharpening"));
   root.finish();
   require_at_most(session.photos.size(), limit::kPhotos, file.string() + ": photos", "photos",
                   "calibrate with some of them: a few dozen from many directions tell all there is to know");
@@ -83,7 +86,23 @@ void write_session(const Session& session, const fs::path& file) {
     entry["encoding"] = name->second;
     json["photos"].push_back(std::move(entry));
   }
+  if (session.response) json["response"] = response_json(*session.response);
+  if (session.sharpening) json["sharpening"] = sharpening_json(*session.sharpening);
   write_json(json, file);
+}
+
+std::string photo_name(const Session& session, const Photo& photo) {
+  return session.file.empty() ? photo.file.generic_string() : path_beside(session.file, photo.file);
+}
+
+Session with_camera(Session session, const Sensor& sensor) {
+  for (Photo& photo : session.photos) {
+    photo.response = sensor.response;
+    photo.sharpening = sensor.sharpening;
+    const auto balance = sensor.balance.find(photo_name(session, photo));
+    photo.balance = balance == sensor.balance.end() ? Eigen::Vector3d::Ones().eval() : balance->second;
+  }
+  return session;
 }
 
 double exposure_factor(const Photo& photo) {

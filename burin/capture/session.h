@@ -2,7 +2,9 @@
 // docs/file-formats.md, `session.json`.
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,10 @@ struct Photo {
   double iso = 100;
   double f_number = 0;
   Encoding encoding = Encoding::linear;
+  /// How its stored values are read, beside the encoding (with_camera() fills it in from a bench).
+  Response response;
+  Sharpening sharpening;
+  Eigen::Vector3d balance{1, 1, 1};  ///< factors on R, G, B that are divided out
 };
 
 /// Photos of one bench (`session.json`).
@@ -26,6 +32,8 @@ struct Session {
   std::filesystem::path file;   ///< where it was read from; empty if it was not
   std::filesystem::path board;  ///< board.json
   std::vector<Photo> photos;
+  std::optional<Response> response;      ///< of all its photos, where it is known; none: sRGB's alone is "none" too
+  std::optional<Sharpening> sharpening;  ///< of all its photos, where it is known
 };
 
 /// Reads `session.json`. Throws Error on anything missing, unknown or out of range, photos that do not exist included.
@@ -33,6 +41,12 @@ Session read_session(const std::filesystem::path& file);
 
 /// Writes `session.json`, paths relative to its folder; atomically.
 void write_session(const Session& session, const std::filesystem::path& file);
+
+/// The name of a photo in a bench's balances: its path from the session's folder.
+std::string photo_name(const Session& session, const Photo& photo);
+
+/// The session with its photos read as that camera stores them: response, sharpening and balance of a measured bench.
+Session with_camera(Session session, const Sensor& sensor);
 
 /// exposure_factor() of the photo's settings. Throws Error naming the photo where they give none.
 double exposure_factor(const Photo& photo);

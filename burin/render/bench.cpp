@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/camera_effects_json.h"
 #include "burin/render/files/camera_json.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/input_file.h"
@@ -91,6 +92,7 @@ Sensor read_sensor(JsonObject json) {
   sensor.vignette = json.vec3("vignette", sensor.vignette);
   sensor.psf_sigma_px = json.number("psf_sigma_px", sensor.psf_sigma_px);
   if (sensor.psf_sigma_px < 0) json.fail_field("psf_sigma_px", "is negative", "a blur is 0 or greater");
+  read_camera_effects(json, sensor);
   json.finish();
   return sensor;
 }
@@ -438,6 +440,7 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   json["sensor"] = {{"gain", bench.sensor.gain},
                     {"vignette", to_json(bench.sensor.vignette)},
                     {"psf_sigma_px", bench.sensor.psf_sigma_px}};
+  put_camera_effects(bench.sensor, json["sensor"]);
   json["ambient"] = to_json(bench.ambient);
   json["board"]["bow_mm"] = to_json(bench.bow_mm);
   if (!bench.tags.empty()) {

@@ -13,7 +13,7 @@ constexpr std::pair<const char*, const char*> kPosition{"position_mm", "position
     kIntensity{"intensity", "intensity"}, kAxis{"axis", "axis"}, kFalloff{"falloff_exponent", "fall-off exponent"};
 constexpr std::array kOfLight{kPosition, kIntensity, kAxis, kFalloff};
 
-constexpr std::array<std::pair<const char*, const char*>, 14> kWords{{{kLens, "the lens"},
+constexpr std::array<std::pair<const char*, const char*>, 15> kWords{{{kLens, "the lens"},
                                                                       {kLensFocal, "the lens' focal length"},
                                                                       {kLensCenter, "the lens' center"},
                                                                       {kPoses, "the cameras' places"},
@@ -26,7 +26,8 @@ constexpr std::array<std::pair<const char*, const char*>, 14> kWords{{{kLens, "t
                                                                       {kMachine, "the machine's map"},
                                                                       {kAmbient, "the ambient light"},
                                                                       {kVignette, "the vignetting"},
-                                                                      {kBlur, "the blur"}}};
+                                                                      {kBlur, "the blur"},
+                                                                      {kGlare, "the glare"}}};
 
 std::string of_light(const std::string& id, const std::pair<const char*, const char*>& field) {
   return kLightPrefix + id + "." + field.first;

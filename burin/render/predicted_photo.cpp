@@ -23,6 +23,16 @@ Image predicted_photo(const Bench& bench, const Board& board, const View& view, 
   Image value;
   renderer.forward(carved, value);
   value = blurred(value, bench.sensor.psf_sigma_px);
+  if (bench.sensor.glare.share > 0) {
+    const auto share = static_cast<float>(bench.sensor.glare.share);
+    for (int c = 0; c < value.channels; ++c) {
+      Image one(value.width, value.height, 1);
+      for (std::size_t i = 0; i < one.data.size(); ++i) one.data[i] = value.data[i * value.channels + c];
+      const Image far = glare_of(one, bench.sensor.glare);
+      for (std::size_t i = 0; i < one.data.size(); ++i)
+        value.data[i * value.channels + c] += share * (far.data[i] - one.data[i]);
+    }
+  }
   const bool clipped = options.clipped || options.encoding != Encoding::linear;
   for (int y = 0; y < value.height; ++y)
     for (int x = 0; x < value.width; ++x) {

@@ -7,9 +7,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "burin/render/glare.h"
 #include "burin/render/image.h"
+#include "burin/render/response.h"
 
 namespace burin {
 
@@ -18,6 +23,14 @@ struct Sensor {
   double gain = 1;
   Eigen::Vector3d vignette{0, 0, 0};  ///< v1 v2 v3 of vignette_at()
   double psf_sigma_px = 0;            ///< Gaussian blur on the pixel grid, on top of the pixel's own square
+  Glare glare;                        ///< far over the picture
+  std::optional<double> glare_share_sigma;
+  // How its files are read; nothing of it is predicted.
+  Response response;
+  Sharpening sharpening;
+  /// By a photo's file, relative to its session: factors on R, G and B that this photo was stored with beside those of
+  /// all photos (white balance chosen anew, a shutter that errs). Not named: 1.
+  std::map<std::string, Eigen::Vector3d> balance;
 };
 
 /// How a file keeps linear values.

@@ -100,6 +100,10 @@ void read_board_truth(JsonObject json, BenchTruth& truth) {
     board.tags.white_albedo = not_negative(tags, "white_albedo", board.tags.white_albedo);
     board.tags.black_albedo = not_negative(tags, "black_albedo", board.tags.black_albedo);
     truth.quiet_mm = not_negative(tags, "quiet_mm", 0);
+    truth.tag_gloss_alpha = tags.has("gloss_alpha") ? roughness(tags, "gloss_alpha", 0.3) : 0;
+    truth.tag_gloss_f0 = not_negative(tags, "gloss_f0", 0);
+    if (truth.tag_gloss_f0 > 0 && truth.tag_gloss_alpha == 0)
+      tags.fail_field("gloss_alpha", "is missing", "paper that shines needs its roughness");
     for (JsonObject& item : tags.objects("list")) {
       Tag tag;
       tag.id = at_least(item, "id", 0, -1);
@@ -194,6 +198,7 @@ void read_sensor_truth(JsonObject json, BenchTruth& truth) {
   truth.optics.gain = json.positive("gain");
   sensor.full_well_e = json.positive("full_well_e", sensor.full_well_e);
   sensor.read_noise_e = not_negative(json, "read_noise_e", sensor.read_noise_e);
+  read_camera_truth(json, sensor.camera);
   json.finish();
 }
 
@@ -334,6 +339,7 @@ BenchTruth read_bench_truth(const fs::path& file) {
   }
   read_lens(root.object("camera"), truth);
   read_sensor_truth(root.object("sensor"), truth);
+  if (root.has("glare")) truth.sensor.camera.glare = read_glare_truth(root.object("glare"));
   truth.optics.psf_sigma_px = not_negative(root, "psf_sigma_px", 0);
   truth.optics.vignette = root.vec3("vignette", truth.optics.vignette);
   for (JsonObject& light : root.objects("lights")) truth.lights.push_back(read_light(light));

@@ -12,7 +12,7 @@
 //   h_at                       "sample": wi, wo and h at every point; "center": at the footprint's center
 //                              (docs/model.md 5.1)
 //   board                      as board.json, the tags where they really are; tags.quiet_mm: white paper beyond the
-//                              tag's own border; bow_mm
+//                              tag's own border; tags.gloss_alpha, gloss_f0: its shine; bow_mm
 //   believed                   {material, tag_overrides}: what goes into board.json instead of the truth
 //   scratches                  "FILE.csv", or {"random": {count, length_mm: [from, to], seed}}: the designed scratches
 //   material                   depth_gradient [gx, gy]: depth_um (1 + gx (u - 1/2) + gy (v - 1/2)); alpha_jitter,
@@ -23,6 +23,7 @@
 //   machine                    affine, and as in bench.json: backlash_mm, screw_mm, screw_period_mm, screw_phase_deg
 //   sensor                     {channels, encoding, bits, jpeg_quality, gain, full_well_e, read_noise_e}; bits of
 //                              linear files stand in the high end of 16
+//                              and what a phone does to its pictures: camera_truth.h, with glare beside it
 //   psf_sigma_px, vignette, ambient, background {albedo, noise, z_mm}, dust, shapes, exif, session
 #pragma once
 
@@ -34,6 +35,7 @@
 #include <vector>
 
 #include "burin/capture/session.h"
+#include "burin/capture/simulator/camera_truth.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
@@ -57,6 +59,7 @@ struct SensorTruth {
   int jpeg_quality = 95;
   double full_well_e = 18000;  ///< electrons at the white level at ISO 100
   double read_noise_e = 9;
+  CameraTruth camera;
 };
 
 /// What lies under the board.
@@ -120,7 +123,8 @@ struct BenchTruth {
   double alpha_jitter = 0, depth_jitter = 0, wear = 0;
   Streaks streaks;
   double quiet_mm = 0;
-  std::filesystem::path scratches;  ///< empty: random
+  double tag_gloss_alpha = 0, tag_gloss_f0 = 0;  ///< satin paper: a coat of GGX over it; none where f0 is 0
+  std::filesystem::path scratches;               ///< empty: random
   RandomScratches random;
   // The camera and its light.
   Lens lens;

@@ -139,7 +139,7 @@ void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& 
   if (srgb) {
     std::vector<std::uint8_t> stored(value.data.size());
     std::transform(value.data.begin(), value.data.end(), stored.begin(),
-                   [](float v) { return static_cast<std::uint8_t>(std::lround(255 * encoded(v, Encoding::srgb))); });
+                   [](float v) { return static_cast<std::uint8_t>(std::lround(255 * v)); });
     bytes = encoded_picture(extension, spec, OIIO::TypeDesc::UINT8, stored.data(), file);
   } else {
     const int shift = 16 - truth.sensor.bits;
@@ -225,11 +225,16 @@ void simulate(const fs::path& truth_json, const fs::path& out_dir, const Simulat
       for (const TruthPhoto& photo : view.photos)
         if (photo.photo.light == light.id) photos.push_back(&photo);
       if (photos.empty()) continue;
-      const Image radiance = blurred(sampler.radiance(view, light, within), truth.optics.psf_sigma_px);
+      const Image radiance = with_glare(blurred(sampler.radiance(view, light, within), truth.optics.psf_sigma_px),
+                                        truth.sensor.camera.glare);
       for (const TruthPhoto* photo : photos) {
         const fs::path file = out_dir / photo->file;
         make_output_folder(file.parent_path());
-        write_photo(truth, *photo, exposed(truth, radiance, photo->photo, seed_of(truth, *photo)), file);
+        const std::uint64_t seed = seed_of(truth, *photo);
+        write_photo(
+            truth, *photo,
+            developed(exposed(truth, radiance, photo->photo, seed), truth.sensor.encoding, truth.sensor.camera, seed),
+            file);
       }
     }
     for (const TruthPhoto& photo : view.photos) {

@@ -1,8 +1,9 @@
 // burin/capture/simulator/simulated_camera.h - photos as a camera would have taken them, of a bench with known truth.
 //
 // Radiance comes from point sampling (burin/capture/simulator/point_sampler.h). Then, in the order of the light's way:
-// the lens's blur, gain * exposure * vignette (docs/model.md 5), a mono sensor's mean of the channels, Poisson
-// electrons and read noise, clipping at the white level, rounding to the sensor's bits, the file's encoding, EXIF.
+// the lens's blur and glare, gain * exposure * vignette (docs/model.md 5), a mono sensor's mean of the channels,
+// Poisson electrons and read noise, clipping at the white level, what a phone does to its pictures (camera_truth.h),
+// rounding to the sensor's bits, the file's encoding, EXIF.
 #pragma once
 
 #include <filesystem>

@@ -56,6 +56,8 @@ ThingsOnBoard::ThingsOnBoard(const BenchTruth& truth) : bins_(std::make_unique<B
       thing.cell_mm = tag.size_mm / pattern.border_cells;
       thing.half.setConstant(thing.cells * thing.cell_mm / 2 + truth.quiet_mm);
       thing.coat.albedo.setConstant(tags.white_albedo);
+      thing.coat.gloss_alpha = truth.tag_gloss_alpha;
+      thing.coat.gloss_f0 = truth.tag_gloss_f0;
       thing.black_albedo.setConstant(tags.black_albedo);
       for (const std::uint8_t white : pattern.white) thing.black.push_back(white == 0);
       things_.push_back(std::move(thing));

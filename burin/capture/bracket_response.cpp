@@ -1,0 +1,443 @@
+#include "burin/capture/bracket_response.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "burin/capture/photo.h"
+#include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
+#include "burin/render/median.h"
+
+namespace burin {
+namespace {
+
+constexpr int kMostCurve = 2 + static_cast<int>(Response::kBumps);
+constexpr double kExposureSigma = 0.01, kBalanceSigma = 0.02;  // of e and w
+constexpr double kDarkest = 0.02, kBrightest = 0.96;           // stored values that are compared
+constexpr double kOtherError = 0.005;                          // of a logarithm
+
+// Blocks of one level of brightness in two exposures.
+struct Comparison {
+  std::size_t bracket = 0;
+  int longer = 0, shorter = 0, channel = 0;  // photos: indices into session.photos
+  double s_longer = 0, s_shorter = 0;        // stored, plain encoding
+  double log_ratio = 0, sigma = 0;
+};
+
+// A block of 4 x 4 pixels in the middle of 8 x 8 that are flat, by channel; false where they are not or are clipped.
+bool block_mean(const LinearPhoto& photo, int x0, int y0, double flat, std::array<double, 3>& mean) {
+  const Image& image = photo.value;
+  std::array<double, 3> sum{}, sum2{};
+  mean = {};
+  for (int y = y0; y < y0 + 8; ++y)
+    for (int x = x0; x < x0 + 8; ++x) {
+      if (photo.clipped[static_cast<std::size_t>(y) * image.width + x]) return false;
+      const bool core = x >= x0 + 2 && x < x0 + 6 && y >= y0 + 2 && y < y0 + 6;
+      for (int c = 0; c < image.channels; ++c) {
+        const double v = image.at(x, y, c);
+        sum[c] += v;
+        sum2[c] += v * v;
+        if (core) mean[c] += v / 16;
+      }
+    }
+  for (int c = 0; c < image.channels; ++c) {
+    const double m = sum[c] / 64;
+    if (!(m > 0) || sum2[c] / 64 - m * m > flat * flat * m * m) return false;
+  }
+  return true;
+}
+
+// What the file stores of a linear value. Blocks are averaged in linear light, as well as it is known: a mean of stored
+// values would lean by their noise, which is a tenth of the darkest and more.
+double stored_of(double linear, const Photo& photo) {
+  return bent(photo.response, photo.encoding == Encoding::srgb ? linear_to_srgb(static_cast<float>(linear)) : linear);
+}
+
+// What rounding to stored levels does to the logarithm of a linear value. In smooth places all pixels of a level err
+// alike, and so do all photos, so that no number of blocks makes up for it: where it is large nothing is compared.
+double rounding_error(const StoredAs& stored, double linear) { return 0.29 * linear_step(stored, linear) / linear; }
+constexpr double kCoarsest = 0.012;
+
+// The blocks of two exposures, level by level of brightness: what is common to a level's blocks is one comparison,
+// however many they are.
+void compare(const Session& session, std::size_t bracket, int longer, int shorter, const LinearPhoto& a,
+             const LinearPhoto& b, std::vector<Comparison>& out) {
+  constexpr double kFlat = 0.05, kFlatShort = 0.1;  // the shorter exposure is noisier
+  constexpr int kLevels = 48;
+  constexpr double kFewestBlocks = 4;
+  // Sums over the blocks of a level of brightness.
+  struct Level {
+    double count = 0, s = 0, t = 0, rounding = 0, ratio = 0, ratio2 = 0;
+  };
+  const int w = a.value.width, h = a.value.height;
+  const int stride = std::max(8, static_cast<int>(std::sqrt(1.0 * w * h / 40000)));
+  const Photo &photo_a = session.photos[longer], &photo_b = session.photos[shorter];
+  const double log_ratio = std::log(exposure_factor(photo_a) / exposure_factor(photo_b));
+  std::array<std::array<Level, kLevels>, 3> levels;
+  std::array<double, 3> in_a{}, in_b{};
+  for (int y = 0; y + 8 <= h; y += stride)
+    for (int x = 0; x + 8 <= w; x += stride) {
+      if (!block_mean(a, x, y, kFlat, in_a) || !block_mean(b, x, y, kFlatShort, in_b)) continue;
+      for (int c = 0; c < a.value.channels; ++c) {
+        const double error_a = rounding_error(a.stored, in_a[c]), error_b = rounding_error(b.stored, in_b[c]);
+        if (error_a > kCoarsest || error_b > kCoarsest) continue;
+        const double s = stored_of(in_a[c], photo_a), t = stored_of(in_b[c], photo_b);
+        if (s < kDarkest || s > kBrightest || t < kDarkest || t > kBrightest) continue;
+        Level& level = levels[c][std::min(kLevels - 1, static_cast<int>(s * kLevels))];
+        const double ratio = std::log(in_a[c] / in_b[c]);
+        level.count += 1;
+        level.s += s;
+        level.t += t;
+        level.rounding += std::hypot(error_a, error_b);
+        level.ratio += ratio;
+        level.ratio2 += ratio * ratio;
+      }
+    }
+  for (int c = 0; c < a.value.channels; ++c)
+    for (const Level& level : levels[c]) {
+      const double n = level.count;
+      if (n < kFewestBlocks) continue;
+      const double mean = level.ratio / n, scatter2 = std::max(0.0, level.ratio2 / n - mean * mean);
+      out.push_back({bracket, longer, shorter, c, level.s / n, level.t / n, log_ratio,
+                     std::hypot(kOtherError, level.rounding / n / 2, std::sqrt(scatter2 / n))});
+    }
+}
+
+std::vector<Comparison> comparisons_of(const Session& session, const std::vector<Bracket>& brackets,
+                                       const std::vector<std::size_t>& wanted) {
+  std::vector<std::vector<Comparison>> each(wanted.size());
+  tbb::parallel_for(std::size_t{0}, wanted.size(), [&](std::size_t i) {
+    std::vector<int> order = brackets[wanted[i]].photos;
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+      return exposure_factor(session.photos[a]) > exposure_factor(session.photos[b]);
+    });
+    LinearPhoto last = read_photo(session.photos[order[0]]);
+    for (std::size_t k = 1; k < order.size(); ++k) {
+      LinearPhoto next = read_photo(session.photos[order[k]]);
+      constexpr double kLeastRatio = 0.2;  // of logarithms: exposures alike tell no curve
+      const double log_ratio =
+          std::log(exposure_factor(session.photos[order[k - 1]]) / exposure_factor(session.photos[order[k]]));
+      if (log_ratio > kLeastRatio && last.value.data.size() == next.value.data.size() &&
+          session.photos[order[k - 1]].encoding == session.photos[order[k]].encoding)
+        compare(session, wanted[i], order[k - 1], order[k], last, next, each[i]);
+      last = std::move(next);
+    }
+  });
+  std::vector<Comparison> all;
+  for (const auto& more : each) all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+// log of the linear value of a stored one, its slope by the stored value, and by the curve's numbers.
+struct LogLight {
+  double value = 0, by_stored = 0;
+  std::array<double, kMostCurve> by_curve{};
+};
+
+double log_linear(double plain, Encoding encoding) {
+  return std::log(encoding == Encoding::srgb ? srgb_to_linear(static_cast<float>(plain)) : plain);
+}
+
+LogLight log_light(const Response& response, double stored, Encoding encoding) {
+  LogLight out;
+  const double plain = unbent(response, stored);
+  constexpr double kStep = 1e-3;
+  out.value = log_linear(plain, encoding);
+  const double by_plain =
+      (log_linear(plain * (1 + kStep), encoding) - log_linear(plain * (1 - kStep), encoding)) / (2 * kStep * plain);
+  const double by_logit = by_plain * plain * (1 - plain);
+  double logit_by_stored = (1 + response.slope) / (stored * (1 - stored));
+  out.by_curve[0] = by_logit;
+  out.by_curve[1] = by_logit * std::log(stored / (1 - stored));
+  for (std::size_t k = 0; k < Response::kBumps; ++k) {
+    const double pi_k = static_cast<double>(k + 1) * std::numbers::pi;
+    out.by_curve[2 + k] = by_logit * std::sin(pi_k * stored);
+    logit_by_stored += response.bumps[k] * pi_k * std::cos(pi_k * stored);
+  }
+  out.by_stored = by_logit * logit_by_stored;
+  return out;
+}
+
+// A fit's numbers: the curve's, then e, w_R, w_B of each photo.
+struct Fit {
+  Response response;
+  Eigen::VectorXd photos;  // 3 a photo
+  Eigen::MatrixXd covariance;
+  double cost = 0, scatter = 1, error = 0;  // robust cost; residuals' scatter in expected errors; of a logarithm
+  std::vector<double> residual;
+};
+
+Response response_of(const Eigen::VectorXd& curve) {
+  Response r;
+  r.offset = curve[0];
+  r.slope = curve[1];
+  for (std::size_t k = 0; k < Response::kBumps; ++k) r.bumps[k] = curve[2 + static_cast<Eigen::Index>(k)];
+  return r;
+}
+
+// Number of e, w_R or w_B that a channel of a photo takes beside e; -1: none.
+int balance_number(int channel) { return channel == 0 ? 1 : channel == 2 ? 2 : -1; }
+
+// Least squares with Cauchy's loss, `curve_numbers` of the curve free, started at `start`.
+Fit fit_photos(std::span<const Comparison> comparisons, const Session& session, int curve_numbers,
+               const Response& start, double scatter) {
+  const auto n = static_cast<Eigen::Index>(session.photos.size());
+  const Eigen::Index size = kMostCurve + 3 * n;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(size);
+  x[0] = start.offset;
+  x[1] = start.slope;
+  for (std::size_t k = 0; k < Response::kBumps; ++k) x[2 + static_cast<Eigen::Index>(k)] = start.bumps[k];
+  Fit fit;
+  constexpr int kRounds = 12;
+  constexpr double kCauchy = 3;
+  for (int round = 0; round <= kRounds; ++round) {
+    const Response response = response_of(x);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(size);
+    fit.residual.clear();
+    fit.cost = 0;
+    std::vector<double> absolute, relative;
+    for (const Comparison& c : comparisons) {
+      const Encoding encoding = session.photos[c.longer].encoding;
+      const LogLight p = log_light(response, c.s_longer, encoding), q = log_light(response, c.s_shorter, encoding);
+      double r = p.value - q.value - c.log_ratio;
+      std::array<std::pair<Eigen::Index, double>, kMostCurve + 4> row;
+      std::size_t used = 0;
+      for (int k = 0; k < curve_numbers; ++k) row[used++] = {k, p.by_curve[k] - q.by_curve[k]};
+      for (const auto& [photo, sign] : {std::pair(c.longer, -1.0), std::pair(c.shorter, 1.0)}) {
+        const Eigen::Index at = kMostCurve + 3 * static_cast<Eigen::Index>(photo);
+        row[used++] = {at, sign};
+        r += sign * x[at];
+        const int own = session.photos.empty() ? -1 : balance_number(c.channel);
+        if (own < 0) continue;
+        row[used++] = {at + own, sign};
+        r += sign * x[at + own];
+      }
+      const double sigma = scatter * c.sigma;
+      absolute.push_back(std::abs(r));
+      relative.push_back(std::abs(r) / sigma);
+      fit.residual.push_back(r);
+      const double z2 = r * r / (sigma * sigma * kCauchy * kCauchy);
+      fit.cost += 0.5 * kCauchy * kCauchy * std::log1p(z2);
+      const double weight = 1 / (1 + z2) / (sigma * sigma);
+      for (std::size_t i = 0; i < used; ++i) {
+        b[row[i].first] -= weight * row[i].second * r;
+        for (std::size_t j = 0; j < used; ++j) A(row[i].first, row[j].first) += weight * row[i].second * row[j].second;
+      }
+    }
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (int k = 0; k < 3; ++k) {
+        const Eigen::Index at = kMostCurve + 3 * i + k;
+        const double weight = 1 / std::pow(k == 0 ? kExposureSigma : kBalanceSigma, 2);
+        A(at, at) += weight;
+        b[at] -= weight * x[at];
+        fit.cost += 0.5 * weight * x[at] * x[at];
+      }
+    for (int k = 0; k < kMostCurve; ++k) {
+      // Bumps are small where they are real: a prior keeps those that no pair of levels sees.
+      if (k >= 2 && k < curve_numbers) {
+        A(k, k) += 1 / (0.3 * 0.3);
+        b[k] -= x[k] / (0.3 * 0.3);
+      }
+      if (k >= curve_numbers) A(k, k) = 1;
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> solver(A);
+    fit.response = response;
+    fit.photos = x.tail(3 * n);
+    fit.scatter = scatter * median_of(relative) / 0.6745;
+    fit.error = 1.4826 * median_of(absolute);
+    if (round == kRounds) {
+      fit.covariance = solver.solve(Eigen::MatrixXd::Identity(size, size)).topLeftCorner(kMostCurve, kMostCurve);
+      break;
+    }
+    Eigen::VectorXd step = solver.solve(b);
+    // Far steps of the curve are cut: its derivatives hold for a part of a logit.
+    const double longest = step.head(kMostCurve).cwiseAbs().maxCoeff();
+    if (longest > 0.3) step *= 0.3 / longest;
+    x += step;
+    if (step.cwiseAbs().maxCoeff() < 1e-7) round = kRounds - 1;
+  }
+  return fit;
+}
+
+// Standard deviation over stored levels of what the curve adds to the logarithm of light, and its sigma.
+std::pair<double, double> change_of(const Fit& fit, int curve_numbers, Encoding encoding) {
+  constexpr int kLevels = 33;
+  Eigen::VectorXd change(kLevels);
+  Eigen::MatrixXd by_curve = Eigen::MatrixXd::Zero(kLevels, kMostCurve);
+  for (int i = 0; i < kLevels; ++i) {
+    const double s = 0.1 + 0.8 * i / (kLevels - 1);
+    const LogLight light = log_light(fit.response, s, encoding);
+    change[i] = light.value - log_linear(s, encoding);
+    for (int k = 0; k < curve_numbers; ++k) by_curve(i, k) = light.by_curve[k];
+  }
+  change.array() -= change.mean();
+  by_curve.rowwise() -= by_curve.colwise().mean().eval();
+  const double deviation = std::sqrt(change.squaredNorm() / kLevels);
+  if (!(deviation > 0)) return {0, 0};
+  const Eigen::VectorXd direction = by_curve.transpose() * change / (kLevels * deviation);
+  return {deviation, std::sqrt(std::max(0.0, direction.dot(fit.covariance * direction)))};
+}
+
+std::vector<Comparison> of_brackets(std::span<const Comparison> all, const std::vector<std::size_t>& brackets) {
+  std::vector<Comparison> out;
+  for (const Comparison& c : all)
+    if (std::find(brackets.begin(), brackets.end(), c.bracket) != brackets.end()) out.push_back(c);
+  return out;
+}
+
+// Cost of each bracket when the curve comes from the other half of them.
+std::vector<double> foretold(std::span<const Comparison> all, const Session& session,
+                             const std::vector<std::size_t>& brackets, int curve_numbers, double scatter) {
+  std::vector<double> cost(brackets.size());
+  for (std::size_t half = 0; half < 2; ++half) {
+    std::vector<std::size_t> in, out;
+    for (std::size_t i = 0; i < brackets.size(); ++i) (i % 2 == half ? in : out).push_back(brackets[i]);
+    const Fit fit = fit_photos(of_brackets(all, in), session, curve_numbers, {}, scatter);
+    for (std::size_t i = 0; i < brackets.size(); ++i)
+      if (i % 2 != half) cost[i] = fit_photos(of_brackets(all, {brackets[i]}), session, 0, fit.response, scatter).cost;
+  }
+  return cost;
+}
+
+// Whether every bracket, by more than their scatter, is foretold better by `more` than by `fewer`.
+bool is_better(const std::vector<double>& fewer, const std::vector<double>& more) {
+  const auto n = static_cast<double>(fewer.size());
+  double sum = 0, sum2 = 0;
+  for (std::size_t i = 0; i < fewer.size(); ++i) {
+    const double gain = fewer[i] - more[i];
+    sum += gain;
+    sum2 += gain * gain;
+  }
+  const double mean = sum / n, error = std::sqrt(std::max(0.0, sum2 / n - mean * mean) / std::max(1.0, n - 1));
+  constexpr double kLeastGain = 6, kErrors = 2;  // of half the sum of squares, as a bracket's mean; of its error
+  return mean > kLeastGain && mean > kErrors * error;
+}
+
+// How many of the curve's numbers the brackets ask for.
+int curve_numbers_asked(std::span<const Comparison> all, const Session& session,
+                        const std::vector<std::size_t>& brackets, double scatter) {
+  if (brackets.size() < 2) {
+    const double none = fit_photos(all, session, 0, {}, scatter).cost,
+                 two = fit_photos(all, session, 2, {}, scatter).cost;
+    return none - two > 50 ? 2 : 0;
+  }
+  int asked = 0;
+  std::vector<double> cost = foretold(all, session, brackets, 0, scatter);
+  for (const int more : {2, 3, 4, 5}) {
+    const std::vector<double> cost_of_more = foretold(all, session, brackets, more, scatter);
+    if (!is_better(cost, cost_of_more)) continue;
+    asked = more;
+    cost = cost_of_more;
+  }
+  return asked;
+}
+
+// Leaves out brackets whose exposures disagree far beyond what a shutter does, and names them.
+void drop_contradictions(const Session& session, const std::vector<Bracket>& brackets, std::vector<Comparison>& all,
+                         std::vector<std::size_t>& used, BracketResponse& out) {
+  const Fit fit = fit_photos(all, session, 2, {}, 1);
+  constexpr double kContradicts = 0.12;  // of the logarithm: beyond any shutter, and beyond a curve that all share
+  for (std::size_t i = 0; i < used.size();) {
+    // Of each pair of exposures by itself: one of three may be right about the other.
+    double middle = 0;
+    for (const int longer : brackets[used[i]].photos) {
+      std::vector<double> off;
+      for (std::size_t k = 0; k < all.size(); ++k)
+        if (all[k].bracket == used[i] && all[k].longer == longer)  // what the photos' own numbers took up included
+          off.push_back(fit.residual[k] + fit.photos[3 * all[k].longer] - fit.photos[3 * all[k].shorter]);
+      const double here = median_of(off);
+      if (std::abs(here) > std::abs(middle)) middle = here;
+    }
+    if (std::abs(middle) < kContradicts) {
+      ++i;
+      continue;
+    }
+    out.findings.push_back(make_warning(
+        "the exposures of view " + brackets[used[i]].view + " contradict what their EXIF says, by " +
+            std::to_string(std::lround(100 * std::expm1(std::abs(middle)))) +
+            " %, while other brackets agree: they tell "
+            "nothing of the camera's curve",
+        "take brackets in manual mode with a camera that stands still, lamp and room unchanged, or correct exposure_s, "
+        "iso and f_number in session.json"));
+    const std::size_t bad = used[i];
+    std::erase_if(all, [&](const Comparison& c) { return c.bracket == bad; });
+    used.erase(used.begin() + static_cast<std::ptrdiff_t>(i));
+    // fit.residual no longer goes with `all`: what else contradicts is found by the next look
+    drop_contradictions(session, brackets, all, used, out);
+    return;
+  }
+}
+
+}  // namespace
+
+BracketResponse bracket_response(const Session& session, bool fit_curve) {
+  BracketResponse out;
+  const std::vector<Bracket> brackets = brackets_of(session);
+  std::vector<std::size_t> with_two;
+  for (std::size_t b = 0; b < brackets.size(); ++b)
+    if (brackets[b].photos.size() > 1) with_two.push_back(b);
+  constexpr std::size_t kFewFirst = 4;
+  std::vector<std::size_t> used;
+  for (std::size_t i = 0; i < std::min(kFewFirst, with_two.size()); ++i)
+    used.push_back(with_two[i * with_two.size() / std::min(kFewFirst, with_two.size())]);
+  Session read = session;
+  constexpr int kLooks = 3;  // few brackets, then all, then all with what was found
+  for (int look = 0; look < kLooks && !used.empty(); ++look) {
+    if (fit_curve)
+      for (Photo& photo : read.photos) photo.response = out.response;
+    out = {};
+    std::vector<Comparison> all = comparisons_of(read, brackets, used);
+    std::erase_if(used, [&](std::size_t b) {
+      constexpr long kFewest = 6;
+      return std::count_if(all.begin(), all.end(), [&](const Comparison& c) { return c.bracket == b; }) < kFewest;
+    });
+    if (used.empty()) break;
+    drop_contradictions(session, brackets, all, used, out);
+    out.brackets = used.size();
+    if (used.empty()) break;
+    // What blocks scatter by is learned from the fit that explains most.
+    const double scatter = std::max(0.2, fit_photos(all, session, fit_curve ? kMostCurve : 0, {}, 1).scatter);
+    const int numbers = fit_curve ? curve_numbers_asked(all, session, used, scatter) : 0;
+    const Fit none = fit_photos(all, session, 0, {}, scatter), fit = fit_photos(all, session, numbers, {}, scatter);
+    out.error_before = none.error;
+    out.error_after = fit.error;
+    const Encoding encoding = session.photos[brackets[used.front()].photos.front()].encoding;
+    std::tie(out.change, out.change_sigma) = change_of(fit, numbers, encoding);
+    constexpr double kLeastChange = 0.005;  // less is what JPEG and demosaicing leave
+    const bool bends = numbers > 0 && out.change > kLeastChange && out.change > 4 * out.change_sigma;
+    if (bends && !is_monotonic(fit.response))
+      out.findings.push_back(make_warning(
+          "the brackets' exposures only fit a response curve that is not monotonic, so no curve is taken from them",
+          "the camera changes its pictures from photo to photo (HDR, local tone mapping): switch that off, or use raw "
+          "files"));
+    else if (bends)
+      out.response = fit.response;
+    const Fit& kept = bends && !out.response.is_none() ? fit : none;
+    double sum2 = 0;
+    for (const double v : kept.photos) sum2 += v * v;
+    std::size_t photos = 0;
+    for (const std::size_t b : used) photos += brackets[b].photos.size();
+    constexpr double kLeastBalance = 0.003;
+    const bool unbalanced = std::sqrt(sum2 / static_cast<double>(3 * photos)) > kLeastBalance;
+    if (unbalanced)
+      for (std::size_t i = 0; i < session.photos.size(); ++i) {
+        const Eigen::Vector3d own = kept.photos.segment<3>(3 * static_cast<Eigen::Index>(i));
+        out.balance.emplace_back(std::exp(own[0] + own[1]), std::exp(own[0]), std::exp(own[0] + own[2]));
+      }
+    if (out.response.is_none() && !unbalanced && out.findings.empty()) break;
+    used = with_two;
+  }
+  return out;
+}
+
+}  // namespace burin

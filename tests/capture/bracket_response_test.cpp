@@ -1,0 +1,107 @@
+// Proves: a camera's curve and its photos' own exposures come out of brackets of drawn photos (noise, 8 bits), a plain
+// camera is found to have none, a bracket that contradicts its EXIF is named, and single exposures tell nothing. The
+// photos' curve is written here as a power of odds, not as the library has it.
+#include "burin/capture/bracket_response.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "burin/render/image.h"
+#include "tests/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+struct Drawn {
+  double contrast = 1, pivot = 0.45;
+  double wrong_factor = 1;  // of the second view's longest exposure, against what its session says
+  int exposures = 3;
+};
+
+Session draw(const TemporaryFolder& folder, const Drawn& how) {
+  Session session;
+  session.file = folder / "session.json";
+  for (int view = 0; view < 4; ++view) {
+    std::mt19937 random(100 + view);
+    std::uniform_real_distribution<double> level(-7, 0);
+    Image light(256, 192, 3);
+    for (int ty = 0; ty < 12; ++ty)
+      for (int tx = 0; tx < 16; ++tx) {
+        const double v = std::exp2(level(random));
+        for (int y = 0; y < 16; ++y)
+          for (int x = 0; x < 16; ++x)
+            for (int c = 0; c < 3; ++c) light.at(16 * tx + x, 16 * ty + y, c) = static_cast<float>(v * (1 + 0.1 * c));
+      }
+    for (int e = 0; e < how.exposures; ++e) {
+      std::normal_distribution<double> noise;
+      const double factor = std::pow(4, e - 1), real = factor * (view == 1 && e == 2 ? how.wrong_factor : 1);
+      Image stored = light;
+      for (float& v : stored.data) {
+        const double linear = std::clamp(v * real + 0.006 * std::sqrt(v * real) * noise(random), 0.0, 1.0);
+        double s = linear_to_srgb(static_cast<float>(linear));
+        if (how.contrast != 1 && s > 0 && s < 1) {
+          const double odds =
+              how.pivot / (1 - how.pivot) * std::pow(s / (1 - s) * (1 - how.pivot) / how.pivot, how.contrast);
+          s = odds / (1 + odds);
+        }
+        v = static_cast<float>(s);
+      }
+      Photo photo;
+      photo.view = "v" + std::to_string(view);
+      photo.file = folder / (photo.view + "_" + std::to_string(e) + ".png");
+      photo.exposure_s = 0.01 * factor;
+      photo.f_number = 8;
+      photo.encoding = Encoding::srgb;
+      write_picture(stored, photo.file);
+      session.photos.push_back(photo);
+    }
+  }
+  return session;
+}
+
+TEST(BracketResponse, FindsAnSCurve) {
+  const TemporaryFolder folder;
+  const BracketResponse found = bracket_response(draw(folder, {1.3, 0.42}));
+  EXPECT_EQ(found.brackets, 4U);
+  ASSERT_FALSE(found.response.is_none());
+  EXPECT_TRUE(is_monotonic(found.response));
+  // Ratios of light between stored levels, within 2 %: EXIF's exposures are believed to 1 % a photo.
+  const Response truth = s_curve(1.3, 0.42);
+  const auto light = [](const Response& r, double s) {
+    return std::log(static_cast<double>(srgb_to_linear(static_cast<float>(unbent(r, s)))));
+  };
+  for (const double s : {0.25, 0.4, 0.6, 0.75, 0.9})
+    EXPECT_NEAR(light(found.response, s) - light(found.response, 0.5), light(truth, s) - light(truth, 0.5), 0.02) << s;
+  EXPECT_LT(found.error_after, 0.3 * found.error_before);
+  EXPECT_TRUE(found.findings.empty());
+}
+
+TEST(BracketResponse, APlainCameraHasNone) {
+  const TemporaryFolder folder;
+  const BracketResponse found = bracket_response(draw(folder, {}));
+  EXPECT_EQ(found.brackets, 4U);
+  EXPECT_TRUE(found.response.is_none());
+  EXPECT_TRUE(found.balance.empty());
+}
+
+TEST(BracketResponse, NamesABracketThatContradictsItsExif) {
+  const TemporaryFolder folder;
+  const BracketResponse found = bracket_response(draw(folder, {1, 0.5, 1.5}));
+  ASSERT_EQ(found.findings.size(), 1U);
+  EXPECT_NE(found.findings[0].what.find("view v1 contradict"), std::string::npos) << found.findings[0].what;
+  EXPECT_EQ(found.brackets, 3U);
+  EXPECT_TRUE(found.response.is_none());
+}
+
+TEST(BracketResponse, SingleExposuresTellNothing) {
+  const TemporaryFolder folder;
+  const BracketResponse found = bracket_response(draw(folder, {1.3, 0.42, 1, 1}));
+  EXPECT_EQ(found.brackets, 0U);
+  EXPECT_TRUE(found.response.is_none());
+}
+
+}  // namespace
+}  // namespace burin
