@@ -1,4 +1,5 @@
 #include <CLI/Error.hpp>
+#include <CLI/Validators.hpp>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -17,6 +18,7 @@ void add_calibrate_command(CLI::App& burin) {
     std::filesystem::path session, out, camera;
     std::string lens_model, hold_out;
     bool seed_only = false;
+    std::string response = "auto";
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
@@ -32,6 +34,12 @@ void add_calibrate_command(CLI::App& burin) {
       ->add_option("--lens-model", options->lens_model,
                    "LENSMODEL_OPENCV4, 5 or 8; without it, the smallest that the photos support")
       ->excludes(camera);
+  command
+      ->add_option(
+          "--response", options->response,
+          "The camera's curve: from session.json or brackets that show one (auto), from brackets or not at all "
+          "(brackets), the plain encoding (none)")
+      ->check(CLI::IsMember({"auto", "brackets", "none"}));
   const auto* hold_out =
       command
           ->add_option("--hold-out", options->hold_out,
@@ -45,6 +53,9 @@ void add_calibrate_command(CLI::App& burin) {
     const WorkLock lock(options->out, "burin calibrate", WorkLock::Where::new_folders);
     CalibrateOptions o;
     o.lens_model = options->lens_model;
+    o.curve = options->response == "none"       ? CurveFrom::none
+              : options->response == "brackets" ? CurveFrom::brackets
+                                                : CurveFrom::as_told;
     if (!options->camera.empty()) {
       o.lens = read_cameramodel(options->camera);
       o.fix_lens = !options->seed_only;

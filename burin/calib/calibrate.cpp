@@ -14,6 +14,7 @@
 #include "burin/calib/verdict/identifiability.h"
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/capture/photo.h"
+#include "burin/capture/tags/tag_family.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/files_together.h"
@@ -87,6 +88,7 @@ MergedView without_color(MergedView&& view) {
 struct Pictures {
   std::vector<TagsInPhoto> tags;   // one a bracket
   std::vector<MergedView> merged;  // binned, without color
+  std::vector<std::vector<PaperColor>> paper;
 };
 
 Pictures read_pictures(const Session& session, const std::vector<Bracket>& brackets,
@@ -94,6 +96,7 @@ Pictures read_pictures(const Session& session, const std::vector<Bracket>& brack
   Pictures out;
   out.tags.resize(brackets.size());
   out.merged.resize(brackets.size());
+  out.paper.resize(brackets.size());
   std::vector<int> ids;
   for (const Tag& tag : board.tags.list) ids.push_back(tag.id);
   tbb::enumerable_thread_specific<TagDetector> detector([&] { return TagDetector(board.tags.family); });
@@ -101,6 +104,7 @@ Pictures read_pictures(const Session& session, const std::vector<Bracket>& brack
   std::atomic<std::size_t> done = 0;
   for_each_merged(session, brackets, noise, bin, [&](std::size_t b, MergedView&& view, GrayView&& gray) {
     out.tags[b] = detector.local().detect(gray.value, gray.valid, ids);
+    out.paper[b] = paper_colors(view, out.tags[b]);
     out.merged[b] = without_color(std::move(view));
     ++done;
     if (progress && std::this_thread::get_id() == caller)
@@ -114,6 +118,35 @@ double median_tag_side_px(const std::vector<TagsInPhoto>& pictures) {
   for (const TagsInPhoto& picture : pictures)
     for (const TagDetection& tag : picture.tags) sides.push_back((tag.corner_px[1] - tag.corner_px[0]).norm());
   return sides.empty() ? 1e9 : median_of(std::move(sides));
+}
+
+// Photos and tags as this camera stores them. What it does to its pictures goes into out.bench.sensor; where the first
+// look at the tags shows more of it, all are read once more.
+Pictures read_as_stored(const Session& given, const std::vector<Bracket>& brackets, std::vector<NoiseModel>& noise,
+                        const Board& board, PhotoSize size, const CalibrateOptions& options, const Progress& progress,
+                        Calibration& out) {
+  Sensor& sensor = out.bench.sensor;
+  int bin = light_bin(size.width, size.height, 1e9);
+  look_at_brackets(given, options.curve, sensor, out.findings);
+  Session session = with_camera(given, sensor);
+  noise = session_noise(session, brackets);
+  const auto read = [&] {
+    Pictures pictures = read_pictures(session, brackets, noise, board, bin, progress);
+    if (const int smaller = light_bin(size.width, size.height, median_tag_side_px(pictures.tags)); smaller < bin) {
+      bin = smaller;
+      pictures = read_pictures(session, brackets, noise, board, bin, progress);
+    }
+    return pictures;
+  };
+  Pictures pictures = read();
+  if (options.curve == CurveFrom::none) return pictures;
+  const int cells = tag_pattern(board.tags.family, board.tags.list.front().id).border_cells;
+  look_at_edges(given, brackets, pictures.tags, cells, sensor, out.findings);
+  const bool balanced = look_at_paper_colors(given, brackets, pictures.paper, sensor, out.findings);
+  if (!balanced) return pictures;
+  session = with_camera(given, sensor);
+  noise = session_noise(session, brackets);
+  return read();
 }
 
 // The lamps from the pictures that are left, and which of those were lit otherwise than the rest.
@@ -184,13 +217,9 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
              " pixels, the photos have " + std::to_string(width) + " x " + std::to_string(height),
          "give the camera model of these photos");
   const std::vector<Bracket> brackets = brackets_of(session);
-  const std::vector<NoiseModel> noise = session_noise(session, brackets);
-  int bin = light_bin(width, height, 1e9);
-  Pictures pictures = read_pictures(session, brackets, noise, board, bin, progress);
-  if (const int smaller = light_bin(width, height, median_tag_side_px(pictures.tags)); smaller < bin)
-    pictures = read_pictures(session, brackets, noise, board, smaller, progress);
-
   Calibration out;
+  std::vector<NoiseModel> noise;
+  Pictures pictures = read_as_stored(session, brackets, noise, board, {width, height}, options, progress, out);
   std::vector<ViewTags> tags;
   std::set<int> foreign;
   std::size_t found = 0;

@@ -18,6 +18,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/calib/camera_look.h"
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/capture/session.h"
 #include "burin/render/bench.h"
@@ -34,6 +35,7 @@ struct CalibrateOptions {
   bool fix_lens = false;     ///< needs `lens`; then one view is enough
   bool check_with_mrcal = true;
   bool find_lamps = true;
+  CurveFrom curve = CurveFrom::as_told;  ///< the camera's response; with none, sharpening is not looked for either
 };
 
 /// What `burin calibrate` found, with all that led to it.

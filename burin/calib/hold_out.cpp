@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "burin/calib/photo/bench_unknowns.h"
+#include "burin/calib/photo/glare_fit.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/verdict/refine_result.h"
 #include "burin/render/error.h"
@@ -216,7 +217,8 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
                                      const Sent& sent) {
   Bench bench = refined.bench;
   std::vector<Finding> findings;
-  const std::vector<LightView> views = make_light_views(photos, board, bench, findings);
+  std::vector<LightView> views = make_light_views(photos, board, bench, findings);
+  if (bench.sensor.glare.share > 0) add_scattered_light(photos, bench.sensor.glare, views);
   if (bench.lights.size() > refined.bench.lights.size())
     fail("the photos held out", "they are the only ones under lamp \"" + bench.lights.back().id + "\"",
          "hold out others, so that this lamp is measured");

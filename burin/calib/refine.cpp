@@ -11,6 +11,7 @@
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/effect_choice.h"
 #include "burin/calib/photo/field_choice.h"
+#include "burin/calib/photo/glare_fit.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
@@ -96,6 +97,8 @@ struct RefineRun {
   void leave_out_what_lies_on_the_board();
   void free_geometry();
   void free_depth_field();
+  void glare_at(const Glare& glare);
+  void shape_glare();
   void keep_what_is_believed();
   void judge();
 };
@@ -113,6 +116,7 @@ void RefineRun::find_lamp() {
   start.machine_errors = {};
   out.bench.material.profile = board.material.profile;  // what a person has seen decides
   start.sensor.vignette.setZero();
+  start.sensor.glare = {};  // found anew
   if (seed.found) {
     start.material.base_alpha = seed.base_alpha;
     start.material.grain = seed.grain;
@@ -264,9 +268,11 @@ void RefineRun::free_geometry() {
 // Only now: what cameras, bow or lamp still had wrong would look like grooves that vary.
 void RefineRun::free_depth_field() {
   if (!options.fit_fields) return;
-  tell("asking whether depth varies", 0);
+  tell("asking whether depth varies, and for glare", 0);
+  glare_at(usual_glare(out.bench.lens));
   const FreeField field = choose_depth_field(data, stage, state);
   stage.free(field);
+  if (field.glare) shape_glare();
   out.bench.verdict[parameter::kDepthField] = {
       Source::measured,
       Degree::determined,
@@ -276,6 +282,33 @@ void RefineRun::free_depth_field() {
   if (terms_of(field) == 0) return;
   fit_corrected("fitting photos and how grooves vary");
   if (options.fit_geometry) move_geometry();
+}
+
+// All photos' light as glare of that shape would scatter it.
+void RefineRun::glare_at(const Glare& glare) {
+  out.bench.sensor.glare = {state.shared[unknown::glare_share], glare.core_px, glare.reach_px};
+  add_scattered_light(merged, glare, views);
+  for (std::size_t k = 0; k < views.size(); ++k)
+    data.photos[k].photo.scattered = binned(views[k], data.photos[k].bin).scattered;
+}
+
+// The reach that explains the photos best; then paper, which the lamp is held by, without its glare.
+void RefineRun::shape_glare() {
+  State best = state;
+  Glare chosen = out.bench.sensor.glare;
+  double best_cost = -1;
+  for (const Glare& glare : possible_glares(out.bench.lens)) {
+    glare_at(glare);
+    State trial = state;
+    const double cost = solve(data, stage, 2, 1e-4, trial, progress, "how far glare reaches");
+    if (best_cost >= 0 && !(cost < best_cost)) continue;
+    best_cost = cost;
+    best = trial;
+    chosen = glare;
+  }
+  state = best;
+  glare_at(chosen);
+  take_glare_from_paper(views, state.shared[unknown::glare_share], out.bench, data.paper);
 }
 
 // A depth that the photos do not tell may still be refuted by them: grooves that glint beyond its cut-off.
@@ -343,7 +376,7 @@ std::vector<MergedView> photos_for_refine(const Session& session, const Board& b
   for (const View& view : measured.views)
     for (const Tag& tag : board.tags.list)
       tag_sides_px.push_back(tag.size_mm * measured.lens.intrinsics[0] / view.T_camera_board.translation().norm());
-  return merge_session(session,
+  return merge_session(with_camera(session, measured.sensor),
                        light_bin(measured.lens.width, measured.lens.height, median_of(std::move(tag_sides_px))));
 }
 

@@ -1,7 +1,7 @@
 // What is proved: the gradient that the fit descends along (Jtr) is the derivative of its cost by every unknown, by
 // central differences: the renderer's derivatives, their chain through the machine's parametrization, a spot's
-// fall-off, the blur, vignetting and the robust loss together. Not proved: that the model is right (the rigs prove
-// that, refine_test.cpp).
+// fall-off, the blur, vignetting, glare and the robust loss together. Not proved: that the model is right (the rigs
+// prove that, refine_test.cpp).
 #include "burin/calib/photo/photo_equations.h"
 #include "burin/calib/geometry/geometry_prior.h"
 
@@ -83,6 +83,10 @@ void fill(Scene& s, bool spot) {
   if (spot) t.segment<3>(unknown::spot) << 25, 15, 6;
 
   LightView v = view_through(s.bench.lens);
+  t[unknown::glare_share] = 0.02;
+  v.scattered = Image(160, 120, 1);
+  for (std::size_t i = 0; i < v.scattered.data.size(); ++i)
+    v.scattered.data[i] = 0.4F + 0.004F * static_cast<float>(i % 160);
   s.photo = make_photo_data(v, 1, s.board, s.bench, 2);
   s.photo.photo.value = predict(s.model, s.photo, t, carved_at(s.model, t));
   s.start = t;
@@ -93,6 +97,7 @@ void fill(Scene& s, bool spot) {
   s.start.segment<3>(unknown::lamp_position) += Eigen::Vector3d(1, -0.7, 2);
   s.start[unknown::log_blur] += 0.05;
   s.start[unknown::ambient] += 0.01;
+  s.start[unknown::glare_share] += 0.01;
 }
 
 void check_gradient(const Scene& s) {

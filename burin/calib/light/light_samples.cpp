@@ -220,18 +220,21 @@ LightView binned(const LightView& view, int bin) {
   out.value = Image(out.window.width, out.window.height, 1);
   out.sigma = Image(out.window.width, out.window.height, 1);
   out.valid.assign(out.value.data.size(), 0);
+  if (!view.scattered.data.empty()) out.scattered = Image(out.window.width, out.window.height, 1);
   for (int y = 0; y < out.window.height; ++y)
     for (int x = 0; x < out.window.width; ++x) {
-      double value = 0, variance = 0;
+      double value = 0, variance = 0, scattered = 0;
       bool valid = true;
       for (int j = 0; j < bin; ++j)
         for (int i = 0; i < bin; ++i) {
           const int px = (x + x0) * bin + i - view.window.x0, py = (y + y0) * bin + j - view.window.y0;
           value += view.value.at(px, py);
+          if (!view.scattered.data.empty()) scattered += view.scattered.at(px, py);
           variance += static_cast<double>(view.sigma.at(px, py)) * view.sigma.at(px, py);
           valid = valid && view.valid[static_cast<std::size_t>(py) * view.window.width + px];
         }
       out.value.at(x, y) = static_cast<float>(value / (bin * bin));
+      if (!out.scattered.data.empty()) out.scattered.at(x, y) = static_cast<float>(scattered / (bin * bin));
       out.sigma.at(x, y) = static_cast<float>(std::sqrt(variance) / (bin * bin));
       out.valid[static_cast<std::size_t>(y) * out.window.width + x] = valid;
     }

@@ -29,6 +29,7 @@ struct LightView {
   PixelWindow window;               ///< of the whole (binned) photo; the images below are this large
   Image value, sigma;               ///< one channel
   std::vector<std::uint8_t> valid;  ///< 1 where the value is held by some exposure
+  Image scattered;                  ///< what glare of share 1 would show, from the whole photo (glare_fit.h); or empty
   int bin = 1;                      ///< of binned(): how many of the session's pixels, either way
   /// Of all that the session's views show, in its pixels: found once, since inverting a lens for millions of pixels
   /// takes longer than to render them. None: from the lens.

@@ -122,6 +122,8 @@ constexpr auto kLinks = std::to_array<Link>({
      [](const double* from, const Problem& p, std::size_t, Bench& b) {
        b.sensor.psf_sigma_px = p.merged_bin * std::exp(*from);
      }},
+    {unknown::glare_share, [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.sensor.glare.share; },
+     [](const double* from, const Problem&, std::size_t, Bench& b) { b.sensor.glare.share = *from; }},
     {unknown::lamp_position,
      [](const Bench& b, const Problem&, std::size_t light, double* to) {
        std::copy_n(b.lights[light].position_mm.data(), 3, to);

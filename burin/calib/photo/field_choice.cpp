@@ -14,7 +14,8 @@ namespace {
 void set_free(const FreeField& field, std::vector<bool>& free) {
   const Stage stage = Stage().free(field);
   for_each_unknown([&](const UnknownRow& row, int first) {
-    if (row.group == Group::depth_linear || row.group == Group::depth_quadratic || row.group == Group::depth_wear)
+    if (row.group == Group::depth_linear || row.group == Group::depth_quadratic || row.group == Group::depth_wear ||
+        row.group == Group::glare)
       std::fill_n(free.begin() + first, row.size, stage.frees(row.group));
   });
 }
@@ -93,11 +94,13 @@ bool significant(const Problem& data, const Stage& all, const State& state, cons
 
 }  // namespace
 
-int terms_of(const FreeField& f) { return (f.linear ? 2 : 0) + (f.quadratic ? 3 : 0) + (f.wear ? 1 : 0); }
+int terms_of(const FreeField& f) {
+  return (f.linear ? 2 : 0) + (f.quadratic ? 3 : 0) + (f.wear ? 1 : 0) + (f.glare ? 1 : 0);
+}
 
 FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state) {
   Stage all = stage;
-  all.free({true, true, true});
+  all.free({true, true, true, true});
   const ViewEquations equations = view_equations(data, all, state);
   FreeField choice;
   const std::size_t views = equations.H.size();
@@ -119,9 +122,10 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     stepped = false;
     FreeField best = choice;
     double best_gain = 0;
-    for (const FreeField& more :
-         {FreeField{true, false, false}, FreeField{true, true, false}, FreeField{false, false, true}}) {
-      const FreeField trial{choice.linear || more.linear, choice.quadratic || more.quadratic, choice.wear || more.wear};
+    for (const FreeField& more : {FreeField{true, false, false}, FreeField{true, true, false},
+                                  FreeField{false, false, true}, FreeField{false, false, false, true}}) {
+      const FreeField trial{choice.linear || more.linear, choice.quadratic || more.quadratic, choice.wear || more.wear,
+                            choice.glare || more.glare};
       if (terms_of(trial) == terms_of(choice)) continue;
       const std::vector<bool> trial_free = free_with(trial);
       std::vector<Eigen::Index> added;
@@ -133,6 +137,8 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
       double scatter = 0;
       for (const double one : gains) scatter += std::pow(one - mean, 2);
       if (!(mean > std::sqrt(scatter / (n * (n - 1)))) || !(gain > best_gain)) continue;
+      constexpr double kLeastShare = 0.001;  // less is no glare, and what is below none is something else
+      if (trial.glare && !((-safe_inverse(H, trial_free) * g)[unknown::glare_share] > kLeastShare)) continue;
       if (!significant(data, all, state, equations, H, g, trial_free, added)) continue;
       best = trial;
       best_gain = gain;

@@ -11,6 +11,8 @@
 //     once in a million where terms are quadratic.
 // Held-out photos alone would not do: they show the same grooves as the others, with the same accidents.
 //
+// Glare is chosen by the same two reasons, among the same steps: it fills what grooves leave dark, as less depth would.
+//
 // With every view's normal equations at hand (at the optimum without fields, all terms free, cameras and bow
 // eliminated), fits and judgements are small dense solves, no rendering.
 #pragma once
@@ -22,6 +24,6 @@ namespace burin {
 /// `state` must be at the optimum of `stage`, which frees no field.
 FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state);
 
-int terms_of(const FreeField& field);  ///< how many numbers it has
+int terms_of(const FreeField& field);  ///< how many numbers it has, glare included
 
 }  // namespace burin

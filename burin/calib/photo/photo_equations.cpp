@@ -66,8 +66,15 @@ std::vector<float> falloff_image(const PhotoData& photo, const Unknowns& x) {
   return out;
 }
 
+// Of what is sent to a pixel: what vignetting and glare leave there.
 double vignette_of(const PhotoData& photo, const Unknowns& x, std::size_t i) {
-  return vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i]));
+  return (1 - x[unknown::glare_share]) *
+         vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i]));
+}
+
+// Light of glare that comes to a pixel from all over the photo.
+double scattered_to(const PhotoData& photo, const Unknowns& x, std::size_t i) {
+  return photo.photo.scattered.data.empty() ? 0 : x[unknown::glare_share] * photo.photo.scattered.data[i];
 }
 
 // Lamp light before blur: rendered radiance times the spot's fall-off. Without derivatives it is the fast path's, good
@@ -128,9 +135,10 @@ double blur_sigma_px(const PhotoData& photo, const Unknowns& x) {
   return std::exp(photo.correction.empty() ? x[unknown::log_blur] : photo.log_blur_at);
 }
 
-// What correct_binning() adds to the value of pixel i.
+// What glare from elsewhere, grooves that differ and correct_binning() add to the value of pixel i.
 double corrected_by(const PhotoData& photo, const Unknowns& x, std::size_t i) {
-  const double shift = photo.groove_shift.empty() ? 0 : static_cast<double>(photo.groove_shift[i]);
+  const double shift =
+      scattered_to(photo, x, i) + (photo.groove_shift.empty() ? 0 : static_cast<double>(photo.groove_shift[i]));
   if (photo.correction.empty()) return shift;
   return shift + photo.correction[i] + (x[unknown::log_blur] - photo.log_blur_at) * photo.blur_slope[i];
 }
@@ -314,7 +322,7 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
   ViewRenderer(scene_at(fine, x)).forward(carved, light);
   const std::vector<float> falloff = falloff_image(fine, x);
   if (!falloff.empty()) multiply(light, falloff);
-  const Image on_binned = predict(model, photo, x, carved);
+  const Image on_binned = value_of_light(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
   constexpr double kStep = 0.02;
   Unknowns wider = x, narrower = x;
   wider[unknown::log_blur] += kStep;
@@ -665,6 +673,8 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   if (free[unknown::ambient]) index.push_back(unknown::ambient);
   for (int k = 0; k < 3; ++k)
     if (free[unknown::vignette + k]) index.push_back(unknown::vignette + k);
+  const bool glares = free[unknown::glare_share] && !photo.photo.scattered.data.empty();
+  if (glares) index.push_back(unknown::glare_share);
 
   PhotoEquations out;
   const auto n = static_cast<Eigen::Index>(index.size());
@@ -693,7 +703,11 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
       if (free[unknown::ambient]) rows(row++, used) = scale * model.f0;
       double radius_power = photo.radius2[i];
       for (int v = 0; v < 3; ++v, radius_power *= photo.radius2[i])
-        if (free[unknown::vignette + v]) rows(row++, used) = root * photo.weight[i] * radius_power * light.data[i];
+        if (free[unknown::vignette + v])
+          rows(row++, used) = (1 - x[unknown::glare_share]) * root * photo.weight[i] * radius_power * light.data[i];
+      if (glares)
+        rows(row++, used) = root * photo.weight[i] *
+                            (photo.photo.scattered.data[i] - vignette / (1 - x[unknown::glare_share]) * light.data[i]);
       if (tile_mm > 0) {
         to_noise[used] = 1 / (root * photo.weight[i] * photo.photo.sigma.data[i]);
         to_curvature[used] = std::sqrt(loss.curvature / loss.weight);

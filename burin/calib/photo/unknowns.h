@@ -43,6 +43,7 @@ enum class Group {
   ambient,
   vignette,
   blur,
+  glare,
   lamp,
   intensity,
   geometry,
@@ -55,6 +56,7 @@ enum class Enters {
   light,    ///< by what is rendered: a column of photo_slopes()
   ambient,  ///< as light that is added everywhere
   factor,   ///< as a factor of what the sensor sees
+  glare,    ///< as the part of it that is replaced by light from all over the photo
   paper     ///< not at all: the brightness of paper
 };
 
@@ -110,6 +112,8 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"vignette", 3, Scope::shared, Group::vignette, Enters::factor, {}, kVignettePriorSigma},
     // Logarithm of the Gaussian's sigma in pixels of the merged photos; see also log_blur_range().
     {"log_blur", 1, Scope::shared, Group::blur, Enters::light, {Bounds::Kind::of_log, 0.05, 6.0}},
+    // Share of the light that the lens scatters; core and reach are the bench's (glare_fit.h).
+    {"glare_share", 1, Scope::shared, Group::glare, Enters::glare, {Bounds::Kind::plain, 0, 0.3}},
     {"lamp_position", 3, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::per_board_diagonal, 0.02, 1e4, 2}},
     {"log_intensity", 1, Scope::lamp, Group::intensity},
     // Aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp.
@@ -160,6 +164,7 @@ inline constexpr int log_across = first_of("log_across");
 inline constexpr int ambient = first_of("ambient");
 inline constexpr int vignette = first_of("vignette");
 inline constexpr int log_blur = first_of("log_blur");
+inline constexpr int glare_share = first_of("glare_share");
 inline constexpr int lamp_position = first_of("lamp_position");
 inline constexpr int log_intensity = first_of("log_intensity");
 inline constexpr int spot = first_of("spot");
@@ -188,19 +193,20 @@ constexpr Eigen::Index global_count(std::size_t lights) {
   return kPaperIndex + 1 + static_cast<Eigen::Index>(lights) * kLampUnknowns;
 }
 
-/// Which terms of the field of depth are free.
+/// Which terms of the field of depth are free; and the glare, which is asked for together with them: either may look
+/// like the other.
 struct FreeField {
-  bool linear = false, quadratic = false, wear = false;
+  bool linear = false, quadratic = false, wear = false, glare = false;
 };
 
-/// The groups of unknowns that are free while one fit runs. At first all but the field of depth, the blur, and what
-/// only some benches have (effect_choice.h).
+/// The groups of unknowns that are free while one fit runs. At first all but the field of depth, the blur, the glare,
+/// and what only some benches have (effect_choice.h).
 class Stage {
  public:
   Stage() {
     free_.fill(true);
-    hold({Group::depth_linear, Group::depth_quadratic, Group::depth_wear, Group::blur, Group::backlash, Group::screw,
-          Group::grain, Group::flank, Group::burrs, Group::across});
+    hold({Group::depth_linear, Group::depth_quadratic, Group::depth_wear, Group::blur, Group::glare, Group::backlash,
+          Group::screw, Group::grain, Group::flank, Group::burrs, Group::across});
   }
   bool frees(Group group) const { return free_[static_cast<std::size_t>(group)]; }
   Stage& free(Group group, bool free = true) {
@@ -214,7 +220,8 @@ class Stage {
   Stage& free(const FreeField& field) {
     return free(Group::depth_linear, field.linear)
         .free(Group::depth_quadratic, field.quadratic)
-        .free(Group::depth_wear, field.wear);
+        .free(Group::depth_wear, field.wear)
+        .free(Group::glare, field.glare);
   }
 
  private:

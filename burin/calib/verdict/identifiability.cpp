@@ -528,6 +528,8 @@ Combinations judge_light(const Problem& data, const State& state, const Uncertai
   if (stage.frees(Group::blur))
     j.judge_one(parameter::kBlur, j.unit(unknown::log_blur), 1, kRelative,
                 {{Cause::Kind::of_blur, {bench.sensor.psf_sigma_px}}});
+  if (stage.frees(Group::glare))
+    j.judge_one(parameter::kGlare, j.unit(unknown::glare_share), std::max(bench.sensor.glare.share, 1e-6), kRelative);
   for (std::size_t i = 0; i < bench.lights.size(); ++i) judge_lamp(j, i);
   return std::move(j.judged_here);
 }

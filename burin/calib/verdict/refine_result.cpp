@@ -150,6 +150,8 @@ void fill_sigmas(const Problem& data, const Uncertainty& uncertainty, const Stag
   bench.material_sigma.depth_um = bench.material.depth_um * uncertainty.sigma(unknown::log_depth);
   bench.material_sigma.base_alpha = bench.material.base_alpha * uncertainty.sigma(unknown::log_base_alpha);
   fill_effect_sigmas(uncertainty, stage, bench);
+  bench.sensor.glare_share_sigma.reset();
+  if (stage.frees(Group::glare)) bench.sensor.glare_share_sigma = uncertainty.sigma(unknown::glare_share);
   bench.depth_field.sigma.reset();
   if (!bench.depth_field.is_constant()) {
     bench.depth_field.sigma.emplace();

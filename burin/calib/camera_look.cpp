@@ -1,0 +1,192 @@
+#include "burin/calib/camera_look.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "burin/capture/bracket_response.h"
+#include "burin/capture/tags/edge_sharpening.h"
+#include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
+#include "burin/render/median.h"
+
+namespace burin {
+namespace {
+
+Finding told(std::string what, std::string remedy) {
+  return {Finding::Severity::note, {}, std::move(what), std::move(remedy)};
+}
+
+std::string percent(double part, int digits = 2) { return significant(100 * part, digits) + " %"; }
+
+// Factors of all photos as the mean of their logarithms is 0 for each channel and bracket's light.
+void multiply_balance(const Session& session, std::size_t photo, const Eigen::Vector3d& by, Sensor& sensor) {
+  Eigen::Vector3d& balance =
+      sensor.balance.try_emplace(photo_name(session, session.photos[photo]), Eigen::Vector3d::Ones()).first->second;
+  balance = balance.cwiseProduct(by);
+}
+
+}  // namespace
+
+void look_at_brackets(const Session& session, CurveFrom from, Sensor& sensor, std::vector<Finding>& findings) {
+  if (from == CurveFrom::none) return;
+  const bool is_told = from == CurveFrom::as_told && session.response.has_value();
+  if (is_told) sensor.response = *session.response;
+  if (session.sharpening) sensor.sharpening = *session.sharpening;
+  const BracketResponse found = bracket_response(with_camera(session, sensor), !is_told);
+  if (from == CurveFrom::brackets && found.brackets == 0)
+    fail(session.file.empty() ? "the session" : session.file.string(),
+         "a response curve was asked for, but no view has two exposures of which one is 1.25 times the other or more "
+         "and "
+         "that are neither dark nor clipped: a single exposure holds no curve",
+         "take each view with three exposures, a factor of four apart, without moving camera or lamp; or write "
+         "\"response\" into session.json");
+  if (from == CurveFrom::brackets)
+    for (const Finding& finding : found.findings)
+      if (found.response.is_none()) fail("the session's brackets", finding.what, finding.remedy);
+  append(findings, found.findings);
+  if (!is_told && !found.response.is_none()) {
+    sensor.response = found.response;
+    findings.push_back(
+        told("the camera bends its pictures otherwise than sRGB does: brackets of " + std::to_string(found.brackets) +
+                 " views show a curve that changes ratios of light by " + percent(found.change) + " +- " +
+                 percent(found.change_sigma, 1) + "; it is taken back (exposures then agree to " +
+                 percent(found.error_after) + ", before to " + percent(found.error_before) + ")",
+             "raw files, or a camera's neutral setting, need none"));
+  }
+  for (std::size_t i = 0; i < found.balance.size(); ++i) multiply_balance(session, i, found.balance[i], sensor);
+  if (!found.balance.empty()) {
+    double sum2 = 0;
+    for (const Eigen::Vector3d& b : found.balance) sum2 += b.array().log().square().sum() / 3;
+    findings.push_back(told("photos of a bracket are exposed or balanced otherwise than their EXIF says, by " +
+                                percent(std::sqrt(sum2 / static_cast<double>(found.balance.size()))) +
+                                " (standard deviation); that is taken back",
+                            "a fixed white balance and manual exposure avoid it"));
+  }
+}
+
+void look_at_edges(const Session& session, std::span<const Bracket> brackets, std::span<const TagsInPhoto> tags,
+                   int border_cells, const Sensor& sensor, std::vector<Finding>& findings) {
+  const Session read = with_camera(session, sensor);
+  constexpr std::size_t kMostViews = 4;
+  std::vector<EdgePhoto> photos;
+  std::vector<std::size_t> with_tags;
+  for (std::size_t b = 0; b < brackets.size(); ++b)
+    if (!tags[b].tags.empty()) with_tags.push_back(b);
+  const std::size_t views = std::min(kMostViews, with_tags.size());
+  for (std::size_t i = 0; i < views; ++i) {
+    const std::size_t b = with_tags[i * with_tags.size() / views];
+    for (const int photo : brackets[b].photos)
+      if (read.photos[photo].encoding == Encoding::srgb) photos.push_back({read.photos[photo], tags[b].tags});
+  }
+  const EdgeSharpening found = edge_sharpening(photos, border_cells);
+  if (!found.is_seen) return;
+  findings.push_back(make_warning(
+      "the camera sharpens its pictures: white paper is brighter beside the tags' black borders than further out, by " +
+          percent(found.overshoot) + " +- " + percent(found.overshoot_sigma, 1) +
+          " of the step; glints are sharpened as well, which moves roughness and depth by several percent",
+      "switch sharpening off or take raw files; or write \"sharpening\": {\"amount\", \"sigma_px\"} into session.json "
+      "where they are known, and it is taken back"));
+}
+
+std::vector<PaperColor> paper_colors(const MergedView& view, const TagsInPhoto& tags) {
+  std::vector<PaperColor> out;
+  if (view.value.channels != 3) return out;
+  for (const TagDetection& tag : tags.tags) {
+    std::array<Eigen::Vector2d, 4> corner;
+    Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
+    for (int i = 0; i < 4; ++i) {
+      corner[i] = ((tag.corner_px[i].array() + 0.5) / view.bin - 0.5).matrix();
+      low = low.cwiseMin(corner[i]);
+      high = high.cwiseMax(corner[i]);
+    }
+    const auto inside = [&](double x, double y) {
+      int left = 0;
+      for (int i = 0; i < 4; ++i) {
+        const Eigen::Vector2d side = corner[(i + 1) % 4] - corner[i];
+        left += side.x() * (y - corner[i].y()) - side.y() * (x - corner[i].x()) > 0 ? 1 : 0;
+      }
+      return left == 0 || left == 4;
+    };
+    std::vector<std::pair<float, std::size_t>> pixels;
+    for (int y = std::max(0, static_cast<int>(low.y())); y <= std::min<double>(view.value.height - 1, high.y()); ++y)
+      for (int x = std::max(0, static_cast<int>(low.x())); x <= std::min<double>(view.value.width - 1, high.x()); ++x) {
+        const std::size_t i = static_cast<std::size_t>(y) * view.value.width + x;
+        if (view.valid[i] && inside(x, y)) pixels.emplace_back(view.value.data[3 * i + 1], i);
+      }
+    constexpr std::size_t kFewest = 60;
+    if (pixels.size() < kFewest) continue;
+    // The brightest fifth is white paper away from edges: two fifths of a tag are white.
+    std::sort(pixels.begin(), pixels.end(), std::greater<>());
+    Eigen::Vector3d sum(0, 0, 0);
+    for (std::size_t k = 0; k < pixels.size() / 5; ++k)
+      for (int c = 0; c < 3; ++c) sum[c] += view.value.data[3 * pixels[k].second + static_cast<std::size_t>(c)];
+    if ((sum.array() > 0).all()) out.push_back({tag.id, {std::log(sum[0] / sum[1]), std::log(sum[2] / sum[1])}});
+  }
+  return out;
+}
+
+bool look_at_paper_colors(const Session& session, std::span<const Bracket> brackets,
+                          std::span<const std::vector<PaperColor>> colors, Sensor& sensor,
+                          std::vector<Finding>& findings) {
+  bool changed = false;
+  std::vector<std::string> lights;
+  for (const Bracket& b : brackets)
+    if (std::find(lights.begin(), lights.end(), b.light) == lights.end()) lights.push_back(b.light);
+  double worst = 0;
+  for (const std::string& light : lights) {
+    // A tag's color is that of its place under this lamp; what is common to a view's tags is the view's balance.
+    std::map<int, std::vector<Eigen::Vector2d>> of_tag;
+    for (std::size_t b = 0; b < brackets.size(); ++b)
+      if (brackets[b].light == light)
+        for (const PaperColor& color : colors[b]) of_tag[color.tag].push_back(color.log_ratio);
+    std::map<int, Eigen::Vector2d> usual;
+    for (const auto& [tag, ratios] : of_tag) {
+      std::array<std::vector<double>, 2> values;
+      for (const Eigen::Vector2d& r : ratios)
+        for (int k = 0; k < 2; ++k) values[k].push_back(r[k]);
+      usual[tag] = {median_of(values[0]), median_of(values[1])};
+    }
+    std::map<std::size_t, Eigen::Vector2d> off;
+    double sum2 = 0, error2 = 0;
+    Eigen::Vector2d mean(0, 0);
+    for (std::size_t b = 0; b < brackets.size(); ++b) {
+      constexpr std::size_t kFewestTags = 4;
+      if (brackets[b].light != light || colors[b].size() < kFewestTags) continue;
+      Eigen::Vector2d middle;
+      for (int k = 0; k < 2; ++k) {
+        std::vector<double> values, deviations;
+        for (const PaperColor& color : colors[b]) values.push_back(color.log_ratio[k] - usual[color.tag][k]);
+        middle[k] = median_of(values);
+        for (const double v : values) deviations.push_back(std::abs(v - middle[k]));
+        error2 += std::pow(1.86 * median_of(deviations), 2) / static_cast<double>(values.size());
+      }
+      off[b] = middle;
+      sum2 += middle.squaredNorm();
+      mean += middle;
+    }
+    constexpr double kLeast = 0.003, kErrors = 3;
+    if (off.size() < 3) continue;
+    mean /= static_cast<double>(off.size());
+    const double deviation = std::sqrt(sum2 / static_cast<double>(2 * off.size()));
+    if (deviation < kLeast || sum2 < kErrors * kErrors * error2) continue;
+    worst = std::max(worst, deviation);
+    changed = true;
+    for (const auto& [b, ratio] : off)
+      for (const int photo : brackets[b].photos)
+        multiply_balance(session, static_cast<std::size_t>(photo),
+                         {std::exp(ratio[0] - mean[0]), 1, std::exp(ratio[1] - mean[1])}, sensor);
+  }
+  if (changed)
+    findings.push_back(
+        told("the camera chose another white balance for each view: the tags' paper differs in color by " +
+                 percent(worst) + " (standard deviation); that is taken back",
+             "a fixed white balance avoids it"));
+  return changed;
+}
+
+}  // namespace burin
