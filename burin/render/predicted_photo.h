@@ -22,9 +22,9 @@ struct PredictedPhotoOptions {
   Encoding encoding = Encoding::linear;  ///< of the values returned; anything but linear is clipped
 };
 
-/// What the metal of a carved board shows in a photo: carved grooves rendered, blurred by the lens, its own light scattered by glare, exposed, darkened
-/// towards the corners, encoded; no noise. `light` is the one lamp that is lit. Tags and what lies beside the board
-/// stay 0. Throws Error for scenes that cannot be rendered.
+/// What the metal of a carved board shows in a photo: carved grooves rendered, blurred by the lens, its own light
+/// scattered by glare, exposed, darkened towards the corners, encoded; no noise. `light` is the one lamp that is lit.
+/// Tags and what lies beside the board stay 0. Throws Error for scenes that cannot be rendered.
 Image predicted_photo(const Bench& bench, const Board& board, const View& view, const Light& light,
                       const Carved& carved, const PredictedPhotoOptions& options = {});
 
