@@ -427,7 +427,7 @@ BracketResponse bracket_response(const Session& session, bool fit_curve) {
     for (const double v : kept.photos) sum2 += v * v;
     std::size_t photos = 0;
     for (const std::size_t b : used) photos += brackets[b].photos.size();
-    constexpr double kLeastBalance = 0.003;
+    constexpr double kLeastBalance = 0.006;  // JPEGs of a camera that keeps its balance come to 0.4 %
     const bool unbalanced = std::sqrt(sum2 / static_cast<double>(3 * photos)) > kLeastBalance;
     if (unbalanced)
       for (std::size_t i = 0; i < session.photos.size(); ++i) {
