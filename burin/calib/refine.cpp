@@ -17,6 +17,7 @@
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/photo/photo_weights.h"
 #include "burin/calib/photo/strange_regions.h"
+#include "burin/calib/verdict/at_bounds.h"
 #include "burin/calib/verdict/effect_findings.h"
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
@@ -328,6 +329,7 @@ void RefineRun::judge() {
   tell("judging the result", 0);
   const Uncertainty uncertainty = uncertainty_of(data, stage, state);
   const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
+  append(out.findings, judge_bounds(data, stage, state, out.bench));
   keep_what_is_believed();
   append(out.findings, effect_findings(out.bench));
   advise_light(data, state, uncertainty, judged, out.bench, progress);

@@ -14,6 +14,7 @@
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/lamp_size_json.h"
 #include "burin/render/files/material_json.h"
 #include "burin/render/files/profile_json.h"
 #include "burin/render/files/verdict_json.h"
@@ -82,6 +83,7 @@ Light read_light(JsonObject& json) {
   if (light.falloff_exponent < 0)
     json.fail_field("falloff_exponent", "is negative", "write 0 for a bare lamp, more for a spot");
   light.falloff_exponent_sigma = optional_sigma(json, "falloff_exponent_sigma");
+  light.size = read_lamp_size(json, light.position_mm);
   json.finish();
   return light;
 }
@@ -210,6 +212,7 @@ Json light_json(const Light& light) {
   json["axis"] = to_json(light.axis);
   json["falloff_exponent"] = light.falloff_exponent;
   if (light.falloff_exponent_sigma) json["falloff_exponent_sigma"] = *light.falloff_exponent_sigma;
+  put_lamp_size(light.size, json);
   return json;
 }
 

@@ -14,6 +14,7 @@
 #include "burin/render/crossings.h"
 #include "burin/render/finding.h"
 #include "burin/render/groove_field.h"
+#include "burin/render/lamp_size.h"
 #include "burin/render/lens.h"
 #include "burin/render/machine_errors.h"
 #include "burin/render/sensor.h"
@@ -33,7 +34,7 @@ struct View {
   std::optional<double> roll_to_middle_deg;
 };
 
-/// A near lamp: a point with color, and a direction and fall-off when it is a spot (docs/model.md 5.5):
+/// A near lamp: a point with color, or an area, and a direction and fall-off when it is a spot (docs/model.md 5.5):
 /// I(w) = intensity * max(0, axis . (-wi))^falloff_exponent, with exponent 0 for a bare lamp.
 struct Light {
   std::string id = "lamp";
@@ -44,6 +45,7 @@ struct Light {
   Eigen::Vector3d axis{0, 0, -1};  ///< unit, from the lamp
   double falloff_exponent = 0;
   std::optional<double> falloff_exponent_sigma;
+  LampSize size;  ///< its area across the axis; position_mm is its middle
 };
 
 /// Standard deviations of Material's numbers; empty for those that were not measured.

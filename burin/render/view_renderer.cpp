@@ -3,6 +3,7 @@
 #include <string>
 #include <utility>
 
+#include "burin/render/area_view.h"
 #include "burin/render/board_mesh.h"
 #include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
@@ -29,6 +30,7 @@ struct ViewRenderer::State {
         : scene(std::move(s)), index(*scene.grid), pixels(view_pixels(scene, channels)), view(scene, pixels) {}
   };
   std::unique_ptr<Exact> exact;
+  std::unique_ptr<AreaView> area;  // of a lamp with an area: then neither of both
 
   State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderWorkspace> workspace) : options(o) {
     check_view(scene, options.channels);
@@ -37,7 +39,9 @@ struct ViewRenderer::State {
     tool_width_um = scene.tool_width_um;
     material = scene.material;
     // The float path knows the paper's cross-section alone.
-    if (options.use_double || !material.profile.is_paper())
+    if (!scene.light.size.is_point())
+      area = std::make_unique<AreaView>(scene, options, std::move(workspace));
+    else if (options.use_double || !material.profile.is_paper())
       exact = std::make_unique<Exact>(std::move(scene), options.channels);
     else  // which keeps what it needs of the scene, in float
       fast = std::make_unique<FastView>(scene, options.channels, options.material_gradients, options.simd,
@@ -47,6 +51,10 @@ struct ViewRenderer::State {
   void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
     check_scratches(scratches);
     scratch_count = scratches.size();
+    if (area) {
+      area->forward(scratches, radiance);
+      return;
+    }
     if (fast) {
       const KernelMode with = options.material_gradients ? KernelMode::material : KernelMode::ends;
       fast->forward(scratches, keep_jacobian ? with : KernelMode::value, radiance);
@@ -91,7 +99,9 @@ void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradien
     fail("ViewRenderer::backward", "the gradients are for " + std::to_string(gradients.x0_mm.size()) + " scratches",
          "give empty ones, or those of other views of the " + std::to_string(state_->scratch_count) +
              " scratches of the last forward_with_jacobian()");
-  if (state_->fast)
+  if (state_->area)
+    state_->area->backward(dE_dradiance, gradients);
+  else if (state_->fast)
     state_->fast->backward(dE_dradiance, gradients);
   else
     state_->exact->view.backward(dE_dradiance, gradients);
@@ -101,13 +111,16 @@ void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
   if (contribution.size() != state_->scratch_count)
     fail("ViewRenderer::add_contributions", "there are " + std::to_string(contribution.size()) + " numbers",
          "give one for each of the " + std::to_string(state_->scratch_count) + " scratches of the last forward()");
-  if (state_->fast)
+  if (state_->area)
+    state_->area->add_contributions(contribution);
+  else if (state_->fast)
     state_->fast->add_contributions(contribution);
   else
     state_->exact->view.add_contributions(contribution);
 }
 
 std::size_t ViewRenderer::pair_count() const {
+  if (state_->area) return state_->area->pair_count();
   return state_->fast ? state_->fast->pair_count() : state_->exact->view.pair_count();
 }
 

@@ -249,8 +249,7 @@ Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Benc
   const NormalSystem system = weighted_system(data, stage, state);
   const Eigen::VectorXd step = -safe_inverse(system.H, system.free) * system.g;
   state = moved_state(state, step);
-  const auto [least_blur, most_blur] = log_blur_range(data);
-  state.shared[unknown::log_blur] = std::clamp(state.shared[unknown::log_blur], least_blur, most_blur);
+  keep_within_bounds(data, state);
   if (!data.geometry) return {};
   const Eigen::VectorXd by = -inverse_times(system.A, system.geometry_g + system.B.transpose() * step);
   // Views without photos go along: their tags were seen through the same lens, on the same board.

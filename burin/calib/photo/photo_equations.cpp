@@ -119,6 +119,10 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   }
   data.scene.material.f0 = board.material.f0;
   data.profile = bench.material.profile;
+  if (binned_view.light < bench.lights.size()) {  // of a lamp with an area: as it was given
+    data.scene.light.size = bench.lights[binned_view.light].size;
+    data.scene.light.axis = bench.lights[binned_view.light].axis;
+  }
   data.scene.tool_width_um = board.tool_width_um;
   const PixelWindow& window = data.scene.grid->window;
   data.radius2.resize(static_cast<std::size_t>(window.width) * window.height);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "burin/render/median.h"
 
@@ -80,6 +81,21 @@ std::pair<double, double> log_blur_range(const Problem& data) {
   for (const UnknownRow& row : kUnknownRows)
     if (double low = 0, high = 0; row.group == Group::blur && bounds_of(data, row, low, high)) return {low, high};
   return {};
+}
+
+void keep_within_bounds(const Problem& problem, State& state) {
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    double low = 0, high = 0;
+    if (row.scope != Scope::shared && row.scope != Scope::lamp) return;
+    if (!bounds_of(problem, row, low, high)) return;
+    if (row.group == Group::blur) std::tie(low, high) = log_blur_range(problem);
+    for (std::size_t light = 0; light < (row.scope == Scope::lamp ? state.lamps.size() : 1); ++light) {
+      if (!has_unknown(problem, row, light)) continue;
+      double& value = state.block(first, light)[row.bounds.at];
+      // What is no number says nothing: the least that is possible, until photos say more.
+      value = std::isfinite(value) ? std::clamp(value, low, high) : low;
+    }
+  });
 }
 
 Bins bins_for(const std::vector<LightView>& views, const Bench& bench, double finest_pixel_mm, std::size_t max_pixels) {

@@ -74,6 +74,9 @@ bool bounds_of(const Problem& problem, const UnknownRow& row, double& low, doubl
 /// sharp photos, whose slope is nearly none: until no pixel was further from a tag than the blur reached.
 std::pair<double, double> log_blur_range(const Problem& problem);
 
+/// Puts what lies beyond its bounds onto them: a step of Gauss and Newton knows none.
+void keep_within_bounds(const Problem& problem, State& state);
+
 /// How many of the session's merged pixels, either way, are binned into one at each step of a fit.
 struct Bins {
   int coarse = 1, middle = 1, finest = 1;

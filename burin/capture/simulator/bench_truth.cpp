@@ -10,6 +10,7 @@
 #include "burin/render/files/camera_json.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/lamp_size_json.h"
 #include "burin/render/files/picture_file.h"
 #include "burin/render/files/profile_json.h"
 #include "burin/render/limits.h"
@@ -211,6 +212,7 @@ Light read_light(JsonObject& json) {
   if (!(light.axis.norm() > 1e-9)) json.fail_field("axis", "has no direction", "write where the lamp points");
   light.axis.normalize();
   light.falloff_exponent = not_negative(json, "falloff_exponent", 0);
+  light.size = read_lamp_size(json, light.position_mm);
   json.finish();
   return light;
 }
@@ -343,6 +345,9 @@ BenchTruth read_bench_truth(const fs::path& file) {
   truth.optics.psf_sigma_px = not_negative(root, "psf_sigma_px", 0);
   truth.optics.vignette = root.vec3("vignette", truth.optics.vignette);
   for (JsonObject& light : root.objects("lights")) truth.lights.push_back(read_light(light));
+  if (root.has("stray_lights"))
+    for (JsonObject& light : root.objects("stray_lights")) truth.stray_lights.push_back(read_light(light));
+  truth.lamp_samples = at_least(root, "lamp_samples", 1, truth.lamp_samples);
   for (JsonObject& view : root.objects("views")) truth.views.push_back(read_view(view, truth));
   require_at_most(truth.views.size(), limit::kViews, file.string() + ": views", "views", "photograph in several runs");
   require_at_most(truth.lights.size(), limit::kLights, file.string() + ": lights", "lamps", "name fewer");

@@ -24,6 +24,9 @@
 //   sensor                     {channels, encoding, bits, jpeg_quality, gain, full_well_e, read_noise_e}; bits of
 //                              linear files stand in the high end of 16
 //                              and what a phone does to its pictures: camera_truth.h, with glare beside it
+//   lights[]                   as in bench.json, disk_mm or panel_mm and turn_deg included: a lamp with an area is
+//                              sampled at lamp_samples points of it (default 96)
+//   stray_lights[]             lamps that are lit in every photo and that no other file names
 //   psf_sigma_px, vignette, ambient, background {albedo, noise, z_mm}, dust, shapes, exif, session
 #pragma once
 
@@ -130,7 +133,8 @@ struct BenchTruth {
   Lens lens;
   Sensor optics;  ///< gain, vignette, blur
   SensorTruth sensor;
-  std::vector<Light> lights;
+  std::vector<Light> lights, stray_lights;
+  int lamp_samples = 96;
   std::vector<TruthView> views;
   Eigen::Vector3d ambient{0, 0, 0};
   std::string make, model;

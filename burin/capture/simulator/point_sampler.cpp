@@ -257,7 +257,7 @@ struct PointSampler::State {
 
   void fill_corners(const TruthView& view, const Light& light, int row, std::span<Corner> corners) const;
   Vector3d pixel(std::span<const Corner> above, std::span<const Corner> below, int x, const Light& light,
-                 const Vector3d& camera, std::uint64_t seed) const;
+                 const Vector3d& camera, int samples, std::uint64_t seed) const;
   void near_grooves(const Vector2d& low, const Vector2d& high, std::vector<int>& found) const;
   Vector3d cloth_at(const PixelCorners& corners, const Light& light, double u, double v) const;
   void see_grooves(const std::vector<int>& near, const PixelCorners& corners, const Vector3d& normal,
@@ -411,7 +411,7 @@ double PointSampler::State::add_things(const std::vector<int>& near, double px, 
 }
 
 Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<const Corner> below, int x,
-                                    const Light& light, const Vector3d& camera, std::uint64_t seed) const {
+                                    const Light& light, const Vector3d& camera, int samples, std::uint64_t seed) const {
   const PixelCorners corners{{&above[x], &above[x + 1], &below[x], &below[x + 1]}};
   if (!std::isfinite(corners.mean(&Corner::cloth_x))) return Vector3d::Zero();  // beyond the horizon: nothing there
   const bool on_plane = std::isfinite(corners.mean(&Corner::x));
@@ -431,7 +431,7 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   const Vector3d F = f0 + (Vector3d::Ones() - f0) * corners.mean(&Corner::fresnel);
   if (whole && near.empty() && near_things.empty() && !has_streaks())  // plain face, and smooth: nothing to sample
     return light.intensity.cwiseProduct(F) * corners.mean(&Corner::base) + truth.ambient.cwiseProduct(f0);
-  const int wanted = near.empty() ? truth.samples_plain : truth.samples;
+  const int wanted = near.empty() ? std::min(samples, truth.samples_plain) : samples;
   const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(wanted))));
 
   const double mean_x = corners.mean(&Corner::x), mean_y = corners.mean(&Corner::y);
@@ -491,13 +491,81 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   return sum / (side * side);
 }
 
+namespace {
+
+// A point lamp and its share of the pixel's points.
+struct PointOfLamp {
+  Light light;
+  double share = 1;
+};
+
+// Points of a lamp with an area, evenly spread: a sunflower's on a disk, a lattice on a panel.
+std::vector<Vector3d> spread_over(const Light& light, int count) {
+  if (light.size.is_point()) return {light.position_mm};
+  const double golden = (std::sqrt(5.0) - 1) / 2;
+  const Eigen::Matrix<double, 3, 2> across = across_axis(light.axis, light.size.turn_deg);
+  std::vector<Vector3d> out;
+  for (int i = 0; i < count; ++i) {
+    const double part = (i + 0.5) / count, other = std::fmod((i + 0.5) * golden, 1.0);
+    const double angle = 2 * std::numbers::pi * other;
+    const Vector2d at =
+        light.size.disk_mm > 0
+            ? Vector2d(light.size.disk_mm * std::sqrt(part) * Vector2d(std::cos(angle), std::sin(angle)))
+            : Vector2d(light.size.panel_mm.cwiseProduct(Vector2d(part - 0.5, other - 0.5)));
+    out.emplace_back(light.position_mm + across * at);
+  }
+  return out;
+}
+
+// All points of what is lit. Shares add up to 1, so that what no lamp sends counts once; a point is as much brighter as
+// its share is small.
+std::vector<PointOfLamp> points_of(const BenchTruth& truth, const Light& light) {
+  std::vector<Light> lit{light};
+  lit.insert(lit.end(), truth.stray_lights.begin(), truth.stray_lights.end());
+  std::vector<PointOfLamp> out;
+  for (const Light& lamp : lit) {
+    const std::vector<Vector3d> places = spread_over(lamp, truth.lamp_samples);
+    const double of_all = 1.0 / static_cast<double>(lit.size()), of_lamp = 1.0 / static_cast<double>(places.size());
+    for (const Vector3d& place : places) {
+      PointOfLamp point{lamp, of_all * of_lamp};
+      point.light.position_mm = place;
+      point.light.size = {};
+      point.light.intensity /= of_all;
+      out.push_back(std::move(point));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
 Image PointSampler::radiance(const TruthView& view, const Light& light, const Progress& progress) const {
+  const BenchTruth& truth = state_->truth;
+  std::uint64_t view_seed = truth.seed;
+  for (const char c : view.name + "/" + light.id) view_seed = scattered(view_seed ^ static_cast<unsigned char>(c));
+  const std::vector<PointOfLamp> points = points_of(truth, light);
+  if (points.size() == 1) return radiance_of_point(view, points.front().light, truth.samples, view_seed, progress);
+  // Each point of the lamp has pixel points of its own; a few more in all, as each pattern is coarser.
+  constexpr int kFewest = 9;
+  const int samples = std::max(kFewest, static_cast<int>(2 * truth.samples / points.size()));
+  Image sum(truth.lens.width, truth.lens.height, 3);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const double done = static_cast<double>(k) / static_cast<double>(points.size());
+    const Progress within = [&](std::string_view what, double) {
+      if (progress) progress(what, done);
+    };
+    const Image one = radiance_of_point(view, points[k].light, samples, scattered(view_seed + k), within);
+    for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += static_cast<float>(points[k].share) * one.data[i];
+  }
+  return sum;
+}
+
+Image PointSampler::radiance_of_point(const TruthView& view, const Light& light, int samples, std::uint64_t view_seed,
+                                      const Progress& progress) const {
   const State& s = *state_;
   const int w = s.truth.lens.width, h = s.truth.lens.height;
   const Vector3d camera = view.T_camera_board.inverse().translation();
   Image image(w, h, 3);
-  std::uint64_t view_seed = s.truth.seed;
-  for (const char c : view.name + "/" + light.id) view_seed = scattered(view_seed ^ static_cast<unsigned char>(c));
   constexpr int kBand = 8;          // rows whose corners are worked out together
   constexpr int kBandsAtOnce = 16;  // between two calls of progress
   const int bands = (h + kBand - 1) / kBand;
@@ -512,7 +580,7 @@ Image PointSampler::radiance(const TruthView& view, const Light& light, const Pr
         for (int x = 0; x < w; ++x) {
           const std::uint64_t place = static_cast<std::uint64_t>(y) * w + x;
           const Vector3d seen =
-              s.pixel(above, below, x, light, camera, scattered(view_seed + place * 0xd1b54a32d192ed03ULL));
+              s.pixel(above, below, x, light, camera, samples, scattered(view_seed + place * 0xd1b54a32d192ed03ULL));
           for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(seen[c]);
         }
         std::swap(above, below);

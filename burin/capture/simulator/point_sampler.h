@@ -7,10 +7,14 @@
 // pixel: wi, wo, h and the plain face's light are computed at the pixel's corners and interpolated, which errs by less
 // than 1e-5 of them.
 //
+// A lamp with an area is sampled at points of its own, spread evenly over it; a pixel's points are shared out among
+// them.
+//
 // Frame: board, mm. Pixels: the center of the top-left pixel is (0, 0). Radiance: the lamp's intensity / mm^2.
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 
 #include "burin/capture/simulator/bench_truth.h"
@@ -29,12 +33,17 @@ class PointSampler {
   PointSampler(const PointSampler&) = delete;
   PointSampler& operator=(const PointSampler&) = delete;
 
-  /// R, G, B radiance of every pixel, before the lens's blur. Deterministic for any number of threads.
+  /// R, G, B radiance of every pixel, before the lens's blur, stray lights included. Deterministic for any number of
+  /// threads.
   Image radiance(const TruthView& view, const Light& light, const Progress& progress = {}) const;
 
  private:
   struct State;
   std::unique_ptr<State> state_;
+
+  /// Under a point lamp, with `samples` points a pixel where there are scratches.
+  Image radiance_of_point(const TruthView& view, const Light& light, int samples, std::uint64_t seed,
+                          const Progress& progress) const;
 };
 
 }  // namespace burin

@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 
+#include "burin/render/area_view.h"
 #include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/exact/scratch_pair.h"
@@ -241,8 +242,30 @@ void Chain::chain_geometry(const GeometryGradient& g, const Eigen::Vector3d& cen
 
 }  // namespace
 
+namespace {
+
+// The mean over the points that stand for a lamp with an area.
+RadianceDerivatives of_area_lamp(const ViewScene& scene, const CameraView& camera, const Carved& carved,
+                                 std::span<const SceneParameter> parameters, const RenderOptions& options) {
+  RadianceDerivatives sum;
+  const auto add = [](const Image& image, double by, Image& to) {
+    if (to.data.empty()) to = Image(image.width, image.height, image.channels);
+    for (std::size_t i = 0; i < image.data.size(); ++i) to.data[i] += static_cast<float>(by) * image.data[i];
+  };
+  sum.d_radiance.resize(parameters.size());
+  for (const ScenePart& part : scene_parts(scene)) {
+    const RadianceDerivatives one = render_with_derivatives(part.scene, camera, carved, parameters, options);
+    add(one.radiance, part.share, sum.radiance);
+    for (std::size_t k = 0; k < parameters.size(); ++k) add(one.d_radiance[k], part.share, sum.d_radiance[k]);
+  }
+  return sum;
+}
+
+}  // namespace
+
 RadianceDerivatives render_with_derivatives(const ViewScene& scene, const CameraView& camera, const Carved& carved,
                                             std::span<const SceneParameter> parameters, const RenderOptions& options) {
+  if (!scene.light.size.is_point()) return of_area_lamp(scene, camera, carved, parameters, options);
   const Scratches& scratches = carved.scratches;
   check_scratches(scratches);
   const int channels = options.channels;

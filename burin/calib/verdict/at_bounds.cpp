@@ -1,0 +1,52 @@
+#include "burin/calib/verdict/at_bounds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "burin/render/files/decimals.h"
+#include "burin/render/parameter_name.h"
+
+namespace burin {
+namespace {
+
+struct Held {
+  int index;
+  const char *name, *by;
+};
+
+constexpr std::array<Held, 3> kHeld{
+    {{unknown::log_alpha, parameter::kAlpha,
+      "photos whose half vectors lean a little along the grooves hold it: give board.json a roughness that is right to "
+      "a "
+      "factor of two, and take a photo from nearer to the lamp's mirror image"},
+     {unknown::log_depth, parameter::kDepth,
+      "photos from both sides of the grooves' cut-off hold it: check tool.width_um in board.json, and take one photo "
+      "from further to the side"},
+     {unknown::log_base_alpha, parameter::kBaseAlpha,
+      "a photo that shows the lamp's mirror image on plain metal, with a short exposure, holds it; on a "
+      "mirror-polished "
+      "face no photo may"}}};
+
+}  // namespace
+
+std::vector<Finding> judge_bounds(const Problem& data, const Stage& stage, const State& state, Bench& bench) {
+  std::vector<Finding> out;
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    const auto held = std::find_if(kHeld.begin(), kHeld.end(), [&](const Held& h) { return h.index == first; });
+    double low = 0, high = 0;
+    if (held == kHeld.end() || !stage.frees(row.group) || !bounds_of(data, row, low, high)) return;
+    constexpr double kOnIt = 1e-4;  // of a logarithm
+    const double value = state.block(first)[row.bounds.at];
+    if (value > low + kOnIt && value < high - kOnIt) return;
+    out.push_back(make_warning(parameter::in_words(held->name) + " ran to " + significant(std::exp(value), 3) +
+                                   ", the end of what is possible: these photos do not hold it",
+                               held->by));
+    Verdict& verdict = bench.verdict[held->name];
+    verdict.degree = Degree::not_determined;
+  });
+  return out;
+}
+
+}  // namespace burin

@@ -1,0 +1,17 @@
+// burin/calib/verdict/at_bounds.h - unknowns that a fit left on the bounds of what is possible: photos do not hold
+// them.
+#pragma once
+
+#include <vector>
+
+#include "burin/calib/photo/photo_problem.h"
+#include "burin/render/bench.h"
+#include "burin/render/finding.h"
+
+namespace burin {
+
+/// Names roughness, depth and the face's roughness that ended on a bound, with what would hold them, and has `bench`'s
+/// verdict say that the photos do not tell them: what an optimizer ran into is no measurement.
+std::vector<Finding> judge_bounds(const Problem& data, const Stage& stage, const State& state, Bench& bench);
+
+}  // namespace burin

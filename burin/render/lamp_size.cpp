@@ -1,0 +1,74 @@
+#include "burin/render/lamp_size.h"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "burin/render/bench.h"
+
+namespace burin {
+
+Eigen::Matrix<double, 3, 2> across_axis(const Eigen::Vector3d& axis, double turn_deg) {
+  constexpr double kAlongX = 0.999;
+  const Eigen::Vector3d start = std::abs(axis.x()) < kAlongX ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitY();
+  const Eigen::Vector3d u = (start - start.dot(axis) * axis).normalized(), v = axis.cross(u);
+  const double turn = turn_deg * std::numbers::pi / 180;
+  Eigen::Matrix<double, 3, 2> out;
+  out << std::cos(turn) * u + std::sin(turn) * v, std::cos(turn) * v - std::sin(turn) * u;
+  return out;
+}
+
+namespace {
+
+struct Node {
+  double at, share;
+};
+
+// Gauss and Legendre's nodes on -1 to 1.
+std::vector<Node> nodes_of_side(bool large) {
+  if (!large) return {{-std::sqrt(1. / 3), 0.5}, {std::sqrt(1. / 3), 0.5}};
+  return {{-std::sqrt(0.6), 5. / 18}, {0, 8. / 18}, {std::sqrt(0.6), 5. / 18}};
+}
+
+// Points about the middle of a disk of radius 1.
+void add_ring(int count, double radius, double share, double first_deg,
+              std::vector<std::pair<Eigen::Vector2d, double>>& out) {
+  for (int i = 0; i < count; ++i) {
+    const double angle = (first_deg + 360.0 * i / count) * std::numbers::pi / 180;
+    out.emplace_back(radius * Eigen::Vector2d(std::cos(angle), std::sin(angle)), share);
+  }
+}
+
+}  // namespace
+
+std::vector<LampPoint> lamp_points(const Light& light) {
+  if (light.size.is_point()) return {{}};
+  std::vector<LampPoint> out;
+  const Eigen::Matrix<double, 3, 2> across = across_axis(light.axis, light.size.turn_deg);
+  const double distance_mm = light.axis.z() < 0 ? -light.position_mm.z() / light.axis.z() : light.position_mm.norm();
+  constexpr double kLarge = 0.04;
+  const auto is_large = [&](double half_mm) { return half_mm > kLarge * distance_mm; };
+  if (light.size.disk_mm > 0) {
+    std::vector<std::pair<Eigen::Vector2d, double>> points;
+    if (is_large(light.size.disk_mm)) {
+      points.emplace_back(Eigen::Vector2d(0, 0), 0.25);
+      add_ring(6, std::sqrt(2. / 3), 0.125, 0, points);
+    } else {
+      add_ring(4, std::sqrt(0.5), 0.25, 45, points);
+    }
+    for (const auto& [at, share] : points) out.push_back({across * (light.size.disk_mm * at), share});
+    return out;
+  }
+  const Eigen::Vector2d half = 0.5 * light.size.panel_mm;
+  for (const Node& x : nodes_of_side(is_large(half.x())))
+    for (const Node& y : nodes_of_side(is_large(half.y())))
+      out.push_back({across * Eigen::Vector2d(half.x() * x.at, half.y() * y.at), x.share * y.share});
+  return out;
+}
+
+double equivalent_disk_mm(const LampSize& size) {
+  // A disk's points scatter by radius^2 / 4 along each direction, a panel's by side^2 / 12.
+  return size.disk_mm > 0 ? size.disk_mm : std::sqrt(size.panel_mm.squaredNorm() / 6);
+}
+
+}  // namespace burin

@@ -1,0 +1,45 @@
+// burin/render/lamp_size.h - a lamp with an area, as points of it. docs/model.md 5.5. Frame: board, mm.
+//
+// What a lamp with an area sends is the mean of what its points send: each a near lamp of the same axis and fall-off.
+// The mean is taken by a rule of few points (lamp_points). A point's offset moves half vectors by about half of
+// offset / distance. While the farthest point moves them by less than half of the roughness, the rules are good to a
+// hundredth of a glint's middle (tests/render/lamp_size_test.cpp holds them against thousands of points).
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace burin {
+
+struct Light;
+
+/// The area of a lamp, across its axis: nothing (a point), a disk, or a panel. At most one of both is given.
+struct LampSize {
+  double disk_mm = 0;  ///< the disk's radius
+  /// The panel's two sides, the first along the board's x before it is turned by `turn_deg` about the lamp's axis.
+  Eigen::Vector2d panel_mm{0, 0};
+  double turn_deg = 0;
+
+  bool is_point() const { return !(disk_mm > 0) && !(panel_mm.maxCoeff() > 0); }
+};
+
+/// One point of a lamp: where it lies from the lamp's middle, and its share of the light (all add up to 1).
+struct LampPoint {
+  Eigen::Vector3d offset_mm{0, 0, 0};
+  double share = 1;
+};
+
+/// Two unit vectors across `axis`: the columns. The first is the board's x made orthogonal to the axis (its y where the
+/// axis runs along x), turned by `turn_deg` about the axis.
+Eigen::Matrix<double, 3, 2> across_axis(const Eigen::Vector3d& axis, double turn_deg);
+
+/// The points that stand for a lamp, of equal shares where there are four. Below a 25th of the distance that its axis
+/// runs to the plane of the board: one for a point lamp, four for a disk (right for polynomials of the third degree),
+/// Gauss and Legendre's two for each half side of a panel. Above: seven (Radon's, of the fifth degree), and three.
+std::vector<LampPoint> lamp_points(const Light& light);
+
+/// The radius of the disk whose points scatter as much about its middle as the panel's do, root mean square over
+/// directions: what a disk that is fitted to a panel's photos comes to.
+double equivalent_disk_mm(const LampSize& size);
+
+}  // namespace burin
