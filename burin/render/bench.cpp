@@ -16,6 +16,7 @@
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/lamp_size_json.h"
 #include "burin/render/files/material_json.h"
+#include "burin/render/files/misfit_json.h"
 #include "burin/render/files/profile_json.h"
 #include "burin/render/files/verdict_json.h"
 #include "burin/render/groove.h"
@@ -399,6 +400,7 @@ Bench read_bench(const std::filesystem::path& file) {
     board.finish();
   }
   if (json.has("machine")) read_machine(json.object("machine"), bench);
+  bench.misfits = read_misfits(json);
   if (json.has("verdict")) {
     JsonObject verdicts = json.object("verdict");
     for (const std::string& name : verdicts.keys()) {
@@ -456,6 +458,7 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
     }
   }
   json["machine"] = machine_json(bench);
+  if (!bench.misfits.empty()) json["misfits"] = misfits_json(bench.misfits);
   for (const auto& [name, verdict] : bench.verdict) json["verdict"][name] = verdict_json(verdict);
   write_json(json, file);
   all.put();

@@ -17,6 +17,7 @@
 #include "burin/render/lamp_size.h"
 #include "burin/render/lens.h"
 #include "burin/render/machine_errors.h"
+#include "burin/render/misfit.h"
 #include "burin/render/sensor.h"
 #include "burin/render/verdict.h"
 
@@ -91,6 +92,7 @@ struct Bench {
   Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();  ///< designed to carved board coordinates, mm
   std::optional<Affine2> machine_affine_sigma;
   MachineErrors machine_errors;            ///< what its map leaves: backlash, uneven screws
+  std::vector<Misfit> misfits;             ///< where the photos it was measured from contradict the model
   std::map<std::string, Verdict> verdict;  ///< by parameter name (burin/render/parameter_name.h)
   std::vector<Finding> findings;           ///< what a file of an older version lacks; not written
 };

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 namespace burin {
@@ -19,6 +20,7 @@ struct LampSize {
   /// The panel's two sides, the first along the board's x before it is turned by `turn_deg` about the lamp's axis.
   Eigen::Vector2d panel_mm{0, 0};
   double turn_deg = 0;
+  std::optional<double> disk_sigma_mm;  ///< where the radius was measured from photos
 
   bool is_point() const { return !(disk_mm > 0) && !(panel_mm.maxCoeff() > 0); }
 };

@@ -10,8 +10,9 @@ constexpr const char *kPosePrefix = "pose.", *kLightPrefix = "light.";
 
 // The fields of a lamp, and what they are called.
 constexpr std::pair<const char*, const char*> kPosition{"position_mm", "position"},
-    kIntensity{"intensity", "intensity"}, kAxis{"axis", "axis"}, kFalloff{"falloff_exponent", "fall-off exponent"};
-constexpr std::array kOfLight{kPosition, kIntensity, kAxis, kFalloff};
+    kIntensity{"intensity", "intensity"}, kAxis{"axis", "axis"}, kFalloff{"falloff_exponent", "fall-off exponent"},
+    kSize{"size", "size"};
+constexpr std::array kOfLight{kPosition, kIntensity, kAxis, kFalloff, kSize};
 
 constexpr std::array<std::pair<const char*, const char*>, 15> kWords{{{kLens, "the lens"},
                                                                       {kLensFocal, "the lens' focal length"},
@@ -40,6 +41,7 @@ std::string light_position(const std::string& id) { return of_light(id, kPositio
 std::string light_intensity(const std::string& id) { return of_light(id, kIntensity); }
 std::string light_axis(const std::string& id) { return of_light(id, kAxis); }
 std::string light_falloff(const std::string& id) { return of_light(id, kFalloff); }
+std::string light_size(const std::string& id) { return of_light(id, kSize); }
 
 std::string in_words(const std::string& name) {
   for (const auto& [known, words] : kWords)

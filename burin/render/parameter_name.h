@@ -30,6 +30,7 @@ std::string light_position(const std::string& id);
 std::string light_intensity(const std::string& id);
 std::string light_axis(const std::string& id);
 std::string light_falloff(const std::string& id);
+std::string light_size(const std::string& id);
 
 /// The parameter in words: "the depth d", "the position of lamp “spot”". A name that is not one of these comes back as
 /// it is.

@@ -97,6 +97,8 @@ std::string in_words(const Cause& cause) {
       return "no paper or plain face tells where the lamp is";
     case Cause::Kind::paper_and_face:
       return "from paper and plain face alone; refine adds the scratches' glints";
+    case Cause::Kind::model_misses:
+      return "the model misses something (" + cause.text + "), and the sigma counts how far that moves the answer";
     case Cause::Kind::above_noise:
       return significant(n[0]) + " times what the camera's noise alone would allow";
     case Cause::Kind::told:

@@ -43,6 +43,7 @@ struct Cause {
     no_photo_under_lamp,  ///<
     no_paper,             ///< no paper or plain face tells where the lamp is
     paper_and_face,       ///< from these alone, without scratches
+    model_misses,         ///< classes of pixels contradict each other: sigmas apart, of how many tests; text: which
     above_noise,          ///< how many times the sigma is what the camera's noise alone would allow
     told                  ///< text: the sentence of a file of version 1, which had no facts
   };

@@ -27,6 +27,7 @@
 #include "tools/hold_out_file.h"
 #include "tools/report/bench_section.h"
 #include "tools/report/html.h"
+#include "tools/report/misfits.h"
 #include "tools/report/pictures.h"
 #include "tools/report/rectified.h"
 #include "tools/report/residuals.h"
@@ -257,6 +258,9 @@ std::string numbers(const Loaded& in) {
           light.falloff_exponent_sigma ? with_sigma(light.falloff_exponent, *light.falloff_exponent_sigma)
                                        : number(light.falloff_exponent),
           "", "0 is a bare lamp; a spot has 2 to 40");
+    if (light.size.disk_mm > 0)
+      row(fmt::format("Lamp “{}”: radius of its area", html(light.id)), number(light.size.disk_mm) + " mm", "",
+          "as told; a bulb has 20 to 50 mm");
   }
   row("Bow of the board",
       fmt::format("{}, {}, {} mm", fixed(bench.bow_mm[0], 3), fixed(bench.bow_mm[1], 3), fixed(bench.bow_mm[2], 3)),
@@ -537,7 +541,8 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   out.has_scene = true;
   const double rms = in.residuals.rms_px();
   out.parts =
-      folded("What was measured", known_in_words(in), numbers(in)) + verdicts(in) + machine_numbers(in) + held_out(in) +
+      folded("What was measured", known_in_words(in), numbers(in)) + misfits_in_pictures(in.bench) + verdicts(in) +
+      machine_numbers(in) + held_out(in) +
       folded("Tags and residuals", rms > 0 ? fmt::format("{:.3f} px RMS per axis", rms) : "over the photos",
              "<p>" + residual_words(in, factor) + "</p>\n" + figure_row(photos, FigureSize::large) + view_numbers(in));
   return out;

@@ -28,6 +28,11 @@ LampSize read_lamp_size(JsonObject& light, const Eigen::Vector3d& position_mm) {
     size.disk_mm = light.number("disk_mm");
     if (size.disk_mm < 0) light.fail_field("disk_mm", "is negative", "write the disk's radius in mm, 0 for a point");
     fail_if_too_large(light, "disk_mm", 2 * size.disk_mm, distance_mm);
+    if (light.has("disk_sigma_mm")) {
+      size.disk_sigma_mm = light.number("disk_sigma_mm");
+      if (*size.disk_sigma_mm < 0)
+        light.fail_field("disk_sigma_mm", "is negative", "a standard deviation is 0 or greater");
+    }
   }
   if (light.has("panel_mm")) {
     size.panel_mm = light.vec2("panel_mm");
@@ -41,6 +46,7 @@ LampSize read_lamp_size(JsonObject& light, const Eigen::Vector3d& position_mm) {
 
 void put_lamp_size(const LampSize& size, Json& light) {
   if (size.disk_mm > 0) light["disk_mm"] = size.disk_mm;
+  if (size.disk_sigma_mm) light["disk_sigma_mm"] = *size.disk_sigma_mm;
   if (!(size.panel_mm.maxCoeff() > 0)) return;
   light["panel_mm"] = {size.panel_mm.x(), size.panel_mm.y()};
   if (size.turn_deg != 0) light["turn_deg"] = size.turn_deg;

@@ -32,7 +32,7 @@ struct CauseForm {
   const char* text = nullptr;
 };
 using K = Cause::Kind;
-constexpr std::array<CauseForm, 21> kCauses{{
+constexpr std::array<CauseForm, 22> kCauses{{
     {K::of_focal_length,
      "of_focal_length",
      {"focal_px", "focal_sigma_px", "center_sigma_px", "corners_rms_px"},
@@ -55,6 +55,7 @@ constexpr std::array<CauseForm, 21> kCauses{{
     {K::no_photo_under_lamp, "no_photo_under_lamp"},
     {K::no_paper, "no_paper"},
     {K::paper_and_face, "paper_and_face"},
+    {K::model_misses, "model_misses", {"sigmas", "tests"}, "where"},
     {K::above_noise, "above_noise", {"times"}},
     {K::told, "told", {}, "words"},
 }};

@@ -1,0 +1,48 @@
+#include "burin/render/misfit.h"
+
+#include <array>
+#include <string_view>
+
+namespace burin {
+namespace {
+
+struct Words {
+  std::string_view test, quantity, remedy;
+};
+
+// What each quantity sets apart, and what usually stands behind it.
+constexpr std::array<Words, 7> kWords{{
+    {"along", "how far half vectors lean along the grooves",
+     "the lamp has a size (measure it and write \"disk_mm\" or \"panel_mm\" of the light into bench.json), or the "
+     "grooves "
+     "have burrs"},
+    {"across", "how near half vectors are to the grooves' steepest wall",
+     "the groove's cross-section is another (a round tip, straight flanks, burrs: one look through a microscope "
+     "tells), "
+     "or stray light fills what should be dark"},
+    {"azimuth", "which way half vectors lean",
+     "the face was brushed, tools push their burr to one side, or a second lamp or a window shines"},
+    {"highlight", "how far the lamp's mirror image is",
+     "the face is brushed, or not evenly rough, or the lamp has a size (\"disk_mm\" of the light in bench.json)"},
+    {"brightness", "how bright pixels are",
+     "the camera bends or sharpens its pictures, or its lens scatters light: photograph raw, with every improvement "
+     "switched off and a clean lens"},
+    {"frame", "where pixels lie in the picture",
+     "the lens darkens its corners otherwise than the model, or scatters light: close the aperture by two stops"},
+    {"lean", "how photos were taken: from near the mirror direction or far from it",
+     "stray light, or a lamp that shines unevenly: hang something dark round the board, or photograph it with the lamp "
+     "switched off as well"},
+}};
+
+const Words& words_of(const Misfit& misfit) {
+  for (const Words& words : kWords)
+    if (words.test == misfit.test) return words;
+  return kWords.back();
+}
+
+}  // namespace
+
+std::string quantity_in_words(const Misfit& misfit) { return std::string(words_of(misfit).quantity); }
+std::string remedy_in_words(const Misfit& misfit) { return std::string(words_of(misfit).remedy); }
+
+}  // namespace burin

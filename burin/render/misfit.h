@@ -1,0 +1,31 @@
+// burin/render/misfit.h - where photos and model contradict each other, as facts: what refine's tests found
+// (burin/calib/verdict/model_tests.h) and reports draw. docs/calibration.md, 'Where the model is not enough'.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace burin {
+
+/// One test of residuals: pixels in classes by one quantity, and what is left of them.
+struct Misfit {
+  /// Of one class: the mean of what the photos show less what the model says, relative to what it says, and its
+  /// standard error with neighbors taken for alike.
+  struct Class {
+    std::string name;
+    double residual = 0, sigma = 0;
+  };
+  std::string test;          ///< the quantity: "along", "across", "azimuth", "highlight", "brightness", "frame", "lean"
+  double sigmas = 0;         ///< how far the classes' answers are apart, as sigmas of a normal distribution
+  double alpha_percent = 0;  ///< by how much alpha, depth and base_alpha differ between them
+  double depth_percent = 0;
+  double base_alpha_percent = 0;
+  std::vector<Class> classes;
+};
+
+/// The test in words: "how far a half vector leans along the grooves".
+std::string quantity_in_words(const Misfit& misfit);
+/// What usually makes such a misfit, and what helps.
+std::string remedy_in_words(const Misfit& misfit);
+
+}  // namespace burin
