@@ -10,6 +10,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/files/camera_effects_json.h"
+#include "burin/render/files/bend_json.h"
 #include "burin/render/files/camera_json.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/input_file.h"
@@ -396,6 +397,10 @@ Bench read_bench(const std::filesystem::path& file) {
   if (json.has("board")) {
     JsonObject board = json.object("board");
     bench.bow_mm = board.vec3("bow_mm", bench.bow_mm);
+    if (board.has("bend")) {
+      bench.bend = read_bend(board.object("bend"), {});
+      if (board.has("bend_sigma")) bench.bend_sigma = read_bend_sigma(board.object("bend_sigma"));
+    }
     if (board.has("tags")) bench.tags = read_measured_tags(board);
     board.finish();
   }
@@ -448,6 +453,8 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   put_camera_effects(bench.sensor, json["sensor"]);
   json["ambient"] = to_json(bench.ambient);
   json["board"]["bow_mm"] = to_json(bench.bow_mm);
+  if (bench.bend) json["board"]["bend"] = bend_json(*bench.bend);
+  if (bench.bend && bench.bend_sigma) json["board"]["bend_sigma"] = bend_json(*bench.bend_sigma);
   if (!bench.tags.empty()) {
     Json& tags = json["board"]["tags"] = Json::array();
     for (const Tag& tag : bench.tags) {

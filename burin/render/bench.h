@@ -88,7 +88,10 @@ struct Bench {
   Sensor sensor;
   Eigen::Vector3d ambient{0, 0, 0};  ///< radiance of uniform surroundings, R G B (in units of gain = 1)
   Eigen::Vector3d bow_mm{0, 0, 0};   ///< face height z = b0 X^2 + b1 X Y + b2 Y^2; X, Y from -1 to 1 over the board
-  std::vector<Tag> tags;             ///< measured positions; empty where board.json's are believed
+  /// How a bent sheet was measured to be bent; nothing: as board.json says. Its bow changes the bend (surface.h).
+  std::optional<Bend> bend;
+  std::optional<Bend> bend_sigma;
+  std::vector<Tag> tags;  ///< measured positions; empty where board.json's are believed
   Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();  ///< designed to carved board coordinates, mm
   std::optional<Affine2> machine_affine_sigma;
   MachineErrors machine_errors;            ///< what its map leaves: backlash, uneven screws

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "burin/render/error.h"
+#include "burin/render/files/bend_json.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/material_json.h"
@@ -280,6 +281,11 @@ Board read_board(const std::filesystem::path& file) {
                       "write how far the face's highest place lies above its lowest, in um");
   }
   if (json.has("mesh")) board.mesh = resolve_path(file, json.text("mesh"));
+  if (json.has("bend")) {
+    if (!board.mesh.empty())
+      json.fail_field("bend", "stands beside mesh, and a board has one shape", "keep the one that is so");
+    board.bend = read_bend(json.object("bend"), board.size_mm);
+  }
   json.finish();
   return board;
 }
@@ -324,6 +330,7 @@ void write_board(const Board& board, const std::filesystem::path& file) {
   if (!board.material.profile.is_paper()) json["material"]["profile"] = profile_json(board.material.profile);
   if (board.flatness_um) json["flatness_um"] = *board.flatness_um;
   if (!board.mesh.empty()) json["mesh"] = path_beside(file, board.mesh);
+  if (board.bend) json["bend"] = bend_json(*board.bend);
   write_json(json, file);
 }
 

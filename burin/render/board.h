@@ -12,6 +12,7 @@
 
 #include "burin/render/face_grain.h"
 #include "burin/render/groove_profile.h"
+#include "burin/render/bend.h"
 
 namespace burin {
 
@@ -73,6 +74,7 @@ struct Board {
   std::optional<double> flatness_um;
   SaidMaterial said;           ///< by the file that this was read from
   std::filesystem::path mesh;  ///< optional OBJ with uv for a board that is neither flat nor bowed; empty if none
+  std::optional<Bend> bend;    ///< of a sheet that is bent to a cylinder after it was carved; not with a mesh
 };
 
 /// The four corners of a tag on the board, in AprilTag's order for an upright tag:

@@ -236,6 +236,18 @@ std::vector<std::array<Eigen::Vector3d, 3>> smooth_normals(const TriangleMesh& m
   return normals;
 }
 
+// Whether the middle of triangle i lies within triangle k on the flat board, and not at its rim merely by rounding.
+bool overlap(const TriangleMesh& face, const Eigen::Vector2d& size_mm, std::size_t i, std::size_t k) {
+  const auto& uv = face.uv[k];
+  const Eigen::Vector2d p = ((face.uv[i][0] + face.uv[i][1] + face.uv[i][2]) / 3).cwiseProduct(size_mm);
+  const Eigen::Vector2d p0 = uv[0].cwiseProduct(size_mm), a = uv[1].cwiseProduct(size_mm) - p0,
+                        b = uv[2].cwiseProduct(size_mm) - p0, q = p - p0;
+  const double cross = a.x() * b.y() - a.y() * b.x();
+  const double beta = (q.x() * b.y() - q.y() * b.x()) / cross, gamma = (a.x() * q.y() - a.y() * q.x()) / cross;
+  constexpr double kRim = 1e-3;
+  return beta > kRim && gamma > kRim && beta + gamma < 1 - kRim;
+}
+
 }  // namespace
 
 TriangleMesh read_obj(const std::filesystem::path& file) {
@@ -257,13 +269,22 @@ struct BoardMesh::State {
   Scene flat_scene;  // the face's uv * size_mm in the plane z = 0
 
   Place place_in(unsigned triangle, const Eigen::Vector3d& barycentric) const {
-    Place place{{0, 0}, {0, 0, 0}, {0, 0, 0}};
+    Place place{{0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
     for (int k = 0; k < 3; ++k) {
       place.board_mm += barycentric[k] * face.uv[triangle][k].cwiseProduct(size_mm);
       place.position_mm += barycentric[k] * face.position_mm[face.triangle[triangle][k]];
       place.normal += barycentric[k] * face.normal[triangle][k];
     }
     place.normal.normalize();
+    // The triangle's edges are what uv makes of its flat ones: the flat x direction is solved for, and laid at right
+    // angles to the interpolated normal.
+    const Eigen::Vector2d u = (face.uv[triangle][1] - face.uv[triangle][0]).cwiseProduct(size_mm),
+                          v = (face.uv[triangle][2] - face.uv[triangle][0]).cwiseProduct(size_mm);
+    const auto& t = face.triangle[triangle];
+    const Eigen::Vector3d a = face.position_mm[t[1]] - face.position_mm[t[0]],
+                          b = face.position_mm[t[2]] - face.position_mm[t[0]];
+    const Eigen::Vector3d x = (a * v.y() - b * u.y()) / (u.x() * v.y() - u.y() * v.x());
+    place.x = (x - place.normal * place.normal.dot(x)).normalized();
     return place;
   }
 };
@@ -338,6 +359,18 @@ BoardMesh::BoardMesh(const TriangleMesh& face, const Eigen::Vector2d& size_mm, c
   if (rtcGetDeviceError(s.device.get()) != RTC_ERROR_NONE) {
     fail(name, "Embree could not build its tree over the mesh", "use a coarser mesh");
   }
+  // Each triangle must be what is found at its own middle.
+  for (std::size_t i = 0; i < face.triangle.size(); ++i) {
+    const Eigen::Vector2d middle = ((face.uv[i][0] + face.uv[i][1] + face.uv[i][2]) / 3).cwiseProduct(size_mm);
+    const Hit hit = intersect(s.flat_scene.get(), {middle.x(), middle.y(), 1}, {0, 0, -1});
+    if (hit.geometry == RTC_INVALID_GEOMETRY_ID || hit.triangle == i || !overlap(face, size_mm, i, hit.triangle))
+      continue;
+    fail(at(i),
+         "the mesh folds: its uv cover a place of the flat board twice, here and " +
+             (hit.triangle < face.line.size() ? "at line " + std::to_string(face.line[hit.triangle])
+                                              : "at face " + std::to_string(hit.triangle + 1)),
+         "unwrap it so that each place of the flat board is on one face");
+  }
 }
 
 BoardMesh::~BoardMesh() = default;
@@ -345,6 +378,27 @@ BoardMesh::BoardMesh(BoardMesh&&) noexcept = default;
 BoardMesh& BoardMesh::operator=(BoardMesh&&) noexcept = default;
 
 const Eigen::Vector2d& BoardMesh::size_mm() const { return state_->size_mm; }
+
+double BoardMesh::most_stretch() const {
+  const State& s = *state_;
+  double most = 0;
+  for (std::size_t i = 0; i < s.face.triangle.size(); ++i) {
+    const auto& t = s.face.triangle[i];
+    Eigen::Matrix2d flat;
+    Eigen::Matrix<double, 3, 2> bent;
+    for (int k = 0; k < 2; ++k) {
+      flat.col(k) = (s.face.uv[i][k + 1] - s.face.uv[i][0]).cwiseProduct(s.size_mm);
+      bent.col(k) = s.face.position_mm[t[k + 1]] - s.face.position_mm[t[0]];
+    }
+    const Eigen::Matrix<double, 3, 2> J = bent * flat.inverse();
+    // Singular values of J from J^T J, whose eigenvalues have a closed form.
+    const Eigen::Matrix2d M = J.transpose() * J;
+    const double half = M.trace() / 2, spread = std::sqrt(std::max(0.0, half * half - M.determinant()));
+    most =
+        std::max({most, std::abs(std::sqrt(half + spread) - 1), std::abs(std::sqrt(std::max(0.0, half - spread)) - 1)});
+  }
+  return most;
+}
 
 std::optional<BoardMesh::Place> BoardMesh::first_hit(const Eigen::Vector3d& origin_mm,
                                                      const Eigen::Vector3d& direction) const {
@@ -401,6 +455,7 @@ void fill_centers(const BoardMesh& mesh, FootprintGrid& grid, const Hidden& hidd
   const Eigen::Vector3d nowhere(kNaN, kNaN, kNaN);
   grid.center_mm.assign(count, nowhere);
   grid.normal.assign(count, nowhere);
+  grid.x_axis.assign(count, nowhere);
   std::vector<std::uint8_t> lost(count, 0);
   tbb::parallel_for(0, height, [&](int r) {
     for (int c = 0; c < width; ++c) {
@@ -413,6 +468,7 @@ void fill_centers(const BoardMesh& mesh, FootprintGrid& grid, const Hidden& hidd
       if (lost[i]) continue;
       grid.center_mm[i] = place->position_mm;
       grid.normal[i] = place->normal;
+      grid.x_axis[i] = place->x;
     }
   });
   for (int r = 0; r < height; ++r) {

@@ -43,7 +43,8 @@ TriangleMesh read_obj(const std::filesystem::path& file);
 class BoardMesh {
  public:
   /// `name` stands in messages: the file. Throws Error for a face without uv, with uv that have no area or run
-  /// clockwise seen from the front, with numbers that are not finite, or for a size that is not positive.
+  /// clockwise seen from the front or cover a place of the board twice (a mesh that folds), with numbers that are not
+  /// finite, or for a size that is not positive.
   BoardMesh(const TriangleMesh& face, const Eigen::Vector2d& size_mm, const std::string& name,
             std::span<const TriangleMesh> occluders = {});
   ~BoardMesh();
@@ -55,6 +56,7 @@ class BoardMesh {
     Eigen::Vector2d board_mm;     ///< where it is on the flat board: uv * size_mm
     Eigen::Vector3d position_mm;  ///< where it is in space
     Eigen::Vector3d normal;       ///< unit, interpolated
+    Eigen::Vector3d x;            ///< where the flat board's x direction points, unit, at right angles to the normal
   };
 
   /// Where a ray first meets anything, if that is the front of the face within 0 .. size_mm; else nothing.
@@ -70,6 +72,10 @@ class BoardMesh {
 
   /// The flat board's size.
   const Eigen::Vector2d& size_mm() const;
+
+  /// By how much the mesh stretches or squeezes the flat board where it does so most: 0.1 is 10 %. A sheet of metal
+  /// that is only bent has none.
+  double most_stretch() const;
 
  private:
   struct State;

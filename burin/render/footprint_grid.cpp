@@ -31,6 +31,9 @@ void check_surface(const Surface& surface, const char* where) {
   if (!(surface.size_mm.x() > 0 && surface.size_mm.y() > 0 && surface.size_mm.allFinite() &&
         surface.bow_mm.allFinite()))
     fail(where, "the board has no size, or its bow is not a number", "set Surface::size_mm and Surface::bow_mm");
+  if (!surface.bend) return;
+  if (const auto fault = fault_of(*surface.bend, surface.size_mm))
+    fail(std::string(where) + ": bend." + fault->field, fault->what, fault->remedy);
 }
 
 Eigen::Vector2d slope_of(const Eigen::Vector3d& v) {
@@ -116,12 +119,19 @@ void fill_centers(const Surface& surface, FootprintGrid& grid) {
   const int width = grid.width(), height = grid.height();
   grid.center_mm.resize(static_cast<std::size_t>(width) * height);
   grid.normal.resize(grid.center_mm.size());
+  const std::optional<Cylinder> cylinder = surface.bend ? std::optional(cylinder_of(surface)) : std::nullopt;
   tbb::parallel_for(tbb::blocked_range<int>(0, height), [&](const tbb::blocked_range<int>& rows) {
     for (int r = rows.begin(); r < rows.end(); ++r) {
       for (int c = 0; c < width; ++c) {
         const auto q = footprint_corners_mm(grid, c, r);
         const Eigen::Vector2d m = 0.25 * (q[0] + q[1] + q[2] + q[3]);
         const std::size_t i = static_cast<std::size_t>(r) * width + c;
+        if (cylinder) {
+          const BentPlace place = bent_place(*cylinder, m);
+          grid.center_mm[i] = place.position_mm;
+          grid.normal[i] = place.normal;
+          continue;
+        }
         grid.center_mm[i] = {m.x(), m.y(), height_mm(surface, m.x(), m.y())};
         grid.normal[i] = face_normal(surface, m.x(), m.y());
       }
@@ -177,19 +187,22 @@ FootprintGrid camera_grid(const CornerRays& rays, const Eigen::Isometry3d& T_cam
   const Eigen::Isometry3d T_board_camera = T_camera_board.inverse();
   const Eigen::Matrix3d R = T_board_camera.linear();
   const Eigen::Vector3d origin = T_board_camera.translation();
+  const std::optional<Cylinder> cylinder = surface.bend ? std::optional(cylinder_of(surface)) : std::nullopt;
   grid.corner_x_mm.resize(rays.slope.size());
   grid.corner_y_mm.resize(rays.slope.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.slope.size(), 4096),
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       for (std::size_t i = range.begin(); i < range.end(); ++i) {
                         const Eigen::Vector3d v(rays.slope[i].x(), rays.slope[i].y(), 1);
-                        const Eigen::Vector2d p = meet_face(surface, origin, R * v);
+                        const Eigen::Vector2d p =
+                            cylinder ? flat_place(*cylinder, origin, R * v).value_or(Eigen::Vector2d(kMissed, kMissed))
+                                     : meet_face(surface, origin, R * v);
                         grid.corner_x_mm[i] = p.x();
                         grid.corner_y_mm[i] = p.y();
                       }
                     });
   fill_centers(surface, grid);
-  if (rays.undistorted && surface.bow_mm == Eigen::Vector3d::Zero()) {
+  if (rays.undistorted && !surface.bend && surface.bow_mm == Eigen::Vector3d::Zero()) {
     Eigen::Matrix3d K;
     K << rays.fxycxy[0], 0, rays.fxycxy[2], 0, rays.fxycxy[1], rays.fxycxy[3], 0, 0, 1;
     Eigen::Matrix3d pixel_from_board;
@@ -233,22 +246,31 @@ FootprintGrid board_grid(const Eigen::Vector2d& min_mm, const Eigen::Vector2d& m
 
 PixelWindow window_of(const Lens& lens, const Eigen::Isometry3d& T_camera_board, const Surface& surface,
                       const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm, int margin_px) {
-  // The outline of what is seen of a face that is nearly flat is the image of the rectangle's own outline.
-  constexpr int kPerSide = 256;
+  // The outline of what is seen of a face that is nearly flat is the image of the rectangle's own outline. A bent one
+  // reaches further where it is seen edge on: lines from side to side are looked at as well.
+  constexpr int kPerSide = 256, kLines = 15;
   std::vector<Eigen::Vector3d> p;
   p.reserve(4 * kPerSide);
   bool behind = false;
+  const auto look = [&](double u, double v) {
+    const double x = min_mm.x() + u * (max_mm.x() - min_mm.x()), y = min_mm.y() + v * (max_mm.y() - min_mm.y());
+    const Eigen::Vector3d q = T_camera_board * face_point(surface, x, y);
+    if (q.z() > 1e-9)
+      p.push_back(q);
+    else
+      behind = true;
+  };
+  for (int line = 1; line <= kLines && surface.bend; ++line)
+    for (int i = 0; i < kPerSide; ++i) {
+      look(static_cast<double>(i) / kPerSide, static_cast<double>(line) / (kLines + 1));
+      look(static_cast<double>(line) / (kLines + 1), static_cast<double>(i) / kPerSide);
+    }
   for (int side = 0; side < 4; ++side) {
     for (int i = 0; i < kPerSide; ++i) {
       const double s = static_cast<double>(i) / kPerSide;
       const double u = side == 0 ? s : side == 1 ? 1 : side == 2 ? 1 - s : 0;
       const double v = side == 0 ? 0 : side == 1 ? s : side == 2 ? 1 : 1 - s;
-      const double x = min_mm.x() + u * (max_mm.x() - min_mm.x()), y = min_mm.y() + v * (max_mm.y() - min_mm.y());
-      const Eigen::Vector3d q = T_camera_board * Eigen::Vector3d(x, y, height_mm(surface, x, y));
-      if (q.z() > 1e-9)
-        p.push_back(q);
-      else
-        behind = true;
+      look(u, v);
     }
   }
   if (p.empty()) return {};

@@ -28,6 +28,9 @@ struct FootprintGrid {
   std::vector<double> corner_x_mm, corner_y_mm;  ///< (width + 1) * (height + 1), row-major
   std::vector<Eigen::Vector3d> center_mm;        ///< width * height: the mean of the corners, on the face, board frame
   std::vector<Eigen::Vector3d> normal;           ///< width * height: the face's unit normal there
+  /// width * height: where the flat board's x direction points there, unit, at right angles to the normal. Empty: where
+  /// the shortest turn of z to the normal takes it (docs/model.md 1.1), which is so for all faces but meshes.
+  std::vector<Eigen::Vector3d> x_axis;
   std::optional<Eigen::Matrix3d> board_from_pixel;  ///< homography from window pixels to board xy, where there is one
 
   /// Pixels in a row.
@@ -47,6 +50,13 @@ inline std::array<Eigen::Vector2d, 4> footprint_corners_mm(const FootprintGrid& 
   const std::size_t bottom = top + grid.window.width + 1;
   const auto corner = [&](std::size_t i) { return Eigen::Vector2d(grid.corner_x_mm[i], grid.corner_y_mm[i]); };
   return {corner(top), corner(top + 1), corner(bottom + 1), corner(bottom)};
+}
+
+/// The mean of a pixel's corners: its center's place on the flat sheet, mm. Of a face that is not bent, center_mm's xy.
+inline Eigen::Vector2d footprint_middle_mm(const FootprintGrid& grid, std::size_t pixel) {
+  const auto width = static_cast<std::size_t>(grid.width());
+  const auto q = footprint_corners_mm(grid, static_cast<int>(pixel % width), static_cast<int>(pixel / width));
+  return 0.25 * (q[0] + q[1] + q[2] + q[3]);
 }
 
 /// Area between four corners in order, negative where they run clockwise.

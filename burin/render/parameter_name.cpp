@@ -20,6 +20,7 @@ constexpr std::array<std::pair<const char*, const char*>, 15> kWords{{{kLens, "t
                                                                       {kPoses, "the cameras' places"},
                                                                       {kTags, "the tags' places"},
                                                                       {kBow, "the board's bow"},
+                                                                      {kBend, "the sheet's bend"},
                                                                       {kAlpha, "the grooves' roughness alpha"},
                                                                       {kDepth, "the depth d"},
                                                                       {kBaseAlpha, "the plain face's roughness"},

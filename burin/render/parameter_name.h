@@ -12,6 +12,7 @@ inline constexpr const char* kLensCenter = "lens center";       ///< in plans
 inline constexpr const char* kPoses = "poses";                  ///< of all views: the worst
 inline constexpr const char* kTags = "board.tags";              ///< their places on the board
 inline constexpr const char* kBow = "board.bow_mm";
+inline constexpr const char* kBend = "board.bend";
 inline constexpr const char* kAlpha = "alpha";             ///< roughness of the grooves
 inline constexpr const char* kDepth = "depth_um";          ///< of the grooves
 inline constexpr const char* kBaseAlpha = "base_alpha";    ///< roughness of the plain face

@@ -11,7 +11,7 @@ namespace burin {
 
 PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d& normal,
                          const Eigen::Vector3d& camera_center_mm, const Light& light, double base_alpha,
-                         const FaceGrain& grain) {
+                         const FaceGrain& grain, const Eigen::Vector3d* x_axis) {
   PixelShading p;
   const Eigen::Vector3d to_lamp = light.position_mm - center_mm, to_camera = camera_center_mm - center_mm;
   p.distance_i_mm = to_lamp.norm();
@@ -27,7 +27,11 @@ PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d
   p.lit = p.cos_i > 0 && (light.falloff_exponent == 0 || beam > 0);
   if (!p.lit) return p;
   p.h = (p.wi + p.wo).normalized();
-  p.h_face = R_face_board(normal) * p.h;
+  const auto in_face = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d {
+    if (x_axis == nullptr) return R_face_board(normal) * v;
+    return {x_axis->dot(v), normal.cross(*x_axis).dot(v), normal.dot(v)};
+  };
+  p.h_face = in_face(p.h);
   p.cos_ho = p.h.dot(p.wo);
   p.spot = light.falloff_exponent == 0 ? 1 : std::pow(beam, light.falloff_exponent);
   p.direct = p.spot / (4 * p.cos_o * p.distance_i_mm * p.distance_i_mm);
@@ -35,9 +39,8 @@ PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d
     p.base = ggx_D(p.h_face.z(), base_alpha) * smith_G(p.cos_i, p.cos_o, base_alpha);
     return p;
   }
-  const Eigen::Matrix3d R = R_face_board(normal);
-  p.wi_face = R * p.wi;
-  p.wo_face = R * p.wo;
+  p.wi_face = in_face(p.wi);
+  p.wo_face = in_face(p.wo);
   const auto G1 = [&](const Eigen::Vector3d& v) {
     return grained_G1(v.x(), v.y(), v.z(), base_alpha, grain.c, grain.s);
   };

@@ -34,10 +34,11 @@ struct PixelShading {
   double base = 0;                          ///< D(h, z; base_alpha) G(wi, wo; base_alpha), with its grain
 };
 
-/// A lamp or a camera on or behind the face gives visible or lit = false, never a NaN.
+/// A lamp or a camera on or behind the face gives visible or lit = false, never a NaN. `x_axis`: where the flat board's
+/// x direction points there, if that is not where R_face_board has it (FootprintGrid::x_axis).
 PixelShading shade_pixel(const Eigen::Vector3d& center_mm, const Eigen::Vector3d& normal,
                          const Eigen::Vector3d& camera_center_mm, const Light& light, double base_alpha,
-                         const FaceGrain& grain = {});
+                         const FaceGrain& grain = {}, const Eigen::Vector3d* x_axis = nullptr);
 
 /// Smith's G(wi, wo; alpha) of docs/model.md 3.2 with its derivatives. Both cosines above 0.
 struct Shadowing {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "burin/render/area_view.h"
-#include "burin/render/board_mesh.h"
+#include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/fast_view.h"
@@ -125,18 +125,15 @@ std::size_t ViewRenderer::pair_count() const {
 }
 
 CameraView make_camera_view(const Bench& bench, const Board& board, const View& view, const PixelWindow& window) {
-  return {bench.lens, view.T_camera_board, Surface{board.size_mm, bench.bow_mm}, window};
+  return {bench.lens, view.T_camera_board, surface_of(board, bench), window};
 }
 
 ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& camera, const Light& light) {
   ViewScene scene;
-  if (board.mesh.empty()) {
-    scene.grid = share(camera_grid(camera.lens, camera.T_camera_board, camera.surface, camera.window));
-  } else {
-    const BoardMesh mesh(read_obj(board.mesh), board.size_mm, board.mesh.string());
-    scene.grid = share(camera_grid(camera.lens, camera.T_camera_board, mesh, camera.window));
-    scene.hidden_from_light = hidden_pixels(*scene.grid, mesh, light.position_mm);
-  }
+  BoardFace face{camera.surface, nullptr};
+  if (!board.mesh.empty()) face = face_of(board, bench);
+  scene.grid = share(camera_grid(camera.lens, camera.T_camera_board, face, camera.window));
+  scene.hidden_from_light = hidden_pixels(*scene.grid, face, light.position_mm);
   scene.camera_center_mm = camera.T_camera_board.inverse().translation();
   scene.light = light;
   scene.material = bench.material;

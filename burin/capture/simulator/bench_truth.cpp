@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/bend_json.h"
 #include "burin/render/files/camera_json.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
@@ -93,6 +94,11 @@ void read_board_truth(JsonObject json, BenchTruth& truth) {
   if (!(board.carve_min_mm.array() < board.carve_max_mm.array()).all())
     json.fail_field("carve_mm", "is no rectangle", "write the lower-left and the upper-right corner");
   truth.surface = {board.size_mm, json.vec3("bow_mm", Eigen::Vector3d::Zero())};
+  if (json.has("bend")) {
+    board.bend = read_bend(json.object("bend"), board.size_mm);
+    if (!truth.surface.bow_mm.isZero())
+      json.fail_field("bow_mm", "stands beside bend", "a bent sheet has no bow: leave it out");
+  }
   if (json.has("tags")) {
     JsonObject tags = json.object("tags");
     board.tags.family = tags.text("family", board.tags.family);
@@ -131,6 +137,7 @@ void read_believed(JsonObject& root, BenchTruth& truth) {
     read_material_into(material, truth.believed.material);
     material.finish();
   }
+  if (json.has("bend")) truth.believed.bend = read_bend(json.object("bend"), truth.board.size_mm);
   if (json.has("tag_overrides"))
     for (JsonObject& item : json.objects("tag_overrides")) {
       const int id = item.integer("id");

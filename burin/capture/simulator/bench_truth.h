@@ -12,8 +12,8 @@
 //   h_at                       "sample": wi, wo and h at every point; "center": at the footprint's center
 //                              (docs/model.md 5.1)
 //   board                      as board.json, the tags where they really are; tags.quiet_mm: white paper beyond the
-//                              tag's own border; tags.gloss_alpha, gloss_f0: its shine; bow_mm
-//   believed                   {material, tag_overrides}: what goes into board.json instead of the truth
+//                              tag's own border; tags.gloss_alpha, gloss_f0: its shine; bow_mm, or bend
+//   believed                   {material, bend, tag_overrides}: what goes into board.json instead of the truth
 //   scratches                  "FILE.csv", or {"random": {count, length_mm: [from, to], seed}}: the designed scratches
 //   material                   depth_gradient [gx, gy]: depth_um (1 + gx (u - 1/2) + gy (v - 1/2)); alpha_jitter,
 //                              depth_jitter: standard deviation of the logarithm per scratch; wear: depth falls from

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/capture/simulator/bent_sheet.h"
 #include "burin/capture/simulator/brushed_face.h"
 #include "burin/capture/simulator/groove_section.h"
 #include "burin/capture/simulator/things_on_board.h"
@@ -123,7 +124,7 @@ Arriving arriving(const Light& light, const Vector3d& p) {
 struct Corner {
   double x = kNaN, y = kNaN;              // on the face; NaN where the ray misses it
   double cloth_x = kNaN, cloth_y = kNaN;  // on the cloth's plane
-  double h_x = 0, h_y = 0, h_n = 0;       // half vector: board x and y, and along the face's normal
+  double h_x = 0, h_y = 0, h_n = 0;       // half vector: board x and y (of a bent sheet turned flat), along the normal
   double geometry = 0;                    // strength / (4 wo.n); 0 where lamp or camera is below the face
   double fresnel = 0;                     // (1 - h.wo)^5
   double cos_i = 0, cos_o = 0;
@@ -155,6 +156,12 @@ struct PixelCorners {
 struct SeenGroove {
   double x0, y0, ex, ey, length, half_width, t_per_mm, a2, scale, tilt;
   const GrooveSection* section;
+};
+
+/// The face as one pixel sees it: its normal, the way to the camera, and that way with the sheet turned flat.
+struct SeenFace {
+  Vector3d normal{0, 0, 1}, wo{0, 0, 1}, wo_flat{0, 0, 1};
+  bool shaded = false;  // by the sheet itself
 };
 
 /// Sums over the points of a pixel.
@@ -249,9 +256,11 @@ struct PointSampler::State {
   ThingsOnBoard things;
   std::optional<BrushedFace> brushed;
   std::vector<Vector3d> rays;  // through the pixels' corners, (width + 1) x (height + 1), camera frame
+  std::optional<BentSheet> bent;
 
   explicit State(const BenchTruth& t) : truth(t), things(t) {
     if (!t.board.material.grain.none()) brushed = brushed_face(t);
+    if (t.board.bend) bent.emplace(t.board.bend->radius_mm, t.board.bend->axis_deg, t.board.size_mm);
   }
   bool has_streaks() const { return brushed && truth.streaks.slope > 0; }
 
@@ -262,9 +271,12 @@ struct PointSampler::State {
   Vector3d cloth_at(const PixelCorners& corners, const Light& light, double u, double v) const;
   void see_grooves(const std::vector<int>& near, const PixelCorners& corners, const Vector3d& normal,
                    std::vector<SeenGroove>& seen) const;
+  void fill_bent_corner(const Vector3d& camera, const Vector3d& ray, const Light& light, Corner& corner) const;
+  void shine(const Vector3d& camera, const Light& light, const Vector3d& p, const Vector3d& normal, bool shaded,
+             const Eigen::Matrix3d& turned_flat, Corner& corner) const;
   /// Adds the light of what lies above a point of the face; returns the share of the metal that nothing hides.
-  double add_things(const std::vector<int>& near, double px, double py, const Vector3d& normal, const Vector3d& wo,
-                    const Light& light, Vector3d& others) const;
+  double add_things(const std::vector<int>& near, double px, double py, const SeenFace& face, const Light& light,
+                    Vector3d& others) const;
 };
 
 PointSampler::PointSampler(const BenchTruth& truth, const Carved& grooves) : state_(std::make_unique<State>(truth)) {
@@ -307,6 +319,10 @@ void PointSampler::State::fill_corners(const TruthView& view, const Light& light
     if (!(s > 0) || !std::isfinite(s)) continue;
     corner.cloth_x = camera.x() + s * ray.x();
     corner.cloth_y = camera.y() + s * ray.y();
+    if (bent) {
+      fill_bent_corner(camera, ray, light, corner);
+      continue;
+    }
     s = meet(0);
     Vector3d p = camera + s * ray;
     for (int step = 0; step < 4; ++step) {  // the bow moves a point by its height times the ray's slope: contracts
@@ -319,28 +335,46 @@ void PointSampler::State::fill_corners(const TruthView& view, const Light& light
     corner.y = p.y();
     // Beyond the board's edge nothing reflects; only pixels across the edge need their outer corners.
     if (p.x() < -5 || p.y() < -5 || p.x() > size.x() + 5 || p.y() > size.y() + 5) continue;
-    const Vector3d normal = face_normal(truth.surface, p.x(), p.y());
-    const Arriving light_here = arriving(light, p);
-    const Vector3d wo = (camera - p).normalized(), h = (light_here.wi + wo).normalized();
-    corner.h_x = h.x();
-    corner.h_y = h.y();
-    corner.h_n = normal.dot(h);
-    corner.cos_i = normal.dot(light_here.wi);
-    corner.cos_o = normal.dot(wo);
-    corner.fresnel = schlick_F(h.dot(wo), 0.0);
-    if (corner.cos_i > 0 && corner.cos_o > 0) corner.geometry = light_here.strength / (4 * corner.cos_o);
-    corner.base = 0;
-    if (brushed) {
-      corner.base_h = h;
-      corner.base_wi = light_here.wi;
-      corner.base_wo = wo;
-      const double tilt = truth.streaks.slope > 0 ? 0 : 1;  // streaks are finer than a pixel: asked for at its points
-      if (tilt > 0) corner.base = brushed_light(*brushed, normal, h, light_here.wi, wo) * corner.geometry;
-      continue;
-    }
-    const double alpha = truth.board.material.base_alpha;
-    corner.base = ggx_D(corner.h_n, alpha) * smith_G(corner.cos_i, corner.cos_o, alpha) * corner.geometry;
+    shine(camera, light, p, face_normal(truth.surface, p.x(), p.y()), false, Eigen::Matrix3d::Identity(), corner);
   }
+}
+
+void PointSampler::State::shine(const Vector3d& camera, const Light& light, const Vector3d& p, const Vector3d& normal,
+                                bool shaded, const Eigen::Matrix3d& turned_flat, Corner& corner) const {
+  const Arriving light_here = arriving(light, p);
+  const Vector3d wo = (camera - p).normalized(), h = (light_here.wi + wo).normalized(), h_flat = turned_flat * h;
+  corner.h_x = h_flat.x();
+  corner.h_y = h_flat.y();
+  corner.h_n = normal.dot(h);
+  corner.cos_i = normal.dot(light_here.wi);
+  corner.cos_o = normal.dot(wo);
+  corner.fresnel = schlick_F(h.dot(wo), 0.0);
+  if (corner.cos_i > 0 && corner.cos_o > 0 && !shaded) corner.geometry = light_here.strength / (4 * corner.cos_o);
+  if (brushed) {
+    corner.base_h = h_flat;
+    corner.base_wi = turned_flat * light_here.wi;
+    corner.base_wo = turned_flat * wo;
+    corner.base = 0;
+    if (!has_streaks())  // streaks are finer than a pixel: asked for at its points
+      corner.base =
+          brushed_light(*brushed, turned_flat * normal, h_flat, corner.base_wi, corner.base_wo) * corner.geometry;
+    return;
+  }
+  const double alpha = truth.board.material.base_alpha;
+  corner.base = ggx_D(corner.h_n, alpha) * smith_G(corner.cos_i, corner.cos_o, alpha) * corner.geometry;
+}
+
+// Of a bent sheet a ray meets the nearest part, or its back, which shows nothing.
+void PointSampler::State::fill_bent_corner(const Vector3d& camera, const Vector3d& ray, const Light& light,
+                                           Corner& corner) const {
+  constexpr double kBeyond_mm = 5;
+  const auto met = bent->first_met(camera, ray, kBeyond_mm);
+  if (!met) return;
+  corner.x = met->x();
+  corner.y = met->y();
+  const BentSheet::Place place = bent->at(met->x(), met->y());
+  shine(camera, light, place.position_mm, place.normal(), bent->shades(place, light.position_mm),
+        place.turn.transpose(), corner);
 }
 
 void PointSampler::State::near_grooves(const Vector2d& low, const Vector2d& high, std::vector<int>& found) const {
@@ -383,16 +417,24 @@ void PointSampler::State::see_grooves(const std::vector<int>& near, const PixelC
   }
 }
 
-double PointSampler::State::add_things(const std::vector<int>& near, double px, double py, const Vector3d& normal,
-                                       const Vector3d& wo, const Light& light, Vector3d& others) const {
+double PointSampler::State::add_things(const std::vector<int>& near, double px, double py, const SeenFace& face,
+                                       const Light& light, Vector3d& others) const {
+  const Vector3d &normal = face.normal, &wo = face.wo;
   double bare = 1;
   for (const int thing : near) {
     const double z = things.z_mm(thing);
-    const double tx = px + z * wo.x() / wo.z(), ty = py + z * wo.y() / wo.z();
+    const double tx = px + z * face.wo_flat.x() / face.wo_flat.z(), ty = py + z * face.wo_flat.y() / face.wo_flat.z();
     Coat coat;
     if (!things.at(thing, tx, ty, coat)) continue;
-    const Arriving here = arriving(light, {tx, ty, z + height_mm(truth.surface, tx, ty)});
-    const double cos_i = std::max(0.0, normal.dot(here.wi));
+    Vector3d p(tx, ty, z);
+    if (bent) {
+      const BentSheet::Place place = bent->at(tx, ty);
+      p = place.position_mm + z * place.normal();
+    } else {
+      p.z() += height_mm(truth.surface, tx, ty);
+    }
+    const Arriving here = arriving(light, p);
+    const double cos_i = face.shaded ? 0.0 : std::max(0.0, normal.dot(here.wi));
     Vector3d seen =
         coat.albedo.cwiseProduct(light.intensity * (cos_i * here.strength / std::numbers::pi) + truth.ambient);
     if (coat.gloss_f0 > 0) {
@@ -418,9 +460,10 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   Vector2d low(1, 1), high(0, 0);
   if (on_plane) corners.box(low, high);
   const Vector2d size = truth.board.size_mm;
-  constexpr double kEdge_mm = 1;  // paper above the face is seen over the board's edge
+  constexpr double kEdge_mm = 1;   // paper above the face is seen over the board's edge
+  constexpr double kTorn_mm = 20;  // a pixel across the rim of a hollow sheet, which sees two far parts of it
   const bool misses = !on_plane || high.x() < -kEdge_mm || high.y() < -kEdge_mm || low.x() > size.x() + kEdge_mm ||
-                      low.y() > size.y() + kEdge_mm;
+                      low.y() > size.y() + kEdge_mm || (bent && (high - low).maxCoeff() > kTorn_mm);
   if (misses) return cloth_at(corners, light, 0.5, 0.5);  // nothing rests on how finely the cloth is seen
   const bool whole = low.x() >= 0 && low.y() >= 0 && high.x() <= size.x() && high.y() <= size.y();
 
@@ -435,12 +478,22 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(wanted))));
 
   const double mean_x = corners.mean(&Corner::x), mean_y = corners.mean(&Corner::y);
-  const Vector3d normal = face_normal(truth.surface, mean_x, mean_y);
+  SeenFace face;
+  Vector3d grooves_lie{0, 0, 1};  // normal that the grooves' directions are told against
+  if (bent) {
+    const BentSheet::Place place = bent->at(mean_x, mean_y);
+    face.normal = place.normal();
+    face.wo = (camera - place.position_mm).normalized();
+    face.wo_flat = place.turn.transpose() * face.wo;
+    face.shaded = bent->shades(place, light.position_mm);
+  } else {
+    face.normal = grooves_lie = face_normal(truth.surface, mean_x, mean_y);
+    // The camera's direction at the pixel, for things above the face.
+    face.wo = face.wo_flat = (camera - Vector3d(mean_x, mean_y, 0)).normalized();
+  }
   thread_local std::vector<SeenGroove> seen_grooves;
-  see_grooves(near, corners, normal, seen_grooves);
+  see_grooves(near, corners, grooves_lie, seen_grooves);
   const Vector3d mean_h(corners.mean(&Corner::h_x), corners.mean(&Corner::h_y), corners.mean(&Corner::h_n));
-  // The camera's direction at the pixel, for things above the face.
-  const Vector3d wo = (camera - Vector3d(mean_x, mean_y, 0)).normalized();
 
   PointSums sums;
   double streaked = 0;  // D G of the plain face, summed over its points
@@ -452,7 +505,7 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
       const double u = (i + static_cast<double>(bits >> 32) * 0x1.0p-32) * cell;
       const double v = (j + static_cast<double>(bits & 0xffffffffU) * 0x1.0p-32) * cell;
       const double px = corners.at(&Corner::x, u, v), py = corners.at(&Corner::y, u, v);
-      const double bare = add_things(near_things, px, py, normal, wo, light, sums.others);
+      const double bare = add_things(near_things, px, py, face, light, sums.others);
       if (bare <= 0) continue;
       if (!whole && (px < 0 || py < 0 || px > size.x() || py > size.y())) {
         sums.others += bare * cloth_at(corners, light, u, v);
@@ -464,7 +517,7 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
                                                       corners.at(&Corner::h_n, u, v));
       const bool shows_plain = add_grooves(seen_grooves, px, py, h, bare, truth.last_rules, truth.deepest_rules, sums);
       if ((shows_plain || !truth.last_rules) && has_streaks()) {
-        const Vector3d tilted = streaked_normal(*brushed, normal, px, py);
+        const Vector3d tilted = streaked_normal(*brushed, grooves_lie, px, py);
         streaked += bare * brushed_light(*brushed, tilted, corners.corner[0]->base_h, corners.corner[0]->base_wi,
                                          corners.corner[0]->base_wo);
       }

@@ -43,7 +43,7 @@ void check_view(const ViewScene& scene, int channels) {
   const auto n = static_cast<std::size_t>(std::max(grid.width(), 0)) * std::max(grid.height(), 0);
   const std::size_t corners = static_cast<std::size_t>(grid.width() + 1) * (grid.height() + 1);
   if (n == 0 || grid.corner_x_mm.size() != corners || grid.corner_y_mm.size() != corners ||
-      grid.center_mm.size() != n || grid.normal.size() != n)
+      grid.center_mm.size() != n || grid.normal.size() != n || (!grid.x_axis.empty() && grid.x_axis.size() != n))
     fail("scene.grid", "it is empty, or its arrays do not fit its window", "make it with camera_grid or board_grid");
   if (!scene.hidden_from_light.empty() && scene.hidden_from_light.size() != n)
     fail("scene.hidden_from_light", "it does not fit the grid's pixels",
@@ -52,7 +52,8 @@ void check_view(const ViewScene& scene, int channels) {
 
 PixelShading shade_pixel(const ViewScene& scene, std::size_t pixel) {
   PixelShading p = shade_pixel(scene.grid->center_mm[pixel], scene.grid->normal[pixel], scene.camera_center_mm,
-                               scene.light, scene.material.base_alpha, scene.material.grain);
+                               scene.light, scene.material.base_alpha, scene.material.grain,
+                               scene.grid->x_axis.empty() ? nullptr : &scene.grid->x_axis[pixel]);
   if (!scene.hidden_from_light.empty() && scene.hidden_from_light[pixel]) {
     p.lit = false;
     p.direct = p.base = 0;

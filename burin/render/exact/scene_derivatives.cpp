@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "burin/render/area_view.h"
 #include "burin/render/error.h"
@@ -108,7 +109,8 @@ struct Chain {
   const ViewScene& scene;
   const CameraView& camera;
   Eigen::Matrix3d R_camera_board;
-  bool by_grain;  ///< is asked for
+  bool by_grain;                     ///< is asked for
+  std::optional<Cylinder> cylinder;  ///< of a bent sheet
 
   /// Q = direct (light / A + (1 - covered) base), radiance = factor(cos_ho) Q + ambient. Derivatives of one channel.
   void run(const PixelShading& p, const Eigen::Vector3d& normal, const Eigen::Vector3d& center,
@@ -118,6 +120,9 @@ struct Chain {
  private:
   void chain_geometry(const GeometryGradient& g, const Eigen::Vector3d& center,
                       const std::array<Eigen::Vector2d, 4>& corners, ByParameter& out) const;
+  void chain_bent(const GeometryGradient& g, const std::array<Eigen::Vector2d, 4>& corners, ByParameter& out) const;
+  void set_pose_and_bow(const GeometryGradient& g, const Eigen::Vector3d& push, const Eigen::Vector3d& turn,
+                        const Eigen::Vector3d& by_bow, ByParameter& out) const;
 };
 
 void Chain::run(const PixelShading& p, const Eigen::Vector3d& normal, const Eigen::Vector3d& center,
@@ -185,7 +190,15 @@ void Chain::run(const PixelShading& p, const Eigen::Vector3d& normal, const Eige
 
 void Chain::chain_geometry(const GeometryGradient& g, const Eigen::Vector3d& center,
                            const std::array<Eigen::Vector2d, 4>& corners, ByParameter& out) const {
+  for (int k = 0; k < 3; ++k) {
+    of(out, SceneParameter::light_x_mm, k) = g.light[k];
+    of(out, SceneParameter::light_axis_x, k) = g.axis[k];
+  }
   const Surface& face = camera.surface;
+  if (face.bend) {
+    chain_bent(g, corners, out);
+    return;
+  }
   const double sx = face.size_mm.x(), sy = face.size_mm.y();
   const auto XY = [&](double x, double y) { return Eigen::Vector2d(2 * x / sx - 1, 2 * y / sy - 1); };
   const auto bow_terms = [](const Eigen::Vector2d& q) {
@@ -195,11 +208,6 @@ void Chain::chain_geometry(const GeometryGradient& g, const Eigen::Vector3d& cen
     return Eigen::Vector2d((2 * face.bow_mm[0] * q.x() + face.bow_mm[1] * q.y()) * 2 / sx,
                            (face.bow_mm[1] * q.x() + 2 * face.bow_mm[2] * q.y()) * 2 / sy);
   };
-
-  for (int k = 0; k < 3; ++k) {
-    of(out, SceneParameter::light_x_mm, k) = g.light[k];
-    of(out, SceneParameter::light_axis_x, k) = g.axis[k];
-  }
 
   // The center stays on the face over the mean of the corners; its normal follows.
   const Eigen::Vector2d q = XY(center.x(), center.y()), slope = slopes(q);
@@ -232,6 +240,38 @@ void Chain::chain_geometry(const GeometryGradient& g, const Eigen::Vector3d& cen
     turn += v.cross(k3);
     by_bow += bow_terms(at) * along;
   }
+  set_pose_and_bow(g, push, turn, by_bow, out);
+}
+
+// The same on a bent sheet, whose places move along it by `across` and `along`: flat lengths are lengths there.
+void Chain::chain_bent(const GeometryGradient& g, const std::array<Eigen::Vector2d, 4>& corners,
+                       ByParameter& out) const {
+  const Cylinder& sheet = *cylinder;
+  const Eigen::Vector2d middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
+  const BentPlace at = bent_place(sheet, middle);
+  const BentMotion moves = bent_motion(sheet, middle);
+  const double by_across = at.across.dot(g.center) + sheet.curvature * at.across.dot(g.normal),
+               by_along = at.along.dot(g.center);
+  const Eigen::Vector2d by_middle = by_across * sheet.across + by_along * sheet.along;
+  Eigen::Vector3d by_bow = Eigen::Vector3d::Zero(), push = by_bow, turn = by_bow;
+  for (int i = 0; i < 2; ++i) by_bow[i] = moves.position_by[i].dot(g.center) + moves.normal_by[i].dot(g.normal);
+  for (int k = 0; k < 4; ++k) {
+    const Eigen::Vector2d by = g.corner[k] + 0.25 * by_middle;
+    const BentPlace corner = bent_place(sheet, corners[k]);
+    const BentMotion corner_moves = bent_motion(sheet, corners[k]);
+    const Eigen::Vector3d by_place = sheet.across.dot(by) * corner.across + sheet.along.dot(by) * corner.along;
+    const Eigen::Vector3d v = corner.position_mm - scene.camera_center_mm;
+    const double along = by_place.dot(v) / corner.normal.dot(v);
+    const Eigen::Vector3d k3 = by_place - corner.normal * along;
+    push += k3;
+    turn += v.cross(k3);
+    for (int i = 0; i < 2; ++i) by_bow[i] -= corner_moves.position_by[i].dot(k3);
+  }
+  set_pose_and_bow(g, push, turn, by_bow, out);
+}
+
+void Chain::set_pose_and_bow(const GeometryGradient& g, const Eigen::Vector3d& push, const Eigen::Vector3d& turn,
+                             const Eigen::Vector3d& by_bow, ByParameter& out) const {
   const Eigen::Vector3d by_t = -(R_camera_board * (push + g.camera)), by_r = -(R_camera_board * turn);
   for (int k = 0; k < 3; ++k) {
     of(out, SceneParameter::pose_rx, k) = by_r[k];
@@ -286,7 +326,8 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
   const bool by_grain = std::any_of(parameters.begin(), parameters.end(), [](SceneParameter p) {
     return p == SceneParameter::grain_c || p == SceneParameter::grain_s;
   });
-  const Chain chain{scene, camera, camera.T_camera_board.linear(), by_grain};
+  const Chain chain{scene, camera, camera.T_camera_board.linear(), by_grain,
+                    camera.surface.bend ? std::optional(cylinder_of(camera.surface)) : std::nullopt};
 
   const auto sum_pixel = [&](std::size_t i, const PixelShading& p, const std::array<Eigen::Vector2d, 4>& corners) {
     PixelSums sums;
