@@ -15,6 +15,7 @@
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_family.h"
+#include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/files_together.h"
@@ -265,6 +266,10 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   out.bench.lens = out.geometry.lens;
   out.bench.views = out.geometry.views;
   out.bench.bow_mm = out.geometry.bow_mm;
+  if (board.bend) {
+    out.bench.bend_sigma = bend_sigma_of(surface_of(board, out.bench), out.geometry.bow_sigma_mm.head<2>());
+    settle_bend(board, out.bench);
+  }
   out.bench.tags = out.geometry.tags;
   for (Tag& tag : out.bench.tags) tag.size_mm += 2 * out.geometry.edge_mm;
   out.bench.material = board.material;

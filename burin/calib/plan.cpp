@@ -17,6 +17,7 @@
 #include "burin/calib/verdict/candidate_photo.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/calib/verdict/planned_tags.h"
+#include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/parameter_name.h"
@@ -237,7 +238,7 @@ BundleEquations tags_from(const std::vector<CameraPlace>& places, const Board& b
                           const BundleOptions& bundle_options, double corner_sigma_px) {
   Bundle bundle;
   bundle.lens = bench.lens;
-  bundle.surface = {board.size_mm, bench.bow_mm};
+  bundle.surface = surface_of(board, bench);
   for (const Tag& tag : board.tags.list) {
     TagPlacement placement;
     placement.sigma_mm = std::max(board.tags.sigma_mm, 1e-4);

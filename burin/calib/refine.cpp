@@ -22,6 +22,7 @@
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
 #include "burin/calib/verdict/refine_result.h"
+#include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/median.h"
@@ -369,6 +370,7 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
   if (run.views.empty())
     fail("session", "no photo has both a camera pose and the board in it", "run burin calibrate on this session first");
   for (const auto stage : kStages) (run.*stage)();
+  settle_bend(board, run.out.bench);
   return std::move(run.out);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
@@ -107,7 +108,7 @@ struct Solver {
       t.sigma_rad = t.sigma_mm / (board.tags.list[i].size_mm / 2);
       bundle.tags.push_back(t);
     }
-    bundle.surface.size_mm = board.size_mm;
+    bundle.surface = {board.size_mm, Eigen::Vector3d::Zero(), board.bend};
     bundle.lens.width = width;
     bundle.lens.height = height;
     for (std::size_t p = 0; p < pictures.size(); ++p) {
@@ -253,6 +254,11 @@ struct Solver {
         Eigen::Vector3d v;
         unproject(bundle.lens, {&bundle.corners[i + k].q_px, 1}, {&v, 1});
         const Eigen::Vector3d d = T_board_camera.linear() * v, from = T_board_camera.translation();
+        if (bundle.surface.bend) {
+          constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
+          sum += flat_place(cylinder_of(bundle.surface), from, d).value_or(Eigen::Vector2d(kNowhere, kNowhere)) / 4;
+          continue;
+        }
         sum += (from + (board.tags.z_mm - from.z()) / d.z() * d).head<2>() / 4;
       }
       if (sum.allFinite()) places.push_back(sum);
@@ -458,17 +464,26 @@ struct Solver {
       const BundleCorner& c = bundle.corners[i];
       if (view_dropped[c.view]) continue;
       std::array<Eigen::Vector3d, 4> p;
-      for (int k = 0; k < 4; ++k) p[k] = bundle.views[c.view] * bundle_point_mm(bundle, bundle.corners[i + k]);
+      std::array<Eigen::Vector2d, 4> flat;
+      for (int k = 0; k < 4; ++k) {
+        p[k] = bundle.views[c.view] * bundle_point_mm(bundle, bundle.corners[i + k]);
+        flat[k] = bundle_flat_mm(bundle, bundle.corners[i + k]);
+      }
       auto side = [&](int k, double t) {
-        const Eigen::Vector3d v = p[k] + t * (p[(k + 1) % 4] - p[k]);
+        Eigen::Vector3d v = p[k] + t * (p[(k + 1) % 4] - p[k]);
+        if (bundle.surface.bend) {  // the paper bends along
+          const Eigen::Vector2d at = flat[k] + t * (flat[(k + 1) % 4] - flat[k]);
+          v = bundle.views[c.view] * above_face(bundle.surface, at.x(), at.y(), c.z_mm);
+        }
         Eigen::Vector2d q;
         project(bundle.lens, {&v, 1}, {&q, 1});
         return q;
       };
       const auto bias = curved_side_bias_px(side, skip);
       const TagDetection& tag = pictures[origin[i].picture].tags[origin[i].detection];
+      const double most_px = bundle.surface.bend ? 0.2 * (tag.corner_px[1] - tag.corner_px[0]).norm() : 1;
       for (int k = 0; k < 4; ++k)
-        if (bias[k].allFinite() && bias[k].norm() < 1) bundle.corners[i + k].q_px = tag.corner_px[k] - bias[k];
+        if (bias[k].allFinite() && bias[k].norm() < most_px) bundle.corners[i + k].q_px = tag.corner_px[k] - bias[k];
     }
   }
 

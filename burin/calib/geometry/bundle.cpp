@@ -16,6 +16,7 @@ extern "C" {  // mrcal's headers have no guard for C++ of their own
 #include <memory>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <span>
 
 #include "burin/render/error.h"
@@ -51,10 +52,27 @@ Eigen::Isometry3d to_isometry(const double* p) {
   return T;
 }
 
+// Where a place of a bent sheet's tags lies, z_mm above its face, and how it moves along the sheet and with the bow.
+Eigen::Vector3d bent_point(const Surface& believed, const Eigen::Vector3d& bow_mm, const Eigen::Vector2d& xy,
+                           double z_mm, Eigen::Matrix<double, 3, 2>* by_xy, Eigen::Matrix3d* by_bow) {
+  const Cylinder sheet = cylinder_of(Surface{believed.size_mm, bow_mm, believed.bend});
+  const BentPlace place = bent_place(sheet, xy);
+  if (by_xy)
+    *by_xy =
+        (1 + z_mm * sheet.curvature) * place.across * sheet.across.transpose() + place.along * sheet.along.transpose();
+  if (by_bow) {
+    const BentMotion moves = bent_motion(sheet, xy);
+    by_bow->setZero();
+    for (int i = 0; i < 2; ++i) by_bow->col(i) = moves.position_by[i] + z_mm * moves.normal_by[i];
+  }
+  return place.position_mm + z_mm * place.normal;
+}
+
 // The corner on the board and its derivatives by the shared block (edge, bow) and its tag's placement.
-Eigen::Vector3d board_point(const BundleCorner& c, const Eigen::Vector2d& size_mm, const double* shared,
+Eigen::Vector3d board_point(const BundleCorner& c, const Surface& surface, const double* shared,
                             const double* placement, Eigen::Matrix<double, 3, 4>* by_shared,
                             Eigen::Matrix3d* by_placement) {
+  const Eigen::Vector2d& size_mm = surface.size_mm;
   const double turn = placement ? placement[2] : 0, cs = std::cos(turn), sn = std::sin(turn);
   // The edge moves both sides that meet in the corner outwards: along the diagonal, sqrt(2) edge.
   const double half = c.offset_mm.norm() / std::sqrt(2.0), grow = half > 0 ? 1 + shared[0] / half : 1;
@@ -62,6 +80,20 @@ Eigen::Vector3d board_point(const BundleCorner& c, const Eigen::Vector2d& size_m
                                sn * c.offset_mm.x() + cs * c.offset_mm.y());
   Eigen::Vector2d xy = c.center_mm + grow * turned;
   if (placement) xy += Eigen::Vector2d(placement[0], placement[1]);
+  if (surface.bend) {
+    Eigen::Matrix<double, 3, 2> by_xy;
+    Eigen::Matrix3d by_bow;
+    const Eigen::Vector3d p = bent_point(surface, {shared[1], shared[2], shared[3]}, xy, c.z_mm, &by_xy, &by_bow);
+    if (by_shared) {
+      by_shared->col(0) = half > 0 ? Eigen::Vector3d(by_xy * turned / half) : Eigen::Vector3d::Zero();
+      by_shared->rightCols<3>() = by_bow;
+    }
+    if (by_placement) {
+      by_placement->leftCols<2>() = by_xy;
+      by_placement->col(2) = by_xy * (grow * Eigen::Vector2d(-turned.y(), turned.x()));
+    }
+    return p;
+  }
   const double X = 2 * xy.x() / size_mm.x() - 1, Y = 2 * xy.y() / size_mm.y() - 1;
   const double z = c.z_mm + shared[1] * X * X + shared[2] * X * Y + shared[3] * Y * Y;
   if (by_shared || by_placement) {
@@ -85,9 +117,9 @@ Eigen::Vector3d board_point(const BundleCorner& c, const Eigen::Vector2d& size_m
 // Blocks: lens, pose, shared, and the tag's placement if it has one.
 class ReprojectionCost final : public ceres::CostFunction {
  public:
-  ReprojectionCost(const mrcal_lensmodel_t& model, int lens_parameters, const Eigen::Vector2d& size_mm,
+  ReprojectionCost(const mrcal_lensmodel_t& model, int lens_parameters, const Surface& surface,
                    const BundleCorner& corner)
-      : model_(model), lens_parameters_(lens_parameters), size_mm_(size_mm), corner_(corner) {
+      : model_(model), lens_parameters_(lens_parameters), surface_(surface), corner_(corner) {
     set_num_residuals(2);
     *mutable_parameter_block_sizes() = {lens_parameters, 6, 4};
     if (corner.tag >= 0) mutable_parameter_block_sizes()->push_back(3);
@@ -98,7 +130,7 @@ class ReprojectionCost final : public ceres::CostFunction {
     Eigen::Matrix<double, 3, 4> p_by_shared;
     Eigen::Matrix3d p_by_placement;
     const Eigen::Vector3d p =
-        board_point(corner_, size_mm_, parameters[2], placement, jacobians ? &p_by_shared : nullptr,
+        board_point(corner_, surface_, parameters[2], placement, jacobians ? &p_by_shared : nullptr,
                     jacobians && placement ? &p_by_placement : nullptr);
     Eigen::Vector3d v;
     Eigen::Matrix<double, 3, 6, Eigen::RowMajor> v_by_pose;
@@ -134,7 +166,7 @@ class ReprojectionCost final : public ceres::CostFunction {
  private:
   mrcal_lensmodel_t model_;
   int lens_parameters_;
-  Eigen::Vector2d size_mm_;
+  Surface surface_;
   BundleCorner corner_;
 };
 
@@ -263,8 +295,7 @@ struct Work {
         centers[c.tag] = c.center_mm;
       }
       ceres::LossFunction* loss = o.cauchy_sigma > 0 ? new ceres::CauchyLoss(o.cauchy_sigma) : nullptr;
-      problem->AddResidualBlock(new ReprojectionCost(model, static_cast<int>(lens.size()), b.surface.size_mm, c), loss,
-                                blocks);
+      problem->AddResidualBlock(new ReprojectionCost(model, static_cast<int>(lens.size()), b.surface, c), loss, blocks);
       ++view_corners[c.view];
     }
     if (problem->NumResidualBlocks() == 0) return;
@@ -314,10 +345,22 @@ struct Work {
 
 Eigen::Vector3d bundle_point_mm(const Bundle& b, const BundleCorner& c) {
   const std::array<double, 4> shared = {b.edge_mm, b.surface.bow_mm[0], b.surface.bow_mm[1], b.surface.bow_mm[2]};
-  if (c.tag < 0) return board_point(c, b.surface.size_mm, shared.data(), nullptr, nullptr, nullptr);
+  if (c.tag < 0) return board_point(c, b.surface, shared.data(), nullptr, nullptr, nullptr);
   const TagPlacement& t = b.tags[c.tag];
   const std::array<double, 3> placement = {t.shift_mm.x(), t.shift_mm.y(), t.turn_rad};
-  return board_point(c, b.surface.size_mm, shared.data(), placement.data(), nullptr, nullptr);
+  return board_point(c, b.surface, shared.data(), placement.data(), nullptr, nullptr);
+}
+
+Eigen::Vector2d bundle_flat_mm(const Bundle& b, const BundleCorner& c) {
+  Bundle flat;  // the corner alone
+  flat.surface.size_mm = b.surface.size_mm;
+  flat.edge_mm = b.edge_mm;
+  BundleCorner corner = c;
+  if (c.tag >= 0) {
+    flat.tags = {b.tags[c.tag]};
+    corner.tag = 0;
+  }
+  return bundle_point_mm(flat, corner).head<2>();
 }
 
 std::vector<Eigen::Vector2d> bundle_residuals_px(const Bundle& b) {
@@ -600,9 +643,10 @@ Lens plain_lens(const std::string& model, double focal_px, int width, int height
 
 namespace {
 
-// Board and pixel points of each view, only the used ones.
+// Board and pixel points of each view, only the used ones. `in_space`: of a bent sheet, which no homography shows.
 struct ViewPoints {
   std::vector<cv::Point2f> board, pixel;
+  std::vector<cv::Point3f> in_space;
 };
 
 std::vector<ViewPoints> points_by_view(const Bundle& b) {
@@ -612,7 +656,11 @@ std::vector<ViewPoints> points_by_view(const Bundle& b) {
     const Eigen::Vector3d p = bundle_point_mm(b, c);
     views[c.view].board.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()));
     views[c.view].pixel.emplace_back(static_cast<float>(c.q_px.x()), static_cast<float>(c.q_px.y()));
+    if (b.surface.bend)
+      views[c.view].in_space.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()),
+                                          static_cast<float>(p.z()));
   }
+  if (b.surface.bend) return views;  // bent_pose() finds gross errors itself
   // Gross errors (a misplaced tag, a false corner) must not seed anything.
   for (ViewPoints& v : views) {
     if (v.board.size() < 8) continue;
@@ -631,6 +679,48 @@ std::vector<ViewPoints> points_by_view(const Bundle& b) {
   return views;
 }
 
+// A rotation vector and a translation as OpenCV gives them.
+Eigen::Isometry3d isometry_of(const cv::Mat& rotation, const cv::Mat& translation) {
+  cv::Mat R;
+  cv::Rodrigues(rotation, R);
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) T.linear()(r, c) = R.at<double>(r, c);
+    T.translation()[r] = translation.at<double>(r);
+  }
+  return T;
+}
+
+// The pose of a bent sheet from points that lie in no plane (SQPnP in RANSAC); its error is told, each point's counted
+// up to the tolerance. Nothing where too few points agree.
+std::optional<Eigen::Isometry3d> bent_pose(const Bundle& b, const ViewPoints& v, const cv::Matx33d& K,
+                                           double& error_px) {
+  constexpr int kFewest = 6;
+  const double tolerance = 0.01 * std::max(b.lens.width, b.lens.height);  // lens distortion is no outlier
+  if (v.in_space.size() < kFewest) return std::nullopt;
+  cv::Mat rotation, translation;
+  std::vector<int> inliers;
+  try {
+    if (!cv::solvePnPRansac(v.in_space, v.pixel, K, cv::noArray(), rotation, translation, false, 300,
+                            static_cast<float>(tolerance), 0.999, inliers, cv::SOLVEPNP_SQPNP))
+      return std::nullopt;
+  } catch (const cv::Exception&) {
+    return std::nullopt;
+  }
+  if (inliers.size() < std::max<std::size_t>(kFewest, v.in_space.size() / 2)) return std::nullopt;
+  const Eigen::Isometry3d T = isometry_of(rotation, translation);
+  double sum2 = 0;
+  for (std::size_t k = 0; k < v.in_space.size(); ++k) {
+    const cv::Point3f& at = v.in_space[k];
+    const Eigen::Vector3d p = T * Eigen::Vector3d(at.x, at.y, at.z);
+    const double dx = K(0, 0) * p.x() / p.z() + K(0, 2) - v.pixel[k].x,
+                 dy = K(1, 1) * p.y() / p.z() + K(1, 2) - v.pixel[k].y;
+    sum2 += p.z() > 0 ? std::min(dx * dx + dy * dy, tolerance * tolerance) : tolerance * tolerance;
+  }
+  error_px = std::sqrt(sum2 / static_cast<double>(2 * v.in_space.size()));
+  return T.matrix().allFinite() ? std::optional(T) : std::nullopt;
+}
+
 PoseSeed seed_from(const Bundle& b, const std::vector<ViewPoints>& points, double focal_px) {
   PoseSeed out;
   const cv::Matx33d K(focal_px, 0, (b.lens.width - 1) / 2.0, 0, focal_px, (b.lens.height - 1) / 2.0, 0, 0, 1);
@@ -638,6 +728,15 @@ PoseSeed seed_from(const Bundle& b, const std::vector<ViewPoints>& points, doubl
   for (const ViewPoints& v : points) {
     out.T_camera_board.push_back(Eigen::Isometry3d::Identity());
     out.found.push_back(false);
+    if (b.surface.bend) {
+      double error_px = 0;
+      if (const auto T = bent_pose(b, v, K, error_px)) {
+        out.T_camera_board.back() = *T;
+        out.found.back() = true;
+        errors.push_back(error_px);
+      }
+      continue;
+    }
     if (v.board.size() < 4) continue;
     std::vector<cv::Point3f> object;
     for (const auto& p : v.board) object.emplace_back(p.x, p.y, 0.0F);
@@ -651,13 +750,7 @@ PoseSeed seed_from(const Bundle& b, const std::vector<ViewPoints>& points, doubl
     }
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < rotations.size(); ++i) {
-      cv::Mat R;
-      cv::Rodrigues(rotations[i], R);
-      Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-      for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) T.linear()(r, c) = R.at<double>(r, c);
-        T.translation()[r] = translations[i].at<double>(r);
-      }
+      const Eigen::Isometry3d T = isometry_of(rotations[i], translations[i]);
       bool in_front = T.matrix().allFinite();
       double sum2 = 0;
       for (std::size_t k = 0; k < object.size() && in_front; ++k) {
@@ -697,9 +790,11 @@ double seed_focal_px(const Bundle& b) {
     pixel.push_back(v.pixel);
   }
   try {
-    const cv::Mat K = cv::initCameraMatrix2D(object, pixel, cv::Size(b.lens.width, b.lens.height), 1.0);
-    const double f = K.at<double>(0, 0);
-    if (std::isfinite(f) && f > 0.1 * size && f < 50 * size) candidates.push_back(f);
+    if (!b.surface.bend) {  // which no plane's homography shows
+      const cv::Mat K = cv::initCameraMatrix2D(object, pixel, cv::Size(b.lens.width, b.lens.height), 1.0);
+      const double f = K.at<double>(0, 0);
+      if (std::isfinite(f) && f > 0.1 * size && f < 50 * size) candidates.push_back(f);
+    }
   } catch (const cv::Exception&) {
     // too few or degenerate views: the scan decides alone
   }

@@ -4,10 +4,10 @@
 // Minimizes, over whatever is not held fixed,
 //   sum over corners  rho( |(project(lens, T_camera_board p) - q_px) / sigma_px|^2 )  +  priors
 // with p the corner on the bowed face: xy = center + shift + R(turn) (1 + edge / half side) offset,
-// z = z_mm + bow (Surface). Projection and its gradients are mrcal's, chained by hand; the solver is Ceres' with views
-// eliminated first; the covariance is the inverse of the same normal matrix, by Schur complement.
-// Every parameter but the poses has a prior, so the normal matrix is never singular: "not determined" shows as a sigma
-// that the photos hardly made smaller than the prior's.
+// z = z_mm + bow (Surface); on a bent sheet z_mm along its normal, the bow changing the cylinder. Projection and its
+// gradients are mrcal's, chained by hand; the solver is Ceres' with views eliminated first; the covariance is the
+// inverse of the same normal matrix, by Schur complement. Every parameter but the poses has a prior, so the normal
+// matrix is never singular: "not determined" shows as a sigma that the photos hardly made smaller than the prior's.
 // Frames: board (mm), camera, pixels (center of the top-left pixel is (0, 0)). docs/model.md 9.2.
 // burin/calib/geometry/lens_solver.h and burin/calib/geometry/board_solver.h are the doors to this room.
 #pragma once
@@ -121,8 +121,9 @@ Eigen::Matrix<double, 3, 6> center_by_pose(const Eigen::Isometry3d& T_camera_boa
 /// Predicted minus measured, px, one a corner, used or not. NaN for corners behind the camera.
 std::vector<Eigen::Vector2d> bundle_residuals_px(const Bundle& bundle);
 
-/// The corner's place on the board, mm.
+/// The corner's place on the board, mm; and on the flat sheet.
 Eigen::Vector3d bundle_point_mm(const Bundle& bundle, const BundleCorner& corner);
+Eigen::Vector2d bundle_flat_mm(const Bundle& bundle, const BundleCorner& corner);
 
 /// How mrcal's own solver moves the solution when lens and poses are free again: the same corners, lens model and
 /// weights, tags and bow held. An independent check; its optimum should be ours.

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "burin/calib/geometry/bundle.h"
+#include "burin/render/board_face.h"
 #include "burin/render/lens.h"
 #include "burin/render/parameter_name.h"
-#include "burin/render/surface.h"
 
 namespace burin {
 
@@ -38,7 +38,7 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
   GeometryPrior prior;
   Bundle bundle;  // its corners lie where they are predicted: only their information is asked for
   bundle.lens = bench.lens;
-  bundle.surface = {board.size_mm, bench.bow_mm};
+  bundle.surface = surface_of(board, bench);
   const std::vector<Tag>& tags = bench.tags.empty() ? board.tags.list : bench.tags;
   for (const Tag& tag : tags) {
     TagPlacement placement;

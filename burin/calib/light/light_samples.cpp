@@ -10,10 +10,11 @@
 #include <opencv2/imgproc.hpp>
 
 #include "burin/capture/tags/tag_family.h"
+#include "burin/render/board_face.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
 #include "burin/render/median.h"
-#include "burin/render/surface.h"
+#include "burin/render/pixel_shading.h"
 
 namespace burin {
 namespace {
@@ -21,8 +22,6 @@ namespace {
 const std::vector<Tag>& tags_of(const Board& board, const Bench& bench) {
   return bench.tags.empty() ? board.tags.list : bench.tags;
 }
-
-Surface surface_of(const Board& board, const Bench& bench) { return {board.size_mm, bench.bow_mm}; }
 
 // Size of a pixel on the board where it is largest, mm: distances in pixels become board distances with it.
 double pixel_size_mm(const FootprintGrid& grid, int x, int y) {
@@ -75,15 +74,17 @@ struct PaperPixels {
   std::vector<double> values;
   double variance_sum = 0, radius2 = 0;
   Eigen::Vector3d p{0, 0, 0};
+  Eigen::Vector2d flat{0, 0};
   int lost = 0;  // clipped
 };
 
 // A sample from the pixels of one color of one tag: their median, so that dust and a lifted corner do not matter.
-bool finish_paper(PaperPixels& pixels, LightSample& sample) {
+bool finish_paper(PaperPixels& pixels, const Surface& surface, LightSample& sample) {
   constexpr int kFewest = 6;
   const int count = static_cast<int>(pixels.values.size());
   if (count < kFewest || pixels.lost > count / 4) return false;
   sample.p_board = pixels.p / count;
+  sample.normal = face_normal(surface, pixels.flat.x() / count, pixels.flat.y() / count);
   sample.radius2 = pixels.radius2 / count;
   sample.value = median_of(pixels.values);
   std::vector<double> deviations;
@@ -326,22 +327,25 @@ void add_face_samples(const SampledView& v, const BoardMask& plain, std::vector<
       values.clear();
       double variance = 0, radius2 = 0;
       Eigen::Vector3d p = Eigen::Vector3d::Zero();
+      Eigen::Vector2d flat = Eigen::Vector2d::Zero();
       for (int y = y0; y < y0 + block; ++y)
         for (int x = x0; x < x0 + block; ++x) {
           const std::size_t i = static_cast<std::size_t>(y) * v.width() + x;
           const Eigen::Vector3d& q = v.grid.center_mm[i];
-          if (!v.view.valid[i] || !std::isfinite(q.x()) || !plain.is_free(q.x(), q.y())) continue;
+          const Eigen::Vector2d at = footprint_middle_mm(v.grid, i);
+          if (!v.view.valid[i] || !std::isfinite(q.x()) || !plain.is_free(at.x(), at.y())) continue;
           values.push_back(v.view.value.data[i]);
           variance += static_cast<double>(v.view.sigma.data[i]) * v.view.sigma.data[i];
           radius2 += v.radius2_at(x, y);
           p += q;
+          flat += at;
         }
       const int count = static_cast<int>(values.size());
       // A block that is cut would pull the median towards one side of it.
       if (count < block * block) continue;
       LightSample sample = v.start(SampleKind::face);
       sample.p_board = p / count;
-      sample.normal = face_normal(v.surface, sample.p_board.x(), sample.p_board.y());
+      sample.normal = face_normal(v.surface, flat.x() / count, flat.y() / count);
       sample.radius2 = radius2 / count;
       sample.value = median_in_place(values);
       sample.sigma = 1.2533 * std::sqrt(variance) / count;
@@ -360,12 +364,20 @@ std::vector<std::array<PaperPixels, 2>> paper_pixels(const SampledView& v, const
       const std::size_t i = static_cast<std::size_t>(y) * v.width() + x;
       const Eigen::Vector3d& q = v.grid.center_mm[i];
       if (!std::isfinite(q.x())) continue;
-      const Eigen::Vector3d p = q + (v.camera - q) * (v.board.tags.z_mm / (v.camera.z() - q.z()));
+      Eigen::Vector3d p = q + (v.camera - q) * (v.board.tags.z_mm / (v.camera.z() - q.z()));
+      Eigen::Vector2d flat = p.head<2>();
+      if (v.surface.bend) {
+        // Along the way to the camera to the paper's height over the sheet; how far that leads aside is seen flat.
+        const Eigen::Vector3d n = v.grid.normal[i], way = (v.camera - q) * (v.board.tags.z_mm / (v.camera - q).dot(n));
+        p = q + way;
+        flat = footprint_middle_mm(v.grid, i) + (R_face_board(n) * way).head<2>();
+      }
       for (std::size_t t = 0; t < tags.size(); ++t) {
         const double reach = tags[t].pattern.total_cells * tags[t].cell_mm;
-        if (std::abs(p.x() - tags[t].tag.center_mm.x()) > reach || std::abs(p.y() - tags[t].tag.center_mm.y()) > reach)
+        if (std::abs(flat.x() - tags[t].tag.center_mm.x()) > reach ||
+            std::abs(flat.y() - tags[t].tag.center_mm.y()) > reach)
           continue;
-        const Eigen::Vector2d at = tags[t].in_cells(p.x(), p.y());
+        const Eigen::Vector2d at = tags[t].in_cells(flat.x(), flat.y());
         const double margin = v.options.edge_margin_px * pixel_size_mm(v.grid, x, y) / tags[t].cell_mm;
         const int color = uniform_color(tags[t].pattern, at, margin);
         if (color < 0) continue;
@@ -378,6 +390,7 @@ std::vector<std::array<PaperPixels, 2>> paper_pixels(const SampledView& v, const
         pixels.variance_sum += static_cast<double>(v.view.sigma.data[i]) * v.view.sigma.data[i];
         pixels.radius2 += v.radius2_at(x, y);
         pixels.p += p;
+        pixels.flat += flat;
         break;
       }
     }
@@ -390,8 +403,7 @@ void add_paper_samples(const SampledView& v, const std::vector<PlacedTag>& tags,
     for (const int color : {0, 1}) {
       LightSample sample = v.start(color ? SampleKind::white_paper : SampleKind::black_paper);
       sample.tag = tags[t].tag.id;
-      if (!finish_paper(paper[t][color], sample)) continue;
-      sample.normal = face_normal(v.surface, sample.p_board.x(), sample.p_board.y());
+      if (!finish_paper(paper[t][color], v.surface, sample)) continue;
       sample.to_camera = (v.camera - sample.p_board).normalized();
       samples.push_back(sample);
     }

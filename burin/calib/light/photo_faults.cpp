@@ -137,7 +137,7 @@ std::vector<Finding> rejected_tags(std::span<const ViewTags> pictures, const Boa
 
 std::vector<Finding> unseen_tags(std::span<const ViewTags> pictures, const Board& board, const BoardSolution& solved) {
   std::vector<Finding> findings;
-  const Surface surface{board.size_mm, solved.bow_mm};
+  const Surface surface{board.size_mm, solved.bow_mm, board.bend};
   for (const Tag& tag : board.tags.list) {
     std::set<std::string> expected, missed;
     const auto corners = tag_corners_mm(tag);
@@ -153,8 +153,7 @@ std::vector<Finding> unseen_tags(std::span<const ViewTags> pictures, const Board
       }
       std::array<Eigen::Vector2d, 4> q;
       for (int k = 0; k < 4; ++k) {
-        const Eigen::Vector3d p(corners[k].x(), corners[k].y(),
-                                height_mm(surface, corners[k].x(), corners[k].y()) + board.tags.z_mm);
+        const Eigen::Vector3d p = above_face(surface, corners[k].x(), corners[k].y(), board.tags.z_mm);
         const Eigen::Vector3d v = view.T_camera_board * p;
         project(solved.lens, {&v, 1}, {&q[k], 1});
         inside = inside && v.z() > 0 && q[k].allFinite();

@@ -232,7 +232,7 @@ void add_photo(const FanProblem& problem, std::size_t k, const State& state, con
     if (fan >= 0) {
       const Vector2d center =
           map.A * (problem.coupon->fans[group].center_mm - model.center_mm) + model.center_mm + map.shift_mm;
-      sector = sector_of(photo.scene.grid->center_mm[i].head<2>() - center);
+      sector = sector_of(footprint_middle_mm(*photo.scene.grid, i) - center);
     }
     scores[group][static_cast<std::size_t>(sector)] += loss.weight * r * row;
   }
@@ -370,9 +370,8 @@ void find_fans(const State& state, FanProblem& problem) {
   for (PhotoData& photo : problem.data.photos) {
     std::vector<int>& fans = problem.fan_of_pixel.emplace_back(photo.weight.size(), -1);
     for (std::size_t i = 0; i < fans.size(); ++i) {
-      const Eigen::Vector3d& p3 = photo.scene.grid->center_mm[i];
-      if (!std::isfinite(p3.x())) continue;
-      const Vector2d p = p3.head<2>();
+      const Vector2d p = footprint_middle_mm(*photo.scene.grid, i);
+      if (!std::isfinite(p.x())) continue;
       if ((p.array() > low.array() - kMargin_mm).all() && (p.array() < high.array() + kMargin_mm).all())
         photo.weight[i] = 0;
       double nearest = std::numeric_limits<double>::infinity();

@@ -12,6 +12,7 @@
 #include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
+#include "burin/render/board_face.h"
 #include "burin/render/error.h"
 
 namespace burin {
@@ -106,13 +107,16 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   data.bin = bin;
   data.camera.lens = binned_view.lens;
   data.camera.T_camera_board = bench.views[binned_view.view].T_camera_board;
-  data.camera.surface = {board.size_mm, bench.bow_mm};
+  data.camera.surface = surface_of(board, bench);
   data.camera.window = binned_view.window;
   data.room = make_render_workspace();
   // Lamp, material and ambient light are unknowns.
   if (board.mesh.empty()) {
     data.scene.grid = share(grid_of(binned_view, data.camera.T_camera_board, data.camera.surface));
     data.scene.camera_center_mm = data.camera.T_camera_board.inverse().translation();
+    if (data.camera.surface.bend && !bench.lights.empty())  // a lamp's shadow hardly moves while it is measured
+      data.scene.hidden_from_light = hidden_pixels(*data.scene.grid, BoardFace{data.camera.surface, nullptr},
+                                                   bench.lights[binned_view.light].position_mm);
   } else {
     data.scene = make_scene(bench, board, data.camera, {});
     data.scene.ambient.setZero();
@@ -190,7 +194,7 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const std::size_t i = static_cast<std::size_t>(y) * width + x;
-      const Eigen::Vector3d& p = grid.center_mm[i];
+      const Eigen::Vector2d p = footprint_middle_mm(grid, i);
       if (!binned_view.valid[i] || !std::isfinite(p.x()) || !metal.is_free(p.x(), p.y())) continue;
       data.weight[i] = 1 / binned_view.sigma.data[i];
     }
@@ -510,7 +514,7 @@ void add_depth(const ModelData& model, const PhotoData& photo, const Unknowns& x
     if (!columns.wants(unknown::depth_field + term)) continue;
     Image by_term = by_factor;
     for (std::size_t i = 0; i < by_term.data.size(); ++i) {
-      const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
+      const Eigen::Vector2d p = footprint_middle_mm(*photo.scene.grid, i);
       if (!std::isfinite(p.x())) continue;
       const double u = p.x() / model.board->size_mm.x(), v = p.y() / model.board->size_mm.y();
       by_term.data[i] *= static_cast<float>(field_terms_at(u, v)[term] / field_over_board(terms, u, v));
@@ -715,7 +719,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
       if (tile_mm > 0) {
         to_noise[used] = 1 / (root * photo.weight[i] * photo.photo.sigma.data[i]);
         to_curvature[used] = std::sqrt(loss.curvature / loss.weight);
-        const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
+        const Eigen::Vector2d p = footprint_middle_mm(*photo.scene.grid, i);
         const int tx = std::clamp(static_cast<int>(p.x() / tile_mm), 0, tile_columns - 1);
         const int ty = std::clamp(static_cast<int>(p.y() / tile_mm), 0, tile_rows - 1);
         tiles.col(ty * tile_columns + tx) += r[used] * rows.col(used);

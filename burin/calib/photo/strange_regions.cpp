@@ -18,7 +18,7 @@ struct BoardSquares {
         rows(static_cast<int>(std::ceil(board.size_mm.y() / kStrangeSquareMm))),
         seen(static_cast<std::size_t>(columns) * rows, 0),
         strange(seen) {}
-  std::size_t at(const Eigen::Vector3d& p_mm) const {
+  std::size_t at(const Eigen::Vector2d& p_mm) const {
     const int column = std::clamp(static_cast<int>(p_mm.x() / kStrangeSquareMm), 0, columns - 1);
     const int row = std::clamp(static_cast<int>(p_mm.y() / kStrangeSquareMm), 0, rows - 1);
     return static_cast<std::size_t>(row) * columns + column;
@@ -43,7 +43,7 @@ std::vector<StrangeRegion> strange_regions(const Problem& data, const State& sta
     std::vector<int> pixels(squares.seen.size(), 0), off(pixels);
     for (std::size_t i = 0; i < photo.weight.size(); ++i) {
       if (!(photo.weight[i] > 0)) continue;
-      const std::size_t square = squares.at(photo.scene.grid->center_mm[i]);
+      const std::size_t square = squares.at(footprint_middle_mm(*photo.scene.grid, i));
       ++pixels[square];
       off[square] += std::abs(value.data[i] - photo.photo.value.data[i]) * photo.weight[i] > kBeyond;
     }
@@ -109,7 +109,8 @@ void leave_out(const std::vector<StrangeRegion>& regions, const Problem& data, s
     const PixelWindow &binned = photo.photo.window, &whole = view.window;
     for (int y = 0; y < binned.height; ++y)
       for (int x = 0; x < binned.width; ++x) {
-        const Eigen::Vector3d& p = photo.scene.grid->center_mm[static_cast<std::size_t>(y) * binned.width + x];
+        const Eigen::Vector2d p =
+            footprint_middle_mm(*photo.scene.grid, static_cast<std::size_t>(y) * binned.width + x);
         if (!std::isfinite(p.x()) || !out[squares.at(p)]) continue;
         for (int v = 0; v < photo.bin; ++v)
           for (int u = 0; u < photo.bin; ++u) {

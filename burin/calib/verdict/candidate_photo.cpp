@@ -9,6 +9,7 @@
 #include "burin/calib/light/lamp.h"
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/paper_equation.h"
+#include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/footprint_grid.h"
@@ -251,7 +252,7 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
   view.name = "candidate";
   view.T_camera_board = place.T_camera_board;
   there.views = {view};
-  const Surface surface{board.size_mm, bench.bow_mm};
+  const Surface surface = surface_of(board, bench);
   LightView pixels;
   pixels.light = light;
   const double mm_per_px = place.distance_mm / bench.lens.intrinsics[0];
@@ -279,7 +280,8 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
       sample.kind = kind;
       sample.light = light;
       sample.tag = tag.id;
-      sample.p_board = {tag.center_mm.x(), tag.center_mm.y(), board.tags.z_mm};
+      sample.p_board = above_face(surface, tag.center_mm.x(), tag.center_mm.y(), board.tags.z_mm);
+      sample.normal = face_normal(surface, tag.center_mm.x(), tag.center_mm.y());
       sample.to_camera = (eye - sample.p_board).normalized();
       const Eigen::Vector3d v = place.T_camera_board * sample.p_board;
       Eigen::Vector2d q;

@@ -13,6 +13,7 @@
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/render/groove.h"
 #include "burin/render/parameter_name.h"
+#include "burin/render/pixel_shading.h"
 #include "burin/render/steepest_lean.h"
 #include "burin/render/surface.h"
 
@@ -268,11 +269,14 @@ void judge_tags(GeometryJudge& j) {
 }
 
 void judge_bow(GeometryJudge& j) {
-  const auto [rows, sigmas] = j.columns(j.equations.shared_at + 1, 3);
+  // Of a bent sheet the bow's first two numbers are its bend's: by how much its rim is known.
+  const bool bent = j.geometry.bundle.surface.bend.has_value();
+  const char* const name = bent ? parameter::kBend : parameter::kBow;
+  const auto [rows, sigmas] = j.columns(j.equations.shared_at + 1, bent ? 2 : 3);
   const HalvesVerdict check = pooled(j.halves, rows, sigmas);
-  j.bench.verdict[parameter::kBow] = judged(widening(check) * *std::max_element(sigmas.begin(), sigmas.end()), kBow,
-                                            Unit::mm, {{Cause::Kind::of_bow}, by_halves(check)});
-  j.judged_here[parameter::kBow] = rows;
+  j.bench.verdict[name] = judged(widening(check) * *std::max_element(sigmas.begin(), sigmas.end()), kBow, Unit::mm,
+                                 {{Cause::Kind::of_bow}, by_halves(check)});
+  j.judged_here[name] = rows;
 }
 
 }  // namespace
@@ -299,9 +303,14 @@ Straddle straddle_of(const Carved& grooves, const Surface& surface, double alpha
   Straddle out;
   for (std::size_t i = 0; i < carved.size(); ++i) {
     const Eigen::Vector3d a(carved.x0_mm[i], carved.y0_mm[i], 0), b(carved.x1_mm[i], carved.y1_mm[i], 0);
-    const Eigen::Vector3d p = 0.5 * (a + b);
+    Eigen::Vector3d p = 0.5 * (a + b);
     const Eigen::Vector3d n = face_normal(surface, p.x(), p.y());
-    const Eigen::Vector3d along = (b - a).normalized(), across = along.cross(n);
+    Eigen::Vector3d along = (b - a).normalized();
+    if (surface.bend) {
+      along = R_face_board(n).transpose() * along;
+      p = face_point(surface, p.x(), p.y());
+    }
+    const Eigen::Vector3d across = along.cross(n);
     const Eigen::Vector3d h = ((lamp - p).normalized() + (camera - p).normalized()).normalized();
     if (std::abs(std::asin(std::clamp(h.dot(along), -1.0, 1.0))) > 2 * alpha) continue;
     const double width = carved.width_um.empty() ? tool_width_um : carved.width_um[i];

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/picture_metrics.h"
@@ -75,7 +76,7 @@ double mean_value(const Image& image) {
 
 std::shared_ptr<const FootprintGrid> design_grid(const Board& board, const Bench& bench, int pixels) {
   const auto [width, height] = grid_size(board, pixels);
-  return share(board_grid(board.carve_min_mm, board.carve_max_mm, width, height, Surface{board.size_mm, bench.bow_mm}));
+  return share(board_grid(board.carve_min_mm, board.carve_max_mm, width, height, face_of(board, bench)));
 }
 
 ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench,
@@ -90,6 +91,8 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
   scene.material = bench.material;
   scene.tool_width_um = board.tool_width_um;
   scene.ambient = bench.ambient;
+  if (const auto face = curved_face(board, bench))
+    scene.hidden_from_light = hidden_on_the_way(*scene.grid, *face, scene.camera_center_mm, scene.light.position_mm);
   return scene;
 }
 
@@ -106,7 +109,14 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
              " pixels are more than the " + with_commas(limit::kDesignPixels) + " that a design takes in all",
          "ask for fewer with --pixels, or for fewer views (docs/limits.md)");
   std::vector<GlintView> glints;
-  for (const DesignView& v : spec.views) glints.push_back(glint_of(v, bench));
+  const std::shared_ptr<const BoardFace> curved = curved_face(board, bench);
+  const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, options.pixels);
+  if (curved) append(findings, check_stretch(*curved, board.mesh.string()));
+  for (const DesignView& v : spec.views) {
+    glints.push_back(glint_of(v, bench));
+    glints.back().face = curved;
+    if (curved) append(findings, check_seen(v.view, *grid, *curved, glints.back().camera_mm, glints.back().light_mm));
+  }
   // Before any picture is loaded: a bench that cannot work is the first thing to know.
   const auto groove_at = [&](const Eigen::Vector2d& p_mm) {
     return GrooveShape{at_place(bench.depth_field, bench.material.depth_um, board.size_mm, p_mm),
@@ -123,7 +133,6 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                      " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
                      "are not compared there"));
   std::vector<WorkView> views;
-  const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, options.pixels);
   const std::shared_ptr<RenderWorkspace> workspace =
       make_render_workspace();  // one view's memory: they are worked on in turn
   std::map<std::string, int> groups;
@@ -138,9 +147,11 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                                             : v.target.rotation_deg;
         target = load_target(v.target, rotation, area, width, height);
         append(findings, target.findings);
-        if (!free.data.empty()) {
+        const Image seen = curved ? seen_from(*grid, *curved, glints[k].camera_mm) : Image{};
+        for (const Image* part : {&free, &seen}) {
+          if (part->data.empty()) continue;
           if (target.mask.data.empty()) target.mask = Image(width, height, 1, 1.0F);
-          for (std::size_t i = 0; i < free.data.size(); ++i) target.mask.data[i] *= free.data[i];
+          for (std::size_t i = 0; i < part->data.size(); ++i) target.mask.data[i] *= part->data[i];
         }
       } else {
         rotation = views[k].rotation_deg;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numbers>
 
+#include "burin/optimize/design/collisions.h"
 #include "burin/render/error.h"
 #include "burin/render/groove.h"
 #include "burin/render/steepest_lean.h"
@@ -27,11 +28,8 @@ std::string number(double value) {
   return text;
 }
 
-// Difference of two orientations, which count modulo 180 degrees: 0 .. 90 degrees.
-double orientation_difference(double a, double b) {
-  const double d = std::abs(std::remainder(a - b, std::numbers::pi));
-  return d;
-}
+// Whether scratches of any direction glint.
+bool near_mirror(double lean, double alpha) { return std::sin(lean) < 3 * alpha; }
 
 // What the grooves of a board hold of a view's lobe.
 struct Reached {
@@ -39,13 +37,14 @@ struct Reached {
   double shallowest = kPiHalf, steepest = 0;   // of the grooves' steepest walls
   double best = 0;                             // part of the lobe, where it is most
   double dark = 0;                             // share of the area where it is less than half
+  double mirror = 0;                           // share where h leans too little for a direction to count
 };
 
 Reached reached_over(const GlintView& view, const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm,
                      double width_um, const GrooveAt& groove_at) {
   constexpr int kPoints = 9;  // a side: where the area is looked at
   Reached out;
-  int dark = 0;
+  int dark = 0, mirror = 0;
   for (int j = 0; j < kPoints; ++j)
     for (int i = 0; i < kPoints; ++i) {
       const double fx = (i + 0.5) / kPoints, fy = (j + 0.5) / kPoints;
@@ -60,8 +59,10 @@ Reached reached_over(const GlintView& view, const Eigen::Vector2d& min_mm, const
       out.steepest = std::max(out.steepest, steepest);
       out.best = std::max(out.best, part);
       dark += part < 0.5 ? 1 : 0;
+      mirror += near_mirror(angle, groove.alpha) ? 1 : 0;
     }
   out.dark = static_cast<double>(dark) / (kPoints * kPoints);
+  out.mirror = static_cast<double>(mirror) / (kPoints * kPoints);
   return out;
 }
 
@@ -74,8 +75,15 @@ GlintView glint_of(const DesignView& view, const Bench& bench) {
           find_light(bench, view.light, "design").position_mm};
 }
 
+Eigen::Vector3d curved_half_vector(const GlintView& view, const Eigen::Vector3d& p_mm) {
+  const auto place = face_place(*view.face, p_mm.head<2>());
+  if (!place) return Eigen::Vector3d::UnitZ();  // a gap of a mesh
+  const Eigen::Vector3d& p = place->position_mm;
+  return place->in_face((view.light_mm - p).normalized() + (view.camera_mm - p).normalized());
+}
+
 Lean lean_at(const GlintView& view, const Eigen::Vector3d& p_mm) {
-  const Eigen::Vector3d h = ((view.light_mm - p_mm).normalized() + (view.camera_mm - p_mm).normalized()).normalized();
+  const Eigen::Vector3d h = half_vector_at(view, p_mm).normalized();
   return {std::atan2(std::hypot(h.x(), h.y()), h.z()), std::atan2(h.y(), h.x())};
 }
 
@@ -102,9 +110,7 @@ double depth_for_lean_um(double lean, double width_um) {
 std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
                                   const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at) {
   constexpr double kNoGlint = 0.02;  // of the lobe: what is left 2 alpha beyond the cut-off
-  constexpr double kGhost = 0.1;     // of a view's light that may show in another unmentioned
   std::vector<Finding> findings;
-  std::vector<Lean> middle;
   const Eigen::Vector2d center = (min_mm + max_mm) / 2;
   const double alpha = groove_at(center).alpha;
   for (const GlintView& view : views) {
@@ -115,7 +121,6 @@ std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eig
            "position_mm in the bench");
     const Reached reached = reached_over(view, min_mm, max_mm, width_um, groove_at);
     const Lean lean = lean_at(view, {center.x(), center.y(), 0});
-    middle.push_back(lean);
     const std::string remedy = "carve at least " + number(depth_for_lean_um(reached.most_lean, width_um)) +
                                " um deep with this cutter, or bring lamp and eye closer to the mirror direction until "
                                "the half vector leans less than " +
@@ -134,25 +139,19 @@ std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eig
                            degrees(reached.shallowest) + " degrees, up to " + degrees(reached.most_lean) +
                            "), where scratches show less than half their light",
                        remedy));
-    if (std::sin(lean.angle) < 3 * alpha)
+    if (view.face != nullptr && reached.mirror > 0)
+      findings.push_back(make_warning(
+          where + ": on " + std::to_string(std::lround(100 * reached.mirror)) +
+              " % of the carve area the curved board lies near the mirror direction, where scratches of any direction "
+              "glint and the plain face shines",
+          "move the lamp or the eye along the cylinder's axis"));
+    else if (view.face == nullptr && near_mirror(lean.angle, alpha))
       findings.push_back(make_warning(where + ": lies near the mirror direction (the half vector leans " +
                                           degrees(lean.angle) +
                                           " degrees), where scratches of any direction glint and the plain face shines",
                                       "move the lamp or the eye"));
   }
-  for (std::size_t a = 0; a < views.size(); ++a)
-    for (std::size_t b = a + 1; b < views.size(); ++b) {
-      const double apart = orientation_difference(middle[a].azimuth, middle[b].azimuth);
-      const double ghost = std::max(lobe(middle[a].angle, apart, alpha), lobe(middle[b].angle, apart, alpha));
-      if (ghost < kGhost) continue;
-      const double needed =
-          std::max(turn_for(middle[a].angle, kGhost, alpha), turn_for(middle[b].angle, kGhost, alpha));
-      findings.push_back(make_warning(
-          "views " + views[a].name + " and " + views[b].name + ": collide: their scratches run only " + degrees(apart) +
-              " degrees apart (a scratch counts modulo 180 degrees), so one made for one shows " +
-              std::to_string(static_cast<int>(std::lround(100 * ghost))) + " % of its light in the other",
-          degrees(needed) + " degrees would bring that down to 10 %: move a view or its lamp around the board"));
-    }
+  append(findings, told(collisions_of(views, min_mm, max_mm, groove_at), views));
   return findings;
 }
 

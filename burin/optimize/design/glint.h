@@ -13,11 +13,13 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench.h"
+#include "burin/render/board_face.h"
 #include "burin/render/finding.h"
 
 namespace burin {
@@ -26,9 +28,18 @@ namespace burin {
 struct GlintView {
   std::string name;
   Eigen::Vector3d camera_mm{0, 0, 0}, light_mm{0, 0, 0};
+  std::shared_ptr<const BoardFace> face{};  ///< where the board is curved; none: flat
 };
 /// Those of a design on a bench. Throws Error for a view or lamp that the bench lacks.
 GlintView glint_of(const DesignView& view, const Bench& bench);
+
+/// The half vector, of any length, at a place of the flat board (z = 0); on a curved face as the face's own frame has
+/// it, in which grooves run as on the flat board (docs/model.md 1.1).
+Eigen::Vector3d curved_half_vector(const GlintView& view, const Eigen::Vector3d& p_mm);
+inline Eigen::Vector3d half_vector_at(const GlintView& view, const Eigen::Vector3d& p_mm) {
+  if (view.face != nullptr) return curved_half_vector(view, p_mm);
+  return (view.light_mm - p_mm).normalized() + (view.camera_mm - p_mm).normalized();
+}
 
 /// h at a point, seen as an angle from the board's normal and the direction of its shadow.
 struct Lean {

@@ -88,7 +88,7 @@ class Field {
   // h . u / alpha: where the lobe of a scratch of direction u stands at p.
   double lobe_place(const GlintView& glint, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const {
     const Eigen::Vector3d p(p_mm.x(), p_mm.y(), 0);
-    const Eigen::Vector3d h = (glint.light_mm - p).normalized() + (glint.camera_mm - p).normalized();
+    const Eigen::Vector3d h = half_vector_at(glint, p);
     return (h.x() * u.x() + h.y() * u.y()) / (h.norm() * rules_.alpha_at(p_mm));
   }
 
