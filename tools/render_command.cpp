@@ -1,4 +1,6 @@
 #include <CLI/App.hpp>
+#include <CLI/Error.hpp>
+#include <CLI/Validators.hpp>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -15,6 +17,7 @@
 #include "burin/render/image.h"
 #include "burin/render/scratches.h"
 #include "burin/render/view_renderer.h"
+#include "tools/animate.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 
@@ -22,11 +25,43 @@ namespace burin {
 namespace {
 
 struct Options {
-  std::filesystem::path board, bench, scratches, out;
-  std::string view, light;
+  std::filesystem::path board, bench, scratches, out, animation;
+  std::vector<std::string> views, lights;
+  std::string moving = "eye";
+  AnimateOptions animate;
   double exposure = 0;
   bool as_sent = false;
 };
+
+void require_command_line(const Options& o) {
+  if (o.out.empty() == o.animation.empty())
+    throw CLI::ValidationError("--out", "give --out PICTURE, or --animate FILE");
+  if (!o.out.empty() && (o.views.size() != 1 || o.lights.size() > 1))
+    throw CLI::ValidationError("--view", "a picture shows one view under one lamp");
+}
+
+template <typename Item, typename Find>
+std::vector<Item> named_or_all(const std::vector<Item>& all, const std::vector<std::string>& names, const Find& find) {
+  if (names.empty()) return all;
+  std::vector<Item> out;
+  for (const std::string& name : names) out.push_back(find(name));
+  return out;
+}
+
+void run_animation(const Options& o, const Board& board, const Bench& bench, const Carved& carved, ProgressBar& bar) {
+  const auto views = named_or_all(bench.views, o.views, [&](const auto& n) { return find_view(bench, n, "--view"); });
+  const auto lights =
+      named_or_all(bench.lights, o.lights, [&](const auto& n) { return find_light(bench, n, "--light"); });
+  for (const View& view : views) find_view(bench, view.name, "--animate");  // aimed, or told what is missing
+  AnimateOptions options = o.animate;
+  options.moving = o.moving == "eye" ? Moving::eye : Moving::lamp;
+  options.exposure = o.exposure;
+  const int frames = animate(board, bench, carved, views, lights, o.animation, options, bar.progress());
+  bar.clear();
+  const bool eye = options.moving == Moving::eye;
+  fmt::print("Wrote {}: {} frames through {} {}, {} pixels; next: open it in a browser.\n", o.animation.string(),
+             frames, eye ? views.size() : lights.size(), eye ? "views" : "lamps", options.pixels);
+}
 
 bool is_float_format(const std::filesystem::path& file) {
   const std::string e = file.extension().string();
@@ -45,7 +80,9 @@ double automatic_exposure(const Image& radiance) {
 }
 
 void run(const Options& o) {
-  find_place(o.out);  // refused before the work
+  require_command_line(o);
+  if (!o.out.empty()) find_place(o.out);  // refused before the work
+  if (o.animation.has_extension()) find_place(o.animation);
   Board board = read_board(o.board);
   const Bench bench = read_bench_of(board, o.board, o.bench);
   for (const Finding& finding : bench.findings) note(sentence(finding));
@@ -57,8 +94,12 @@ void run(const Options& o) {
   bar.progress()("reading scratches", 0);
   const Scratches rows = read_scratches(board.scratches);
   const Carved carved = o.as_sent ? carve(Sent(rows), bench, board) : carve(Designed(rows), bench, board);
-  const View& view = find_view(bench, o.view, "--view");
-  const Light& light = o.light.empty() ? bench.lights.front() : find_light(bench, o.light, "--light");
+  if (!o.animation.empty()) {
+    run_animation(o, board, bench, carved, bar);
+    return;
+  }
+  const View& view = find_view(bench, o.views.front(), "--view");
+  const Light& light = o.lights.empty() ? bench.lights.front() : find_light(bench, o.lights.front(), "--light");
 
   bar.progress()("rendering", 0.2);
   const CameraView camera = make_camera_view(bench, board, view, {0, 0, bench.lens.width, bench.lens.height});
@@ -83,8 +124,8 @@ void add_render_command(CLI::App& burin) {
   CLI::App* c = burin.add_subcommand("render", "Show what a camera of a bench sees of a board's metal");
   c->add_option("BOARD.json", o->board, "The board")->required();
   c->add_option("--bench", o->bench, "The bench: lens, views, lamps, material")->required();
-  c->add_option("--view", o->view, "Name of the view")->required();
-  c->add_option("--light", o->light, "Id of the lamp (default: the bench's first)");
+  c->add_option("--view", o->views, "Name of the view; of an animation's, in order (default there: all)");
+  c->add_option("--light", o->lights, "Id of the lamp (default: the bench's first)");
   c->add_option("--scratches", o->scratches, "These scratches instead of the board's");
   c->add_option("--exposure", o->exposure,
                 "Times the radiance (default: 1 for .exr and .tif, which stay linear; else the brightest half per cent "
@@ -92,7 +133,25 @@ void add_render_command(CLI::App& burin) {
   c->add_flag("--as-carved", o->as_sent,
               "The scratches are what the machine was told (a loop's sent.csv): shows where the bench's machine put "
               "them. Without it they are where grooves are wanted, as a tool path compensates the machine");
-  c->add_option("--out", o->out, "Picture to write: .exr or .tif linear, .png or .jpg as sRGB")->required();
+  c->add_option("--out", o->out, "Picture to write: .exr or .tif linear, .png or .jpg as sRGB");
+  c->add_option(
+      "--animate", o->animation,
+      "What one sees walking by, through the views' places and back: an animated .png, an .mp4 (by ffmpeg), or "
+      "a folder of numbered pictures");
+  c->add_option("--moving", o->moving,
+                "What moves in an animation: the eye from view to view, or the lamp from lamp to "
+                "lamp")
+      ->check(CLI::IsMember({"eye", "lamp"}))
+      ->capture_default_str();
+  c->add_option("--frames", o->animate.frames,
+                "Frames from the first place to the last (0: eight a place, 240 at most)")
+      ->check(CLI::Range(0, 5000));
+  c->add_option("--seconds", o->animate.seconds, "How long that takes")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
+  c->add_option("--pixels", o->animate.pixels, "Of an animation, along either side")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
   c->footer(example("burin render board.json --bench bench.json --view v00 --out v00.exr"));
   c->callback([o] { run(*o); });
 }

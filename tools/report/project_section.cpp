@@ -18,6 +18,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
+#include "burin/render/board_face.h"
 #include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
@@ -90,7 +91,7 @@ Shown photographed(const fs::path& round, const View& view, const Bench& bench, 
     if (!merged.valid[i])
       for (int c = 0; c < merged.value.channels; ++c) merged.value.data[i * merged.value.channels + c] = INFINITY;
   return nearest_exposure(target, board, [&](const BoardFrame& frame) {
-    return rectified(merged.value, 0, 0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm}, frame);
+    return rectified(merged.value, 0, 0, bench.lens, view.T_camera_board, surface_of(board, bench), frame);
   });
 }
 
@@ -105,8 +106,7 @@ Shown promised(const fs::path& scratches, const Board& board, const Bench& bench
   const Image photo = predicted_photo(bench, board, view, find_light(bench, light, scratches.string()),
                                       carve(Designed(read_scratches(scratches)), bench, board), options);
   return nearest_exposure(target, board, [&](const BoardFrame& frame) {
-    return rectified(photo, window.x0, window.y0, bench.lens, view.T_camera_board, {board.size_mm, bench.bow_mm},
-                     frame);
+    return rectified(photo, window.x0, window.y0, bench.lens, view.T_camera_board, surface_of(board, bench), frame);
   });
 }
 

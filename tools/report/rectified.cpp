@@ -42,7 +42,7 @@ Image rectified(const Image& photo, int x0, int y0, const Lens& lens, const Eige
         const double u = (c + (s % kSamplesPerSide + 0.5) / kSamplesPerSide) / frame.width;
         const double v = (r + (s / kSamplesPerSide + 0.5) / kSamplesPerSide) / frame.height;
         const double x = frame.min_mm.x() + u * size.x(), y = frame.max_mm.y() - v * size.y();
-        p_camera.push_back(T_camera_board * Eigen::Vector3d(x, y, height_mm(surface, x, y)));
+        p_camera.push_back(T_camera_board * face_point(surface, x, y));
       }
   std::vector<Eigen::Vector2d> q_px(p_camera.size());
   project(lens, p_camera, q_px);

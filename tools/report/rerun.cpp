@@ -11,6 +11,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
+#include "burin/render/board_face.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
@@ -64,8 +65,8 @@ struct Look {
 Look look_at(const Carved& carved, const DesignedPicture& asked, const Image& target, const Bench& under,
              const Board& board, const fs::path& bench_file) {
   ViewScene scene;
-  scene.grid = share(board_grid(board.carve_min_mm, board.carve_max_mm, target.width, target.height,
-                                Surface{board.size_mm, under.bow_mm}));
+  scene.grid =
+      share(board_grid(board.carve_min_mm, board.carve_max_mm, target.width, target.height, face_of(board, under)));
   scene.camera_center_mm = find_view(under, asked.view, bench_file.string()).T_camera_board.inverse().translation();
   scene.light = find_light(under, asked.light, bench_file.string());
   scene.material = under.material;

@@ -14,6 +14,7 @@
 #include "burin/capture/session.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/board_face.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
@@ -52,7 +53,7 @@ struct Loaded {
   HoldOutFile held_out;
 };
 
-Surface surface_of(const Loaded& in) { return {in.board.size_mm, in.bench.bow_mm}; }
+Surface surface_of(const Loaded& in) { return surface_of(in.board, in.bench); }
 
 Eigen::Vector3d board_center_mm(const Board& board) { return {board.size_mm.x() / 2, board.size_mm.y() / 2, 0}; }
 
@@ -140,9 +141,7 @@ std::string tag_outlines(const Loaded& in, const View& view, const Eigen::Vector
   for (const Tag& tag : tags_of(in)) {
     std::vector<Eigen::Vector3d> p_camera;
     for (const Eigen::Vector2d& corner : tag_corners_mm(tag))
-      p_camera.push_back(
-          view.T_camera_board *
-          Eigen::Vector3d(corner.x(), corner.y(), in.board.tags.z_mm + height_mm(surface, corner.x(), corner.y())));
+      p_camera.push_back(view.T_camera_board * above_face(surface, corner.x(), corner.y(), in.board.tags.z_mm));
     if (std::any_of(p_camera.begin(), p_camera.end(), [](const auto& p) { return !(p.z() > 0); })) continue;
     std::vector<Eigen::Vector2d> q_px(p_camera.size());
     project(in.bench.lens, p_camera, q_px);

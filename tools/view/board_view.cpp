@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "burin/optimize/loss/picture_metrics.h"
+#include "burin/render/board_face.h"
 #include "burin/render/view_renderer.h"
 #include "tools/report/rectified.h"
 
@@ -15,8 +16,8 @@ FlatPicture flat_picture(const Board& board, const ViewedBoard& viewed, const Vi
   BoardFrame frame = board_frame(board.carve_min_mm, board.carve_max_mm, long_side_px);
   if (!picture.target.data.empty()) frame.width = picture.target.width, frame.height = picture.target.height;
   ViewScene scene;
-  scene.grid = share(
-      board_grid(board.carve_min_mm, board.carve_max_mm, frame.width, frame.height, {board.size_mm, bench.bow_mm}));
+  scene.grid =
+      share(board_grid(board.carve_min_mm, board.carve_max_mm, frame.width, frame.height, face_of(board, bench)));
   scene.camera_center_mm = find_view(bench, picture.view, "the viewer").T_camera_board.inverse().translation();
   scene.light = find_light(bench, picture.light, "the viewer");
   scene.material = bench.material;

@@ -125,6 +125,9 @@ std::string title_of(const fs::path& path) {
 void note_mesh(const Board& board, std::vector<std::string>& notes) {
   if (!board.mesh.empty())
     notes.push_back(fmt::format("{} bends the board; the viewer shows it flat", board.mesh.string()));
+  if (board.bend)
+    notes.push_back(fmt::format("board.json bends the board to a radius of {} mm; the viewer shows it flat",
+                                board.bend->radius_mm));
 }
 
 }  // namespace

@@ -1,0 +1,231 @@
+#include "tools/animate.h"
+
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "burin/render/board_face.h"
+#include "burin/render/error.h"
+#include "burin/render/files/encoded_picture.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/files/part_file.h"
+#include "burin/render/image.h"
+#include "burin/render/look_at.h"
+#include "burin/render/view_renderer.h"
+#include "tools/animated_png.h"
+
+extern char** environ;  // of unistd.h; a program that is started keeps ours
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kFramesAPlace = 8, kMostFrames = 240;
+
+// Of a picture: the exposure that puts all but the brightest half per cent of the lit pixels below white.
+double brightness_exposure(const Image& radiance) {
+  std::vector<float> lit;
+  std::copy_if(radiance.data.begin(), radiance.data.end(), std::back_inserter(lit), [](float v) { return v > 0; });
+  if (lit.empty()) return 0;
+  const auto at = lit.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(lit.size() - 1));
+  std::nth_element(lit.begin(), at, lit.end());
+  return 1 / static_cast<double>(*at);
+}
+
+// A pinhole that holds all of the board from the nearest place.
+Lens lens_for(const Board& board, double nearest_mm, int pixels) {
+  const double rim_mm = 0.5 * board.size_mm.norm();
+  const double focal_px = 0.48 * pixels * std::sqrt(std::max(nearest_mm * nearest_mm - rim_mm * rim_mm, 1e-6)) / rim_mm;
+  Lens lens;
+  lens.model = "LENSMODEL_PINHOLE";
+  lens.intrinsics = {focal_px, focal_px, (pixels - 1) / 2.0, (pixels - 1) / 2.0};
+  lens.width = lens.height = pixels;
+  return lens;
+}
+
+struct Film {
+  const Board& board;
+  const Bench& bench;
+  const Carved& carved;
+  Lens lens;
+  BoardFace face;
+
+  Image radiance(const Eigen::Vector3d& eye_mm, const Light& light) const {
+    const Eigen::Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
+    const PixelWindow whole{0, 0, lens.width, lens.height};
+    const CameraView camera{lens, look_at(eye_mm, middle), face.surface, whole};
+    ViewScene scene;
+    scene.grid = share(camera_grid(lens, camera.T_camera_board, face, whole));
+    scene.hidden_from_light = hidden_pixels(*scene.grid, face, light.position_mm);
+    scene.camera_center_mm = eye_mm;
+    scene.light = light;
+    scene.material = bench.material;
+    scene.tool_width_um = board.tool_width_um;
+    scene.ambient = bench.ambient;
+    RenderOptions options;
+    options.channels = 3;
+    options.material_gradients = false;
+    Image image;
+    ViewRenderer(std::move(scene), options).forward(carved, image);
+    return image;
+  }
+};
+
+std::string png_of(const Image& radiance, double exposure, const fs::path& file) {
+  std::vector<std::uint8_t> stored(radiance.data.size());
+  std::transform(radiance.data.begin(), radiance.data.end(), stored.begin(), [&](float v) {
+    const float shown = linear_to_srgb(std::clamp(static_cast<float>(exposure) * v, 0.0F, 1.0F));
+    return static_cast<std::uint8_t>(std::lround(255 * shown));
+  });
+  const OIIO::ImageSpec spec(radiance.width, radiance.height, radiance.channels, OIIO::TypeDesc::UINT8);
+  return encoded_picture(".png", spec, OIIO::TypeDesc::UINT8, stored.data(), file);
+}
+
+fs::path numbered(const fs::path& folder, int frame) {
+  std::string number = std::to_string(frame);
+  number.insert(0, number.size() < 4 ? 4 - number.size() : 0, '0');
+  return folder / ("frame-" + number + ".png");
+}
+
+// Runs a program and waits; its exit status, or nothing where it cannot be started.
+std::optional<int> run_program(std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  pid_t process = 0;
+  if (posix_spawnp(&process, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return std::nullopt;
+  int status = 0;
+  if (waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
+  return WEXITSTATUS(status);
+}
+
+void write_film(const std::vector<std::string>& frames, double frames_per_s, const fs::path& out) {
+  const std::optional<int> there = run_program({"ffmpeg", "-hide_banner", "-loglevel", "quiet", "-version"});
+  if (!there || *there != 0)
+    fail(out.string(), "a film is made by ffmpeg, which is not installed",
+         "install it (apt install ffmpeg), or name a .png: an animated PNG, which browsers play");
+  const FilePlace place = find_place(out);
+  const fs::path folder = place.folder() / (out.stem().string() + "-frames");
+  if (fs::exists(folder))
+    fail(folder.string(), "is there already, where the film's frames are to be kept while it is made", "move it away");
+  make_output_folder(folder);
+  for (std::size_t i = 0; i < frames.size(); ++i) write_text(frames[i], numbered(folder, static_cast<int>(i)));
+  const fs::path part = new_part_name(place);
+  const std::optional<int> status =
+      run_program({"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-framerate", std::to_string(frames_per_s),
+                   "-i", (folder / "frame-%04d.png").string(), "-pix_fmt", "yuv420p", part.string()});
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
+  if (!status || *status != 0) {
+    remove_part(part);
+    fail(out.string(), "ffmpeg could not write it", "see what it says above, or name a .png instead");
+  }
+  sync_part(place, part);
+  fs::rename(part, place.file);
+  forget_part(part);
+}
+
+void write_frames(std::vector<std::string> frames, const AnimateOptions& options, const fs::path& out) {
+  if (options.there_and_back)
+    for (std::size_t i = frames.size() - 1; i-- > 1;) frames.push_back(frames[i]);
+  const double way = options.there_and_back ? 2 * options.seconds : options.seconds;
+  const double frames_per_s = static_cast<double>(frames.size()) / way;
+  if (out.extension() == ".png") {
+    write_text(animated_png(frames, frames_per_s), out);
+  } else if (out.extension() == ".mp4") {
+    write_film(frames, frames_per_s, out);
+  } else if (out.extension().empty()) {
+    make_output_folder(out);
+    for (std::size_t i = 0; i < frames.size(); ++i) write_text(frames[i], numbered(out, static_cast<int>(i)));
+  } else {
+    fail(out.string(), "an animation is a .png, an .mp4, or a folder of numbered PNG files", "name one of these");
+  }
+}
+
+}  // namespace
+
+std::vector<Step> walk_through(std::span<const Eigen::Vector3d> places_mm, const Eigen::Vector3d& center_mm,
+                               int frames) {
+  std::vector<Step> steps;
+  if (places_mm.size() < 2 || frames < 2) {
+    if (!places_mm.empty()) steps.push_back({0, 0, places_mm.front()});
+    return steps;
+  }
+  const auto turn = [&](std::size_t i) {
+    const Eigen::Vector3d a = (places_mm[i] - center_mm).normalized(), b = (places_mm[i + 1] - center_mm).normalized();
+    return std::max(1e-9, std::atan2(a.cross(b).norm(), a.dot(b)));
+  };
+  std::vector<double> until{0};
+  for (std::size_t i = 0; i + 1 < places_mm.size(); ++i) until.push_back(until.back() + turn(i));
+  for (int f = 0; f < frames; ++f) {
+    const double at = until.back() * f / (frames - 1);
+    const auto after = std::upper_bound(until.begin() + 1, until.end() - 1, at);
+    const auto i = static_cast<std::size_t>(after - until.begin()) - 1;
+    const double whole = until[i + 1] - until[i], share = std::clamp((at - until[i]) / whole, 0.0, 1.0);
+    const Eigen::Vector3d a = places_mm[i] - center_mm, b = places_mm[i + 1] - center_mm;
+    const Eigen::Vector3d direction = whole < 1e-6 ? a.normalized()
+                                                   : Eigen::Vector3d((std::sin((1 - share) * whole) * a.normalized() +
+                                                                      std::sin(share * whole) * b.normalized()) /
+                                                                     std::sin(whole));
+    steps.push_back({i, share, center_mm + ((1 - share) * a.norm() + share * b.norm()) * direction.normalized()});
+  }
+  return steps;
+}
+
+int animate(const Board& board, const Bench& bench, const Carved& carved, std::span<const View> views,
+            std::span<const Light> lights, const fs::path& out, const AnimateOptions& options,
+            const Progress& progress) {
+  const bool eye_moves = options.moving == Moving::eye;
+  std::vector<Eigen::Vector3d> places;
+  for (const View& view : views)
+    if (eye_moves) places.push_back(view.T_camera_board.inverse().translation());
+  for (const Light& light : lights)
+    if (!eye_moves) places.push_back(light.position_mm);
+  if (places.size() < 2)
+    fail(out.string(), std::string("there is only one ") + (eye_moves ? "view" : "lamp") + " to move through",
+         eye_moves ? "name two views or more with --view, or let the lamp move: --moving lamp"
+                   : "name two lamps or more with --light, or let the eye move: --moving eye");
+  if (views.empty() || lights.empty()) fail(out.string(), "there is no view or no lamp", "add one to the bench");
+  const Eigen::Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
+  const Eigen::Vector3d still_eye = views.front().T_camera_board.inverse().translation();
+  double nearest = (still_eye - middle).norm();
+  for (const Eigen::Vector3d& place : places)
+    if (eye_moves) nearest = std::min(nearest, (place - middle).norm());
+  const Film film{board, bench, carved, lens_for(board, nearest, options.pixels), face_of(board, bench)};
+  const auto seen = [&](const Eigen::Vector3d& moving_mm) {
+    Light light = lights.front();
+    if (!eye_moves) light.position_mm = moving_mm;
+    return film.radiance(eye_moves ? moving_mm : still_eye, light);
+  };
+
+  std::vector<double> log_exposure;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    progress("looking from each place", static_cast<double>(i) / static_cast<double>(places.size()));
+    const double exposure = options.exposure > 0 ? options.exposure : brightness_exposure(seen(places[i]));
+    if (!(exposure > 0))
+      fail(eye_moves ? "view " + views[i].name : "lamp " + lights[i].id, "the board is black from there",
+           "check that eye and lamp are in front of the board");
+    log_exposure.push_back(std::log(exposure));
+  }
+  const int usual = std::min(kMostFrames, kFramesAPlace * static_cast<int>(places.size() - 1) + 1);
+  const std::vector<Step> steps = walk_through(places, middle, options.frames > 0 ? options.frames : usual);
+  std::vector<std::string> frames;
+  for (const Step& step : steps) {
+    progress("rendering frames", static_cast<double>(frames.size()) / static_cast<double>(steps.size()));
+    const double exposure = std::exp((1 - step.share) * log_exposure[step.from] +
+                                     step.share * log_exposure[std::min(step.from + 1, log_exposure.size() - 1)]);
+    frames.push_back(png_of(seen(step.position_mm), exposure, out));
+  }
+  write_frames(std::move(frames), options, out);
+  return static_cast<int>(steps.size());
+}
+
+}  // namespace burin
