@@ -19,8 +19,12 @@
 //                    place (block coordinate descent)
 //
 // Errors are squared differences of the shown pictures, gamma-encoded and clipped at white, times the mask squared.
-// What a stroke adds to other views than its own stands in `light` as rendered and is not counted anew. Views are
-// worked on in parallel, each in one fixed order: same seed, same bits, for any number of threads.
+// What a stroke adds to other views than its own stands in `light` as rendered and is not counted anew.
+//
+// Pictures are cut into tiles (stroke_tiles.h). A stroke that lies in a tile is replaced by strokes in that tile, so
+// tiles are worked on in parallel; they are laid elsewhere every time, and strokes that fit into none wait for larger
+// ones. Sixteen candidates are tried at once (stroke_kernel.h). Each tile has one fixed order and random numbers of its
+// own: same seed, same bits, for any number of threads.
 // Frame: board, mm; images as board_grid lays them, row 0 at the top.
 #pragma once
 
@@ -78,6 +82,7 @@ struct StrokeRules {
 struct Stroke {
   Eigen::Vector2d a_mm{0, 0}, b_mm{0, 0};
   double gain = 0;
+  std::size_t view = 0;  ///< that it is meant for
 };
 
 /// Light per mm of length, summed over pixels, that a scratch of the best direction sends to the view of `renderer`,
@@ -109,7 +114,7 @@ std::vector<double> worth_of(const std::vector<StrokeView>& views, const StrokeR
 /// The order in which the first `movable` scratches are best spared: each time the one whose worth, without those that
 /// went before, is least for what it costs (`cost`: one each, above 0, or empty: all alike). `spare(scratch, worth)` is
 /// asked before each; false ends the order before it.
-std::vector<std::size_t> spare_order(std::vector<StrokeView> views, const StrokeRules& rules,
+std::vector<std::size_t> spare_order(const std::vector<StrokeView>& views, const StrokeRules& rules,
                                      const Scratches& scratches, std::size_t movable, const std::vector<double>& cost,
                                      const std::function<bool(std::size_t, double)>& spare);
 

@@ -1,0 +1,266 @@
+#include "burin/optimize/design/stroke_field.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "burin/optimize/design/shown_light.h"
+#include "burin/render/error.h"
+#include "burin/render/fast/machine_clones.h"
+
+namespace burin {
+namespace {
+
+constexpr int kRows = 32;  // that a task works on
+
+BURIN_MACHINE_CLONES void show_row(std::size_t n, const float* __restrict light, float* __restrict shown) {
+  for (std::size_t i = 0; i < n; ++i) shown[i] = shown_light(light[i]);
+}
+
+// A straight way over pixels: at s along a line (in pixels) it goes from one pixel to the next.
+struct Line {
+  Eigen::Vector2d at, along;  // in pixels of the grid, y down; `along` has length 1
+};
+
+// visit(column, row, s where the line enters, length inside) from its point on, until the box ends or `most` pixels are
+// gone. (Amanatides & Woo, Eurographics 1987.)
+template <typename Visit>
+void walk(const Line& line, double most, const PixelBox& box, const Visit& visit) {
+  // A nudge decides which pixel a start on a border belongs to.
+  const Eigen::Vector2d inside = line.at + 1e-7 * line.along;
+  std::array<int, 2> cell{static_cast<int>(std::floor(inside.x())), static_cast<int>(std::floor(inside.y()))};
+  std::array<double, 2> next{}, each{};
+  std::array<int, 2> sign{};
+  for (int c = 0; c < 2; ++c) {
+    sign[c] = line.along[c] > 0 ? 1 : -1;
+    const bool moves = std::abs(line.along[c]) > 1e-12;
+    each[c] = moves ? 1 / std::abs(line.along[c]) : std::numeric_limits<double>::infinity();
+    next[c] = moves ? ((cell[c] + (sign[c] > 0 ? 1 : 0)) - line.at[c]) / line.along[c] : each[c];
+  }
+  double gone = 0;
+  while (gone < most) {
+    const int c = next[0] < next[1] ? 0 : 1;
+    const double until = std::min(next[c], most), length = std::max(0.0, until - gone);
+    if (box.contains(cell[0], cell[1])) visit(cell[0], cell[1], gone, length);
+    gone = until;
+    cell[c] += sign[c];
+    next[c] += each[c];
+  }
+}
+
+}  // namespace
+
+StrokeField::StrokeField(const StrokeView& view, const StrokeRules& rules)
+    : rules_(rules),
+      width_(view.light.width),
+      height_(view.light.height),
+      pitch_x_((rules.max_mm.x() - rules.min_mm.x()) / width_),
+      pitch_y_((rules.max_mm.y() - rules.min_mm.y()) / height_) {
+  if (view.asides.size() > kMostAsides)
+    fail("stroke search", "a view has " + std::to_string(view.asides.size()) + " asides",
+         "give at most " + std::to_string(kMostAsides));
+  std::vector<const Image*> lights{&view.light}, units{&view.unit};
+  glints_.push_back(view.glint);
+  weights_.push_back(static_cast<float>(view.weight));
+  for (const StrokeAside& aside : view.asides) {
+    lights.push_back(&aside.light);
+    units.push_back(&aside.unit);
+    glints_.push_back(aside.glint);
+    weights_.push_back(static_cast<float>(aside.weight));
+  }
+  pixels_.resize(lights.size());
+  for (auto& pixels : pixels_) pixels.resize(view.light.data.size());
+  if (!view.mask.data.empty()) matters_.resize(view.mask.data.size());
+  half_vectors_.resize(lights.size());
+  for (std::size_t k = 0; k < glints_.size(); ++k)
+    if (!glints_[k].of_one_lamp_on_a_flat_face()) half_vectors_[k] = listed_half_vectors(glints_[k]);
+  tbb::parallel_for(tbb::blocked_range<int>(0, height_, kRows), [&](const auto& range) {
+    std::vector<float> shown(static_cast<std::size_t>(width_));
+    for (int y = range.begin(); y < range.end(); ++y) {
+      const std::size_t row = static_cast<std::size_t>(y) * width_;
+      for (std::size_t k = 0; k < lights.size(); ++k) {
+        const float* light = &lights[k]->data[row];
+        show_row(shown.size(), light, shown.data());
+        for (std::size_t x = 0; x < shown.size(); ++x)
+          pixels_[k][row + x] = {light[x], units[k]->data[row + x], view.target.data[row + x], shown[x]};
+      }
+      if (!matters_.empty())
+        for (std::size_t x = 0; x < shown.size(); ++x) {
+          const float m = view.mask.data[row + x];
+          matters_[row + x] = m * m;
+        }
+    }
+  });
+}
+
+std::vector<StrokeHalfVector> StrokeField::listed_half_vectors(const GlintView& glint) const {
+  std::vector<StrokeHalfVector> list(static_cast<std::size_t>(width_) * height_);
+  tbb::parallel_for(tbb::blocked_range<int>(0, height_, kRows), [&](const auto& range) {
+    for (int y = range.begin(); y < range.end(); ++y)
+      for (int x = 0; x < width_; ++x) {
+        const Eigen::Vector2d p = board({x + 0.5, y + 0.5});
+        const Eigen::Vector3f h = half_vector_at(glint, {p.x(), p.y(), 0}).cast<float>();
+        list[static_cast<std::size_t>(y) * width_ + x] = {h.x(), h.y(), h.z(), 0};
+      }
+  });
+  return list;
+}
+
+void StrokeField::write_light(StrokeView& view) const {
+  for (std::size_t k = 0; k < pixels_.size(); ++k) {
+    Image& light = k == 0 ? view.light : view.asides[k - 1].light;
+    for (std::size_t i = 0; i < pixels_[k].size(); ++i) light.data[i] = pixels_[k][i].light;
+  }
+}
+
+// h . u / alpha: where the lobe of a scratch of direction u stands at p.
+double StrokeField::lobe_place(const GlintView& glint, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const {
+  const Eigen::Vector3d p(p_mm.x(), p_mm.y(), 0);
+  const Eigen::Vector3d h = half_vector_at(glint, p);
+  return (h.x() * u.x() + h.y() * u.y()) / (h.norm() * rules_.alpha_at(p_mm));
+}
+
+// By how much the error of a pixel falls when a scratch crosses it over this length around s.
+float StrokeField::gain(std::size_t i, const Lobe* lobes, double s, float length) const {
+  float sum = 0;
+  for (std::size_t k = 0; k < pixels_.size(); ++k) {
+    const StrokePixel& p = pixels_[k][i];
+    const auto q = static_cast<float>(lobes[k].start + lobes[k].slope * s);
+    const float x = 1 + q * q, lobe = 1 / (x * std::sqrt(x));
+    const float after = shown_light(p.light + length * lobe * p.unit);
+    sum += weights_[k] * ((p.shown - after) * ((p.shown - p.target) + (after - p.target)));
+  }
+  return matters_.empty() ? sum : matters_[i] * sum;
+}
+
+// visit(pixel, lobes, s of the part's middle, length of the part in pixels).
+template <typename Visit>
+void StrokeField::each_pixel(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const PixelBox& box,
+                             const Visit& visit) const {
+  const Eigen::Vector2d a = pixel(a_mm), b = pixel(b_mm);
+  const double length = (b - a).norm(), length_mm = (b_mm - a_mm).norm();
+  if (!(length > 1e-9)) return;
+  const Eigen::Vector2d u = (b_mm - a_mm) / length_mm;
+  std::array<Lobe, kMostPlaces> lobes{};
+  for (std::size_t k = 0; k < pixels_.size(); ++k) {
+    const double first = lobe_place(glints_[k], a_mm, u), last = lobe_place(glints_[k], b_mm, u);
+    lobes[k] = {first, (last - first) / length};
+  }
+  walk({a, (b - a) / length}, length, box, [&](int x, int y, double s, double part) {
+    visit(static_cast<std::size_t>(y) * width_ + x, lobes.data(), s + part / 2, static_cast<float>(part));
+  });
+}
+
+double StrokeField::add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box) {
+  double fell = 0;
+  each_pixel(a_mm, b_mm, box, [&](std::size_t i, const Lobe* lobes, double s, float length) {
+    fell += gain(i, lobes, s, times * length);
+    for (std::size_t k = 0; k < pixels_.size(); ++k) {
+      StrokePixel& p = pixels_[k][i];
+      const auto q = static_cast<float>(lobes[k].start + lobes[k].slope * s);
+      const float x = 1 + q * q, lobe = 1 / (x * std::sqrt(x));
+      p.light += times * length * lobe * p.unit;
+      p.shown = shown_light(p.light);
+    }
+  });
+  return fell;
+}
+
+double StrokeField::take_out(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const PixelBox& box,
+                             StrokePixelsBefore& before) {
+  before.at.clear();
+  before.light.clear();
+  before.shown.clear();
+  each_pixel(a_mm, b_mm, box, [&](std::size_t i, const Lobe*, double, float) {
+    before.at.push_back(i);
+    for (const auto& pixels : pixels_) {
+      before.light.push_back(pixels[i].light);
+      before.shown.push_back(pixels[i].shown);
+    }
+  });
+  return add(a_mm, b_mm, -1, box);
+}
+
+void StrokeField::put_back(const StrokePixelsBefore& before) {
+  for (std::size_t n = before.at.size(); n > 0; --n)  // a pixel that is there twice was first seen as it is to be
+    for (std::size_t k = 0; k < pixels_.size(); ++k) {
+      StrokePixel& p = pixels_[k][before.at[n - 1]];
+      p.light = before.light[(n - 1) * pixels_.size() + k];
+      p.shown = before.shown[(n - 1) * pixels_.size() + k];
+    }
+}
+
+double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const {
+  double fell = 0;
+  each_pixel(a_mm, b_mm, whole(), [&](std::size_t i, const Lobe* lobes, double s, float length) {
+    fell += gain(i, lobes, s, times * length);
+  });
+  return fell;
+}
+
+void StrokeField::survey(const PixelBox& box, std::vector<double>& missing) const {
+  missing.resize(static_cast<std::size_t>(box.x1 - box.x0) * static_cast<std::size_t>(box.y1 - box.y0));
+  double sum = 0;
+  std::size_t n = 0;
+  for (int y = box.y0; y < box.y1; ++y)
+    for (int x = box.x0; x < box.x1; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width_ + x;
+      const StrokePixel& p = pixels_[0][i];
+      const float d = std::max(0.0F, p.target - p.shown);
+      missing[n++] = sum += static_cast<double>(d * d * (matters_.empty() ? 1 : matters_[i]));
+    }
+}
+
+double StrokeField::missing_in(const PixelBox& box) const {
+  double sum = 0;
+  for (int y = box.y0; y < box.y1; ++y) {
+    float row = 0;
+    for (int x = box.x0; x < box.x1; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * width_ + x;
+      const StrokePixel& p = pixels_[0][i];
+      const float d = std::max(0.0F, p.target - p.shown);
+      row += d * d * (matters_.empty() ? 1 : matters_[i]);
+    }
+    sum += static_cast<double>(row);
+  }
+  return sum;
+}
+
+StrokeWindow StrokeField::window(const PixelBox& box) const {
+  const std::size_t corner = static_cast<std::size_t>(box.y0) * width_ + box.x0;
+  const Eigen::Vector2d corner_mm = board({static_cast<double>(box.x0), static_cast<double>(box.y0)});
+  StrokeWindow w;
+  w.places = static_cast<int>(pixels_.size());
+  for (std::size_t k = 0; k < pixels_.size(); ++k) {
+    StrokePlace& place = w.place[k];
+    place.pixels = &pixels_[k][corner];
+    place.weight = weights_[k];
+    place.half_vectors = half_vectors_[k].empty() ? nullptr : half_vectors_[k].data();
+    for (int c = 0; c < 3; ++c) {
+      place.camera_mm[c] = static_cast<float>(glints_[k].camera_mm[c]);
+      place.lamp_mm[c] = static_cast<float>(glints_[k].light_mm[c]);
+    }
+  }
+  w.matters = matters_.empty() ? nullptr : &matters_[corner];
+  w.stride = width_;
+  w.column = box.x0;
+  w.row = box.y0;
+  w.picture_height = height_;
+  w.width = box.x1 - box.x0;
+  w.height = box.y1 - box.y0;
+  w.left_mm = static_cast<float>(corner_mm.x());
+  w.top_mm = static_cast<float>(corner_mm.y());
+  w.pitch_x_mm = static_cast<float>(pitch_x_);
+  w.pitch_y_mm = static_cast<float>(pitch_y_);
+  constexpr double kHair = 1e-5;  // floats' rounding must not break a machine's limits
+  w.shortest = static_cast<float>(rules_.shortest_mm / pitch_x_ * (1 + kHair));
+  w.longest = static_cast<float>(rules_.longest_mm / pitch_x_ * (1 - kHair));
+  w.dimmest = static_cast<float>(rules_.dimmest);
+  return w;
+}
+
+}  // namespace burin

@@ -1,0 +1,85 @@
+// burin/optimize/design/stroke_field.h - one view's pictures while strokes are moved about: their light, what they
+// show, and by how much a stroke that comes or goes lowers their squared error. The light of a stroke: stroke_search.h,
+// docs/model.md 6.5. Frames: board, mm; pixels of the picture, y down.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "burin/optimize/design/stroke_kernel.h"
+#include "burin/optimize/design/stroke_search.h"
+#include "burin/optimize/design/stroke_tiles.h"
+
+namespace burin {
+
+/// Pixels as they were before a stroke was taken out.
+struct StrokePixelsBefore {
+  std::vector<std::size_t> at;
+  std::vector<float> light, shown;  ///< of each place in turn
+};
+
+/// Work in boxes that do not overlap may go on at the same time.
+class StrokeField {
+ public:
+  /// Both must outlive it. Throws Error for a view with too many asides.
+  StrokeField(const StrokeView& view, const StrokeRules& rules);
+
+  /// Writes the light back into the view that it was made of.
+  void write_light(StrokeView& view) const;
+
+  PixelBox whole() const { return {0, 0, width_, height_}; }
+  double pitch_mm() const { return pitch_x_; }
+  double longest_px() const { return rules_.longest_mm / pitch_x_; }
+  Eigen::Vector2d pixel(const Eigen::Vector2d& p_mm) const {
+    return {(p_mm.x() - rules_.min_mm.x()) / pitch_x_, (rules_.max_mm.y() - p_mm.y()) / pitch_y_};
+  }
+  Eigen::Vector2d board(const Eigen::Vector2d& p) const {
+    return {rules_.min_mm.x() + p.x() * pitch_x_, rules_.max_mm.y() - p.y() * pitch_y_};
+  }
+
+  /// h . u / alpha of the view's own place, for a scratch of direction u (of length 1) at p: 0 where it glints best.
+  double lobe_place(const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const {
+    return lobe_place(glints_.front(), p_mm, u);
+  }
+
+  /// Adds (times = 1) or takes away (-1) a stroke, as far as it lies in the box; returns by how much the squared error
+  /// fell.
+  double add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box);
+  /// add(-1), to be undone by put_back().
+  double take_out(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const PixelBox& box,
+                  StrokePixelsBefore& before);
+  void put_back(const StrokePixelsBefore& before);
+  /// By how much the error would fall, nothing being changed.
+  double fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const;
+
+  /// What the picture lacks of light in a box: running sums, row by row, of the squared errors of pixels that are too
+  /// dark.
+  void survey(const PixelBox& box, std::vector<double>& missing) const;
+  /// The last of them.
+  double missing_in(const PixelBox& box) const;
+
+  /// A box as the kernel sees it.
+  StrokeWindow window(const PixelBox& box) const;
+
+ private:
+  struct Lobe {
+    double start, slope;  // h . u / alpha at s = 0 and its change a pixel
+  };
+
+  double lobe_place(const GlintView& glint, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const;
+  float gain(std::size_t i, const Lobe* lobes, double s, float length) const;
+  template <typename Visit>
+  void each_pixel(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const PixelBox& box,
+                  const Visit& visit) const;
+
+  const StrokeRules& rules_;
+  int width_, height_;
+  double pitch_x_, pitch_y_;
+  std::vector<GlintView> glints_;  // the view's own first
+  std::vector<float> weights_;
+  std::vector<std::vector<StrokePixel>> pixels_;
+  std::vector<float> matters_;  // the mask squared; empty: all alike
+};
+
+}  // namespace burin

@@ -1,0 +1,36 @@
+// burin/optimize/design/stroke_sweep.h - the steps of the search (stroke_search.h) for those who make several of them
+// on the same pictures. In all of them tiles of all views are worked on at the same time, each with random numbers of
+// its own: same seed, same bits, for any number of threads.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "burin/optimize/design/stroke_field.h"
+#include "burin/optimize/design/stroke_search.h"
+#include "burin/render/scratches.h"
+
+namespace burin {
+
+/// The views' pictures; `rules` must outlive them.
+std::vector<StrokeField> stroke_fields(const std::vector<StrokeView>& views, const StrokeRules& rules);
+
+/// The view that each scratch is meant for: the one that it sends most of its lobe to.
+std::vector<std::size_t> views_of(const std::vector<StrokeField>& fields, const Scratches& scratches);
+
+/// place_strokes().
+std::vector<Stroke> place_in(std::vector<StrokeField>& fields, const StrokeRules& rules, std::size_t count,
+                             std::uint64_t seed, const std::function<bool()>& stop);
+
+/// improve_strokes(), `view` being that of each scratch.
+std::vector<std::size_t> improve_in(std::vector<StrokeField>& fields, const StrokeRules& rules, Scratches& scratches,
+                                    const std::vector<std::size_t>& view, std::size_t movable, std::uint64_t seed,
+                                    const std::function<bool()>& stop);
+
+/// worth_of().
+std::vector<double> worth_in(const std::vector<StrokeField>& fields, const Scratches& scratches,
+                             const std::vector<std::size_t>& view);
+
+}  // namespace burin

@@ -1,0 +1,52 @@
+// burin/optimize/design/stroke_tries.h - strokes looked for in one tile: points and turns drawn at random, and the best
+// of what the kernel makes of them. Frames: board, mm; pixels of the picture, y down.
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "burin/optimize/design/stroke_field.h"
+#include "burin/optimize/design/stroke_kernel.h"
+#include "burin/optimize/design/stroke_search.h"
+#include "burin/optimize/design/stroke_tiles.h"
+
+namespace burin {
+
+/// What searches in one tile; everything it needs is its own, but the field's pixels in its box.
+class StrokeTrier {
+ public:
+  /// `field` and `rules` must outlive it.
+  StrokeTrier(const StrokeField& field, const StrokeRules& rules, const PixelBox& box, std::uint64_t seed);
+
+  /// Looks anew for what the picture misses in the box.
+  void survey();
+  bool misses_anything() const { return !missing_.empty() && missing_.back() > 0; }
+
+  /// The best of `candidates` strokes anywhere in the box, mostly where it misses light; gain 0: none gains anything.
+  Stroke best_anywhere(int candidates);
+  /// The best of `old`, which is out of the picture now, and candidates near it and anywhere. Equal to `old` where none
+  /// is better.
+  Stroke best_instead(const Stroke& old, int candidates);
+
+  std::mt19937_64& random() { return random_; }
+  const PixelBox& box() const { return box_; }
+
+ private:
+  void draw_anywhere(int lane);
+  void draw_near(int lane, const Eigen::Vector2d& a, const Eigen::Vector2d& b);
+  double alpha_at_pixel(const Eigen::Vector2d& in_window) const;
+  bool take_best(Stroke& best);
+
+  const StrokeField& field_;
+  const StrokeRules& rules_;
+  PixelBox box_;
+  StrokeWindow window_;
+  TryStrokes kernel_;
+  std::mt19937_64 random_;
+  std::vector<double> missing_;  // running sums
+  StrokeTries tries_;
+  StrokesFound found_;
+};
+
+}  // namespace burin
