@@ -29,6 +29,7 @@ struct GlintView {
   std::string name;
   Eigen::Vector3d camera_mm{0, 0, 0}, light_mm{0, 0, 0};
   std::shared_ptr<const BoardFace> face{};  ///< where the board is curved; none: flat
+  bool of_one_lamp_on_a_flat_face() const { return face == nullptr; }
 };
 /// Those of a design on a bench. Throws Error for a view or lamp that the bench lacks.
 GlintView glint_of(const DesignView& view, const Bench& bench);

@@ -68,6 +68,7 @@ class StrokeField {
   };
 
   double lobe_place(const GlintView& glint, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const;
+  std::vector<StrokeHalfVector> listed_half_vectors(const GlintView& glint) const;
   float gain(std::size_t i, const Lobe* lobes, double s, float length) const;
   template <typename Visit>
   void each_pixel(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const PixelBox& box,
@@ -79,6 +80,7 @@ class StrokeField {
   std::vector<GlintView> glints_;  // the view's own first
   std::vector<float> weights_;
   std::vector<std::vector<StrokePixel>> pixels_;
+  std::vector<std::vector<StrokeHalfVector>> half_vectors_;  // none where eye and lamp say them
   std::vector<float> matters_;  // the mask squared; empty: all alike
 };
 
