@@ -1,17 +1,38 @@
 #include "burin/optimize/design_file.h"
 
+#include <algorithm>
 #include <set>
 
+#include "burin/render/bench.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 
 namespace burin {
 namespace {
 
+std::string read_lights(JsonObject& json, const std::string& fallback) {
+  if (!json.has("lights")) return json.text("light", fallback);
+  if (json.has("light")) json.fail_field("lights", "stands beside light", "keep one of both");
+  const Json& list = json.raw("lights");
+  std::vector<std::string> names;
+  for (const Json& name : list.is_array() ? list : Json::array()) {
+    if (!name.is_string() || name.get<std::string>().empty()) {
+      names.clear();
+      break;
+    }
+    names.push_back(name.get<std::string>());
+    if (std::count(names.begin(), names.end(), names.back()) > 1)
+      json.fail_field("lights", "names \"" + names.back() + "\" twice", "name each light once");
+  }
+  if (names.empty())
+    json.fail_field("lights", "is no list of names", "write names of the bench's lights, as [\"sun\", \"room\"]");
+  return joined_lights(names);
+}
+
 DesignView read_view(JsonObject& json, const std::filesystem::path& folder) {
   DesignView v;
   v.view = json.text("view");
-  v.light = json.text("light", v.light);
+  v.light = read_lights(json, v.light);
   v.target.picture = folder / json.text("target");
   if (json.has("rotation_deg") && json.raw("rotation_deg").is_string()) {
     if (json.text("rotation_deg") != "viewer")
@@ -94,7 +115,10 @@ void write_design(const DesignSpec& spec, const std::filesystem::path& file) {
   for (const DesignView& v : spec.views) {
     Json view;
     view["view"] = v.view;
-    view["light"] = v.light;
+    if (const std::vector<std::string> names = light_names(v.light); names.size() > 1)
+      view["lights"] = names;
+    else
+      view["light"] = v.light;
     if (v.target.image.width > 0 || v.target.mask_image.width > 0)
       fail("view " + v.view, "has a target in memory, which a file cannot name", "write_picture() it, and name that");
     view["target"] = relative(v.target.picture);

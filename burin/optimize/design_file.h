@@ -4,7 +4,8 @@
 //     "views": [ { "view": "v00", "light": "lamp", "target": "cat.png", "rotation_deg": 0 } ] }
 //
 // A view may also say "fit": "cover" (default) or "contain", "keep": "top" (or "bottom", "left", "right", "middle"),
-// "levels": [black, white], "mask": "cat-mask.png" and "weight": 2 (how much its errors count; default 1).
+// "levels": [black, white], "mask": "cat-mask.png" and "weight": 2 (how much its errors count; default 1). Where several
+// lights shine at once, "lights": ["sun", "room"] stands for "light".
 #pragma once
 
 #include <array>
@@ -46,7 +47,7 @@ struct TargetSpec {
 /// One picture that the board is to show.
 struct DesignView {
   std::string view;            ///< name in bench.json
-  std::string light = "lamp";  ///< id in bench.json
+  std::string light = "lamp";  ///< id in bench.json, or several joined by kBesides (burin/render/bench.h)
   TargetSpec target;
   double weight = 1;  ///< of this view's loss
 };

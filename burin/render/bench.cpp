@@ -12,6 +12,7 @@
 #include "burin/render/files/camera_effects_json.h"
 #include "burin/render/files/bend_json.h"
 #include "burin/render/files/camera_json.h"
+#include "burin/render/files/far_light_json.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
@@ -68,10 +69,18 @@ View read_view(JsonObject& json) {
   return view;
 }
 
-Light read_light(JsonObject& json) {
+Light read_light(JsonObject& json, const fs::path& file) {
   Light light;
   light.id = json.text("id", light.id);
   if (light.id.empty()) json.fail_field("id", "is empty", "give the lamp a name");
+  if (light.id.find(kBesides) != std::string::npos)
+    json.fail_field("id", "holds \"" + std::string(kBesides) + "\", which joins the names of lights",
+                    "write it without the spaces, or with a -");
+  if (says_far_light(json)) {
+    read_far_light(json, file, light);
+    json.finish();
+    return light;
+  }
   light.position_mm = json.vec3("position_mm");
   light.position_sigma_mm = optional_sigma3(json, "position_sigma_mm");
   light.intensity = color(json, "intensity", light.intensity);
@@ -204,9 +213,13 @@ Json view_json(const View& view) {
   return json;
 }
 
-Json light_json(const Light& light) {
+Json light_json(const Light& light, const fs::path& file) {
   Json json;
   json["id"] = light.id;
+  if (light.far) {
+    put_far_light(light, file, json);
+    return json;
+  }
   json["position_mm"] = to_json(light.position_mm);
   if (light.position_sigma_mm) json["position_sigma_mm"] = to_json(*light.position_sigma_mm);
   json["intensity"] = to_json(light.intensity);
@@ -367,7 +380,7 @@ Bench read_bench(const std::filesystem::path& file) {
   if (json.has("views"))
     for (JsonObject& item : json.objects("views")) bench.views.push_back(read_view(item));
   if (json.has("lights"))
-    for (JsonObject& item : json.objects("lights")) bench.lights.push_back(read_light(item));
+    for (JsonObject& item : json.objects("lights")) bench.lights.push_back(read_light(item, file));
   require_at_most(bench.views.size(), limit::kViews, file.string() + ": views", "views", "keep those that are used");
   require_at_most(bench.lights.size(), limit::kLights, file.string() + ": lights", "lamps", "keep those that are used");
   fail_unless_unique(
@@ -445,7 +458,7 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
     json["views"].push_back(view_json(view));
   }
   json["lights"] = Json::array();
-  for (const Light& light : bench.lights) json["lights"].push_back(light_json(light));
+  for (const Light& light : bench.lights) json["lights"].push_back(light_json(light, file));
   json["material"] = material_json(bench, tool_width_um);
   json["sensor"] = {{"gain", bench.sensor.gain},
                     {"vignette", to_json(bench.sensor.vignette)},
@@ -498,9 +511,34 @@ const View& find_view(const Bench& bench, std::string_view name, std::string_vie
   return view;
 }
 
-const Light& find_light(const Bench& bench, std::string_view id, std::string_view where) {
-  return find_named(
-      bench.lights, id, [](const Light& l) { return l.id; }, "lamp", where);
+Light find_light(const Bench& bench, std::string_view id, std::string_view where) {
+  std::optional<Light> out;
+  for (const std::string& one : light_names(id)) {
+    const Light& light = find_named(
+        bench.lights, one, [](const Light& l) { return l.id; }, "lamp", where);
+    if (!out)
+      out = light;
+    else
+      out->also.push_back(light);
+  }
+  out->id = id;
+  return *out;
+}
+
+std::string joined_lights(const std::vector<std::string>& ids) {
+  std::string out;
+  for (const std::string& id : ids) out += (out.empty() ? "" : std::string(kBesides)) + id;
+  return out;
+}
+
+std::vector<std::string> light_names(std::string_view joined) {
+  std::vector<std::string> out;
+  for (;;) {
+    const std::size_t at = joined.find(kBesides);
+    out.emplace_back(joined.substr(0, at));
+    if (at == std::string_view::npos) return out;
+    joined.remove_prefix(at + kBesides.size());
+  }
 }
 
 }  // namespace burin

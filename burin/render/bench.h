@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -35,8 +36,11 @@ struct View {
   std::optional<double> roll_to_middle_deg;
 };
 
+struct FarLight;
+
 /// A near lamp: a point with color, or an area, and a direction and fall-off when it is a spot (docs/model.md 5.5):
-/// I(w) = intensity * max(0, axis . (-wi))^falloff_exponent, with exponent 0 for a bare lamp.
+/// I(w) = intensity * max(0, axis . (-wi))^falloff_exponent, with exponent 0 for a bare lamp. With `far`: the sun, or
+/// surroundings (burin/render/far_light.h). With `also`: several lights that shine at once, this one among them.
 struct Light {
   std::string id = "lamp";
   Eigen::Vector3d position_mm{0, 0, 0};
@@ -47,6 +51,14 @@ struct Light {
   double falloff_exponent = 0;
   std::optional<double> falloff_exponent_sigma;
   LampSize size;  ///< its area across the axis; position_mm is its middle
+  /// The sun or surroundings: then position_mm is a place far away in the direction that most light comes from, and
+  /// intensity the sun's irradiance, or a factor on the surroundings' radiance. Null for a near lamp.
+  std::shared_ptr<const FarLight> far;
+  std::vector<Light> also;  ///< lights that shine beside this one (which have none of their own)
+
+  bool is_near() const { return far == nullptr; }
+  /// One near lamp and nothing else: what photos can measure.
+  bool is_lamp() const { return far == nullptr && also.empty(); }
 };
 
 /// Standard deviations of Material's numbers; empty for those that were not measured.
@@ -111,9 +123,17 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
 /// What the bench says of a parameter; nullptr where it says nothing.
 const Verdict* find_verdict(const Bench& bench, const std::string& parameter);
 
-/// The view or lamp of that name. Throws Error listing the names there are, and for a view that is not aimed yet.
-/// `where` is named in the message.
+/// The view of that name. Throws Error listing the names there are, and for a view that is not aimed yet. `where` is
+/// named in the message.
 const View& find_view(const Bench& bench, std::string_view name, std::string_view where);
-const Light& find_light(const Bench& bench, std::string_view id, std::string_view where);
+
+/// The light of that name; for names joined by kBesides ("sun + room") those lights at once, the first with the others
+/// as its `also`. Throws Error listing the names there are.
+Light find_light(const Bench& bench, std::string_view id, std::string_view where);
+inline constexpr std::string_view kBesides = " + ";
+
+/// The names of lights that shine at once as one name, and the other way.
+std::string joined_lights(const std::vector<std::string>& ids);
+std::vector<std::string> light_names(std::string_view joined);
 
 }  // namespace burin

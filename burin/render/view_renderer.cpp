@@ -9,6 +9,7 @@
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/fast_view.h"
 #include "burin/render/fast/pairs.h"
+#include "burin/render/lights_view.h"
 
 namespace burin {
 
@@ -30,7 +31,8 @@ struct ViewRenderer::State {
         : scene(std::move(s)), index(*scene.grid), pixels(view_pixels(scene, channels)), view(scene, pixels) {}
   };
   std::unique_ptr<Exact> exact;
-  std::unique_ptr<AreaView> area;  // of a lamp with an area: then neither of both
+  std::unique_ptr<AreaView> area;      // of a lamp with an area: then neither of both
+  std::unique_ptr<LightsView> lights;  // of the sun, surroundings, several lights: then none of the three
 
   State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderWorkspace> workspace) : options(o) {
     check_view(scene, options.channels);
@@ -39,7 +41,9 @@ struct ViewRenderer::State {
     tool_width_um = scene.tool_width_um;
     material = scene.material;
     // The float path knows the paper's cross-section alone.
-    if (!scene.light.size.is_point())
+    if (!scene.light.is_lamp())
+      lights = std::make_unique<LightsView>(scene, options, std::move(workspace));
+    else if (!scene.light.size.is_point())
       area = std::make_unique<AreaView>(scene, options, std::move(workspace));
     else if (options.use_double || !material.profile.is_paper())
       exact = std::make_unique<Exact>(std::move(scene), options.channels);
@@ -51,6 +55,10 @@ struct ViewRenderer::State {
   void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
     check_scratches(scratches);
     scratch_count = scratches.size();
+    if (lights) {
+      lights->forward(scratches, keep_jacobian, radiance);
+      return;
+    }
     if (area) {
       area->forward(scratches, radiance);
       return;
@@ -99,7 +107,9 @@ void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradien
     fail("ViewRenderer::backward", "the gradients are for " + std::to_string(gradients.x0_mm.size()) + " scratches",
          "give empty ones, or those of other views of the " + std::to_string(state_->scratch_count) +
              " scratches of the last forward_with_jacobian()");
-  if (state_->area)
+  if (state_->lights)
+    state_->lights->backward(dE_dradiance, gradients);
+  else if (state_->area)
     state_->area->backward(dE_dradiance, gradients);
   else if (state_->fast)
     state_->fast->backward(dE_dradiance, gradients);
@@ -111,7 +121,9 @@ void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
   if (contribution.size() != state_->scratch_count)
     fail("ViewRenderer::add_contributions", "there are " + std::to_string(contribution.size()) + " numbers",
          "give one for each of the " + std::to_string(state_->scratch_count) + " scratches of the last forward()");
-  if (state_->area)
+  if (state_->lights)
+    state_->lights->add_contributions(contribution);
+  else if (state_->area)
     state_->area->add_contributions(contribution);
   else if (state_->fast)
     state_->fast->add_contributions(contribution);
@@ -120,6 +132,7 @@ void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
 }
 
 std::size_t ViewRenderer::pair_count() const {
+  if (state_->lights) return state_->lights->pair_count();
   if (state_->area) return state_->area->pair_count();
   return state_->fast ? state_->fast->pair_count() : state_->exact->view.pair_count();
 }
