@@ -26,7 +26,7 @@ constexpr double kDarkest = 0.02, kBrightest = 0.96;           // stored values 
 constexpr double kOtherError = 0.005;                          // of a logarithm
 
 // Blocks of one level of brightness in two exposures.
-struct Comparison {
+struct BlockComparison {
   std::size_t bracket = 0;
   int longer = 0, shorter = 0, channel = 0;  // photos: indices into session.photos
   double s_longer = 0, s_shorter = 0;        // stored, plain encoding
@@ -70,7 +70,7 @@ constexpr double kCoarsest = 0.012;
 // The blocks of two exposures, level by level of brightness: what is common to a level's blocks is one comparison,
 // however many they are.
 void compare(const Session& session, std::size_t bracket, int longer, int shorter, const LinearPhoto& a,
-             const LinearPhoto& b, std::vector<Comparison>& out) {
+             const LinearPhoto& b, std::vector<BlockComparison>& out) {
   constexpr double kFlat = 0.05, kFlatShort = 0.1;  // the shorter exposure is noisier
   constexpr int kLevels = 48;
   constexpr double kFewestBlocks = 4;
@@ -112,9 +112,9 @@ void compare(const Session& session, std::size_t bracket, int longer, int shorte
     }
 }
 
-std::vector<Comparison> comparisons_of(const Session& session, const std::vector<Bracket>& brackets,
-                                       const std::vector<std::size_t>& wanted) {
-  std::vector<std::vector<Comparison>> each(wanted.size());
+std::vector<BlockComparison> comparisons_of(const Session& session, const std::vector<Bracket>& brackets,
+                                            const std::vector<std::size_t>& wanted) {
+  std::vector<std::vector<BlockComparison>> each(wanted.size());
   tbb::parallel_for(std::size_t{0}, wanted.size(), [&](std::size_t i) {
     std::vector<int> order = brackets[wanted[i]].photos;
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
@@ -132,7 +132,7 @@ std::vector<Comparison> comparisons_of(const Session& session, const std::vector
       last = std::move(next);
     }
   });
-  std::vector<Comparison> all;
+  std::vector<BlockComparison> all;
   for (const auto& more : each) all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -188,7 +188,7 @@ Response response_of(const Eigen::VectorXd& curve) {
 int balance_number(int channel) { return channel == 0 ? 1 : channel == 2 ? 2 : -1; }
 
 // Least squares with Cauchy's loss, `curve_numbers` of the curve free, started at `start`.
-Fit fit_photos(std::span<const Comparison> comparisons, const Session& session, int curve_numbers,
+Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& session, int curve_numbers,
                const Response& start, double scatter) {
   const auto n = static_cast<Eigen::Index>(session.photos.size());
   const Eigen::Index size = kMostCurve + 3 * n;
@@ -206,7 +206,7 @@ Fit fit_photos(std::span<const Comparison> comparisons, const Session& session, 
     fit.residual.clear();
     fit.cost = 0;
     std::vector<double> absolute, relative;
-    for (const Comparison& c : comparisons) {
+    for (const BlockComparison& c : comparisons) {
       const Encoding encoding = session.photos[c.longer].encoding;
       const LogLight p = log_light(response, c.s_longer, encoding), q = log_light(response, c.s_shorter, encoding);
       double r = p.value - q.value - c.log_ratio;
@@ -288,15 +288,16 @@ std::pair<double, double> change_of(const Fit& fit, int curve_numbers, Encoding 
   return {deviation, std::sqrt(std::max(0.0, direction.dot(fit.covariance * direction)))};
 }
 
-std::vector<Comparison> of_brackets(std::span<const Comparison> all, const std::vector<std::size_t>& brackets) {
-  std::vector<Comparison> out;
-  for (const Comparison& c : all)
+std::vector<BlockComparison> of_brackets(std::span<const BlockComparison> all,
+                                         const std::vector<std::size_t>& brackets) {
+  std::vector<BlockComparison> out;
+  for (const BlockComparison& c : all)
     if (std::find(brackets.begin(), brackets.end(), c.bracket) != brackets.end()) out.push_back(c);
   return out;
 }
 
 // Cost of each bracket when the curve comes from the other half of them.
-std::vector<double> foretold(std::span<const Comparison> all, const Session& session,
+std::vector<double> foretold(std::span<const BlockComparison> all, const Session& session,
                              const std::vector<std::size_t>& brackets, int curve_numbers, double scatter) {
   std::vector<double> cost(brackets.size());
   for (std::size_t half = 0; half < 2; ++half) {
@@ -324,7 +325,7 @@ bool is_better(const std::vector<double>& fewer, const std::vector<double>& more
 }
 
 // How many of the curve's numbers the brackets ask for.
-int curve_numbers_asked(std::span<const Comparison> all, const Session& session,
+int curve_numbers_asked(std::span<const BlockComparison> all, const Session& session,
                         const std::vector<std::size_t>& brackets, double scatter) {
   if (brackets.size() < 2) {
     const double none = fit_photos(all, session, 0, {}, scatter).cost,
@@ -343,8 +344,8 @@ int curve_numbers_asked(std::span<const Comparison> all, const Session& session,
 }
 
 // Leaves out brackets whose exposures disagree far beyond what a shutter does, and names them.
-void drop_contradictions(const Session& session, const std::vector<Bracket>& brackets, std::vector<Comparison>& all,
-                         std::vector<std::size_t>& used, BracketResponse& out) {
+void drop_contradictions(const Session& session, const std::vector<Bracket>& brackets,
+                         std::vector<BlockComparison>& all, std::vector<std::size_t>& used, BracketResponse& out) {
   const Fit fit = fit_photos(all, session, 2, {}, 1);
   constexpr double kContradicts = 0.12;  // of the logarithm: beyond any shutter, and beyond a curve that all share
   for (std::size_t i = 0; i < used.size();) {
@@ -370,7 +371,7 @@ void drop_contradictions(const Session& session, const std::vector<Bracket>& bra
         "take brackets in manual mode with a camera that stands still, lamp and room unchanged, or correct exposure_s, "
         "iso and f_number in session.json"));
     const std::size_t bad = used[i];
-    std::erase_if(all, [&](const Comparison& c) { return c.bracket == bad; });
+    std::erase_if(all, [&](const BlockComparison& c) { return c.bracket == bad; });
     used.erase(used.begin() + static_cast<std::ptrdiff_t>(i));
     // fit.residual no longer goes with `all`: what else contradicts is found by the next look
     drop_contradictions(session, brackets, all, used, out);
@@ -396,10 +397,10 @@ BracketResponse bracket_response(const Session& session, bool fit_curve) {
     if (fit_curve)
       for (Photo& photo : read.photos) photo.response = out.response;
     out = {};
-    std::vector<Comparison> all = comparisons_of(read, brackets, used);
+    std::vector<BlockComparison> all = comparisons_of(read, brackets, used);
     std::erase_if(used, [&](std::size_t b) {
       constexpr long kFewest = 6;
-      return std::count_if(all.begin(), all.end(), [&](const Comparison& c) { return c.bracket == b; }) < kFewest;
+      return std::count_if(all.begin(), all.end(), [&](const BlockComparison& c) { return c.bracket == b; }) < kFewest;
     });
     if (used.empty()) break;
     drop_contradictions(session, brackets, all, used, out);
