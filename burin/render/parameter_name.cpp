@@ -14,7 +14,7 @@ constexpr std::pair<const char*, const char*> kPosition{"position_mm", "position
     kSize{"size", "size"};
 constexpr std::array kOfLight{kPosition, kIntensity, kAxis, kFalloff, kSize};
 
-constexpr std::array<std::pair<const char*, const char*>, 15> kWords{{{kLens, "the lens"},
+constexpr std::array<std::pair<const char*, const char*>, 16> kWords{{{kLens, "the lens"},
                                                                       {kLensFocal, "the lens' focal length"},
                                                                       {kLensCenter, "the lens' center"},
                                                                       {kPoses, "the cameras' places"},
