@@ -59,9 +59,12 @@ double chi_squared(const Eigen::VectorXd& step, const Eigen::MatrixXd& covarianc
 // boards and were made up on one random bench in ten (a field made up does more harm than one missed). Hotelling's T^2
 // is distributed as F, and F's cube root nearly as a normal ratio (Paulson, Annals of Mathematical Statistics 13,
 // 1942).
-bool beyond_chance(double chi2, std::size_t terms, std::size_t samples) {
-  constexpr double kOnceInTenThousand = 3.719, kOnceInAMillion = 4.753;  // sigmas of a normal distribution
-  const double sigmas = terms > 2 ? kOnceInAMillion : kOnceInTenThousand;
+constexpr double kOnceInTenThousand = 3.719, kOnceInAMillion = 4.753;  // sigmas of a normal distribution
+// Whatever makes dark places brighter than the model has them looks like glare: fingerprints and dust of an amateur's
+// bench without any made up 0.8 % of it, at 7.2 sigmas by places and 4.8 by views.
+constexpr double kGlareByPlace = 8, kGlareByView = 6;
+
+bool beyond_chance(double chi2, std::size_t terms, std::size_t samples, double sigmas) {
   if (samples < terms + 3) return false;
   const auto k = static_cast<double>(terms), n = static_cast<double>(samples);
   const double root = std::cbrt(chi2 * (n - k) / (k * (n - 1)));
@@ -74,6 +77,8 @@ bool beyond_chance(double chi2, std::size_t terms, std::size_t samples) {
 bool significant(const Problem& data, const Stage& all, const State& state, const ViewEquations& e,
                  const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const std::vector<bool>& free,
                  const std::vector<Eigen::Index>& added) {
+  const bool glare = added.size() == 1 && added.front() == unknown::glare_share;
+  const double sigmas = added.size() > 2 ? kOnceInAMillion : kOnceInTenThousand;
   const Eigen::MatrixXd inverse = safe_inverse(H, free);
   const Eigen::VectorXd step = -inverse * g;
   State there = moved_state(state, step);
@@ -82,14 +87,16 @@ bool significant(const Problem& data, const Stage& all, const State& state, cons
   std::size_t places = 0;
   for (Eigen::Index t = 0; t < at_optimum.tiles.cols(); ++t)
     if (at_optimum.tiles(unknown::log_alpha, t) != 0) ++places;
-  if (!beyond_chance(chi_squared(step, inverse * (by_place + e.prior_scatter) * inverse, added), added.size(), places))
+  if (!beyond_chance(chi_squared(step, inverse * (by_place + e.prior_scatter) * inverse, added), added.size(), places,
+                     glare ? kGlareByPlace : sigmas))
     return false;
   // Photos are few: their scatter could not say so much of several terms, but it may contradict.
   Eigen::MatrixXd by_view = Eigen::MatrixXd::Zero(H.rows(), H.cols());
   const auto views = static_cast<double>(e.H.size());
   for (const Eigen::VectorXd& score : at_optimum.g) by_view += views / (views - 1) * score * score.transpose();
   constexpr std::size_t kKnown = 1000;
-  return beyond_chance(chi_squared(step, inverse * (by_view + e.prior_scatter) * inverse, added), added.size(), kKnown);
+  return beyond_chance(chi_squared(step, inverse * (by_view + e.prior_scatter) * inverse, added), added.size(), kKnown,
+                       glare ? kGlareByView : sigmas);
 }
 
 }  // namespace
