@@ -52,7 +52,9 @@ Bench full_bench(const TemporaryFolder& folder) {
   bench.depth_field = {{0.07, -0.04, 0.01, 0.02, -0.03, 0.05},
                        std::array<double, 6>{1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3}};
   bench.alpha_field.terms[5] = -0.02;
-  bench.sensor = {3.5, {-0.1, 0.02, -0.003}, 0.6};
+  bench.sensor.gain = 3.5;
+  bench.sensor.vignette = {-0.1, 0.02, -0.003};
+  bench.sensor.psf_sigma_px = 0.6;
   bench.ambient = {0.01, 0.02, 0.03};
   bench.bow_mm = {0.1, -0.02, 0.03};
   bench.tags = {{0, {15.02, 14.97}, 0, 0}, {4, {100, 14.5}, 16.01, 90.5}};
