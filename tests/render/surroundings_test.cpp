@@ -185,7 +185,7 @@ TEST(Surroundings, APanoramaFromWithinIsItsMirrorImage) {
       for (int c = 0; c < 3; ++c) mirrored.at(x, y, c) = picture.at(picture.width - 1 - x, y, c);
   const auto board = make_panorama(picture, {}, "a");
   const auto inside = make_panorama(mirrored, {PanoramaFrame::Kind::inside}, "b");
-  for (const Eigen::Vector3d to : {Eigen::Vector3d(0.3, -0.8, 0.6), {-0.1, 0.9, 0.4}, {-0.7, 0.1, 0.2}})
+  for (const Eigen::Vector3d& to : {Eigen::Vector3d(0.3, -0.8, 0.6), {-0.1, 0.9, 0.4}, {-0.7, 0.1, 0.2}})
     EXPECT_EQ(board->radiance.data[3 * board->pixel(to)], inside->radiance.data[3 * inside->pixel(to)]);
   EXPECT_GT(board->radiance.data[3 * board->pixel(board->direction(44.5, 8.5))], 0);
   // On a wall: the world's up is the board's y, and the middle column looks straight away from the face.

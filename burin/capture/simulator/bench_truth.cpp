@@ -9,6 +9,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/bend_json.h"
 #include "burin/render/files/camera_json.h"
+#include "burin/render/files/far_light_json.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/lamp_size_json.h"
@@ -210,9 +211,14 @@ void read_sensor_truth(JsonObject json, BenchTruth& truth) {
   json.finish();
 }
 
-Light read_light(JsonObject& json) {
+Light read_light(JsonObject& json, const fs::path& file) {
   Light light;
   light.id = json.text("id", light.id);
+  if (says_far_light(json)) {
+    read_far_light(json, file, light);
+    json.finish();
+    return light;
+  }
   light.position_mm = json.vec3("position_mm");
   light.intensity = color(json, "intensity", light.intensity);
   light.axis = json.vec3("axis", light.axis);
@@ -240,9 +246,10 @@ TruthView read_view(JsonObject& json, const BenchTruth& truth) {
       item.fail_field("file", "leads out of the output folder", "write a path within it, as photos/v00.png");
     photo.photo.view = view.name;
     photo.photo.light = item.text("light", "lamp");
-    if (std::none_of(truth.lights.begin(), truth.lights.end(),
-                     [&](const Light& l) { return l.id == photo.photo.light; }))
-      item.fail_field("light", "there is no light \"" + photo.photo.light + "\"", "name one of lights");
+    for (const std::string& name : light_names(photo.photo.light))
+      if (std::none_of(truth.lights.begin(), truth.lights.end(), [&](const Light& l) { return l.id == name; }))
+        item.fail_field("light", "there is no light \"" + name + "\"",
+                        "name one of lights, or several as \"sun + sky\"");
     photo.photo.exposure_s = item.positive("exposure_s");
     photo.photo.iso = item.positive("iso", 100);
     photo.photo.f_number = item.positive("f_number");
@@ -351,9 +358,9 @@ BenchTruth read_bench_truth(const fs::path& file) {
   if (root.has("glare")) truth.sensor.camera.glare = read_glare_truth(root.object("glare"));
   truth.optics.psf_sigma_px = not_negative(root, "psf_sigma_px", 0);
   truth.optics.vignette = root.vec3("vignette", truth.optics.vignette);
-  for (JsonObject& light : root.objects("lights")) truth.lights.push_back(read_light(light));
+  for (JsonObject& light : root.objects("lights")) truth.lights.push_back(read_light(light, file));
   if (root.has("stray_lights"))
-    for (JsonObject& light : root.objects("stray_lights")) truth.stray_lights.push_back(read_light(light));
+    for (JsonObject& light : root.objects("stray_lights")) truth.stray_lights.push_back(read_light(light, file));
   truth.lamp_samples = at_least(root, "lamp_samples", 1, truth.lamp_samples);
   for (JsonObject& view : root.objects("views")) truth.views.push_back(read_view(view, truth));
   require_at_most(truth.views.size(), limit::kViews, file.string() + ": views", "views", "photograph in several runs");

@@ -25,7 +25,8 @@
 //                              linear files stand in the high end of 16
 //                              and what a phone does to its pictures: camera_truth.h, with glare beside it
 //   lights[]                   as in bench.json, disk_mm or panel_mm and turn_deg included: a lamp with an area is
-//                              sampled at lamp_samples points of it (default 96)
+//                              sampled at lamp_samples points of it (default 96); a sun, surroundings. A photo's
+//                              "light" may name several, as "sun + sky"
 //   stray_lights[]             lamps that are lit in every photo and that no other file names
 //   psf_sigma_px, vignette, ambient, background {albedo, noise, z_mm}, dust, shapes, exif, session
 #pragma once

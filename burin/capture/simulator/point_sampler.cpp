@@ -15,11 +15,13 @@
 #include <vector>
 
 #include "burin/capture/simulator/bent_sheet.h"
+#include "burin/capture/simulator/around_sampler.h"
 #include "burin/capture/simulator/brushed_face.h"
 #include "burin/capture/simulator/groove_section.h"
 #include "burin/capture/simulator/things_on_board.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
+#include "burin/render/far_light.h"
 #include "burin/render/groove.h"
 
 namespace burin {
@@ -267,6 +269,10 @@ struct PointSampler::State {
   void fill_corners(const TruthView& view, const Light& light, int row, std::span<Corner> corners) const;
   Vector3d pixel(std::span<const Corner> above, std::span<const Corner> below, int x, const Light& light,
                  const Vector3d& camera, int samples, std::uint64_t seed) const;
+  /// The same under surroundings, whose light on paper is that of `flat`, a lamp straight above.
+  Vector3d pixel_around(std::span<const Corner> above, std::span<const Corner> below, int x,
+                        const AroundSampler& around, const Vector3d& factor, const Light& flat, const Vector3d& camera,
+                        int samples, std::uint64_t seed) const;
   void near_grooves(const Vector2d& low, const Vector2d& high, std::vector<int>& found) const;
   Vector3d cloth_at(const PixelCorners& corners, const Light& light, double u, double v) const;
   void see_grooves(const std::vector<int>& near, const PixelCorners& corners, const Vector3d& normal,
@@ -544,6 +550,64 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   return sum / (side * side);
 }
 
+Vector3d PointSampler::State::pixel_around(std::span<const Corner> above, std::span<const Corner> below, int x,
+                                           const AroundSampler& around, const Vector3d& factor, const Light& flat,
+                                           const Vector3d& camera, int samples, std::uint64_t seed) const {
+  const PixelCorners corners{{&above[x], &above[x + 1], &below[x], &below[x + 1]}};
+  if (!std::isfinite(corners.mean(&Corner::cloth_x))) return Vector3d::Zero();
+  Vector2d low(1, 1), high(0, 0);
+  const bool on_plane = std::isfinite(corners.mean(&Corner::x));
+  if (on_plane) corners.box(low, high);
+  const Vector2d size = truth.board.size_mm;
+  if (!on_plane || high.x() < 0 || high.y() < 0 || low.x() > size.x() || low.y() > size.y())
+    return cloth_at(corners, flat, 0.5, 0.5);
+  thread_local std::vector<int> near_things, near;
+  things.near(low, high, near_things);
+  near_grooves(low, high, near);
+  const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(samples))));
+  const double mean_x = corners.mean(&Corner::x), mean_y = corners.mean(&Corner::y);
+  const Vector3d normal = face_normal(truth.surface, mean_x, mean_y), f0 = truth.board.material.f0;
+  thread_local std::vector<SeenGroove> seen;
+  see_grooves(near, corners, normal, seen);
+  Vector3d others = Vector3d::Zero(), grooves_light = Vector3d::Zero(), face_light = Vector3d::Zero();
+  double metal = 0, covered = 0;
+  std::uint64_t state = seed;
+  const auto uniform = [&] { return static_cast<double>(scattered(state += 0x9e3779b97f4a7c15ULL) >> 11) * 0x1.0p-53; };
+  const auto from = [&](const Vector3d& facet, const Vector3d& wo, double alpha) -> Vector3d {
+    const double u[4] = {uniform(), uniform(), uniform(), uniform()};
+    return around.reflected(facet, normal, wo, alpha, f0, u).cwiseProduct(factor);
+  };
+  for (int k = 0; k < side * side; ++k) {
+    const double u = (k % side + uniform()) / side, v = (k / side + uniform()) / side;
+    const double px = corners.at(&Corner::x, u, v), py = corners.at(&Corner::y, u, v);
+    const Vector3d wo = (camera - Vector3d(px, py, height_mm(truth.surface, px, py))).normalized();
+    const double bare = add_things(near_things, px, py, normal, wo, flat, others);
+    if (bare <= 0) continue;
+    if (px < 0 || py < 0 || px > size.x() || py > size.y()) {
+      others += bare * cloth_at(corners, flat, u, v);
+      continue;
+    }
+    metal += bare;
+    bool shows_plain = true;
+    for (std::size_t i = seen.size(); i-- > 0;) {
+      const SeenGroove& g = seen[i];
+      const double dx = px - g.x0, dy = py - g.y0;
+      const double across = dx * g.ey - dy * g.ex, along = dx * g.ex + dy * g.ey;
+      if (std::abs(across) > g.half_width || along < 0 || along > g.length) continue;
+      covered += bare;
+      const double t = g.t_per_mm * across;
+      // Across the groove, tangential to the face.
+      const Vector3d x_axis = (Vector3d(g.ey, -g.ex, 0) - g.tilt * normal) / std::sqrt(1 - g.tilt * g.tilt);
+      grooves_light += bare * from((-2 * t * x_axis + (1 - t * t) * normal) / (1 + t * t), wo, std::sqrt(g.a2));
+      shows_plain = false;
+      if (truth.last_rules) break;
+    }
+    if (shows_plain || !truth.last_rules) face_light += bare * from(normal, wo, truth.board.material.base_alpha);
+  }
+  if (!truth.last_rules && metal > 0) face_light *= 1 - std::min(1.0, covered / metal);
+  return (others + grooves_light + face_light + metal * truth.ambient.cwiseProduct(f0)) / (side * side);
+}
+
 namespace {
 
 // A point lamp and its share of the pixel's points.
@@ -570,13 +634,36 @@ std::vector<Vector3d> spread_over(const Light& light, int count) {
   return out;
 }
 
+// What is lit in a photo under `light`, one by one.
+std::vector<Light> all_lit(const BenchTruth& truth, const Light& light) {
+  std::vector<Light> lit{light};
+  lit.front().also.clear();
+  lit.insert(lit.end(), light.also.begin(), light.also.end());
+  lit.insert(lit.end(), truth.stray_lights.begin(), truth.stray_lights.end());
+  return lit;
+}
+
+// A lamp straight above a place that lights paper as surroundings do.
+Light flat_light(const Light& around) {
+  Light flat;
+  flat.position_mm = {0, 0, kFar_mm};
+  flat.intensity =
+      irradiance(*around.far->surroundings, Vector3d::UnitZ()).cwiseProduct(around.intensity) * (kFar_mm * kFar_mm);
+  return flat;
+}
+
 // All points of what is lit. Shares add up to 1, so that what no lamp sends counts once; a point is as much brighter as
 // its share is small.
 std::vector<PointOfLamp> points_of(const BenchTruth& truth, const Light& light) {
-  std::vector<Light> lit{light};
-  lit.insert(lit.end(), truth.stray_lights.begin(), truth.stray_lights.end());
+  const std::vector<Light> lit = all_lit(truth, light);
   std::vector<PointOfLamp> out;
-  for (const Light& lamp : lit) {
+  for (Light lamp : lit) {
+    if (lamp.far && !lamp.far->is_sun()) continue;
+    if (lamp.far) {
+      const double radius = 0.5 * lamp.far->diameter_deg * std::numbers::pi / 180;
+      lamp = sun_as_lamp(lamp);
+      lamp.size.disk_mm = kFar_mm * std::tan(radius);
+    }
     const std::vector<Vector3d> places = spread_over(lamp, truth.lamp_samples);
     const double of_all = 1.0 / static_cast<double>(lit.size()), of_lamp = 1.0 / static_cast<double>(places.size());
     for (const Vector3d& place : places) {
@@ -596,21 +683,65 @@ Image PointSampler::radiance(const TruthView& view, const Light& light, const Pr
   const BenchTruth& truth = state_->truth;
   std::uint64_t view_seed = truth.seed;
   for (const char c : view.name + "/" + light.id) view_seed = scattered(view_seed ^ static_cast<unsigned char>(c));
-  const std::vector<PointOfLamp> points = points_of(truth, light);
-  if (points.size() == 1) return radiance_of_point(view, points.front().light, truth.samples, view_seed, progress);
+  const std::vector<Light> lit = all_lit(truth, light);
+  std::vector<PointOfLamp> points = points_of(truth, light);
+  if (lit.size() == 1 && points.size() == 1)
+    return radiance_of_point(view, points.front().light, truth.samples, view_seed, progress);
   // Each point of the lamp has pixel points of its own; a few more in all, as each pattern is coarser.
   constexpr int kFewest = 9;
-  const int samples = std::max(kFewest, static_cast<int>(2 * truth.samples / points.size()));
+  const int samples = std::max(kFewest, static_cast<int>(2 * truth.samples / std::max<std::size_t>(1, points.size())));
   Image sum(truth.lens.width, truth.lens.height, 3);
+  const auto add = [&](const Image& one, double share) {
+    for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += static_cast<float>(share) * one.data[i];
+  };
   for (std::size_t k = 0; k < points.size(); ++k) {
     const double done = static_cast<double>(k) / static_cast<double>(points.size());
     const Progress within = [&](std::string_view what, double) {
       if (progress) progress(what, done);
     };
-    const Image one = radiance_of_point(view, points[k].light, samples, scattered(view_seed + k), within);
-    for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += static_cast<float>(points[k].share) * one.data[i];
+    add(radiance_of_point(view, points[k].light, samples, scattered(view_seed + k), within), points[k].share);
   }
+  for (std::size_t k = 0; k < lit.size(); ++k)
+    if (lit[k].far && !lit[k].far->is_sun())
+      add(radiance_around(view, lit[k], static_cast<double>(lit.size()), truth.samples,
+                          scattered(view_seed + 0x51ed2701ULL + k), progress),
+          1.0 / static_cast<double>(lit.size()));
   return sum;
+}
+
+Image PointSampler::radiance_around(const TruthView& view, const Light& light, double times, int samples,
+                                    std::uint64_t view_seed, const Progress& progress) const {
+  const State& s = *state_;
+  if (!s.truth.board.material.profile.is_paper() || s.truth.deepest_rules || s.brushed)
+    fail(s.truth.file.string(),
+         "the simulated camera knows surroundings for the paper's grooves on a face without a grain alone",
+         "leave out the material's \"profile\" and \"brushed\" and the overlap \"deepest\", or the surroundings");
+  const AroundSampler around(light.far->surroundings);
+  const Light flat = [&] {
+    Light out = flat_light(light);
+    out.intensity *= times;
+    return out;
+  }();
+  const Vector3d factor = times * light.intensity;
+  const int w = s.truth.lens.width, h = s.truth.lens.height;
+  const Vector3d camera = view.T_camera_board.inverse().translation();
+  Image image(w, h, 3);
+  constexpr int kRowsAtOnce = 32;  // between two calls of progress
+  for (int first = 0; first < h; first += kRowsAtOnce) {
+    if (progress) progress("photographing " + view.name, static_cast<double>(first) / h);
+    tbb::parallel_for(first, std::min(first + kRowsAtOnce, h), [&](int y) {
+      std::vector<Corner> above(w + 1), below(w + 1);
+      s.fill_corners(view, flat, y, above);
+      s.fill_corners(view, flat, y + 1, below);
+      for (int x = 0; x < w; ++x) {
+        const std::uint64_t place = static_cast<std::uint64_t>(y) * w + x;
+        const Vector3d seen = s.pixel_around(above, below, x, around, factor, flat, camera, samples,
+                                             scattered(view_seed + place * 0xd1b54a32d192ed03ULL));
+        for (int c = 0; c < 3; ++c) image.at(x, y, c) = static_cast<float>(seen[c]);
+      }
+    });
+  }
+  return image;
 }
 
 Image PointSampler::radiance_of_point(const TruthView& view, const Light& light, int samples, std::uint64_t view_seed,

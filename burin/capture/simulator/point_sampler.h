@@ -10,6 +10,8 @@
 // A lamp with an area is sampled at points of its own, spread evenly over it; a pixel's points are shared out among
 // them.
 //
+// The sun is a disk; surroundings are drawn from, a direction a point, and light paper as one flat lamp would.
+//
 // Frame: board, mm. Pixels: the center of the top-left pixel is (0, 0). Radiance: the lamp's intensity / mm^2.
 #pragma once
 
@@ -44,6 +46,9 @@ class PointSampler {
   /// Under a point lamp, with `samples` points a pixel where there are scratches.
   Image radiance_of_point(const TruthView& view, const Light& light, int samples, std::uint64_t seed,
                           const Progress& progress) const;
+  /// Under surroundings, `times` as bright: at each point one direction is drawn (around_sampler.h).
+  Image radiance_around(const TruthView& view, const Light& light, double times, int samples, std::uint64_t seed,
+                        const Progress& progress) const;
 };
 
 }  // namespace burin

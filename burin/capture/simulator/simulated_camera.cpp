@@ -220,11 +220,16 @@ void simulate(const fs::path& truth_json, const fs::path& out_dir, const Simulat
     const Progress within = [&](std::string_view, double fraction) {
       if (progress) progress("photographing", (static_cast<double>(i) + fraction) / static_cast<double>(views.size()));
     };
-    for (const Light& light : truth.lights) {
+    Bench lamps;  // for their names
+    lamps.lights = truth.lights;
+    std::vector<std::string> names;
+    for (const TruthPhoto& photo : view.photos)
+      if (std::find(names.begin(), names.end(), photo.photo.light) == names.end()) names.push_back(photo.photo.light);
+    for (const std::string& name : names) {
+      const Light light = find_light(lamps, name, truth_json.string());
       std::vector<const TruthPhoto*> photos;
       for (const TruthPhoto& photo : view.photos)
-        if (photo.photo.light == light.id) photos.push_back(&photo);
-      if (photos.empty()) continue;
+        if (photo.photo.light == name) photos.push_back(&photo);
       const Image radiance = with_glare(blurred(sampler.radiance(view, light, within), truth.optics.psf_sigma_px),
                                         truth.sensor.camera.glare);
       for (const TruthPhoto* photo : photos) {

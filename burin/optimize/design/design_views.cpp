@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "burin/optimize/design/curved_views.h"
+#include "burin/optimize/design/direction_light.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/picture_metrics.h"
@@ -53,6 +54,26 @@ std::vector<double> means_of_groups(const std::vector<WorkView>& views, std::siz
   }
   for (std::size_t g = 0; g < groups; ++g) sum[g] /= members[g];
   return sum;
+}
+
+// Gives views that are not seen under one lamp the field that a search rests on, and says what pictures can hope for.
+void measure_lights(std::vector<WorkView>& views, const Board& board, const Bench& bench,
+                    std::vector<Finding>& findings) {
+  std::vector<MeasuredView> measured;
+  const bool any = std::any_of(views.begin(), views.end(),
+                               [&](const WorkView& v) { return !find_light(bench, v.spec.light, "design").is_lamp(); });
+  if (!any) return;
+  for (WorkView& v : views) {
+    MeasuredView one{v.spec.view, v.spec.light,
+                     measure_directions(v.renderer, board.carve_min_mm, board.carve_max_mm, bench.material.alpha,
+                                        [&](const Scratches& tests) {
+                                          return Metal{bench, board}.carved_alone(tests);
+                                        })};
+    if (!find_light(bench, v.spec.light, "design").is_lamp())
+      v.glint.field = std::make_shared<const GlintField>(one.directions.field);
+    if (v.share == 1 || measured.size() <= v.of) measured.push_back(std::move(one));
+  }
+  append(findings, check_directions(measured));
 }
 
 std::string percent_text(double share) {
@@ -123,7 +144,10 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                        std::min(1.0, at_place(bench.alpha_field, bench.material.alpha, board.size_mm, p_mm)),
                        bench.material.profile};
   };
-  append(findings, check_glints(glints, board.carve_min_mm, board.carve_max_mm, board.tool_width_um, groove_at));
+  std::vector<GlintView> of_lamps;  // what other lights do is measured below
+  for (std::size_t k = 0; k < glints.size(); ++k)
+    if (find_light(bench, spec.views[k].light, "design").is_lamp()) of_lamps.push_back(glints[k]);
+  append(findings, check_glints(of_lamps, board.carve_min_mm, board.carve_max_mm, board.tool_width_um, groove_at));
   const Image free =
       carvable(limits, 1e-3 * half_width_um(bench.material.profile, board.tool_width_um, bench.material.depth_um),
                width, height);
@@ -179,6 +203,7 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                        ViewRenderer(design_scene(spec, k, board, bench, grid, moved, moved), render, workspace),
                        std::move(loss)});
     }
+  measure_lights(views, board, bench, findings);
   for (WorkView& v : views) {
     v.renderer.forward({}, v.face);
     v.unit = measure_units(v.renderer, v.glint, board.carve_min_mm, board.carve_max_mm, [&](const Scratches& tests) {

@@ -75,7 +75,30 @@ GlintView glint_of(const DesignView& view, const Bench& bench) {
           find_light(bench, view.light, "design").position_mm};
 }
 
-Eigen::Vector3d curved_half_vector(const GlintView& view, const Eigen::Vector3d& p_mm) {
+Eigen::Vector2d GlintField::at(const Eigen::Vector2d& p_mm) const {
+  const auto place = [&](int axis) {
+    const double part = (p_mm[axis] - min_mm[axis]) / (max_mm[axis] - min_mm[axis]);
+    return std::clamp(part * side - 0.5, 0.0, side - 1.0);
+  };
+  const double x = place(0), y = place(1);
+  const int i = std::min(std::max(0, side - 2), static_cast<int>(x)),
+            j = std::min(std::max(0, side - 2), static_cast<int>(y));
+  const auto node = [&](int c, int r) -> const Eigen::Vector2d& {
+    return shadow[static_cast<std::size_t>(std::min(r, side - 1)) * side + std::min(c, side - 1)];
+  };
+  const double u = x - i, v = y - j;
+  return (1 - v) * ((1 - u) * node(i, j) + u * node(i + 1, j)) +
+         v * ((1 - u) * node(i, j + 1) + u * node(i + 1, j + 1));
+}
+
+Eigen::Vector3d half_vector_at(const GlintView& view, const Eigen::Vector3d& p_mm) {
+  if (view.field) {
+    constexpr double kMost = 0.999;  // of the sine of h's lean
+    const Eigen::Vector2d shadow = view.field->at(p_mm.head<2>());
+    const Eigen::Vector2d kept = shadow * std::min(1.0, kMost / std::max(shadow.norm(), 1e-12));
+    return {kept.x(), kept.y(), std::sqrt(1 - kept.squaredNorm())};
+  }
+  if (view.face == nullptr) return (view.light_mm - p_mm).normalized() + (view.camera_mm - p_mm).normalized();
   const auto place = face_place(*view.face, p_mm.head<2>());
   if (!place) return Eigen::Vector3d::UnitZ();  // a gap of a mesh
   const Eigen::Vector3d& p = place->position_mm;

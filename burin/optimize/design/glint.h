@@ -24,23 +24,31 @@
 
 namespace burin {
 
+/// Under other lights than one lamp: which way h's shadow would run, at a lattice of places over an area, for lobe() to
+/// say how a scratch's light falls as it turns (burin/optimize/design/direction_light.h measures it). Its length is the
+/// sine of h's lean for the roughness that grooves have.
+struct GlintField {
+  int side = 1;  ///< places along each side of the area
+  Eigen::Vector2d min_mm{0, 0}, max_mm{1, 1};
+  std::vector<Eigen::Vector2d> shadow;  ///< row by row, from min_mm; places in the middles of their cells
+  Eigen::Vector2d at(const Eigen::Vector2d& p_mm) const;
+};
+
 /// Camera and lamp of one view: what h depends on.
 struct GlintView {
   std::string name;
   Eigen::Vector3d camera_mm{0, 0, 0}, light_mm{0, 0, 0};
-  std::shared_ptr<const BoardFace> face{};  ///< where the board is curved; none: flat
-  bool of_one_lamp_on_a_flat_face() const { return face == nullptr; }
+  std::shared_ptr<const BoardFace> face{};    ///< where the board is curved; none: flat
+  std::shared_ptr<const GlintField> field{};  ///< where it is not one lamp that shines
+  bool of_one_lamp_on_a_flat_face() const { return face == nullptr && field == nullptr; }
 };
 /// Those of a design on a bench. Throws Error for a view or lamp that the bench lacks.
 GlintView glint_of(const DesignView& view, const Bench& bench);
 
 /// The half vector, of any length, at a place of the flat board (z = 0); on a curved face as the face's own frame has
-/// it, in which grooves run as on the flat board (docs/model.md 1.1).
-Eigen::Vector3d curved_half_vector(const GlintView& view, const Eigen::Vector3d& p_mm);
-inline Eigen::Vector3d half_vector_at(const GlintView& view, const Eigen::Vector3d& p_mm) {
-  if (view.face != nullptr) return curved_half_vector(view, p_mm);
-  return (view.light_mm - p_mm).normalized() + (view.camera_mm - p_mm).normalized();
-}
+/// it, in which grooves run as on the flat board (docs/model.md 1.1); under other lights than one lamp that of the lamp
+/// that comes closest (GlintField).
+Eigen::Vector3d half_vector_at(const GlintView& view, const Eigen::Vector3d& p_mm);
 
 /// h at a point, seen as an angle from the board's normal and the direction of its shadow.
 struct Lean {
