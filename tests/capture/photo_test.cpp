@@ -58,7 +58,7 @@ void write_noisy(const fs::path& file, const Image& truth, double exposure, doub
 struct PhotoTest : testing::Test {
   TemporaryFolder folder;
   Photo photo(const std::string& name, Encoding encoding, double exposure_s = 1) const {
-    return {folder / name, "v00", "lamp", exposure_s, 100, 1, encoding};
+    return {folder / name, "v00", "lamp", exposure_s, 100, 1, encoding, {}, {}};
   }
 };
 

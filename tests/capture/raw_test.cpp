@@ -81,13 +81,13 @@ class TiffWriter {
   }
 };
 
-constexpr int kWidth = 320, kHeight = 240, kBlack = 512, kWhite = 15000;
+constexpr int kColumns = 320, kRows = 240, kBlack = 512, kWhite = 15000;
 
 std::string dng(const std::vector<std::uint16_t>& pixels, int orientation) {
   TiffWriter tiff;
   tiff.longs(254, {0});
-  tiff.longs(256, {kWidth});
-  tiff.longs(257, {kHeight});
+  tiff.longs(256, {kColumns});
+  tiff.longs(257, {kRows});
   tiff.shorts(258, {16});
   tiff.shorts(259, {1});      // not compressed
   tiff.shorts(262, {32803});  // color mosaic
@@ -95,8 +95,8 @@ std::string dng(const std::vector<std::uint16_t>& pixels, int orientation) {
   tiff.text(272, "Burin Test");
   tiff.shorts(274, {orientation});
   tiff.shorts(277, {1});
-  tiff.longs(278, {kHeight});
-  tiff.longs(279, {kWidth * kHeight * 2});
+  tiff.longs(278, {kRows});
+  tiff.longs(279, {kColumns * kRows * 2});
   tiff.shorts(284, {1});
   tiff.shorts(33421, {2, 2});
   tiff.bytes(33422, {0, 1, 1, 2});  // red green / green blue
@@ -117,17 +117,17 @@ std::string dng(const std::vector<std::uint16_t>& pixels, int orientation) {
 }
 
 // Ramp along x: red 0.2 times, green 1 times, blue 0.5 times the light.
-double light(int x) { return static_cast<double>(x) / kWidth; }
+double light(int x) { return static_cast<double>(x) / kColumns; }
 double share(int channel) { return channel == 0 ? 0.2 : channel == 1 ? 1.0 : 0.5; }
 
 struct RawTest : testing::Test {
   TemporaryFolder folder;
-  Photo photo{folder / "p.dng", "v00", "lamp", 0.02, 200, 8, Encoding::raw};
+  Photo photo{folder / "p.dng", "v00", "lamp", 0.02, 200, 8, Encoding::raw, {}, {}};
 
   void write(int orientation) {
     std::vector<std::uint16_t> pixels;
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < kRows; ++y)
+      for (int x = 0; x < kColumns; ++x) {
         const int channel = y % 2 == 0 ? (x % 2 == 0 ? 0 : 1) : (x % 2 == 0 ? 1 : 2);
         pixels.push_back(static_cast<std::uint16_t>(kBlack + light(x) * share(channel) * (kWhite - kBlack) + 0.5));
       }
@@ -139,26 +139,26 @@ TEST_F(RawTest, LinearRampInLinearRampOut) {
   for (const int orientation : {1, 6}) {
     write(orientation);
     const LinearPhoto p = read_photo(photo);
-    ASSERT_EQ(p.value.width, kWidth) << "orientation " << orientation;
-    ASSERT_EQ(p.value.height, kHeight);
+    ASSERT_EQ(p.value.width, kColumns) << "orientation " << orientation;
+    ASSERT_EQ(p.value.height, kRows);
     ASSERT_EQ(p.value.channels, 3);
     // One raw level is 7e-5 of white; filling in the mosaic linearly is exact on a ramp. Borders are left out.
-    for (int y = 8; y < kHeight - 8; y += 7)
-      for (int x = 8; x < kWidth - 8; ++x)
+    for (int y = 8; y < kRows - 8; y += 7)
+      for (int x = 8; x < kColumns - 8; ++x)
         for (int c = 0; c < 3; ++c)
           EXPECT_NEAR(p.value.at(x, y, c), light(x) * share(c), 2e-4) << x << " " << y << " " << c;
   }
 }
 
 TEST_F(RawTest, ClipsAtTheMakersWhite) {
-  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(kWidth) * kHeight, kBlack + (kWhite - kBlack) / 2);
+  std::vector<std::uint16_t> pixels(static_cast<std::size_t>(kColumns) * kRows, kBlack + (kWhite - kBlack) / 2);
   for (int y = 100; y < 140; ++y)
-    for (int x = 100; x < 140; ++x) pixels[y * kWidth + x] = kWhite + 800;
+    for (int x = 100; x < 140; ++x) pixels[y * kColumns + x] = kWhite + 800;
   folder.write("p.dng", dng(pixels, 1));
   const LinearPhoto p = read_photo(photo);
   EXPECT_FLOAT_EQ(p.value.at(120, 120, 1), 1);
-  EXPECT_TRUE(p.clipped[120 * kWidth + 120]);
-  EXPECT_FALSE(p.clipped[50 * kWidth + 50]);
+  EXPECT_TRUE(p.clipped[120 * kColumns + 120]);
+  EXPECT_FALSE(p.clipped[50 * kColumns + 50]);
   EXPECT_NEAR(p.value.at(50, 50, 0), 0.5, 1e-3) << "no exposure of LibRaw's own";
 }
 

@@ -46,8 +46,8 @@ struct SessionTest : testing::Test {
 TEST_F(SessionTest, RoundTrip) {
   Session session;
   session.board = folder / "board.json";
-  session.photos = {{folder / "photos/a.png", "v00", "lamp", 1.0 / 30, 100, 8, Encoding::srgb},
-                    {folder / "photos/b.png", "v01", "other", 0.1, 250, 5.6, Encoding::raw}};
+  session.photos = {{folder / "photos/a.png", "v00", "lamp", 1.0 / 30, 100, 8, Encoding::srgb, {}, {}},
+                    {folder / "photos/b.png", "v01", "other", 0.1, 250, 5.6, Encoding::raw, {}, {}}};
   write_session(session, file);
   const Session back = read_session(file);
   EXPECT_EQ(back.file, file);
@@ -67,7 +67,7 @@ TEST_F(SessionTest, RoundTrip) {
 TEST_F(SessionTest, PathsAreRelativeToTheManifest) {
   Session session;
   session.board = folder / "board.json";
-  session.photos = {{folder / "photos/a.png", "v00", "lamp", 0.1, 100, 8, Encoding::linear}};
+  session.photos = {{folder / "photos/a.png", "v00", "lamp", 0.1, 100, 8, Encoding::linear, {}, {}}};
   fs::create_directories(folder / "out");
   write_session(session, folder / "out/session.json");
   std::ifstream in(folder / "out/session.json");
@@ -108,9 +108,9 @@ TEST_F(SessionTest, UnwritableFolder) {
 }
 
 TEST_F(SessionTest, ExposureFactorIsThatOfTheDesign) {
-  const Photo photo{"p", "v", "lamp", 0.0125, 200, 8, Encoding::linear};
+  const Photo photo{"p", "v", "lamp", 0.0125, 200, 8, Encoding::linear, {}, {}};
   EXPECT_DOUBLE_EQ(exposure_factor(photo), 0.0125 * 2 / 64);
-  EXPECT_THROW(exposure_factor(Photo{"p", "v", "lamp", 0.0125, 100, 0, Encoding::linear}), Error);
+  EXPECT_THROW(exposure_factor(Photo{"p", "v", "lamp", 0.0125, 100, 0, Encoding::linear, {}, {}}), Error);
 }
 
 }  // namespace

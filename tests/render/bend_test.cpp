@@ -200,7 +200,7 @@ std::vector<double> radiance_of(const World& w) {
   const ViewPixels pixels = view_pixels(w.scene, 1);
   ExactView view(w.scene, pixels);
   Image image;
-  const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material.depth_um);
+  const auto strips = strips_of(w.scratches, w.scene.tool_width_um, w.scene.material);
   view.forward(w.scratches,
                find_pairs(PixelIndex(*w.scene.grid), w.scene.grid->width(), w.scene.grid->height(), strips), false,
                image);

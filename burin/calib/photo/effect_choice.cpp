@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
@@ -27,25 +28,6 @@ Gain gain_of(const std::vector<double>& of_views) {
   double scatter = 0;
   for (const double one : of_views) scatter += std::pow(one - out.sum / n, 2);
   out.standard_error = std::sqrt(n / (n - 1) * scatter);
-  return out;
-}
-
-// By how much each view's cost falls when `added` are fitted to the other views, everything else following them.
-std::vector<double> held_out_gains(const ViewEquations& e, const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
-                                   const std::vector<bool>& free, const std::vector<Eigen::Index>& added) {
-  const auto n = static_cast<Eigen::Index>(added.size());
-  Eigen::MatrixXd pick = Eigen::MatrixXd::Zero(n, H.cols());
-  for (Eigen::Index a = 0; a < n; ++a) pick(a, added[static_cast<std::size_t>(a)]) = 1;
-  const Eigen::MatrixXd follow = pick - pick * H * safe_inverse(H, free);
-  const Eigen::MatrixXd information = follow * H * follow.transpose();
-  const Eigen::VectorXd score = follow * g;
-  std::vector<double> out;
-  for (std::size_t k = 0; k < e.H.size(); ++k) {
-    const Eigen::MatrixXd own = follow * e.H[k] * follow.transpose();
-    const Eigen::VectorXd own_score = follow * e.g[k];
-    const Eigen::VectorXd terms = -(information - own).ldlt().solve(score - own_score);
-    out.push_back(-own_score.dot(terms) - 0.5 * terms.dot(own * terms));
-  }
   return out;
 }
 

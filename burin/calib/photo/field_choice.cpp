@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/normal_system.h"
 
 namespace burin {
@@ -18,27 +19,6 @@ void set_free(const FreeField& field, std::vector<bool>& free) {
         row.group == Group::glare)
       std::fill_n(free.begin() + first, row.size, stage.frees(row.group));
   });
-}
-
-// By how much each view's cost falls when the terms `added` are fitted to the other views. All other unknowns (`free`)
-// follow the terms as the whole of the views has them: without the one photo that pins down the depth, say, the others
-// would tell little of anything, and nothing of the field.
-std::vector<double> held_out_gains(const ViewEquations& e, const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
-                                   const std::vector<bool>& free, const std::vector<Eigen::Index>& added) {
-  const auto n = static_cast<Eigen::Index>(added.size());
-  Eigen::MatrixXd pick = Eigen::MatrixXd::Zero(n, H.cols());
-  for (Eigen::Index a = 0; a < n; ++a) pick(a, added[a]) = 1;
-  const Eigen::MatrixXd follow = pick - pick * H * safe_inverse(H, free);  // the others eliminated
-  const Eigen::MatrixXd information = follow * H * follow.transpose();
-  const Eigen::VectorXd score = follow * g;
-  std::vector<double> out;
-  for (std::size_t k = 0; k < e.H.size(); ++k) {
-    const Eigen::MatrixXd own = follow * e.H[k] * follow.transpose();
-    const Eigen::VectorXd own_score = follow * e.g[k];
-    const Eigen::VectorXd terms = -(information - own).ldlt().solve(score - own_score);
-    out.push_back(-own_score.dot(terms) - 0.5 * terms.dot(own * terms));
-  }
-  return out;
 }
 
 // terms^T C^-1 terms, of the terms `added`.

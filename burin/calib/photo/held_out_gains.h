@@ -1,0 +1,17 @@
+// burin/calib/photo/held_out_gains.h - what more unknowns would be worth to photos that did not help to find them.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "burin/calib/photo/normal_system.h"
+
+namespace burin {
+
+/// By how much each view's cost falls when the terms `added` are fitted to the other views. All other unknowns (`free`)
+/// follow the terms as the whole of the views has them: without the one photo that pins down the depth, say, the others
+/// would tell little of anything, and nothing of the field. H and g: all views' together.
+std::vector<double> held_out_gains(const ViewEquations& e, const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
+                                   const std::vector<bool>& free, const std::vector<Eigen::Index>& added);
+
+}  // namespace burin
