@@ -48,7 +48,9 @@ Bench full_bench(const TemporaryFolder& folder) {
   light.falloff_exponent_sigma = 0.1;
   bench.lights = {light, Light()};
   bench.material = {0.061, 14.2, 0.17, {0.9, 0.8, 0.7}};
-  bench.material_sigma = {0.001, 0.4, 0.004};
+  bench.material_sigma.alpha = 0.001;
+  bench.material_sigma.depth_um = 0.4;
+  bench.material_sigma.base_alpha = 0.004;
   bench.depth_field = {{0.07, -0.04, 0.01, 0.02, -0.03, 0.05},
                        std::array<double, 6>{1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3}};
   bench.alpha_field.terms[5] = -0.02;

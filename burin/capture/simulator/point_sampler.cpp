@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/capture/simulator/bent_sheet.h"
 #include "burin/capture/simulator/around_sampler.h"
+#include "burin/capture/simulator/bent_sheet.h"
 #include "burin/capture/simulator/brushed_face.h"
 #include "burin/capture/simulator/groove_section.h"
 #include "burin/capture/simulator/things_on_board.h"
@@ -163,7 +163,9 @@ struct SeenGroove {
 /// The face as one pixel sees it: its normal, the way to the camera, and that way with the sheet turned flat.
 struct SeenFace {
   Vector3d normal{0, 0, 1}, wo{0, 0, 1}, wo_flat{0, 0, 1};
-  bool shaded = false;  // by the sheet itself
+  Vector3d grooves_lie{0, 0, 1};                       // normal that the grooves' directions are told against
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  // takes directions on the flat sheet to those in space
+  bool shaded = false;                                 // by the sheet itself
 };
 
 /// Sums over the points of a pixel.
@@ -273,6 +275,7 @@ struct PointSampler::State {
   Vector3d pixel_around(std::span<const Corner> above, std::span<const Corner> below, int x,
                         const AroundSampler& around, const Vector3d& factor, const Light& flat, const Vector3d& camera,
                         int samples, std::uint64_t seed) const;
+  SeenFace face_seen(double x, double y, const Light& light, const Vector3d& camera) const;
   void near_grooves(const Vector2d& low, const Vector2d& high, std::vector<int>& found) const;
   Vector3d cloth_at(const PixelCorners& corners, const Light& light, double u, double v) const;
   void see_grooves(const std::vector<int>& near, const PixelCorners& corners, const Vector3d& normal,
@@ -458,6 +461,23 @@ double PointSampler::State::add_things(const std::vector<int>& near, double px, 
   return bare;
 }
 
+SeenFace PointSampler::State::face_seen(double x, double y, const Light& light, const Vector3d& camera) const {
+  SeenFace face;
+  if (!bent) {
+    face.normal = face.grooves_lie = face_normal(truth.surface, x, y);
+    // The camera's direction, for things above the face.
+    face.wo = face.wo_flat = (camera - Vector3d(x, y, height_mm(truth.surface, x, y))).normalized();
+    return face;
+  }
+  const BentSheet::Place place = bent->at(x, y);
+  face.turn = place.turn;
+  face.normal = place.normal();
+  face.wo = (camera - place.position_mm).normalized();
+  face.wo_flat = place.turn.transpose() * face.wo;
+  face.shaded = bent->shades(place, light.position_mm);
+  return face;
+}
+
 Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<const Corner> below, int x,
                                     const Light& light, const Vector3d& camera, int samples, std::uint64_t seed) const {
   const PixelCorners corners{{&above[x], &above[x + 1], &below[x], &below[x + 1]}};
@@ -484,19 +504,8 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(wanted))));
 
   const double mean_x = corners.mean(&Corner::x), mean_y = corners.mean(&Corner::y);
-  SeenFace face;
-  Vector3d grooves_lie{0, 0, 1};  // normal that the grooves' directions are told against
-  if (bent) {
-    const BentSheet::Place place = bent->at(mean_x, mean_y);
-    face.normal = place.normal();
-    face.wo = (camera - place.position_mm).normalized();
-    face.wo_flat = place.turn.transpose() * face.wo;
-    face.shaded = bent->shades(place, light.position_mm);
-  } else {
-    face.normal = grooves_lie = face_normal(truth.surface, mean_x, mean_y);
-    // The camera's direction at the pixel, for things above the face.
-    face.wo = face.wo_flat = (camera - Vector3d(mean_x, mean_y, 0)).normalized();
-  }
+  const SeenFace face = face_seen(mean_x, mean_y, light, camera);
+  const Vector3d& grooves_lie = face.grooves_lie;
   thread_local std::vector<SeenGroove> seen_grooves;
   see_grooves(near, corners, grooves_lie, seen_grooves);
   const Vector3d mean_h(corners.mean(&Corner::h_x), corners.mean(&Corner::h_y), corners.mean(&Corner::h_n));
@@ -566,22 +575,24 @@ Vector3d PointSampler::State::pixel_around(std::span<const Corner> above, std::s
   near_grooves(low, high, near);
   const int side = std::max(1, static_cast<int>(std::lround(std::sqrt(samples))));
   const double mean_x = corners.mean(&Corner::x), mean_y = corners.mean(&Corner::y);
-  const Vector3d normal = face_normal(truth.surface, mean_x, mean_y), f0 = truth.board.material.f0;
+  const Vector3d f0 = truth.board.material.f0;
+  const SeenFace middle = face_seen(mean_x, mean_y, flat, camera);
+  const Vector3d& lie = middle.grooves_lie;
   thread_local std::vector<SeenGroove> seen;
-  see_grooves(near, corners, normal, seen);
+  see_grooves(near, corners, lie, seen);
   Vector3d others = Vector3d::Zero(), grooves_light = Vector3d::Zero(), face_light = Vector3d::Zero();
   double metal = 0, covered = 0;
   std::uint64_t state = seed;
   const auto uniform = [&] { return static_cast<double>(scattered(state += 0x9e3779b97f4a7c15ULL) >> 11) * 0x1.0p-53; };
   const auto from = [&](const Vector3d& facet, const Vector3d& wo, double alpha) -> Vector3d {
     const double u[4] = {uniform(), uniform(), uniform(), uniform()};
-    return around.reflected(facet, normal, wo, alpha, f0, u).cwiseProduct(factor);
+    return around.reflected(middle.turn * facet, middle.normal, wo, alpha, f0, u).cwiseProduct(factor);
   };
   for (int k = 0; k < side * side; ++k) {
     const double u = (k % side + uniform()) / side, v = (k / side + uniform()) / side;
     const double px = corners.at(&Corner::x, u, v), py = corners.at(&Corner::y, u, v);
-    const Vector3d wo = (camera - Vector3d(px, py, height_mm(truth.surface, px, py))).normalized();
-    const double bare = add_things(near_things, px, py, normal, wo, flat, others);
+    const Vector3d wo = face_seen(px, py, flat, camera).wo;
+    const double bare = add_things(near_things, px, py, middle, flat, others);
     if (bare <= 0) continue;
     if (px < 0 || py < 0 || px > size.x() || py > size.y()) {
       others += bare * cloth_at(corners, flat, u, v);
@@ -597,12 +608,12 @@ Vector3d PointSampler::State::pixel_around(std::span<const Corner> above, std::s
       covered += bare;
       const double t = g.t_per_mm * across;
       // Across the groove, tangential to the face.
-      const Vector3d x_axis = (Vector3d(g.ey, -g.ex, 0) - g.tilt * normal) / std::sqrt(1 - g.tilt * g.tilt);
-      grooves_light += bare * from((-2 * t * x_axis + (1 - t * t) * normal) / (1 + t * t), wo, std::sqrt(g.a2));
+      const Vector3d x_axis = (Vector3d(g.ey, -g.ex, 0) - g.tilt * lie) / std::sqrt(1 - g.tilt * g.tilt);
+      grooves_light += bare * from((-2 * t * x_axis + (1 - t * t) * lie) / (1 + t * t), wo, std::sqrt(g.a2));
       shows_plain = false;
       if (truth.last_rules) break;
     }
-    if (shows_plain || !truth.last_rules) face_light += bare * from(normal, wo, truth.board.material.base_alpha);
+    if (shows_plain || !truth.last_rules) face_light += bare * from(lie, wo, truth.board.material.base_alpha);
   }
   if (!truth.last_rules && metal > 0) face_light *= 1 - std::min(1.0, covered / metal);
   return (others + grooves_light + face_light + metal * truth.ambient.cwiseProduct(f0)) / (side * side);
