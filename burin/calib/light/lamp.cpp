@@ -267,6 +267,19 @@ std::optional<Eigen::Vector3d> lamp_from_shading(std::span<const Eigen::Vector3d
 
 namespace {
 
+// Places of a bent board may turn away from a start, where only ambient light explains that they are not black.
+double ambient_to_start(const Data& data, std::size_t light, const Eigen::Vector3d& start) {
+  constexpr double kLittle = 0.02;  // of what paper and face show
+  std::vector<double> values;
+  bool turns_away = false;
+  for (const LightSample& sample : data.samples) {
+    if (sample.light != light || !(sample.value > 0)) continue;
+    values.push_back(sample.value);
+    turns_away = turns_away || (start - sample.p_board).dot(sample.normal) <= 0;
+  }
+  return turns_away ? kLittle * median_of(std::move(values)) : 0;
+}
+
 // A bare lamp from each start, by that lamp's own samples; the best. Not usable where there are too few samples, or no
 // lamp explains them, which is told.
 Fit fit_from_starts(const Data& data, const Blocks& blocks, std::size_t light, const std::string& id,
@@ -294,7 +307,7 @@ Fit fit_from_starts(const Data& data, const Blocks& blocks, std::size_t light, c
     lamp.log_intensity[0] = log_intensity_for(data, light, start, spread);
     lamp.spot[0] = data.center_mm.x();
     lamp.spot[1] = data.center_mm.y();
-    from.shared[1] = 0;
+    from.shared[1] = ambient_to_start(data, light, start);
     Fit fit = run_fit(data, from, no_spot, static_cast<int>(light), stride, false, 40, false);
     if (fit.usable && (!best.usable || fit.cost < best.cost)) best = std::move(fit);
   }

@@ -81,10 +81,27 @@ std::vector<Finding> check_stretch(const BoardFace& face, const std::string& mes
                        "bend the mesh without stretching it, or make uv of its true lengths")};
 }
 
-double longest_straight_mm(const Surface& surface, double alpha, double longest_mm) {
-  if (!surface.bend) return longest_mm;
-  const double radius = 1 / std::abs(cylinder_of(surface).curvature);
-  return std::min(longest_mm, radius * std::sqrt(2 * alpha));
+double longest_straight_mm(const BoardFace& face, const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm,
+                           double alpha, double longest_mm) {
+  if (!face.curved()) return longest_mm;
+  if (face.mesh == nullptr) {
+    const double radius = 1 / std::abs(cylinder_of(face.surface).curvature);
+    return std::min(longest_mm, radius * std::sqrt(2 * alpha));
+  }
+  // Of a mesh: how far its normals turn between places of a lattice, wider than most meshes' pieces.
+  constexpr int kSide = 24;
+  const Eigen::Vector2d step = (max_mm - min_mm) / kSide;
+  double curvature = 0;
+  for (int j = 0; j <= kSide; ++j)
+    for (int i = 0; i <= kSide; ++i) {
+      const Eigen::Vector2d p = min_mm + step.cwiseProduct(Eigen::Vector2d(i, j));
+      const auto here = face_place(face, p);
+      for (int k = 0; k < 2; ++k) {
+        const auto next = face_place(face, p + step[k] * Eigen::Vector2d::Unit(k));
+        if (here && next) curvature = std::max(curvature, (next->normal - here->normal).norm() / step[k]);
+      }
+    }
+  return curvature > 0 ? std::min(longest_mm, std::sqrt(2 * alpha) / curvature) : longest_mm;
 }
 
 }  // namespace burin

@@ -34,8 +34,9 @@ std::vector<Finding> check_seen(const std::string& view, const FootprintGrid& gr
 std::vector<Finding> check_stretch(const BoardFace& face, const std::string& mesh_file);
 
 /// The longest stroke along which the search may interpolate the half vector's place on the lobe linearly:
-/// R sqrt(2 alpha) on a cylinder, where the middle of the stroke is off by a quarter of the lobe's width. `longest_mm`
-/// where the face is not bent.
-double longest_straight_mm(const Surface& surface, double alpha, double longest_mm);
+/// R sqrt(2 alpha), where the middle of the stroke is off by a quarter of the lobe's width, with R the tightest radius
+/// that the face has between min_mm and max_mm. `longest_mm` where the face is not curved.
+double longest_straight_mm(const BoardFace& face, const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm,
+                           double alpha, double longest_mm);
 
 }  // namespace burin

@@ -70,7 +70,7 @@ StrokeRules stroke_rules(const CarvingLimits& limits, double mean_length_mm, con
   rules.min_mm = limits.min_mm;
   rules.max_mm = limits.max_mm;
   // Flat parts of a picture want long strokes. Short ones cost the machine as much as they bring light.
-  const double most = longest_straight_mm(surface_of(board, bench), bench.material.alpha,
+  const double most = longest_straight_mm(face_of(board, bench), limits.min_mm, limits.max_mm, bench.material.alpha,
                                           std::min(10 * mean_length_mm, 0.9 * (limits.max_mm - limits.min_mm).norm()));
   rules.longest_mm = limits.machine.longest_mm > 0 ? std::min(limits.machine.longest_mm, most) : most;
   rules.shortest_mm = std::min(std::max(limits.machine.shortest_mm, 0.1 * mean_length_mm), rules.longest_mm);
