@@ -89,14 +89,14 @@ std::string png_of(const Image& radiance, double exposure, const fs::path& file)
   return encoded_picture(".png", spec, OIIO::TypeDesc::UINT8, stored.data(), file);
 }
 
-fs::path numbered(const fs::path& folder, int frame) {
+fs::path numbered_frame(const fs::path& folder, int frame) {
   std::string number = std::to_string(frame);
   number.insert(0, number.size() < 4 ? 4 - number.size() : 0, '0');
   return folder / ("frame-" + number + ".png");
 }
 
 // Runs a program and waits; its exit status, or nothing where it cannot be started.
-std::optional<int> run_program(std::vector<std::string> words) {
+std::optional<int> run_and_wait(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
@@ -108,7 +108,7 @@ std::optional<int> run_program(std::vector<std::string> words) {
 }
 
 void write_film(const std::vector<std::string>& frames, double frames_per_s, const fs::path& out) {
-  const std::optional<int> there = run_program({"ffmpeg", "-hide_banner", "-loglevel", "quiet", "-version"});
+  const std::optional<int> there = run_and_wait({"ffmpeg", "-hide_banner", "-loglevel", "quiet", "-version"});
   if (!there || *there != 0)
     fail(out.string(), "a film is made by ffmpeg, which is not installed",
          "install it (apt install ffmpeg), or name a .png: an animated PNG, which browsers play");
@@ -117,11 +117,11 @@ void write_film(const std::vector<std::string>& frames, double frames_per_s, con
   if (fs::exists(folder))
     fail(folder.string(), "is there already, where the film's frames are to be kept while it is made", "move it away");
   make_output_folder(folder);
-  for (std::size_t i = 0; i < frames.size(); ++i) write_text(frames[i], numbered(folder, static_cast<int>(i)));
+  for (std::size_t i = 0; i < frames.size(); ++i) write_text(frames[i], numbered_frame(folder, static_cast<int>(i)));
   const fs::path part = new_part_name(place);
   const std::optional<int> status =
-      run_program({"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-framerate", std::to_string(frames_per_s),
-                   "-i", (folder / "frame-%04d.png").string(), "-pix_fmt", "yuv420p", part.string()});
+      run_and_wait({"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-framerate", std::to_string(frames_per_s),
+                    "-i", (folder / "frame-%04d.png").string(), "-pix_fmt", "yuv420p", part.string()});
   std::error_code ignored;
   fs::remove_all(folder, ignored);
   if (!status || *status != 0) {
@@ -144,7 +144,7 @@ void write_frames(std::vector<std::string> frames, const AnimateOptions& options
     write_film(frames, frames_per_s, out);
   } else if (out.extension().empty()) {
     make_output_folder(out);
-    for (std::size_t i = 0; i < frames.size(); ++i) write_text(frames[i], numbered(out, static_cast<int>(i)));
+    for (std::size_t i = 0; i < frames.size(); ++i) write_text(frames[i], numbered_frame(out, static_cast<int>(i)));
   } else {
     fail(out.string(), "an animation is a .png, an .mp4, or a folder of numbered PNG files", "name one of these");
   }

@@ -207,7 +207,7 @@ std::vector<double> radiance_of(const World& w) {
   return view.radiance();
 }
 
-World moved(World w, SceneParameter parameter, double step) {
+World bent_moved(World w, SceneParameter parameter, double step) {
   const int bow = static_cast<int>(parameter) - static_cast<int>(SceneParameter::bow_0_mm);
   const int turn = static_cast<int>(parameter) - static_cast<int>(SceneParameter::pose_rx);
   if (parameter == SceneParameter::light_x_mm)
@@ -235,8 +235,8 @@ TEST(BentBoard, DerivativesAgainstCentralDifferences) {
       for (std::size_t k = 0; k < parameters.size(); ++k) {
         const bool turn = parameters[k] >= P::pose_rx && parameters[k] <= P::pose_rz;
         const double step = parameters[k] == P::light_x_mm ? 1e-4 : turn ? 1e-7 : 1e-6;
-        const auto plus = radiance_of(moved(w, parameters[k], step)),
-                   minus = radiance_of(moved(w, parameters[k], -step));
+        const auto plus = radiance_of(bent_moved(w, parameters[k], step)),
+                   minus = radiance_of(bent_moved(w, parameters[k], -step));
         double error2 = 0, size2 = 0;
         for (std::size_t i = 0; i < plus.size(); ++i) {
           const double difference = (plus[i] - minus[i]) / (2 * step);
