@@ -11,6 +11,7 @@
 
 #include "burin/capture/tags/tag_family.h"
 #include "burin/render/board_face.h"
+#include "burin/render/error.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
 #include "burin/render/median.h"
@@ -110,6 +111,10 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
     }
     auto light =
         std::find_if(bench.lights.begin(), bench.lights.end(), [&](const Light& l) { return l.id == photo.light; });
+    if (photo.light.find(kBesides) != std::string::npos || (light != bench.lights.end() && !light->is_lamp()))
+      fail("photos under \"" + photo.light + "\"",
+           "show the board under the sun, surroundings or several lights, and a bench is measured under one near lamp",
+           "take photos under a lamp of its own in a dark room, and leave these out of session.json");
     if (light == bench.lights.end()) {
       Light added;
       added.id = photo.light;

@@ -124,6 +124,9 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   data.scene.material.f0 = board.material.f0;
   data.profile = bench.material.profile;
   if (binned_view.light < bench.lights.size()) {  // of a lamp with an area: as it was given
+    if (!bench.lights[binned_view.light].is_lamp())
+      fail("light " + bench.lights[binned_view.light].id, "is no near lamp, and photos are fitted under one alone",
+           "take photos under a lamp of its own in a dark room, and leave these out of session.json");
     data.scene.light.size = bench.lights[binned_view.light].size;
     data.scene.light.axis = bench.lights[binned_view.light].axis;
   }

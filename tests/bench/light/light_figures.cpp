@@ -2,7 +2,10 @@
 // lamp, under sun and sky, and in a room with a window; and boards designed for these. Each is judged by the simulated
 // camera, which draws points and directions and knows none of the renderer's tables.
 //
-//   burin_light_figures FOLDER OUT [POINTS]     FOLDER holds the two pictures, camera.png and astronaut.png
+//   burin_light_figures FOLDER OUT [POINTS [CASE ...]]
+//
+// FOLDER holds the two pictures, camera.png and astronaut.png; POINTS a pixel, 2048 unless given; cases: sun,
+// sun-aside, room, room-aside, all of them unless given.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -228,7 +231,8 @@ Judged judge(const std::string& what, const Rig& rig, const DesignResult& design
   return out;
 }
 
-void run(const std::filesystem::path& pictures, const std::filesystem::path& out, int points) {
+void run(const std::filesystem::path& pictures, const std::filesystem::path& out, int points,
+         const std::vector<std::string>& wanted) {
   std::filesystem::create_directories(out);
   const Rig rig = the_rig(pictures);
   Light lamp;
@@ -239,13 +243,16 @@ void run(const std::filesystem::path& pictures, const std::filesystem::path& out
     std::string name, file;
     Light light;
   };
-  const std::vector<Case> cases{
+  std::vector<Case> cases{
       {"its lamp", "lamp", lamp},
       {"sun where the lamp was, sky", "sun", sun_and_sky(there)},
       {"sun 11 degrees off, sky", "sun-aside", sun_and_sky(turned(kAside, there, 11))},
       {"room, window where the lamp was", "room", room_with_window(there)},
       {"room, window 26 degrees off", "room-aside", room_with_window(turned(kAside, there, 26))},
   };
+  std::erase_if(cases, [&](const Case& c) {
+    return c.file != "lamp" && !wanted.empty() && std::find(wanted.begin(), wanted.end(), c.file) == wanted.end();
+  });
   for (const Case& c : cases)
     std::printf("%s: %.1f degrees from the lamp\n", c.file.c_str(),
                 std::acos(std::min(
@@ -253,6 +260,7 @@ void run(const std::filesystem::path& pictures, const std::filesystem::path& out
                              (c.light.position_mm - (c.light.is_near() ? kMiddle : Vector3d(0, 0, 0))).normalized()))) *
                     180 / std::numbers::pi);
   const DesignResult of_lamp = designed_for(rig, lamp);
+  for (const DesignedView& v : of_lamp.views) std::printf("    promised %s %.1f dB\n", v.view.c_str(), v.psnr_db);
   std::vector<std::vector<Image>> shown(2), again(2);
   std::printf("| the board of the lamp under | PSNR | SSIM | corr. | contrast | PSNR | SSIM | corr. | contrast |\n");
   for (const Case& c : cases) {
@@ -262,11 +270,15 @@ void run(const std::filesystem::path& pictures, const std::filesystem::path& out
   std::printf("| a board of its own for |\n");
   for (std::size_t i = 1; i < cases.size(); ++i) {
     const DesignResult own = designed_for(rig, cases[i].light);
-    for (const DesignedView& v : own.views) std::printf("    promised %s %.1f dB\n", v.view.c_str(), v.psnr_db);
+    for (const DesignedView& v : own.views)
+      std::printf("    promised %s %.1f dB, the face allows %.1f dB\n", v.view.c_str(), v.psnr_db,
+                  v.achievable_psnr_db);
+    std::fflush(stdout);
     const Judged judged = judge(cases[i].name, rig, own, cases[i].light, points);
     for (int k = 0; k < 2; ++k) again[k].push_back(judged.pictures[k]);
   }
   for (int k = 0; k < 2; ++k) again[k].insert(again[k].begin(), of_lamp.views[k].target);
+  for (int k = 0; k < 2; ++k) again[k].resize(shown[k].size());
   write_picture(tiled({shown[0], again[0], shown[1], again[1]}, 4), out / "light.png");
 }
 
@@ -278,7 +290,8 @@ int main(int count, char** words) {
     return 2;
   }
   try {
-    run(words[1], words[2], count > 3 ? std::atoi(words[3]) : 2048);
+    run(words[1], words[2], count > 3 ? std::atoi(words[3]) : 2048,
+        std::vector<std::string>(words + std::min(count, 4), words + count));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;
