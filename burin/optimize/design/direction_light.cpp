@@ -11,7 +11,7 @@ namespace burin {
 namespace {
 
 constexpr int kDirections = 90;
-constexpr int kSide = 3;         // places along each side
+constexpr int kPlacesASide = 3;  // places along each side
 constexpr double kHalf = 0.766;  // where model.md 3.4 has fallen to a half: sqrt(2^(2/3) - 1)
 
 double angle_of(double k) { return std::numbers::pi * k / kDirections; }
@@ -66,16 +66,17 @@ double DirectionLight::at(double angle) const {
 DirectionLight measure_directions(ViewRenderer& renderer, const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm,
                                   double alpha, const std::function<Carved(const Scratches&)>& carve) {
   DirectionLight out;
-  out.field.side = kSide;
+  out.field.side = kPlacesASide;
   out.field.min_mm = min_mm;
   out.field.max_mm = max_mm;
   const Eigen::Vector2d size = max_mm - min_mm;
   const double length = 3 * std::max(size.x() / renderer.width(), size.y() / renderer.height());
   Scratches tests;
-  for (int j = 0; j < kSide; ++j)
-    for (int i = 0; i < kSide; ++i)
+  for (int j = 0; j < kPlacesASide; ++j)
+    for (int i = 0; i < kPlacesASide; ++i)
       for (int k = 0; k < kDirections; ++k) {
-        const Eigen::Vector2d p = min_mm + size.cwiseProduct(Eigen::Vector2d((i + 0.5) / kSide, (j + 0.5) / kSide));
+        const Eigen::Vector2d p =
+            min_mm + size.cwiseProduct(Eigen::Vector2d((i + 0.5) / kPlacesASide, (j + 0.5) / kPlacesASide));
         const Eigen::Vector2d half = length / 2 * Eigen::Vector2d(std::cos(angle_of(k)), std::sin(angle_of(k)));
         tests.x0_mm.push_back(p.x() - half.x());
         tests.y0_mm.push_back(p.y() - half.y());
@@ -94,11 +95,11 @@ DirectionLight measure_directions(ViewRenderer& renderer, const Eigen::Vector2d&
     for (double& v : one) v = std::max(0.0, v) / length;
     return one;
   };
-  out.light = of_place(kSide * kSide / 2);
+  out.light = of_place(kPlacesASide * kPlacesASide / 2);
   out.best = *std::max_element(out.light.begin(), out.light.end());
   out.least = *std::min_element(out.light.begin(), out.light.end());
   const double middle = best_place(out.light, 0, kDirections / 2);
-  for (int place = 0; place < kSide * kSide; ++place) {
+  for (int place = 0; place < kPlacesASide * kPlacesASide; ++place) {
     const std::vector<double> here = of_place(place);
     const double best = best_place(here, middle, kDirections / 4);
     const double sine =
