@@ -106,7 +106,11 @@ Image with_gamma_offset(const Image& encoded) {
 Image shown_picture(const Image& radiance, double exposure) {
   Image out = radiance;
   const auto e = static_cast<float>(exposure);
-  for (float& v : out.data) v = std::min(1.0F, std::pow(std::max(0.0F, e * v), kInverseGamma));
+  const std::size_t n = static_cast<std::size_t>(out.width) * out.channels;
+  for_bands(out.height, [&](int first, int end) {
+    for (std::size_t i = first * n; i < end * n; ++i)
+      out.data[i] = std::min(1.0F, std::pow(std::max(0.0F, e * out.data[i]), kInverseGamma));
+  });
   return out;
 }
 

@@ -120,40 +120,4 @@ double correlation(const Image& a, const Image& b, const Image& mask) {
   return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
 }
 
-double best_exposure(const Image& radiance, const Image& target, double guess, const Image& mask) {
-  check_sizes(radiance, target);
-  const auto error = [&](double log_exposure) {
-    return mean_square(shown_picture(radiance, std::exp(log_exposure)), target, mask);
-  };
-  // A coarse scan (the error may have shoulders where much is clipped), then golden section around its best.
-  double best = std::log(guess), least = error(best);
-  for (double step = -2.4; step <= 2.41; step += 0.3) {
-    const double e = error(std::log(guess) + step);
-    if (e < least) {
-      least = e;
-      best = std::log(guess) + step;
-    }
-  }
-  constexpr double kGolden = 0.6180339887498949;
-  double a = best - 0.3, b = best + 0.3;
-  double c = b - kGolden * (b - a), d = a + kGolden * (b - a);
-  double ec = error(c), ed = error(d);
-  for (int i = 0; i < 14; ++i) {
-    if (ec < ed) {
-      b = d;
-      d = c;
-      ed = ec;
-      c = b - kGolden * (b - a);
-      ec = error(c);
-    } else {
-      a = c;
-      c = d;
-      ec = ed;
-      d = a + kGolden * (b - a);
-      ed = error(d);
-    }
-  }
-  return std::exp((a + b) / 2);
-}
-
 }  // namespace burin

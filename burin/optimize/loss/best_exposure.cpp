@@ -1,0 +1,90 @@
+// The exposure at which a picture comes closest to its target: best_exposure() of picture_metrics.h. An exposure is a
+// factor on light, and so, to the power 1/2.2, one on what is shown: the curve is taken once, not for every exposure
+// tried.
+#include <algorithm>
+#include <cmath>
+
+#include "burin/optimize/loss/bands.h"
+#include "burin/optimize/loss/lane_sum.h"
+#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/render/error.h"
+#include "burin/render/fast/machine_clones.h"
+
+namespace burin {
+namespace {
+
+constexpr float kToShown = 1.0F / 2.2F;
+
+// Squared errors, times the mask, of a row shown `scale` times as bright and clipped at white.
+BURIN_MACHINE_CLONES float error_of_row(const float* encoded, const float* target, const float* mask, int n,
+                                        float scale) {
+  LaneSum sum;
+  const auto squared = [&](int i) {
+    const float d = std::min(1.0F, scale * encoded[i]) - target[i];
+    return d * d;
+  };
+  if (mask == nullptr)
+    sum.add(n, squared);
+  else
+    sum.add(n, [&](int i) { return mask[i] * squared(i); });
+  return sum.total();
+}
+
+}  // namespace
+
+double best_exposure(const Image& radiance, const Image& target, double guess, const Image& mask) {
+  if (radiance.width != target.width || radiance.height != target.height || radiance.channels != 1 ||
+      target.channels != 1)
+    fail("picture metrics", "the pictures differ in size or have several channels", "compare equal sizes, one channel");
+  const int n = radiance.width;
+  const auto row_of = [&](int y) { return static_cast<std::size_t>(y) * n; };
+  Image encoded(radiance.width, radiance.height, 1);
+  for_bands(radiance.height, [&](int first, int end) {
+    for (std::size_t i = row_of(first); i < row_of(end); ++i)
+      encoded.data[i] = std::pow(std::max(0.0F, radiance.data[i]), kToShown);
+  });
+  // Of an exposed picture. What it is divided by does not matter.
+  const auto error = [&](double log_exposure) {
+    const auto scale = static_cast<float>(std::exp(log_exposure / 2.2));
+    return sum_over_bands(radiance.height, [&](int first, int end) {
+      double sum = 0;
+      for (int y = first; y < end; ++y) {
+        const std::size_t row = row_of(y);
+        sum += static_cast<double>(error_of_row(&encoded.data[row], &target.data[row],
+                                                mask.data.empty() ? nullptr : &mask.data[row], n, scale));
+      }
+      return sum;
+    });
+  };
+  // A coarse scan (the error may have shoulders where much is clipped), then golden section around its best.
+  double best = std::log(guess), least = error(best);
+  for (double step = -2.4; step <= 2.41; step += 0.3) {
+    const double e = error(std::log(guess) + step);
+    if (e < least) {
+      least = e;
+      best = std::log(guess) + step;
+    }
+  }
+  constexpr double kGolden = 0.6180339887498949;
+  double a = best - 0.3, b = best + 0.3;
+  double c = b - kGolden * (b - a), d = a + kGolden * (b - a);
+  double ec = error(c), ed = error(d);
+  for (int i = 0; i < 14; ++i) {
+    if (ec < ed) {
+      b = d;
+      d = c;
+      ed = ec;
+      c = b - kGolden * (b - a);
+      ec = error(c);
+    } else {
+      a = c;
+      c = d;
+      ec = ed;
+      d = a + kGolden * (b - a);
+      ed = error(d);
+    }
+  }
+  return std::exp((a + b) / 2);
+}
+
+}  // namespace burin
