@@ -45,6 +45,30 @@ class LivePreview {
   bool shown_ = false;
 };
 
+// When the mean of the views first reached each whole number of dB, from 20 on, and when the first look was.
+class QualityOverTime {
+ public:
+  void add(const DesignFrame& frame) {
+    if (line_.empty()) reached(frame.psnr_db, frame.seconds);
+    while (frame.psnr_db >= next_) reached(next_++, frame.seconds);
+  }
+  /// "26.1 dB after 1.4 s, 27 after 2.0, ..."; empty where nobody looked.
+  const std::string& line() const { return line_; }
+
+ private:
+  void reached(double db, double seconds) {
+    if (line_.empty()) {
+      line_ = fmt::format("{:.1f} dB after {:.1f} s", std::floor(10 * db) / 10, seconds);
+      next_ = std::max(20, static_cast<int>(db) + 1);
+    } else {
+      line_ += fmt::format(", {:.0f} after {:.1f}", db, seconds);
+    }
+  }
+
+  std::string line_;
+  int next_ = 20;
+};
+
 struct Options {
   std::filesystem::path spec, out, bench, board, from;
   std::vector<std::filesystem::path> carved;
@@ -95,8 +119,10 @@ void run(const Options& o) {
   options.stop = &StopOnSignal::asked;
   LivePreview live(o.out / "live.png", 2);
   std::string losses;
+  QualityOverTime quality;
   options.watch = [&](const DesignFrame& frame) {
     if (o.live) live.show(frame);
+    quality.add(frame);
     losses.clear();
     for (std::size_t k = 0; k < std::min(frame.view_loss.size(), spec.views.size()); ++k)
       losses += fmt::format("{} {} {:.0f}", k == 0 ? ": loss" : ",", spec.views[k].view, frame.view_loss[k]);
@@ -125,6 +151,7 @@ void run(const Options& o) {
   fmt::print("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} scratches of {} kept\n", result.history.front().loss,
              result.final_loss, result.history.size() - 1, result.iteration_seconds,
              result.scratches.size() - result.carved, result.started_with);
+  if (!quality.line().empty()) fmt::print("mean of the views: {}\n", quality.line());
   if (const std::string dropped = dropped_text(result.dropped_by_rule); !dropped.empty())
     fmt::print("left out because they could not obey the machine's and the board's limits: {}\n", dropped);
   if (result.carved > 0)

@@ -21,12 +21,14 @@ enum class Start { random, guided };
 /// What has a brightness of its own: each lamp (one photo setting for all its views) or each view (an eye adapts).
 enum class ExposureOf { light, view };
 
-/// Of one iteration, for those who watch.
+/// Of one iteration, or of one step of the start, for those who watch.
 struct DesignFrame {
   int iteration = 0;  ///< 0: the start
-  double loss = 0;
+  double loss = 0;    ///< 0 while the start is made
   std::vector<double> view_loss;
   std::vector<const Image*> pictures;  ///< a view, gamma-encoded as optimized, valid during the call
+  double seconds = 0;                  ///< since the design began
+  double psnr_db = 0;                  ///< of the pictures, mean of the views
 };
 
 struct DesignOptions {
@@ -34,7 +36,7 @@ struct DesignOptions {
   int iterations = 100;
   std::uint64_t seed = 1;
   double rate = 0;        ///< Adam's, in uv (fractions of the board's width and height) an iteration; 0: 1e-3 from a
-                          ///< random start, else 0.3 pixels
+                          ///< random start, else 0.15 pixels
   double final_rate = 0;  ///< the rate falls along a half cosine to this; 0: chosen
   LossWeights loss{.perceptual = 0, .l2 = 1, .gram = 0};  ///< what PSNR measures; the paper's are 1, 0, 0.01
   Start start = Start::guided;
@@ -43,8 +45,8 @@ struct DesignOptions {
                                  ///< chosen from the number of scratches
   double start_light = 0.5;      ///< guided start: light of a pixel that a scratch of the best direction crosses along
                                  ///< one pixel's length, of white; sets the exposures
-  int relocate_every = 2;        ///< iterations between such searches; 0: never
-  int candidates = 24;           ///< places tried for each scratch in a search
+  int relocate_every = 1;        ///< iterations between such searches; 0: never
+  int candidates = 16;           ///< places tried for each scratch in a search
   double relocate_until = 0.95;  ///< part of the iterations (or of the time limit) after which there are none
   double relocate_share = 0.02;  ///< of the scratches, the least worthy, that may change their view each time
   double balance = 0.5;          ///< how much views that are worse than others draw scratches (balance_views)
@@ -71,7 +73,7 @@ struct DesignOptions {
   double time_limit_s = 0;        ///< stop iterating so that everything ends about then; 0: no limit
   std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's);
                                   ///< those marked as carved stay as they are
-  std::function<void(const DesignFrame&)> watch;  ///< called once an iteration; may be empty
+  std::function<void(const DesignFrame&)> watch;  ///< called as the start grows, then once an iteration; may be empty
   std::function<bool()> stop;  ///< true ends the search or the iterations, keeping what there is; asked often, within
                                ///< a sweep of the search too, by several threads at once
 };

@@ -199,6 +199,7 @@ void DesignRun::expose() {
   const double start = starts_at_random() ? options_.start_exposure : 1;
   for (std::size_t g = 0; g < log_exposure_.size(); ++g) log_exposure_[g] = std::log(start * wanted[g] / given[g]);
   if (!starts_at_random()) log_exposure_ = fitting_exposures(views_, log_exposure_);
+  show_start();
 }
 
 void DesignRun::improve_start() {
@@ -209,6 +210,7 @@ void DesignRun::improve_start() {
     relocate(scratches_, views_, log_exposure_, limits_, rules_, movable_, 0, options_.seed + 100 + k, enough);
     render_all(views_, in_the_metal());
     log_exposure_ = fitting_exposures(views_, log_exposure_);
+    show_start();
   }
 }
 

@@ -69,6 +69,8 @@ class DesignRun {
   void look(bool last);
   void record(bool last);
   void record_start();
+  void show(int iteration, double loss, const std::vector<double>& view_loss);  // to those who watch
+  void show_start();
   void move_ends();
   bool searches_are_over() const;
   void settle_order();

@@ -41,7 +41,7 @@ void check_options(const DesignOptions& o, const Board& board) {
        "give more, or 0 for any length");
   need(o.carve_hours >= 0 && o.carve_hours < 1e5, "carve_hours", "is out of range", "5 to 10 is usual");
   need(o.start_light > 0 && o.start_light < 1e3, "start_light", "is out of range", "0.5 is usual");
-  need(o.candidates >= 1 && o.candidates <= 10000, "candidates", "is out of range", "24 is usual");
+  need(o.candidates >= 1 && o.candidates <= 10000, "candidates", "is out of range", "16 is usual");
   need(o.balance >= 0 && o.balance <= 10, "balance", "is out of range", "0 is for the mean of the views, 1 is strong");
   need(o.tolerance_mm >= 0 && o.tolerance_mm < 1e6, "tolerance_mm", "is out of range", "20 mm is a start");
   need(o.drop_error >= 0 && o.drop_error < 1 && o.drop_light >= 0 && o.drop_light < 1 && o.drop_share >= 0 &&

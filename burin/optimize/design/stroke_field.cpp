@@ -21,6 +21,20 @@ BURIN_MACHINE_CLONES void show_row(std::size_t n, const float* __restrict light,
   for (std::size_t i = 0; i < n; ++i) shown[i] = shown_light(light[i]);
 }
 
+// Light, what is shown, and by how much the error falls when a stroke crosses pixels over these lengths around these
+// middles.
+BURIN_MACHINE_CLONES void light_with(int n, const float* __restrict middle, const float* __restrict length, float start,
+                                     float slope, float weight, const float* __restrict unit,
+                                     const float* __restrict target, const float* __restrict shown,
+                                     float* __restrict light, float* __restrict after, float* __restrict fall) {
+  for (int i = 0; i < n; ++i) {
+    const float q = start + slope * middle[i], x = 1 + q * q;
+    light[i] += length[i] * (1 / (x * std::sqrt(x))) * unit[i];
+    after[i] = shown_light(light[i]);
+    fall[i] = weight * ((shown[i] - after[i]) * ((shown[i] - target[i]) + (after[i] - target[i])));
+  }
+}
+
 // A straight way over pixels: at s along a line (in pixels) it goes from one pixel to the next.
 struct Line {
   Eigen::Vector2d at, along;  // in pixels of the grid, y down; `along` has length 1
@@ -124,23 +138,10 @@ double StrokeField::lobe_place(const GlintView& glint, const Eigen::Vector2d& p_
   return (h.x() * u.x() + h.y() * u.y()) / (h.norm() * rules_.alpha_at(p_mm));
 }
 
-// By how much the error of a pixel falls when a scratch crosses it over this length around s.
-float StrokeField::gain(std::size_t i, const Lobe* lobes, double s, float length) const {
-  float sum = 0;
-  for (std::size_t k = 0; k < pixels_.size(); ++k) {
-    const StrokePixel& p = pixels_[k][i];
-    const auto q = static_cast<float>(lobes[k].start + lobes[k].slope * s);
-    const float x = 1 + q * q, lobe = 1 / (x * std::sqrt(x));
-    const float after = shown_light(p.light + length * lobe * p.unit);
-    sum += weights_[k] * ((p.shown - after) * ((p.shown - p.target) + (after - p.target)));
-  }
-  return matters_.empty() ? sum : matters_[i] * sum;
-}
-
-// visit(pixel, lobes, s of the part's middle, length of the part in pixels).
+// visit(part) for parts of at most kPart pixels.
 template <typename Visit>
-void StrokeField::each_pixel(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const PixelBox& box,
-                             const Visit& visit) const {
+void StrokeField::each_part(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
+                            const Visit& visit) const {
   const Eigen::Vector2d a = pixel(a_mm), b = pixel(b_mm);
   const double length = (b - a).norm(), length_mm = (b_mm - a_mm).norm();
   if (!(length > 1e-9)) return;
@@ -148,56 +149,75 @@ void StrokeField::each_pixel(const Eigen::Vector2d& a_mm, const Eigen::Vector2d&
   std::array<Lobe, kMostPlaces> lobes{};
   for (std::size_t k = 0; k < pixels_.size(); ++k) {
     const double first = lobe_place(glints_[k], a_mm, u), last = lobe_place(glints_[k], b_mm, u);
-    lobes[k] = {first, (last - first) / length};
+    lobes[k] = {static_cast<float>(first), static_cast<float>((last - first) / length)};
   }
-  walk({a, (b - a) / length}, length, box, [&](int x, int y, double s, double part) {
-    visit(static_cast<std::size_t>(y) * width_ + x, lobes.data(), s + part / 2, static_cast<float>(part));
+  StrokePart part{};
+  const auto done = [&] {
+    if (part.count > 0) visit(part, lobes.data());
+    part.count = 0;
+  };
+  walk({a, (b - a) / length}, length, box, [&](int x, int y, double s, double inside) {
+    part.at[part.count] = static_cast<std::size_t>(y) * width_ + x;
+    part.middle[part.count] = static_cast<float>(s + inside / 2);
+    part.length[part.count] = times * static_cast<float>(inside);
+    if (++part.count == kPart) done();
   });
+  done();
 }
 
-double StrokeField::add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box) {
+// What a part's pixels have and show with it, seen from a place; adds to `fell` by how much their errors fall.
+void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, PartPixels& out) const {
+  for (int i = 0; i < part.count; ++i) {
+    const StrokePixel& p = pixels_[k][part.at[i]];
+    out.light[i] = p.light;
+    out.unit[i] = p.unit;
+    out.target[i] = p.target;
+    out.shown[i] = p.shown;
+  }
+  // Whole packets: what lies beyond the last has no light.
+  const int packets = (part.count + kPacket - 1) / kPacket * kPacket;
+  for (int i = part.count; i < packets; ++i) out.light[i] = out.unit[i] = out.target[i] = out.shown[i] = 0;
+  light_with(packets, part.middle, part.length, lobe.start, lobe.slope, weights_[k], out.unit, out.target, out.shown,
+             out.light, out.after, out.fall);
+}
+
+double StrokeField::add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
+                        StrokePixelsBefore* before) {
   double fell = 0;
-  each_pixel(a_mm, b_mm, box, [&](std::size_t i, const Lobe* lobes, double s, float length) {
-    fell += gain(i, lobes, s, times * length);
+  each_part(a_mm, b_mm, times, box, [&](const StrokePart& part, const Lobe* lobes) {
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
-      StrokePixel& p = pixels_[k][i];
-      const auto q = static_cast<float>(lobes[k].start + lobes[k].slope * s);
-      const float x = 1 + q * q, lobe = 1 / (x * std::sqrt(x));
-      p.light += times * length * lobe * p.unit;
-      p.shown = shown_light(p.light);
+      PartPixels out;
+      with_part(part, k, lobes[k], out);
+      for (int i = 0; i < part.count; ++i) {
+        StrokePixel& p = pixels_[k][part.at[i]];
+        if (before != nullptr) before->pixels.push_back({part.at[i], static_cast<std::uint32_t>(k), p.light, p.shown});
+        p.light = out.light[i];
+        p.shown = out.after[i];
+        fell += matters_.empty() ? out.fall[i] : matters_[part.at[i]] * out.fall[i];
+      }
     }
   });
   return fell;
 }
 
-double StrokeField::take_out(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const PixelBox& box,
-                             StrokePixelsBefore& before) {
-  before.at.clear();
-  before.light.clear();
-  before.shown.clear();
-  each_pixel(a_mm, b_mm, box, [&](std::size_t i, const Lobe*, double, float) {
-    before.at.push_back(i);
-    for (const auto& pixels : pixels_) {
-      before.light.push_back(pixels[i].light);
-      before.shown.push_back(pixels[i].shown);
-    }
-  });
-  return add(a_mm, b_mm, -1, box);
-}
-
-void StrokeField::put_back(const StrokePixelsBefore& before) {
-  for (std::size_t n = before.at.size(); n > 0; --n)  // a pixel that is there twice was first seen as it is to be
-    for (std::size_t k = 0; k < pixels_.size(); ++k) {
-      StrokePixel& p = pixels_[k][before.at[n - 1]];
-      p.light = before.light[(n - 1) * pixels_.size() + k];
-      p.shown = before.shown[(n - 1) * pixels_.size() + k];
-    }
+void StrokeField::put_back(StrokePixelsBefore& before) {
+  for (std::size_t n = before.pixels.size(); n > 0; --n) {
+    const StrokePixelsBefore::Pixel& was = before.pixels[n - 1];
+    StrokePixel& p = pixels_[was.place][was.at];
+    p.light = was.light;
+    p.shown = was.shown;
+  }
+  before.clear();
 }
 
 double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const {
   double fell = 0;
-  each_pixel(a_mm, b_mm, whole(), [&](std::size_t i, const Lobe* lobes, double s, float length) {
-    fell += gain(i, lobes, s, times * length);
+  each_part(a_mm, b_mm, times, whole(), [&](const StrokePart& part, const Lobe* lobes) {
+    for (std::size_t k = 0; k < pixels_.size(); ++k) {
+      PartPixels out;
+      with_part(part, k, lobes[k], out);
+      for (int i = 0; i < part.count; ++i) fell += matters_.empty() ? out.fall[i] : matters_[part.at[i]] * out.fall[i];
+    }
   });
   return fell;
 }

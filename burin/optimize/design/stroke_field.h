@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "burin/optimize/design/stroke_kernel.h"
@@ -13,10 +14,16 @@
 
 namespace burin {
 
-/// Pixels as they were before a stroke was taken out.
+/// Pixels as they were before strokes came and went, in the order of the changes.
 struct StrokePixelsBefore {
-  std::vector<std::size_t> at;
-  std::vector<float> light, shown;  ///< of each place in turn
+  struct Pixel {
+    std::size_t at;
+    std::uint32_t place;
+    float light, shown;
+  };
+  std::vector<Pixel> pixels;
+
+  void clear() { pixels.clear(); }
 };
 
 /// Work in boxes that do not overlap may go on at the same time.
@@ -44,12 +51,11 @@ class StrokeField {
   }
 
   /// Adds (times = 1) or takes away (-1) a stroke, as far as it lies in the box; returns by how much the squared error
-  /// fell.
-  double add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box);
-  /// add(-1), to be undone by put_back().
-  double take_out(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const PixelBox& box,
-                  StrokePixelsBefore& before);
-  void put_back(const StrokePixelsBefore& before);
+  /// fell. With `before`, put_back() can undo it.
+  double add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
+             StrokePixelsBefore* before = nullptr);
+  /// Undoes all that `before` has seen, and empties it.
+  void put_back(StrokePixelsBefore& before);
   /// By how much the error would fall, nothing being changed.
   double fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const;
 
@@ -63,16 +69,27 @@ class StrokeField {
   StrokeWindow window(const PixelBox& box) const;
 
  private:
+  static constexpr int kPart = 64, kPacket = 16;
+
   struct Lobe {
-    double start, slope;  // h . u / alpha at s = 0 and its change a pixel
+    float start = 0, slope = 0;  // h . u / alpha at s = 0 and its change a pixel
+  };
+  // Pixels that a stroke crosses, where and how far.
+  struct StrokePart {
+    int count = 0;
+    std::size_t at[kPart];
+    float middle[kPart], length[kPart];
+  };
+  struct PartPixels {
+    float light[kPart], unit[kPart], target[kPart], shown[kPart], after[kPart], fall[kPart];
   };
 
   double lobe_place(const GlintView& glint, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const;
   std::vector<StrokeHalfVector> listed_half_vectors(const GlintView& glint) const;
-  float gain(std::size_t i, const Lobe* lobes, double s, float length) const;
+  void with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, PartPixels& out) const;
   template <typename Visit>
-  void each_pixel(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, const PixelBox& box,
-                  const Visit& visit) const;
+  void each_part(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
+                 const Visit& visit) const;
 
   const StrokeRules& rules_;
   int width_, height_;

@@ -153,7 +153,7 @@ struct StrokeKernel {
   template <bool kPlain>
   [[gnu::always_inline]] static void follow(const StrokeWindow& window, const Line& line, Way way, float sign,
                                             const P& limit, Mask active, Best& best) {
-    constexpr float kPatience = 12;  // pixels without gain after which a stroke ends
+    constexpr float kPatience = 6;  // pixels without gain after which a stroke ends
     const P width(static_cast<float>(window.width)), height(static_cast<float>(window.height));
     const P stride(static_cast<float>(window.stride));
     const auto inside = [&] {

@@ -18,6 +18,7 @@
 #include "burin/optimize/design/random.h"
 #include "burin/optimize/design/shown_light.h"
 #include "burin/optimize/design/stroke_field.h"
+#include "burin/optimize/design/stroke_neighbors.h"
 #include "burin/optimize/design/stroke_sweep.h"
 #include "burin/optimize/design/stroke_tiles.h"
 #include "burin/optimize/design/stroke_tries.h"
@@ -133,24 +134,78 @@ class ViewSweep {
     constexpr std::size_t kSurveyEvery = 1000;
     StrokeTrier trier(field_, rules_, box, seed);
     for (std::size_t k = mine.size(); k > 1; --k) std::swap(mine[k - 1], mine[trier.random()() % k]);
-    StrokePixelsBefore before;
-    for (std::size_t k = 0; k < mine.size(); ++k) {
-      if (k % kAskEvery == 0 && stop()) break;
-      if (k % kSurveyEvery == 0) trier.survey();
-      const std::size_t i = mine[k];
+    std::vector<Eigen::Vector2f> ends;
+    for (const std::size_t i : mine) {
       const Ends e = ends_of(scratches_, i);
-      // What the error grows by without it: its worth, which a better one has to beat.
-      const Stroke old{e.a, e.b, -field_.take_out(e.a, e.b, box, before)};
-      const Stroke best = trier.best_instead(old, rules_.candidates);
-      if (best.gain == old.gain) {
-        field_.put_back(before);
-        continue;
+      ends.push_back(field_.pixel(e.a).cast<float>());
+      ends.push_back(field_.pixel(e.b).cast<float>());
+    }
+    StrokeNeighbors neighbors(box, std::move(ends));
+    std::vector<char> tried(mine.size(), 0);
+    for (std::size_t k = 0; k < mine.size(); ++k) {
+      if (k % (kAskEvery / 2) == 0 && stop()) break;  // two at a time
+      if (k % kSurveyEvery == 0) trier.survey();
+      if (tried[k]) continue;
+      const std::size_t other = neighbors.nearest(2 * k + (trier.random()() & 1U));
+      tried[k] = tried[other] = 1;
+      const std::array<std::size_t, 2> pair{k, other};
+      std::array<Stroke, 2> now{stroke(mine[k]), stroke(mine[other])};
+      if (!(other == k ? better(now[0], trier) : better(now, trier))) continue;
+      for (std::size_t n = 0; n < (other == k ? 1U : 2U); ++n) {
+        if (same(now[n], stroke(mine[pair[n]]))) continue;
+        changed_[mine[pair[n]]] = 1;
+        set_ends(scratches_, mine[pair[n]], {now[n].a_mm, now[n].b_mm});
+        neighbors.move(pair[n], field_.pixel(now[n].a_mm).cast<float>(), field_.pixel(now[n].b_mm).cast<float>());
       }
-      field_.add(best.a_mm, best.b_mm, 1, box);
-      changed_[i] = 1;
-      set_ends(scratches_, i, {best.a_mm, best.b_mm});
     }
   }
+
+  Stroke stroke(std::size_t i) const {
+    const Ends e = ends_of(scratches_, i);
+    return {e.a, e.b, 0, 0};
+  }
+
+  // Puts the best of several candidates in a stroke's place; false: it stays.
+  bool better(Stroke& stroke, StrokeTrier& trier) {
+    trier.before().clear();
+    // What the error grows by without it: its worth, which a better one has to beat.
+    stroke.gain = -field_.add(stroke.a_mm, stroke.b_mm, -1, trier.box(), &trier.before());
+    const Stroke best = trier.best_instead(stroke, rules_.candidates);
+    if (same(best, stroke)) {
+      field_.put_back(trier.before());
+      return false;
+    }
+    field_.add(best.a_mm, best.b_mm, 1, trier.box());
+    stroke = best;
+    return true;
+  }
+
+  // The same for two that meet: where one ends as the other begins, neither can give way alone.
+  bool better(std::array<Stroke, 2>& pair, StrokeTrier& trier) {
+    trier.before().clear();
+    double fell = 0;
+    for (const std::size_t n : {1U, 0U}) {
+      const double f = field_.add(pair[n].a_mm, pair[n].b_mm, -1, trier.box(), &trier.before());
+      pair[n].gain = -f;
+      fell += f;
+    }
+    const Stroke first = trier.best_instead(pair[0], rules_.candidates);
+    fell += field_.add(first.a_mm, first.b_mm, 1, trier.box(), &trier.before());
+    const bool stays = same(first, pair[0]);
+    if (!stays) pair[1].gain = field_.fall(pair[1].a_mm, pair[1].b_mm, 1);
+    const Stroke second = trier.best_instead(pair[1], rules_.candidates);
+    if (!(stays && same(second, pair[1]))) {
+      fell += field_.add(second.a_mm, second.b_mm, 1, trier.box(), &trier.before());
+      if (fell > 1e-9) {
+        pair = {first, second};
+        return true;
+      }
+    }
+    field_.put_back(trier.before());
+    return false;
+  }
+
+  static bool same(const Stroke& a, const Stroke& b) { return a.a_mm == b.a_mm && a.b_mm == b.b_mm; }
 
   StrokeField& field_;
   const StrokeRules& rules_;

@@ -15,8 +15,9 @@
 //
 //   place_strokes    one stroke after the other (matching pursuit: Mallat & Zhang, IEEE TSP 41(12), 1993, with a random
 //                    choice of atoms); the light: docs/model.md 6.5
-//   improve_strokes  takes each stroke out and puts the best of several candidates, the old one among them, in its
-//                    place (block coordinate descent)
+//   improve_strokes  takes each stroke out, with the one that ends nearest to one of its ends, and puts the best of
+//                    several candidates, the old one among them, in the place of each (block coordinate descent; where
+//                    one ends as the other begins, neither could give way alone)
 //
 // Errors are squared differences of the shown pictures, gamma-encoded and clipped at white, times the mask squared.
 // What a stroke adds to other views than its own stands in `light` as rendered and is not counted anew.
@@ -71,7 +72,7 @@ struct StrokeRules {
   GrooveField alpha_field{};                   ///< how it does
   Eigen::Vector2d board_size_mm{1, 1};
   double dimmest = 0.01;  ///< least part of the lobe a stroke is turned to
-  int candidates = 24;    ///< a stroke is the best of
+  int candidates = 16;    ///< a stroke is the best of
 
   double alpha_at(const Eigen::Vector2d& p_mm) const {
     return alpha_field.is_constant() ? alpha : std::min(1.0, at_place(alpha_field, alpha, board_size_mm, p_mm));

@@ -25,7 +25,7 @@ const std::array<float, kScales>& scales() {
 }
 
 // Parts of a random number: 24 bits from `first` on, as a number in [0, 1).
-float part(std::uint64_t bits, int first) { return static_cast<float>((bits >> first) & 0xffffffU) * 0x1p-24F; }
+float fraction_of(std::uint64_t bits, int first) { return static_cast<float>((bits >> first) & 0xffffffU) * 0x1p-24F; }
 
 // Roughly normal, of variance 1.
 float bell_of(std::uint64_t bits) {
@@ -60,8 +60,8 @@ void StrokeTrier::draw_anywhere(int lane) {
   const std::uint64_t bits = random_();
   const auto x = static_cast<float>(k % columns), y = static_cast<float>(k / columns);
   // Within the pixel, whatever the sum is rounded to.
-  tries_.x[lane] = std::min(x + part(bits, 0), std::nextafter(x + 1, x));
-  tries_.y[lane] = std::min(y + part(bits, 24), std::nextafter(y + 1, y));
+  tries_.x[lane] = std::min(x + fraction_of(bits, 0), std::nextafter(x + 1, x));
+  tries_.y[lane] = std::min(y + fraction_of(bits, 24), std::nextafter(y + 1, y));
   tries_.brighter[lane] = 0.2F + static_cast<float>((bits >> 48) & 0x7fffU) * 0x1p-15F;
   tries_.anywhere[lane] = 1;
   tries_.side[lane] = (bits >> 63) != 0 ? 1 : -1;
@@ -70,7 +70,7 @@ void StrokeTrier::draw_anywhere(int lane) {
 
 void StrokeTrier::draw_near(int lane, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const std::uint64_t bits = random_();
-  const float scale = scales()[bits % kScales], along = part(bits, 16);
+  const float scale = scales()[bits % kScales], along = fraction_of(bits, 16);
   const float aside = 0.7F * scale * bell_of(random_());
   const Eigen::Vector2d d = b - a, across = Eigen::Vector2d(-d.y(), d.x()).normalized();
   const Eigen::Vector2d p = a + along * d + aside * across;

@@ -30,6 +30,7 @@ class StrokeTrier {
   Stroke best_instead(const Stroke& old, int candidates);
 
   std::mt19937_64& random() { return random_; }
+  StrokePixelsBefore& before() { return before_; }  ///< for changes that may be undone
   const PixelBox& box() const { return box_; }
 
  private:
@@ -45,6 +46,7 @@ class StrokeTrier {
   TryStrokes kernel_;
   std::mt19937_64 random_;
   std::vector<double> missing_;  // running sums
+  StrokePixelsBefore before_;
   StrokeTries tries_;
   StrokesFound found_;
 };
