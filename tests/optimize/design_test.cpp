@@ -272,6 +272,7 @@ TEST_F(DesignTest, KeepsToTheHoursThereAreAndSaysWhatFewerWouldShow) {
 TEST_F(DesignTest, GoesOnFromScratchesAndStopsWhenAsked) {
   const DesignResult first = design(spec_, board_, bench_, options_, {});
   options_.from = first.scratches;
+  options_.relocate_every = 2;  // a search asks too: the third question is that of iteration 2's
   int calls = 0;
   options_.stop = [&] { return ++calls == 3; };
   const DesignResult second = design(spec_, board_, bench_, options_, {});
