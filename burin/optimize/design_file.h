@@ -4,8 +4,8 @@
 //     "views": [ { "view": "v00", "light": "lamp", "target": "cat.png", "rotation_deg": 0 } ] }
 //
 // A view may also say "fit": "cover" (default) or "contain", "keep": "top" (or "bottom", "left", "right", "middle"),
-// "levels": [black, white], "mask": "cat-mask.png" and "weight": 2 (how much its errors count; default 1). Where several
-// lights shine at once, "lights": ["sun", "room"] stands for "light".
+// "levels": [black, white], "mask": "cat-mask.png" and "weight": 2 (how much its errors count; default 1). Where
+// several lights shine at once, "lights": ["sun", "room"] stands for "light".
 #pragma once
 
 #include <array>

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "burin/render/error.h"
-#include "burin/render/files/camera_effects_json.h"
 #include "burin/render/files/bend_json.h"
+#include "burin/render/files/camera_effects_json.h"
 #include "burin/render/files/camera_json.h"
 #include "burin/render/files/far_light_json.h"
 #include "burin/render/files/files_together.h"

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/bend.h"
 #include "burin/render/face_grain.h"
 #include "burin/render/groove_profile.h"
-#include "burin/render/bend.h"
 
 namespace burin {
 

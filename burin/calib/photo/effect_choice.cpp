@@ -111,7 +111,8 @@ Pulls pulls_of(const Problem& data, const State& state) {
     out.place_mm.emplace_back(data.model.center_mm + back * (middle - data.model.center_mm - map.shift_mm));
   }
   out.pull.assign(n, Eigen::Vector2d::Zero());
-  // Every second photo of many: a spectrum needs no more, and derivatives by every millimeter of groove take their time.
+  // Every second photo of many: a spectrum needs no more, and derivatives by every millimeter of groove take their
+  // time.
   constexpr std::size_t kMany = 8;
   const std::size_t stride = data.photos.size() >= kMany ? 2 : 1;
   std::vector<GrooveGradients> of_photos((data.photos.size() + stride - 1) / stride);

@@ -98,7 +98,7 @@ class StrokeField {
   std::vector<float> weights_;
   std::vector<std::vector<StrokePixel>> pixels_;
   std::vector<std::vector<StrokeHalfVector>> half_vectors_;  // none where eye and lamp say them
-  std::vector<float> matters_;  // the mask squared; empty: all alike
+  std::vector<float> matters_;                               // the mask squared; empty: all alike
 };
 
 }  // namespace burin
