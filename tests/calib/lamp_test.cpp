@@ -6,11 +6,13 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <vector>
 
 #include "burin/calib/light/light_samples.h"
 #include "burin/capture/photo.h"
@@ -78,6 +80,68 @@ TEST(WithLamps, CleanBenchWithinAMillimetre) {
   EXPECT_EQ(lamp.falloff_exponent, 0);  // a bare lamp is not taken for a spot
   EXPECT_NEAR(rig.bench.material.base_alpha, rig.truth["material"]["base_alpha"].get<double>(), 0.001);
   EXPECT_TRUE(rig.bench.verdict.at(parameter::light_position("lamp")).determined());
+}
+
+// Paper along the rim and the plain face, seen from six places; the face of each view's photo as rough as `rough` says.
+std::vector<LightSample> made_up_samples(const Board& board, const std::vector<double>& rough) {
+  const LampModel<double> lamp{{-60, 180, 420}, std::log(4e5), {0, 0}, 0};
+  std::vector<LightSample> samples;
+  const auto add = [&](SampleKind kind, std::size_t view, const Eigen::Vector3d& p, const Eigen::Vector3d& camera) {
+    LightSample s;
+    s.kind = kind;
+    s.light_view = view;
+    s.p_board = p;
+    s.to_camera = (camera - p).normalized();
+    constexpr std::array<double, 2> kNoGrain{0, 0};
+    s.value = kind == SampleKind::face
+                  ? face_radiance(lamp, 0.01, rough[view], kNoGrain.data(), board.material.f0.mean(), s)
+                  : paper_radiance(lamp, 0.01, paper_albedo(board, kind), s);
+    s.sigma = 0.001 * s.value;
+    s.tag = static_cast<int>(p.x()) + 1000 * static_cast<int>(p.y());
+    samples.push_back(s);
+  };
+  for (std::size_t view = 0; view < rough.size(); ++view) {
+    const double turn = 2 * std::numbers::pi * static_cast<double>(view) / static_cast<double>(rough.size());
+    const Eigen::Vector3d camera(180 + 60 * std::cos(turn), -90 + 60 * std::sin(turn),
+                                 430);  // about the mirror's place
+    for (int x = 10; x < 120; x += 20)
+      for (int y = 10; y < 100; y += 20) {
+        const bool rim = x < 20 || x > 100 || y < 20 || y > 80;
+        if (rim) add(SampleKind::white_paper, view, {x + 0.5, y + 0.5, 0}, camera);
+        if (rim) add(SampleKind::black_paper, view, {x + 0.5, y + 0.5, 0}, camera);
+        for (int i = 0; i < 4 && !rim; ++i) add(SampleKind::face, view, {x + 5. * i, y + 3. * i, 0}, camera);
+      }
+  }
+  return samples;
+}
+
+// A face that is not the same in all photos (streaks, a lobe that is not GGX) is not known as well as its pixels are
+// many.
+TEST(FitLamps, ARoughnessThatPhotosDoNotAgreeOnHasASigmaThatSaysSo) {
+  Board board;
+  board.size_mm = {120, 100};
+  board.material.f0.setConstant(0.92);
+  board.material.base_alpha = 0.15;
+  Bench bench;
+  bench.lights.resize(1);
+  bench.lights[0].id = "lamp";
+  LampOptions options;
+  options.jackknife = true;
+  const double rough = 0.13;
+  const LampSeed same = fit_lamps(made_up_samples(board, std::vector<double>(6, rough)), board, bench, options);
+  ASSERT_TRUE(same.found);
+  EXPECT_NEAR(same.base_alpha, rough, 1e-4);
+  std::vector<double> of_photos;
+  for (const double percent : {2.0, -1.0, 1.0, -2.0, 1.5, -1.5}) of_photos.push_back(rough * (1 + percent / 100));
+  const LampSeed seed = fit_lamps(made_up_samples(board, of_photos), board, bench, options);
+  ASSERT_TRUE(seed.found);
+  EXPECT_LT(std::abs(seed.base_alpha - rough), 2.5 * seed.base_alpha_sigma);
+  // Six photos that differ by 1.8 % tell their mean to 0.7 %.
+  EXPECT_GT(seed.base_alpha_sigma, 0.0035 * rough);
+  EXPECT_LT(seed.base_alpha_sigma, 0.02 * rough);
+  options.jackknife = false;
+  EXPECT_LT(fit_lamps(made_up_samples(board, of_photos), board, bench, options).base_alpha_sigma,
+            0.5 * seed.base_alpha_sigma);
 }
 
 class SpotInAnAmateursRoom : public testing::TestWithParam<const char*> {};

@@ -359,9 +359,12 @@ void try_grain(const Data& data, const std::vector<bool>& spot, Fit& fit) {
     if (candidate.usable && (!thin.usable || candidate.cost < thin.cost)) thin = std::move(candidate);
   }
   if (!thin.usable) return;
+  // All samples are asked only where a sixth of them comes near to what they must say.
+  constexpr double kWorthIt = 0.85, kNear = 0.93;
+  const Fit plain = run_fit(data, fit.blocks, spot, -1, kThin, true, 60, false);
+  if (plain.usable && !(thin.cost < kNear * plain.cost)) return;
   Fit best = run_fit(data, thin.blocks, spot, -1, 1, true, 60, false);
   // As for spots: far more than a test of white noise would ask.
-  constexpr double kWorthIt = 0.85;
   if (!best.usable || !(best.cost < kWorthIt * fit.cost)) return;
   if (std::hypot(best.blocks.grain[0], best.blocks.grain[1]) < kLeastGrain) return;
   fit = std::move(best);
@@ -414,14 +417,26 @@ void fill_seed(const Data& data, const std::vector<bool>& usable, const std::vec
   }
 }
 
-// The scatter of a lamp's position when groups of samples are left out in turn (the jackknife's standard deviation, per
-// axis); what is left out decides nothing, so a group of which a lamp is not seen adds nothing to its scatter.
-// `group_of`: from 0 to `groups` - 1.
+// Scatter, as standard deviations, of what a fit says when groups of samples are left out in turn (the jackknife).
+struct GroupScatter {
+  std::vector<Eigen::Vector3d> position_mm;  // of each lamp, per axis
+  double log_base_alpha = 0;
+};
+
+// The jackknife's standard deviation of each row, a column a fit without a group; 0 where there are too few groups.
+Eigen::VectorXd jackknife_sigma(const Eigen::MatrixXd& answers) {
+  const auto n = static_cast<double>(answers.cols());
+  if (n < 3) return Eigen::VectorXd::Zero(answers.rows());
+  const Eigen::VectorXd mean = answers.rowwise().mean();
+  return ((n - 1) / n * (answers.colwise() - mean).rowwise().squaredNorm()).cwiseSqrt();
+}
+
+// What is left out decides nothing, so a group of which a lamp is not seen adds nothing to its scatter. `group_of`:
+// from 0 to `groups` - 1, or -1 for what is never left out. One sample of the face in `thin` counts: it has enough.
 template <typename GroupOf>
-std::vector<Eigen::Vector3d> jackknife_sigma(const Data& data, const Fit& fit, const std::vector<bool>& spot,
-                                             int groups, GroupOf group_of) {
+GroupScatter scatter_by_groups(const Data& data, const Fit& fit, const std::vector<bool>& spot, int groups,
+                               std::size_t thin, GroupOf group_of) {
   const std::size_t lamps = fit.blocks.lamps.size();
-  std::vector<std::vector<Eigen::Vector3d>> places(lamps);
   std::vector<std::optional<Fit>> without(static_cast<std::size_t>(groups));
   tbb::parallel_for(0, groups, [&](int g) {
     std::vector<LightSample> kept;
@@ -430,27 +445,47 @@ std::vector<Eigen::Vector3d> jackknife_sigma(const Data& data, const Fit& fit, c
     if (kept.size() == data.samples.size() || kept.empty()) return;
     Data part = data;
     part.samples = std::move(kept);
-    constexpr std::size_t kThin = 4;  // of the face, which has samples enough
-    without[static_cast<std::size_t>(g)] = run_fit(part, fit.blocks, spot, -1, kThin, true, 30, false);
+    without[static_cast<std::size_t>(g)] = run_fit(part, fit.blocks, spot, -1, thin, true, 30, false);
   });
-  for (const std::optional<Fit>& f : without)
-    if (f && f->usable)
-      for (std::size_t i = 0; i < lamps; ++i) places[i].push_back(Eigen::Vector3d::Map(f->blocks.lamps[i].position));
-  std::vector<Eigen::Vector3d> sigma(lamps, Eigen::Vector3d::Zero());
-  for (std::size_t i = 0; i < lamps; ++i) {
-    const auto n = static_cast<double>(places[i].size());
-    if (n < 3) continue;
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero(), squares = mean;
-    for (const Eigen::Vector3d& p : places[i]) mean += p / n;
-    for (const Eigen::Vector3d& p : places[i]) squares += (p - mean).cwiseAbs2();
-    sigma[i] = ((n - 1) / n * squares).cwiseSqrt();
+  const auto rows = static_cast<Eigen::Index>(3 * lamps + 1);
+  Eigen::MatrixXd answers(rows, groups);
+  Eigen::Index count = 0;
+  for (const std::optional<Fit>& f : without) {
+    if (!f || !f->usable) continue;
+    for (std::size_t i = 0; i < lamps; ++i)
+      answers.block<3, 1>(static_cast<Eigen::Index>(3 * i), count) = Eigen::Vector3d::Map(f->blocks.lamps[i].position);
+    answers(rows - 1, count++) = f->blocks.shared[0];
   }
-  return sigma;
+  const Eigen::VectorXd sigma = jackknife_sigma(answers.leftCols(count));
+  GroupScatter out;
+  for (std::size_t i = 0; i < lamps; ++i) out.position_mm.push_back(sigma.segment<3>(static_cast<Eigen::Index>(3 * i)));
+  out.log_base_alpha = sigma[rows - 1];
+  return out;
 }
 
-// Makes sigmas larger where photos, or places on the board, contradict each other more than independent errors would.
+// How far a sample of the face is from the lamp's mirror image: the tangent of the half vector's lean.
+double lean_of(const LightSample& sample, const Fit& fit) {
+  const Eigen::Vector3d lamp = Eigen::Vector3d::Map(fit.blocks.lamps[sample.light].position);
+  const Eigen::Vector3d h = (lamp - sample.p_board).normalized() + sample.to_camera;
+  return h.cross(sample.normal).norm() / std::max(1e-9, h.dot(sample.normal));
+}
+
+// Three edges between four groups of the face's samples, alike in number, by their lean.
+std::array<double, 3> lean_edges(const Data& data, const Fit& fit) {
+  std::vector<double> leans;
+  for (const LightSample& sample : data.samples)
+    if (sample.kind == SampleKind::face) leans.push_back(lean_of(sample, fit));
+  std::sort(leans.begin(), leans.end());
+  std::array<double, 3> out{};
+  for (std::size_t i = 0; i < out.size() && !leans.empty(); ++i) out[i] = leans[(i + 1) * leans.size() / 4];
+  return out;
+}
+
+// Makes sigmas larger where photos, places on the board, or the highlight's middle and its wings contradict each other
+// more than independent errors would: streaks of a brushed face, or a lobe that is not the model's, are no noise.
 void widen_by_groups(const Data& data, const Fit& fit, const std::vector<bool>& spot, LampSeed& seed) {
   constexpr int kGroups = 8, kAcross = 3;
+  constexpr std::size_t kThin = 4;
   std::map<std::size_t, int> rank;  // of the photos
   for (const LightSample& sample : data.samples) rank.emplace(sample.light_view, 0);
   int next = 0;
@@ -464,10 +499,20 @@ void widen_by_groups(const Data& data, const Fit& fit, const std::vector<bool>& 
     };
     return cell(0) + kAcross * cell(1);
   };
-  const auto by_photos = jackknife_sigma(data, fit, spot, photos, photo_of);
-  const auto by_places = jackknife_sigma(data, fit, spot, kAcross * kAcross, place_of);
-  for (std::size_t i = 0; i < seed.lights.size(); ++i)
-    if (auto& sigma = seed.lights[i].position_sigma_mm) *sigma = sigma->cwiseMax(by_photos[i]).cwiseMax(by_places[i]);
+  const std::array<double, 3> edges = lean_edges(data, fit);
+  const auto lean_group_of = [&](const LightSample& s) {
+    if (s.kind != SampleKind::face) return -1;
+    return static_cast<int>(std::upper_bound(edges.begin(), edges.end(), lean_of(s, fit)) - edges.begin());
+  };
+  seed.base_alpha_sigma =
+      std::max(seed.base_alpha_sigma,
+               seed.base_alpha * scatter_by_groups(data, fit, spot, 4, 2 * kThin, lean_group_of).log_base_alpha);
+  for (const GroupScatter& by : {scatter_by_groups(data, fit, spot, photos, kThin, photo_of),
+                                 scatter_by_groups(data, fit, spot, kAcross * kAcross, kThin, place_of)}) {
+    for (std::size_t i = 0; i < seed.lights.size(); ++i)
+      if (auto& sigma = seed.lights[i].position_sigma_mm) *sigma = sigma->cwiseMax(by.position_mm[i]);
+    seed.base_alpha_sigma = std::max(seed.base_alpha_sigma, seed.base_alpha * by.log_base_alpha);
+  }
 }
 
 }  // namespace

@@ -99,8 +99,8 @@ inline constexpr std::array<double, 3> kVignettePriorSigma{0.5, 0.25, 0.1};
 struct LampOptions {
   double model_error = 0.02;  ///< relative error that a sample may have beyond its noise (uneven paper, haze, blur)
   bool fit_spot = true;       ///< try a spot where a bare lamp leaves more than it must
-  /// Positions' sigmas from groups of samples that are left out in turn, where these say more than noise: errors of one
-  /// photo, or of one place on the board, are alike. Takes a dozen fits.
+  /// Sigmas of positions and base_alpha from groups of samples that are left out in turn, where these say more than
+  /// noise: errors of one photo, or of one place on the board, are alike. Takes a dozen fits.
   bool jackknife = false;
 };
 
