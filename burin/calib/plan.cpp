@@ -220,8 +220,24 @@ void require_something_to_plan(const Board& board, const Bench& nominal, const S
   if (!(options.depth_share >= 0 && options.depth_share < 1))
     fail("the plan", "is to hold for depths up to " + fixed(100 * options.depth_share, 0) + " % off",
          "ask for 0 to 99 %");
-  if (nominal.lights.empty()) fail("the bench", "has no lamp", "say where it is to stand, about");
+  if (nominal.lights.empty())
+    fail("the bench", "has no near lamp, and photos are measured under one alone", "say where it is to stand, about");
   if (sent.size() == 0) fail("scratches", "there is none", "name the designed scratches, or plan with test strokes");
+}
+
+// Photos are fitted under one near lamp alone; the sun and surroundings are there to be looked at.
+Bench under_near_lamps(Bench bench) {
+  std::erase_if(bench.lights, [](const Light& light) { return !light.is_lamp(); });
+  return bench;
+}
+
+// A place that is designed for another light is photographed under the first lamp.
+PlanOptions under_lamps_of(const Bench& bench, PlanOptions options) {
+  for (DesignedPlace& place : options.designed)
+    if (!bench.lights.empty() && std::none_of(bench.lights.begin(), bench.lights.end(),
+                                              [&](const Light& light) { return light.id == place.light; }))
+      place.light = bench.lights.front().id;
+  return options;
 }
 
 // The nominal bench, with lamps at places that are proposed where more are allowed than it has.
@@ -425,8 +441,10 @@ PlannedShot take_designed(Planning& planning, const DesignedPlace& designed, std
 
 }  // namespace
 
-Plan plan_shots(const Board& whole_board, const Bench& nominal, const Sent& sent, const PlanOptions& options,
+Plan plan_shots(const Board& whole_board, const Bench& whole_bench, const Sent& sent, const PlanOptions& asked,
                 const Progress& progress) {
+  const Bench nominal = under_near_lamps(whole_bench);
+  const PlanOptions options = under_lamps_of(nominal, asked);
   require_something_to_plan(whole_board, nominal, sent, options);
   const Board board = with_planned_tags(whole_board);
   Plan out;

@@ -88,7 +88,8 @@ struct Plan {
 };
 
 /// Plans for `nominal`: its lens, its lamps (each shot is taken under one of them; several are places that the lamp can
-/// be put at), its material. Throws Error for a board without tags, a bench without lamps, no scratches, fewer than one
+/// be put at), its material. The sun and surroundings are left out: places that are designed for them are photographed
+/// under the first lamp. Throws Error for a board without tags, a bench without lamps, no scratches, fewer than one
 /// shot, and where there is nothing to plan: no place within the focus sees the whole board, no designed place a tag.
 Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options = {},
                 const Progress& progress = {});
