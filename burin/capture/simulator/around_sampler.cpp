@@ -1,5 +1,7 @@
 #include "burin/capture/simulator/around_sampler.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
