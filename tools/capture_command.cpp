@@ -31,7 +31,7 @@ std::string lamp_name(const std::string& said, const std::filesystem::path& benc
        "say which with --light NAME; where photos of one session show several, correct \"light\" in session.json");
 }
 
-struct Options {
+struct CaptureArguments {
   std::filesystem::path photos, board, bench, plan, out;
   std::string light, port;
   std::vector<double> stops;
@@ -39,7 +39,7 @@ struct Options {
 };
 
 // By a connected camera, into the folder of photos; each is told as it comes.
-void take_photos(const Options& o) {
+void take_photos(const CaptureArguments& o) {
   Shoot shoot;
   shoot.board = read_board(o.board);
   if (!o.bench.empty()) shoot.lens = read_bench(o.bench).lens;
@@ -57,7 +57,7 @@ void take_photos(const Options& o) {
 }  // namespace
 
 void add_capture_command(CLI::App& burin) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CaptureArguments>();
   CLI::App* command = burin.add_subcommand("capture", "Turn a folder of photos into a session, and judge the photos");
   command->add_option("PHOTOS_DIR", options->photos,
                       "The folder of photos: JPEG, HEIC, PNG, TIFF, EXR or camera raw, with EXIF; with --tether, where "

@@ -13,12 +13,12 @@
 namespace burin {
 namespace {
 
-struct Options {
+struct CheckArguments {
   std::filesystem::path cases;
   bool brief = false;
 };
 
-void check_ndf(const Options& options) {
+void check_ndf(const CheckArguments& options) {
   std::vector<NdfComparison> rows;
   const auto cases = read_ndf_cases(options.cases);
   fmt::print("{}\n", ndf_table_header());
@@ -110,7 +110,7 @@ void add_check_command(CLI::App& burin) {
   check->require_subcommand(1);
   check->footer(example("burin check carve round-01\n  burin check ndf CASES.csv"));
   add_carve_check(*check);
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CheckArguments>();
   CLI::App* ndf = check->add_subcommand(
       "ndf",
       "Compare the footprint integral with a table of known values: prints value, gradient and error of each row");

@@ -69,7 +69,7 @@ class QualityOverTime {
   int next_ = 20;
 };
 
-struct Options {
+struct DesignArguments {
   std::filesystem::path spec, out, bench, board, from;
   std::vector<std::filesystem::path> carved;
   int scratches = 0;
@@ -79,7 +79,7 @@ struct Options {
 };
 
 // The options that a design which goes on needs again, to be pasted.
-std::string said_again(const Options& o) {
+std::string said_again(const DesignArguments& o) {
   std::string line;
   if (!o.bench.empty()) line += " --bench " + shell_word(o.bench.string());
   if (!o.board.empty()) line += " --board " + shell_word(o.board.string());
@@ -88,7 +88,7 @@ std::string said_again(const Options& o) {
   return line;
 }
 
-void run(const Options& o) {
+void run(const DesignArguments& o) {
   DesignSpec spec = read_design(o.spec);
   if (!o.bench.empty()) spec.bench = o.bench;
   if (!o.board.empty()) spec.board = o.board;
@@ -173,7 +173,7 @@ void run(const Options& o) {
              shell_word((o.out / "board.gcode").string()));
 }
 
-void add_options(CLI::App& command, Options& o) {
+void add_options(CLI::App& command, DesignArguments& o) {
   command.add_option("--scratches", o.scratches, "How many to start with, instead of DESIGN.json's")
       ->check(CLI::Range(1, 2000000));
   command.add_option("--iterations", o.design.iterations, "Steps of the optimizer")->capture_default_str();
@@ -254,13 +254,13 @@ void add_options(CLI::App& command, Options& o) {
 }  // namespace
 
 std::shared_ptr<void> add_design_options(CLI::App& command) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<DesignArguments>();
   add_options(command, *o);
   return o;
 }
 
 void add_design_command(CLI::App& burin) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<DesignArguments>();
   CLI::App* c = burin.add_subcommand("design", "Turn pictures into scratches for a bench, nominal or measured");
   c->add_option("DESIGN.json", o->spec, "What the board is to show")->required();
   c->add_option("--out", o->out, "Folder for scratches.csv, previews and the report")->required();

@@ -68,7 +68,7 @@ int parts_covered(const std::vector<TargetView>& views, int width, int height) {
   return static_cast<int>(std::count(seen.begin(), seen.end(), true));
 }
 
-struct Options {
+struct LensArguments {
   std::filesystem::path input, out;
   std::string chessboard = "9x6", model, image_size;
   double square_mm = 0;
@@ -76,7 +76,7 @@ struct Options {
   bool bow = false;
 };
 
-ChessboardViews read_views(const Options& options, const Chessboard& board) {
+ChessboardViews read_views(const LensArguments& options, const Chessboard& board) {
   if (std::filesystem::is_directory(options.input)) {
     ProgressBar bar;
     return find_chessboards(options.input, board, options.window_px, bar.progress());
@@ -120,7 +120,7 @@ void print_lens(const ChessboardViews& found, const LensSolution& s, bool bow) {
   fmt::print("check    mrcal's own solver moves corners by {:.5f} px\n", s.check.max_shift_px);
 }
 
-void run(const Options& options) {
+void run(const LensArguments& options) {
   Chessboard board;
   std::tie(board.columns, board.rows) = pair_of(options.chessboard, "--chessboard");
   board.square_mm = options.square_mm;
@@ -156,7 +156,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_lens_command(CLI::App& burin) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LensArguments>();
   CLI::App* command = burin.add_subcommand("lens", "Calibrate a lens from photos of a chessboard");
   command
       ->add_option("INPUT", options->input,

@@ -18,14 +18,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct LoopArguments {
   Project project;
   LoopCommandLine said;
   LoopAnswers answers;
   std::vector<std::string> views, lamps;
 };
 
-void run(const Options& o) {
+void run(const LoopArguments& o) {
   for (const char* file : {"board.json", "design.json", "bench.json"})
     if (!fs::exists(o.project.folder / file))
       fail((o.project.folder / file).string(), "a loop project needs this file",
@@ -41,7 +41,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_loop_command(CLI::App& burin) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<LoopArguments>();
   CLI::App* command = burin.add_subcommand(
       "loop", "Design, carve, photograph, measure, and design again for the bench as it is; goes on where it stopped");
   command

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostPictures = 9;
 
 // As on the command line; what is empty was not said.
-struct Options {
+struct NewArguments {
   std::string folder, board, camera, lamp, stand, machine;
   std::vector<std::string> pictures, fit, keep;
   int scratches = 0;
@@ -88,7 +88,7 @@ double stand_of(const std::string& text) {
 }
 
 // What of it can be used is decided question by question; everything else is said or usual.
-void ask_what_is_missing(Options& o, Conversation& talk) {
+void ask_what_is_missing(NewArguments& o, Conversation& talk) {
   const auto question = [&](std::string& value, const std::string& words, const std::string& usual,
                             const std::function<void(const std::string&)>& check) {
     if (!value.empty()) return;
@@ -146,7 +146,7 @@ class SheetToLookAt {
   fs::path file_;
 };
 
-void lay_pictures(const Options& o, Conversation* talk, const Eigen::Vector2d& area_mm,
+void lay_pictures(const NewArguments& o, Conversation* talk, const Eigen::Vector2d& area_mm,
                   std::vector<ChosenPicture>& pictures) {
   bool other_shapes = false;
   for (std::size_t k = 0; k < pictures.size(); ++k) {
@@ -169,7 +169,7 @@ void lay_pictures(const Options& o, Conversation* talk, const Eigen::Vector2d& a
   }
 }
 
-void print_project(const Options& o, const NewProject& project, const Eigen::Vector2d& area_mm) {
+void print_project(const NewArguments& o, const NewProject& project, const Eigen::Vector2d& area_mm) {
   const LaidOutBench& bench = project.bench;
   const Board& board = bench.board;
   const double tag = board.tags.list.front().size_mm;
@@ -213,7 +213,7 @@ int usual_scratches(std::size_t pictures) {
   return std::min(kMost, kEach * static_cast<int>(pictures));
 }
 
-void run(Options o) {
+void run(NewArguments o) {
   const bool incomplete = o.folder.empty() || o.pictures.empty();
   const bool person = isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0;
   if (incomplete && !person)
@@ -229,7 +229,7 @@ void run(Options o) {
   fail_unless_one_each(o.fit, "--fit", o.pictures.size());
   fail_unless_one_each(o.keep, "--keep", o.pictures.size());
   const auto said_or = [](const std::string& said, const char* usual) { return said.empty() ? usual : said; };
-  WantedBench wanted;
+  BenchWishes wanted;
   wanted.board_mm = size_in_words(said_or(o.board, kBoard), "board");
   wanted.camera = camera_in_words(said_or(o.camera, kCamera));
   wanted.lamp = lamp_in_words(said_or(o.lamp, kLamp));
@@ -262,7 +262,7 @@ void run(Options o) {
 }  // namespace
 
 void add_new_command(CLI::App& burin) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<NewArguments>();
   CLI::App* c = burin.add_subcommand(
       "new", "Make a project of your own pictures, with a preview in seconds; without options, it asks");
   c->add_option("DIR", o->folder, "The project's folder, which is not there yet");

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct PrintArguments {
   fs::path project, out;
   std::string paper = "a4";
   double across_mm = 100;
@@ -35,7 +35,7 @@ std::string pages_text(std::size_t first, std::size_t count, const std::string& 
                     : fmt::format("  pages {} to {}: {}\n", first, first + count - 1, what);
 }
 
-void run(const Options& options) {
+void run(const PrintArguments& options) {
   const fs::path file = fs::is_directory(options.project) ? options.project / "board.json" : options.project;
   const Board board = read_board(file);
   const fs::path out = options.out.empty() ? file.parent_path() / "tags.pdf" : options.out;
@@ -96,7 +96,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_print_command(CLI::App& burin) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PrintArguments>();
   CLI::App* command = burin.add_subcommand(
       "print", "Make a PDF of a board's tags at true scale, of where they go, and of a chessboard");
   command->add_option("PROJECT", options->project, "The project's folder, or a board.json")->required();

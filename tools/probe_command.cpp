@@ -13,13 +13,13 @@
 namespace burin {
 namespace {
 
-struct Options {
+struct ProbeArguments {
   std::filesystem::path board, log, probed, out;
   std::string machine = "grbl";
   double spacing_mm = 15;
 };
 
-void write_probing(const Options& options) {
+void write_probing(const ProbeArguments& options) {
   const MachineProfile machine = machine_profile(options.machine);
   const Board board = read_board(options.board);
   const ProbePlan plan = probe_plan(board, options.spacing_mm);
@@ -36,7 +36,7 @@ void write_probing(const Options& options) {
              shell_word((options.out.parent_path() / "heights.json").string()));
 }
 
-void read_heights_of(const Options& options) {
+void read_heights_of(const ProbeArguments& options) {
   const ProbedHeights probed =
       read_probe_log(read_text(options.log), options.log, read_text(options.probed), options.probed);
   for (const Finding& finding : probed.findings) note(sentence(finding));
@@ -56,7 +56,7 @@ void add_probe_command(CLI::App& burin) {
   CLI::App* probe = burin.add_subcommand("probe", "Measure how even the sheet lies on the machine: a height map");
   probe->require_subcommand(1);
   probe->footer(example("burin probe write board.json --machine grbl --out probe.gcode"));
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ProbeArguments>();
   CLI::App* write = probe->add_subcommand(
       "write", "Write G-code that touches the face on a grid over the carve area, clear of tags and keep-outs");
   write->add_option("BOARD.json", options->board, "Carve area, tags, keep-outs")->required();

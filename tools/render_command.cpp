@@ -24,7 +24,7 @@
 namespace burin {
 namespace {
 
-struct Options {
+struct RenderArguments {
   std::filesystem::path board, bench, scratches, out, animation;
   std::vector<std::string> views, lights;
   std::string moving = "eye";
@@ -33,7 +33,7 @@ struct Options {
   bool as_sent = false;
 };
 
-void require_command_line(const Options& o) {
+void require_command_line(const RenderArguments& o) {
   if (o.out.empty() == o.animation.empty())
     throw CLI::ValidationError("--out", "give --out PICTURE, or --animate FILE");
   if (!o.out.empty() && (o.views.size() != 1 || o.lights.size() > 1))
@@ -48,7 +48,8 @@ std::vector<Item> named_or_all(const std::vector<Item>& all, const std::vector<s
   return out;
 }
 
-void run_animation(const Options& o, const Board& board, const Bench& bench, const Carved& carved, ProgressBar& bar) {
+void run_animation(const RenderArguments& o, const Board& board, const Bench& bench, const Carved& carved,
+                   ProgressBar& bar) {
   const auto views = named_or_all(bench.views, o.views, [&](const auto& n) { return find_view(bench, n, "--view"); });
   const auto lights =
       named_or_all(bench.lights, o.lights, [&](const auto& n) { return find_light(bench, n, "--light"); });
@@ -79,7 +80,7 @@ double automatic_exposure(const Image& radiance) {
   return 1 / static_cast<double>(*at);
 }
 
-void run(const Options& o) {
+void run(const RenderArguments& o) {
   require_command_line(o);
   if (!o.out.empty()) find_place(o.out);  // refused before the work
   if (o.animation.has_extension()) find_place(o.animation);
@@ -120,7 +121,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_render_command(CLI::App& burin) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<RenderArguments>();
   CLI::App* c = burin.add_subcommand("render", "Show what a camera of a bench sees of a board's metal");
   c->add_option("BOARD.json", o->board, "The board")->required();
   c->add_option("--bench", o->bench, "The bench: lens, views, lamps, material")->required();

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct SheetArguments {
   fs::path project;
   std::vector<fs::path> out;
   std::string paper = "a4", focus_range;
@@ -29,7 +29,7 @@ struct Options {
   int shots = 8;
 };
 
-void run(const Options& options) {
+void run(const SheetArguments& options) {
   std::vector<fs::path> out = options.out;
   if (out.empty()) out = {options.project / "sheet.pdf", options.project / "sheet.html"};
   for (const fs::path& file : out)
@@ -74,7 +74,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_sheet_command(CLI::App& burin) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<SheetArguments>();
   CLI::App* command = burin.add_subcommand(
       "sheet", "Draw where lamps hang and eyes stand, with the photos to take: a page for the wall and for the phone");
   command->add_option("PROJECT", options->project, "The project's folder")->required();

@@ -25,7 +25,7 @@
 namespace burin {
 namespace {
 
-struct Options {
+struct ToolpathArguments {
   std::filesystem::path scratches, board, bench, out, sent, resume, heights;
   std::vector<std::filesystem::path> replay;
   std::string machine = "grbl", part, order;
@@ -34,7 +34,7 @@ struct Options {
   std::size_t at_line = 0;
 };
 
-MachineProfile machine_of(const Options& options) {
+MachineProfile machine_of(const ToolpathArguments& options) {
   MachineProfile machine = machine_profile(options.machine);
   if (options.decimals > 0) machine.decimals = options.decimals;
   if (options.max_lines >= 0) machine.max_lines = options.max_lines;
@@ -42,7 +42,8 @@ MachineProfile machine_of(const Options& options) {
 }
 
 // The scratches to carve: as they are, or, if asked for, made to obey the machine's limits.
-Scratches scratches_of(const Options& options, const Board& board, const Bench* bench, const MachineProfile& machine) {
+Scratches scratches_of(const ToolpathArguments& options, const Board& board, const Bench* bench,
+                       const MachineProfile& machine) {
   Scratches scratches = read_scratches(options.scratches);
   if (!options.mend) return scratches;
   Mended mended = mend(scratches, toolpath_limits(board, bench, machine));
@@ -53,7 +54,7 @@ Scratches scratches_of(const Options& options, const Board& board, const Bench* 
 }
 
 // The face that depths follow, as a person says.
-void set_face(const Options& options, ToolpathOptions& settings) {
+void set_face(const ToolpathArguments& options, ToolpathOptions& settings) {
   if (options.follow_bow && options.bench.empty()) throw CLI::RequiresError("--follow-bow", "--bench");
   if (options.follow_bow && !options.heights.empty()) throw CLI::ExcludesError("--follow-bow", "--heights");
   if (!options.heights.empty()) settings.heights = read_heights(options.heights);
@@ -88,7 +89,7 @@ Scratches told_by(const ToolpathReport& report) {
   return told;
 }
 
-void write(const Options& options) {
+void write(const ToolpathArguments& options) {
   const WorkLock lock(options.out.parent_path(), "burin toolpath", WorkLock::Where::projects);
   const MachineProfile machine = machine_of(options);
   const Board board = read_board(options.board);
@@ -153,7 +154,7 @@ void write(const Options& options) {
              duration_text(report.duration_s), zero_text(machine, report));
 }
 
-void replay(const Options& options) {
+void replay(const ToolpathArguments& options) {
   const MachineProfile machine = machine_of(options);
   const Board board = read_board(options.board);
   std::optional<Bench> bench;
@@ -183,7 +184,7 @@ void replay(const Options& options) {
              duration_text(duration_s), machine.name);
 }
 
-void add_options(CLI::App& command, Options& options) {
+void add_options(CLI::App& command, ToolpathArguments& options) {
   command
       .add_option("--chunks", options.part,
                   "Split G-code into files of about this long, such as 30min (a bare number: seconds)")
@@ -214,13 +215,13 @@ void add_options(CLI::App& command, Options& options) {
 }  // namespace
 
 std::shared_ptr<void> add_toolpath_options(CLI::App& command) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ToolpathArguments>();
   add_options(command, *options);
   return options;
 }
 
 void add_toolpath_command(CLI::App& burin) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ToolpathArguments>();
   CLI::App* command = burin.add_subcommand("toolpath", "Turn scratches into files that a machine carves");
   command->add_option("SCRATCHES.csv", options->scratches, "The scratches to carve")->required();
   command->add_option("--board", options->board, "board.json: size, carve area, depth")->required();

@@ -21,12 +21,12 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostBytes = 3'000'000;
 
-struct Options {
+struct ViewArguments {
   fs::path folder, out;
   ViewFiles files;
 };
 
-void require_command_line(const Options& o) {
+void require_command_line(const ViewArguments& o) {
   const bool any = !o.files.board.empty() || !o.files.bench.empty() || !o.files.scratches.empty() ||
                    !o.files.design.empty() || o.files.as_sent;
   if (!o.folder.empty() && any)
@@ -35,7 +35,7 @@ void require_command_line(const Options& o) {
     throw CLI::ValidationError("PROJECT_DIR", "give a project, or --board and --bench (and --scratches, --design)");
 }
 
-void run(const Options& o) {
+void run(const ViewArguments& o) {
   require_command_line(o);
   std::vector<std::string> notes;
   ProgressBar bar;
@@ -71,7 +71,7 @@ void run(const Options& o) {
 }  // namespace
 
 void add_view_command(CLI::App& burin) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<ViewArguments>();
   CLI::App* c = burin.add_subcommand("view", "Write a page with the board in it: move eye and lamp and see it glint");
   c->add_option("PROJECT_DIR", o->folder, "The project: its newest design, before and after it was measured");
   c->add_option("--out", o->out, "Page to write (default: PROJECT_DIR/view.html)");

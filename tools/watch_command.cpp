@@ -27,7 +27,7 @@ using namespace std::chrono_literals;
 
 constexpr auto kBetweenLooks = 300ms;
 
-struct Options {
+struct WatchArguments {
   fs::path project, photos, plan;
   bool once = false, json = false, copy = false, tether = false;
   std::string port;
@@ -85,7 +85,7 @@ std::string why_unreadable(const fs::path& file, const std::string& error) {
 
 class Watch {
  public:
-  explicit Watch(const Options& options)
+  explicit Watch(const WatchArguments& options)
       : options_(options),
         teller_(options.json),
         project_(watched_project(options.project, options.photos, options.plan)),
@@ -225,7 +225,7 @@ class Watch {
     return options_.copy ? "burin loop " + shell_word(options_.project.string()) : project_.next;
   }
 
-  Options options_;
+  WatchArguments options_;
   Teller teller_;
   WatchedProject project_;
   PhotoInbox inbox_;
@@ -237,7 +237,7 @@ class Watch {
 }  // namespace
 
 void add_watch_command(CLI::App& burin) {
-  auto o = std::make_shared<Options>();
+  auto o = std::make_shared<WatchArguments>();
   CLI::App* command = burin.add_subcommand(
       "watch", "Judge photos as they arrive in a folder: tags, exposure, blur, which shot it is, what to take now");
   command->add_option("PROJECT_DIR", o->project, "The project whose board is photographed")->required();

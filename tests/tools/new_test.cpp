@@ -121,7 +121,7 @@ TEST(NewBench, HasNothingToWarnOfForBoardsAndPicturesOfAnyNumber) {
          {Eigen::Vector2d(60, 60), {60, 120}, {100, 70}, {120, 120}, {200, 150}, {150, 200}, {300, 300}, {600, 400}})
       for (int views = 1; views <= 7; ++views) {
         SCOPED_TRACE(testing::Message() << camera << ", " << size.transpose() << " mm, " << views << " views");
-        WantedBench wanted;
+        BenchWishes wanted;
         wanted.board_mm = size;
         wanted.views = views;
         wanted.camera = camera_in_words(camera);
@@ -137,7 +137,7 @@ TEST(NewBench, HasNothingToWarnOfForBoardsAndPicturesOfAnyNumber) {
 }
 
 TEST(NewBench, SaysWhatFallsShortAndWhatWouldDo) {
-  WantedBench wanted;
+  BenchWishes wanted;
   wanted.views = 3;
   wanted.camera = camera_in_words("phone");
   wanted.lamp = lamp_in_words("above");

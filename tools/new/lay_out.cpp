@@ -64,7 +64,7 @@ double needed_px(const Lens& lens) {
 }
 
 // Eyes for the shallowest grooves that glint from there; nothing if none do.
-std::optional<std::vector<Eigen::Vector3d>> places_at(double stand_mm, const WantedBench& wanted,
+std::optional<std::vector<Eigen::Vector3d>> places_at(double stand_mm, const BenchWishes& wanted,
                                                       const Eigen::Vector3d& lamp_mm, Board& board) {
   for (const double depth_um : {kDepth_um, 16.0, 18.0, 20.0}) {
     const PlaceQuestion question{
@@ -80,7 +80,7 @@ std::optional<std::vector<Eigen::Vector3d>> places_at(double stand_mm, const Wan
 }
 
 // The bench at one distance; nothing where no groove can glint.
-std::optional<LaidOutBench> laid_out_at(double stand_mm, double tag_mm, const WantedBench& wanted) {
+std::optional<LaidOutBench> laid_out_at(double stand_mm, double tag_mm, const BenchWishes& wanted) {
   LaidOutBench bench;
   bench.stand_mm = stand_mm;
   bench.lamp_mm = lamp_position_mm(wanted.lamp, wanted.board_mm, stand_mm);
@@ -95,7 +95,7 @@ std::optional<LaidOutBench> laid_out_at(double stand_mm, double tag_mm, const Wa
 
 std::string meters(double mm) { return fmt::format("{:.2f} m", std::ceil(mm / 10) / 100); }
 
-[[noreturn]] void fail_without_glint(const WantedBench& wanted, double stand_mm) {
+[[noreturn]] void fail_without_glint(const BenchWishes& wanted, double stand_mm) {
   const TagSizes tags = tag_sizes(wanted.board_mm);
   const std::string where = fmt::format("a board of {:g} x {:g} mm, seen from {}", wanted.board_mm.x(),
                                         wanted.board_mm.y(), meters(stand_mm));
@@ -108,7 +108,7 @@ std::string meters(double mm) { return fmt::format("{:.2f} m", std::ceil(mm / 10
 }
 
 // What falls short in the photos, and what would help.
-void add_notes(const WantedBench& wanted, LaidOutBench& bench) {
+void add_notes(const BenchWishes& wanted, LaidOutBench& bench) {
   const Lens& lens = wanted.camera.lens;
   const double crowded = crowding(lens, bench.eyes_mm, bench.board), needed = needed_px(lens);
   if (crowded > 1)
@@ -123,7 +123,7 @@ void add_notes(const WantedBench& wanted, LaidOutBench& bench) {
 }
 
 // The bench at one distance with tags as large as they must be; nothing where no groove can glint.
-std::optional<LaidOutBench> with_visible_tags(double stand_mm, const WantedBench& wanted) {
+std::optional<LaidOutBench> with_visible_tags(double stand_mm, const BenchWishes& wanted) {
   const TagSizes sizes = tag_sizes(wanted.board_mm);
   const double needed = needed_px(wanted.camera.lens);
   double tag = sizes.usual_mm;
@@ -140,7 +140,7 @@ std::optional<LaidOutBench> with_visible_tags(double stand_mm, const WantedBench
 
 // Where nobody said how far away people stand: four times the diagonal, so that half vectors turn little over the
 // board; nearer where tags would be too small, or further where the lens would crop the board.
-std::optional<LaidOutBench> at_usual_distance(const WantedBench& wanted, double& stand_mm) {
+std::optional<LaidOutBench> at_usual_distance(const BenchWishes& wanted, double& stand_mm) {
   constexpr double kNearest_mm = 400, kUsualFurthest_mm = 2000, kRound_mm = 50;
   const double diagonal = wanted.board_mm.norm();
   const auto rounded = [&](double times) {
@@ -160,7 +160,7 @@ std::optional<LaidOutBench> at_usual_distance(const WantedBench& wanted, double&
 
 }  // namespace
 
-LaidOutBench lay_out(const WantedBench& wanted) {
+LaidOutBench lay_out(const BenchWishes& wanted) {
   double stand_mm = wanted.stand_mm;
   const auto bench = stand_mm > 0 ? with_visible_tags(stand_mm, wanted) : at_usual_distance(wanted, stand_mm);
   if (!bench) fail_without_glint(wanted, stand_mm);

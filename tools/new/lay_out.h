@@ -12,7 +12,7 @@
 namespace burin {
 
 /// What a person said of a bench; what was left out is chosen.
-struct WantedBench {
+struct BenchWishes {
   Eigen::Vector2d board_mm{200, 150};
   int views = 1;
   SaidCamera camera;
@@ -32,6 +32,6 @@ struct LaidOutBench {
 
 /// Lays a bench out. Throws Error for a board too small for tags, and for a lamp or a distance for which no groove can
 /// glint all over the board, with the distance that would do.
-LaidOutBench lay_out(const WantedBench& wanted);
+LaidOutBench lay_out(const BenchWishes& wanted);
 
 }  // namespace burin
