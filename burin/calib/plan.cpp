@@ -1,6 +1,5 @@
 #include "burin/calib/plan.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <span>
 #include <string_view>
 
+#include "burin/calib/information.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/candidate_photo.h"
@@ -33,13 +33,6 @@ constexpr double kBelievedShift_mm = 1;
 constexpr double kBelievedLampShare = 0.3;  // of its distance
 constexpr double kBelievedExponent = 10;
 constexpr double kBelievedAmbientShare = 0.5;  // of the lamp's light on paper
-
-// Inverse of positive definite information whose entries differ by many decades.
-Eigen::MatrixXd scaled_inverse(const Eigen::MatrixXd& H) {
-  const Eigen::VectorXd scale = H.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(H.rows(), H.cols());
-  return scale.asDiagonal() * (scale.asDiagonal() * H * scale.asDiagonal()).ldlt().solve(identity) * scale.asDiagonal();
-}
 
 // A parameter as the root mean square, or the largest, of some linear combinations' sigmas.
 struct Measure {
@@ -339,7 +332,7 @@ struct Planning {
       const LightCandidate& candidate = at.light[direction][lamp];
       const Straddle with{at.straddle.inside + candidate.straddle.inside,
                           at.straddle.outside + candidate.straddle.outside};
-      worst = std::max(worst, score(true, scaled_inverse(at.H + candidate.information), with.both(), nullptr));
+      worst = std::max(worst, score(true, inverse_information(at.H + candidate.information), with.both(), nullptr));
     }
     return worst;
   }
@@ -351,7 +344,8 @@ struct Planning {
     std::vector<double> geometry_score(places.size(), kNever);
     for (std::size_t p = 0; p < places.size(); ++p)
       if (geometry.views[p].used)
-        geometry_score[p] = score(false, scaled_inverse(H_geometry + geometry.views[p].information), false, nullptr);
+        geometry_score[p] =
+            score(false, inverse_information(H_geometry + geometry.views[p].information), false, nullptr);
     double best = kNever;
     std::optional<std::pair<std::size_t, std::size_t>> out;
     for (std::size_t direction = 0; direction < depths.front().light.size(); ++direction)
@@ -371,8 +365,8 @@ struct Planning {
   // The sigmas now: of light at these depths, the worst of them.
   std::vector<double> sigmas_now(std::span<const AtDepth> at_depths) const {
     std::vector<double> out(measures.size(), 0);
-    score(false, scaled_inverse(H_geometry), false, &out);
-    for (const AtDepth& at : at_depths) score(true, scaled_inverse(at.H), at.straddle.both(), &out);
+    score(false, inverse_information(H_geometry), false, &out);
+    for (const AtDepth& at : at_depths) score(true, inverse_information(at.H), at.straddle.both(), &out);
     return out;
   }
 

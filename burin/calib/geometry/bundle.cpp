@@ -7,7 +7,6 @@ extern "C" {  // mrcal's headers have no guard for C++ of their own
 }
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,6 +18,7 @@ extern "C" {  // mrcal's headers have no guard for C++ of their own
 #include <optional>
 #include <span>
 
+#include "burin/calib/information.h"
 #include "burin/render/error.h"
 #include "burin/render/median.h"
 
@@ -558,13 +558,7 @@ BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
 }
 
 Eigen::MatrixXd shared_covariance(const Eigen::MatrixXd& information) {
-  // Scaled to a unit diagonal; eigenvalues at rounding's level are clipped, which reports huge sigmas instead of NaN.
-  if (information.size() == 0) return information;
-  const Eigen::VectorXd scale = information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * information * scale.asDiagonal());
-  const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-14).cwiseInverse();
-  return scale.asDiagonal() * eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose() *
-         scale.asDiagonal();
+  return inverse_information(information, 1e-14);
 }
 
 Eigen::Matrix<double, 3, 6> center_by_pose(const Eigen::Isometry3d& T_camera_board) {

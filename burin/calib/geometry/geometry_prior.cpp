@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "burin/calib/geometry/bundle.h"
+#include "burin/calib/information.h"
 #include "burin/render/board_face.h"
 #include "burin/render/lens.h"
 #include "burin/render/parameter_name.h"
@@ -110,11 +111,9 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
   H.bottomLeftCorner(columns, 6 * views) = H.topRightCorner(6 * views, columns).transpose();
 
   const Eigen::Index rest = H.rows() - kept;
-  const Eigen::VectorXd scale = H.diagonal().tail(rest).cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd inner = scale.asDiagonal() * H.bottomRightCorner(rest, rest) * scale.asDiagonal();
   const Eigen::MatrixXd across = H.topRightCorner(kept, rest);
-  const Eigen::MatrixXd scaled = across * scale.asDiagonal();
-  prior.information = H.topLeftCorner(kept, kept) - scaled * inner.ldlt().solve(scaled.transpose());
+  prior.information =
+      H.topLeftCorner(kept, kept) - across * inverse_times(H.bottomRightCorner(rest, rest), across.transpose());
   prior.information = 0.5 * (prior.information + prior.information.transpose()).eval();
   // The lens in the units of moved_lens().
   for (Eigen::Index i = 0; i < lens; ++i) {

@@ -1,6 +1,5 @@
 #include "burin/calib/photo/effect_choice.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "burin/calib/information.h"
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/normal_system.h"
@@ -82,7 +82,7 @@ bool photos_ask_for(const Problem& data, const State& state, const EffectEquatio
       C(a, b) = covariance(added[static_cast<std::size_t>(a)], added[static_cast<std::size_t>(b)]);
   }
   constexpr double kBeyondChance = 30;  // chi^2 of two numbers: once in three million times
-  return terms.dot(C.ldlt().solve(terms)) > kBeyondChance;
+  return terms.dot(inverse_times(C, terms).col(0)) > kBeyondChance;
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "burin/calib/information.h"
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/normal_system.h"
 
@@ -31,7 +32,7 @@ double chi_squared(const Eigen::VectorXd& step, const Eigen::MatrixXd& covarianc
     terms[a] = step[added[a]];
     for (Eigen::Index b = 0; b < n; ++b) C(a, b) = covariance(added[a], added[b]);
   }
-  return terms.dot(C.ldlt().solve(terms));
+  return terms.dot(inverse_times(C, terms).col(0));
 }
 
 // Whether chance makes chi^2 of `terms` terms, under a covariance from `samples` scores, as large as this seldom

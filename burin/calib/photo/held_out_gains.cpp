@@ -1,6 +1,6 @@
 #include "burin/calib/photo/held_out_gains.h"
 
-#include <Eigen/Cholesky>
+#include "burin/calib/information.h"
 
 namespace burin {
 
@@ -16,7 +16,7 @@ std::vector<double> held_out_gains(const ViewEquations& e, const Eigen::MatrixXd
   for (std::size_t k = 0; k < e.H.size(); ++k) {
     const Eigen::MatrixXd own = follow * e.H[k] * follow.transpose();
     const Eigen::VectorXd own_score = follow * e.g[k];
-    const Eigen::VectorXd terms = -(information - own).ldlt().solve(score - own_score);
+    const Eigen::VectorXd terms = -inverse_times(information - own, score - own_score);
     out.push_back(-own_score.dot(terms) - 0.5 * terms.dot(own * terms));
   }
   return out;

@@ -1,20 +1,13 @@
 #include "burin/calib/photo/normal_system.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "burin/calib/information.h"
 #include "burin/calib/photo/paper_equation.h"
 
 namespace burin {
-Eigen::MatrixXd inverse_times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b) {
-  const Eigen::VectorXd scale = A.diagonal().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd inner = scale.asDiagonal() * A * scale.asDiagonal();
-  return scale.asDiagonal() * inner.ldlt().solve(scale.asDiagonal() * b);
-}
-
 namespace {
 
 // What normal_system() differentiates by: all that the stage frees, and poses, bow and lens where they may move.
@@ -213,18 +206,6 @@ NormalSystem weighted_system(const Problem& data, const Stage& stage, const Stat
 }
 
 }  // namespace
-
-Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& free) {
-  const Eigen::Index n = H.rows();
-  Eigen::VectorXd scale = Eigen::VectorXd::Zero(n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (free[i]) scale[i] = H(i, i) > 0 ? 1 / std::sqrt(H(i, i)) : 1;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * H * scale.asDiagonal());
-  Eigen::VectorXd inverse = eigen.eigenvalues();
-  for (double& v : inverse) v = 1 / std::max(v, 1e-12);
-  const Eigen::MatrixXd S = scale.asDiagonal() * eigen.eigenvectors();
-  return S * inverse.asDiagonal() * S.transpose();
-}
 
 ViewEquations view_equations(const Problem& data, const Stage& stage, const State& state) {
   const NormalSystem system = weighted_system(data, stage, state);

@@ -47,9 +47,6 @@ std::vector<std::vector<PhotoEquations>> equations_of_photos(const Problem& data
 NormalSystem normal_system(const Problem& data, const Stage& stage, const State& state, Information information,
                            const std::vector<PhotoEquations>& equations);
 
-/// A^-1 b for a positive definite A whose unknowns have very different units.
-Eigen::MatrixXd inverse_times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b);
-
 /// The views' own normal equations at `state`, of all that `stage` frees; their sum and the priors' are the problem's.
 struct ViewEquations {
   std::vector<Eigen::MatrixXd> H;
@@ -62,9 +59,6 @@ struct ViewEquations {
   double cost = 0;
 };
 ViewEquations view_equations(const Problem& data, const Stage& stage, const State& state);
-
-/// Inverse of H on the free unknowns, 0 elsewhere; directions without information get a variance that says so.
-Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& free);
 
 /// One Gauss-Newton step of what `stage` frees and of all poses, the bow and the lens together (geometry_prior.h), from
 /// near the optimum. Moves `state` and `bench`'s poses, bow and lens; the problem's photos must be made anew

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "burin/calib/information.h"
 #include "burin/calib/photo/paper_equation.h"
 
 namespace burin {
@@ -97,13 +98,10 @@ class PhotoCost : public ceres::CostFunction {
       slopes_ = photo_slopes(model_, photo_, x, *carved, free);
     const PhotoEquations equations = photo_equations(model_, photo_, x, light_, slopes_);
     // JtJ = D U S U^T D with D its diagonal's root: rows sqrt(S) U^T D, residuals S^-1/2 U^T D^-1 Jtr.
-    Eigen::VectorXd D = equations.JtJ.diagonal().cwiseSqrt(), D_inverse = D;
-    for (double& d : D_inverse) d = d > 0 ? 1 / d : 0;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(D_inverse.asDiagonal() * equations.JtJ *
-                                                               D_inverse.asDiagonal());
-    const Eigen::VectorXd S = eigen.eigenvalues().cwiseMax(0);
-    J_ = S.cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose() * D.asDiagonal();
-    Eigen::VectorXd r = eigen.eigenvectors().transpose() * (D_inverse.asDiagonal() * equations.Jtr);
+    const ScaledEigen eigen = scaled_eigen(equations.JtJ);
+    const Eigen::VectorXd D = equations.JtJ.diagonal().cwiseSqrt(), S = eigen.values.cwiseMax(0);
+    J_ = S.cwiseSqrt().asDiagonal() * eigen.vectors.transpose() * D.asDiagonal();
+    Eigen::VectorXd r = eigen.vectors.transpose() * (eigen.scale.asDiagonal() * equations.Jtr);
     for (Eigen::Index i = 0; i < r.size(); ++i) r[i] = S[i] > 1e-13 ? r[i] / std::sqrt(S[i]) : 0;
     residuals_.head(unknown::count) = r;
     residuals_[unknown::count] = std::sqrt(std::max(0.0, 2 * equations.cost - r.squaredNorm()));

@@ -1,10 +1,11 @@
 #include "burin/calib/verdict/half_samples.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <numeric>
+
+#include "burin/calib/information.h"
 
 namespace burin {
 namespace {
@@ -17,16 +18,6 @@ double chance_limit(double degrees) {
 }
 
 }  // namespace
-
-Eigen::MatrixXd inverse_information(const Eigen::MatrixXd& H) {
-  Eigen::VectorXd scale = Eigen::VectorXd::Zero(H.rows());
-  for (Eigen::Index i = 0; i < H.rows(); ++i)
-    if (H(i, i) > 0) scale[i] = 1 / std::sqrt(H(i, i));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * H * scale.asDiagonal());
-  const Eigen::VectorXd inverse = eigen.eigenvalues().cwiseMax(1e-12).cwiseInverse();
-  const Eigen::MatrixXd S = scale.asDiagonal() * eigen.eigenvectors();
-  return S * inverse.asDiagonal() * S.transpose();
-}
 
 HalfSamples half_samples(const EquationsInParts& e) {
   HalfSamples out;

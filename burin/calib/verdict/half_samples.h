@@ -42,10 +42,6 @@ struct HalfSamples {
 
 HalfSamples half_samples(const EquationsInParts& equations);
 
-/// Inverse of information of which some directions may be undetermined: those come out huge. `information` rows that
-/// are all zero (held parameters) give zero rows.
-Eigen::MatrixXd inverse_information(const Eigen::MatrixXd& information);
-
 /// What the halves say of the linear combination a of the parameters.
 struct HalvesVerdict {
   /// Degrees of freedom (Satterthwaite's): the number of pairs, less where some carry the parameter and others do not.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "burin/calib/information.h"
 #include "burin/calib/photo/normal_system.h"
 
 namespace burin {
