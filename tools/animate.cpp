@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -16,10 +15,12 @@
 #include "burin/render/files/encoded_picture.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/part_file.h"
+#include "burin/render/files/write_file.h"
 #include "burin/render/image.h"
 #include "burin/render/look_at.h"
 #include "burin/render/view_renderer.h"
 #include "tools/animated_png.h"
+#include "tools/automatic_exposure.h"
 
 extern char** environ;  // of unistd.h; a program that is started keeps ours
 
@@ -29,16 +30,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kFramesAPlace = 8, kMostFrames = 240;
-
-// Of a picture: the exposure that puts all but the brightest half per cent of the lit pixels below white.
-double brightness_exposure(const Image& radiance) {
-  std::vector<float> lit;
-  std::copy_if(radiance.data.begin(), radiance.data.end(), std::back_inserter(lit), [](float v) { return v > 0; });
-  if (lit.empty()) return 0;
-  const auto at = lit.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(lit.size() - 1));
-  std::nth_element(lit.begin(), at, lit.end());
-  return 1 / static_cast<double>(*at);
-}
 
 // A pinhole that holds all of the board from the nearest place.
 Lens lens_for(const Board& board, double nearest_mm, int pixels) {
@@ -112,25 +103,20 @@ void write_film(const std::vector<std::string>& frames, double frames_per_s, con
   if (!there || *there != 0)
     fail(out.string(), "a film is made by ffmpeg, which is not installed",
          "install it (apt install ffmpeg), or name a .png: an animated PNG, which browsers play");
-  const FilePlace place = find_place(out);
-  const fs::path folder = place.folder() / (out.stem().string() + "-frames");
+  const fs::path folder = find_place(out).folder() / (out.stem().string() + "-frames");
   if (fs::exists(folder))
     fail(folder.string(), "is there already, where the film's frames are to be kept while it is made", "move it away");
   make_output_folder(folder);
   for (std::size_t i = 0; i < frames.size(); ++i) write_text(frames[i], numbered_frame(folder, static_cast<int>(i)));
-  const fs::path part = new_part_name(place);
-  const std::optional<int> status =
-      run_and_wait({"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-framerate", std::to_string(frames_per_s),
-                    "-i", (folder / "frame-%04d.png").string(), "-pix_fmt", "yuv420p", part.string()});
-  std::error_code ignored;
-  fs::remove_all(folder, ignored);
-  if (!status || *status != 0) {
-    remove_part(part);
-    fail(out.string(), "ffmpeg could not write it", "see what it says above, or name a .png instead");
-  }
-  sync_part(place, part);
-  fs::rename(part, place.file);
-  forget_part(part);
+  write_atomically(out, [&](const fs::path& part) {
+    const std::optional<int> status =
+        run_and_wait({"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-framerate", std::to_string(frames_per_s),
+                      "-i", (folder / "frame-%04d.png").string(), "-pix_fmt", "yuv420p", part.string()});
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+    if (!status || *status != 0)
+      fail(out.string(), "ffmpeg could not write it", "see what it says above, or name a .png instead");
+  });
 }
 
 void write_frames(std::vector<std::string> frames, const AnimateOptions& options, const fs::path& out) {
@@ -209,11 +195,12 @@ int animate(const Board& board, const Bench& bench, const Carved& carved, std::s
   std::vector<double> log_exposure;
   for (std::size_t i = 0; i < places.size(); ++i) {
     progress("looking from each place", static_cast<double>(i) / static_cast<double>(places.size()));
-    const double exposure = options.exposure > 0 ? options.exposure : brightness_exposure(seen(places[i]));
-    if (!(exposure > 0))
+    std::optional<double> exposure = options.exposure;
+    if (!(options.exposure > 0)) exposure = automatic_exposure(seen(places[i]));
+    if (!exposure)
       fail(eye_moves ? "view " + views[i].name : "lamp " + lights[i].id, "the board is black from there",
            "check that eye and lamp are in front of the board");
-    log_exposure.push_back(std::log(exposure));
+    log_exposure.push_back(std::log(*exposure));
   }
   const int usual = std::min(kMostFrames, kFramesAPlace * static_cast<int>(places.size() - 1) + 1);
   const std::vector<Step> steps = walk_through(places, middle, options.frames > 0 ? options.frames : usual);

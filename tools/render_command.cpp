@@ -18,6 +18,7 @@
 #include "burin/render/scratches.h"
 #include "burin/render/view_renderer.h"
 #include "tools/animate.h"
+#include "tools/automatic_exposure.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 
@@ -40,20 +41,16 @@ void require_command_line(const RenderArguments& o) {
     throw CLI::ValidationError("--view", "a picture shows one view under one lamp");
 }
 
-template <typename Item, typename Find>
-std::vector<Item> named_or_all(const std::vector<Item>& all, const std::vector<std::string>& names, const Find& find) {
-  if (names.empty()) return all;
-  std::vector<Item> out;
-  for (const std::string& name : names) out.push_back(find(name));
-  return out;
-}
-
 void run_animation(const RenderArguments& o, const Board& board, const Bench& bench, const Carved& carved,
                    ProgressBar& bar) {
-  const auto views = named_or_all(bench.views, o.views, [&](const auto& n) { return find_view(bench, n, "--view"); });
-  const auto lights =
-      named_or_all(bench.lights, o.lights, [&](const auto& n) { return find_light(bench, n, "--light"); });
-  for (const View& view : views) find_view(bench, view.name, "--animate");  // aimed, or told what is missing
+  std::vector<View> views;
+  std::vector<Light> lights;
+  for (const std::string& name : o.views) views.push_back(find_view(bench, name, "--view"));
+  if (o.views.empty())
+    for (const View& view : bench.views)
+      views.push_back(find_view(bench, view.name, "--animate"));  // aimed, or what is missing
+  for (const std::string& id : o.lights) lights.push_back(find_light(bench, id, "--light"));
+  if (o.lights.empty()) lights = bench.lights;
   AnimateOptions options = o.animate;
   options.moving = o.moving == "eye" ? Moving::eye : Moving::lamp;
   options.exposure = o.exposure;
@@ -67,17 +64,6 @@ void run_animation(const RenderArguments& o, const Board& board, const Bench& be
 bool is_float_format(const std::filesystem::path& file) {
   const std::string e = file.extension().string();
   return e == ".exr" || e == ".tif" || e == ".tiff";
-}
-
-// The exposure that puts all but the brightest half per cent of the lit pixels below white.
-double automatic_exposure(const Image& radiance) {
-  std::vector<float> lit;
-  for (const float v : radiance.data)
-    if (v > 0) lit.push_back(v);
-  if (lit.empty()) return 1;
-  const auto at = lit.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(lit.size() - 1));
-  std::nth_element(lit.begin(), at, lit.end());
-  return 1 / static_cast<double>(*at);
 }
 
 void run(const RenderArguments& o) {
@@ -107,7 +93,9 @@ void run(const RenderArguments& o) {
   ViewRenderer renderer(make_scene(bench, board, camera, light), {3});
   Image image;
   renderer.forward(carved, image);
-  const double exposure = o.exposure > 0 ? o.exposure : is_float_format(o.out) ? 1 : automatic_exposure(image);
+  const double exposure = o.exposure > 0           ? o.exposure
+                          : is_float_format(o.out) ? 1
+                                                   : automatic_exposure(image).value_or(1);
   for (float& v : image.data) {
     v *= static_cast<float>(exposure);
     if (!is_float_format(o.out)) v = linear_to_srgb(std::clamp(v, 0.0F, 1.0F));
