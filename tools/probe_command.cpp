@@ -6,8 +6,10 @@
 #include <string>
 
 #include "burin/optimize/carving/probe.h"
+#include "burin/optimize/carving/probe_check.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/write_file.h"
 #include "tools/commands.h"
 
 namespace burin {
@@ -23,7 +25,12 @@ void write_probing(const ProbeArguments& options) {
   const MachineProfile machine = machine_profile(options.machine);
   const Board board = read_board(options.board);
   const ProbePlan plan = probe_plan(board, options.spacing_mm);
-  write_text(probe_gcode(plan, machine), options.out);
+  const std::string gcode = probe_gcode(plan, machine);
+  write_file(gcode, options.out, Durability::on_disk, [&](const std::filesystem::path& written) {
+    const std::string bytes = read_text(written);
+    if (bytes != gcode) fail(options.out.string(), "is not on the disk as it was written", "check the disk");
+    fail_unless_probes(bytes, plan, machine, options.out.string());
+  });
   const Eigen::Vector2d& first = plan.points_mm.front();
   fmt::print("touches the face at {} points, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
              plan.points_mm.size() - 1, first.x(), first.y());

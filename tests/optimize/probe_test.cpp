@@ -13,6 +13,7 @@
 #include <functional>
 #include <sstream>
 
+#include "burin/optimize/carving/probe_check.h"
 #include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
@@ -123,6 +124,39 @@ TEST(Probe, GrblsAnswersAreTheSheet) {
   expect_sheet(probed.map, 1.1e-3);  // grbl tells micrometers
   EXPECT_EQ(probed.map.drift_mm, 0);
   EXPECT_THAT(gcode, HasSubstr("G10 L20 P1 Z0"));
+}
+
+TEST(Probe, FilesAreReadAsTheMachineWouldBeforeTheyAreKept) {
+  const ProbePlan plan = probe_plan(board(), 12);
+  for (const char* name : {"grbl", "linuxcnc"}) {
+    const MachineProfile machine = machine_profile(name);
+    const std::string good = gcode_for(name);
+    EXPECT_NO_THROW(fail_unless_probes(good, plan, machine, "probe.gcode")) << name;
+    const auto refused = [&](const std::string& what, const std::string& by, std::size_t from, const char* why) {
+      std::string bad = good;
+      const std::size_t at = bad.find(what, from);
+      ASSERT_NE(at, std::string::npos) << what;
+      bad.replace(at, what.size(), by);
+      EXPECT_THAT([&] { fail_unless_probes(bad, plan, machine, "probe.gcode"); },
+                  testing::ThrowsMessage<Error>(HasSubstr(why)))
+          << name << ": " << what;
+    };
+    const std::size_t grid = good.rfind("G10 ");
+    const std::string lift = good.substr(good.find("G0 Z"), good.find('\n', good.find("G0 Z")) - good.find("G0 Z") + 1);
+    refused(lift, "", good.find("G38.2", grid), "without being lifted");
+    refused(lift, "G0 Z-1\n", good.find("G38.2", grid), "goes down without probing");
+    refused("G38.2", "G1", grid, "");
+    refused("G21 ", "", 0, "before millimeters");
+    refused("M2", "", 0, "does not touch each planned point");
+    refused("G0 X", "G10 L20 P1 Z0\nG0 X", grid + 20, "sets Z zero elsewhere");
+    refused("M2\n", "M2\nG0 X0\n", 0, "behind the end");
+    EXPECT_THROW(fail_unless_probes(std::string_view(good).substr(0, good.size() / 2), plan, machine, "probe.gcode"),
+                 Error);
+    MachineProfile small = machine;
+    small.travel = MachineBounds{{0, 0}, {30, 30}};
+    EXPECT_THAT([&] { fail_unless_probes(good, plan, small, "probe.gcode"); },
+                testing::ThrowsMessage<Error>(HasSubstr("travel_mm")));
+  }
 }
 
 TEST(Probe, LinuxCncsFileIsTheSheet) {
