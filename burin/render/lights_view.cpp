@@ -56,7 +56,7 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
     lamps_.push_back(std::move(lamp));
   }
   for (const Light& light : all)
-    if (!near(light)) surroundings_.push_back(std::make_unique<SurroundingsView>(scene, light, options));
+    if (!near(light)) surroundings_.push_back(std::make_unique<SurroundingsView>(scene, light, options, workspace));
 }
 
 Carved LightsView::under(const Lamp& lamp) const {
@@ -79,7 +79,7 @@ void LightsView::forward(const Scratches& scratches, bool keep_jacobian, Image& 
     pair_count_ = lamp.renderer->pair_count();
   }
   for (const auto& one : surroundings_) {
-    one->add_radiance(scratches, sum);
+    one->add_radiance(scratches, keep_jacobian, sum);
     pair_count_ = one->pair_count();
   }
   radiance = std::move(sum);
@@ -97,9 +97,11 @@ void LightsView::narrow(const Lamp& lamp, const ScratchGradients& before, Scratc
 }
 
 void LightsView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
-  for (std::size_t k = lamps_.size(); k-- > 0;) {  // the last one's Jacobian is there still
+  for (std::size_t k = surroundings_.size(); k-- > 0;)  // the last one's Jacobian is there still
+    surroundings_[k]->backward(dE_dradiance, gradients);
+  for (std::size_t k = lamps_.size(); k-- > 0;) {
     const Lamp& lamp = lamps_[k];
-    if (k + 1 < lamps_.size()) {
+    if (k + 1 < lamps_.size() || !surroundings_.empty()) {
       Image again;
       lamp.renderer->forward_with_jacobian(under(lamp), again);
     }
@@ -107,13 +109,12 @@ void LightsView::backward(const Image& dE_dradiance, ScratchGradients& gradients
     lamp.renderer->backward(dE_dradiance, gradients);
     narrow(lamp, before, gradients);
   }
-  for (const auto& one : surroundings_) one->backward(dE_dradiance, gradients);
 }
 
 void LightsView::add_contributions(std::vector<double>& contribution) const {
   for (std::size_t k = lamps_.size(); k-- > 0;) {
     const Lamp& lamp = lamps_[k];
-    if (k + 1 < lamps_.size()) {
+    if (k + 1 < lamps_.size() || !surroundings_.empty()) {
       Image again;
       lamp.renderer->forward_with_jacobian(under(lamp), again);
     }

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
+#include "burin/render/fast/curve_kernel.h"
 #include "burin/render/fast/grow.h"
 #include "burin/render/fast/machine_clones.h"
 #include "burin/render/fast/render_workspace.h"
@@ -47,11 +49,13 @@ std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian
 struct FastView::Data {
   const int channels;
   const TileKernels& kernels;
+  const CurveKernels& curve_kernels;
   const std::shared_ptr<RenderWorkspace> workspace;
   const std::shared_ptr<const TiledGrid> grid;
   const double tool_width_um, shared_depth_um, shared_alpha;
 
-  std::vector<TileShading> shading;  // by tile
+  std::vector<TileShading> shading;           // by tile; empty with curves
+  std::shared_ptr<const CurveTables> curves;  // null: light is the lamp's lobe
   // By tile * kTilePixels + place in the tile.
   std::vector<float> base;
   std::vector<float> base_slope;      // by base_alpha; empty without material
@@ -68,6 +72,7 @@ struct FastView::Data {
   Data(const ViewScene& scene, int c, SimdWidth width, std::shared_ptr<RenderWorkspace> r)
       : channels(c),
         kernels(tile_kernels(width)),
+        curve_kernels(burin::curve_kernels(width)),
         workspace(std::move(r)),
         grid(workspace->tiles_of(scene.grid)),
         tool_width_um(scene.tool_width_um),
@@ -75,7 +80,10 @@ struct FastView::Data {
         shared_alpha(scene.material.alpha) {}
 
   void shade(const ViewScene& scene, bool material);
+  void shade(const ViewScene& scene, const PlainFace& face, bool material);
   void sort_scratches(const Scratches& scratches);
+  void evaluate(std::size_t t, TileTask task, const TilePlaces& places, RenderWorkspace::Work& w,
+                const TileJacobian& to) const;
   TilePlaces evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderWorkspace::Work& w, TileJacobian& to);
   void render_tile(std::size_t t, Image& radiance);
   double differentiate_tile(std::size_t t, const Image& dE_dradiance);
@@ -86,7 +94,8 @@ struct FastView::Data {
     const GridTile& tile = grid->index.tiles()[t];
     return {&grid->lattice[t],
             grid->corners.empty() ? nullptr : &grid->corners[t],
-            &shading[t],
+            shading.empty() ? nullptr : &shading[t],
+            nullptr,
             &base[t * kTilePixels],
             workspace->runs.of(t),
             workspace->runs.shapes(t),
@@ -140,6 +149,38 @@ void FastView::Data::shade(const ViewScene& scene, bool material) {
   });
 }
 
+void FastView::Data::shade(const ViewScene& scene, const PlainFace& face, bool material) {
+  const std::size_t n = grid->tiles() * kTilePixels;
+  base.assign(n, 0);
+  if (material) base_slope.assign(n, 0);
+  factor.assign(n, 0);
+  tbb::parallel_for(std::size_t{0}, grid->tiles(), [&](std::size_t t) {
+    grid->each_pixel(t, [&](int x, int y, std::size_t place) {
+      const std::size_t i = t * kTilePixels + place, pixel = static_cast<std::size_t>(y) * grid->width + x;
+      if (!grid->index.has_footprint()[pixel]) return;
+      const Eigen::Vector3d way = scene.camera_center_mm - scene.grid->center_mm[pixel];
+      if (!(way.dot(scene.grid->normal[pixel]) > 0)) return;
+      factor[i] = 1;
+      base[i] = face.light[pixel];
+      if (material) base_slope[i] = face.by_base_alpha[pixel];
+    });
+  });
+}
+
+/// What lies in the tile's pairs, of lobes or of curves.
+void FastView::Data::evaluate(std::size_t t, TileTask task, const TilePlaces& places, RenderWorkspace::Work& w,
+                              const TileJacobian& to) const {
+  if (curves == nullptr) {
+    kernels.evaluate(task, places, w.tile, w.pairs, to);
+    return;
+  }
+  const int left = static_cast<int>(t % grid->index.tiles_x()) * kTile,
+            top = static_cast<int>(t / grid->index.tiles_x()) * kTile;
+  curve_kernels.make_curves(*curves, task, places, left, top, w.curves);
+  task.curves = &w.curves;
+  curve_kernels.evaluate(task, places, w.tile, w.pairs, to);
+}
+
 void FastView::Data::sort_scratches(const Scratches& s) {
   const auto keep = [](const std::vector<double>& own, double shared, std::vector<double>& to) {
     if (own.empty())
@@ -178,7 +219,7 @@ TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, bo
   if (keep) to = workspace->keep_jacobian(mode, count);
   const TileJacobian kept = to;
   if (to.shift == nullptr) to = RenderWorkspace::make_jacobian(mode, count, w);
-  kernels.evaluate(task, places, w.tile, w.pairs, to);
+  evaluate(t, task, places, w, to);
   to.ends = w.pairs.ends.data();
   to.end_count = w.pairs.ends.size();
   const bool some_covered =
@@ -196,7 +237,7 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
     for (std::size_t k = 0; k < sizeof(*what); k += 64) __builtin_prefetch(reinterpret_cast<const char*>(what) + k);
   };
   if (task.corners != nullptr) fetch(task.corners);
-  fetch(task.shading);
+  if (task.shading != nullptr) fetch(task.shading);
   TileJacobian jacobian;
   evaluate_tile(t, task, mode != KernelMode::value, w, jacobian);
   const bool with_slope = mode == KernelMode::material;
@@ -257,7 +298,17 @@ FastView::FastView(const ViewScene& scene, int channels, bool material, SimdWidt
   data_->shade(scene, material);
 }
 
+FastView::FastView(const ViewScene& scene, const PlainFace& face, bool material, SimdWidth width,
+                   std::shared_ptr<RenderWorkspace> workspace)
+    : data_(std::make_unique<Data>(scene, 1, width, std::move(workspace))) {
+  data_->shade(scene, face, material);
+}
+
 FastView::~FastView() = default;
+
+void FastView::set_curves(std::shared_ptr<const CurveTables> curves) { data_->curves = std::move(curves); }
+
+bool FastView::has_jacobian() const { return data_->workspace->owner == this && data_->mode != KernelMode::value; }
 
 std::size_t FastView::pair_count() const { return data_->pair_count; }
 
@@ -351,7 +402,7 @@ void FastView::add_contributions(std::vector<double>& contribution) const {
     task.mode = KernelMode::value;
     task.keep_light = true;
     const TilePlaces places = workspace.places_of(t, task, d.kernels, w.found);
-    d.kernels.evaluate(task, places, w.tile, w.pairs, {});
+    d.evaluate(t, task, places, w, {});
     for (std::uint32_t r = 0; r < task.run_count; ++r) {
       double sum = 0;
       for (std::uint32_t k = places.begin[r]; k < places.begin[r + 1]; ++k) {

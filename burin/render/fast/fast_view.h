@@ -12,11 +12,17 @@
 #include <memory>
 #include <vector>
 
+#include "burin/render/fast/curve_tables.h"
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/simd_width.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {
+
+/// What the plain face sends, a number a pixel of the picture, and by base_alpha (not read without material).
+struct PlainFace {
+  std::vector<float> light, by_base_alpha;
+};
 
 class FastView {
  public:
@@ -24,15 +30,22 @@ class FastView {
   /// may be shared by views that are worked on one after the other.
   FastView(const ViewScene& scene, int channels, bool material, SimdWidth width,
            std::shared_ptr<RenderWorkspace> workspace);
+  /// A mono view in which a groove's light is a curve across it (set_curves()). Ambient light is not added.
+  FastView(const ViewScene& scene, const PlainFace& face, bool material, SimdWidth width,
+           std::shared_ptr<RenderWorkspace> workspace);
   ~FastView();
   FastView(const FastView&) = delete;
   FastView& operator=(const FastView&) = delete;
 
+  /// Before the first forward() of a view with curves; for the scratches of that and the next.
+  void set_curves(std::shared_ptr<const CurveTables> curves);
   void forward(const Scratches& scratches, KernelMode mode, Image& radiance);
   /// Needs a forward() with KernelMode::ends or material. Derivatives by material are left as they are after `ends`.
   void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
   void add_contributions(std::vector<double>& contribution) const;
   std::size_t pair_count() const;
+  /// Whether backward() serves: no other view has worked in the workspace since the forward().
+  bool has_jacobian() const;
 
  private:
   struct Data;

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "burin/render/fast/byte_store.h"
+#include "burin/render/fast/curve_tables.h"
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/fast/tile_runs.h"
 #include "burin/render/fast/tiled_grid.h"
@@ -60,6 +61,7 @@ class RenderWorkspace {
     TileBuffers tile;
     FoundPlaces found;
     TilePairs pairs;
+    TileCurves curves;
     std::vector<float> jacobian;  // of a tile for which there is no space
     float open[kTilePixels] = {}, lobes[kTilePixels] = {}, covered_base[kTilePixels] = {};
     float weight[kTilePixels] = {};

@@ -35,6 +35,8 @@ namespace burin {
 /// alpha.
 enum class KernelMode : std::uint8_t { value, ends, material };
 
+struct TileCurves;  // burin/render/fast/curve_tables.h
+
 /// A pair that an end of its scratch bounds: derivatives by the ends moved along, a unit of Y, of what it adds to its
 /// pixel and of the area that it covers.
 struct EndPair {
@@ -76,7 +78,8 @@ struct TileTask {
   const TileLattice* lattice = nullptr;
   const TileCorners* corners = nullptr;  ///< null where all corners lie on the lattice
   const TileShading* shading = nullptr;
-  const float* base = nullptr;  ///< the plain face's light a mm^2 of each pixel; not read for `value`
+  const TileCurves* curves = nullptr;  ///< CurveKernels only, which need no shading
+  const float* base = nullptr;         ///< the plain face's light a mm^2 of each pixel; not read for `value`
   const TileRun* runs = nullptr;
   RunShapes shapes;
   std::uint32_t run_count = 0;
@@ -166,6 +169,7 @@ struct TileBuffers {
   // Pieces of the groove between breakpoints, and what each gives.
   alignas(64) Lanes<kPieces> t1, t2, top1, top2, bottom1, bottom2, on_first, on_second, hx, hy, hz, piece_alpha;
   alignas(64) Lanes<kPieces> front[6], lobes[7];
+  alignas(64) Lanes<kPieces> curve, share;  ///< instead of h and alpha, where light is a curve (kernel/curves.h)
   alignas(64) Lanes<kPieces> piece_V, piece_shift, piece_turn, piece_width, piece_radial, piece_mean, piece_first;
 };
 

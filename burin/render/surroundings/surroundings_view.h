@@ -1,5 +1,5 @@
-// burin/render/surroundings/surroundings_view.h - one view under surroundings, by tables. docs/model.md 10. Made and
-// used by LightsView.
+// burin/render/surroundings/surroundings_view.h - one view under surroundings, by tables, as fast as under a lamp: the
+// tiles and packets of burin/render/fast, a view a channel. docs/model.md 10. Made and used by LightsView.
 #pragma once
 
 #include <cstddef>
@@ -14,12 +14,13 @@ namespace burin {
 /// cross-sections other than the paper's.
 class SurroundingsView {
  public:
-  SurroundingsView(const ViewScene& scene, const Light& light, const RenderOptions& options);
+  SurroundingsView(const ViewScene& scene, const Light& light, const RenderOptions& options,
+                   std::shared_ptr<RenderWorkspace> workspace);
   ~SurroundingsView();
 
   /// Adds the radiance to `radiance`, which has the view's size. Deterministic, for any number of threads.
-  void add_radiance(const Scratches& scratches, Image& radiance);
-  /// For the scratches of the last add_radiance().
+  void add_radiance(const Scratches& scratches, bool keep_jacobian, Image& radiance);
+  /// For the scratches of the last add_radiance(). What other views have taken of the workspace is rendered once more.
   void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
   void add_contributions(std::vector<double>& contribution) const;
   std::size_t pair_count() const;

@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "burin/render/fast/kernel/crossing.h"
+#include "burin/render/fast/kernel/curves.h"
 #include "burin/render/fast/kernel/lines.h"
 #include "burin/render/fast/kernel/pieces.h"
 #include "burin/render/fast/kernel/shading.h"
@@ -22,7 +23,8 @@ struct CutPacket {
   Edges<P> pixel;
   P origin_Y, first, second;  ///< Y of that point, and of the scratch's ends from there
   P alpha, rim, unit;
-  P hx, hy, hz;  ///< the half vector in the scratch's frame
+  P hx, hy, hz;        ///< the half vector in the scratch's frame
+  PairCurve<P> curve;  ///< instead of it, where light is a curve
 };
 
 /// Where n.h > 0: between lo and hi, nowhere in dark lanes, and over the whole groove in all lanes unless `partly`.
@@ -32,13 +34,14 @@ struct Facing {
   MaskOf<P> dark;
   bool partly;
 };
-template <class P>
+template <class P, bool kCurves>
 [[gnu::always_inline]] inline Facing<P> facing_of(const CutPacket<P>& c) {
+  if constexpr (kCurves) return {-c.rim, c.rim, MaskOf<P>(false), false};
   const auto limits = footprint::front_facing(c.hx, c.hz, c.rim);
   return {limits.lo, limits.hi, limits.lo >= limits.hi, xsimd::any((limits.lo > -c.rim) | (limits.hi < c.rim))};
 }
 
-template <class P, KernelMode kMode>
+template <class P, KernelMode kMode, bool kCurves>
 [[gnu::always_inline]] inline CutPacket<P> cut_packet(const TileWork& work, const ScatteredPacket& packet) {
   TileBuffers& buffers = work.buffers;
   alignas(64) std::uint16_t place[kLanesOf<P>];
@@ -56,6 +59,13 @@ template <class P, KernelMode kMode>
   c.alpha = constant(kAlpha);
   c.rim = constant(kRim);
   c.unit = constant(kUnit);
+  if constexpr (kCurves) {
+    curve_factors<P, kMode>(work.task, buffers, place, packet.at);
+    c.curve = pair_curve<P>(
+        *work.task.curves, [&](int k) { return buffers.live[packet.line[used(k)]]; }, constant(kMidY) + c.origin_Y);
+    c.alpha = P(1.0F);
+    return c;
+  }
   const Shading<P> px = shade<P, kMode>(work.task, buffers, place, c.alpha, packet.at);
   const P across_x = constant(kAcrossX), across_y = constant(kAcrossY);
   c.hx = across_x * px.h_x + across_y * px.h_y;
@@ -143,7 +153,7 @@ template <class P>
 }
 
 /// Puts the pieces of those lanes that `bits` names behind those in the buffers.
-template <class P, KernelMode kMode>
+template <class P, KernelMode kMode, bool kCurves>
 [[gnu::always_inline]] inline void pack_pieces(TileBuffers& buffers, const CutPacket<P>& c, const Piece<P>& p,
                                                const EndsOfPiece<P>& on, std::uint32_t bits, int from) {
   const int n = buffers.piece_count;
@@ -153,9 +163,14 @@ template <class P, KernelMode kMode>
   packet::pack(buffers.top2 + n, p.top2, bits);
   packet::pack(buffers.bottom1 + n, p.bottom1, bits);
   packet::pack(buffers.bottom2 + n, p.bottom2, bits);
-  packet::pack(buffers.hx + n, c.hx, bits);
-  packet::pack(buffers.hy + n, c.hy, bits);
-  packet::pack(buffers.hz + n, c.hz, bits);
+  if constexpr (kCurves) {
+    packet::pack(buffers.curve + n, c.curve.number, bits);
+    packet::pack(buffers.share + n, c.curve.share, bits);
+  } else {
+    packet::pack(buffers.hx + n, c.hx, bits);
+    packet::pack(buffers.hy + n, c.hy, bits);
+    packet::pack(buffers.hz + n, c.hz, bits);
+  }
   packet::pack(buffers.piece_alpha + n, c.alpha, bits);
   if constexpr (kMode != KernelMode::value) {
     packet::pack(buffers.on_first + n, on.first, bits);
@@ -187,10 +202,10 @@ template <class P>
 }
 
 /// Keeps what does not depend on the pieces' light: areas, and the derivatives by limits that move.
-template <class P, KernelMode kMode, int kCount>
-[[gnu::always_inline]] inline void store_areas(TileBuffers& buffers, const CutPacket<P>& c, const Facing<P>& facing,
-                                               const CutArea<P>& sum, const P (&top)[kCount], const P (&bottom)[kCount],
-                                               int from) {
+template <class P, KernelMode kMode, bool kCurves, int kCount>
+[[gnu::always_inline]] inline void store_areas(const TileTask& task, TileBuffers& buffers, const CutPacket<P>& c,
+                                               const Facing<P>& facing, const CutArea<P>& sum, const P (&top)[kCount],
+                                               const P (&bottom)[kCount], int from) {
   constexpr int kLast = kCount - 1;
   const P height0 = top[0] - bottom[0], height1 = top[kLast] - bottom[kLast];
   const P shift = height1 - height0;
@@ -205,7 +220,11 @@ template <class P, KernelMode kMode, int kCount>
   if (facing.partly) turn = xsimd::select(facing.dark, P(0.0F), cut_turn(c, facing.lo, facing.hi));
   save(buffers.moving_turn + from, turn);
   if constexpr (kMode == KernelMode::material) {
-    const P rims = rim_light(c.hx, c.hy, c.hz, c.alpha, facing.lo, facing.hi, c.rim, height0, height1);
+    P rims;
+    if constexpr (kCurves)
+      rims = curve_rim_light(*task.curves, c.curve, facing.lo, facing.hi, c.rim, height0, height1);
+    else
+      rims = rim_light(c.hx, c.hy, c.hz, c.alpha, facing.lo, facing.hi, c.rim, height0, height1);
     save(buffers.rim_light + from, xsimd::select(facing.dark, P(0.0F), rims));
     save(buffers.a_rim + from, c.unit * (height0 + height1));
     save(buffers.rim + from, c.rim);
@@ -214,15 +233,15 @@ template <class P, KernelMode kMode, int kCount>
 
 /// Cuts one packet of pairs at the pixels' corners and, with kEnds, at where their edges meet the scratch's ends: up
 /// to three or seven pieces each.
-template <class P, KernelMode kMode, bool kEnds>
+template <class P, KernelMode kMode, bool kEnds, bool kCurves>
 BURIN_FLATTEN inline void cut(const TileWork& work, const ScatteredPacket& packet) {
   TileBuffers& buffers = work.buffers;
   const int from = packet.at;
-  const CutPacket<P> c = cut_packet<P, kMode>(work, packet);
+  const CutPacket<P> c = cut_packet<P, kMode, kCurves>(work, packet);
   P t[kBreaks<kEnds>], top[kBreaks<kEnds>], bottom[kBreaks<kEnds>];
   breakpoints<P, kEnds>(c, t);
   levels_at(c, t, top, bottom);
-  const Facing<P> facing = facing_of(c);
+  const Facing<P> facing = facing_of<P, kCurves>(c);
   CutArea<P> sum{P(0.0F), P(0.0F), P(0.0F), P(0.0F)};
 #pragma GCC unroll 7
   for (int k = 0; k + 1 < kBreaks<kEnds>; ++k) {
@@ -245,25 +264,27 @@ BURIN_FLATTEN inline void cut(const TileWork& work, const ScatteredPacket& packe
     else
       keep = keep & ((p.t2 > p.t1) | ((p.top2 - p.bottom2) != (p.top1 - p.bottom1)));
     const std::uint32_t bits = packet::bits_of<P>(keep) & lane_bits(packet.lanes);
-    if (bits != 0) pack_pieces<P, kMode>(buffers, c, p, on, bits, from);
+    if (bits != 0) pack_pieces<P, kMode, kCurves>(buffers, c, p, on, bits, from);
   }
   save(buffers.area + from, c.unit * sum.area);
   save(buffers.alpha + from, c.alpha);
   save(buffers.unit + from, c.unit);
-  if constexpr (kMode != KernelMode::value) store_areas<P, kMode>(buffers, c, facing, sum, top, bottom, from);
+  if constexpr (kMode != KernelMode::value)
+    store_areas<P, kMode, kCurves>(work.task, buffers, c, facing, sum, top, bottom, from);
 }
 
 /// Evaluates the pieces that cut() made and adds what they give to their pairs.
-template <class P, KernelMode kMode, bool kEnds>
-BURIN_FLATTEN inline void add_pieces(TileBuffers& buffers) {
+template <class P, KernelMode kMode, bool kEnds, bool kCurves>
+BURIN_FLATTEN inline void add_pieces(const TileTask& task, TileBuffers& buffers) {
   // Harmless pieces up to a full packet.
   for (int i = buffers.piece_count; i < buffers.piece_count + kLanesOf<P>; ++i) {
     buffers.t1[i] = buffers.t2[i] = buffers.top1[i] = buffers.top2[i] = buffers.bottom1[i] = buffers.bottom2[i] =
         buffers.hx[i] = buffers.hy[i] = 0;
-    buffers.hz[i] = 1;
+    buffers.hz[i] = buffers.curve[i] = 1;
+    buffers.share[i] = 0;
     buffers.piece_alpha[i] = 0.5F;
   }
-  evaluate_pieces<P, kMode>(buffers, buffers.piece_count);
+  evaluate_any_pieces<P, kMode, kCurves>(task, buffers, buffers.piece_count);
   using Four = float __attribute__((vector_size(16)));
   for (int i = 0; i < buffers.piece_count; i += kLanesOf<P>) {
     const int n = std::min(kLanesOf<P>, buffers.piece_count - i);
@@ -355,7 +376,7 @@ BURIN_FLATTEN inline void finish(const TileWork& work, const ScatteredPacket& pa
 }
 
 /// Pairs set aside, a group at a time: cut, their pieces evaluated, and put in their places.
-template <class P, KernelMode kMode, bool kEnds>
+template <class P, KernelMode kMode, bool kEnds, bool kCurves>
 inline void finish_set_aside(const TileWork& work, const PairsSetAside& aside) {
   constexpr std::size_t kGroup = TileBuffers::kPieces / kBreaks<kEnds>;
   static_assert(kGroup <= TileBuffers::kChunk);
@@ -367,8 +388,8 @@ inline void finish_set_aside(const TileWork& work, const PairsSetAside& aside) {
     };
     buffers.piece_count = 0;
     std::memset(buffers.total, 0, (n + kLanesOf<P>)*sizeof(buffers.total[0]));
-    for (int i = 0; i < n; i += kLanesOf<P>) cut<P, kMode, kEnds>(work, packet_at(i));
-    add_pieces<P, kMode, kEnds>(buffers);
+    for (int i = 0; i < n; i += kLanesOf<P>) cut<P, kMode, kEnds, kCurves>(work, packet_at(i));
+    add_pieces<P, kMode, kEnds, kCurves>(work.task, buffers);
     for (int i = 0; i < n; i += kLanesOf<P>) finish<P, kMode, kEnds>(work, packet_at(i));
   }
 }

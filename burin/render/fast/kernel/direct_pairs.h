@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "burin/render/fast/kernel/crossing.h"
+#include "burin/render/fast/kernel/curves.h"
 #include "burin/render/fast/kernel/pieces.h"
 #include "burin/render/fast/kernel/shading.h"
 #include "burin/render/fast/kernel/work.h"
@@ -21,7 +22,7 @@ struct SetAside {
 /// One packet of pairs whose pixels the groove crosses from side to side, or enters with an end square across it: a
 /// piece each, at `at`. The others become empty pieces: those to be set aside, and those that the groove does not
 /// meet at all.
-template <class P, KernelMode kMode, bool kOnLattice>
+template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
 [[gnu::always_inline]] BURIN_FLATTEN inline SetAside cross(const TileWork& work, const PairPacket& packet) {
   const TileTask& task = work.task;
   TileBuffers& buffers = work.buffers;
@@ -36,10 +37,20 @@ template <class P, KernelMode kMode, bool kOnLattice>
   else
     e = crossing_of_corners<P>(task, place, constant);
   const P alpha = constant(kAlpha);
-  const Shading<P> px = shade<P, kMode>(task, buffers, place, alpha, at);
-  const P across_x = constant(kAcrossX), across_y = constant(kAcrossY);
   const P first = constant(kFirstEnd), second = constant(kSecondEnd), rim = constant(kRim);
-  const P hx = across_x * px.h_x + across_y * px.h_y, hy = across_x * px.h_y - across_y * px.h_x, hz = px.h_z;
+  P hx, hy, hz;
+  PairCurve<P> curve;
+  if constexpr (kCurves) {
+    curve_factors<P, kMode>(task, buffers, place, at);
+    curve = pair_curve<P>(
+        *task.curves, [&](int k) { return buffers.live[packet.line[k]]; }, middle_of<P>(place, constant).Y);
+  } else {
+    const Shading<P> px = shade<P, kMode>(task, buffers, place, alpha, at);
+    const P across_x = constant(kAcrossX), across_y = constant(kAcrossY);
+    hx = across_x * px.h_x + across_y * px.h_y;
+    hy = across_x * px.h_y - across_y * px.h_x;
+    hz = px.h_z;
+  }
   const MaskOf<P> apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
   // At both ends of [a, b]: the pixel's edges, and whether one of the scratch's ends lies before them.
   const P &a = e.a, &b = e.b;
@@ -65,7 +76,8 @@ template <class P, KernelMode kMode, bool kOnLattice>
   const P height1 = top1 - bottom1, height2 = top2 - bottom2;
   const P unit = xsimd::select(none, P(0.0F), constant(kUnit));
   // Where n.h > 0, between lo and hi: on a deep groove one wall is often partly turned away.
-  const auto limits = footprint::front_facing(hx, hz, rim);
+  footprint::Limits<P> limits{-rim, rim};
+  if constexpr (!kCurves) limits = footprint::front_facing(hx, hz, rim);
   const P lo = xsimd::max(limits.lo, a), hi = xsimd::min(limits.hi, b);
   const MaskOf<P> dark = none | (lo >= hi);
   const P length = b - a, per_length = inverse(length), at_lo = (lo - a) * per_length, at_hi = (hi - a) * per_length;
@@ -81,18 +93,28 @@ template <class P, KernelMode kMode, bool kOnLattice>
   keep(buffers.top2, p.top2);
   keep(buffers.bottom1, p.bottom1);
   keep(buffers.bottom2, p.bottom2);
-  save(buffers.hx + at, hx);
-  save(buffers.hy + at, hy);
-  save(buffers.hz + at, hz);
-  save(buffers.piece_alpha + at, alpha);
+  if constexpr (kCurves) {
+    save(buffers.curve + at, curve.number);
+    save(buffers.share + at, curve.share);
+    save(buffers.piece_alpha + at, P(1.0F));
+  } else {
+    save(buffers.hx + at, hx);
+    save(buffers.hy + at, hy);
+    save(buffers.hz + at, hz);
+    save(buffers.piece_alpha + at, alpha);
+  }
   save(buffers.unit + at, unit);
   save(buffers.area + at, P(0.5F) * unit * length * (height1 + height2));
   if constexpr (kMode != KernelMode::value) {
     // The limit moves as h turns (W is 1 there).
-    const P per_H = footprint::Arithmetic<P>::inverse_sqrt(hx * hx + hz * hz);
-    const P moving = xsimd::select(lo > a, (p.top1 - p.bottom1) * lo, P(0.0F)) +
-                     xsimd::select(hi < b, (p.top2 - p.bottom2) * hi, P(0.0F));
-    keep(buffers.moving_turn, -(hy * per_H * moving));
+    if constexpr (kCurves) {
+      save(buffers.moving_turn + at, P(0.0F));
+    } else {
+      const P per_H = footprint::Arithmetic<P>::inverse_sqrt(hx * hx + hz * hz);
+      const P moving = xsimd::select(lo > a, (p.top1 - p.bottom1) * lo, P(0.0F)) +
+                       xsimd::select(hi < b, (p.top2 - p.bottom2) * hi, P(0.0F));
+      keep(buffers.moving_turn, -(hy * per_H * moving));
+    }
     save(&buffers.area_shift[pair], unit * (height2 - height1));
     const P on_first = xsimd::select(raised1 & !none, P(1.0F), P(0.0F)),
             on_second = xsimd::select(capped1 & !none, P(1.0F), P(0.0F));
@@ -107,7 +129,10 @@ template <class P, KernelMode kMode, bool kOnLattice>
     const P area_rim = unit * (height1 + height2);
     save(&buffers.area_rim[pair], area_rim);
     save(&buffers.area_width[pair], rim * area_rim);
-    keep(buffers.rim_light, rim_light(hx, hy, hz, alpha, lo, hi, rim, height1, height2));
+    if constexpr (kCurves)
+      keep(buffers.rim_light, curve_rim_light(*task.curves, curve, lo, hi, rim, height1, height2));
+    else
+      keep(buffers.rim_light, rim_light(hx, hy, hz, alpha, lo, hi, rim, height1, height2));
   }
   return {packet::bits_of<P>(corners), packet::bits_of<P>(ends)};
 }

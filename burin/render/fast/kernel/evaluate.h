@@ -38,13 +38,14 @@ inline void make_ready(const TileWork& work, std::size_t count) {
   buffers.corners.count = buffers.ends.count = 0;
 }
 
-template <class P, KernelMode kMode>
+template <class P, KernelMode kMode, bool kCurves>
 inline void evaluate_mode(const TileWork& work) {
   const TileTask& task = work.task;
   TileBuffers& buffers = work.buffers;
   const std::size_t count = work.places.begin[task.run_count];
   make_ready<P, kMode>(work, count);
-  if (task.shapes.shared) shade_tile<P, kMode>(task, buffers);
+  if constexpr (!kCurves)
+    if (task.shapes.shared) shade_tile<P, kMode>(task, buffers);
   list_live_runs<P>(task, work.places, count, buffers);
   // One chunk ahead: what was stored just now cannot be loaded at once.
   std::uint32_t line = ~0U, made = 0;
@@ -68,31 +69,31 @@ inline void evaluate_mode(const TileWork& work) {
             static_cast<int>(made % (2 * kLanesOf<P>)));
       }
       const PairPacket packet = packet_at(i);
-      const SetAside aside =
-          task.corners == nullptr ? cross<P, kMode, true>(work, packet) : cross<P, kMode, false>(work, packet);
+      const SetAside aside = task.corners == nullptr ? cross<P, kMode, true, kCurves>(work, packet)
+                                                     : cross<P, kMode, false, kCurves>(work, packet);
       const std::uint32_t used = lane_bits(packet.lanes);
       set_aside<P>(buffers.corners, packet, aside.corners & used);
       set_aside<P>(buffers.ends, packet, aside.ends & used);
     }
-    evaluate_pieces<P, kMode>(buffers, n);
+    evaluate_any_pieces<P, kMode, kCurves>(task, buffers, n);
     for (int i = 0; i < n; i += kLanesOf<P>) finish_crossing<P, kMode>(work, packet_at(i));
   }
-  finish_set_aside<P, kMode, false>(work, buffers.corners);
-  finish_set_aside<P, kMode, true>(work, buffers.ends);
+  finish_set_aside<P, kMode, false, kCurves>(work, buffers.corners);
+  finish_set_aside<P, kMode, true, kCurves>(work, buffers.ends);
 }
 
-/// Implements TileKernels::evaluate.
-template <class P>
+/// Implements TileKernels::evaluate; with kCurves, CurveKernels::evaluate.
+template <class P, bool kCurves = false>
 inline void evaluate(const TileTask& task, const TilePlaces& places, TileBuffers& buffers, TilePairs& pairs,
                      const TileJacobian& to) {
   const TileWork work{task, places, buffers, pairs, to};
   switch (task.mode) {
     case KernelMode::value:
-      return evaluate_mode<P, KernelMode::value>(work);
+      return evaluate_mode<P, KernelMode::value, kCurves>(work);
     case KernelMode::ends:
-      return evaluate_mode<P, KernelMode::ends>(work);
+      return evaluate_mode<P, KernelMode::ends, kCurves>(work);
     case KernelMode::material:
-      return evaluate_mode<P, KernelMode::material>(work);
+      return evaluate_mode<P, KernelMode::material, kCurves>(work);
   }
 }
 

@@ -1,0 +1,33 @@
+#include "burin/render/fast/curve_kernel.h"
+
+namespace burin {
+
+void TileCurves::grow_runs(std::size_t count) {
+  if (runs.size() < count) runs.resize(2 * count);
+}
+
+void TileCurves::grow_knots(std::size_t floats) {
+  if (knots.size() < floats) knots.resize(2 * floats);
+}
+
+// One a file of its own instruction set; BURIN_X86_KERNELS where the build has the x86 ones.
+extern const CurveKernels curve_kernels_generic;
+#ifdef BURIN_X86_KERNELS
+extern const CurveKernels curve_kernels_avx2;
+extern const CurveKernels curve_kernels_avx512;
+#endif
+
+const CurveKernels& curve_kernels(SimdWidth width) {
+  switch (resolved_simd(width)) {
+#ifdef BURIN_X86_KERNELS
+    case SimdWidth::avx2:
+      return curve_kernels_avx2;
+    case SimdWidth::avx512:
+      return curve_kernels_avx512;
+#endif
+    default:
+      return curve_kernels_generic;
+  }
+}
+
+}  // namespace burin

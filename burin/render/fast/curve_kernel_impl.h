@@ -1,0 +1,16 @@
+// burin/render/fast/curve_kernel_impl.h - the kernels of burin/render/fast/curve_kernel.h over a packet type. Included
+// only by the files that are compiled for one instruction set each (see burin/render/fast/packet_math.h).
+#pragma once
+
+#include "burin/render/fast/curve_kernel.h"
+#include "burin/render/fast/kernel/evaluate.h"
+#include "burin/render/fast/kernel/run_curves.h"
+
+namespace burin {
+
+template <class P>
+constexpr CurveKernels curve_kernels_of() {
+  return {kernel::make_curves<P>, kernel::evaluate<P, true>};
+}
+
+}  // namespace burin

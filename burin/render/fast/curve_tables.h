@@ -1,0 +1,54 @@
+// burin/render/fast/curve_tables.h - light that depends on the place across a groove as a curve: what surroundings
+// send, tabulated over the directions of grooves and over the picture (burin/render/surroundings/make_curve_tables.h),
+// and a tile's share of it. docs/model.md 10.8 to 10.12. Frames: burin/render/fast/tile.h.
+//
+// A curve is R over t, kept as its second integral from t = 0 with two derivatives at evenly spaced nodes: between two
+// nodes that is one polynomial of the fifth degree, and all that a piece of a groove asks for is differences of it.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace burin {
+
+/// Curves for the directions of grooves (azimuth of the unit vector across them, j * 180 / directions degrees), for
+/// places of the picture, for roughnesses. A groove that is turned by 180 degrees has the same curve the other way
+/// round.
+struct CurveTables {
+  int half_count = 1;  ///< nodes lie at t = -half_count * step .. half_count * step
+  float step = 1;
+  int row_floats = 0;  ///< a curve: 4 floats a node (second integral, step * integral, step^2 R / 2, 0), padded to 16
+  int directions = 0;  ///< rows of a place: from direction -1 to directions + 1
+  /// Places, evenly spread over the picture, and whether light between them follows from 4 x 4 of them (or 2 x 2).
+  int columns = 1, rows = 1;
+  double columns_per_pixel = 0, rows_per_pixel = 0;
+  bool cubic = false;
+  std::vector<float> log_alpha;  ///< of the roughnesses, ascending: one, or three and more
+  double lean_per_pixel = 0;     ///< by how much the half vector turns from a pixel to the next
+  std::vector<float> data;       ///< [roughness][place row][place column][direction + 1][row_floats]
+
+  std::size_t place_floats() const { return static_cast<std::size_t>(directions + 3) * row_floats; }
+};
+
+/// Where a run's curves are. They are made at a few places along it, its knots, between which light is linear.
+struct RunCurve {
+  float number = 1;   ///< of its first knot's curve, from 1; negative: t runs the other way
+  float first_Y = 0;  ///< Y of that knot (as in TileRun)
+  float knots_per_Y = 0;
+  float last = 0;  ///< steps between its knots, less 1; 0 for a single knot
+};
+
+/// The curves of a tile's runs. A knot's curves lie one after the other: R, dR by the groove's turn, dR by alpha.
+struct TileCurves {
+  std::vector<RunCurve> runs;  ///< readable a packet beyond the last
+  std::vector<float> knots;
+  std::size_t knot_floats = 0, curve_floats = 0;
+  int half_count = 1;
+  float step = 1;
+
+  /// Room for so many, kept. Not inline: what calls it is compiled for machines that others are not.
+  void grow_runs(std::size_t count);
+  void grow_knots(std::size_t floats);
+};
+
+}  // namespace burin
