@@ -6,6 +6,11 @@ void TileCurves::grow_runs(std::size_t count) {
   if (runs.size() < count) runs.resize(2 * count);
 }
 
+void TileCurves::start_rows(std::size_t count, std::size_t floats) {
+  row_made.assign(count, 0);
+  if (rows.size() < count * floats) rows.resize(count * floats);
+}
+
 void TileCurves::grow_knots(std::size_t floats) {
   if (knots.size() < floats) knots.resize(2 * floats);
 }

@@ -6,10 +6,18 @@
 // nodes that is one polynomial of the fifth degree, and all that a piece of a groove asks for is differences of it.
 #pragma once
 
+#include <tbb/cache_aligned_allocator.h>
+
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace burin {
+
+/// Numbers of curves, which begin with a cache line: packets that lie across two cost twice.
+using CurveFloats = std::vector<float, tbb::cache_aligned_allocator<float>>;
+
+constexpr int kCurveNode = 3;  ///< floats of a curve's node
 
 /// Curves for the directions of grooves (azimuth of the unit vector across them, j * 180 / directions degrees), for
 /// places of the picture, for roughnesses. A groove that is turned by 180 degrees has the same curve the other way
@@ -17,7 +25,7 @@ namespace burin {
 struct CurveTables {
   int half_count = 1;  ///< nodes lie at t = -half_count * step .. half_count * step
   float step = 1;
-  int row_floats = 0;  ///< a curve: 4 floats a node (second integral, step * integral, step^2 R / 2, 0), padded to 16
+  int row_floats = 0;  ///< a curve: 3 floats a node (second integral, step * integral, step^2 R / 2), padded to 16
   int directions = 0;  ///< rows of a place: from direction -1 to directions + 1
   /// Places, evenly spread over the picture, and whether light between them follows from 4 x 4 of them (or 2 x 2).
   int columns = 1, rows = 1;
@@ -25,7 +33,7 @@ struct CurveTables {
   bool cubic = false;
   std::vector<float> log_alpha;  ///< of the roughnesses, ascending: one, or three and more
   double lean_per_pixel = 0;     ///< by how much the half vector turns from a pixel to the next
-  std::vector<float> data;       ///< [roughness][place row][place column][direction + 1][row_floats]
+  CurveFloats data;              ///< [roughness][place row][place column][direction + 1][row_floats]
 
   std::size_t place_floats() const { return static_cast<std::size_t>(directions + 3) * row_floats; }
 };
@@ -41,7 +49,7 @@ struct RunCurve {
 /// The curves of a tile's runs. A knot's curves lie one after the other: R, dR by the groove's turn, dR by alpha.
 struct TileCurves {
   std::vector<RunCurve> runs;  ///< readable a packet beyond the last
-  std::vector<float> knots;
+  CurveFloats knots;
   std::size_t knot_floats = 0, curve_floats = 0;
   int half_count = 1;
   float step = 1;
@@ -49,6 +57,11 @@ struct TileCurves {
   /// Room for so many, kept. Not inline: what calls it is compiled for machines that others are not.
   void grow_runs(std::size_t count);
   void grow_knots(std::size_t floats);
+
+  // A tile's own rows of the tables, as they are asked for (kernel/run_curves.h).
+  CurveFloats rows;
+  std::vector<std::uint8_t> row_made;
+  void start_rows(std::size_t count, std::size_t floats);
 };
 
 }  // namespace burin

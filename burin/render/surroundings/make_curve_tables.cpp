@@ -37,7 +37,7 @@ void add_row(const FacetTable& facets, int place, int channel, double across, co
   LightCurve curve;
   make_curve(light, facets.t_step, curve);
   const LightCurve::At middle = curve.at(0);
-  for (int k = -table.half_count; k <= table.half_count; ++k, to += 4) {
+  for (int k = -table.half_count; k <= table.half_count; ++k, to += kCurveNode) {
     const double t = k * static_cast<double>(table.step);
     const LightCurve::At at = curve.at(t);
     to[0] = static_cast<float>(at.sum_of_sums - middle.sum_of_sums - middle.sum * t);
@@ -51,7 +51,7 @@ void refine_places(CurveTables& table, int columns, int rows) {
   const std::size_t floats = table.place_floats(), tables = table.log_alpha.size();
   const std::size_t coarse = static_cast<std::size_t>(table.columns) * table.rows,
                     fine = static_cast<std::size_t>(columns) * rows;
-  std::vector<float> data(tables * fine * floats, 0.0F);
+  CurveFloats data(tables * fine * floats, 0.0F);
   tbb::parallel_for(std::size_t{0}, tables * fine, [&](std::size_t k) {
     const std::size_t t = k / fine, row = k % fine / columns, column = k % columns;
     const CubicShares x = cubic_shares(static_cast<double>(column) * (table.columns - 1) / (columns - 1), table.columns,
@@ -82,7 +82,7 @@ std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const std::vec
     auto table = std::make_shared<CurveTables>();
     table->half_count = std::max(2, static_cast<int>(std::ceil(steepest_t / (kNode * alphas.front()))));
     table->step = static_cast<float>(steepest_t / table->half_count);
-    table->row_floats = (4 * (2 * table->half_count + 1) + 15) / 16 * 16;
+    table->row_floats = (kCurveNode * (2 * table->half_count + 1) + 16) / 16 * 16;
     for (const FacetTable& f : facets) table->directions = std::max(table->directions, f.azimuths / 2);
     table->columns = lattice.columns;
     table->rows = lattice.rows;

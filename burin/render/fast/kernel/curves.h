@@ -47,7 +47,7 @@ template <class P>
   const auto knot_floats = static_cast<std::uint32_t>(curves.knot_floats);
   for (int k = 0; k < kLanesOf<P>; ++k)
     p.at[k] = (static_cast<std::uint32_t>(static_cast<int>(numbers[k])) - 1) * knot_floats +
-              4U * static_cast<std::uint32_t>(static_cast<int>(nodes[k]));
+              kCurveNode * static_cast<std::uint32_t>(static_cast<int>(nodes[k]));
   return p;
 }
 
@@ -63,12 +63,12 @@ template <class P>
   const float* from = curves.knots.data() + set * curves.curve_floats;
   P a[4], b[4];
   packet::four_columns(a, [&](int k) { return from + p.at[k]; });
-  packet::four_columns(b, [&](int k) { return from + p.at[k] + 4; });
+  packet::four_columns(b, [&](int k) { return from + p.at[k] + kCurveNode; });
   if (between) {
     P c[4], d[4];
     from += curves.knot_floats;
     packet::four_columns(c, [&](int k) { return from + p.at[k]; });
-    packet::four_columns(d, [&](int k) { return from + p.at[k] + 4; });
+    packet::four_columns(d, [&](int k) { return from + p.at[k] + kCurveNode; });
     for (int i = 0; i < 3; ++i) {
       a[i] += share * (c[i] - a[i]);
       b[i] += share * (d[i] - b[i]);

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <type_traits>
 
 #include "burin/render/fast/curve_tables.h"
 #include "burin/render/fast/kernel/work.h"
@@ -102,6 +104,7 @@ BURIN_FLATTEN inline void sum_knot(const CurveTables& tables, const KnotPlaces& 
                                    const float (&slope)[4], const RoughnessShares& rough, float* to) {
   const std::size_t table_floats = tables.place_floats() * tables.columns * tables.rows;
   const auto floats = static_cast<std::size_t>(tables.row_floats);
+  bool begun = false;
   for (int r = 0; r < rough.count; ++r) {
     if (kSets < 3 && rough.share[r] == 0) continue;
     const P whole(rough.share[r]), by_alpha(rough.slope[r]);
@@ -120,63 +123,213 @@ BURIN_FLATTEN inline void sum_knot(const CurveTables& tables, const KnotPlaces& 
       }
       const auto add = [&](int set, const P& by, const P& what) {
         float* at = to + set * floats + i;
-        save(at, xsimd::fma(by, what, load<P>(at)));
+        save(at, !begun ? P(by * what) : xsimd::fma(by, what, load<P>(at)));
       };
       add(0, whole, value);
       if constexpr (kSets > 1) add(1, whole, turn);
       if constexpr (kSets > 2) add(2, by_alpha, value);
     }
+    begun = true;
+  }
+}
+
+/// A tile's own curves, where the half vector turns so little in it that light is linear over it: of each direction
+/// that a run has asked for, three rows, at the tile's middle and by a column and a row.
+template <class P>
+class TileRows {
+ public:
+  TileRows(const CurveTables& tables, int left, int top, TileCurves& to)
+      : tables_(tables), to_(to), row_floats_(tables.row_floats), directions_(tables.directions + 3) {
+    to.start_rows(directions_ * tables.log_alpha.size(), 3 * row_floats_);
+    // The picture may end within the tile, and the tables with it.
+    const auto axis = [](int from, int count, double per_pixel, float& middle, float& half) {
+      const float last = per_pixel > 0 ? static_cast<float>((count - 1) / per_pixel) : 0;
+      half = 0.5F * std::max(1.0F, std::min(kTile - 1.0F, last - static_cast<float>(from)));
+      middle = static_cast<float>(from) + half;
+    };
+    float half[2] = {};
+    axis(left, tables.columns, tables.columns_per_pixel, middle_column, half[0]);
+    axis(top, tables.rows, tables.rows_per_pixel, middle_row, half[1]);
+    for (int corner = 0; corner < 4; ++corner) {
+      const float x = corner % 2 == 0 ? -1.0F : 1.0F, y = corner / 2 == 0 ? -1.0F : 1.0F;
+      KnotPlaces at;
+      find_places<P>(tables, middle_column + half[0] * x, middle_row + half[1] * y, -1, at);
+      for (int k = 0; k < at.count; ++k) {
+        int same = 0;
+        while (same < count_ && place_[same] != at.at[k]) ++same;
+        if (same == count_) {
+          place_[count_] = at.at[k];
+          share_[0][count_] = share_[1][count_] = share_[2][count_] = 0;
+          ++count_;
+        }
+        share_[0][same] += 0.25F * at.share[k];
+        share_[1][same] += 0.25F * x / half[0] * at.share[k];
+        share_[2][same] += 0.25F * y / half[1] * at.share[k];
+      }
+    }
+  }
+
+  float middle_column = 0, middle_row = 0;  ///< of the tile, in the picture
+
+  /// Of four directions from `direction` on (-1 is the first), at a roughness.
+  const float* of(int direction, int roughness) {
+    const std::size_t first = static_cast<std::size_t>(roughness) * directions_ + direction + 1;
+    for (std::size_t d = first; d < first + 4; ++d)
+      if (to_.row_made[d] == 0) make(d);
+    return to_.rows.data() + first * 3 * row_floats_;
+  }
+
+ private:
+  BURIN_FLATTEN void make(std::size_t d) {
+    to_.row_made[d] = 1;
+    const std::size_t places = static_cast<std::size_t>(tables_.columns) * tables_.rows;
+    const std::size_t from =
+        d / directions_ * places * tables_.place_floats() + d % directions_ * static_cast<std::size_t>(row_floats_);
+    float* at = to_.rows.data() + d * 3 * row_floats_;
+    for (std::size_t i = 0; i < row_floats_; i += kLanesOf<P>) {
+      P v[3] = {P(0.0F), P(0.0F), P(0.0F)};
+      for (int k = 0; k < count_; ++k) {
+        const P row = load<P>(place_[k] + from + i);
+        for (int j = 0; j < 3; ++j) v[j] = xsimd::fma(P(share_[j][k]), row, v[j]);
+      }
+      for (int j = 0; j < 3; ++j) save(at + j * row_floats_ + i, v[j]);
+    }
+  }
+
+  const CurveTables& tables_;
+  TileCurves& to_;
+  const std::size_t row_floats_, directions_;
+  const float* place_[64];
+  float share_[3][64];
+  int count_ = 0;
+};
+
+/// As sum_knot(), of kKnots knots at once, from a tile's own rows. `column`, `row`: of the knots, from the tile's
+/// middle.
+template <class P, int kSets, int kKnots>
+BURIN_FLATTEN inline void sum_tile_knots(TileRows<P>& rows, int direction, std::size_t floats, const float* column,
+                                         const float* row, const float (&share)[4], const float (&slope)[4],
+                                         const RoughnessShares& rough, float* to) {
+  bool begun = false;
+  for (int r = 0; r < rough.count; ++r) {
+    if (kSets < 3 && rough.share[r] == 0) continue;
+    const P whole(rough.share[r]), by_alpha(rough.slope[r]);
+    const float* const first = rows.of(direction, rough.first + r);
+    for (std::size_t i = 0; i < floats; i += kLanesOf<P>) {
+      P value[kKnots], turn[kKnots];
+      for (int k = 0; k < kKnots; ++k) value[k] = turn[k] = P(0.0F);
+      for (int d = 0; d < 4; ++d) {
+        const float* from = first + 3 * d * floats + i;
+        const P middle = load<P>(from), by_column = load<P>(from + floats), by_row = load<P>(from + 2 * floats);
+        for (int k = 0; k < kKnots; ++k) {
+          const P v = xsimd::fma(P(column[k]), by_column, xsimd::fma(P(row[k]), by_row, middle));
+          value[k] = xsimd::fma(P(share[d]), v, value[k]);
+          if constexpr (kSets > 1) turn[k] = xsimd::fma(P(slope[d]), v, turn[k]);
+        }
+      }
+      for (int k = 0; k < kKnots; ++k) {
+        float* at = to + k * kSets * floats + i;
+        const auto add = [&](int set, const P& by, const P& what) {
+          save(at + set * floats, !begun ? P(by * what) : xsimd::fma(by, what, load<P>(at + set * floats)));
+        };
+        add(0, whole, value[k]);
+        if constexpr (kSets > 1) add(1, whole, turn[k]);
+        if constexpr (kSets > 2) add(2, by_alpha, value[k]);
+      }
+    }
+    begun = true;
   }
 }
 
 /// How a run's middle line lies in its tile's lattice: pixel (column, row) = first + Y * step.
 struct RunLine {
   float column, row, column_step, row_step;
+  float pixels_per_Y;
   float from_Y, to_Y;  ///< as far as it lies within the tile
 };
 
+/// From mm to the lattice.
+struct FromMm {
+  float column_x, column_y, row_x, row_y, first_x, first_y;
+
+  explicit FromMm(const TileLattice& l) {
+    const double det = l.column_x * l.row_y - l.column_y * l.row_x, per = det != 0 ? 1 / det : 0;
+    column_x = static_cast<float>(l.row_y * per);
+    column_y = static_cast<float>(-l.row_x * per);
+    row_x = static_cast<float>(-l.column_y * per);
+    row_y = static_cast<float>(l.column_x * per);
+    first_x = static_cast<float>(l.first_x);
+    first_y = static_cast<float>(l.first_y);
+  }
+};
+
 template <class P>
-inline RunLine run_line(const TileTask& task, const TilePlaces& places, std::uint32_t r, float per_mm) {
-  const TileLattice& l = *task.lattice;
-  const TileRun& run = task.runs[r];
-  const double det = l.column_x * l.row_y - l.column_y * l.row_x, per = det != 0 ? 1 / det : 0;
-  const auto column_of = [&](double x, double y) { return static_cast<float>((x * l.row_y - y * l.row_x) * per); };
-  const auto row_of = [&](double x, double y) { return static_cast<float>((y * l.column_x - x * l.column_y) * per); };
-  const double back = -run.t_origin / per_mm, x = back * run.across_x - l.first_x, y = back * run.across_y - l.first_y;
-  RunLine out{column_of(x, y),
-              row_of(x, y),
-              column_of(-run.across_y / per_mm, run.across_x / per_mm),
-              row_of(-run.across_y / per_mm, run.across_x / per_mm),
+[[gnu::always_inline]] inline RunLine run_line(const TileRun& run, const FromMm& m, float mm,
+                                               const std::uint16_t first_place) {
+  const float x = -run.t_origin * mm * run.across_x - m.first_x, y = -run.t_origin * mm * run.across_y - m.first_y,
+              dx = -run.across_y * mm, dy = run.across_x * mm;
+  RunLine out{m.column_x * x + m.column_y * y,
+              m.row_x * x + m.row_y * y,
+              m.column_x * dx + m.column_y * dy,
+              m.row_x * dx + m.row_y * dy,
+              0,
               run.first_end,
               run.second_end};
+  const float size = out.column_step * out.column_step + out.row_step * out.row_step;
+  out.pixels_per_Y = std::sqrt(size);
   const auto clip = [&](float at, float step) {
-    if (std::abs(step) < 1e-12F) return;
-    const float a = (-0.5F - at) / step, b = (kTile - 0.5F - at) / step;
+    const float per = std::abs(step) > 1e-12F ? 1 / step : 1e12F;
+    const float a = (-0.5F - at) * per, b = (kTile - 0.5F - at) * per;
     out.from_Y = std::max(out.from_Y, std::min(a, b));
     out.to_Y = std::min(out.to_Y, std::max(a, b));
   };
   clip(out.column, out.column_step);
   clip(out.row, out.row_step);
   if (!(out.from_Y <= out.to_Y)) {  // its middle line is not in the tile: a pixel of it is
-    const std::uint16_t place = places.place[places.begin[r]];
-    const float c = static_cast<float>(place % kTile) - out.column, d = static_cast<float>(place / kTile) - out.row;
-    const float size = out.column_step * out.column_step + out.row_step * out.row_step;
+    const float c = static_cast<float>(first_place % kTile) - out.column,
+                d = static_cast<float>(first_place / kTile) - out.row;
     const float Y = size > 0 ? (c * out.column_step + d * out.row_step) / size : 0;
     out.from_Y = out.to_Y = std::min(std::max(Y, run.first_end), run.second_end);
   }
   return out;
 }
 
+/// Over half a turn; beyond it the curve is the same the other way round.
+struct RunDirection {
+  float sign;
+  int first;                 ///< of the four neighbors, -1 or more
+  float share[4], slope[4];  ///< by radians
+};
+template <class P>
+[[gnu::always_inline]] inline RunDirection run_direction(const TileRun& run, int directions) {
+  RunDirection out;
+  out.sign = run.across_y < 0 ? -1.0F : 1.0F;
+  const float per_direction = static_cast<float>(directions) * 0.318309886F;
+  const float place = azimuth_of<P>(out.sign * run.across_x, out.sign * run.across_y) * per_direction;
+  const int below = std::min(static_cast<int>(place), directions - 1);
+  out.first = below - 1;
+  lagrange<P>(place - static_cast<float>(below), out.share, out.slope);
+  for (float& s : out.slope) s *= per_direction;
+  return out;
+}
+
 template <class P, int kSets>
 inline void make_curves_of(const CurveTables& tables, const TileTask& task, const TilePlaces& places, int left, int top,
                            TileCurves& to) {
-  constexpr float kKnot = 0.15F;  // of the roughness: by how much h may turn from a knot to the next
+  constexpr float kKnot = 0.15F;   // of the roughness: by how much h may turn from a knot to the next
+  constexpr float kLinear = 0.2F;  // the same over a tile with rows of its own
   constexpr int kMostSteps = 64;
-  to.curve_floats = tables.row_floats;
-  to.knot_floats = kSets * to.curve_floats;
+  const std::size_t floats = tables.row_floats;
+  to.curve_floats = floats;
+  to.knot_floats = kSets * floats;
   to.half_count = tables.half_count;
   to.step = tables.step;
   to.grow_runs(task.run_count + 16);
+  const auto lean = static_cast<float>(tables.lean_per_pixel);
+  const bool linear = kTile * lean < kLinear * std::exp(tables.log_alpha.front());
+  std::optional<TileRows<P>> rows;
+  if (linear) rows.emplace(tables, left, top, to);
+  const FromMm from_mm(*task.lattice);
   std::size_t knots = 0;
   RoughnessShares rough;
   if (task.shapes.shared) rough = roughness_shares<P>(tables, task.shapes[0].alpha);
@@ -187,32 +340,49 @@ inline void make_curves_of(const CurveTables& tables, const TileTask& task, cons
     if (places.begin[r + 1] == places.begin[r]) continue;
     const RunShape& shape = task.shapes[r];
     if (!task.shapes.shared) rough = roughness_shares<P>(tables, shape.alpha);
-    // Directions over half a turn; beyond it the curve is the same the other way round.
-    const float x = task.runs[r].across_x, y = task.runs[r].across_y;
-    const float sign = y < 0 ? -1.0F : 1.0F, per_direction = static_cast<float>(tables.directions) * 0.318309886F;
-    const float place = azimuth_of<P>(sign * x, sign * y) * per_direction;
-    const int direction = std::min(static_cast<int>(place), tables.directions - 1);
-    float share[4], slope[4];
-    lagrange<P>(place - static_cast<float>(direction), share, slope);
-    for (float& s : slope) s *= per_direction;
-    const RunLine line = run_line<P>(task, places, r, shape.per_mm);
+    const RunDirection direction = run_direction<P>(task.runs[r], tables.directions);
+    const RunLine line = run_line<P>(task.runs[r], from_mm, 1 / shape.per_mm, places.place[places.begin[r]]);
     const float length = line.to_Y - line.from_Y;
-    const float turned = length * std::hypot(line.column_step, line.row_step) *
-                         static_cast<float>(tables.lean_per_pixel) / (kKnot * shape.alpha);
-    const int steps = turned < 0.2F ? 0 : std::min(kMostSteps, static_cast<int>(std::ceil(turned)));
-    run.number = sign * static_cast<float>(knots + 1);
+    const float turned = length * line.pixels_per_Y * lean / (kKnot * shape.alpha);
+    const int steps = turned < 0.2F ? 0 : std::min(kMostSteps, static_cast<int>(turned) + 1);
+    run.number = direction.sign * static_cast<float>(knots + 1);
     run.first_Y = line.from_Y;
     run.knots_per_Y = steps > 0 ? static_cast<float>(steps) / length : 0;
     run.last = static_cast<float>(std::max(0, steps - 1));
     // A knot more, which is read where the share of the next is 0.
     to.grow_knots((knots + steps + 2) * to.knot_floats);
-    for (int k = 0; k <= steps; ++k, ++knots) {
-      const float Y = line.from_Y + length * (steps > 0 ? static_cast<float>(k) / static_cast<float>(steps) : 0.5F);
-      find_places<P>(tables, static_cast<float>(left) + line.column + Y * line.column_step,
-                     static_cast<float>(top) + line.row + Y * line.row_step, direction - 1, stencil);
+    const float step = steps > 0 ? length / static_cast<float>(steps) : 0,
+                first = steps > 0 ? line.from_Y : line.from_Y + 0.5F * length;
+    for (int k = 0; k <= steps;) {
       float* at = &to.knots[knots * to.knot_floats];
-      std::fill_n(at, to.knot_floats, 0.0F);
-      sum_knot<P, kSets>(tables, stencil, share, slope, rough, at);
+      const float Y[2] = {first + static_cast<float>(k) * step, first + static_cast<float>(k + 1) * step};
+      float column[2], row[2];
+      for (int j = 0; j < 2; ++j) {
+        column[j] = line.column + Y[j] * line.column_step;
+        row[j] = line.row + Y[j] * line.row_step;
+      }
+      if (!linear) {
+        find_places<P>(tables, static_cast<float>(left) + column[0], static_cast<float>(top) + row[0], direction.first,
+                       stencil);
+        sum_knot<P, kSets>(tables, stencil, direction.share, direction.slope, rough, at);
+        ++k;
+        ++knots;
+        continue;
+      }
+      for (int j = 0; j < 2; ++j) {
+        column[j] += static_cast<float>(left) - rows->middle_column;
+        row[j] += static_cast<float>(top) - rows->middle_row;
+      }
+      const auto sum = [&]<int kKnots>(std::integral_constant<int, kKnots>) {
+        sum_tile_knots<P, kSets, kKnots>(*rows, direction.first, floats, column, row, direction.share, direction.slope,
+                                         rough, at);
+        k += kKnots;
+        knots += kKnots;
+      };
+      if (k < steps)
+        sum(std::integral_constant<int, 2>{});
+      else
+        sum(std::integral_constant<int, 1>{});
     }
   }
   to.grow_knots((knots + 1) * to.knot_floats);
