@@ -42,8 +42,8 @@ struct CurveTables {
 struct RunCurve {
   float number = 1;   ///< of its first knot's curve, from 1; negative: t runs the other way
   float first_Y = 0;  ///< Y of that knot (as in TileRun)
-  float knots_per_Y = 0;
-  float last = 0;  ///< steps between its knots, less 1; 0 for a single knot
+  float per_Y = 0;    ///< knots; of a lone knot, by what share all of its light grows
+  float last = -1;    ///< steps between its knots, less 1; -1 for a lone knot
 };
 
 /// The curves of a tile's runs. A knot's curves lie one after the other: R, dR by the groove's turn, dR by alpha.

@@ -13,19 +13,22 @@ namespace burin::kernel {
 /// Which curves of a tile: R, and its derivatives.
 enum CurveSet : std::uint8_t { kCurveLight, kCurveTurn, kCurveAlpha };
 
-/// The knot before a pair's pixel (as RunCurve::number), and the share of the one behind it.
+/// The knot before a pair's pixel (as RunCurve::number), and the share of the one behind it; by what a lone knot's
+/// light is to be multiplied there.
 template <class P>
 struct PairCurve {
-  P number, share;
+  P number, share, gain;
 };
 /// run(k): the run of lane k; Y: of the middles of the pairs' pixels.
 template <class P, class Run>
 [[gnu::always_inline]] inline PairCurve<P> pair_curve(const TileCurves& curves, const Run& run, const P& Y) {
   P of[4];
   packet::four_columns(of, [&](int k) { return &curves.runs[run(k)].number; });
-  const P at = xsimd::min(xsimd::max((Y - of[1]) * of[2], P(0.0F)), of[3] + P(1.0F));
-  const P knot = xsimd::min(xsimd::floor(at), of[3]);
-  return {xsimd::select(of[0] < P(0.0F), of[0] - knot, of[0] + knot), at - knot};
+  const P far = (Y - of[1]) * of[2], zero(0.0F), one(1.0F);
+  const P at = xsimd::min(xsimd::max(far, zero), of[3] + one);
+  const P knot = xsimd::max(xsimd::min(xsimd::floor(at), of[3]), zero);
+  return {xsimd::select(of[0] < zero, of[0] - knot, of[0] + knot), at - knot,
+          xsimd::select(of[3] < zero, xsimd::max(one + far, zero), one)};
 }
 
 /// A place on the curves of a packet of pieces.
@@ -153,8 +156,8 @@ inline void evaluate_any_pieces(const TileTask& task, TileBuffers& buffers, int 
 /// Where light is a curve, what finish_crossing() and finish() know of it beside: nothing more.
 template <class P, KernelMode kMode>
 [[gnu::always_inline]] inline void curve_factors(const TileTask& task, TileBuffers& buffers, const std::uint16_t* place,
-                                                 int at) {
-  save(buffers.gain + at, P(1.0F));
+                                                 const P& gain, int at) {
+  save(buffers.gain + at, gain);
   if constexpr (kMode != KernelMode::value) save(buffers.base + at, packet::look_up<P>(task.base, place));
   if constexpr (kMode == KernelMode::material) save(buffers.by_alpha + at, P(0.0F));
 }

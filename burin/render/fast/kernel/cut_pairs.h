@@ -60,9 +60,9 @@ template <class P, KernelMode kMode, bool kCurves>
   c.rim = constant(kRim);
   c.unit = constant(kUnit);
   if constexpr (kCurves) {
-    curve_factors<P, kMode>(work.task, buffers, place, packet.at);
     c.curve = pair_curve<P>(
         *work.task.curves, [&](int k) { return buffers.live[packet.line[used(k)]]; }, constant(kMidY) + c.origin_Y);
+    curve_factors<P, kMode>(work.task, buffers, place, c.curve.gain, packet.at);
     c.alpha = P(1.0F);
     return c;
   }

@@ -41,9 +41,9 @@ template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
   P hx, hy, hz;
   PairCurve<P> curve;
   if constexpr (kCurves) {
-    curve_factors<P, kMode>(task, buffers, place, at);
     curve = pair_curve<P>(
         *task.curves, [&](int k) { return buffers.live[packet.line[k]]; }, middle_of<P>(place, constant).Y);
+    curve_factors<P, kMode>(task, buffers, place, curve.gain, at);
   } else {
     const Shading<P> px = shade<P, kMode>(task, buffers, place, alpha, at);
     const P across_x = constant(kAcrossX), across_y = constant(kAcrossY);

@@ -313,11 +313,29 @@ template <class P>
   return out;
 }
 
+/// By what share the light of a whole groove, from rim to rim, grows by a unit of Y. `last`: its last node's place in a
+/// row.
+template <class P>
+inline float growth(TileRows<P>& rows, const RunDirection& direction, const RoughnessShares& rough, std::size_t floats,
+                    std::size_t last, float column, float row, const RunLine& line) {
+  float sum[3] = {};
+  for (int r = 0; r < rough.count; ++r) {
+    if (rough.share[r] == 0) continue;
+    const float* from = rows.of(direction.first, rough.first + r) + 1;
+    for (int d = 0; d < 4; ++d)
+      for (int j = 0; j < 3; ++j, from += floats)
+        sum[j] += rough.share[r] * direction.share[d] * (from[last] - from[0]);
+  }
+  const float all = sum[0] + column * sum[1] + row * sum[2];
+  return all > 0 ? (sum[1] * line.column_step + sum[2] * line.row_step) / all : 0;
+}
+
 template <class P, int kSets>
 inline void make_curves_of(const CurveTables& tables, const TileTask& task, const TilePlaces& places, int left, int top,
                            TileCurves& to) {
-  constexpr float kKnot = 0.15F;   // of the roughness: by how much h may turn from a knot to the next
-  constexpr float kLinear = 0.2F;  // the same over a tile with rows of its own
+  constexpr float kKnot = 0.15F;                // of the roughness: by how much h may turn from a knot to the next
+  constexpr float kLinear = 0.2F;               // the same over a tile with rows of its own
+  constexpr float kLone = 0.7F, kStill = 0.2F;  // of that: one knot will do, scaled or as it is
   constexpr int kMostSteps = 64;
   const std::size_t floats = tables.row_floats;
   to.curve_floats = floats;
@@ -344,11 +362,11 @@ inline void make_curves_of(const CurveTables& tables, const TileTask& task, cons
     const RunLine line = run_line<P>(task.runs[r], from_mm, 1 / shape.per_mm, places.place[places.begin[r]]);
     const float length = line.to_Y - line.from_Y;
     const float turned = length * line.pixels_per_Y * lean / (kKnot * shape.alpha);
-    const int steps = turned < 0.2F ? 0 : std::min(kMostSteps, static_cast<int>(turned) + 1);
+    const int steps = turned < (linear ? kLone : kStill) ? 0 : std::min(kMostSteps, static_cast<int>(turned) + 1);
     run.number = direction.sign * static_cast<float>(knots + 1);
     run.first_Y = line.from_Y;
-    run.knots_per_Y = steps > 0 ? static_cast<float>(steps) / length : 0;
-    run.last = static_cast<float>(std::max(0, steps - 1));
+    run.per_Y = steps > 0 ? static_cast<float>(steps) / length : 0;
+    run.last = static_cast<float>(steps - 1);
     // A knot more, which is read where the share of the next is 0.
     to.grow_knots((knots + steps + 2) * to.knot_floats);
     const float step = steps > 0 ? length / static_cast<float>(steps) : 0,
@@ -379,6 +397,11 @@ inline void make_curves_of(const CurveTables& tables, const TileTask& task, cons
         k += kKnots;
         knots += kKnots;
       };
+      if (steps == 0) {
+        run.first_Y = first;
+        run.per_Y =
+            growth(*rows, direction, rough, floats, std::size_t{6} * tables.half_count, column[0], row[0], line);
+      }
       if (k < steps)
         sum(std::integral_constant<int, 2>{});
       else
