@@ -46,6 +46,17 @@ void check_values(const Image& picture, const std::string& where) {
   }
 }
 
+// A light that far away: its middle lies where most of it comes from.
+Light far_away(const char* id, FarLight far, const Eigen::Vector3d& intensity) {
+  Light light;
+  light.id = id;
+  light.position_mm = kFar_mm * far.direction;
+  light.axis = -far.direction;
+  light.intensity = intensity;
+  light.far = std::make_shared<FarLight>(std::move(far));
+  return light;
+}
+
 }  // namespace
 
 Eigen::Vector3d Panorama::direction(double column, double row) const {
@@ -93,16 +104,10 @@ std::shared_ptr<const Panorama> make_panorama(Image picture, const PanoramaFrame
 }
 
 Light sun_light(const Eigen::Vector3d& direction, const Eigen::Vector3d& irradiance, double diameter_deg) {
-  auto far = std::make_shared<FarLight>();
-  far->direction = direction.normalized();
-  far->diameter_deg = diameter_deg;
-  Light light;
-  light.id = "sun";
-  light.position_mm = kFar_mm * far->direction;
-  light.axis = -far->direction;
-  light.intensity = irradiance;
-  light.far = std::move(far);
-  return light;
+  FarLight far;
+  far.direction = direction.normalized();
+  far.diameter_deg = diameter_deg;
+  return far_away("sun", std::move(far), irradiance);
 }
 
 Light surroundings_light(std::shared_ptr<const Panorama> panorama, const Eigen::Vector3d& factor) {
@@ -130,16 +135,10 @@ Light surroundings_light(std::shared_ptr<const Panorama> panorama, const Eigen::
     gathered += s.power;
     if (gathered > 0.1 * all) break;
   }
-  auto far = std::make_shared<FarLight>();
-  far->direction = mean.norm() > 0 ? Eigen::Vector3d(mean.normalized()) : Eigen::Vector3d::UnitZ();
-  far->surroundings = std::move(panorama);
-  Light light;
-  light.id = "surroundings";
-  light.position_mm = kFar_mm * far->direction;
-  light.axis = -far->direction;
-  light.intensity = factor;
-  light.far = std::move(far);
-  return light;
+  FarLight far;
+  far.direction = mean.norm() > 0 ? Eigen::Vector3d(mean.normalized()) : Eigen::Vector3d::UnitZ();
+  far.surroundings = std::move(panorama);
+  return far_away("surroundings", std::move(far), factor);
 }
 
 Light sun_as_lamp(const Light& sun) {

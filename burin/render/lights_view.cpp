@@ -5,17 +5,20 @@
 #include <utility>
 
 #include "burin/render/far_light.h"
+#include "burin/render/scene_parts.h"
 
 namespace burin {
 namespace {
 
 double wider_alpha(double alpha, double wider) { return std::min(1.0, std::sqrt(alpha * alpha + wider)); }
 
-// The scene under one lamp. Ambient light counts once: with the first.
-ViewScene scene_under(const ViewScene& scene, const Light& lamp, bool first, bool alone) {
+// Renderers of several lamps are kept up to so much; beyond it they are made anew each time.
+constexpr std::size_t kMostKept_bytes = 400'000'000;
+
+// The scene under one lamp.
+ViewScene scene_under(const ViewScene& scene, const Light& lamp, bool alone) {
   ViewScene out = scene;
   out.light = lamp;
-  if (!first) out.ambient.setZero();
   if (!alone) out.hidden_from_light.clear();
   return out;
 }
@@ -23,40 +26,65 @@ ViewScene scene_under(const ViewScene& scene, const Light& lamp, bool first, boo
 }  // namespace
 
 LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace)
-    : material_(scene.material),
+    : options_(options),
+      workspace_(workspace != nullptr ? std::move(workspace) : make_render_workspace()),
+      material_(scene.material),
       width_(scene.grid->width()),
-      height_(scene.grid->height()),
-      channels_(options.channels) {
-  if (workspace == nullptr) workspace = make_render_workspace();
+      height_(scene.grid->height()) {
   std::vector<Light> all{scene.light};
   all.insert(all.end(), scene.light.also.begin(), scene.light.also.end());
   all.front().also.clear();
   const auto near = [](const Light& l) { return l.far == nullptr || l.far->is_sun(); };
-  bool first = true;
+  const auto add = [&](ViewScene own, double wider) {
+    if (!lamps_.empty()) own.ambient.setZero();  // it counts once
+    lamps_.push_back({std::move(own), wider, nullptr});
+  };
   for (const Light& light : all) {
     if (!near(light)) continue;
-    Lamp lamp;
-    ViewScene own = scene_under(scene, light, first, all.size() == 1);
+    ViewScene own = scene_under(scene, light, all.size() == 1);
+    double wider = 0;
     if (light.far) {
       own.light = sun_as_lamp(light);
-      lamp.wider = widening(light.far->diameter_deg);
-      own.material.alpha = wider_alpha(scene.material.alpha, lamp.wider);
-      own.material.base_alpha = wider_alpha(scene.material.base_alpha, lamp.wider);
+      wider = widening(light.far->diameter_deg);
+      own.material.alpha = wider_alpha(scene.material.alpha, wider);
+      own.material.base_alpha = wider_alpha(scene.material.base_alpha, wider);
     }
-    lamp.renderer = std::make_unique<ViewRenderer>(std::move(own), options, workspace);
-    lamps_.push_back(std::move(lamp));
-    first = false;
+    for (ScenePart& part : scene_parts(own)) {
+      part.scene.light.intensity *= part.share;
+      add(std::move(part.scene), wider);
+    }
   }
-  if (first && !scene.ambient.isZero(0)) {  // no lamp adds it
+  if (lamps_.empty() && !scene.ambient.isZero(0)) {  // no lamp adds it
     Light dark;
     dark.position_mm = {0, 0, kFar_mm};
     dark.intensity.setZero();
-    Lamp lamp;
-    lamp.renderer = std::make_unique<ViewRenderer>(scene_under(scene, dark, true, false), options, workspace);
-    lamps_.push_back(std::move(lamp));
+    add(scene_under(scene, dark, false), 0);
   }
   for (const Light& light : all)
-    if (!near(light)) surroundings_.push_back(std::make_unique<SurroundingsView>(scene, light, options, workspace));
+    if (!near(light)) surroundings_.push_back(std::make_unique<SurroundingsView>(scene, light, options, workspace_));
+  // A view keeps some 25 bytes a pixel, each channel more 4.
+  const std::size_t bytes = lamps_.size() * static_cast<std::size_t>(width_) * height_ * (21 + 4 * options.channels);
+  if (lamps_.size() > 1 && bytes > kMostKept_bytes) return;
+  for (Lamp& lamp : lamps_) {
+    lamp.renderer = std::make_unique<ViewRenderer>(std::move(lamp.scene), options_, workspace_);
+    lamp.scene = {};
+  }
+}
+
+ViewRenderer& LightsView::renderer_of(const Lamp& lamp, std::optional<ViewRenderer>& made) const {
+  if (lamp.renderer) return *lamp.renderer;
+  made.emplace(lamp.scene, options_, workspace_);
+  return *made;
+}
+
+ViewRenderer& LightsView::with_jacobian(std::size_t k, std::optional<ViewRenderer>& made) const {
+  const Lamp& lamp = lamps_[k];
+  ViewRenderer& renderer = renderer_of(lamp, made);
+  const bool is_there = lamp.renderer != nullptr && k + 1 == lamps_.size() && surroundings_.empty();
+  if (is_there) return renderer;
+  Image again;
+  renderer.forward_with_jacobian(under(lamp), again);
+  return renderer;
 }
 
 Carved LightsView::under(const Lamp& lamp) const {
@@ -68,25 +96,26 @@ Carved LightsView::under(const Lamp& lamp) const {
 
 void LightsView::forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
   last_ = scratches;
-  Image sum(width_, height_, channels_);
-  for (const Lamp& lamp : lamps_) {
-    Image one;
-    if (keep_jacobian)
-      lamp.renderer->forward_with_jacobian(under(lamp), one);
+  Image sum(width_, height_, options_.channels), one;
+  std::optional<ViewRenderer> made;
+  for (std::size_t k = 0; k < lamps_.size(); ++k) {
+    ViewRenderer& renderer = renderer_of(lamps_[k], made);
+    // One workspace holds one Jacobian: that of what comes last.
+    if (keep_jacobian && k + 1 == lamps_.size() && surroundings_.empty())
+      renderer.forward_with_jacobian(under(lamps_[k]), one);
     else
-      lamp.renderer->forward(under(lamp), one);
+      renderer.forward(under(lamps_[k]), one);
     for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += one.data[i];
-    pair_count_ = lamp.renderer->pair_count();
+    pair_count_ = renderer.pair_count();
   }
-  for (const auto& one : surroundings_) {
-    one->add_radiance(scratches, keep_jacobian, sum);
-    pair_count_ = one->pair_count();
+  for (const auto& around : surroundings_) {
+    around->add_radiance(scratches, keep_jacobian && around == surroundings_.back(), sum);
+    pair_count_ = around->pair_count();
   }
   radiance = std::move(sum);
 }
 
 void LightsView::narrow(const Lamp& lamp, const ScratchGradients& before, ScratchGradients& gradients) const {
-  if (lamp.wider == 0) return;
   const auto chain = [&](double was, double alpha, double& by) {
     by = was + (by - was) * alpha / wider_alpha(alpha, lamp.wider);
   };
@@ -99,28 +128,28 @@ void LightsView::narrow(const Lamp& lamp, const ScratchGradients& before, Scratc
 void LightsView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
   for (std::size_t k = surroundings_.size(); k-- > 0;)  // the last one's Jacobian is there still
     surroundings_[k]->backward(dE_dradiance, gradients);
+  std::optional<ViewRenderer> made;
   for (std::size_t k = lamps_.size(); k-- > 0;) {
-    const Lamp& lamp = lamps_[k];
-    if (k + 1 < lamps_.size() || !surroundings_.empty()) {
-      Image again;
-      lamp.renderer->forward_with_jacobian(under(lamp), again);
+    const ViewRenderer& renderer = with_jacobian(k, made);
+    if (lamps_[k].wider == 0) {
+      renderer.backward(dE_dradiance, gradients);
+      continue;
     }
     const ScratchGradients before = gradients;
-    lamp.renderer->backward(dE_dradiance, gradients);
-    narrow(lamp, before, gradients);
+    renderer.backward(dE_dradiance, gradients);
+    narrow(lamps_[k], before, gradients);
   }
 }
 
 void LightsView::add_contributions(std::vector<double>& contribution) const {
-  for (std::size_t k = lamps_.size(); k-- > 0;) {
-    const Lamp& lamp = lamps_[k];
-    if (k + 1 < lamps_.size() || !surroundings_.empty()) {
-      Image again;
-      lamp.renderer->forward_with_jacobian(under(lamp), again);
-    }
-    lamp.renderer->add_contributions(contribution);
-  }
+  std::optional<ViewRenderer> made;
   for (const auto& one : surroundings_) one->add_contributions(contribution);
+  for (std::size_t k = 0; k < lamps_.size(); ++k) {
+    ViewRenderer& renderer = renderer_of(lamps_[k], made);
+    Image again;
+    renderer.forward(under(lamps_[k]), again);
+    renderer.add_contributions(contribution);
+  }
 }
 
 }  // namespace burin

@@ -1,9 +1,10 @@
-// burin/render/lights_view.h - one view under the sun, under surroundings, or under several lights at once: the sum of
-// what each sends. docs/model.md 10. Made and used by ViewRenderer.
+// burin/render/lights_view.h - one view under the sun, under surroundings, under a lamp with an area, or under several
+// lights at once: the sum of what each sends. docs/model.md 5.5, 10. Made and used by ViewRenderer.
 #pragma once
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "burin/render/surroundings/surroundings_view.h"
@@ -12,8 +13,9 @@
 namespace burin {
 
 /// What ViewRenderer does, light by light in one workspace. The sun is a lamp far away under which grooves are a little
-/// rougher (docs/model.md 10.4). Going back renders all lamps but the last once more. Hidden pixels
-/// (ViewScene::hidden_from_light) are those of a lone lamp; others shine on them.
+/// rougher (docs/model.md 10.4); a lamp with an area is a lamp for each point that stands for it (scene_parts.h). Going
+/// back renders all but the last once more. Hidden pixels (ViewScene::hidden_from_light) are those of a lone lamp;
+/// others shine on them.
 class LightsView {
  public:
   LightsView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace);
@@ -24,20 +26,27 @@ class LightsView {
   std::size_t pair_count() const { return pair_count_; }
 
  private:
-  /// A lamp, or the sun: alpha^2 grows by `wider` under it.
+  /// A point lamp, or the sun: alpha^2 grows by `wider` under it. `renderer` is kept, or made anew each time of
+  /// `scene`.
   struct Lamp {
-    std::unique_ptr<ViewRenderer> renderer;
+    ViewScene scene;
     double wider = 0;
+    std::unique_ptr<ViewRenderer> renderer;
   };
+  ViewRenderer& renderer_of(const Lamp& lamp, std::optional<ViewRenderer>& made) const;
+  /// The renderer of lamp k, in which the last forward()'s Jacobian lies.
+  ViewRenderer& with_jacobian(std::size_t k, std::optional<ViewRenderer>& made) const;
   Carved under(const Lamp& lamp) const;
   /// What `gradients` got more since `before`, from the wider roughness to the groove's own.
   void narrow(const Lamp& lamp, const ScratchGradients& before, ScratchGradients& gradients) const;
 
   std::vector<Lamp> lamps_;
   std::vector<std::unique_ptr<SurroundingsView>> surroundings_;
+  RenderOptions options_;
+  std::shared_ptr<RenderWorkspace> workspace_;
   Scratches last_;
   Material material_;
-  int width_ = 0, height_ = 0, channels_ = 1;
+  int width_ = 0, height_ = 0;
   std::size_t pair_count_ = 0;
 };
 

@@ -3,7 +3,6 @@
 #include <string>
 #include <utility>
 
-#include "burin/render/area_view.h"
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
@@ -31,8 +30,7 @@ struct ViewRenderer::State {
         : scene(std::move(s)), index(*scene.grid), pixels(view_pixels(scene, channels)), view(scene, pixels) {}
   };
   std::unique_ptr<Exact> exact;
-  std::unique_ptr<AreaView> area;      // of a lamp with an area: then neither of both
-  std::unique_ptr<LightsView> lights;  // of the sun, surroundings, several lights: then none of the three
+  std::unique_ptr<LightsView> lights;  // of all that is no lone point lamp: then neither of both
 
   State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderWorkspace> workspace) : options(o) {
     check_view(scene, options.channels);
@@ -41,10 +39,8 @@ struct ViewRenderer::State {
     tool_width_um = scene.tool_width_um;
     material = scene.material;
     // The float path knows the paper's cross-section alone.
-    if (!scene.light.is_lamp())
+    if (!scene.light.is_lamp() || !scene.light.size.is_point())
       lights = std::make_unique<LightsView>(scene, options, std::move(workspace));
-    else if (!scene.light.size.is_point())
-      area = std::make_unique<AreaView>(scene, options, std::move(workspace));
     else if (options.use_double || !material.profile.is_paper())
       exact = std::make_unique<Exact>(std::move(scene), options.channels);
     else  // which keeps what it needs of the scene, in float
@@ -57,10 +53,6 @@ struct ViewRenderer::State {
     scratch_count = scratches.size();
     if (lights) {
       lights->forward(scratches, keep_jacobian, radiance);
-      return;
-    }
-    if (area) {
-      area->forward(scratches, radiance);
       return;
     }
     if (fast) {
@@ -109,8 +101,6 @@ void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradien
              " scratches of the last forward_with_jacobian()");
   if (state_->lights)
     state_->lights->backward(dE_dradiance, gradients);
-  else if (state_->area)
-    state_->area->backward(dE_dradiance, gradients);
   else if (state_->fast)
     state_->fast->backward(dE_dradiance, gradients);
   else
@@ -123,8 +113,6 @@ void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
          "give one for each of the " + std::to_string(state_->scratch_count) + " scratches of the last forward()");
   if (state_->lights)
     state_->lights->add_contributions(contribution);
-  else if (state_->area)
-    state_->area->add_contributions(contribution);
   else if (state_->fast)
     state_->fast->add_contributions(contribution);
   else
@@ -133,7 +121,6 @@ void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
 
 std::size_t ViewRenderer::pair_count() const {
   if (state_->lights) return state_->lights->pair_count();
-  if (state_->area) return state_->area->pair_count();
   return state_->fast ? state_->fast->pair_count() : state_->exact->view.pair_count();
 }
 

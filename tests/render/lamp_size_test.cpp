@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "burin/render/area_view.h"
+#include "burin/render/scene_parts.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/lamp_size_json.h"

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <optional>
 
-#include "burin/render/area_view.h"
+#include "burin/render/scene_parts.h"
 #include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/exact/scratch_pair.h"

@@ -25,11 +25,11 @@ struct FarRay {
   Eigen::Vector3d power;
 };
 
-// The panorama's pixels, put together or cut up to the size that the roughness asks for. Directions below the face of a
-// flat board may still lie above a bowed one: all are kept that bring light.
+// The panorama's pixels, put together or cut up to the size that the roughness asks for: half vectors turn half as
+// much. Directions below the face of a flat board may still lie above a bowed one: all are kept that bring light.
 std::vector<FarRay> sources_of(const Panorama& panorama, double alpha) {
   const Image& picture = panorama.radiance;
-  const double wanted = kFine * alpha, own = std::numbers::pi / picture.height;
+  const double wanted = 1.5 * kFine * alpha, own = std::numbers::pi / picture.height;
   const int cut = std::clamp(static_cast<int>(std::ceil(own / wanted)), 1, 64);
   const int join = cut > 1 ? 1 : std::max(1, static_cast<int>(std::floor(wanted / own)));
   std::vector<FarRay> out;
@@ -174,23 +174,6 @@ void convolve(const FacetTable& table, const Rings& rings, const std::vector<flo
 }
 
 }  // namespace
-
-CubicShares cubic_shares(double place, int count, bool periodic) {
-  CubicShares out;
-  const double below = std::floor(place);
-  out.first = static_cast<int>(below) - 1;
-  if (!periodic) out.first = std::clamp(out.first, 0, count - 4);
-  const double u = place - out.first - 1;
-  out.share[0] = -u * (u - 1) * (u - 2) / 6;
-  out.share[1] = (u + 1) * (u - 1) * (u - 2) / 2;
-  out.share[2] = -(u + 1) * u * (u - 2) / 2;
-  out.share[3] = (u + 1) * u * (u - 1) / 6;
-  out.slope[0] = -(3 * u * u - 6 * u + 2) / 6;
-  out.slope[1] = (3 * u * u - 4 * u - 1) / 2;
-  out.slope[2] = -(3 * u * u - 2 * u - 2) / 2;
-  out.slope[3] = (3 * u * u - 1) / 6;
-  return out;
-}
 
 PlaceLattice place_lattice(const ViewScene& scene, double alpha) {
   constexpr double kStep = 0.3;  // of the roughness: from a node to the next

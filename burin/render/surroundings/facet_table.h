@@ -9,6 +9,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -24,7 +26,21 @@ struct CubicShares {
 };
 /// Of a place on an axis of `count` nodes (at least four); on a ring of as many where `periodic`, which `first` may
 /// leave (take it modulo count).
-CubicShares cubic_shares(double place, int count, bool periodic);
+inline CubicShares cubic_shares(double place, int count, bool periodic) {
+  CubicShares out;
+  out.first = static_cast<int>(std::floor(place)) - 1;
+  if (!periodic) out.first = std::clamp(out.first, 0, count - 4);
+  const double u = place - out.first - 1;
+  out.share[0] = -u * (u - 1) * (u - 2) / 6;
+  out.share[1] = (u + 1) * (u - 1) * (u - 2) / 2;
+  out.share[2] = -(u + 1) * u * (u - 2) / 2;
+  out.share[3] = (u + 1) * u * (u - 1) / 6;
+  out.slope[0] = -(3 * u * u - 6 * u + 2) / 6;
+  out.slope[1] = (3 * u * u - 4 * u - 1) / 2;
+  out.slope[2] = -(3 * u * u - 2 * u - 2) / 2;
+  out.slope[3] = (3 * u * u - 1) / 6;
+  return out;
+}
 
 /// The light of facets. Normals: lean 2 atan(t) for t = k * t_step, k = 0 .. t_count - 1, azimuth (face) j * 360 /
 /// azimuths degrees. Places: pixels of the view's grid, columns x rows of them, evenly spread.

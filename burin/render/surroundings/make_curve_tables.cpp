@@ -12,7 +12,7 @@
 namespace burin {
 namespace {
 
-constexpr double kNode = 0.3;                    // of the roughness: from a node of a curve to the next
+constexpr double kNode = 0.4;                    // of the roughness: from a node of a curve to the next
 constexpr double kFiner = 2.5;                   // times as many places, where light between them is taken as straight
 constexpr std::size_t kMostFloats = 32'000'000;  // of a table with the finer places: else the coarse ones are kept
 

@@ -1,0 +1,18 @@
+// burin/render/scene_parts.h - a lamp with an area as the points that stand for it (lamp_size.h): a scene each.
+// docs/model.md 5.5.
+#pragma once
+
+#include <vector>
+
+#include "burin/render/view_renderer.h"
+
+namespace burin {
+
+/// The scenes of a lamp's points, and their shares: light is the mean over them.
+struct ScenePart {
+  ViewScene scene;
+  double share = 1;
+};
+std::vector<ScenePart> scene_parts(const ViewScene& scene);
+
+}  // namespace burin
