@@ -93,12 +93,11 @@ void run(const RenderArguments& o) {
   ViewRenderer renderer(make_scene(bench, board, camera, light), {3});
   Image image;
   renderer.forward(carved, image);
-  const double exposure = o.exposure > 0           ? o.exposure
-                          : is_float_format(o.out) ? 1
-                                                   : automatic_exposure(image).value_or(1);
+  const bool is_linear = is_float_format(o.out);
+  const double exposure = o.exposure > 0 ? o.exposure : is_linear ? 1 : automatic_exposure(image).value_or(1);
   for (float& v : image.data) {
     v *= static_cast<float>(exposure);
-    if (!is_float_format(o.out)) v = linear_to_srgb(std::clamp(v, 0.0F, 1.0F));
+    if (!is_linear) v = linear_to_srgb(std::clamp(v, 0.0F, 1.0F));
   }
   write_picture(image, o.out);
   bar.clear();

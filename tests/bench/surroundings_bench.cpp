@@ -1,7 +1,8 @@
-// Surroundings against a point lamp, one view of 512 x 512 pixels on one thread: a room with a window, walls and a
-// ceiling, on a board of Burin's (120 mm, wt 400 um, d 14 um, alpha 0.06) and on the paper's (300 mm, wt and d 30 um,
-// alpha 0.04). Forward alone, and with the way back to both ends. `tables_ms`: what is made once a view, before the
-// first picture. `image_rms`, `gradient_rms`: against the double twin, over the image's peak and the gradient's RMS.
+// Surroundings, and a lamp with an area, against a point lamp, one view of 512 x 512 pixels on one thread: a room with
+// a window, walls and a ceiling, on a board of Burin's (120 mm, wt 400 um, d 14 um, alpha 0.06) and on the paper's (300
+// mm, wt and d 30 um, alpha 0.04). Forward alone, and with the way back to both ends. `tables_ms`: what is made once a
+// view, before the first picture. `image_rms`, `gradient_rms`: against the double twin, over the image's peak and the
+// gradient's RMS.
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
@@ -85,10 +86,17 @@ void report_twin(benchmark::State& state, const Bench& bench, const Image& weigh
   state.counters["gradient_rms"] = std::sqrt(slope_error / slope);
 }
 
-void time_light(benchmark::State& state, Bench bench, bool around, bool back) {
+enum Kind { kPoint, kRoom, kDisk };
+
+void time_light(benchmark::State& state, Bench bench, Kind kind, bool back) {
   using Clock = std::chrono::steady_clock;
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const bool around = kind == kRoom;
   if (around) bench.scene.light = room();
+  if (kind == kDisk) {
+    bench.scene.light.size.disk_mm = 25;
+    bench.scene.light.axis = -bench.scene.light.position_mm.normalized();
+  }
   const Image weights = random_weights(512, 512);
   const auto start = Clock::now();
   ViewRenderer renderer(bench.scene, {1, false, false});
@@ -118,13 +126,14 @@ void time_light(benchmark::State& state, Bench bench, bool around, bool back) {
 
 void LightOfARoom(benchmark::State& state) {
   const int count = static_cast<int>(state.range(1));
-  state.SetLabel(state.range(2) != 0 ? "surroundings" : "point lamp");
-  time_light(state, state.range(0) != 0 ? papers(count) : burins(count), state.range(2) != 0, state.range(3) != 0);
+  const auto kind = static_cast<Kind>(state.range(2));
+  state.SetLabel(kind == kPoint ? "point lamp" : kind == kRoom ? "surroundings" : "disk lamp of 25 mm");
+  time_light(state, state.range(0) != 0 ? papers(count) : burins(count), kind, state.range(3) != 0);
 }
 BENCHMARK(LightOfARoom)
-    ->ArgNames({"papers", "scratches", "room", "back"})
-    ->ArgsProduct({{0}, {4000, 40000}, {0, 1}, {0, 1}})
-    ->ArgsProduct({{1}, {80000}, {0, 1}, {0, 1}})
+    ->ArgNames({"papers", "scratches", "light", "back"})
+    ->ArgsProduct({{0}, {4000, 40000}, {kPoint, kRoom, kDisk}, {0, 1}})
+    ->ArgsProduct({{1}, {80000}, {kPoint, kRoom}, {0, 1}})
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace

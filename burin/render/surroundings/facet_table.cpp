@@ -217,7 +217,9 @@ PlaceLattice place_lattice(const ViewScene& scene, double alpha) {
                          std::min(w - 1, static_cast<int>(std::lround(x)));
       if (!is_valid[best]) {
         double nearest = std::numeric_limits<double>::infinity();
-        for (const std::size_t i : valid) {
+        // Of large pictures some pixels will do: a place outside is only there to be interpolated from.
+        for (std::size_t k = 0; k < valid.size(); k += std::max<std::size_t>(1, valid.size() / 10'000)) {
+          const std::size_t i = valid[k];
           const double d = std::hypot(static_cast<double>(i % w) - x, static_cast<double>(i / w) - y);
           if (d >= nearest) continue;
           nearest = d;
