@@ -56,6 +56,20 @@ TEST(LampFromShading, ExactShadingGivesTheLampBack) {
   EXPECT_FALSE(lamp_from_shading(points, shading).has_value());
 }
 
+TEST(LightSamples, WhereNoLargeBlockIsFreeOfGroovesSmallerOnesShowTheFace) {
+  BURIN_NEEDS_RIG("b-small");
+  const Rig rig = read_rig("b-small", {"v05"});
+  Bench bench = rig.true_poses;
+  std::vector<Finding> findings;
+  const std::vector<LightView> views = make_light_views(merge_session(rig.session), rig.board, bench, findings);
+  LightSampleOptions coarse;
+  coarse.block_px = 128;  // as if a block of the usual side were as large as the board's free places
+  std::size_t faces = 0;
+  for (const LightSample& s : gather_light_samples(views, rig.board, bench, rig.sent, coarse))
+    faces += s.kind == SampleKind::face;
+  EXPECT_GE(faces, 60U);
+}
+
 struct RigLamp {
   Bench bench;
   nlohmann::json truth;

@@ -322,9 +322,8 @@ BoardMask plain_face(const SampledView& v, const Bench& bench, const Scratches& 
   return plain;
 }
 
-// Blocks of pixels of the plain face, as many as are wanted of a view.
-void add_face_samples(const SampledView& v, const BoardMask& plain, std::vector<LightSample>& samples) {
-  const int block = v.options.block_px;
+// Blocks of `block` x `block` pixels of the plain face.
+std::vector<LightSample> face_blocks(const SampledView& v, const BoardMask& plain, int block) {
   std::vector<LightSample> face;
   std::vector<double> values;
   for (int y0 = 0; y0 + block <= v.height(); y0 += block)
@@ -357,6 +356,16 @@ void add_face_samples(const SampledView& v, const BoardMask& plain, std::vector<
       sample.to_camera = (v.camera - sample.p_board).normalized();
       face.push_back(sample);
     }
+  return face;
+}
+
+// Blocks of the plain face, as many as are wanted of a view. Where photos are coarse and grooves lie close, hardly a
+// large block is free of them; without any the face says nothing of the lamp, or of a brushing.
+void add_face_samples(const SampledView& v, const BoardMask& plain, std::vector<LightSample>& samples) {
+  constexpr std::size_t kFewest = 60;
+  int block = v.options.block_px;
+  std::vector<LightSample> face = face_blocks(v, plain, block);
+  while (face.size() < kFewest && block > 1) face = face_blocks(v, plain, block /= 2);
   const std::size_t step = 1 + face.size() / std::max(1, v.options.max_face_per_view);
   for (std::size_t i = 0; i < face.size(); i += step) samples.push_back(face[i]);
 }
