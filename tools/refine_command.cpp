@@ -60,6 +60,9 @@ void print_result(const Refinement& r, const Board& board) {
       fmt::print(", +- {:.2f}, {:.2f}, {:.2f} mm", light.position_sigma_mm->x(), light.position_sigma_mm->y(),
                  light.position_sigma_mm->z());
     if (light.falloff_exponent > 0) fmt::print("; a spot, exponent {:.1f}", light.falloff_exponent);
+    if (light.size.disk_mm > 0)
+      fmt::print("; a disk of {:.1f}{} mm radius", light.size.disk_mm,
+                 light.size.disk_sigma_mm ? fmt::format(" +- {:.1f}", *light.size.disk_sigma_mm) : ", as told,");
     fmt::print("\n");
   }
   double worst = 0;

@@ -20,6 +20,7 @@
 #include "burin/calib/verdict/at_bounds.h"
 #include "burin/calib/verdict/effect_findings.h"
 #include "burin/calib/verdict/next_photo.h"
+#include "burin/calib/verdict/odd_photos.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
 #include "burin/calib/verdict/refine_result.h"
 #include "burin/render/board_face.h"
@@ -46,6 +47,7 @@ struct RefineRun {
   Problem data{};
   State state{};
   Stage stage{};
+  std::vector<Eigen::VectorXd> size_shifts{};  // by sizes of lamps that the photos do not ask for
 
   void tell(const char* what, double fraction) const {
     if (progress) progress(what, fraction);
@@ -112,6 +114,8 @@ void RefineRun::find_lamp() {
   const std::vector<LightSample> samples = gather_light_samples(views, board, out.bench, sent);
   const LampSeed seed = fit_lamps(samples, board, out.bench);
   append(out.findings, seed.findings);
+  for (Light& light : out.bench.lights)  // what photos told before, they shall tell again
+    if (light.size.disk_sigma_mm) light.size = {};
   Bench start = out.bench;
   start.material = board.material;
   start.depth_field = start.alpha_field = {};
@@ -270,10 +274,13 @@ void RefineRun::free_geometry() {
 // Only now: what cameras, bow or lamp still had wrong would look like grooves that vary.
 void RefineRun::free_depth_field() {
   if (!options.fit_fields) return;
-  tell("asking whether depth varies, and for glare", 0);
+  tell("asking whether depth varies, for glare and the lamp's size", 0);
   glare_at(usual_glare(out.bench.lens));
-  const FreeField field = choose_depth_field(data, stage, state);
+  if (options.fit_lamp)
+    for (std::size_t i = 0; i < data.is_disk.size(); ++i) data.is_disk[i] = out.bench.lights[i].size.is_point();
+  const FreeField field = choose_depth_field(data, stage, state, &size_shifts);
   stage.free(field);
+  if (!field.size) data.is_disk.assign(data.is_disk.size(), false);
   if (field.glare) shape_glare();
   out.bench.verdict[parameter::kDepthField] = {
       Source::measured,
@@ -328,7 +335,12 @@ void RefineRun::keep_what_is_believed() {
 
 void RefineRun::judge() {
   tell("judging the result", 0);
-  const Uncertainty uncertainty = uncertainty_of(data, stage, state);
+  Uncertainty uncertainty = uncertainty_of(data, stage, state);
+  uncertainty.shifts.insert(uncertainty.shifts.end(), size_shifts.begin(), size_shifts.end());
+  const Carved carved = carved_at(data.model, state.of(0));
+  for (std::size_t k = 0; k < data.photos.size(); ++k)
+    out.photos.push_back(photo_fit(data, k, state, carved, out.bench));
+  add_odd_photos(out.photos, uncertainty);
   const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
   append(out.findings, judge_bounds(data, stage, state, out.bench));
   keep_what_is_believed();
@@ -345,9 +357,6 @@ void RefineRun::judge() {
   out.bench.depth_scatter = scatter(data.model.depth_jitter, data.model.depth_jitter2_sigma);
   out.slope_error = data.slope_error;
   out.model_error = median_of(data.photo_model_error);
-  const Carved carved = carved_at(data.model, state.of(0));
-  for (std::size_t k = 0; k < data.photos.size(); ++k)
-    out.photos.push_back(photo_fit(data, k, state, carved, out.bench));
 }
 
 // From rough and quick to fine: each stage starts where the one before ended.

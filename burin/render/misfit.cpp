@@ -11,7 +11,7 @@ struct Words {
 };
 
 // What each quantity sets apart, and what usually stands behind it.
-constexpr std::array<Words, 7> kWords{{
+constexpr std::array<Words, 8> kWords{{
     {"along", "how far half vectors lean along the grooves",
      "the lamp has a size (measure it and write \"disk_mm\" or \"panel_mm\" of the light into bench.json), or the "
      "grooves "
@@ -32,17 +32,25 @@ constexpr std::array<Words, 7> kWords{{
     {"lean", "how photos were taken: from near the mirror direction or far from it",
      "stray light, or a lamp that shines unevenly: hang something dark round the board, or photograph it with the lamp "
      "switched off as well"},
+    {"photo ", "whether they are in ",
+     "another lamp or a window may shine into it where its mirror image is seen: hang something dark there and "
+     "photograph that view again, or leave it out"},
 }};
 
 const Words& words_of(const Misfit& misfit) {
   for (const Words& words : kWords)
     if (words.test == misfit.test) return words;
-  return kWords.back();
+  if (misfit.test.starts_with(kWords.back().test)) return kWords.back();
+  return kWords[kWords.size() - 2];
 }
 
 }  // namespace
 
-std::string quantity_in_words(const Misfit& misfit) { return std::string(words_of(misfit).quantity); }
+std::string quantity_in_words(const Misfit& misfit) {
+  const Words& words = words_of(misfit);
+  // Of one photo the test carries the name.
+  return std::string(words.quantity) + (words.test == kWords.back().test ? misfit.test : "");
+}
 std::string remedy_in_words(const Misfit& misfit) { return std::string(words_of(misfit).remedy); }
 
 }  // namespace burin

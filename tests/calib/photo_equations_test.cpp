@@ -106,7 +106,8 @@ void fill(Scene& s, bool spot) {
 
 // What only some benches have is no derivative but a difference (difference_step()): EffectsAreDifferences has it.
 bool is_difference(int i) {
-  return i >= unknown::backlash && i <= unknown::log_across && i != unknown::grain && i != unknown::grain + 1;
+  return i == unknown::disk2 ||
+         (i >= unknown::backlash && i <= unknown::log_across && i != unknown::grain && i != unknown::grain + 1);
 }
 
 void check_gradient(const Scene& s) {
@@ -193,7 +194,8 @@ TEST(PhotoEquations, GradientIsTheCostsDerivativeSpot) {
   check_gradient(s);
 }
 
-// The scores by backlash, screws, burrs and roughness across grooves are what predictions a step away say.
+// The scores by backlash, screws, burrs, roughness across grooves and a lamp's size are what predictions a step away
+// say.
 TEST(PhotoEquations, EffectsAreDifferences) {
   Scene s;
   fill(s, false);
@@ -207,7 +209,7 @@ TEST(PhotoEquations, EffectsAreDifferences) {
   for (int i = 0; i < unknown::pose; ++i) free[i] = true;
   const PhotoEquations e = photo_equations(s.model, s.photo, x, carved_at(s.model, x), free);
   const Image here = predict(s.model, s.photo, x, carved_at(s.model, x));
-  for (int i = unknown::backlash; i <= unknown::log_across; ++i) {
+  for (int i = unknown::backlash; i < unknown::pose; ++i) {
     if (!is_difference(i) || i == unknown::flank) continue;
     const double step = difference_step(i, x[i]);
     Unknowns moved = x;

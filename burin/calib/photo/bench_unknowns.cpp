@@ -153,6 +153,14 @@ constexpr auto kLinks = std::to_array<Link>({
        l.falloff_exponent = p.is_spot[light] ? from[2] : 0;
        l.axis = (Eigen::Vector3d(from[0], from[1], 0) - l.position_mm).normalized();
      }},
+    {unknown::disk2,
+     [](const Bench& b, const Problem& p, std::size_t light, double* to) {
+       *to = std::pow(b.lights[light].size.disk_mm / disk_unit_mm(*p.model.board), 2);
+     },
+     [](const double* from, const Problem& p, std::size_t light, Bench& b) {
+       if (seeks_size(p, light))  // else as it was given, to the last bit
+         b.lights[light].size.disk_mm = disk_unit_mm(*p.model.board) * std::sqrt(std::max(0.0, *from));
+     }},
 });
 
 constexpr bool every_row_has_a_link() {

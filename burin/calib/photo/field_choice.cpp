@@ -13,9 +13,12 @@
 namespace burin {
 namespace {
 
-void set_free(const FreeField& field, std::vector<bool>& free) {
+void set_free(const FreeField& field, std::size_t lights, std::vector<bool>& free) {
   const Stage stage = Stage().free(field);
   for_each_unknown([&](const UnknownRow& row, int first) {
+    if (row.group == Group::lamp_size && !field.size)
+      for (std::size_t light = 0; light < lights; ++light)
+        free[static_cast<std::size_t>(global_index(first, light))] = false;
     if (row.group == Group::depth_linear || row.group == Group::depth_quadratic || row.group == Group::depth_wear ||
         row.group == Group::glare)
       std::fill_n(free.begin() + first, row.size, stage.frees(row.group));
@@ -42,8 +45,8 @@ double chi_squared(const Eigen::VectorXd& step, const Eigen::MatrixXd& covarianc
 // 1942).
 constexpr double kOnceInTenThousand = 3.719, kOnceInAMillion = 4.753;  // sigmas of a normal distribution
 // Whatever makes dark places brighter than the model has them looks like glare: fingerprints and dust of an amateur's
-// bench without any made up 0.8 % of it, at 7.2 sigmas by places and 4.8 by views.
-constexpr double kGlareByPlace = 8, kGlareByView = 6;
+// bench without any made up 0.8 % of it, at 7.2 sigmas by places and 4.8 by views. So little is asked for sternly.
+constexpr double kMadeUpGlare = 0.015, kLittleGlareByPlace = 8, kLittleGlareByView = 6;
 
 bool beyond_chance(double chi2, std::size_t terms, std::size_t samples, double sigmas) {
   if (samples < terms + 3) return false;
@@ -53,42 +56,70 @@ bool beyond_chance(double chi2, std::size_t terms, std::size_t samples, double s
   return (1 - a) * root - (1 - b) > sigmas * std::sqrt(a * root * root + b);
 }
 
+// How far photos' scores at the optimum of H and g, a step away, scatter: no rendering.
+Eigen::MatrixXd scatter_by_view(const ViewEquations& e, const Eigen::VectorXd& step) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(step.size(), step.size());
+  const auto views = static_cast<double>(e.H.size());
+  for (std::size_t k = 0; k < e.H.size(); ++k) {
+    const Eigen::VectorXd score = e.g[k] + e.H[k] * step;
+    out += views / (views - 1) * score * score.transpose();
+  }
+  return out;
+}
+
 // Whether the terms `added` are more than the model's own errors make up, which are alike in all photos of a place and
 // in all places of a photo. The scores are taken at the richer field's own optimum: what it explains is no scatter.
-bool significant(const Problem& data, const Stage& all, const State& state, const ViewEquations& e,
-                 const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const std::vector<bool>& free,
-                 const std::vector<Eigen::Index>& added) {
-  const bool glare = added.size() == 1 && added.front() == unknown::glare_share;
-  const double sigmas = added.size() > 2 ? kOnceInAMillion : kOnceInTenThousand;
+enum class Asked { no, by_places_only, yes };
+
+Asked significance(const Problem& data, const Stage& all, const State& state, const ViewEquations& e,
+                   const Eigen::MatrixXd& H, const Eigen::VectorXd& g, const std::vector<bool>& free,
+                   const std::vector<Eigen::Index>& added) {
   const Eigen::MatrixXd inverse = safe_inverse(H, free);
   const Eigen::VectorXd step = -inverse * g;
-  State there = moved_state(state, step);
-  const ViewEquations at_optimum = view_equations(data, all, there);
-  const Eigen::MatrixXd by_place = at_optimum.tiles * at_optimum.tiles.transpose();
+  const bool little_glare =
+      added.size() == 1 && added.front() == unknown::glare_share && step[unknown::glare_share] < kMadeUpGlare;
+  const double sigmas = added.size() > 2 ? kOnceInAMillion : kOnceInTenThousand;
+  const auto beyond = [&](const Eigen::MatrixXd& scatter, std::size_t samples, double bar) {
+    return beyond_chance(chi_squared(step, inverse * (scatter + e.prior_scatter) * inverse, added), added.size(),
+                         samples, bar);
+  };
+  // Photos are few: their scatter could not say so much of several terms, but it may contradict.
+  constexpr std::size_t kKnown = 1000;
+  // Photos of a lamp with an area take many times as long to render: only where photos do not contradict already.
+  const bool size = added.front() > kPaperIndex;
+  if (size && !beyond(scatter_by_view(e, step), kKnown, sigmas)) return Asked::no;
+  const ViewEquations at_optimum = view_equations(data, all, moved_state(state, step));
   std::size_t places = 0;
   for (Eigen::Index t = 0; t < at_optimum.tiles.cols(); ++t)
     if (at_optimum.tiles(unknown::log_alpha, t) != 0) ++places;
-  if (!beyond_chance(chi_squared(step, inverse * (by_place + e.prior_scatter) * inverse, added), added.size(), places,
-                     glare ? kGlareByPlace : sigmas))
-    return false;
-  // Photos are few: their scatter could not say so much of several terms, but it may contradict.
+  if (!beyond(at_optimum.tiles * at_optimum.tiles.transpose(), places, little_glare ? kLittleGlareByPlace : sigmas))
+    return Asked::no;
   Eigen::MatrixXd by_view = Eigen::MatrixXd::Zero(H.rows(), H.cols());
   const auto views = static_cast<double>(e.H.size());
   for (const Eigen::VectorXd& score : at_optimum.g) by_view += views / (views - 1) * score * score.transpose();
-  constexpr std::size_t kKnown = 1000;
-  return beyond_chance(chi_squared(step, inverse * (by_view + e.prior_scatter) * inverse, added), added.size(), kKnown,
-                       glare ? kGlareByView : sigmas);
+  if (beyond(by_view, kKnown, little_glare ? kLittleGlareByView : sigmas)) return Asked::yes;
+  return little_glare ? Asked::no : Asked::by_places_only;
+}
+
+// Whether a step gives any lamp a size: what is smaller than a point is none.
+bool grows(const State& state, const Eigen::VectorXd& step) {
+  for (std::size_t light = 0; light < state.lamps.size(); ++light)
+    if (state.block(unknown::disk2, light)[0] + step[global_index(unknown::disk2, light)] > 0) return true;
+  return false;
 }
 
 }  // namespace
 
 int terms_of(const FreeField& f) {
-  return (f.linear ? 2 : 0) + (f.quadratic ? 3 : 0) + (f.wear ? 1 : 0) + (f.glare ? 1 : 0);
+  return (f.linear ? 2 : 0) + (f.quadratic ? 3 : 0) + (f.wear ? 1 : 0) + (f.glare ? 1 : 0) + (f.size ? 1 : 0);
 }
 
-FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state) {
+FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state,
+                             std::vector<Eigen::VectorXd>* shifts) {
   Stage all = stage;
-  all.free({true, true, true, true});
+  const bool any_size = std::any_of(data.is_disk.begin(), data.is_disk.end(), [](bool sought) { return sought; });
+  all.free({true, true, true, true, any_size});
+  const std::size_t lights = state.lamps.size();
   const ViewEquations equations = view_equations(data, all, state);
   FreeField choice;
   const std::size_t views = equations.H.size();
@@ -102,23 +133,27 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
   }
   const auto free_with = [&](const FreeField& field) {
     std::vector<bool> free = equations.free;
-    set_free(field, free);
+    set_free(field, lights, free);
     return free;
   };
   std::vector<bool> free = free_with(choice);
+  std::vector<FreeField> pointed_to;  // by held-out photos and by places, though photos scatter too much to be asked
   for (bool stepped = true; stepped;) {
     stepped = false;
     FreeField best = choice;
     double best_gain = 0;
-    for (const FreeField& more : {FreeField{true, false, false}, FreeField{true, true, false},
-                                  FreeField{false, false, true}, FreeField{false, false, false, true}}) {
+    for (const FreeField& more :
+         {FreeField{true, false, false}, FreeField{true, true, false}, FreeField{false, false, true},
+          FreeField{false, false, false, true}, FreeField{false, false, false, false, true}}) {
       const FreeField trial{choice.linear || more.linear, choice.quadratic || more.quadratic, choice.wear || more.wear,
-                            choice.glare || more.glare};
+                            choice.glare || more.glare, choice.size || more.size};
       if (terms_of(trial) == terms_of(choice)) continue;
       const std::vector<bool> trial_free = free_with(trial);
       std::vector<Eigen::Index> added;
       for (std::size_t i = 0; i < trial_free.size(); ++i)
         if (trial_free[i] && !free[i]) added.push_back(static_cast<Eigen::Index>(i));
+      if (added.empty()) continue;  // no lamp whose size is sought
+      if (more.size && !grows(state, -safe_inverse(H, trial_free) * g)) continue;
       const std::vector<double> gains = held_out_gains(equations, H, g, free, added);
       const auto n = static_cast<double>(views);
       const double gain = std::accumulate(gains.begin(), gains.end(), 0.0), mean = gain / n;
@@ -127,7 +162,9 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
       if (!(mean > std::sqrt(scatter / (n * (n - 1)))) || !(gain > best_gain)) continue;
       constexpr double kLeastShare = 0.001;  // less is no glare, and what is below none is something else
       if (trial.glare && !((-safe_inverse(H, trial_free) * g)[unknown::glare_share] > kLeastShare)) continue;
-      if (!significant(data, all, state, equations, H, g, trial_free, added)) continue;
+      const Asked asked = significance(data, all, state, equations, H, g, trial_free, added);
+      if (asked == Asked::by_places_only) pointed_to.push_back(trial);
+      if (asked != Asked::yes) continue;
       best = trial;
       best_gain = gain;
       stepped = true;
@@ -135,6 +172,17 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     choice = best;
     free = free_with(choice);
   }
+  if (shifts == nullptr) return choice;
+  // Of what is not chosen: where the answer would be with it.
+  const auto add_shift = [&](FreeField with, bool size) {
+    with = {with.linear || choice.linear, with.quadratic || choice.quadratic, with.wear || choice.wear,
+            with.glare || choice.glare, choice.size || size};
+    const std::vector<bool> with_free = free_with(with);
+    const Eigen::VectorXd step = -safe_inverse(H, with_free) * g;
+    if (with_free != free && (!size || grows(state, step))) shifts->push_back(step + safe_inverse(H, free) * g);
+  };
+  if (!choice.size) add_shift({}, true);
+  if (!pointed_to.empty()) add_shift(pointed_to.back(), false);
   return choice;
 }
 

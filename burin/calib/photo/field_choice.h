@@ -12,18 +12,27 @@
 // Held-out photos alone would not do: they show the same grooves as the others, with the same accidents.
 //
 // Glare is chosen by the same two reasons, among the same steps: it fills what grooves leave dark, as less depth would.
+// So is the size of lamps (of those that Problem::is_disk seeks it of). A lamp with an area blurs all glints by the
+// same angle, a rough groove by a share of its own: what tells one from the other is how a glint's wings fall, and the
+// plain face. A size that photos point to but do not ask for may still be there, with roughness taking it up.
 //
 // With every view's normal equations at hand (at the optimum without fields, all terms free, cameras and bow
 // eliminated), fits and judgements are small dense solves, no rendering.
 #pragma once
 
+#include <Eigen/Core>
+#include <vector>
+
 #include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
 
-/// `state` must be at the optimum of `stage`, which frees no field.
-FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state);
+/// `state` must be at the optimum of `stage`, which frees no field. To `shifts` is appended, over all unknowns
+/// (global_index()), by how much the answer would move with a size of lamps that photos point to but do not ask for,
+/// and with terms that held-out photos and places ask for but whose photos scatter too much.
+FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state,
+                             std::vector<Eigen::VectorXd>* shifts = nullptr);
 
-int terms_of(const FreeField& field);  ///< how many numbers it has, glare included
+int terms_of(const FreeField& field);  ///< how many numbers it has, glare included; lamps' sizes count as one
 
 }  // namespace burin

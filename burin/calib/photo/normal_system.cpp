@@ -25,8 +25,9 @@ FreeUnknowns wanted_of(const Problem& data, const Stage& stage) {
 
 }  // namespace
 
-std::vector<std::vector<PhotoEquations>> equations_of_photos(const Problem& data, const Stage& stage,
-                                                             const State& state, const std::vector<ModelData>& models) {
+std::vector<std::vector<PhotoEquations>> equations_of_photos(
+    const Problem& data, const Stage& stage, const State& state, const std::vector<ModelData>& models,
+    const std::function<void(std::size_t, const PhotoSlopes&)>& look) {
   const FreeUnknowns wanted = wanted_of(data, stage);
   const Carved carved = carved_at(data.model, state.of(0));
   std::vector<std::vector<PhotoEquations>> out(models.size(), std::vector<PhotoEquations>(data.photos.size()));
@@ -34,6 +35,7 @@ std::vector<std::vector<PhotoEquations>> equations_of_photos(const Problem& data
     const PhotoData& photo = data.photos[k];
     const Unknowns x = state.of(photo.photo.light);
     const PhotoSlopes slopes = photo_slopes(data.model, photo, x, carved, wanted);
+    if (look) look(k, slopes);
     for (std::size_t m = 0; m < models.size(); ++m) {
       const ModelData& model = models[m];
       if (model.alpha_jitter == data.model.alpha_jitter && model.depth_jitter == data.model.depth_jitter) {

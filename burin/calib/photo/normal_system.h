@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -39,9 +40,11 @@ struct NormalSystem {
 enum class Information { weights, curvature };
 
 /// Every photo's equations under each of some models, which differ in their loss and in how much grooves differ, the
-/// problem's own first: [model][photo]. Slopes, which take the time, are rendered once.
-std::vector<std::vector<PhotoEquations>> equations_of_photos(const Problem& data, const Stage& stage,
-                                                             const State& state, const std::vector<ModelData>& models);
+/// problem's own first: [model][photo]. Slopes, which take the time, are rendered once; `look`, if given, is called
+/// with each photo's index and slopes, several at a time.
+std::vector<std::vector<PhotoEquations>> equations_of_photos(
+    const Problem& data, const Stage& stage, const State& state, const std::vector<ModelData>& models,
+    const std::function<void(std::size_t, const PhotoSlopes&)>& look = {});
 
 /// `equations`: of all photos, from equations_of_photos().
 NormalSystem normal_system(const Problem& data, const Stage& stage, const State& state, Information information,

@@ -29,6 +29,12 @@ const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
   scene.light.position_mm = x.segment<3>(unknown::lamp_position);
   scene.light.intensity.setConstant(std::exp(x[unknown::log_intensity]));
   scene.light.falloff_exponent = 0;
+  if (photo.lamp_size.is_point()) {
+    scene.light.size.disk_mm = photo.disk_unit_mm * std::sqrt(std::max(0.0, x[unknown::disk2]));
+    if (scene.light.size.disk_mm > 0)
+      scene.light.axis =
+          (Eigen::Vector3d(x[unknown::spot], x[unknown::spot + 1], 0) - scene.light.position_mm).normalized();
+  }
   scene.ambient.setZero();
   return scene;
 }
@@ -123,11 +129,12 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   }
   data.scene.material.f0 = board.material.f0;
   data.profile = bench.material.profile;
+  data.disk_unit_mm = disk_unit_mm(board);
   if (binned_view.light < bench.lights.size()) {  // of a lamp with an area: as it was given
     if (!bench.lights[binned_view.light].is_lamp())
       fail("light " + bench.lights[binned_view.light].id, "is no near lamp, and photos are fitted under one alone",
            "take photos under a lamp of its own in a dark room, and leave these out of session.json");
-    data.scene.light.size = bench.lights[binned_view.light].size;
+    data.scene.light.size = data.lamp_size = bench.lights[binned_view.light].size;
     data.scene.light.axis = bench.lights[binned_view.light].axis;
   }
   data.scene.tool_width_um = board.tool_width_um;
@@ -414,6 +421,13 @@ Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns&
   return at_sensor(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
 }
 
+PixelSeen pixel_seen(const PhotoData& photo, const Unknowns& x, std::size_t i, const Image& light) {
+  const double factor = vignette_of(photo, x, i);
+  const double kept = 1 - x[unknown::glare_share];
+  return {factor * light.data[i] + corrected_by(photo, x, i), factor,
+          photo.photo.scattered.data.empty() ? 0 : photo.photo.scattered.data[i] - factor / kept * light.data[i]};
+}
+
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved) {
   return photo_cost(model, photo, x, seen_light(model, photo, x, carved));
 }
@@ -614,6 +628,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   ColumnWriter columns{out, kernel};
   if (wanted.alpha >= 0) columns.add(unknown::log_alpha, scaled(by[wanted.alpha], scene.material.alpha));
   if (wanted.depth >= 0) add_depth(model, photo, x, by[wanted.depth], columns);
+  add_by_difference(unknown::disk2, model, photo, x, light, spot.falloff, columns);
   add_by_difference(unknown::depth_wear, model, photo, x, light, spot.falloff, columns);
   if (wanted.base >= 0) columns.add(unknown::log_base_alpha, scaled(by[wanted.base], scene.material.base_alpha));
   for (int k = 0; k < 2 && wanted.grain >= 0; ++k) columns.add(unknown::grain + k, std::move(by[wanted.grain + k]));

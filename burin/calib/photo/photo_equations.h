@@ -32,6 +32,8 @@ struct PhotoData {
   std::shared_ptr<RenderWorkspace> room;
   GrooveProfile profile;  ///< its kind; its numbers are unknowns
   CameraView camera;
+  LampSize lamp_size;          ///< as the bench has it; a point's is the unknown disk2
+  double disk_unit_mm = 0;     ///< of disk2
   std::vector<float> weight;   ///< 1 / expected error of each pixel; 0 where it is not used
   std::vector<float> radius2;  ///< vignetting's r^2
   /// What the photo's own pixels would add to the value predicted on binned ones (see correct_binning); empty: nothing.
@@ -107,6 +109,13 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
 
 /// What the photo shows at x before vignetting and corrections, lamp and ambient light blurred: what takes rendering.
 Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved);
+
+/// The photo's value at pixel i where `light` is seen, darkened towards the corners, with all corrections; the factor
+/// that light comes with; and the value's derivative by the share of glare.
+struct PixelSeen {
+  double value = 0, factor = 1, by_glare = 0;
+};
+PixelSeen pixel_seen(const PhotoData& photo, const Unknowns& x, std::size_t i, const Image& light);
 
 /// The same with its derivatives by all unknowns that it depends on otherwise than by a factor.
 struct PhotoSlopes {

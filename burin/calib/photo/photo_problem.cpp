@@ -19,12 +19,19 @@ Problem make_problem(const Board& board, const Sent& sent, const Bench& bench) {
   out.model.f0 = board.material.f0.mean();
   out.model.alpha_field = bench.alpha_field.terms;
   out.model.profile = bench.material.profile;
-  for (const Light& light : bench.lights) out.is_spot.push_back(light.falloff_exponent > 0);
+  for (const Light& light : bench.lights) {
+    out.is_spot.push_back(light.falloff_exponent > 0);
+    out.is_disk.push_back(light.size.disk_mm > 0 && light.size.disk_sigma_mm.has_value());
+  }
   return out;
 }
 
+bool seeks_size(const Problem& problem, std::size_t light) {
+  return light < problem.is_disk.size() && problem.is_disk[light];
+}
+
 bool has_unknown(const Problem& problem, const UnknownRow& row, std::size_t light) {
-  return !row.of_spot || problem.is_spot[light];
+  return (!row.of_spot || problem.is_spot[light]) && (!row.of_disk || seeks_size(problem, light));
 }
 
 std::vector<bool> free_unknowns(const Problem& data, const Stage& stage, std::size_t lights) {

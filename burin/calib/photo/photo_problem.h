@@ -51,7 +51,8 @@ struct Problem {
   /// What pixels scatter along their slopes by log alpha and log depth, from whatever cause: standard deviations.
   Eigen::Vector2d slope_error{0, 0};
   std::vector<bool> is_spot;
-  int merged_bin = 1;  ///< of the merged photos: how many of the camera's pixels, either way, are one of theirs
+  std::vector<bool> is_disk;  ///< whether a lamp's size is sought; else its area is held as the bench has it
+  int merged_bin = 1;         ///< of the merged photos: how many of the camera's pixels, either way, are one of theirs
   std::optional<GeometryPrior> geometry;  ///< none: poses and bow are exact
 };
 
@@ -61,6 +62,9 @@ Problem make_problem(const Board& board, const Sent& sent, const Bench& bench);
 
 /// Whether a lamp has this unknown: a bare one has no axis.
 bool has_unknown(const Problem& problem, const UnknownRow& row, std::size_t light);
+
+/// Whether a lamp's size is among the unknowns.
+bool seeks_size(const Problem& problem, std::size_t light);
 
 /// Which unknowns move while `stage` runs, in the order of global_index(); the paper's always does.
 std::vector<bool> free_unknowns(const Problem& problem, const Stage& stage, std::size_t lights);

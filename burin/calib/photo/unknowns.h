@@ -46,6 +46,7 @@ enum class Group {
   glare,
   lamp,
   intensity,
+  lamp_size,
   geometry,
   paper,
   count
@@ -79,6 +80,7 @@ struct UnknownRow {
   Bounds bounds{};
   std::array<double, 3> prior_sigma{};  ///< of each number, about 0; 0: no prior
   bool of_spot = false;                 ///< exists for spots only
+  bool of_disk = false;                 ///< exists for lamps whose size is sought only; else it is held
 };
 
 inline constexpr double kPaperFactorSigma = 0.02;  // how well albedos in board.json are known, as a common factor
@@ -118,6 +120,8 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"log_intensity", 1, Scope::lamp, Group::intensity},
     // Aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp.
     {"spot", 3, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::plain, 1e-3, 200, 2}, {}, true},
+    // Square of the disk's radius, in squares of disk_unit_mm(); photos follow it nearly linearly from 0 on.
+    {"disk2", 1, Scope::lamp, Group::lamp_size, Enters::light, {Bounds::Kind::plain, 0, 4}, {}, false, true},
     // Rotation vector on the left of T_camera_board; then translation, mm.
     {"pose", 6, Scope::geometry, Group::geometry},
     {"bow", 3, Scope::geometry, Group::geometry},
@@ -145,6 +149,9 @@ constexpr int first_of(std::string_view name) {
   return -1;
 }
 
+/// What the radius of a lamp is in units of, mm: a tenth of the board's diagonal.
+inline double disk_unit_mm(const Board& board) { return 0.1 * board.size_mm.norm(); }
+
 /// The unknowns of a photo under one lamp, as one vector: where each lies.
 namespace unknown {
 inline constexpr int log_alpha = first_of("log_alpha");
@@ -168,6 +175,7 @@ inline constexpr int glare_share = first_of("glare_share");
 inline constexpr int lamp_position = first_of("lamp_position");
 inline constexpr int log_intensity = first_of("log_intensity");
 inline constexpr int spot = first_of("spot");
+inline constexpr int disk2 = first_of("disk2");
 inline constexpr int pose = first_of("pose");
 inline constexpr int bow = first_of("bow");
 inline constexpr int lens = first_of("lens");
@@ -193,20 +201,20 @@ constexpr Eigen::Index global_count(std::size_t lights) {
   return kPaperIndex + 1 + static_cast<Eigen::Index>(lights) * kLampUnknowns;
 }
 
-/// Which terms of the field of depth are free; and the glare, which is asked for together with them: either may look
-/// like the other.
+/// Which terms of the field of depth are free; and the glare and the lamps' sizes, which are asked for together with
+/// them: either may look like the other.
 struct FreeField {
-  bool linear = false, quadratic = false, wear = false, glare = false;
+  bool linear = false, quadratic = false, wear = false, glare = false, size = false;
 };
 
 /// The groups of unknowns that are free while one fit runs. At first all but the field of depth, the blur, the glare,
-/// and what only some benches have (effect_choice.h).
+/// lamps' sizes, and what only some benches have (effect_choice.h).
 class Stage {
  public:
   Stage() {
     free_.fill(true);
-    hold({Group::depth_linear, Group::depth_quadratic, Group::depth_wear, Group::blur, Group::glare, Group::backlash,
-          Group::screw, Group::grain, Group::flank, Group::burrs, Group::across});
+    hold({Group::depth_linear, Group::depth_quadratic, Group::depth_wear, Group::blur, Group::glare, Group::lamp_size,
+          Group::backlash, Group::screw, Group::grain, Group::flank, Group::burrs, Group::across});
   }
   bool frees(Group group) const { return free_[static_cast<std::size_t>(group)]; }
   Stage& free(Group group, bool free = true) {
@@ -221,7 +229,8 @@ class Stage {
     return free(Group::depth_linear, field.linear)
         .free(Group::depth_quadratic, field.quadratic)
         .free(Group::depth_wear, field.wear)
-        .free(Group::glare, field.glare);
+        .free(Group::glare, field.glare)
+        .free(Group::lamp_size, field.size);
   }
 
  private:

@@ -499,6 +499,22 @@ void judge_spot(LightJudge& j, std::size_t i) {
       judged(std::atan(across / distance) * 180 / std::numbers::pi, kAxis, Unit::degrees, {by_halves(aim)});
 }
 
+// A size that photos told is judged; one that a ruler told is held; a point is not spoken of.
+void judge_size(LightJudge& j, std::size_t i) {
+  Light& light = j.bench.lights[i];
+  const std::string size = parameter::light_size(light.id);
+  j.bench.verdict.erase(size);
+  if (!seeks_size(j.data, i)) {
+    if (!light.size.is_point()) j.bench.verdict[size] = given_verdict();
+    return;
+  }
+  if (!(light.size.disk_mm > 0) || !light.size.disk_sigma_mm) return;
+  const HalvesVerdict check = j.check(size, {j.unit(global_index(unknown::disk2, i))});
+  *light.size.disk_sigma_mm *= widening(check);
+  j.bench.verdict[size] =
+      judged(100 * *light.size.disk_sigma_mm / light.size.disk_mm, kRelative, Unit::percent, {by_halves(check)});
+}
+
 void judge_lamp(LightJudge& j, std::size_t i) {
   Light& light = j.bench.lights[i];
   const std::string position = parameter::light_position(light.id);
@@ -513,6 +529,7 @@ void judge_lamp(LightJudge& j, std::size_t i) {
   } else {
     judge_position(j, i);
     judge_spot(j, i);
+    judge_size(j, i);
   }
   if (!j.stage.frees(Group::intensity)) return;
   const std::string intensity = parameter::light_intensity(light.id);

@@ -6,6 +6,7 @@
 
 #include "burin/calib/information.h"
 #include "burin/calib/photo/normal_system.h"
+#include "burin/calib/verdict/model_tests.h"
 
 namespace burin {
 namespace {
@@ -159,11 +160,23 @@ Eigen::MatrixXd jackknife_of(const NormalSystem& system) {
   return out * (views - 1) / views;
 }
 
+// Several tests see one contradiction from several sides: together they count once.
+void add_misfits(std::vector<ModelTest> tests, Uncertainty& out) {
+  const double share = 1 / std::sqrt(static_cast<double>(std::max<std::size_t>(1, tests.size())));
+  for (ModelTest& test : tests) {
+    out.shifts.emplace_back(share * test.shift);
+    out.misfits.push_back(std::move(test.misfit));
+  }
+}
+
 }  // namespace
 
 Uncertainty uncertainty_of(const Problem& data, const Stage& stage, const State& state) {
-  const std::vector<std::vector<PhotoEquations>> equations =
-      equations_of_photos(data, stage, state, models_as_good(data));
+  std::vector<ClassSums> classes(data.photos.size());
+  const BinEdges edges = bin_edges(data, state);
+  const std::vector<std::vector<PhotoEquations>> equations = equations_of_photos(
+      data, stage, state, models_as_good(data),
+      [&](std::size_t k, const PhotoSlopes& slopes) { classes[k] = class_sums(data, k, state, slopes, edges); });
   const NormalSystem system = normal_system(data, stage, state, Information::curvature, equations.front());
   const Eigen::MatrixXd inverse = safe_inverse(system.H, system.free);
   Uncertainty out;
@@ -184,6 +197,8 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, const State&
   if (data.geometry) out.center_sigma_mm = center_sigmas(data, system, inverse, scatter, clusters, shifts.geometry);
   constexpr std::size_t kFewestViews = 3;
   if (system.H_view.size() >= kFewestViews) out.covariances.push_back(jackknife_of(system));
+
+  add_misfits(test_model(data, state, system.free, classes), out);
 
   out.free = system.free;
   for (const auto& [view, H] : system.H_view) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "burin/calib/photo/photo_problem.h"
+#include "burin/render/misfit.h"
 
 namespace burin {
 
@@ -30,8 +31,11 @@ struct Uncertainty {
   /// is where the tags have it. Empty where cameras did not move; 0 for a view without photos.
   std::vector<Eigen::Vector3d> center_sigma_mm;
 
-  /// By how much the answer moves under choices that are as good as the one made; each counts as one sigma.
+  /// By how much the answer moves under choices that are as good as the one made, and between classes of pixels that
+  /// contradict each other (model_tests.h); each counts as one sigma.
   std::vector<Eigen::VectorXd> shifts;
+  /// Where photos and model contradict each other; how far that moves the answer is among the shifts.
+  std::vector<Misfit> misfits;
 
   /// The largest of the estimates for the linear combination a, and the shifts.
   double sigma(const Eigen::VectorXd& a) const {

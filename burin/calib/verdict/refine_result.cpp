@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/median.h"
 #include "burin/render/parameter_name.h"
 
@@ -169,6 +172,10 @@ void fill_sigmas(const Problem& data, const Uncertainty& uncertainty, const Stag
       Eigen::Vector3d position_sigma;
       for (int i = 0; i < 3; ++i) position_sigma[i] = uncertainty.sigma(at(unknown::lamp_position + i));
       l.position_sigma_mm = position_sigma;
+      if (seeks_size(data, light) && l.size.disk_mm > 0) {
+        const double unit = disk_unit_mm(*data.model.board);
+        l.size.disk_sigma_mm = uncertainty.sigma(at(unknown::disk2)) * unit * unit / (2 * l.size.disk_mm);
+      }
       if (data.is_spot[light]) l.falloff_exponent_sigma = uncertainty.sigma(at(unknown::spot + 2));
     }
     l.intensity_sigma = l.intensity * uncertainty.sigma(at(unknown::log_intensity));
@@ -201,6 +208,38 @@ void compare_with_noise(const Uncertainty& uncertainty, const Stage& stage, Refi
   }
 }
 
+// Names what the model misses, in the verdicts of what it moves and as findings.
+void tell_misfits(const Uncertainty& uncertainty, Refinement& out) {
+  Bench& bench = out.bench;
+  bench.misfits = uncertainty.misfits;
+  if (bench.misfits.empty()) return;
+  std::string tests;
+  double most = 0;
+  for (const Misfit& m : bench.misfits) {
+    tests += (tests.empty() ? "" : ", ") + m.test;
+    most = std::max(most, m.sigmas);
+  }
+  const auto count = static_cast<double>(bench.misfits.size());
+  std::vector<std::string> touched{parameter::kAlpha, parameter::kDepth, parameter::kBaseAlpha};
+  for (const Light& light : bench.lights) touched.push_back(parameter::light_position(light.id));
+  for (const std::string& name : touched)
+    if (const auto verdict = bench.verdict.find(name); verdict != bench.verdict.end() && verdict->second.sigma)
+      verdict->second.causes.push_back({Cause::Kind::model_misses, {most, count}, tests});
+  for (const Misfit& m : bench.misfits) {
+    const bool of_photo = m.test.starts_with("photo ");
+    const std::string off = "alpha by " + significant(std::abs(m.alpha_percent)) + " %, depth by " +
+                            significant(std::abs(m.depth_percent)) + " %, base_alpha by " +
+                            significant(std::abs(m.base_alpha_percent)) + " %";
+    out.findings.push_back(make_warning(
+        of_photo
+            ? "the model is not enough: its residuals in " + m.test + " are " + significant(m.sigmas) +
+                  " times those in the others, and without it the answer moves, " + off + "; sigmas count that"
+            : "the model is not enough: pixels set apart by " + quantity_in_words(m) + " ask for different benches (" +
+                  significant(m.sigmas) + " sigmas), so the answer may be off, " + off + "; sigmas count that",
+        remedy_in_words(m)));
+  }
+}
+
 }  // namespace
 
 Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
@@ -213,6 +252,7 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
   fill_sigmas(data, uncertainty, stage, bench);
   Combinations judged = judge_light(data, state, uncertainty, stage, bench);
   compare_with_noise(uncertainty, stage, out);
+  tell_misfits(uncertainty, out);
   return judged;
 }
 
