@@ -15,9 +15,9 @@ struct Misfit {
     std::string name;
     double residual = 0, sigma = 0;
   };
-  std::string test;          ///< the quantity: "along", "across", "azimuth", "highlight", "brightness", "frame", "lean"
-  double sigmas = 0;         ///< how far the classes' answers are apart, as sigmas of a normal distribution
-  double alpha_percent = 0;  ///< by how much alpha, depth and base_alpha differ between them
+  std::string test;   ///< "along", "across", "azimuth", "highlight", "brightness", "frame", "lean"; or "photo NAME"
+  double sigmas = 0;  ///< between the classes' answers; of a photo: its residuals over the others'. See docs
+  double alpha_percent = 0;  ///< by how much alpha, depth and base_alpha may be off: half of what is between
   double depth_percent = 0;
   double base_alpha_percent = 0;
   std::vector<Class> classes;
