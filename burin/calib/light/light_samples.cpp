@@ -360,13 +360,17 @@ std::vector<LightSample> face_blocks(const SampledView& v, const BoardMask& plai
 }
 
 // Blocks of the plain face, as many as are wanted of a view. Where photos are coarse and grooves lie close, hardly a
-// large block is free of them; without any the face says nothing of the lamp, or of a brushing.
+// large block is free of them; without any the face says nothing of the lamp, or of a brushing. A few small ones do.
 void add_face_samples(const SampledView& v, const BoardMask& plain, std::vector<LightSample>& samples) {
-  constexpr std::size_t kFewest = 60;
+  constexpr std::size_t kFewest = 60, kMostSmall = 60;
   int block = v.options.block_px;
   std::vector<LightSample> face = face_blocks(v, plain, block);
-  while (face.size() < kFewest && block > 1) face = face_blocks(v, plain, block /= 2);
-  const std::size_t step = 1 + face.size() / std::max(1, v.options.max_face_per_view);
+  std::size_t most = static_cast<std::size_t>(std::max(1, v.options.max_face_per_view));
+  while (face.size() < kFewest && block > 1) {
+    face = face_blocks(v, plain, block /= 2);
+    most = std::min(most, kMostSmall);
+  }
+  const std::size_t step = 1 + face.size() / most;
   for (std::size_t i = 0; i < face.size(); i += step) samples.push_back(face[i]);
 }
 
