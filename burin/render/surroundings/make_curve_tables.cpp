@@ -12,8 +12,8 @@
 namespace burin {
 namespace {
 
-constexpr double kNode = 0.4;                    // of the roughness: from a node of a curve to the next
-constexpr double kFiner = 2.5;                   // times as many places, where light between them is taken as straight
+constexpr double kNode = 0.5;                    // of the roughness: from a node of a curve to the next
+constexpr double kFiner = 2.0;                   // times as many places, where light between them is taken as straight
 constexpr std::size_t kMostFloats = 32'000'000;  // of a table with the finer places: else the coarse ones are kept
 
 BURIN_MACHINE_CLONES void add_times(const float* from, float by, std::size_t n, float* to) {
