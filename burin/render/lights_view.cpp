@@ -27,14 +27,20 @@ ViewScene scene_under(const ViewScene& scene, const Light& lamp, bool alone) {
 
 LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace)
     : options_(options),
-      workspace_(workspace != nullptr ? std::move(workspace) : make_render_workspace()),
+      workspace_(std::move(workspace)),
       material_(scene.material),
       width_(scene.grid->width()),
       height_(scene.grid->height()) {
+  const bool shares_workspace = workspace_ != nullptr;
+  if (workspace_ == nullptr) workspace_ = make_render_workspace();
   std::vector<Light> all{scene.light};
   all.insert(all.end(), scene.light.also.begin(), scene.light.also.end());
   all.front().also.clear();
-  const auto near = [](const Light& l) { return l.far == nullptr || l.far->is_sun(); };
+  // Tables of a lamp with an area take a second, and then cost less than its points: they are for views that are
+  // rendered again and again, which have a workspace in common and move ends alone.
+  const bool often =
+      shares_workspace && !options.material_gradients && !options.use_double && scene.material.profile.is_paper();
+  const auto near = [&](const Light& l) { return l.far == nullptr ? l.size.is_point() || !often : l.far->is_sun(); };
   const auto add = [&](ViewScene own, double wider) {
     if (!lamps_.empty()) own.ambient.setZero();  // it counts once
     lamps_.push_back({std::move(own), wider, nullptr});

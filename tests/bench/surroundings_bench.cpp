@@ -99,7 +99,7 @@ void time_light(benchmark::State& state, Bench bench, Kind kind, bool back) {
   }
   const Image weights = random_weights(512, 512);
   const auto start = Clock::now();
-  ViewRenderer renderer(bench.scene, {1, false, false});
+  ViewRenderer renderer(bench.scene, {1, false, false}, make_render_workspace());  // as in a design
   Image image;
   ScratchGradients gradients;
   double nudge_mm = 1e-6;

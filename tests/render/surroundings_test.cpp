@@ -243,6 +243,51 @@ TEST(Surroundings, ThePacketsAreTheTwin) {
   }
 }
 
+// A lamp with an area in a view that is rendered again and again goes by tables as well: against 400 points of it in
+// double, and its gradient against that of the four points that stand for it elsewhere, which are good to a hundredth
+// of a glint.
+TEST(Surroundings, TablesOfADiskAreItsPoints) {
+  Light disk;
+  disk.position_mm = {20, -300, 400};
+  disk.axis = -disk.position_mm.normalized();
+  disk.intensity = {2e5, 2e5, 2e5};
+  disk.size.disk_mm = 14;
+  ViewScene scene = scene_in(disk, 0.06);
+  // Of that size the lattice of places consists of pixels, as it all but does in larger pictures.
+  constexpr int kColumns = 16, kRows = 13;
+  scene.grid = share(board_grid({20, 15}, {20 + 0.23 * kColumns, 15 + 0.23 * kRows}, kColumns, kRows,
+                                Surface{{60, 48}, {0.1, 0, -0.1}}));
+  const Carved carved = some_grooves();
+  ViewRenderer tables(scene, {1, false, false}, make_render_workspace()), points(scene, {1, false, false});
+  Image image, other, truth(kColumns, kRows, 1);
+  tables.forward_with_jacobian(carved, image);
+  points.forward_with_jacobian(carved, other);
+  constexpr int kPoints = 400;
+  const Eigen::Vector3d u = disk.axis.unitOrthogonal(), v = disk.axis.cross(u);
+  for (int k = 0; k < kPoints; ++k) {
+    const double r = disk.size.disk_mm * std::sqrt((k + 0.5) / kPoints), a = 2.399963 * k;
+    ViewScene one = scene;
+    one.light.size = {};
+    one.light.position_mm += r * (std::cos(a) * u + std::sin(a) * v);
+    one.light.intensity /= kPoints;
+    const Image part = render_brute_force(one, carved, 1);
+    for (std::size_t i = 0; i < truth.data.size(); ++i) truth.data[i] += part.data[i];
+  }
+  EXPECT_LT(rms(image, truth), 1e-3 * peak(truth));
+  EXPECT_GT(rms(image, other), 0) << "both went by points";
+  Image weight(kColumns, kRows, 1);
+  for (std::size_t i = 0; i < weight.data.size(); ++i) weight.data[i] = static_cast<float>(std::sin(0.7 * i) + 0.4);
+  const ScratchGradients a = tables.backward(weight), b = points.backward(weight);
+  double error = 0, size = 0;
+  for (std::size_t s = 0; s < carved.size(); ++s)
+    for (const auto field :
+         {&ScratchGradients::x0_mm, &ScratchGradients::y0_mm, &ScratchGradients::x1_mm, &ScratchGradients::y1_mm}) {
+      error += std::pow((a.*field)[s] - (b.*field)[s], 2);
+      size += std::pow((b.*field)[s], 2);
+    }
+  EXPECT_LT(std::sqrt(error), 0.01 * std::sqrt(size));
+}
+
 // A picture from within, turned as a camera holds it, is the same room as its mirror image in the board's own frame.
 TEST(Surroundings, APanoramaFromWithinIsItsMirrorImage) {
   const Image picture = room(60);

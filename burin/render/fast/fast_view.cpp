@@ -160,6 +160,7 @@ void FastView::Data::shade(const ViewScene& scene, const PlainFace& face, bool m
       if (!grid->index.has_footprint()[pixel]) return;
       const Eigen::Vector3d way = scene.camera_center_mm - scene.grid->center_mm[pixel];
       if (!(way.dot(scene.grid->normal[pixel]) > 0)) return;
+      if (!scene.hidden_from_light.empty() && scene.hidden_from_light[pixel] != 0) return;
       factor[i] = 1;
       base[i] = face.light[pixel];
       if (material) base_slope[i] = face.by_base_alpha[pixel];

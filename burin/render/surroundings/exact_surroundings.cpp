@@ -117,7 +117,7 @@ struct ExactSurroundings::Data {
 };
 
 void ExactSurroundings::Data::shade_face() {
-  lattice = place_lattice(scene, std::min(scene.material.alpha, scene.material.base_alpha));
+  lattice = place_lattice(scene, light, std::min(scene.material.alpha, scene.material.base_alpha));
   face = face_light(scene, light, channels, lattice);
   area_mm2.assign(static_cast<std::size_t>(width) * height, 0);
   for (std::size_t i = 0; i < area_mm2.size(); ++i) {

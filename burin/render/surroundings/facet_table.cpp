@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "burin/render/brdf.h"
+#include "burin/render/lamp_size.h"
 #include "burin/render/pixel_shading.h"
 #include "burin/render/surroundings/fourier.h"
 
@@ -19,7 +20,8 @@ namespace {
 
 constexpr double kFine = 0.2;  // of the roughness: steps of half vectors and of normals that cubics are good for
 
-/// Light from one direction: radiance times solid angle, R G B.
+/// Light from one direction: radiance times solid angle, R G B. Of a lamp: its share of the light, and `to` is a place,
+/// mm.
 struct FarRay {
   Eigen::Vector3d to;
   Eigen::Vector3d power;
@@ -62,6 +64,33 @@ std::vector<FarRay> sources_of(const Panorama& panorama, double alpha) {
   return out;
 }
 
+// Points all over a lamp's area, as close together as the roughness asks for.
+std::vector<FarRay> points_of(const Light& lamp, double alpha) {
+  const auto across = across_axis(lamp.axis, lamp.size.turn_deg);
+  const bool disk = lamp.size.disk_mm > 0;
+  const double size = disk ? 2 * lamp.size.disk_mm : lamp.size.panel_mm.maxCoeff();
+  const double step = kFine * alpha * 2 * std::max(1.0, std::abs(lamp.position_mm.z()));  // h turns half as much
+  const int side = 2 * std::clamp(static_cast<int>(std::ceil(0.5 * size / step)) + 2, 2, 12), count = side * side;
+  std::vector<FarRay> out;
+  for (int k = 0; k < count; ++k) {
+    Eigen::Vector2d at;
+    if (disk) {  // four sunflowers, turned by right angles: about the middle
+      const double r = lamp.size.disk_mm * std::sqrt((k / 4 + 0.5) / (count / 4)),
+                   turn = k / 4 * std::numbers::pi * (3 - std::sqrt(5)) + k % 4 * std::numbers::pi / 2;
+      at = {r * std::cos(turn), r * std::sin(turn)};
+    } else {
+      at = {(k % side + 0.5) / side - 0.5, (k / side + 0.5) / side - 0.5};
+      at = at.cwiseProduct(lamp.size.panel_mm);
+    }
+    out.push_back({lamp.position_mm + across * at, Eigen::Vector3d::Constant(1.0 / count)});
+  }
+  return out;
+}
+
+std::vector<FarRay> sources_of(const Light& light, double alpha) {
+  return light.far ? sources_of(*light.far->surroundings, alpha) : points_of(light, alpha);
+}
+
 /// A source as one place of the face sees it: half vector (face) and what D is to be multiplied with.
 struct Seen {
   Eigen::Vector3d h;
@@ -78,13 +107,22 @@ void each_seen(const ViewScene& scene, const Light& light, int channels, std::si
   if (!(wo.z() > 0)) return;
   const Eigen::Vector3d& f0 = scene.material.f0;
   for (const FarRay& s : sources) {
-    const Eigen::Vector3d wi = R * s.to;
+    Eigen::Vector3d to = s.to;
+    double falls = 1;
+    if (!light.far) {
+      to -= scene.grid->center_mm[pixel];
+      const double distance = to.norm(), beam = -light.axis.dot(to) / distance;
+      if (light.falloff_exponent > 0 && !(beam > 0)) continue;
+      falls = (light.falloff_exponent > 0 ? std::pow(beam, light.falloff_exponent) : 1) / (distance * distance);
+      to /= distance;
+    }
+    const Eigen::Vector3d wi = R * to;
     if (!(wi.z() > 1e-6)) continue;
     Seen seen;
     seen.h = (wi + wo).normalized();
     const double cos_ho = seen.h.dot(wo), part = schlick_F(cos_ho, 0.0);
     for (int c = 0; c < 3; ++c)
-      seen.strength[c] = (f0[c] + (1 - f0[c]) * part) * light.intensity[c] * s.power[c] / (4 * wo.z());
+      seen.strength[c] = (f0[c] + (1 - f0[c]) * part) * light.intensity[c] * falls * s.power[c] / (4 * wo.z());
     if (channels == 1) seen.strength[0] = (seen.strength[0] + seen.strength[1] + seen.strength[2]) / 3;
     visit(seen, wi.z(), wo.z());
   }
@@ -175,7 +213,7 @@ void convolve(const FacetTable& table, const Rings& rings, const std::vector<flo
 
 }  // namespace
 
-PlaceLattice place_lattice(const ViewScene& scene, double alpha) {
+PlaceLattice place_lattice(const ViewScene& scene, const Light& light, double alpha) {
   constexpr double kStep = 0.3;  // of the roughness: from a node to the next
   constexpr int kMost = 40;
   const FootprintGrid& grid = *scene.grid;
@@ -190,7 +228,11 @@ PlaceLattice place_lattice(const ViewScene& scene, double alpha) {
     const auto wo = [&](std::size_t i) -> Eigen::Vector3d {
       return (scene.camera_center_mm - grid.center_mm[i]).normalized();
     };
-    return 0.5 * (wo(a) - wo(b)).norm() + (grid.normal[a] - grid.normal[b]).norm();
+    const auto wi = [&](std::size_t i) -> Eigen::Vector3d {
+      return (light.position_mm - grid.center_mm[i]).normalized();
+    };
+    const double by_lamp = light.far ? 0 : 0.5 * (wi(a) - wi(b)).norm();
+    return 0.5 * (wo(a) - wo(b)).norm() + by_lamp + (grid.normal[a] - grid.normal[b]).norm();
   };
   double by_column = 0, by_row = 0;  // radians a pixel
   const std::size_t stride = std::max<std::size_t>(1, valid.size() / 400);
@@ -254,7 +296,7 @@ FacetTable make_facet_table(const ViewScene& scene, const Light& light, int chan
   const std::size_t nodes = lattice.pixel.size();
   table.light.assign(static_cast<std::size_t>(table.columns) * table.rows * table.azimuths * table.ring_size(), 0);
   if (nodes == 0) return table;
-  const std::vector<FarRay> sources = sources_of(*light.far->surroundings, alpha);
+  const std::vector<FarRay> sources = sources_of(light, alpha);
   const std::vector<float> lobes = lobe_spectra(table, rings, alpha);
   tbb::parallel_for(std::size_t{0}, nodes, [&](std::size_t node) {
     std::vector<float> on(static_cast<std::size_t>(channels) * rings.count * rings.azimuths, 0.0F);
@@ -272,7 +314,7 @@ FaceTable make_face_table(const ViewScene& scene, const Light& light, int channe
   const std::size_t size = static_cast<std::size_t>(lattice.columns) * lattice.rows * channels;
   table.light.assign(size, 0);
   table.by_log_alpha.assign(size, 0);
-  const std::vector<FarRay> sources = sources_of(*light.far->surroundings, m.base_alpha);
+  const std::vector<FarRay> sources = sources_of(light, m.base_alpha);
   tbb::parallel_for(std::size_t{0}, lattice.pixel.size(), [&](std::size_t node) {
     std::array<double, 3> sum{}, by_log{};
     const std::size_t pixel = lattice.pixel[node];

@@ -67,9 +67,10 @@ struct PlaceLattice {
   double lean_per_pixel = 0;       ///< by how much the half vector turns from a pixel to the next, at most about
   std::vector<std::size_t> pixel;  ///< of each node: one with a footprint; empty where the grid has none
 };
-PlaceLattice place_lattice(const ViewScene& scene, double alpha);
+PlaceLattice place_lattice(const ViewScene& scene, const Light& light, double alpha);
 
-/// Facets of roughness `alpha` whose normals lean up to 2 atan(steepest_t), under `light` (surroundings).
+/// Facets of roughness `alpha` whose normals lean up to 2 atan(steepest_t), under `light`: surroundings, or a lamp with
+/// an area.
 FacetTable make_facet_table(const ViewScene& scene, const Light& light, int channels, const PlaceLattice& lattice,
                             double alpha, double steepest_t);
 

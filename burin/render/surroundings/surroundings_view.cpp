@@ -31,7 +31,7 @@ struct SurroundingsView::Data {
 };
 
 void SurroundingsView::Data::make_channels(std::shared_ptr<RenderWorkspace> workspace) {
-  lattice = place_lattice(scene, std::min(scene.material.alpha, scene.material.base_alpha));
+  lattice = place_lattice(scene, light, std::min(scene.material.alpha, scene.material.base_alpha));
   const int n = options.channels;
   const FaceLight all = face_light(scene, light, n, lattice);
   for (int c = 0; c < n; ++c) {

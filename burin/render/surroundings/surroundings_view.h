@@ -10,8 +10,9 @@
 
 namespace burin {
 
-/// What ViewRenderer does, under one light that is surroundings. Ambient light is not added. Throws Error for
-/// cross-sections other than the paper's.
+/// What ViewRenderer does, under one light that is surroundings, or a lamp with an area: then pixels that are hidden
+/// from it (ViewScene::hidden_from_light) are dark. Ambient light is not added. Throws Error for cross-sections other
+/// than the paper's.
 class SurroundingsView {
  public:
   SurroundingsView(const ViewScene& scene, const Light& light, const RenderOptions& options,
