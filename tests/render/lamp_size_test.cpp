@@ -11,10 +11,10 @@
 #include <numbers>
 #include <random>
 
-#include "burin/render/scene_parts.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/lamp_size_json.h"
+#include "burin/render/scene_parts.h"
 #include "tests/render/small_world.h"
 
 namespace burin {

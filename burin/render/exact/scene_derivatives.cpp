@@ -12,12 +12,12 @@
 #include <cmath>
 #include <optional>
 
-#include "burin/render/scene_parts.h"
 #include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/exact/scratch_pair.h"
 #include "burin/render/fast/pairs.h"
 #include "burin/render/pixel_shading.h"
+#include "burin/render/scene_parts.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {

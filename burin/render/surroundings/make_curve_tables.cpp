@@ -12,7 +12,7 @@
 namespace burin {
 namespace {
 
-constexpr double kNode = 5;                      // steps of the facets' table: from a node of a curve to the next
+constexpr double kStepsANode = 5;                // steps of the facets' table: from a node of a curve to the next
 constexpr double kFiner = 2.0;                   // times as many places, where light between them is taken as straight
 constexpr std::size_t kMostFloats = 32'000'000;  // of a table with the finer places: else the coarse ones are kept
 
@@ -80,7 +80,7 @@ std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const std::vec
             rows = static_cast<int>(std::ceil(kFiner * (lattice.rows - 1))) + 1;
   for (int c = 0; c < facets.front().channels; ++c) {
     auto table = std::make_shared<CurveTables>();
-    table->half_count = std::max(2, static_cast<int>(std::ceil(steepest_t / (kNode * facets.front().t_step))));
+    table->half_count = std::max(2, static_cast<int>(std::ceil(steepest_t / (kStepsANode * facets.front().t_step))));
     table->step = static_cast<float>(steepest_t / table->half_count);
     table->row_floats = (kCurveNode * (2 * table->half_count + 1) + 16) / 16 * 16;
     for (const FacetTable& f : facets) table->directions = std::max(table->directions, f.azimuths / 2);
