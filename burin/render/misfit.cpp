@@ -37,7 +37,7 @@ constexpr std::array<Words, 8> kWords{{
      "photograph that view again, or leave it out"},
 }};
 
-const Words& words_of(const Misfit& misfit) {
+Words words_of(const Misfit& misfit) {
   for (const Words& words : kWords)
     if (words.test == misfit.test) return words;
   if (misfit.test.starts_with(kWords.back().test)) return kWords.back();
@@ -47,7 +47,7 @@ const Words& words_of(const Misfit& misfit) {
 }  // namespace
 
 std::string quantity_in_words(const Misfit& misfit) {
-  const Words& words = words_of(misfit);
+  const Words words = words_of(misfit);
   // Of one photo the test carries the name.
   return std::string(words.quantity) + (words.test == kWords.back().test ? misfit.test : "");
 }
