@@ -11,7 +11,7 @@
 #include <span>
 #include <string_view>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/candidate_photo.h"

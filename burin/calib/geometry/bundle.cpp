@@ -18,7 +18,7 @@ extern "C" {  // mrcal's headers have no guard for C++ of their own
 #include <optional>
 #include <span>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/render/error.h"
 #include "burin/render/median.h"
 

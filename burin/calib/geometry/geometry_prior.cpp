@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "burin/calib/geometry/bundle.h"
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/render/board_face.h"
 #include "burin/render/lens.h"
 #include "burin/render/parameter_name.h"

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/normal_system.h"

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/normal_system.h"

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/normal_system.h"
 

@@ -1,6 +1,6 @@
 #include "burin/calib/photo/held_out_gains.h"
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 
 namespace burin {
 

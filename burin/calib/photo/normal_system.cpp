@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/paper_equation.h"
 
 namespace burin {

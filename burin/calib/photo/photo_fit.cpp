@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/paper_equation.h"
 
 namespace burin {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 
 namespace burin {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <utility>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/paper_equation.h"

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/verdict/candidate_photo.h"
 #include "burin/calib/verdict/half_samples.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/verdict/model_tests.h"
 #include "burin/render/median.h"

@@ -1,4 +1,4 @@
-#include "burin/calib/information.h"
+#include "burin/calib/geometry/information.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

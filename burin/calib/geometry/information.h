@@ -1,5 +1,5 @@
-// burin/calib/information.h - matrices of information (inverse covariances; normal matrices) whose unknowns have very
-// different units: inverses by way of a unit diagonal.
+// burin/calib/geometry/information.h - matrices of information (inverse covariances; normal matrices) whose unknowns
+// have very different units: inverses by way of a unit diagonal.
 #pragma once
 
 #include <Eigen/Core>
