@@ -111,11 +111,12 @@ struct RefineRun {
 // of the grooves.
 void RefineRun::find_lamp() {
   tell("finding the lamp", 0);
+  if (options.fit_lamp && options.fit_fields)
+    for (Light& light : out.bench.lights)  // what photos told before, they shall tell again
+      if (light.size.disk_sigma_mm) light.size = {};
   const std::vector<LightSample> samples = gather_light_samples(views, board, out.bench, sent);
   const LampSeed seed = fit_lamps(samples, board, out.bench);
   append(out.findings, seed.findings);
-  for (Light& light : out.bench.lights)  // what photos told before, they shall tell again
-    if (light.size.disk_sigma_mm) light.size = {};
   Bench start = out.bench;
   start.material = board.material;
   start.depth_field = start.alpha_field = {};
@@ -133,6 +134,7 @@ void RefineRun::find_lamp() {
     for (std::size_t i = 0; i < start.lights.size(); ++i) start.lights[i].intensity = seed.lights[i].intensity;
   }
   data = make_problem(board, sent, start);
+  data.is_disk.assign(data.is_disk.size(), false);  // sought only later; one that is kept is as given
   data.merged_bin = merged.front().bin;
   for (const LightSample& sample : samples)
     if (sample.kind != SampleKind::face && sample.value > 0) data.paper.push_back(sample);

@@ -38,8 +38,9 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
   all.front().also.clear();
   // Tables of a lamp with an area take a second, and then cost less than its points: they are for views that are
   // rendered again and again, which have a workspace in common and move ends alone.
-  const bool often =
-      shares_workspace && !options.material_gradients && !options.use_double && scene.material.profile.is_paper();
+  // They know no direction of grooves but the board's own, so meshes with their own go by points.
+  const bool exact = options.use_double || !scene.material.profile.is_paper();
+  const bool often = shares_workspace && !options.material_gradients && !exact && scene.grid->x_axis.empty();
   const auto near = [&](const Light& l) { return l.far == nullptr ? l.size.is_point() || !often : l.far->is_sun(); };
   const auto add = [&](ViewScene own, double wider) {
     if (!lamps_.empty()) own.ambient.setZero();  // it counts once
@@ -67,10 +68,12 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
     add(scene_under(scene, dark, false), 0);
   }
   for (const Light& light : all)
-    if (!near(light)) surroundings_.push_back(std::make_unique<SurroundingsView>(scene, light, options, workspace_));
-  // A view keeps some 25 bytes a pixel, each channel more 4.
+    if (!near(light))  // what hides a lamp does not hide what shines from all sides
+      surroundings_.push_back(std::make_unique<SurroundingsView>(
+          scene_under(scene, light, all.size() == 1 && light.far == nullptr), light, options, workspace_));
+  // A view keeps some 25 bytes a pixel, each channel more 4; in double ten times as much, and each its own Jacobian.
   const std::size_t bytes = lamps_.size() * static_cast<std::size_t>(width_) * height_ * (21 + 4 * options.channels);
-  if (lamps_.size() > 1 && bytes > kMostKept_bytes) return;
+  if (lamps_.size() > 1 && (exact || bytes > kMostKept_bytes)) return;
   for (Lamp& lamp : lamps_) {
     lamp.renderer = std::make_unique<ViewRenderer>(std::move(lamp.scene), options_, workspace_);
     lamp.scene = {};
@@ -87,7 +90,7 @@ ViewRenderer& LightsView::with_jacobian(std::size_t k, std::optional<ViewRendere
   const Lamp& lamp = lamps_[k];
   ViewRenderer& renderer = renderer_of(lamp, made);
   const bool is_there = lamp.renderer != nullptr && k + 1 == lamps_.size() && surroundings_.empty();
-  if (is_there) return renderer;
+  if (is_there && last_has_jacobian_) return renderer;
   Image again;
   renderer.forward_with_jacobian(under(lamp), again);
   return renderer;
@@ -102,6 +105,7 @@ Carved LightsView::under(const Lamp& lamp) const {
 
 void LightsView::forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
   last_ = scratches;
+  last_has_jacobian_ = keep_jacobian;
   Image sum(width_, height_, options_.channels), one;
   std::optional<ViewRenderer> made;
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
@@ -149,6 +153,7 @@ void LightsView::backward(const Image& dE_dradiance, ScratchGradients& gradients
 
 void LightsView::add_contributions(std::vector<double>& contribution) const {
   std::optional<ViewRenderer> made;
+  last_has_jacobian_ = false;  // what follows is rendered in its place
   for (const auto& one : surroundings_) one->add_contributions(contribution);
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
     ViewRenderer& renderer = renderer_of(lamps_[k], made);

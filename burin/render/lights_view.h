@@ -14,9 +14,8 @@ namespace burin {
 
 /// What ViewRenderer does, light by light in one workspace. The sun is a lamp far away under which grooves are a little
 /// rougher (docs/model.md 10.4); a lamp with an area is a lamp for each point that stands for it (scene_parts.h), or
-/// tabulated as surroundings are. Going
-/// back renders all but the last once more. Hidden pixels (ViewScene::hidden_from_light) are those of a lone lamp;
-/// others shine on them.
+/// tabulated as surroundings are. Going back renders all but the last once more. Hidden pixels
+/// (ViewScene::hidden_from_light) are those of a lone lamp; others, and surroundings, shine on them.
 class LightsView {
  public:
   LightsView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace);
@@ -46,6 +45,7 @@ class LightsView {
   RenderOptions options_;
   std::shared_ptr<RenderWorkspace> workspace_;
   Scratches last_;
+  mutable bool last_has_jacobian_ = false;  // whether the last lamp's, of forward(), is in the workspace still
   Material material_;
   int width_ = 0, height_ = 0;
   std::size_t pair_count_ = 0;

@@ -147,6 +147,8 @@ TEST(Probe, FilesAreReadAsTheMachineWouldBeforeTheyAreKept) {
     refused(lift, "G0 Z-1\n", good.find("G38.2", grid), "goes down without probing");
     refused("G38.2", "G1", grid, "");
     refused("G21 ", "", 0, "before millimeters");
+    refused("G21 ", "G20 ", 0, "needs not");
+    refused("M2", "G28\nM2", 0, "needs not");
     refused("M2", "", 0, "does not touch each planned point");
     refused("G0 X", "G10 L20 P1 Z0\nG0 X", grid + 20, "sets Z zero elsewhere");
     refused("M2\n", "M2\nG0 X0\n", 0, "behind the end");

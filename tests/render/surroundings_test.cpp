@@ -358,6 +358,41 @@ TEST(Surroundings, LightsAtOnceAddUp) {
   for (std::size_t s = 0; s < 5; ++s) EXPECT_NEAR(g.x1_mm[s], slope[s], 1e-4 * std::abs(slope[s]) + 1e-6);
 }
 
+// A place that a lamp does not see lies in a room all the same.
+TEST(Surroundings, ShineWhereALampIsHidden) {
+  const Carved carved = some_grooves();
+  for (const bool use_double : {false, true}) {
+    ViewScene scene = scene_in(surroundings_light(make_panorama(room(60), {}, "room")), 0.06);
+    RenderOptions options{3};
+    options.use_double = use_double;
+    Image open, behind;
+    ViewRenderer(scene, options).forward(carved, open);
+    scene.hidden_from_light.assign(std::size_t{kWidth} * kHeight, 1);
+    ViewRenderer(scene, options).forward(carved, behind);
+    EXPECT_EQ(behind.data, open.data) << use_double;
+  }
+}
+
+// What each scratch adds can be asked between a picture and its way back.
+TEST(Surroundings, ContributionsLeaveTheWayBackAsItWas) {
+  Light one, other;
+  one.position_mm = {20, -300, 400};
+  one.intensity = {2e5, 1e5, 1e5};
+  other = one;
+  other.position_mm = {150, 200, 500};
+  one.also = {other};
+  const Carved carved = some_grooves();
+  const Image weight(kWidth, kHeight, 3, 0.3F);
+  Image picture;
+  ViewRenderer plain(scene_in(one, 0.06), {3}), asked(scene_in(one, 0.06), {3});
+  plain.forward_with_jacobian(carved, picture);
+  asked.forward_with_jacobian(carved, picture);
+  std::vector<double> contributions(carved.scratches.size(), 0);
+  asked.add_contributions(contributions);
+  EXPECT_GT(contributions[0], 0);
+  EXPECT_EQ(asked.backward(weight).x1_mm, plain.backward(weight).x1_mm);
+}
+
 TEST(Surroundings, BadPicturesAreRefusedInWords) {
   Image negative = room(60), infinite = room(60);
   negative.at(7, 3, 1) = -0.5F;

@@ -137,9 +137,11 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     return free;
   };
   std::vector<bool> free = free_with(choice);
-  std::vector<FreeField> pointed_to;  // by held-out photos and by places, though photos scatter too much to be asked
+  FreeField pointed_to;  // in the last round, all terms together: by held-out photos and by places, though photos
+                         // scatter too much to be asked
   for (bool stepped = true; stepped;) {
     stepped = false;
+    pointed_to = {};
     FreeField best = choice;
     double best_gain = 0;
     for (const FreeField& more :
@@ -163,7 +165,9 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
       constexpr double kLeastShare = 0.001;  // less is no glare, and what is below none is something else
       if (trial.glare && !((-safe_inverse(H, trial_free) * g)[unknown::glare_share] > kLeastShare)) continue;
       const Asked asked = significance(data, all, state, equations, H, g, trial_free, added);
-      if (asked == Asked::by_places_only) pointed_to.push_back(trial);
+      if (asked == Asked::by_places_only)
+        pointed_to = {pointed_to.linear || trial.linear, pointed_to.quadratic || trial.quadratic,
+                      pointed_to.wear || trial.wear, pointed_to.glare || trial.glare};
       if (asked != Asked::yes) continue;
       best = trial;
       best_gain = gain;
@@ -182,7 +186,7 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     if (with_free != free && (!size || grows(state, step))) shifts->push_back(step + safe_inverse(H, free) * g);
   };
   if (!choice.size) add_shift({}, true);
-  if (!pointed_to.empty()) add_shift(pointed_to.back(), false);
+  if (terms_of(pointed_to) > 0) add_shift(pointed_to, false);
   return choice;
 }
 

@@ -130,11 +130,12 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   data.scene.material.f0 = board.material.f0;
   data.profile = bench.material.profile;
   data.disk_unit_mm = disk_unit_mm(board);
-  if (binned_view.light < bench.lights.size()) {  // of a lamp with an area: as it was given
+  if (binned_view.light < bench.lights.size()) {  // of a lamp with an area: as it was given, or sought (disk2)
     if (!bench.lights[binned_view.light].is_lamp())
       fail("light " + bench.lights[binned_view.light].id, "is no near lamp, and photos are fitted under one alone",
            "take photos under a lamp of its own in a dark room, and leave these out of session.json");
-    data.scene.light.size = data.lamp_size = bench.lights[binned_view.light].size;
+    const LampSize& size = bench.lights[binned_view.light].size;
+    if (!size.disk_sigma_mm) data.scene.light.size = data.lamp_size = size;
     data.scene.light.axis = bench.lights[binned_view.light].axis;
   }
   data.scene.tool_width_um = board.tool_width_um;

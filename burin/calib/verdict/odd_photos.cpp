@@ -5,8 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "burin/calib/geometry/information.h"
-#include "burin/calib/photo/normal_system.h"
+#include "burin/calib/photo/unknowns.h"
 #include "burin/calib/verdict/model_tests.h"
 #include "burin/render/median.h"
 
@@ -16,17 +15,18 @@ namespace {
 // Clean benches' views differ by up to 1.8 times, an amateur's by 1.2; one that sees another lamp's mirror image stands
 // out by four. Below the least, what is missed is hardly more than the camera's noise.
 constexpr double kStandsOut = 3, kLeast = 4;
+constexpr double kMostLogarithm = 1.5;  // a view that alone holds a number: not known within a factor of four
 
-// Where the answer would be without one view, to first order.
-Eigen::VectorXd step_without(std::size_t part, const Uncertainty& u) {
-  Eigen::MatrixXd H = u.prior_information.asDiagonal();
-  Eigen::VectorXd g = u.prior_gradient;
-  for (std::size_t k = 0; k < u.part_information.size(); ++k) {
-    if (k == part) continue;
-    H += u.part_information[k];
-    g += u.part_gradient[k];
+// Of each part, its worst photo under any lamp; 0 where none of its pixels was used.
+std::vector<double> residuals_by_part(const std::vector<PhotoFit>& photos, const std::vector<std::size_t>& parts) {
+  std::vector<double> out;
+  for (const std::size_t first : parts) {
+    double most = 0;
+    for (const PhotoFit& photo : photos)
+      if (photo.view == photos[first].view && photo.pixels > 0) most = std::max(most, photo.residual_to_noise);
+    out.push_back(most);
   }
-  return -safe_inverse(H, u.free) * g;
+  return out;
 }
 
 std::vector<Misfit::Class> residuals_by_photo(const std::vector<PhotoFit>& photos) {
@@ -44,13 +44,17 @@ void add_odd_photos(const std::vector<PhotoFit>& photos, Uncertainty& uncertaint
   const std::vector<std::size_t>& parts = uncertainty.part_photo;
   if (parts.size() < kFewestViews) return;
   std::vector<std::pair<Misfit, Eigen::VectorXd>> odd;
+  const std::vector<double> residuals = residuals_by_part(photos, parts);
   for (std::size_t part = 0; part < parts.size(); ++part) {
     std::vector<double> others;
     for (std::size_t other = 0; other < parts.size(); ++other)
-      if (other != part) others.push_back(photos[parts[other]].residual_to_noise);
-    const double own = photos[parts[part]].residual_to_noise, usual = median_of(std::move(others));
+      if (other != part && residuals[other] > 0) others.push_back(residuals[other]);
+    if (others.size() + 1 < kFewestViews) continue;
+    const double own = residuals[part], usual = median_of(std::move(others));
     if (!(own > kLeast) || !(own > kStandsOut * usual)) continue;
-    const Eigen::VectorXd shift = step_without(part, uncertainty);
+    Eigen::VectorXd shift = uncertainty.part_shift[part];
+    for (const int i : {unknown::log_alpha, unknown::log_depth, unknown::log_base_alpha})
+      shift[i] = std::clamp(shift[i], -kMostLogarithm, kMostLogarithm);
     Misfit misfit;
     misfit.test = "photo " + photos[parts[part]].view;
     misfit.sigmas = own / usual;

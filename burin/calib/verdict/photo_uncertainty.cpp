@@ -145,16 +145,20 @@ std::vector<Eigen::Vector3d> center_sigmas(const Problem& data, const NormalSyst
   return out;
 }
 
+// By how much the answer moves without each view, in the order of H_view.
+std::vector<Eigen::VectorXd> shifts_without_views(const NormalSystem& system) {
+  std::vector<Eigen::VectorXd> out;
+  for (const auto& [view, H] : system.H_view)
+    out.emplace_back(safe_inverse(system.H - H, system.free) * system.g_view.at(view));
+  return out;
+}
+
 // Delete one view at a time.
-Eigen::MatrixXd jackknife_of(const NormalSystem& system) {
-  const Eigen::Index n = system.H.rows();
-  const auto views = static_cast<double>(system.H_view.size());
-  std::vector<Eigen::VectorXd> shifts;
+Eigen::MatrixXd jackknife_of(const std::vector<Eigen::VectorXd>& shifts) {
+  const Eigen::Index n = shifts.front().size();
+  const auto views = static_cast<double>(shifts.size());
   Eigen::VectorXd mean = Eigen::VectorXd::Zero(n);
-  for (const auto& [view, H] : system.H_view) {
-    shifts.push_back(safe_inverse(system.H - H, system.free) * system.g_view.at(view));
-    mean += shifts.back() / views;
-  }
+  for (const Eigen::VectorXd& s : shifts) mean += s / views;
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(n, n);
   for (const Eigen::VectorXd& s : shifts) out += (s - mean) * (s - mean).transpose();
   return out * (views - 1) / views;
@@ -196,7 +200,8 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, const State&
   }
   if (data.geometry) out.center_sigma_mm = center_sigmas(data, system, inverse, scatter, clusters, shifts.geometry);
   constexpr std::size_t kFewestViews = 3;
-  if (system.H_view.size() >= kFewestViews) out.covariances.push_back(jackknife_of(system));
+  out.part_shift = shifts_without_views(system);
+  if (out.part_shift.size() >= kFewestViews) out.covariances.push_back(jackknife_of(out.part_shift));
 
   add_misfits(test_model(data, state, system.free, classes), out);
 

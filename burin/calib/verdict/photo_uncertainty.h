@@ -17,11 +17,13 @@ namespace burin {
 struct Uncertainty {
   std::vector<Eigen::MatrixXd> covariances;  ///< several estimates, over all unknowns; held ones are 0
   /// The normal equations that they were made from, in parts that could have been taken alone (views: all photos that
-  /// share a pose), and the priors'. All gradients add up to 0 at the optimum. For burin/calib/verdict/half_samples.h.
+  /// share a pose), and the priors'. With the geometry known, all gradients add up to 0 at the optimum. For
+  /// burin/calib/verdict/half_samples.h.
   std::vector<bool> free;
   std::vector<std::size_t> part_photo;  ///< index of the part's first photo, whose lamp stands for the part's
   std::vector<Eigen::MatrixXd> part_information;
   std::vector<Eigen::VectorXd> part_gradient;
+  std::vector<Eigen::VectorXd> part_shift;  ///< by how much the answer moves without the part, the tags' hold included
   Eigen::VectorXd prior_information, prior_gradient;  ///< information: the diagonal
   /// The Cramer-Rao bound: what an unbiased fit of these unknowns to these pixels could reach if the camera's noise
   /// were all that is wrong with them, poses known. How far sigma() stands above it is what the model misses.

@@ -217,7 +217,7 @@ void tell_misfits(const Uncertainty& uncertainty, Refinement& out) {
   double most = 0;
   for (const Misfit& m : bench.misfits) {
     tests += (tests.empty() ? "" : ", ") + m.test;
-    most = std::max(most, m.sigmas);
+    if (!m.test.starts_with("photo ")) most = std::max(most, m.sigmas);  // a photo's is a ratio of residuals
   }
   const auto count = static_cast<double>(bench.misfits.size());
   std::vector<std::string> touched{parameter::kAlpha, parameter::kDepth, parameter::kBaseAlpha};

@@ -72,6 +72,13 @@ class ProbingMachine {
   }
 
   void move(const GcodeLine& line) {
+    // What the file is made of; everything else could move the tool, or what its words mean.
+    for (const int code : line.g)
+      if (code != 0 && code != 170 && code != 210 && code != 540 && code != 900 && code != 940)
+        error("has a code that probing needs not");
+    for (const int code : line.m)
+      if (code != 20 && code != 50) error("has a code that probing needs not");
+    if (line.home || line.percent) error("has a code that probing needs not");
     mm_ = mm_ || line.has_g(210);
     absolute_ = absolute_ || line.has_g(900);
     if (line.has_m(20)) {
@@ -84,20 +91,21 @@ class ProbingMachine {
     if (line.has('Z')) {
       if (!(line['Z'] > 0)) error("goes down without probing");
       on_face_ = false;
-      lifted_ = line['Z'] >= machine_.safe_z_mm;
+      lifted_ = line['Z'] >= machine_.safe_z_mm - rounded_mm_;
     }
     if (!line.has('X') && !line.has('Y')) return;
     if (!lifted_ || line.has('Z')) error("travels along the board without being lifted clear of it");
     at_mm_ = {line.has('X') ? line['X'] : at_mm_.x(), line.has('Y') ? line['Y'] : at_mm_.y()};
     if (machine_.travel && at_mm_.allFinite() &&
-        ((at_mm_.array() < machine_.travel->min_mm.array()).any() ||
-         (at_mm_.array() > machine_.travel->max_mm.array()).any()))
+        ((at_mm_.array() < machine_.travel->min_mm.array() - rounded_mm_).any() ||
+         (at_mm_.array() > machine_.travel->max_mm.array() + rounded_mm_).any()))
       fail(name_ + ":" + std::to_string(number_), "goes where the machine's travel_mm ends",
            "make the carve area smaller, or correct travel_mm of the machine profile");
   }
 
   const MachineProfile& machine_;
   const std::string& name_;
+  double rounded_mm_ = std::pow(10.0, -machine_.decimals);
   std::vector<Eigen::Vector2d> touched_mm_;
   Eigen::Vector2d at_mm_{NAN, NAN};
   std::size_t number_ = 0, zeros_ = 0;
@@ -114,6 +122,7 @@ void fail_unless_probes(std::string_view gcode, const ProbePlan& plan, const Mac
     probe.run(rest.substr(0, end));
     rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
   }
+  if (plan.points_mm.empty()) fail(name, "has no points to probe", "give a plan of probe_plan()");
   // The first point is touched twice before the rest, to find the face and then to set zero.
   std::vector<Eigen::Vector2d> planned(2, plan.points_mm.front());
   planned.insert(planned.end(), plan.points_mm.begin(), plan.points_mm.end());

@@ -41,7 +41,8 @@ TableRange table_range(const ViewScene& scene, const Scratches& scratches, bool 
   const int steps = std::max(0, static_cast<int>(std::ceil(spread / std::log(kAlphaRatio))));
   for (int k = -1; k <= steps + 1; ++k)
     out.alphas.push_back(std::min(1.0, least * std::exp(steps > 0 ? spread * k / steps : k * std::log(kAlphaRatio))));
-  while (out.alphas.size() > 3 && out.alphas[out.alphas.size() - 2] >= 1) out.alphas.pop_back();
+  while (out.alphas.size() > 1 && out.alphas[out.alphas.size() - 2] >= 1) out.alphas.pop_back();
+  while (out.alphas.size() < 3) out.alphas.insert(out.alphas.begin(), out.alphas.front() / kAlphaRatio);
   return out;
 }
 
