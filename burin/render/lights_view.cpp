@@ -89,10 +89,11 @@ ViewRenderer& LightsView::renderer_of(const Lamp& lamp, std::optional<ViewRender
 ViewRenderer& LightsView::with_jacobian(std::size_t k, std::optional<ViewRenderer>& made) const {
   const Lamp& lamp = lamps_[k];
   ViewRenderer& renderer = renderer_of(lamp, made);
-  const bool is_there = lamp.renderer != nullptr && k + 1 == lamps_.size() && surroundings_.empty();
-  if (is_there && last_has_jacobian_) return renderer;
+  const bool is_kept = lamp.renderer != nullptr && k + 1 == lamps_.size() && surroundings_.empty();
+  if (is_kept && last_has_jacobian_) return renderer;
   Image again;
   renderer.forward_with_jacobian(under(lamp), again);
+  last_has_jacobian_ = is_kept;
   return renderer;
 }
 
