@@ -40,6 +40,7 @@ struct RefineRun {
   const Sent& sent;
   const RefineOptions& options;
   const Progress& progress;
+  std::span<const Light> given;  // the bench's, before any photo was looked at
   Refinement out{};
 
   std::vector<LightView> views{};
@@ -344,11 +345,18 @@ void RefineRun::judge() {
     out.photos.push_back(photo_fit(data, k, state, carved, out.bench));
   add_odd_photos(out.photos, uncertainty);
   const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
+  constexpr double kWorthTelling = 4;  // twice the weight
+  if (data.geometry && data.geometry->weight > kWorthTelling)
+    out.findings.push_back(make_warning(
+        "the scratches' pictures would move cameras and lens by more than the tags allow, as they do where the model "
+        "misses something of metal, lamp or camera: the tags decide, with " +
+            significant(std::sqrt(data.geometry->weight), 2) + " times the weight that their noise gives them",
+        "what the model misses is told by the other findings"));
   append(out.findings, judge_bounds(data, stage, state, out.bench));
   keep_what_is_believed();
   append(out.findings, effect_findings(out.bench));
   advise_light(data, state, uncertainty, judged, out.bench, progress);
-  fit_colors(data, merged, state, out.bench);
+  append(out.findings, keep_colors(given, fit_colors(data, merged, state, out.bench), out.bench));
   out.alpha_jitter = data.model.alpha_jitter;
   out.depth_jitter = data.model.depth_jitter;
   const auto scatter = [](double value, double square_sigma) {
@@ -374,7 +382,7 @@ Refinement refine(std::span<const MergedView> merged, const Board& board, const 
                   const RefineOptions& options, const Progress& progress) {
   if (sent.size() == 0)
     fail("scratches", "there is no scratch to refine against", "name the designed scratches in board.json");
-  RefineRun run{merged, board, sent, options, progress};
+  RefineRun run{merged, board, sent, options, progress, measured.lights};
   run.out.bench = measured;
   run.out.bench.findings.clear();  // what an old file lacks is measured now
   run.views = make_light_views(merged, board, run.out.bench, run.out.findings);

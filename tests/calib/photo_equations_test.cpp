@@ -3,11 +3,10 @@
 // fall-off, the blur, vignetting, glare and the robust loss together. Not proved: that the model is right (the rigs
 // prove that, refine_test.cpp).
 #include "burin/calib/photo/photo_equations.h"
-#include "burin/calib/geometry/geometry_prior.h"
-#include "burin/calib/photo/effect_unknowns.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -174,8 +173,10 @@ TEST(PhotoEquations, LensAndPoseMoveThePicture) {
       bench.views[0].T_camera_board = moved_pose(bench.views[0].T_camera_board, by * Vector6::Unit(i));
       return bench;
     });
+  // Steps that move the picture by thousandths of a pixel: of r^4 there is little in so small a picture.
+  const std::array<double, 8> steps{1e-5, 1e-5, 1e-5, 1e-5, 5e-4, 1e-2, 5e-4, 5e-4};
   for (int i = 0; i < parameters; ++i)
-    check(unknown::lens + i, i < 4 ? 1e-5 : 5e-4, i < 4 ? 3e-3 : 5e-3, [&](double by) {
+    check(unknown::lens + i, steps[static_cast<std::size_t>(i)], i < 4 ? 3e-3 : 5e-3, [&](double by) {
       Bench bench = s.bench;
       bench.lens = moved_lens(bench.lens, by * Eigen::VectorXd::Unit(parameters, i));
       return bench;

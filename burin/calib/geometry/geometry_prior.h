@@ -26,6 +26,7 @@ struct GeometryPrior {
   Eigen::Index lens_parameters = 0;               ///< those that move
   Eigen::VectorXd moved;                          ///< how far the geometry's unknowns have been moved since
   Eigen::MatrixXd information;  ///< inverse covariance of the geometry's unknowns: 6 a view, 3, the lens' parameters
+  double weight = 1;            ///< of the tags against the photos' pixels (burin/calib/photo/geometry_agreement.h)
 };
 
 /// How many parameters of a lens move: all of one that has focal lengths and center and at most so many, else none.

@@ -37,7 +37,7 @@ EffectEquations effect_equations(const Problem& data, const Stage& stage, const 
   EffectEquations out{stage, stage, {}, {}, {}};
   out.all.free(Group::backlash).free(Group::grain).free(Group::flank);
   out.views = view_equations(data, out.all, state);
-  out.H = out.views.prior_scatter;
+  out.H = out.views.prior_information;
   out.g = out.views.prior_g;
   for (std::size_t k = 0; k < out.views.H.size(); ++k) {
     out.H += out.views.H[k];

@@ -1,5 +1,5 @@
 // burin/calib/photo/effect_unknowns.h - what only some benches have, as the fits move it: backlash and uneven screws, a
-// brushed face, a cross-section that is not the paper's. docs/model.md 2.5, 3.7, 7.9.
+// brushed face, a cross-section that is not the paper's. docs/model.md 2.5, 3.8, 7.9.
 #pragma once
 
 #include <algorithm>

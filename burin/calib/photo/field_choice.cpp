@@ -94,11 +94,13 @@ Asked significance(const Problem& data, const Stage& all, const State& state, co
     if (at_optimum.tiles(unknown::log_alpha, t) != 0) ++places;
   if (!beyond(at_optimum.tiles * at_optimum.tiles.transpose(), places, little_glare ? kLittleGlareByPlace : sigmas))
     return Asked::no;
-  Eigen::MatrixXd by_view = Eigen::MatrixXd::Zero(H.rows(), H.cols());
-  const auto views = static_cast<double>(e.H.size());
-  for (const Eigen::VectorXd& score : at_optimum.g) by_view += views / (views - 1) * score * score.transpose();
+  const Eigen::MatrixXd by_view = scatter_by_view(at_optimum, Eigen::VectorXd::Zero(H.rows()));
   if (beyond(by_view, kKnown, little_glare ? kLittleGlareByView : sigmas)) return Asked::yes;
   return little_glare ? Asked::no : Asked::by_places_only;
+}
+
+FreeField both(const FreeField& a, const FreeField& b) {
+  return {a.linear || b.linear, a.quadratic || b.quadratic, a.wear || b.wear, a.glare || b.glare, a.size || b.size};
 }
 
 // Whether a step gives any lamp a size: what is smaller than a point is none.
@@ -125,7 +127,7 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
   const std::size_t views = equations.H.size();
   constexpr std::size_t kFewest = 4;
   if (views < kFewest) return choice;
-  Eigen::MatrixXd H = equations.prior_scatter;
+  Eigen::MatrixXd H = equations.prior_information;
   Eigen::VectorXd g = equations.prior_g;
   for (std::size_t k = 0; k < views; ++k) {
     H += equations.H[k];
@@ -147,8 +149,7 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     for (const FreeField& more :
          {FreeField{true, false, false}, FreeField{true, true, false}, FreeField{false, false, true},
           FreeField{false, false, false, true}, FreeField{false, false, false, false, true}}) {
-      const FreeField trial{choice.linear || more.linear, choice.quadratic || more.quadratic, choice.wear || more.wear,
-                            choice.glare || more.glare, choice.size || more.size};
+      const FreeField trial = both(choice, more);
       if (terms_of(trial) == terms_of(choice)) continue;
       const std::vector<bool> trial_free = free_with(trial);
       std::vector<Eigen::Index> added;
@@ -165,9 +166,7 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
       constexpr double kLeastShare = 0.001;  // less is no glare, and what is below none is something else
       if (trial.glare && !((-safe_inverse(H, trial_free) * g)[unknown::glare_share] > kLeastShare)) continue;
       const Asked asked = significance(data, all, state, equations, H, g, trial_free, added);
-      if (asked == Asked::by_places_only)
-        pointed_to = {pointed_to.linear || trial.linear, pointed_to.quadratic || trial.quadratic,
-                      pointed_to.wear || trial.wear, pointed_to.glare || trial.glare};
+      if (asked == Asked::by_places_only) pointed_to = both(pointed_to, trial);
       if (asked != Asked::yes) continue;
       best = trial;
       best_gain = gain;
@@ -178,15 +177,14 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
   }
   if (shifts == nullptr) return choice;
   // Of what is not chosen: where the answer would be with it.
-  const auto add_shift = [&](FreeField with, bool size) {
-    with = {with.linear || choice.linear, with.quadratic || choice.quadratic, with.wear || choice.wear,
-            with.glare || choice.glare, choice.size || size};
-    const std::vector<bool> with_free = free_with(with);
+  const auto add_shift = [&](const FreeField& more) {
+    const std::vector<bool> with_free = free_with(both(choice, more));
     const Eigen::VectorXd step = -safe_inverse(H, with_free) * g;
-    if (with_free != free && (!size || grows(state, step))) shifts->push_back(step + safe_inverse(H, free) * g);
+    if (with_free != free && (!more.size || grows(state, step))) shifts->push_back(step + safe_inverse(H, free) * g);
   };
-  if (!choice.size) add_shift({}, true);
-  if (terms_of(pointed_to) > 0) add_shift(pointed_to, false);
+  if (!choice.size) add_shift({false, false, false, false, true});
+  pointed_to.size = false;  // counted just now
+  if (terms_of(pointed_to) > 0) add_shift(pointed_to);
   return choice;
 }
 

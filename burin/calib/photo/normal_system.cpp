@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "burin/calib/geometry/information.h"
+#include "burin/calib/photo/geometry_agreement.h"
 #include "burin/calib/photo/paper_equation.h"
 
 namespace burin {
@@ -162,21 +163,24 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, const State&
 
   Eigen::MatrixXd eliminate = Eigen::MatrixXd::Zero(n, n + m);  // (I, -B A^-1)
   eliminate.leftCols(n).setIdentity();
-  out.geometry_scatter = Eigen::MatrixXd::Zero(n, n);
+  out.geometry_information = out.geometry_scatter = Eigen::MatrixXd::Zero(n, n);
   if (data.geometry) {
     const GeometryPrior& prior = *data.geometry;
+    const Eigen::MatrixXd weighted = prior.weight * prior.information;
     Eigen::VectorXd off = prior.moved;  // of poses exactly, where a photo says
     for (const PhotoData& photo : data.photos) {
       const std::size_t view = photo.photo.view;
       off.segment<6>(6 * static_cast<Eigen::Index>(view)) =
           pose_difference(prior.T_camera_board[view], photo.camera.T_camera_board);
     }
-    out.A = whole.H.bottomRightCorner(m, m) + prior.information;
+    out.A = whole.H.bottomRightCorner(m, m) + weighted;
     out.B = whole.H.topRightCorner(n, m);
-    out.geometry_g = whole.g.tail(m) + prior.information * off;
+    out.geometry_g = whole.g.tail(m) + weighted * off;
+    out.geometry_off = off;
     out.gain = inverse_times(out.A, out.B.transpose()).transpose();
     eliminate.rightCols(m) = -out.gain;
-    out.geometry_scatter = out.gain * prior.information * out.gain.transpose();
+    out.geometry_information = out.gain * weighted * out.gain.transpose();
+    out.geometry_scatter = prior.weight * out.geometry_information;
     whole.g.tail(m) = out.geometry_g;
   }
   for (const auto& [view, Hv] : whole.H_view) {
@@ -193,7 +197,7 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, const State&
   }
   out.tiles = with_geometry * whole.tiles;
   out.g = eliminate * whole.g;
-  out.H = out.geometry_scatter;
+  out.H = out.geometry_information;
   add_paper(data, state, information, out);
   for (const auto& [view, Hv] : out.H_view) out.H += Hv;
   add_priors(state, out);
@@ -223,13 +227,21 @@ ViewEquations view_equations(const Problem& data, const Stage& stage, const Stat
     out.prior_g -= out.g.back();
   }
   out.tiles = system.tiles.topRows(system.H.rows());
+  out.prior_information = system.geometry_information;
   out.prior_scatter = system.geometry_scatter;
+  out.prior_information.diagonal() += system.prior;
   out.prior_scatter.diagonal() += system.prior;
   return out;
 }
 
 Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Bench& bench) {
-  const NormalSystem system = weighted_system(data, stage, state);
+  const std::vector<PhotoEquations> equations = equations_of_photos(data, stage, state, {data.model}).front();
+  NormalSystem system = normal_system(data, stage, state, Information::weights, equations);
+  if (data.geometry) {
+    const double before = data.geometry->weight;
+    data.geometry->weight = tags_weight(system, *data.geometry);
+    if (data.geometry->weight != before) system = normal_system(data, stage, state, Information::weights, equations);
+  }
   const Eigen::VectorXd step = -safe_inverse(system.H, system.free) * system.g;
   state = moved_state(state, step);
   keep_within_bounds(data, state);

@@ -21,15 +21,17 @@ struct NormalSystem {
   std::vector<bool> free;
   Eigen::MatrixXd H, noise_H;  // of all; with the camera's noise alone as weights, poses known
   Eigen::VectorXd g;
-  Eigen::VectorXd prior, prior_g;    // the table's priors: diagonal of their information, and their scores
-  Eigen::MatrixXd geometry_scatter;  // of the scores, from the tags' noise in the geometry's prior
+  Eigen::VectorXd prior, prior_g;  // the table's priors: diagonal of their information, and their scores
+  // Of the geometry's prior, eliminated: its information, and how its scores scatter by the tags' noise. These are one,
+  // but where tags weigh more than their noise says (GeometryPrior::weight).
+  Eigen::MatrixXd geometry_information, geometry_scatter;
   // Scores by square of the board and by photo; below them the geometry's own.
   Eigen::MatrixXd tiles, photos;
   std::map<int, Eigen::VectorXd> tags;  // scores by tag (paper)
   std::map<std::size_t, Eigen::MatrixXd> H_view;
   std::map<std::size_t, Eigen::VectorXd> g_view;
-  Eigen::MatrixXd A, B, gain;  // (geometry, geometry), (unknowns, geometry), B A^-1
-  Eigen::VectorXd geometry_g;
+  Eigen::MatrixXd A, B, gain;                // (geometry, geometry), (unknowns, geometry), B A^-1
+  Eigen::VectorXd geometry_g, geometry_off;  // score; how far the geometry is from what the tags say
   double cost = 0;
   std::size_t pixels = 0;
 };
@@ -58,7 +60,7 @@ struct ViewEquations {
   std::vector<bool> free;
   std::vector<std::size_t> view;  ///< index into the bench's views
   Eigen::MatrixXd tiles;          ///< scores (J^T W r) summed over squares of the board, a column a square
-  Eigen::MatrixXd prior_scatter;  ///< of the scores, from all priors
+  Eigen::MatrixXd prior_information, prior_scatter;  ///< all priors', the geometry's among them; of their scores
   double cost = 0;
 };
 ViewEquations view_equations(const Problem& data, const Stage& stage, const State& state);

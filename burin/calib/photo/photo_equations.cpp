@@ -183,8 +183,8 @@ Image value_of_light(const ModelData& model, const PhotoData& photo, const Unkno
 }
 
 // Of the photo where `light` is seen, in expected errors.
-double residual_at(const PhotoData& photo, const Unknowns& x, std::size_t i, double vignette, const Image& light) {
-  return photo.weight[i] * (vignette * light.data[i] + corrected_by(photo, x, i) - photo.photo.value.data[i]);
+double residual_at(const PhotoData& photo, std::size_t i, const PixelSeen& seen) {
+  return photo.weight[i] * (seen.value - photo.photo.value.data[i]);
 }
 
 }  // namespace
@@ -437,7 +437,7 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
   double cost = 0;
   for (std::size_t i = 0; i < light.data.size(); ++i) {
     if (!(photo.weight[i] > 0)) continue;
-    const double r = residual_at(photo, x, i, vignette_of(photo, x, i), light);
+    const double r = residual_at(photo, i, pixel_seen(photo, x, i, light));
     cost += 0.5 * cauchy_loss(r * r, model.cauchy).rho;
   }
   return cost;
@@ -718,11 +718,11 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
     for (int px = 0; px < width; ++px) {
       const std::size_t i = static_cast<std::size_t>(y) * width + px;
       if (!(photo.weight[i] > 0)) continue;
-      const double vignette = vignette_of(photo, x, i);
-      const double residual = residual_at(photo, x, i, vignette, light);
+      const PixelSeen seen = pixel_seen(photo, x, i, light);
+      const double residual = residual_at(photo, i, seen);
       const Loss loss = cauchy_loss(residual * residual, model.cauchy);
       out.cost += 0.5 * loss.rho;
-      const double root = std::sqrt(loss.weight), scale = root * photo.weight[i] * vignette;
+      const double root = std::sqrt(loss.weight), scale = root * photo.weight[i] * seen.factor;
       r[used] = root * residual;
       std::size_t k = 0;
       for (; k < rendered_columns; ++k) rows(static_cast<Eigen::Index>(k), used) = scale * columns[k].data[i];
@@ -732,9 +732,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
       for (int v = 0; v < 3; ++v, radius_power *= photo.radius2[i])
         if (free[unknown::vignette + v])
           rows(row++, used) = (1 - x[unknown::glare_share]) * root * photo.weight[i] * radius_power * light.data[i];
-      if (glares)
-        rows(row++, used) = root * photo.weight[i] *
-                            (photo.photo.scattered.data[i] - vignette / (1 - x[unknown::glare_share]) * light.data[i]);
+      if (glares) rows(row++, used) = root * photo.weight[i] * seen.by_glare;
       if (tile_mm > 0) {
         to_noise[used] = 1 / (root * photo.weight[i] * photo.photo.sigma.data[i]);
         to_curvature[used] = std::sqrt(loss.curvature / loss.weight);

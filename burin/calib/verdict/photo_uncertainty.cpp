@@ -134,7 +134,8 @@ std::vector<Eigen::Vector3d> center_sigmas(const Problem& data, const NormalSyst
   by_score << by_scores, -by_own;
   std::vector<Eigen::Vector3d> out(data.geometry->T_camera_board.size(), Eigen::Vector3d::Zero());
   for (Eigen::Index k = 0; k < 3 * views; ++k) {
-    const double of_priors = by_tags.col(k).dot(data.geometry->information * by_tags.col(k)) +
+    const double weight = data.geometry->weight;  // scores that weigh more scatter more
+    const double of_priors = weight * weight * by_tags.col(k).dot(data.geometry->information * by_tags.col(k)) +
                              by_scores.col(k).dot(system.prior.cwiseProduct(by_scores.col(k)));
     double variance = scatter * (by_geometry.col(k).dot(by_own.col(k)) + by_unknowns.col(k).dot(by_scores.col(k)));
     for (const Clusters& c : clusters)

@@ -43,7 +43,8 @@ PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const
   return fit;
 }
 
-void fit_colors(const Problem& data, std::span<const MergedView> merged, const State& state, Bench& bench) {
+std::set<std::size_t> fit_colors(const Problem& data, std::span<const MergedView> merged, const State& state,
+                                 Bench& bench) {
   const std::size_t lights = bench.lights.size();
   const Eigen::Vector3d f0 = bench.material.f0;
   const auto n = static_cast<Eigen::Index>(lights + 1);
@@ -85,15 +86,40 @@ void fit_colors(const Problem& data, std::span<const MergedView> merged, const S
         }
       }
   }
-  if (!colored) return;
+  std::set<std::size_t> told;
+  if (!colored) return told;
   for (int c = 0; c < 3; ++c) {
     const Eigen::VectorXd factor = H[c].ldlt().solve(g[c]);
     if (!factor.allFinite()) continue;
     for (std::size_t light = 0; light < lights; ++light)
-      if (H[c](static_cast<Eigen::Index>(light), static_cast<Eigen::Index>(light)) > 0)
-        bench.lights[light].intensity[c] *= factor[static_cast<Eigen::Index>(light)];
+      if (H[c](static_cast<Eigen::Index>(light), static_cast<Eigen::Index>(light)) > 0) {
+        bench.lights[light].intensity[c] *= std::max(0.0, factor[static_cast<Eigen::Index>(light)]);  // a pure red lamp
+        told.insert(light);
+      }
     bench.ambient[c] = std::max(0.0, factor[n - 1]);
   }
+  return told;
+}
+
+std::vector<Finding> keep_colors(std::span<const Light> given, const std::set<std::size_t>& told, Bench& bench) {
+  constexpr double kGray = 1e-9;
+  std::string kept;
+  for (std::size_t i = 0; i < bench.lights.size(); ++i) {
+    Light& light = bench.lights[i];
+    const auto known = std::find_if(given.begin(), given.end(), [&](const Light& l) { return l.id == light.id; });
+    if (told.count(i) > 0 || known == given.end() || !(known->intensity.mean() > 0)) continue;
+    const Eigen::Vector3d color = known->intensity / known->intensity.mean();
+    if ((color.array() - 1).abs().maxCoeff() < kGray) continue;
+    const double mean = light.intensity.mean();
+    if (light.intensity_sigma) light.intensity_sigma = light.intensity_sigma->mean() * color;
+    light.intensity = mean * color;
+    kept += (kept.empty() ? "" : ", ") + light.id;
+  }
+  if (kept.empty()) return {};
+  return {{Finding::Severity::note,
+           {},
+           "no photo in color shows " + kept + ": brightness is measured, color is as the bench said",
+           "photos in color under each lamp alone tell it"}};
 }
 
 namespace {
@@ -217,7 +243,7 @@ void tell_misfits(const Uncertainty& uncertainty, Refinement& out) {
   double most = 0;
   for (const Misfit& m : bench.misfits) {
     tests += (tests.empty() ? "" : ", ") + m.test;
-    if (!m.test.starts_with("photo ")) most = std::max(most, m.sigmas);  // a photo's is a ratio of residuals
+    if (!is_of_photo(m)) most = std::max(most, m.sigmas);  // a photo's is a ratio of residuals
   }
   const auto count = static_cast<double>(bench.misfits.size());
   std::vector<std::string> touched{parameter::kAlpha, parameter::kDepth, parameter::kBaseAlpha};
@@ -226,7 +252,7 @@ void tell_misfits(const Uncertainty& uncertainty, Refinement& out) {
     if (const auto verdict = bench.verdict.find(name); verdict != bench.verdict.end() && verdict->second.sigma)
       verdict->second.causes.push_back({Cause::Kind::model_misses, {most, count}, tests});
   for (const Misfit& m : bench.misfits) {
-    const bool of_photo = m.test.starts_with("photo ");
+    const bool of_photo = is_of_photo(m);
     const std::string off = "alpha by " + significant(std::abs(m.alpha_percent)) + " %, depth by " +
                             significant(std::abs(m.depth_percent)) + " %, base_alpha by " +
                             significant(std::abs(m.base_alpha_percent)) + " %";

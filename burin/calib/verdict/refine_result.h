@@ -2,7 +2,9 @@
 // sigmas and verdicts, how each photo is explained. Used by refine.h.
 #pragma once
 
+#include <set>
 #include <span>
+#include <vector>
 
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/verdict/identifiability.h"
@@ -17,8 +19,13 @@ PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const
 
 /// Colors: with everything else known, each channel of a photo is linear in its lamp's intensity and the ambient
 /// light. Splits the intensities and ambient light of `bench` (means of the channels) into channels; nothing for mono
-/// photos.
-void fit_colors(const Problem& data, std::span<const MergedView> merged, const State& state, Bench& bench);
+/// photos. Returns which lights (indices into bench.lights) photos in color showed.
+std::set<std::size_t> fit_colors(const Problem& data, std::span<const MergedView> merged, const State& state,
+                                 Bench& bench);
+
+/// Lights that photos in color did not show (`told` are those that they did) keep the colors that lights of their names
+/// have in `given`: the ratio of the channels, their mean being as in `bench`. Says in a note which those are.
+std::vector<Finding> keep_colors(std::span<const Light> given, const std::set<std::size_t>& told, Bench& bench);
 
 /// Writes state and uncertainty into out.bench, and judges each parameter (burin/calib/verdict/identifiability.h).
 Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
