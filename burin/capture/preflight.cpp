@@ -116,6 +116,60 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
          ""});
 }
 
+// A photo beside the longest exposure of its view.
+struct ComparedPhoto {
+  int photo, longest;
+  double times;  // as long was the longest exposed
+  double ratio;  // of the photo's light to the longest's; 1: as their EXIF says
+};
+
+// Whether photos exposed so many times shorter than their views' longest contradict their EXIF all alike.
+bool contradict_alike(std::span<const ComparedPhoto> photos) {
+  constexpr std::size_t kFew = 3;
+  constexpr double kAlike = 0.3;
+  if (photos.size() < kFew) return false;
+  std::vector<double> logs, off;
+  for (const ComparedPhoto& one : photos) logs.push_back(std::log(one.ratio));
+  const double middle = median_of(logs);
+  for (const double log_ratio : logs) off.push_back(std::abs(log_ratio - middle));
+  return std::abs(middle) > std::log1p(kExposureError) && median_of(std::move(off)) < kAlike * std::abs(middle);
+}
+
+std::string how_far(double ratio) {
+  return text("%.0f %% %s", 100 * std::abs(ratio - 1), ratio > 1 ? "brighter" : "darker");
+}
+
+// Flicker strikes here and there; a camera's tone curve bends the brightness of all views alike.
+void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& compared,
+                     std::vector<Finding>& findings) {
+  std::map<long, std::vector<ComparedPhoto>> by_half_stops;
+  for (const ComparedPhoto& one : compared) by_half_stops[std::lround(2 * std::log2(one.times))].push_back(one);
+  std::string alike;
+  for (const auto& [half_stops, photos] : by_half_stops) {
+    if (contradict_alike(photos)) {
+      std::vector<double> ratios;
+      for (const ComparedPhoto& one : photos) ratios.push_back(one.ratio);
+      alike += text("%s%s than their EXIF says where a view's longest exposure is %.3g times as long",
+                    alike.empty() ? "" : ", ", how_far(median_of(ratios)).c_str(), photos.front().times);
+      continue;
+    }
+    for (const ComparedPhoto& one : photos)
+      if (std::abs(one.ratio - 1) > kExposureError)
+        findings.push_back({warning, session.photos[one.photo].file,
+                            text("is %s than its EXIF and %s say", how_far(one.ratio).c_str(),
+                                 session.photos[one.longest].file.filename().string().c_str()),
+                            "switch off flicker, automatic ISO and exposure correction, and use a steady lamp"});
+  }
+  if (!alike.empty())
+    findings.push_back(
+        {note,
+         {},
+         "in all views alike photos are " + alike +
+             ": the camera bends brightness by a curve of its own, which burin calibrate finds from these "
+             "exposures",
+         "raw photos, or the camera's flattest picture style, need no such curve"});
+}
+
 void judge_views(const Session& session, std::span<const PhotoLook> looks, std::vector<Finding>& findings) {
   std::vector<double> edges;
   for (const PhotoLook& look : looks)
@@ -123,6 +177,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
   std::sort(edges.begin(), edges.end());
   const double usual_edge = edges.empty() ? 0 : edges[edges.size() / 2];
 
+  std::vector<ComparedPhoto> compared;
   for (const Bracket& bracket : brackets_of(session)) {
     const auto factor = [&](int i) { return exposure_factor(session.photos[i]); };
     const auto [shortest, longest] = std::minmax_element(bracket.photos.begin(), bracket.photos.end(),
@@ -150,12 +205,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
       if (i == *longest) continue;
       const auto same = compare(bright, factor(*longest), look, factor(i));
       if (!same) continue;
-      if (std::abs(same->ratio - 1) > kExposureError)
-        findings.push_back(
-            {warning, session.photos[i].file,
-             text("is %.0f %% %s than its EXIF and %s say", 100 * std::abs(same->ratio - 1),
-                  same->ratio > 1 ? "brighter" : "darker", session.photos[*longest].file.filename().string().c_str()),
-             "switch off flicker, automatic ISO and exposure correction, and use a steady lamp"});
+      compared.push_back({i, *longest, factor(*longest) / factor(i), same->ratio});
       if (same->shift_px > kMoved_px)
         findings.push_back({warning, session.photos[i].file,
                             text("lies %.1f px aside of %s of the same view", same->shift_px,
@@ -163,6 +213,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
                             "use a tripod and a remote release for brackets"});
     }
   }
+  judge_exposures(session, compared, findings);
   if (usual_edge > kBlurred_px)
     findings.push_back({warning,
                         {},
