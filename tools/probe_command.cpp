@@ -5,12 +5,14 @@
 #include <memory>
 #include <string>
 
+#include "burin/optimize/carving/gcode.h"
 #include "burin/optimize/carving/probe.h"
 #include "burin/optimize/carving/probe_check.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/write_file.h"
 #include "tools/commands.h"
+#include "tools/probe_light_command.h"
 
 namespace burin {
 namespace {
@@ -27,9 +29,8 @@ void write_probing(const ProbeArguments& options) {
   const ProbePlan plan = probe_plan(board, options.spacing_mm);
   const std::string gcode = probe_gcode(plan, machine);
   write_file(gcode, options.out, Durability::on_disk, [&](const std::filesystem::path& written) {
-    const std::string bytes = read_text(written);
-    if (bytes != gcode) fail(options.out.string(), "is not on the disk as it was written", "check the disk");
-    fail_unless_probes(bytes, plan, machine, options.out.string());
+    const std::string name = options.out.string();
+    fail_unless_probes(read_back(written, gcode, name), plan, machine, name);
   });
   const Eigen::Vector2d& first = plan.points_mm.front();
   fmt::print("touches the face at {} points, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
@@ -60,7 +61,8 @@ void read_heights_of(const ProbeArguments& options) {
 }  // namespace
 
 void add_probe_command(CLI::App& burin) {
-  CLI::App* probe = burin.add_subcommand("probe", "Measure how even the sheet lies on the machine: a height map");
+  CLI::App* probe = burin.add_subcommand(
+      "probe", "Measure the sheet on its machine (a height map), or the room's light (a mirror ball)");
   probe->require_subcommand(1);
   probe->footer(example("burin probe write board.json --machine grbl --out probe.gcode"));
   auto options = std::make_shared<ProbeArguments>();
@@ -80,6 +82,7 @@ void add_probe_command(CLI::App& burin) {
   read->add_option("--out", options->out, "The height map: heights.json")->required();
   read->footer(example("burin probe read serial.log --probed probe.gcode --out heights.json"));
   read->callback([options] { read_heights_of(*options); });
+  add_probe_light(*probe);
 }
 
 }  // namespace burin

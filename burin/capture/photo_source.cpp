@@ -40,21 +40,22 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a < b;
 }
 
-}  // namespace
-
-bool in_name_order(const fs::path& a, const fs::path& b) {
-  return natural_less(a.filename().string(), b.filename().string());
-}
-
-PhotoSource folder_source(const fs::path& folder, std::vector<Finding>& findings) {
+// Entries of a folder, one after the other. Throws Error for one that is missing or unreadable.
+fs::directory_iterator entries_of(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
     fail(folder.string(), "there is no such folder", "give the folder that holds the photos");
-  std::vector<fs::path> files;
   fs::directory_iterator entries(folder, error);
   if (error) fail(folder.string(), "cannot be read (" + error.message() + ")", "give yourself the right to read it");
+  return entries;
+}
+
+// The photos that lie in a folder itself.
+std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& findings) {
+  std::vector<fs::path> files;
+  std::error_code error;
   std::map<std::string, fs::path> raw_of;  // by stem
-  for (const fs::directory_entry& entry : entries) {
+  for (const fs::directory_entry& entry : entries_of(folder)) {
     const std::string name = entry.path().filename().string();
     if (name.front() == '.' || !entry.is_regular_file(error)) continue;
     if (!is_printable(name)) {
@@ -76,14 +77,39 @@ PhotoSource folder_source(const fs::path& folder, std::vector<Finding>& findings
     findings.push_back({Finding::Severity::note, file, "was passed over for " + raw->second.filename().string(), ""});
     return true;
   });
-  if (files.empty())
-    fail(folder.string(), "holds no photo",
-         "give the folder that holds the photos (JPEG, HEIC, PNG, TIFF, EXR or camera raw)");
+  return files;
+}
 
-  const auto list = std::make_shared<const std::vector<fs::path>>(std::move(files));
+// Folders with photos that are no lamp's: nothing is left out in silence.
+void find_other_folders(const fs::path& folder, const PhotoLamps& lamps, const std::vector<LampFolder>& known,
+                        std::vector<Finding>& findings) {
+  if (lamps.names.empty()) return;
+  std::vector<fs::path> others;
+  std::error_code error;
+  for (const fs::directory_entry& entry : entries_of(folder))
+    if (entry.path().filename().string().front() != '.' && entry.is_directory(error) &&
+        std::none_of(known.begin(), known.end(), [&](const LampFolder& l) { return l.folder == entry.path(); }))
+      others.push_back(entry.path());
+  std::sort(others.begin(), others.end(), in_name_order);
+  for (const fs::path& other : others) {
+    fs::directory_iterator inside(other, error), end;
+    bool photos = false;
+    for (; !error && !photos && inside != end; inside.increment(error)) photos = is_photo_name(inside->path());
+    if (!photos) continue;
+    if (lamps.names.size() == 1)
+      findings.push_back({Finding::Severity::note, other, "holds photos, and folders within are passed over", ""});
+    else
+      findings.push_back({Finding::Severity::error, other, "holds photos, and no lamp of the bench is called that",
+                          "rename it: " + lamp_folders_in_words(folder, lamps.names) +
+                              " are known; or, if its photos are not to be used, put a dot before its name"});
+  }
+}
+
+PhotoSource source_of(std::vector<IncomingPhoto> photos) {
+  const auto list = std::make_shared<const std::vector<IncomingPhoto>>(std::move(photos));
   return [list, next = std::size_t{0}]() mutable -> std::optional<IncomingPhoto> {
     if (next == list->size()) return std::nullopt;
-    IncomingPhoto photo{(*list)[next++], {}, {}};
+    IncomingPhoto photo = (*list)[next++];
     try {
       photo.exif = read_exif(photo.file);
     } catch (const Error& unreadable) {
@@ -91,6 +117,63 @@ PhotoSource folder_source(const fs::path& folder, std::vector<Finding>& findings
     }
     return photo;
   };
+}
+
+}  // namespace
+
+bool in_name_order(const fs::path& a, const fs::path& b) {
+  return natural_less(a.filename().string(), b.filename().string());
+}
+
+PhotoSource folder_source(const fs::path& folder, std::vector<Finding>& findings) {
+  return folder_source(folder, {}, findings);
+}
+
+PhotoSource folder_source(const fs::path& folder, const PhotoLamps& lamps, std::vector<Finding>& findings) {
+  std::vector<IncomingPhoto> photos;
+  for (const fs::path& file : photos_in(folder, findings)) photos.push_back({file, {}, {}, lamps.of_folder});
+  if (!photos.empty() && lamps.of_folder.empty() && !lamps.names.empty()) {
+    const std::string folders = lamp_folders_in_words(folder, lamps.names);
+    fail(photos.front().file.string(),
+         (photos.size() == 1 ? "lies" : "and " + std::to_string(photos.size() - 1) + " more lie") +
+             " in no lamp's folder, and photos do not tell which of several lamps was on",
+         "put each photo into the folder of the lamp that shone on it alone (" + folders +
+             "); or, for photos that are all under one, say which to burin capture: --light NAME");
+  }
+  const std::vector<LampFolder> known = lamp_folders(folder, lamps.names);
+  for (const LampFolder& lamp : known)
+    for (const fs::path& file : photos_in(lamp.folder, findings)) photos.push_back({file, {}, {}, lamp.light});
+  find_other_folders(folder, lamps, known, findings);
+  if (photos.empty())
+    fail(folder.string(), "holds no photo",
+         lamps.names.size() > 1
+             ? "put photos into the folders of their lamps: " + lamp_folders_in_words(folder, lamps.names)
+             : "give the folder that holds the photos (JPEG, HEIC, PNG, TIFF, EXR or camera raw)");
+  // As the camera counted them, whichever lamp was on.
+  std::stable_sort(photos.begin(), photos.end(),
+                   [](const IncomingPhoto& a, const IncomingPhoto& b) { return in_name_order(a.file, b.file); });
+  return source_of(std::move(photos));
+}
+
+PhotoSource named_source(const std::vector<fs::path>& names, std::vector<Finding>& findings) {
+  std::vector<IncomingPhoto> photos;
+  for (const fs::path& name : names) {
+    std::error_code error;
+    std::vector<fs::path> here = {name};
+    if (fs::is_directory(name, error)) {
+      here = photos_in(name, findings);
+      if (here.empty())
+        fail(name.string(), "holds no photo",
+             "give the folder that holds the photos (JPEG, HEIC, PNG, TIFF, EXR or camera raw)");
+    } else if (!fs::exists(name, error)) {
+      fail(name.string(), "there is no such file or folder", "give photos, or the folder that holds them");
+    }
+    for (const fs::path& file : here)
+      if (std::none_of(photos.begin(), photos.end(),
+                       [&](const IncomingPhoto& photo) { return fs::equivalent(photo.file, file, error); }))
+        photos.push_back({file, {}, {}, {}});
+  }
+  return source_of(std::move(photos));
 }
 
 }  // namespace burin

@@ -1,7 +1,7 @@
 // burin/capture/photo_source.h - where photos come from: the one door through which they enter.
 //
-// A source is a function that hands out one photo after another and nothing when there are no more. A folder is the
-// only one: a connected camera (tools/tether) puts its photos into a folder too.
+// A source is a function that hands out one photo after another and nothing when there are no more. Folders and
+// files are all there is: a connected camera (tools/tether) puts its photos into a folder too.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "burin/capture/exif.h"
+#include "burin/capture/lamp_folders.h"
 #include "burin/render/finding.h"
 
 namespace burin {
@@ -20,6 +21,7 @@ struct IncomingPhoto {
   std::filesystem::path file;
   Exif exif;
   std::string unreadable;  ///< why its header could not be read; empty if it could
+  std::string light;       ///< the lamp that was on; empty: whoever asked for the photos knows
 };
 
 using PhotoSource = std::function<std::optional<IncomingPhoto>()>;
@@ -31,5 +33,14 @@ bool in_name_order(const std::filesystem::path& a, const std::filesystem::path& 
 /// silence, other files that are no photos with a finding; of a raw file and a JPEG of one name the raw file is taken.
 /// Throws Error when the folder is missing, unreadable, or holds no photo.
 PhotoSource folder_source(const std::filesystem::path& folder, std::vector<Finding>& findings);
+
+/// The same, and of the folders within those that are named after lamps, all by name: IMG_9 before red/IMG_10. Other
+/// folders with photos are an error among the findings where there are several lamps, else a note. Throws Error, too,
+/// where photos lie in the folder itself and nobody knows their lamp.
+PhotoSource folder_source(const std::filesystem::path& folder, const PhotoLamps& lamps, std::vector<Finding>& findings);
+
+/// Photos and folders of photos as a person names them in a command line, in that order; none twice. Throws Error as
+/// folder_source() does, and for a file that is missing.
+PhotoSource named_source(const std::vector<std::filesystem::path>& names, std::vector<Finding>& findings);
 
 }  // namespace burin

@@ -1,0 +1,25 @@
+// burin/calib/light/probe/ball_view.h - what one place of the camera shows of a ball: a picture in gray, and where the
+// camera stood. Frames: board (mm), camera, pixels of the photo (center of the top-left pixel is (0, 0)).
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "burin/render/image.h"
+#include "burin/render/lens.h"
+
+namespace burin {
+
+struct BallView {
+  Lens lens;  ///< of the whole photo
+  Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
+  Image gray;                       ///< linear, one channel: the photo, a smaller copy of it, or a part
+  Eigen::Vector2d origin_px{0, 0};  ///< of its first pixel's center, in pixels of the photo
+  double scale = 1;                 ///< pixels of the photo per pixel
+  /// Rays (unit, board) to places of the face that are seen, such as tags that were read: no ball is in their way.
+  std::vector<Eigen::Vector3d> free_rays;
+
+  Eigen::Vector3d eye_mm() const { return T_camera_board.inverse().translation(); }
+};
+
+}  // namespace burin

@@ -1,0 +1,216 @@
+// burin probe light - a room as it is: photos of a mirror ball on the board become surroundings. The work is in
+// burin/calib/light_probe.h.
+#include "tools/probe_light_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "burin/calib/light/probe/probe_session.h"
+#include "burin/calib/light_probe.h"
+#include "burin/render/error.h"
+#include "burin/render/files/file_names.h"
+#include "burin/render/files/files_together.h"
+#include "burin/render/image.h"
+#include "tools/commands.h"
+#include "tools/progress_bar.h"
+#include "tools/work_lock.h"
+
+namespace burin {
+namespace {
+
+struct ProbeLightArguments {
+  std::vector<std::filesystem::path> photos;
+  std::filesystem::path board, bench, camera, out;
+  std::vector<double> reflectance;
+  double ball_mm = 0, photographer_deg = LightProbeOptions{}.photographer_deg;
+  int width = 0;
+};
+
+// A session as it is written, or plain photos put in order; with the lens that EXIF tells.
+Session session_of(const ProbeLightArguments& options, const Board& board, std::optional<Lens>& by_exif,
+                   const Progress& progress) {
+  if (options.photos.size() == 1 && lower_extension(options.photos.front()) == ".json")
+    return read_session(options.photos.front());
+  std::vector<Finding> findings;
+  FolderSession folder = session_from(named_source(options.photos, findings), board.tags, progress);
+  append(findings, folder.findings);
+  for (const Finding& finding : findings)
+    if (finding.severity == Finding::Severity::error) throw Error(sentence(finding));
+  for (const Finding& finding : findings)
+    if (finding.severity == Finding::Severity::warning) note(sentence(finding));
+  join_dark_views(folder);
+  by_exif = lens_by_exif(folder);
+  return std::move(folder.session);
+}
+
+// For a person: bright parts held back, what is not known striped.
+Image to_look_at(const LightProbe& probe) {
+  const Image& radiance = probe.radiance;
+  std::vector<float> light;
+  for (std::size_t i = 0; i < radiance.data.size() / 6; ++i) light.push_back(radiance.data[3 * i + 1]);
+  const auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
+  std::nth_element(light.begin(), middle, light.end());
+  const double scale = 0.35 / std::max(1e-30F, *middle);
+  Image picture(radiance.width, radiance.height, 3);
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const bool striped =
+          probe.seen[static_cast<std::size_t>(y) * picture.width + x] == Seen::nowhere && (x + y) / 4 % 2 == 0;
+      for (int c = 0; c < 3; ++c) {
+        const double shown = 1 - std::exp(-scale * radiance.at(x, y, c));
+        picture.at(x, y, c) = linear_to_srgb(static_cast<float>((striped ? 0.6 : 1) * shown));
+      }
+    }
+  return picture;
+}
+
+// White: seen; red: clipped; orange: past the photographer only; black: filled.
+Image seen_picture(const LightProbe& probe) {
+  Image picture(probe.radiance.width, probe.radiance.height, 3);
+  for (std::size_t i = 0; i < probe.seen.size(); ++i) {
+    const Seen how = probe.seen[i];
+    const bool any = how != Seen::nowhere;
+    picture.data[3 * i] = any ? 1.0F : 0.0F;
+    picture.data[3 * i + 1] = how == Seen::well ? 1.0F : how == Seen::photographer ? 0.6F : 0.0F;
+    picture.data[3 * i + 2] = how == Seen::well ? 1.0F : 0.0F;
+  }
+  return picture;
+}
+
+std::filesystem::path beside(const std::filesystem::path& file, const std::string& ending) {
+  return file.parent_path() / (file.stem().string() + ending);
+}
+
+void print_probe(const LightProbe& p, bool with_bench) {
+  fmt::print(
+      "ball     {:.2f} +- {:.2f} mm wide, middle at {:.2f}, {:.2f}, {:.2f} mm: {}\n", 2 * p.ball.radius_mm,
+      2 * p.radius_sigma_mm, p.ball.center_mm.x(), p.ball.center_mm.y(), p.ball.center_mm.z(),
+      std::abs(p.ball.center_mm.z() - p.ball.radius_mm) < 0.5
+          ? "it stands on the face"
+          : fmt::format("its lowest point is {:.1f} mm above the face", p.ball.center_mm.z() - p.ball.radius_mm));
+  fmt::print("photos   {:>10} {:>9} {:>6} {:>9} {:>12} {:>10} {:>9}\n", "place", "exposures", "tags", "residual",
+             "ball, wide", "outline", "residual");
+  for (const ProbePlace& place : p.places)
+    fmt::print("         {:>10} {:>9} {:>6} {:>6.2f} px {:>9.0f} px {:>8.0f} % {:>6.2f} px\n", place.view,
+               place.exposures, place.tags, place.tags_rms_px, 2 * place.radius_px, 100 * place.outline_found,
+               place.outline_rms_px);
+  fmt::print(
+      "angles   +- {:.2f} degrees, many directions together; a pixel in the ball's middle spans {:.2f} degrees{}\n",
+      p.direction_sigma_deg, p.pixel_deg,
+      p.places.size() > 1 ? fmt::format("; places agree (correlation {:.2f})", p.agreement) : "");
+  fmt::print(
+      "seen     {:.1f} % of the directions above the face; {:.1f} % past the photographer only, {:.2f} % clipped\n",
+      100 * p.seen_share, 100 * p.photographer_share, 100 * p.clipped_share);
+  if (p.reflectance_by_paper)
+    fmt::print(
+        "scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue) by the tags' paper, whose pieces "
+        "differ by {:.1f} %\n",
+        p.reflectance.x(), p.reflectance.y(), p.reflectance.z(), 100 * p.paper_spread);
+  else
+    fmt::print("scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue), as told or assumed\n",
+               p.reflectance.x(), p.reflectance.y(), p.reflectance.z());
+  fmt::print("         light in units of {}, by exposure time, ISO and aperture\n",
+             with_bench ? "the bench's lamps (its sensor.gain)" : "this camera (no bench was given)");
+}
+
+void write_probe(const LightProbe& probe, const std::filesystem::path& out) {
+  FilesTogether all;
+  write_picture(probe.radiance, out);
+  write_picture(seen_picture(probe), beside(out, "-seen.png"));
+  write_picture(to_look_at(probe), beside(out, "-look.png"));
+  all.put();
+}
+
+void probe_room(const ProbeLightArguments& options) {
+  if (lower_extension(options.out) != ".exr")
+    fail(options.out.string(), "is no name of an EXR file", "write --out room.exr");
+  const Board board = read_board(options.board);
+  std::optional<Bench> bench;
+  LightProbeOptions how;
+  if (!options.bench.empty()) {
+    bench = read_bench(options.bench);
+    how.bench = &*bench;
+  }
+  if (!options.camera.empty()) how.lens = read_cameramodel(options.camera);
+  if (options.ball_mm > 0) how.ball_mm = options.ball_mm;
+  if (!options.reflectance.empty())
+    how.reflectance = options.reflectance.size() == 1
+                          ? Eigen::Vector3d::Constant(options.reflectance[0]).eval()
+                          : Eigen::Vector3d(options.reflectance[0], options.reflectance[1], options.reflectance[2]);
+  how.photographer_deg = options.photographer_deg;
+  how.width = options.width;
+  const WorkLock lock(options.out.parent_path(), "burin probe light", WorkLock::Where::projects);
+  ProgressBar bar;
+  std::optional<Lens> by_exif;
+  const Session session = session_of(options, board, by_exif, bar.progress());
+  if (!how.lens && how.bench == nullptr && by_exif) {
+    how.lens = by_exif;
+    how.lens_is_a_guess = true;
+  }
+  const LightProbe probe = light_probe(session, board, how, bar.progress());
+  bar.clear();
+  for (const Finding& finding : probe.findings) note(sentence(finding));
+  write_probe(probe, options.out);
+  print_probe(probe, bench.has_value());
+  const Eigen::Vector3d& d = probe.brightest.direction;
+  const double azimuth = std::fmod(std::atan2(d.y(), d.x()) * 180 / std::numbers::pi + 360, 360);
+  fmt::print(
+      "Wrote {}, {} and {}: {:.1f} % of the directions above the face seen, brightest at azimuth {:.1f}, elevation "
+      "{:.1f} degrees ({:.0f} % of the face's light); add {{ \"id\": \"room\", \"surroundings\": {{ \"picture\": "
+      "\"{}\", "
+      "\"frame\": \"board\" }} }} to \"lights\" of bench.json and \"lights\": [\"room\"] to a view of design.json, "
+      "then: "
+      "burin design design.json --out out\n",
+      options.out.string(), beside(options.out, "-seen.png").string(), beside(options.out, "-look.png").string(),
+      100 * probe.seen_share, azimuth, std::asin(std::clamp(d.z(), -1.0, 1.0)) * 180 / std::numbers::pi,
+      100 * probe.brightest.irradiance_share, options.out.filename().string());
+}
+
+}  // namespace
+
+void add_probe_light(CLI::App& probe) {
+  auto options = std::make_shared<ProbeLightArguments>();
+  CLI::App* light = probe.add_subcommand(
+      "light", "Turn photos of a mirror ball on the tagged board into the room's light, for \"surroundings\"");
+  light
+      ->add_option("PHOTOS", options->photos,
+                   "Photos or folders of them (brackets from two or three places, with EXIF), or a session.json")
+      ->required();
+  light->add_option("--board", options->board, "The board in the photos, its tags' places: board.json")->required();
+  light->add_option("--bench", options->bench,
+                    "A bench measured with this camera, at this zoom and focus: lens, tags, and the units of light");
+  light->add_option("--camera", options->camera,
+                    "The lens, as burin lens writes it; without it and --bench, three places and more tell the lens");
+  light->add_option("--ball-mm", options->ball_mm, "The ball's diameter, mm; left out: from its outline")
+      ->check(CLI::PositiveNumber);
+  light
+      ->add_option("--reflectance", options->reflectance,
+                   "What the ball reflects, one number or R G B; left out: as the tags' white paper says")
+      ->expected(1, 3)
+      ->check(CLI::Range(0.01, 1.0));
+  light
+      ->add_option("--photographer-deg", options->photographer_deg,
+                   "Half of the cone about each camera that another place has to show")
+      ->check(CLI::Range(0.0, 90.0))
+      ->capture_default_str();
+  light->add_option("--width", options->width, "Of the panorama, pixels; left out: as fine as the photos")
+      ->check(CLI::Range(64, 8192));
+  light->add_option("--out", options->out, "The panorama, room.exr; room-seen.png and room-look.png come beside it")
+      ->required();
+  light->footer(example("burin probe light ball-photos --board board.json --bench bench.json --out room.exr"));
+  light->callback([options] {
+    if (options->reflectance.size() == 2)
+      throw CLI::ValidationError("--reflectance", "takes one number or three, not two");
+    options->width += options->width % 2;
+    probe_room(*options);
+  });
+}
+
+}  // namespace burin
