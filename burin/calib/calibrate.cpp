@@ -9,8 +9,10 @@
 #include <thread>
 
 #include "burin/calib/light/lamp.h"
+#include "burin/calib/light/lamp_colors.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/light/photo_faults.h"
+#include "burin/calib/light/white_balance.h"
 #include "burin/calib/verdict/identifiability.h"
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/capture/photo.h"
@@ -90,6 +92,7 @@ struct Pictures {
   std::vector<TagsInPhoto> tags;   // one a bracket
   std::vector<MergedView> merged;  // binned, without color
   std::vector<std::vector<PaperColor>> paper;
+  std::vector<std::vector<Eigen::Vector3d>> paper_light;  // as the lamps color it
 };
 
 Pictures read_pictures(const Session& session, const std::vector<Bracket>& brackets,
@@ -98,6 +101,7 @@ Pictures read_pictures(const Session& session, const std::vector<Bracket>& brack
   out.tags.resize(brackets.size());
   out.merged.resize(brackets.size());
   out.paper.resize(brackets.size());
+  out.paper_light.resize(brackets.size());
   std::vector<int> ids;
   for (const Tag& tag : board.tags.list) ids.push_back(tag.id);
   tbb::enumerable_thread_specific<TagDetector> detector([&] { return TagDetector(board.tags.family); });
@@ -106,6 +110,7 @@ Pictures read_pictures(const Session& session, const std::vector<Bracket>& brack
   for_each_merged(session, brackets, noise, bin, [&](std::size_t b, MergedView&& view, GrayView&& gray) {
     out.tags[b] = detector.local().detect(gray.value, gray.valid, ids);
     out.paper[b] = paper_colors(view, out.tags[b]);
+    out.paper_light[b] = paper_light(view, out.tags[b]);
     out.merged[b] = without_color(std::move(view));
     ++done;
     if (progress && std::this_thread::get_id() == caller)
@@ -150,8 +155,12 @@ Pictures read_as_stored(const Session& given, const std::vector<Bracket>& bracke
   return read();
 }
 
-// The lamps from the pictures that are left, and which of those were lit otherwise than the rest.
-void find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibration& out) {
+// A view under one light.
+using LitView = std::pair<std::string, std::string>;
+
+// The lamps from the pictures that are left, and which of those were lit otherwise than the rest: these are returned.
+std::set<LitView> find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibration& out) {
+  std::set<LitView> odd;
   const Sent sent(board.scratches.empty() ? Scratches{} : read_scratches(board.scratches));
   std::vector<Finding> notes;
   Bench named = out.bench;  // with its lights
@@ -164,7 +173,10 @@ void find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibratio
   for (const LampGroup& group : photos_of_another_lamp(samples, named)) {
     std::set<std::size_t> left_out(group.light_views.begin(), group.light_views.end());
     std::set<std::string> names;
-    for (const std::size_t k : left_out) names.insert(merged[views[k].merged].view);
+    for (const std::size_t k : left_out) {
+      names.insert(merged[views[k].merged].view);
+      odd.insert({merged[views[k].merged].view, group.light});
+    }
     std::string list;
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
     out.findings.push_back(
@@ -184,6 +196,18 @@ void find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibratio
     if (finding.remedy.empty()) finding.remedy = "burin refine needs a lamp to start from";
     out.findings.push_back(std::move(finding));
   }
+  return odd;
+}
+
+// The lamps' colors by the paper in all photos but those of another lamp.
+void find_colors(const Session& session, std::span<const Bracket> brackets,
+                 std::vector<std::vector<Eigen::Vector3d>>&& paper, const std::set<LitView>& odd, const Board& board,
+                 Calibration& out) {
+  for (std::size_t b = 0; b < brackets.size(); ++b)
+    if (odd.count({brackets[b].view, brackets[b].light}) > 0) paper[b].clear();
+  if (std::any_of(paper.begin(), paper.end(), [](const auto& p) { return !p.empty(); }))
+    append(out.findings, check_white_balance(session));
+  color_lamps(brackets, paper, board, out.bench);
 }
 
 }  // namespace
@@ -278,7 +302,8 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
 
   if (options.find_lamps) {
     report("looking for the lamp", 0);
-    find_lamps(std::move(pictures.merged), board, out);
+    const std::set<LitView> odd = find_lamps(std::move(pictures.merged), board, out);
+    find_colors(session, brackets, std::move(pictures.paper_light), odd, board, out);
     report("looking for the lamp", 1);
   }
   return out;

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "burin/calib/light/lamp_colors.h"
 #include "burin/capture/bracket_response.h"
 #include "burin/capture/tags/edge_sharpening.h"
 #include "burin/render/error.h"
@@ -95,37 +97,10 @@ void look_at_edges(const Session& session, std::span<const Bracket> brackets, st
 
 std::vector<PaperColor> paper_colors(const MergedView& view, const TagsInPhoto& tags) {
   std::vector<PaperColor> out;
-  if (view.value.channels != 3) return out;
   for (const TagDetection& tag : tags.tags) {
-    std::array<Eigen::Vector2d, 4> corner;
-    Eigen::Vector2d low(1e9, 1e9), high(-1e9, -1e9);
-    for (int i = 0; i < 4; ++i) {
-      corner[i] = ((tag.corner_px[i].array() + 0.5) / view.bin - 0.5).matrix();
-      low = low.cwiseMin(corner[i]);
-      high = high.cwiseMax(corner[i]);
-    }
-    const auto inside = [&](double x, double y) {
-      int left = 0;
-      for (int i = 0; i < 4; ++i) {
-        const Eigen::Vector2d side = corner[(i + 1) % 4] - corner[i];
-        left += side.x() * (y - corner[i].y()) - side.y() * (x - corner[i].x()) > 0 ? 1 : 0;
-      }
-      return left == 0 || left == 4;
-    };
-    std::vector<std::pair<float, std::size_t>> pixels;
-    for (int y = std::max(0, static_cast<int>(low.y())); y <= std::min<double>(view.value.height - 1, high.y()); ++y)
-      for (int x = std::max(0, static_cast<int>(low.x())); x <= std::min<double>(view.value.width - 1, high.x()); ++x) {
-        const std::size_t i = static_cast<std::size_t>(y) * view.value.width + x;
-        if (view.valid[i] && inside(x, y)) pixels.emplace_back(view.value.data[3 * i + 1], i);
-      }
-    constexpr std::size_t kFewest = 60;
-    if (pixels.size() < kFewest) continue;
-    // The brightest fifth is white paper away from edges: two fifths of a tag are white.
-    std::sort(pixels.begin(), pixels.end(), std::greater<>());
-    Eigen::Vector3d sum(0, 0, 0);
-    for (std::size_t k = 0; k < pixels.size() / 5; ++k)
-      for (int c = 0; c < 3; ++c) sum[c] += view.value.data[3 * pixels[k].second + static_cast<std::size_t>(c)];
-    if ((sum.array() > 0).all()) out.push_back({tag.id, {std::log(sum[0] / sum[1]), std::log(sum[2] / sum[1])}});
+    const std::optional<Eigen::Vector3d> sum = white_paper(view, tag, WhiteBy::green);
+    if (sum && (sum->array() > 0).all())
+      out.push_back({tag.id, {std::log((*sum)[0] / (*sum)[1]), std::log((*sum)[2] / (*sum)[1])}});
   }
   return out;
 }

@@ -1,11 +1,12 @@
 // burin/optimize/design.h - the inverse problem: scratches that show a target picture in each view of a bench.
 //
-// Minimises the loss of burin/optimize/loss/loss.h, summed over views, over both ends of every scratch (paper, 3.4-3.5;
-// two end points beat midpoint, direction and length, Fig. 20) and over the lamps' exposure, with Adam; afterwards
-// drops the scratches that hardly contribute. The pixels are those of the picture as it lies on the carve area
-// (board_grid), seen from each view's camera center under its lamp: the lens does not matter. The bench may be nominal
-// or measured; its machine's affine is not applied, because the tool path compensates for it. Frame: board, mm. Same
-// seed, same bits, for any number of threads. Sources: docs/model.md 6.
+// Minimizes the loss of burin/optimize/loss/loss.h, summed over views, over both ends of every scratch (paper, 3.4-3.5;
+// two end points beat midpoint, direction and length, Fig. 20) and over one exposure a view or a lamp, by Adam's steps
+// and searches for better places in turns (design/stroke_search.h); on the way it drops the scratches that hardly
+// contribute. The pixels are those of the picture as it lies on the carve area (board_grid), seen from each view's
+// camera center under its lights: the lens does not matter. The bench may be nominal or measured: in every iteration
+// the scratches are carved as its machine would (burin/render/carve.h), the tool path compensating its map. Frame:
+// board, mm. Same seed, same bits, for any number of threads. Sources: docs/model.md 6.
 #pragma once
 
 #include "burin/optimize/design_file.h"

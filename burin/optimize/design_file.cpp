@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "burin/optimize/white.h"
 #include "burin/render/bench.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
@@ -27,6 +28,22 @@ std::string read_lights(JsonObject& json, const std::string& fallback) {
   if (names.empty())
     json.fail_field("lights", "is no list of names", "write names of the bench's lights, as [\"sun\", \"room\"]");
   return joined_lights(names);
+}
+
+White read_white(JsonObject& json, bool color) {
+  const char* remedy = "give \"paper\", \"each\" or a light [r, g, b] that is to look white";
+  if (!color) json.fail_field("white", "is said of a picture in gray", "add \"color\": true, or leave it out");
+  if (json.raw("white").is_string()) {
+    const std::string kind = json.text("white");
+    if (kind == "paper") return {};
+    if (kind == "each") return {White::Kind::each, {1, 1, 1}};
+    json.fail_field("white", "is \"" + kind + "\"", remedy);
+  }
+  const std::vector<double> rgb = json.numbers("white", 3);
+  if (!(rgb[0] > 0 && rgb[1] > 0 && rgb[2] > 0)) json.fail_field("white", "is no light of three colors", remedy);
+  const Eigen::Vector3d light(rgb[0], rgb[1], rgb[2]);
+  if (!can_be_white(light)) json.fail_field("white", "has a thousand times less of a color than of another", remedy);
+  return {White::Kind::light, light};
 }
 
 DesignView read_view(JsonObject& json, const std::filesystem::path& folder) {
@@ -58,6 +75,8 @@ DesignView read_view(JsonObject& json, const std::filesystem::path& folder) {
   }
   if (json.has("mask")) v.target.mask = folder / json.text("mask");
   v.weight = json.positive("weight", 1);
+  v.color = json.boolean("color", false);
+  if (json.has("white")) v.white = read_white(json, v.color);
   json.finish();
   return v;
 }
@@ -131,6 +150,9 @@ void write_design(const DesignSpec& spec, const std::filesystem::path& file) {
     if (v.target.levels) view["levels"] = *v.target.levels;
     if (!v.target.mask.empty()) view["mask"] = relative(v.target.mask);
     if (v.weight != 1) view["weight"] = v.weight;
+    if (v.color) view["color"] = true;
+    if (v.color && v.white.kind == White::Kind::each) view["white"] = "each";
+    if (v.color && v.white.kind == White::Kind::light) view["white"] = to_json(v.white.rgb);
     json["views"].push_back(view);
   }
   write_json(json, file);

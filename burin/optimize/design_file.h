@@ -5,9 +5,12 @@
 //
 // A view may also say "fit": "cover" (default) or "contain", "keep": "top" (or "bottom", "left", "right", "middle"),
 // "levels": [black, white], "mask": "cat-mask.png" and "weight": 2 (how much its errors count; default 1). Where
-// several lights shine at once, "lights": ["sun", "room"] stands for "light".
+// several lights shine at once, "lights": ["sun", "room"] stands for "light". With "color": true the picture is shown
+// in color by lights of different colors at different places; "white" then says what is to look white: "paper"
+// (default), "each" or a light [r, g, b].
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 #include <filesystem>
 #include <optional>
@@ -44,12 +47,25 @@ struct TargetSpec {
   Image mask_image{};                           ///< the mask itself, if it has pixels; as `image`
 };
 
+/// What looks white in a picture in color, to an eye or a camera.
+struct White {
+  /// `paper`: white paper that lies on the board under all the view's lights. `light`: light of the color `rgb` (a
+  /// camera whose balance stays as it is). `each`: the channels have a brightness of their own each, as a camera's
+  /// whose balance is turned until the picture looks best.
+  enum class Kind { paper, light, each };
+  Kind kind = Kind::paper;
+  Eigen::Vector3d rgb{1, 1, 1};
+};
+
 /// One picture that the board is to show.
 struct DesignView {
   std::string view;            ///< name in bench.json
   std::string light = "lamp";  ///< id in bench.json, or several joined by kBesides (burin/render/bench.h)
   TargetSpec target;
   double weight = 1;  ///< of this view's loss
+  /// The target is shown in color: each scratch throws the color of one of the lights. Else as luminance.
+  bool color = false;
+  White white{};
 };
 
 /// A design that is wanted (`design.json`).

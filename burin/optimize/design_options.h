@@ -9,6 +9,7 @@
 
 #include "burin/optimize/loss/loss.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/render/finding.h"
 #include "burin/render/image.h"
 #include "burin/render/scratches.h"
 
@@ -73,6 +74,8 @@ struct DesignOptions {
   double time_limit_s = 0;        ///< stop iterating so that everything ends about then; 0: no limit
   std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's);
                                   ///< those marked as carved stay as they are
+  /// Told what was found of bench and pictures before the work begins; may be empty.
+  std::function<void(const std::vector<Finding>&)> found;
   std::function<void(const DesignFrame&)> watch;  ///< called as the start grows, then once an iteration; may be empty
   std::function<bool()> stop;  ///< true ends the search or the iterations, keeping what there is; asked often, within
                                ///< a sweep of the search too, by several threads at once

@@ -10,6 +10,7 @@
 
 #include "burin/optimize/carving/carving_limits.h"
 #include "burin/optimize/design/tolerance.h"
+#include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/loss.h"
 #include "burin/render/finding.h"
 #include "burin/render/image.h"
@@ -17,7 +18,15 @@
 
 namespace burin {
 
-/// One view of the result. Pictures are gamma-encoded, clipped at white.
+/// Of a view in color.
+struct DesignedColor {
+  ColorQuality quality;  ///< of `shown`
+  /// `shown` is (best_exposure * white_gain * radiance)^(1 / 2.2), channel by channel.
+  std::array<double, 3> white_gain{1, 1, 1};
+};
+
+/// One view of the result. Pictures are gamma-encoded, clipped at white, of one channel or three (R, G, B); figures of
+/// those in color are taken over all three.
 struct DesignedView {
   std::string view, light;
   double rotation_deg = 0;  ///< as laid, with "viewer" resolved
@@ -31,7 +40,8 @@ struct DesignedView {
   double achievable_psnr_db = 0;           ///< of `achievable`: what the face's own light costs
   LossValue loss;                          ///< at `exposure`
   std::vector<double> ghost;               ///< correlation of `shown` with each view's target (its own included)
-  std::vector<double> target_correlation;  ///< of this view's target with each view's target
+  std::vector<double> target_correlation;  ///< of this view's target with each view's target (of their luminance)
+  std::optional<DesignedColor> color;      ///< of a picture in color
 };
 
 struct DesignIteration {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "burin/render/error.h"
 #include "burin/render/linear_picture.h"
@@ -12,9 +13,8 @@ namespace {
 
 constexpr double kRadiansADegree = std::numbers::pi / 180;
 
-// Of an image in memory (if it has pixels) or of a file. `name` is what errors call it.
-Image linear_luminance(const Image& in_memory, const std::filesystem::path& file, const std::string& name) {
-  if (in_memory.width <= 0) return read_linear_luminance(file);
+// An image in memory as light. `name` is what errors call it.
+Image linear_picture(const Image& in_memory, const std::string& name) {
   Image picture = in_memory;
   if (picture.height < 1) fail(name, "holds no pixels", "give another picture");
   const std::size_t values =
@@ -27,7 +27,22 @@ Image linear_luminance(const Image& in_memory, const std::filesystem::path& file
     if (!std::isfinite(v)) fail(name, "holds values that are not finite", "repair the picture");
     v = srgb_to_linear(std::clamp(v, 0.0F, 1.0F));
   }
-  return luminance(picture);
+  return picture;
+}
+
+// Of an image in memory (if it has pixels) or of a file.
+Image linear_luminance(const Image& in_memory, const std::filesystem::path& file, const std::string& name) {
+  return in_memory.width <= 0 ? read_linear_luminance(file) : luminance(linear_picture(in_memory, name));
+}
+
+// The same, red, green and blue apart.
+std::vector<Image> linear_channels(const Image& in_memory, const std::filesystem::path& file, const std::string& name) {
+  const Image picture = in_memory.width <= 0 ? read_linear_picture(file) : linear_picture(in_memory, name);
+  std::vector<Image> out(3, Image(picture.width, picture.height, 1));
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < out[c].data.size(); ++i)
+      out[c].data[i] = picture.channels == 3 ? picture.data[3 * i + c] : picture.data[i];
+  return out;
 }
 
 std::string name_of(const TargetSpec& spec) {
@@ -126,30 +141,40 @@ LaidPicture laid_picture(int width, int height, Fit fit, Keep keep, double rotat
   return laid;
 }
 
-Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm, int width, int height) {
+namespace {
+
+// The channels of a picture (linear) laid on the area; what is found and the mask stand in the first.
+std::vector<Target> laid_targets(const std::vector<Image>& channels, const TargetSpec& spec, double rotation_deg,
+                                 const Eigen::Vector2d& area_mm, int width, int height) {
   const std::string where = name_of(spec);
-  Target target;
+  std::vector<Target> all(channels.size());
+  Target& target = all.front();
   double scale = 1;
-  const Image picture = linear_luminance(spec.image, spec.picture, where);
-  target.picture = lay_on_area(picture, rotation_deg, spec, area_mm, width, height, 0.0F, scale);
+  const Image& picture = channels.front();
+  for (std::size_t c = 0; c < all.size(); ++c)
+    all[c].picture = lay_on_area(channels[c], rotation_deg, spec, area_mm, width, height, 0.0F, scale);
   if (const std::string lost = cropped(where, picture, spec, rotation_deg, area_mm); !lost.empty())
     target.findings.push_back(make_warning(lost));
   if (scale > 4)
     target.findings.push_back(make_warning(
         where + ": one of its pixels covers " + std::to_string(static_cast<int>(scale)) + " of the design's",
         "give a larger picture"));
-  float low = 1, high = 0;
+  float most = 0;  // contrast of a channel
   double mean = 0;
-  for (float& v : target.picture.data) {
-    v = std::pow(std::clamp(v, 0.0F, 1.0F), 1 / 2.2F);
-    if (spec.levels)
-      v = static_cast<float>(std::clamp((v - (*spec.levels)[0]) / ((*spec.levels)[1] - (*spec.levels)[0]), 0.0, 1.0));
-    low = std::min(low, v);
-    high = std::max(high, v);
-    mean += v;
+  for (Target& one : all) {
+    float low = 1, high = 0;
+    for (float& v : one.picture.data) {
+      v = std::pow(std::clamp(v, 0.0F, 1.0F), 1 / 2.2F);
+      if (spec.levels)
+        v = static_cast<float>(std::clamp((v - (*spec.levels)[0]) / ((*spec.levels)[1] - (*spec.levels)[0]), 0.0, 1.0));
+      low = std::min(low, v);
+      high = std::max(high, v);
+      mean += v;
+    }
+    most = std::max(most, high - low);
   }
-  mean /= static_cast<double>(target.picture.data.size());
-  if (high - low < 0.02F)
+  mean /= static_cast<double>(target.picture.data.size() * all.size());
+  if (most < 0.02F)
     fail(where, "is of one tone on the carve area, so there is nothing to show",
          "choose another picture, crop or \"levels\"");
   if (mean < 0.08)
@@ -167,7 +192,22 @@ Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vec
     }
     if (weight < 1) fail(mask, "masks everything", "paint white what matters");
   }
-  return target;
+  for (std::size_t c = 1; c < all.size(); ++c) all[c].mask = target.mask;
+  return all;
+}
+
+}  // namespace
+
+Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm, int width, int height) {
+  return std::move(laid_targets({linear_luminance(spec.image, spec.picture, name_of(spec))}, spec, rotation_deg,
+                                area_mm, width, height)
+                       .front());
+}
+
+std::vector<Target> load_color_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm,
+                                      int width, int height) {
+  return laid_targets(linear_channels(spec.image, spec.picture, name_of(spec)), spec, rotation_deg, area_mm, width,
+                      height);
 }
 
 double viewer_rotation_deg(const View& view, const Eigen::Vector2d& p_board_mm) {

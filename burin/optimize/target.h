@@ -42,6 +42,11 @@ LaidPicture laid_picture(int width, int height, Fit fit, Keep keep, double rotat
 /// that is missing, broken or of one tone.
 Target load_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm, int width, int height);
 
+/// The same in color: red, green and blue as a target each, all with the mask. `levels` apply to each channel. A
+/// picture without color has three that are alike.
+std::vector<Target> load_color_target(const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm,
+                                      int width, int height);
+
 /// How far a picture on the board must be turned, counter-clockwise, to stand upright in a view's photo when it lies
 /// around p_board_mm: up on the photo becomes up in the picture.
 double viewer_rotation_deg(const View& view, const Eigen::Vector2d& p_board_mm);

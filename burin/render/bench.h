@@ -104,7 +104,7 @@ struct Bench {
   std::optional<Bend> bend;
   std::optional<Bend> bend_sigma;
   std::vector<Tag> tags;  ///< measured positions; empty where board.json's are believed
-  Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();  ///< designed to carved board coordinates, mm
+  Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();  ///< board coordinates, from sent to carved, mm
   std::optional<Affine2> machine_affine_sigma;
   MachineErrors machine_errors;            ///< what its map leaves: backlash, uneven screws
   std::vector<Misfit> misfits;             ///< where the photos it was measured from contradict the model

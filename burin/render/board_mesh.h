@@ -7,7 +7,7 @@
 //
 // Rays are cast by Embree, in float; where a ray meets its triangle is computed again in double, so footprints keep
 // their digits. Normals are interpolated: the file's vn, or the mean of the neighboring faces weighted by their area.
-// docs/file-formats.md (`mesh`), 5.
+// docs/file-formats.md (`mesh`), docs/curved.md.
 #pragma once
 
 #include <Eigen/Geometry>

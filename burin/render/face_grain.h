@@ -1,4 +1,4 @@
-// burin/render/face_grain.h - the direction of a brushed face: a GGX lobe with two roughnesses. docs/model.md 3.7.
+// burin/render/face_grain.h - the direction of a brushed face: a GGX lobe with two roughnesses. docs/model.md 3.8.
 // Frame: face (pixel_shading.h), x and y as the board's. Directions are unit vectors away from the face.
 //
 // The lobe's roughness is a symmetric 2 x 2 matrix, base_alpha^2 exp(2 E) with E = [[c, s], [s, -c]]: as smooth around
@@ -54,7 +54,7 @@ GrainMatrix<T> grain_matrix(const T& c, const T& s, int sign) {
   return {even + odd * c, odd * s, even - odd * c};
 }
 
-/// D(h) of the lobe (10.3), for a half vector in the frame of the face with hz > 0; 0 else.
+/// D(h) of the lobe (docs/model.md 3.8), for a half vector in the frame of the face with hz > 0; 0 else.
 template <typename T>
 T grained_D(const T& hx, const T& hy, const T& hz, const T& base_alpha, const T& c, const T& s) {
   if (!(hz > T(0))) return T(0);

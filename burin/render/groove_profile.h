@@ -1,6 +1,6 @@
 // burin/render/groove_profile.h - the cross-section of grooves that are not the paper's: an arc, a rounded V, burrs
 // beside them, roughness that differs along and across. Frame: scratch (y along it, x across it, z out of the metal).
-// Units: um. docs/model.md 2.5 to 2.9 and 4.24 to 4.28.
+// Units: um. docs/model.md 2.5 to 2.8, 3.7, and 4.24 to 4.26.
 //
 // d (depth_um) is always the depth under the face. The radius at the bottom is a quarter of the tool's width, as it is
 // for the paper's cross-section (docs/model.md 2), unless the profile has its own.

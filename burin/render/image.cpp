@@ -182,7 +182,14 @@ Image read_linear_luminance(const std::filesystem::path& file) {
   return image;
 }
 
-Image read_large_picture(const std::filesystem::path& file, int longest_px, int& width, int& height) {
+// A side of a huge picture in color, which would take six times the memory of its luminance.
+constexpr int kMostColored_px = 4096;
+
+namespace {
+
+/// Reads a picture, averaging huge ones over squares of what `decode` makes of each value.
+template <typename Decode>
+Image read_in_squares(const fs::path& file, int longest_px, int& width, int& height, const Decode& decode) {
   constexpr std::int64_t kLargePixels = 64'000'000;
   UprightPicture picture = open_upright(file);
   width = picture.width;
@@ -198,10 +205,25 @@ Image read_large_picture(const std::filesystem::path& file, int longest_px, int&
     if (column >= image.width || row >= image.height) return;
     for (int c = 0; c < image.channels; ++c) {
       float& sum = image.at(column, row, c);
-      sum = square == 1 ? values[static_cast<std::size_t>(c)] : sum + share * values[static_cast<std::size_t>(c)];
+      const float value = decode(values[static_cast<std::size_t>(c)]);
+      sum = square == 1 ? value : sum + share * value;
     }
   });
   return image;
+}
+
+}  // namespace
+
+Image read_linear_picture(const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  const bool linear = extension == ".exr" || extension == ".hdr";
+  int width = 0, height = 0;
+  return read_in_squares(file, kMostColored_px, width, height,
+                         [&](float value) { return linear ? value : srgb_to_linear(std::clamp(value, 0.0F, 1.0F)); });
+}
+
+Image read_large_picture(const std::filesystem::path& file, int longest_px, int& width, int& height) {
+  return read_in_squares(file, longest_px, width, height, [](float value) { return value; });
 }
 
 void write_picture(const Image& image, const std::filesystem::path& file, int png_bits) {

@@ -18,7 +18,7 @@ using LinePart = std::pair<double, double>;
 double distance_mm(const Eigen::Vector2d& p, const KeepOut& place);
 
 /// The parts of the segment that keep at least `clearance_mm` from every place, in order; exact: a place widened by
-/// the clearance is the union of the place, of discs round its corners and of strips along its edges.
+/// the clearance is the union of the place, of disks round its corners and of strips along its edges.
 std::vector<LinePart> free_parts(const Eigen::Vector2d& a, const Eigen::Vector2d& b, std::span<const KeepOut> places,
                                  double clearance_mm);
 

@@ -14,7 +14,7 @@ namespace burin {
 
 struct Light;
 
-/// The area of a lamp, across its axis: nothing (a point), a disk, or a panel. At most one of both is given.
+/// The area of a lamp, across its axis: nothing (a point), a disk, or a panel. At most one of the two is given.
 struct LampSize {
   double disk_mm = 0;  ///< the disk's radius
   /// The panel's two sides, the first along the board's x before it is turned by `turn_deg` about the lamp's axis.

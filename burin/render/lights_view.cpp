@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "burin/render/far_light.h"
 #include "burin/render/scene_parts.h"
@@ -15,11 +18,22 @@ double wider_alpha(double alpha, double wider) { return std::min(1.0, std::sqrt(
 // Renderers of several lamps are kept up to so much; beyond it they are made anew each time.
 constexpr std::size_t kMostKept_bytes = 400'000'000;
 
+// What hides the k-th of `count` lights: the scene's flags, which follow one another light by light. One picture's
+// flags beside several lights are nobody's.
+std::vector<std::uint8_t> hidden_from(const ViewScene& scene, std::size_t k, std::size_t count) {
+  const std::vector<std::uint8_t>& all = scene.hidden_from_light;
+  if (count == 1) return all;
+  const std::size_t pixels = scene.grid->center_mm.size();
+  if (all.size() != count * pixels) return {};
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(k * pixels);
+  return {first, first + static_cast<std::ptrdiff_t>(pixels)};
+}
+
 // The scene under one lamp.
-ViewScene scene_under(const ViewScene& scene, const Light& lamp, bool alone) {
+ViewScene scene_under(const ViewScene& scene, const Light& lamp, std::vector<std::uint8_t> hidden) {
   ViewScene out = scene;
   out.light = lamp;
-  if (!alone) out.hidden_from_light.clear();
+  out.hidden_from_light = std::move(hidden);
   return out;
 }
 
@@ -46,9 +60,10 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
     if (!lamps_.empty()) own.ambient.setZero();  // it counts once
     lamps_.push_back({std::move(own), wider, nullptr});
   };
-  for (const Light& light : all) {
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Light& light = all[k];
     if (!near(light)) continue;
-    ViewScene own = scene_under(scene, light, all.size() == 1);
+    ViewScene own = scene_under(scene, light, hidden_from(scene, k, all.size()));
     double wider = 0;
     if (light.far) {
       own.light = sun_as_lamp(light);
@@ -65,12 +80,17 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
     Light dark;
     dark.position_mm = {0, 0, kFar_mm};
     dark.intensity.setZero();
-    add(scene_under(scene, dark, false), 0);
+    add(scene_under(scene, dark, {}), 0);
   }
-  for (const Light& light : all)
-    if (!near(light))  // what hides a lamp does not hide what shines from all sides
-      surroundings_.push_back(std::make_unique<SurroundingsView>(
-          scene_under(scene, light, all.size() == 1 && light.far == nullptr), light, options, workspace_));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const Light& light = all[k];
+    if (near(light)) continue;
+    // What hides a lamp does not hide what shines from all sides.
+    std::vector<std::uint8_t> hidden;
+    if (light.far == nullptr) hidden = hidden_from(scene, k, all.size());
+    surroundings_.push_back(
+        std::make_unique<SurroundingsView>(scene_under(scene, light, std::move(hidden)), light, options, workspace_));
+  }
   // A view keeps some 25 bytes a pixel, each channel more 4; in double ten times as much, and each its own Jacobian.
   const std::size_t bytes = lamps_.size() * static_cast<std::size_t>(width_) * height_ * (21 + 4 * options.channels);
   if (lamps_.size() > 1 && (exact || bytes > kMostKept_bytes)) return;

@@ -12,6 +12,10 @@ namespace burin {
 /// of the memory of the picture in color. Throws Error as read_picture does.
 Image read_linear_luminance(const std::filesystem::path& file);
 
+/// The same in color: one channel or three of linear light. A picture of more than 64 million pixels is averaged over
+/// squares of whole pixels, its longer side staying above 4096.
+Image read_linear_picture(const std::filesystem::path& file);
+
 /// Reads a picture as read_picture does; one of more than 64 million pixels is averaged over squares of whole pixels
 /// while it is read, as far as its longer side stays above `longest_px`. `width` and `height` become those of the file,
 /// upright. Throws Error as read_picture does.

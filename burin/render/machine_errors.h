@@ -1,5 +1,5 @@
 // burin/render/machine_errors.h - what a machine does beside its affine map: backlash, and screws whose pitch is
-// uneven. Frame: board, mm. docs/model.md 7.9 to 7.11.
+// uneven. Frame: board, mm. docs/model.md 7.9.
 //
 // A place p that the machine is told becomes, axis by axis and before its affine map,
 //   p + a sin(2 pi p / period) + b cos(2 pi p / period) - backlash / 2 sign(way).

@@ -13,7 +13,7 @@
 namespace burin {
 namespace {
 
-constexpr double kShortest_mm = 1e-6;  // a nanometre: below it a scratch has no direction
+constexpr double kShortest_mm = 1e-6;  // a nanometer: below it a scratch has no direction
 
 struct Column {
   const char* name;

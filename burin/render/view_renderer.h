@@ -25,9 +25,9 @@ struct ViewScene {
   Material material;           ///< shared alpha and depth where the scratches carry none
   double tool_width_um = 400;  ///< shared width where the scratches carry none
   Eigen::Vector3d ambient{0, 0, 0};
-  /// 1 for pixels whose face the lamp does not reach, width * height; empty: it reaches all that face it. make_scene
-  /// fills it for faces that hide parts of themselves (burin/render/board_face.h); for other occluders fill it with
-  /// hidden_pixels().
+  /// 1 for pixels whose face the lamp does not reach, width * height (of several lights one after the other, or none
+  /// are hidden); empty: it reaches all that face it. make_scene fills it for faces that hide parts of themselves
+  /// (burin/render/board_face.h); for other occluders fill it with hidden_pixels().
   std::vector<std::uint8_t> hidden_from_light;
 };
 

@@ -128,6 +128,11 @@ TEST_F(Calibrate, AmateursBenchComesOutOfItsPhotos) {
   EXPECT_LT(rms, 0.5);
   EXPECT_LT(c.geometry.rms_px, 0.06);
   EXPECT_EQ(bench.lights.size(), 1U);
+  // The lamp's color by the tags' paper; the room's light is taken for gray, and is bluer.
+  const Eigen::Vector3d color = bench.lights[0].intensity / bench.lights[0].intensity[0];
+  std::printf("color %.4f %.4f (true 0.9677 0.8952)\n", color[1], color[2]);
+  EXPECT_NEAR(color[1], 600. / 620., 0.05);
+  EXPECT_NEAR(color[2], 555. / 620., 0.05);
   EXPECT_EQ(bench.tags.size(), board.tags.list.size());
   EXPECT_EQ(read_cameramodel(folder / "out/camera.cameramodel").intrinsics, c.bench.lens.intrinsics);
   std::ifstream table(folder / "out/residuals.vnl");

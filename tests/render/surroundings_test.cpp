@@ -180,7 +180,7 @@ TEST(Surroundings, GradientsAreDifferences) {
 }
 
 // The tiles and packets of every width against the double twin: a picture of several tiles, grooves of one shape and of
-// their own, of grey and of colors. The two share facets' tables, so what differs is how these are read: within the
+// their own, of gray and of colors. The two share facets' tables, so what differs is how these are read: within the
 // thousandth of the peak that the tables are good to, and one part in a hundred of the gradients. The same bits for one
 // thread and more.
 TEST(Surroundings, ThePacketsAreTheTwin) {
@@ -371,6 +371,24 @@ TEST(Surroundings, ShineWhereALampIsHidden) {
     ViewRenderer(scene, options).forward(carved, behind);
     EXPECT_EQ(behind.data, open.data) << use_double;
   }
+}
+
+// A board before its first scratch, and the same renderer with scratches afterwards.
+TEST(Surroundings, ABoardWithoutScratchesIsItsPlainFace) {
+  const ViewScene scene = scene_in(surroundings_light(make_panorama(room(60), {}, "room")), 0.06);
+  Image plain, twin, carved, again;
+  ViewRenderer both(scene, {3});
+  both.forward_with_jacobian(Carved{}, plain);
+  EXPECT_TRUE(both.backward(Image(kWidth, kHeight, 3, 0.3F)).x1_mm.empty());
+  RenderOptions in_double{3};
+  in_double.use_double = true;
+  ViewRenderer(scene, in_double).forward(Carved{}, twin);
+  EXPECT_LT(rms(plain, twin), 1e-5 * peak(twin));
+  EXPECT_GT(peak(plain), 0);
+  both.forward(some_grooves(), carved);
+  ViewRenderer(scene, {3}).forward(some_grooves(), again);
+  EXPECT_EQ(carved.data, again.data);
+  EXPECT_GT(rms(carved, plain), 1e-3 * peak(plain));
 }
 
 // What each scratch adds can be asked between a picture and its way back.

@@ -220,15 +220,19 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
   return list;
 }
 
-Replay replay_written(const std::filesystem::path& written, std::string_view text, const Toolpath& path,
-                      const MachineProfile& machine, const std::string& name) {
-  const std::string bytes = read_text(written);
+std::string read_back(const std::filesystem::path& written, std::string_view text, const std::string& name) {
+  std::string bytes = read_text(written);
   if (bytes != text)
     fail(name,
          "is not on the disk as it was written (" + std::to_string(bytes.size()) + " bytes of " +
              std::to_string(text.size()) + " came back, or others)",
          "check the disk, and write it again");
-  Replay replay = replay_gcode(bytes, machine, name, &path.face);
+  return bytes;
+}
+
+Replay replay_written(const std::filesystem::path& written, std::string_view text, const Toolpath& path,
+                      const MachineProfile& machine, const std::string& name) {
+  Replay replay = replay_gcode(read_back(written, text, name), machine, name, &path.face);
   fail_unless_ended(replay, machine, name);
   return replay;
 }

@@ -25,6 +25,9 @@ struct GcodePart {
 /// its scratches once. Throws Error for a block of the profile with a placeholder that nobody knows.
 std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& machine, double part_s = 0);
 
+/// A file's text, read back from the disk. Throws Error, calling it `name`, where that is not `text`, byte by byte.
+std::string read_back(const std::filesystem::path& written, std::string_view text, const std::string& name);
+
 /// Reads a file back from the disk, byte by byte, and replays it whole, comments and all. Throws Error where it is not
 /// `text`, where the replay cannot follow it, or where it has no end; `name` is what errors call it.
 Replay replay_written(const std::filesystem::path& written, std::string_view text, const Toolpath& path,

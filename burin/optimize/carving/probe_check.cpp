@@ -1,6 +1,8 @@
 #include "burin/optimize/carving/probe_check.h"
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -73,12 +75,14 @@ class ProbingMachine {
 
   void move(const GcodeLine& line) {
     // What the file is made of; everything else could move the tool, or what its words mean.
-    for (const int code : line.g)
-      if (code != 0 && code != 170 && code != 210 && code != 540 && code != 900 && code != 940)
-        error("has a code that probing needs not");
-    for (const int code : line.m)
-      if (code != 20 && code != 50) error("has a code that probing needs not");
-    if (line.home || line.percent) error("has a code that probing needs not");
+    constexpr std::array kG{0, 170, 210, 540, 900, 940};
+    constexpr std::array kM{20, 50};
+    const auto all_among = [](const std::vector<int>& codes, const auto& known) {
+      return std::all_of(codes.begin(), codes.end(),
+                         [&](int code) { return std::find(known.begin(), known.end(), code) != known.end(); });
+    };
+    if (!all_among(line.g, kG) || !all_among(line.m, kM) || line.home || line.percent)
+      error("has a code that probing needs not");
     mm_ = mm_ || line.has_g(210);
     absolute_ = absolute_ || line.has_g(900);
     if (line.has_m(20)) {

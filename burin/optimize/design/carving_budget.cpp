@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "burin/optimize/carving/carving_time.h"
-#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/optimize/loss/color_metrics.h"
 
 namespace burin {
 
@@ -39,10 +39,9 @@ std::vector<std::size_t> spare_for_time(const std::vector<StrokeView>& views, co
   return spared;
 }
 
-std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, std::size_t shown,
-                                        const std::vector<double>& log_exposure, const StrokeRules& rules,
-                                        const Scratches& scratches, std::size_t movable, const Metal& metal,
-                                        const MachineProfile& machine) {
+std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, const std::vector<double>& log_exposure,
+                                        const StrokeRules& rules, const Scratches& scratches, std::size_t movable,
+                                        const Metal& metal, const MachineProfile& machine) {
   constexpr int kPoints = 10;
   const double depth_um = metal.bench.material.depth_um;
   std::vector<std::size_t> rows(movable);
@@ -62,14 +61,11 @@ std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, std::size_
     if (to_carve.size() == 0) break;
     CarvingPoint point{to_carve.size(), carving_time_s(to_carve, depth_um, machine) / 3600, {}, {}};
     const Carved grooves = metal.carved(left);
-    for (std::size_t v = 0; v < shown; ++v) {
-      WorkView& view = views[v];
-      view.renderer.forward(grooves, view.radiance);
-      const double exposure = best_exposure(view.radiance, view.target.picture,
-                                            std::exp(log_exposure[view.exposure_group]), view.target.mask);
-      const Image picture = shown_picture(view.radiance, exposure);
-      point.psnr_db.push_back(psnr_db(picture, view.target.picture, view.target.mask));
-      point.ssim.push_back(ssim(picture, view.target.picture, view.target.mask));
+    for (const std::span<WorkView> channels : shown_channels(views)) {
+      for (WorkView& view : channels) view.renderer.forward(grooves, view.radiance);
+      const Image picture = shown_of(channels, best_exposures(channels, log_exposure)), target = target_of(channels);
+      point.psnr_db.push_back(color_psnr_db(picture, target, channels[0].target.mask));
+      point.ssim.push_back(color_ssim(picture, target, channels[0].target.mask));
     }
     curve.push_back(std::move(point));
   }

@@ -29,10 +29,9 @@ std::vector<std::size_t> spare_for_time(const std::vector<StrokeView>& views, co
 /// already): from all of them down to a tenth of the time. Only leaves
 /// out, so a design made for that time from the start shows more. `views` must be as rendered, exposures fitting;
 /// their radiance is overwritten.
-std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, std::size_t shown,
-                                        const std::vector<double>& log_exposure, const StrokeRules& rules,
-                                        const Scratches& scratches, std::size_t movable, const Metal& metal,
-                                        const MachineProfile& machine);
+std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, const std::vector<double>& log_exposure,
+                                        const StrokeRules& rules, const Scratches& scratches, std::size_t movable,
+                                        const Metal& metal, const MachineProfile& machine);
 
 /// Which of `count` stay, ascending, when these go.
 std::vector<std::size_t> all_but(std::size_t count, const std::vector<std::size_t>& gone);

@@ -11,11 +11,11 @@
 namespace burin {
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180;
+constexpr double kCollisionDegree_rad = std::numbers::pi / 180;
 constexpr std::size_t kToldOneByOne = 6;
 constexpr int kPlacesASide = 9;  // a side: where a curved board is asked
 
-std::string in_degrees(double radians) { return fixed(radians / kDegree_rad, 1); }
+std::string in_degrees(double radians) { return fixed(radians / kCollisionDegree_rad, 1); }
 std::string in_percent(double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; }
 
 // Difference of two orientations, which count modulo 180 degrees: 0 .. 90 degrees.

@@ -11,7 +11,7 @@
 #include "burin/optimize/design/design_run.h"
 #include "burin/optimize/design/relocate.h"
 #include "burin/optimize/design/weak_scratches.h"
-#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/optimize/loss/color_metrics.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
 
@@ -117,8 +117,8 @@ void DesignRun::record(bool last) {
   if (iteration_ == 0) record_start();
   if (last || std::find(contact_.begin(), contact_.end(), iteration_) != contact_.end()) {
     ContactFrame frame{iteration_, {}};
-    for (const WorkView& v : shown_views()) {
-      frame.pictures.push_back(v.picture);
+    for (const std::span<WorkView> channels : shown_views()) {
+      frame.pictures.push_back(picture_of(channels));
       for (float& p : frame.pictures.back().data) p = std::min(1.0F, p);
     }
     result_.frames.push_back(std::move(frame));
@@ -130,9 +130,15 @@ void DesignRun::record(bool last) {
 void DesignRun::show(int iteration, double loss, const std::vector<double>& view_loss) {
   if (!options_.watch) return;
   DesignFrame frame{iteration, loss, view_loss, {}, deadline_.seconds(), 0};
-  for (const WorkView& v : shown_views()) {
-    frame.pictures.push_back(&v.picture);
-    frame.psnr_db += psnr_db(v.picture, v.target.picture, v.target.mask) / static_cast<double>(shown_);
+  const auto shown = shown_views();
+  color_pictures_.clear();
+  color_pictures_.reserve(shown.size());
+  for (const std::span<WorkView> channels : shown) {
+    const bool gray = channels.size() == 1;
+    if (!gray) color_pictures_.push_back(picture_of(channels));
+    const Image& picture = gray ? channels[0].picture : color_pictures_.back();
+    frame.pictures.push_back(&picture);
+    frame.psnr_db += color_psnr_db(picture, target_of(channels), channels[0].target.mask) / static_cast<double>(shown_);
   }
   options_.watch(frame);
 }
@@ -140,19 +146,19 @@ void DesignRun::show(int iteration, double loss, const std::vector<double>& view
 // The start, as rendered last.
 void DesignRun::show_start() {
   if (!options_.watch) return;
-  for (WorkView& v : shown_views())
-    picture_from_radiance(v.radiance, std::exp(log_exposure_[v.exposure_group]), v.picture);
+  for (const std::span<WorkView> channels : shown_views())
+    for (WorkView& v : channels)
+      picture_from_radiance(v.radiance, std::exp(log_exposure_[v.exposure_group]), v.picture);
   show(0, 0, {});
 }
 
 void DesignRun::record_start() {
-  for (const WorkView& v : shown_views()) {
+  for (const std::span<WorkView> channels : shown_views()) {
     DesignedView out;
-    const double exposure =
-        best_exposure(v.radiance, v.target.picture, std::exp(log_exposure_[v.exposure_group]), v.target.mask);
-    out.start = shown_picture(v.radiance, exposure);
-    out.start_psnr_db = psnr_db(out.start, v.target.picture, v.target.mask);
-    out.start_ssim = ssim(out.start, v.target.picture, v.target.mask);
+    const Image target = target_of(channels);
+    out.start = shown_of(channels, best_exposures(channels, log_exposure_));
+    out.start_psnr_db = color_psnr_db(out.start, target, channels[0].target.mask);
+    out.start_ssim = color_ssim(out.start, target, channels[0].target.mask);
     result_.views.push_back(std::move(out));
   }
 }

@@ -103,6 +103,12 @@ Json write_view(const DesignResult& result, std::size_t k, const std::string& na
   json["best_exposure"] = v.best_exposure;
   json["ghost"] = list(v.ghost);
   json["target_correlation"] = list(v.target_correlation);
+  if (v.color) {
+    for (std::size_t c = 0; c < 3; ++c)
+      json["color"]["psnr_db"][kChannelNames[c]] = v.color->quality.channel_psnr_db[c];
+    json["color"]["psnr_db"]["luminance"] = v.color->quality.luminance_psnr_db;
+    json["color"]["white_gain"] = v.color->white_gain;
+  }
   if (k < result.tolerance.size()) {
     const ViewTolerance& t = result.tolerance[k];
     const std::string map = "tolerance-" + name + ".png";
@@ -136,24 +142,27 @@ std::vector<Image> contact_row(const DesignResult& result, std::size_t k) {
 }  // namespace
 
 Image tiled(const std::vector<std::vector<Image>>& rows, int gap_px) {
-  int w = 0, h = 0;
+  int w = 0, h = 0, channels = 1;
   std::size_t columns = 0;
   for (const auto& row : rows) {
     columns = std::max(columns, row.size());
     for (const Image& image : row) {
       w = std::max(w, image.width);
       h = std::max(h, image.height);
+      channels = std::max(channels, image.channels);
     }
   }
   if (w == 0 || columns == 0) fail("contact sheet", "there are no pictures", "give at least one");
   Image sheet(static_cast<int>(columns) * (w + gap_px) + gap_px, static_cast<int>(rows.size()) * (h + gap_px) + gap_px,
-              1, 0.15F);
+              channels, 0.15F);
   for (std::size_t r = 0; r < rows.size(); ++r)
     for (std::size_t c = 0; c < rows[r].size(); ++c) {
       const Image& image = rows[r][c];
       const int left = gap_px + static_cast<int>(c) * (w + gap_px), top = gap_px + static_cast<int>(r) * (h + gap_px);
       for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) sheet.at(left + x, top + y) = image.at(x, y);
+        for (int x = 0; x < image.width; ++x)
+          for (int ch = 0; ch < channels; ++ch)
+            sheet.at(left + x, top + y, ch) = image.at(x, y, std::min(ch, image.channels - 1));
     }
   return sheet;
 }

@@ -15,6 +15,8 @@
 //              "psnr_db", "ssim", "start_psnr_db", "start_ssim", "achievable_psnr_db", "loss", "exposure",
 //              "best_exposure", "ghost": [correlation of the preview with each view's target],
 //              "target_correlation": [of this target with each view's target],
+//              "color" (of a view in color, whose other figures are over all channels): { "psnr_db": { "red", "green",
+//              "blue", "luminance" }, "white_gain": [factors on the channels besides best_exposure] },
 //              "tolerance" (if measured; burin/optimize/design/tolerance.h): { "text", "psnr_db", "eye_mm" and
 //              "lamp_mm":
 //                { "sideways", "up", "depth": [to the minus side, to the plus side] }, "map" (tolerance-VIEW.png:
@@ -39,7 +41,8 @@ namespace burin {
 void write_design_result(const DesignResult& result, const DesignSpec& spec, const Board& board, const Bench& bench,
                          const std::filesystem::path& folder);
 
-/// Pictures side by side, row by row, with a gap; all of one size. Missing ones (no pixels) stay dark.
+/// Pictures side by side, row by row, with a gap; all of one size, in color if one of them is. Missing ones (no pixels)
+/// stay dark.
 Image tiled(const std::vector<std::vector<Image>>& rows, int gap_px);
 
 }  // namespace burin

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "burin/optimize/design/design_start.h"
 #include "burin/optimize/design/obey.h"
 #include "burin/optimize/design/relocate.h"
+#include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/optimize/target.h"
 #include "burin/render/error.h"
@@ -68,6 +70,7 @@ void DesignRun::read_targets() {
   report("reading targets", 0);
   limits_ = design_limits(board_, bench_, options_);
   views_ = prepare_views(spec_, board_, bench_, options_, limits_, result_.findings);
+  if (options_.found) options_.found(result_.findings);
   shown_ = spec_.views.size();
   const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
                            return a.exposure_group < b.exposure_group;
@@ -110,9 +113,9 @@ void DesignRun::choose_stroke_rules() {
   // end, would cover 0.8 of its pixels.
   const double pixel_mm = views_.front().pitch_mm;
   const std::size_t all = movable_ + carved_.size();
-  const double covering =
-      std::clamp(0.8 * area.x() * area.y() * static_cast<double>(shown_) / (static_cast<double>(all) * pixel_mm),
-                 3 * pixel_mm, 0.2 * area.minCoeff());
+  const double covering = std::clamp(0.8 * area.x() * area.y() * static_cast<double>(views_served(views_).size()) /
+                                         (static_cast<double>(all) * pixel_mm),
+                                     3 * pixel_mm, 0.2 * area.minCoeff());
   mean_length_mm_ = options_.start_length_mm > 0      ? options_.start_length_mm
                     : options_.start == Start::guided ? covering
                                                       : 0.03 * area.maxCoeff();
@@ -193,9 +196,14 @@ void DesignRun::expose() {
   for (const WorkView& v : views_) {
     const double mean = mean_value(v.radiance);
     if (!(mean > 0)) fail("view " + v.spec.view, "is black", "check the lamp's intensity and position in the bench");
+    if (v.exposed_by != v.channel) continue;  // it holds no brightness
     wanted[v.exposure_group] += mean_light(v.target.picture);
     given[v.exposure_group] += mean;
   }
+  for (const WorkView& v : views_)
+    if (!(wanted[v.exposure_group] > 0))
+      fail("view " + v.spec.view, "is to show a picture that is black all over, which no exposure fits",
+           "give one with something bright in it");
   const double start = starts_at_random() ? options_.start_exposure : 1;
   for (std::size_t g = 0; g < log_exposure_.size(); ++g) log_exposure_[g] = std::log(start * wanted[g] / given[g]);
   if (!starts_at_random()) log_exposure_ = fitting_exposures(views_, log_exposure_);
@@ -232,15 +240,16 @@ void DesignRun::measure() {
   measure_pictures();
   if (options_.report_tolerance || options_.tolerance_mm > 0) {
     std::vector<ToleranceTarget> targets;
+    const auto shown = shown_views();
     for (std::size_t k = 0; k < shown_; ++k)
-      targets.push_back({result_.views[k].target, views_[k].target.mask, result_.views[k].best_exposure});
+      targets.push_back({result_.views[k].target, shown[k][0].target.mask, result_.views[k].best_exposure,
+                         result_.views[k].color ? result_.views[k].color->white_gain : std::array<double, 3>{1, 1, 1}});
     result_.tolerance = measure_tolerance(spec_, board_, bench_, targets, scratches_, progress_);
   }
   measure_ghosts();
   if (options_.carve_curve || options_.carve_hours > 0) {
     report("measuring the curve over carving time", 0);
-    result_.curve =
-        carving_curve(views_, shown_, log_exposure_, rules_, scratches_, movable_, metal_, options_.carve_machine);
+    result_.curve = carving_curve(views_, log_exposure_, rules_, scratches_, movable_, metal_, options_.carve_machine);
   }
   if (options_.optimize_width) result_.width_um = std::exp(log_shared_[0]);
   if (options_.optimize_depth) result_.depth_um = std::exp(log_shared_[1]);
@@ -271,35 +280,60 @@ void DesignRun::measure_pictures() {
     v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
     result_.final_loss += v.value.total;
   }
+  const auto shown = shown_views();
   for (std::size_t k = 0; k < shown_; ++k) {
-    const WorkView& v = views_[k];
-    DesignedView& out = result_.views[k];
-    out.view = v.spec.view;
-    out.light = v.spec.light;
-    out.rotation_deg = v.rotation_deg;
-    out.exposure = std::exp(log_exposure_[v.exposure_group]);
-    out.loss = v.value;
-    out.target = v.target.picture;
-    out.best_exposure = best_exposure(v.radiance, out.target, out.exposure, v.target.mask);
-    out.shown = shown_picture(v.radiance, out.best_exposure);
-    out.psnr_db = psnr_db(out.shown, out.target, v.target.mask);
-    out.ssim = ssim(out.shown, out.target, v.target.mask);
-    // The plain face alone, at the same exposure: nothing can be darker.
-    Image face = v.face;
-    for (float& f : face.data) f *= static_cast<float>(out.best_exposure);
-    out.achievable = within_contrast(out.target, face);
-    out.achievable_psnr_db = psnr_db(out.achievable, out.target, v.target.mask);
+    measure_picture(shown[k], result_.views[k]);
     report("measuring", static_cast<double>(k + 1) / static_cast<double>(shown_));
   }
 }
 
+void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView& out) const {
+  const WorkView& v = channels[0];
+  out.view = v.spec.view;
+  out.light = v.spec.light;
+  out.rotation_deg = v.rotation_deg;
+  out.exposure = std::exp(log_exposure_[v.exposure_group]);
+  out.loss = v.value;
+  for (const WorkView& more : channels.subspan(1)) {
+    out.loss.total += more.value.total;
+    out.loss.perceptual += more.value.perceptual;
+    out.loss.l2 += more.value.l2;
+    out.loss.gram += more.value.gram;
+  }
+  out.target = target_of(channels);
+  const std::vector<double> exposures = best_exposures(channels, log_exposure_);
+  out.best_exposure = std::accumulate(exposures.begin(), exposures.end(), 0.0) / static_cast<double>(exposures.size());
+  out.shown = shown_of(channels, exposures);
+  out.psnr_db = color_psnr_db(out.shown, out.target, v.target.mask);
+  out.ssim = color_ssim(out.shown, out.target, v.target.mask);
+  // The plain face alone, at the same exposure: nothing can be darker.
+  std::vector<Image> achievable;
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    Image face = channels[c].face;
+    for (float& f : face.data) f *= static_cast<float>(exposures[c]);
+    const Image& mixable = channels[c].mixable;
+    achievable.push_back(within_contrast(mixable.data.empty() ? channels[c].target.picture : mixable, face));
+  }
+  out.achievable = channels.size() == 1 ? achievable[0] : in_color(achievable[0], achievable[1], achievable[2]);
+  out.achievable_psnr_db = color_psnr_db(out.achievable, out.target, v.target.mask);
+  if (channels.size() == 1) return;
+  DesignedColor color{color_quality(out.shown, out.target, v.target.mask), {}};
+  for (std::size_t c = 0; c < 3; ++c)
+    color.white_gain[c] = channels[c].gains[static_cast<Eigen::Index>(c)] * exposures[c] / out.best_exposure;
+  out.color = color;
+}
+
 void DesignRun::measure_ghosts() {
-  for (std::size_t k = 0; k < shown_; ++k)
+  const auto shown = shown_views();
+  for (std::size_t k = 0; k < shown_; ++k) {
+    DesignedView& out = result_.views[k];
+    const Image seen = shown_luminance(out.shown), own = shown_luminance(out.target);
     for (const DesignedView& other : result_.views) {
-      DesignedView& out = result_.views[k];
-      out.ghost.push_back(correlation(out.shown, other.target, views_[k].target.mask));
-      out.target_correlation.push_back(correlation(out.target, other.target, views_[k].target.mask));
+      const Image target = shown_luminance(other.target);
+      out.ghost.push_back(correlation(seen, target, shown[k][0].target.mask));
+      out.target_correlation.push_back(correlation(own, target, shown[k][0].target.mask));
     }
+  }
 }
 
 }  // namespace burin

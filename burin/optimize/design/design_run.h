@@ -87,12 +87,13 @@ class DesignRun {
   // Parts of measure().
   void warn_if_hardly_any_is_left();
   void measure_pictures();
+  void measure_picture(std::span<const WorkView> channels, DesignedView& out) const;
   void measure_ghosts();
 
   void report(const char* stage, double fraction) const {
     if (progress_) progress_(stage, fraction);
   }
-  std::span<WorkView> shown_views() { return {views_.data(), shown_}; }
+  std::vector<std::span<WorkView>> shown_views() { return shown_channels(views_); }
   bool starts_at_random() const { return !options_.from && options_.start == Start::random; }
   bool optimizes_shared() const {
     return options_.optimize_width || options_.optimize_depth || options_.optimize_alpha;
@@ -108,9 +109,10 @@ class DesignRun {
   CarvingLimits limits_;
   DesignResult result_;
 
-  std::vector<WorkView> views_;  // the first `shown_` are the spec's; the rest stand aside of these
-  std::size_t shown_ = 0;
-  std::vector<double> log_exposure_;  // one a group
+  std::vector<WorkView> views_;        // first the spec's, in color three each; the rest stand aside of these
+  std::size_t shown_ = 0;              // pictures, each of a view of the spec
+  std::vector<Image> color_pictures_;  // what those who watch are shown last
+  std::vector<double> log_exposure_;   // one a group
   StrokeRules rules_;
   double mean_length_mm_ = 0;
 

@@ -6,12 +6,15 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/direction_light.h"
 #include "burin/optimize/design/glint.h"
+#include "burin/optimize/design/lamp_places.h"
 #include "burin/optimize/design/to_metal.h"
+#include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
@@ -44,36 +47,219 @@ Image carvable(const CarvingLimits& limits, double clearance_mm, int width, int 
   return mask;
 }
 
-// The mean over its views of what `of` says of each, a group; `groups` in all.
-template <typename Of>
-std::vector<double> means_of_groups(const std::vector<WorkView>& views, std::size_t groups, const Of& of) {
-  std::vector<double> sum(groups, 0.0), members(groups, 0.0);
-  for (const WorkView& v : views) {
-    sum[v.exposure_group] += of(v);
-    members[v.exposure_group] += 1;
+// Whether what is served is one lamp, whose half vectors need not be measured.
+bool is_one_lamp(const WorkView& v, const WorkLamp& lamp, const Bench& bench) {
+  return find_light(bench, lights_served(v.spec)[lamp.light], "design").is_lamp();
+}
+
+// The views under one of their lights alone.
+class LampRenderers {
+ public:
+  LampRenderers(const DesignSpec& spec, const Board& board, const Bench& bench,
+                std::shared_ptr<const FootprintGrid> grid, const RenderOptions& render,
+                std::shared_ptr<RenderWorkspace> workspace)
+      : spec_(spec),
+        board_(board),
+        bench_(bench),
+        grid_(std::move(grid)),
+        render_(render),
+        workspace_(std::move(workspace)) {}
+
+  // The view's own renderer where the light is alone in it.
+  ViewRenderer& under(WorkView& v, const WorkLamp& lamp) {
+    if (v.lamps.size() == 1) return v.renderer;
+    const Eigen::Vector3d moved = lamp.glint.camera_mm - glint_of(v.spec, bench_).camera_mm;
+    alone_.emplace(design_scene(spec_, v.of, board_, bench_, grid_, moved, moved,
+                                {v.channel, v.gains[v.channel], lights_served(v.spec)[lamp.light]}),
+                   render_, workspace_);
+    return *alone_;
   }
-  for (std::size_t g = 0; g < groups; ++g) sum[g] /= members[g];
+
+ private:
+  const DesignSpec& spec_;
+  const Board& board_;
+  const Bench& bench_;
+  std::shared_ptr<const FootprintGrid> grid_;
+  RenderOptions render_;
+  std::shared_ptr<RenderWorkspace> workspace_;
+  std::optional<ViewRenderer> alone_;
+};
+
+// Which of a view's channels each light leads: where a scratch made for it brings most.
+void choose_leading(std::vector<WorkView>& views) {
+  std::map<std::pair<std::size_t, std::size_t>, std::pair<double, WorkLamp*>> leading;
+  for (WorkView& v : views)
+    for (WorkLamp& lamp : v.lamps) {
+      lamp.leads = false;
+      if (v.aside) continue;
+      const double mean = mean_value(lamp.unit);
+      auto& [most, leader] = leading[std::pair{v.of, lamp.light}];
+      if (leader != nullptr && mean <= most) continue;
+      most = mean;
+      leader = &lamp;
+    }
+  for (auto& [which, lead] : leading) lead.second->leads = true;
+}
+
+// Measures faces and the light of a scratch of the best direction for every light served. Views that are not seen under
+// one lamp get the field that a search rests on; where there are such, it is said what pictures can hope for. One
+// renderer a light does both, since tables of surroundings take seconds to make.
+void measure_lights(std::vector<WorkView>& views, LampRenderers& renderers, const Board& board, const Bench& bench,
+                    std::vector<Finding>& findings) {
+  const auto carve = [&](const Scratches& tests) { return Metal{bench, board}.carved_alone(tests); };
+  const bool any = std::any_of(views.begin(), views.end(), [&](const WorkView& v) {
+    return std::any_of(v.lamps.begin(), v.lamps.end(), [&](const WorkLamp& l) { return !is_one_lamp(v, l, bench); });
+  });
+  std::vector<MeasuredView> measured;
+  std::set<std::pair<std::size_t, std::size_t>> told;
+  for (WorkView& v : views) {
+    v.renderer.forward({}, v.face);
+    for (WorkLamp& lamp : v.lamps) {
+      ViewRenderer& renderer = renderers.under(v, lamp);
+      const bool one_lamp = is_one_lamp(v, lamp, bench), first = told.insert({v.of, lamp.light}).second;
+      if (any && (first || !one_lamp)) {
+        MeasuredView one{
+            v.spec.view, lights_served(v.spec)[lamp.light],
+            measure_directions(renderer, board.carve_min_mm, board.carve_max_mm, bench.material.alpha, carve),
+            v.channels > 1 && one_lamp};
+        if (!one_lamp) lamp.glint.field = std::make_shared<const GlintField>(one.directions.field);
+        if (first) measured.push_back(std::move(one));
+      }
+      lamp.unit = measure_units(renderer, lamp.glint, board.carve_min_mm, board.carve_max_mm, carve);
+    }
+  }
+  choose_leading(views);
+  append(findings, check_directions(measured));
+}
+
+// What the lights can mix of each picture in color.
+void mix_colors(std::vector<WorkView>& views, std::vector<Finding>& findings) {
+  for (const std::span<WorkView> of : shown_channels(views)) {
+    if (of.size() != 3) continue;
+    LampColors colors(lights_served(of[0].spec).size(), Eigen::Vector3d::Zero());
+    std::vector<const Image*> target;
+    bool pure = true;  // every light has one channel
+    for (WorkView& v : of) {
+      pure = pure && v.lamps.size() == 1;
+      target.push_back(&v.target.picture);
+      for (const WorkLamp& lamp : v.lamps) colors[lamp.light][v.channel] = mean_value(lamp.unit);
+    }
+    for (const Eigen::Vector3d& color : colors) pure = pure && color.maxCoeff() == color.sum();
+    std::vector<Image> nearest;
+    if (pure)
+      for (const Image* one : target) nearest.push_back(*one);
+    else
+      nearest = nearest_mixed(target, colors);
+    append(findings, check_colors(of[0].spec, colors, target, of[0].target.mask, nearest));
+    for (std::size_t c = 0; c < 3; ++c) of[c].mixable = std::move(nearest[c]);
+  }
+}
+
+// The pictures of a view on the board's pixels, and how they are turned.
+struct LaidView {
+  double rotation_deg = 0;
+  std::vector<Target> targets;
+  Eigen::Vector3d gains{1, 1, 1};
+};
+
+LaidView lay(const DesignView& v, const Board& board, const Bench& bench, int width, int height) {
+  LaidView out;
+  const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
+  const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
+  out.rotation_deg = v.target.upright_in_view ? viewer_rotation_deg(find_view(bench, v.view, "design"), middle)
+                                              : v.target.rotation_deg;
+  if (v.color) {
+    out.gains = white_gains(v, board, bench);
+    out.targets = load_color_target(v.target, out.rotation_deg, area, width, height);
+  } else {
+    out.targets.push_back(load_target(v.target, out.rotation_deg, area, width, height));
+  }
+  return out;
+}
+
+// Only what is 1 in `part` counts.
+void restrict_mask(Target& target, const Image& part) {
+  if (part.data.empty()) return;
+  if (target.mask.data.empty()) target.mask = Image(part.width, part.height, 1, 1.0F);
+  for (std::size_t i = 0; i < part.data.size(); ++i) target.mask.data[i] *= part.data[i];
+}
+
+// The lights that a view's scratches are made for and that a channel has any light of.
+std::vector<WorkLamp> lamps_of(const DesignView& v, const std::vector<GlintView>& glints, int channel,
+                               const Eigen::Vector3d& moved, const Bench& bench) {
+  std::vector<WorkLamp> out;
+  const std::vector<std::string> ids = lights_served(v);
+  for (std::size_t l = 0; l < ids.size(); ++l) {
+    if (v.color && !(find_light(bench, ids[l], "design").intensity[channel] > 0)) continue;
+    out.push_back({l, glints[l], {}, true});
+    out.back().glint.camera_mm += moved;
+    out.back().glint.light_mm += moved;
+  }
+  return out;
+}
+
+// The light of what matters of a picture.
+double light_that_matters(const Target& target) {
+  double sum = 0;
+  for (std::size_t i = 0; i < target.picture.data.size(); ++i)
+    sum += (target.mask.data.empty() ? 1.0 : target.mask.data[i]) *
+           std::pow(static_cast<double>(target.picture.data[i]), 2.2);
   return sum;
 }
 
-// Gives views that are not seen under one lamp the field that a search rests on, and says what pictures can hope for.
-void measure_lights(std::vector<WorkView>& views, const Board& board, const Bench& bench,
-                    std::vector<Finding>& findings) {
-  std::vector<MeasuredView> measured;
-  const bool any = std::any_of(views.begin(), views.end(),
-                               [&](const WorkView& v) { return !find_light(bench, v.spec.light, "design").is_lamp(); });
-  if (!any) return;
-  for (WorkView& v : views) {
-    MeasuredView one{v.spec.view, v.spec.light,
-                     measure_directions(v.renderer, board.carve_min_mm, board.carve_max_mm, bench.material.alpha,
-                                        [&](const Scratches& tests) {
-                                          return Metal{bench, board}.carved_alone(tests);
-                                        })};
-    if (!find_light(bench, v.spec.light, "design").is_lamp())
-      v.glint.field = std::make_shared<const GlintField>(one.directions.field);
-    if (v.share == 1 || measured.size() <= v.of) measured.push_back(std::move(one));
+// The channel by whose picture each channel's brightness is set: its own or, of one that is (nearly) black and holds no
+// brightness, that of the brightest.
+std::vector<int> exposing_channels(const DesignView& v, const std::vector<Target>& targets,
+                                   std::vector<Finding>& findings) {
+  constexpr double kBlack = 1e-3;
+  std::vector<double> light;
+  for (const Target& target : targets) light.push_back(light_that_matters(target));
+  const auto brightest = static_cast<int>(std::max_element(light.begin(), light.end()) - light.begin());
+  std::vector<int> out;
+  for (int c = 0; c < static_cast<int>(targets.size()); ++c) {
+    const bool black = v.color && v.white.kind == White::Kind::each &&
+                       light[static_cast<std::size_t>(c)] < kBlack * light[static_cast<std::size_t>(brightest)];
+    out.push_back(black ? brightest : c);
+    if (!black) continue;
+    const auto name = [](int channel) { return std::string(kChannelNames[static_cast<std::size_t>(channel)]); };
+    findings.push_back({Finding::Severity::note, "design",
+                        "view " + v.view + ": its picture has hardly any " + name(c) +
+                            " to set a brightness by; it is shown as bright as " + name(brightest),
+                        ""});
   }
-  append(findings, check_directions(measured));
+  return out;
+}
+
+// No more pixels than a design takes.
+void require_size(const DesignSpec& spec, int width, int height) {
+  std::size_t pictures = 0;
+  for (const DesignView& v : spec.views) pictures += v.color ? 3 : 1;
+  const double pixels = 1.0 * width * height * static_cast<double>(pictures);
+  if (pixels > static_cast<double>(limit::kDesignPixels))
+    fail("design",
+         std::to_string(spec.views.size()) + " views of " + std::to_string(width) + " x " + std::to_string(height) +
+             (pictures > spec.views.size() ? " pixels (three times over in color)" : " pixels") +
+             " are more than the " + with_commas(limit::kDesignPixels) + " that a design takes in all",
+         "ask for fewer with --pixels, or for fewer views (docs/limits.md)");
+}
+
+// The grooves of a board at a place.
+GrooveShape groove_of(const Board& board, const Bench& bench, const Eigen::Vector2d& p_mm) {
+  return {at_place(bench.depth_field, bench.material.depth_um, board.size_mm, p_mm),
+          std::min(1.0, at_place(bench.alpha_field, bench.material.alpha, board.size_mm, p_mm)),
+          bench.material.profile};
+}
+
+// Before any picture is loaded: a bench that cannot work is the first thing to know.
+void check_bench(const DesignSpec& spec, const std::vector<std::vector<GlintView>>& glints, const Board& board,
+                 const Bench& bench, std::vector<Finding>& findings) {
+  std::vector<GlintView> of_lamps;  // what other lights do is measured below
+  for (std::size_t k = 0; k < glints.size(); ++k)
+    for (std::size_t l = 0; l < glints[k].size(); ++l)
+      if (find_light(bench, lights_served(spec.views[k])[l], "design").is_lamp()) of_lamps.push_back(glints[k][l]);
+  append(findings, check_glints(of_lamps, board.carve_min_mm, board.carve_max_mm, board.tool_width_um,
+                                [&](const Eigen::Vector2d& p_mm) { return groove_of(board, bench, p_mm); }));
+  append(findings, lamps_in_color(spec, board, bench));
 }
 
 std::string percent_text(double share) {
@@ -102,18 +288,28 @@ std::shared_ptr<const FootprintGrid> design_grid(const Board& board, const Bench
 
 ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench,
                        std::shared_ptr<const FootprintGrid> grid, const Eigen::Vector3d& eye_moved_mm,
-                       const Eigen::Vector3d& lamp_moved_mm) {
+                       const Eigen::Vector3d& lamp_moved_mm, const LightPart& part) {
   const DesignView& v = spec.views[index];
   ViewScene scene;
   scene.grid = std::move(grid);
   scene.camera_center_mm = glint_of(v, bench).camera_mm + eye_moved_mm;
-  scene.light = find_light(bench, v.light, "design");
+  scene.ambient = bench.ambient;
+  scene.light = part_of(find_light(bench, v.light, "design"), part, scene.ambient);
   scene.light.position_mm += lamp_moved_mm;
+  for (Light& beside : scene.light.also) beside.position_mm += lamp_moved_mm;
   scene.material = bench.material;
   scene.tool_width_um = board.tool_width_um;
-  scene.ambient = bench.ambient;
-  if (const auto face = curved_face(board, bench))
-    scene.hidden_from_light = hidden_on_the_way(*scene.grid, *face, scene.camera_center_mm, scene.light.position_mm);
+  if (const auto face = curved_face(board, bench)) {
+    const auto hidden_from = [&](const Light& light) {
+      return hidden_on_the_way(*scene.grid, *face, scene.camera_center_mm, light.position_mm);
+    };
+    scene.hidden_from_light = hidden_from(scene.light);
+    if (v.color)  // each lamp by itself: a channel looks the same however many lamps have some of it
+      for (const Light& beside : scene.light.also) {
+        const std::vector<std::uint8_t> more = hidden_from(beside);
+        scene.hidden_from_light.insert(scene.hidden_from_light.end(), more.begin(), more.end());
+      }
+  }
   return scene;
 }
 
@@ -123,31 +319,21 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
   const auto [width, height] = grid_size(board, options.pixels);
-  const double pixels = 1.0 * width * height * static_cast<double>(spec.views.size());
-  if (pixels > static_cast<double>(limit::kDesignPixels))
-    fail("design",
-         std::to_string(spec.views.size()) + " views of " + std::to_string(width) + " x " + std::to_string(height) +
-             " pixels are more than the " + with_commas(limit::kDesignPixels) + " that a design takes in all",
-         "ask for fewer with --pixels, or for fewer views (docs/limits.md)");
-  std::vector<GlintView> glints;
+  require_size(spec, width, height);
+  std::vector<std::vector<GlintView>> glints;  // a view of the spec, and its lights served
   const std::shared_ptr<const BoardFace> curved = curved_face(board, bench);
   const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, options.pixels);
   if (curved) append(findings, check_stretch(*curved, board.mesh.string()));
   for (const DesignView& v : spec.views) {
-    glints.push_back(glint_of(v, bench));
-    glints.back().face = curved;
-    if (curved) append(findings, check_seen(v.view, *grid, *curved, glints.back().camera_mm, glints.back().light_mm));
+    require_light(v, bench);
+    glints.push_back(glints_served(v, bench));
+    for (GlintView& glint : glints.back()) {
+      glint.face = curved;
+      if (curved) append(findings, check_seen(glint.name, *grid, *curved, glint.camera_mm, glint.light_mm));
+    }
+    append(findings, check_gray(v, bench));
   }
-  // Before any picture is loaded: a bench that cannot work is the first thing to know.
-  const auto groove_at = [&](const Eigen::Vector2d& p_mm) {
-    return GrooveShape{at_place(bench.depth_field, bench.material.depth_um, board.size_mm, p_mm),
-                       std::min(1.0, at_place(bench.alpha_field, bench.material.alpha, board.size_mm, p_mm)),
-                       bench.material.profile};
-  };
-  std::vector<GlintView> of_lamps;  // what other lights do is measured below
-  for (std::size_t k = 0; k < glints.size(); ++k)
-    if (find_light(bench, spec.views[k].light, "design").is_lamp()) of_lamps.push_back(glints[k]);
-  append(findings, check_glints(of_lamps, board.carve_min_mm, board.carve_max_mm, board.tool_width_um, groove_at));
+  check_bench(spec, glints, board, bench, findings);
   const Image free =
       carvable(limits, 1e-3 * half_width_um(bench.material.profile, board.tool_width_um, bench.material.depth_um),
                width, height);
@@ -156,104 +342,76 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
         make_warning(percent_text(1 - mean_value(free)) +
                      " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
                      "are not compared there"));
+  std::vector<LaidView> laid;
+  for (std::size_t k = 0; k < spec.views.size(); ++k) {
+    laid.push_back(lay(spec.views[k], board, bench, width, height));
+    append(findings, laid.back().targets.front().findings);
+    const Image seen = curved ? seen_from(*grid, *curved, glints[k].front().camera_mm) : Image{};
+    for (Target& target : laid.back().targets)
+      for (const Image* part : {&free, &seen}) restrict_mask(target, *part);
+  }
   std::vector<WorkView> views;
   const std::shared_ptr<RenderWorkspace> workspace =
       make_render_workspace();  // one view's memory: they are worked on in turn
+  RenderOptions render;
+  // Where depth or roughness vary over the board, a scratch's place moves them.
+  render.material_gradients = options.optimize_width || options.optimize_depth || options.optimize_alpha ||
+                              !bench.depth_field.is_constant() || !bench.alpha_field.is_constant();
+  std::vector<std::vector<int>> exposed_by;
+  for (std::size_t k = 0; k < spec.views.size(); ++k)
+    exposed_by.push_back(exposing_channels(spec.views[k], laid[k].targets, findings));
   std::map<std::string, int> groups;
   const std::vector<double> sides = options.tolerance_mm > 0 ? std::vector<double>{0, 1, -1} : std::vector<double>{0};
   for (const double side : sides)
     for (std::size_t k = 0; k < spec.views.size(); ++k) {
       const DesignView& v = spec.views[k];
-      Target target;
-      double rotation = 0;
-      if (side == 0) {
-        rotation = v.target.upright_in_view ? viewer_rotation_deg(find_view(bench, v.view, "design"), middle)
-                                            : v.target.rotation_deg;
-        target = load_target(v.target, rotation, area, width, height);
-        append(findings, target.findings);
-        const Image seen = curved ? seen_from(*grid, *curved, glints[k].camera_mm) : Image{};
-        for (const Image* part : {&free, &seen}) {
-          if (part->data.empty()) continue;
-          if (target.mask.data.empty()) target.mask = Image(width, height, 1, 1.0F);
-          for (std::size_t i = 0; i < part->data.size(); ++i) target.mask.data[i] *= part->data[i];
-        }
-      } else {
-        rotation = views[k].rotation_deg;
-        target = views[k].target;
-      }
-      const double along = lean_at(glints[k], {middle.x(), middle.y(), 0}).scratch_direction();
+      const auto channels = static_cast<int>(laid[k].targets.size());
+      const double along = lean_at(glints[k].front(), {middle.x(), middle.y(), 0}).scratch_direction();
       const Eigen::Vector3d moved =
           side * options.tolerance_mm / std::numbers::sqrt2 * Eigen::Vector3d(std::cos(along), std::sin(along), 0);
-      GlintView glint = glints[k];
-      glint.camera_mm += moved;
-      glint.light_mm += moved;
-      const std::string group = options.exposure_of == ExposureOf::light ? v.light : v.view + " under " + v.light;
-      const int index = groups.emplace(group, static_cast<int>(groups.size())).first->second;
-      const double share = 1 / static_cast<double>(sides.size());
+      const double share = 1 / static_cast<double>(sides.size() * laid[k].targets.size());
       LossWeights weights = options.loss;
       weights.perceptual *= v.weight * share;
       weights.l2 *= v.weight * share;
       weights.gram *= v.weight * share;
-      PictureLoss loss(with_gamma_offset(target.picture), target.mask, weights);
-      RenderOptions render;
-      // Where depth or roughness vary over the board, a scratch's place moves them.
-      render.material_gradients = options.optimize_width || options.optimize_depth || options.optimize_alpha ||
-                                  !bench.depth_field.is_constant() || !bench.alpha_field.is_constant();
-      views.push_back({v, std::move(glint), std::move(target), rotation, index, area.x() / width, k, share,
-                       ViewRenderer(design_scene(spec, k, board, bench, grid, moved, moved), render, workspace),
-                       std::move(loss)});
+      for (int c = 0; c < channels; ++c) {
+        std::string group = options.exposure_of == ExposureOf::light ? v.light : v.view + " under " + v.light;
+        if (v.color && v.white.kind == White::Kind::each)
+          group +=
+              std::string(" in ") + kChannelNames[static_cast<std::size_t>(exposed_by[k][static_cast<std::size_t>(c)])];
+        const int index = groups.emplace(group, static_cast<int>(groups.size())).first->second;
+        const Target& target = laid[k].targets[static_cast<std::size_t>(c)];
+        const LightPart part{v.color ? c : -1, laid[k].gains[c], ""};
+        WorkView view{v,
+                      lamps_of(v, glints[k], c, moved, bench),
+                      target,
+                      laid[k].rotation_deg,
+                      index,
+                      area.x() / width,
+                      k,
+                      share,
+                      c,
+                      channels,
+                      side != 0,
+                      exposed_by[k][static_cast<std::size_t>(c)],
+                      ViewRenderer(design_scene(spec, k, board, bench, grid, moved, moved, part), render, workspace),
+                      PictureLoss(with_gamma_offset(target.picture), target.mask, weights)};
+        view.gains = laid[k].gains;
+        views.push_back(std::move(view));
+      }
     }
-  measure_lights(views, board, bench, findings);
-  for (WorkView& v : views) {
-    v.renderer.forward({}, v.face);
-    v.unit = measure_units(v.renderer, v.glint, board.carve_min_mm, board.carve_max_mm, [&](const Scratches& tests) {
-      return Metal{bench, board}.carved_alone(tests);
-    });
-  }
+  LampRenderers renderers(spec, board, bench, grid, render, workspace);
+  measure_lights(views, renderers, board, bench, findings);
+  mix_colors(views, findings);
+  find_ghosts(views, groove_of(board, bench, middle).alpha, middle);
   return views;
 }
 
-std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,
-                                     bool from_face) {
-  std::vector<StrokeView> out;
-  for (const WorkView& v : views) {
-    const auto e = static_cast<float>(std::exp(log_exposure[v.exposure_group]));
-    Image light = from_face ? v.face : v.radiance, unit = v.unit;
-    for (float& l : light.data) l *= e;
-    for (float& u : unit.data) u *= e * static_cast<float>(v.pitch_mm);
-    const double weight = v.spec.weight * v.share * v.balance;
-    if (v.of < out.size())
-      out[v.of].asides.push_back({v.glint, std::move(light), std::move(unit), weight});
-    else
-      out.push_back({v.glint, std::move(light), v.target.picture, v.target.mask, std::move(unit), weight, {}});
-  }
+std::vector<std::span<WorkView>> shown_channels(std::vector<WorkView>& views) {
+  std::vector<std::span<WorkView>> out;
+  for (std::size_t i = 0; i < views.size() && !views[i].aside; i += static_cast<std::size_t>(views[i].channels))
+    out.emplace_back(&views[i], static_cast<std::size_t>(views[i].channels));
   return out;
-}
-
-std::vector<double> fitting_exposures(const std::vector<WorkView>& views, const std::vector<double>& log_exposure) {
-  return means_of_groups(views, log_exposure.size(), [&](const WorkView& v) {
-    return std::log(
-        best_exposure(v.radiance, v.target.picture, std::exp(log_exposure[v.exposure_group]), v.target.mask));
-  });
-}
-
-std::vector<double> starting_exposures(const std::vector<WorkView>& views, std::size_t groups, double start_light) {
-  std::vector<double> crossing =
-      means_of_groups(views, groups, [](const WorkView& v) { return std::log(mean_value(v.unit) * v.pitch_mm); });
-  for (double& c : crossing) c = std::log(start_light) - c;
-  return crossing;
-}
-
-void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_exposure, double exponent) {
-  constexpr double kMost = 8;  // no view is given up for another
-  for (WorkView& v : views) v.balance = 1;
-  if (exponent == 0) return;
-  const std::vector<StrokeView> seen = stroke_views(views, log_exposure, false);
-  std::vector<double> log_error;
-  log_error.reserve(seen.size());
-  for (const StrokeView& v : seen) log_error.push_back(std::log(std::max(squared_error(v), 1e-12)));
-  const double mean = std::accumulate(log_error.begin(), log_error.end(), 0.0) / static_cast<double>(log_error.size());
-  for (WorkView& v : views) v.balance = std::clamp(std::exp(exponent * (log_error[v.of] - mean)), 1 / kMost, kMost);
 }
 
 void render_all(std::vector<WorkView>& views, const Carved& carved) {

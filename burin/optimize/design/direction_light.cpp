@@ -128,9 +128,15 @@ std::vector<Finding> check_directions(const std::vector<MeasuredView>& views) {
     else
       findings.push_back({Finding::Severity::note, "design", what, ""});
   }
+  // Lights of one view in color go by their own names.
+  const auto called = [&](const MeasuredView& v) {
+    const auto of_the_name =
+        std::count_if(views.begin(), views.end(), [&](const MeasuredView& other) { return other.name == v.name; });
+    return of_the_name > 1 ? v.name + " under " + v.light : v.name;
+  };
   for (std::size_t a = 0; a < views.size(); ++a)
     for (std::size_t b = 0; b < views.size(); ++b) {
-      if (a == b) continue;
+      if (a == b || (views[a].told_by_angles && views[b].told_by_angles)) continue;
       const auto best_of = [](const DirectionLight& d) {
         return std::numbers::pi *
                static_cast<double>(std::max_element(d.light.begin(), d.light.end()) - d.light.begin()) /
@@ -139,10 +145,12 @@ std::vector<Finding> check_directions(const std::vector<MeasuredView>& views) {
       const DirectionLight& d = views[a].directions;
       const double other = (d.at(best_of(views[b].directions)) - d.least) / std::max(1e-12, d.best - d.least);
       if (other < kGhost) continue;
-      findings.push_back(make_warning(
-          "views " + views[a].name + " and " + views[b].name + ": collide: a scratch made for " + views[b].name +
-              " shows " + std::to_string(std::lround(100 * other)) + " % of its light in " + views[a].name,
-          "move a view around the board, or its lights"));
+      findings.push_back(make_warning("views " + called(views[a]) + " and " + called(views[b]) +
+                                          ": collide: a scratch made for " + called(views[b]) + " shows " +
+                                          std::to_string(std::lround(100 * other)) + " % of its light in " +
+                                          called(views[a]),
+                                      views[a].name == views[b].name ? "move one of these lights around the board"
+                                                                     : "move a view around the board, or its lights"));
     }
   return findings;
 }

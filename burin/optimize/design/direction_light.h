@@ -35,6 +35,7 @@ DirectionLight measure_directions(ViewRenderer& renderer, const Eigen::Vector2d&
 struct MeasuredView {
   std::string name, light;  ///< its own, and that of the light it is seen under
   DirectionLight directions;
+  bool told_by_angles = false;  ///< one lamp of a view in color: check_glints() tells what such lamps share
 };
 
 /// What a picture can hope for under such lights: notes of the contrast that directions have, warnings where it is too

@@ -3,6 +3,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -33,6 +34,12 @@ BURIN_MACHINE_CLONES void light_with(int n, const float* __restrict middle, cons
     after[i] = shown_light(light[i]);
     fall[i] = weight * ((shown[i] - after[i]) * ((shown[i] - target[i]) + (after[i] - target[i])));
   }
+}
+
+std::vector<float> squared(const Image& mask) {
+  std::vector<float> out(mask.data.size());
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = mask.data[i] * mask.data[i];
+  return out;
 }
 
 // A straight way over pixels: at s along a line (in pixels) it goes from one pixel to the next.
@@ -77,18 +84,26 @@ StrokeField::StrokeField(const StrokeView& view, const StrokeRules& rules)
   if (view.asides.size() > kMostAsides)
     fail("stroke search", "a view has " + std::to_string(view.asides.size()) + " asides",
          "give at most " + std::to_string(kMostAsides));
-  std::vector<const Image*> lights{&view.light}, units{&view.unit};
+  std::vector<const Image*> lights{&view.light}, units{&view.unit}, targets{&view.target};
   glints_.push_back(view.glint);
   weights_.push_back(static_cast<float>(view.weight));
+  pictures_.push_back(view.picture);
   for (const StrokeAside& aside : view.asides) {
     lights.push_back(&aside.light);
     units.push_back(&aside.unit);
+    targets.push_back(aside.target.data.empty() ? &view.target : &aside.target);
+    pictures_.push_back(aside.picture);
     glints_.push_back(aside.glint);
     weights_.push_back(static_cast<float>(aside.weight));
   }
+  twins_.resize(lights.size());
   pixels_.resize(lights.size());
   for (auto& pixels : pixels_) pixels.resize(view.light.data.size());
-  if (!view.mask.data.empty()) matters_.resize(view.mask.data.size());
+  matters_ = squared(view.mask);
+  if (std::any_of(view.asides.begin(), view.asides.end(), [](const StrokeAside& a) { return a.mask.has_value(); })) {
+    matters_of_.push_back(matters_);
+    for (const StrokeAside& aside : view.asides) matters_of_.push_back(aside.mask ? squared(*aside.mask) : matters_);
+  }
   half_vectors_.resize(lights.size());
   for (std::size_t k = 0; k < glints_.size(); ++k)
     if (!glints_[k].of_one_lamp_on_a_flat_face()) half_vectors_[k] = listed_half_vectors(glints_[k]);
@@ -100,13 +115,8 @@ StrokeField::StrokeField(const StrokeView& view, const StrokeRules& rules)
         const float* light = &lights[k]->data[row];
         show_row(shown.size(), light, shown.data());
         for (std::size_t x = 0; x < shown.size(); ++x)
-          pixels_[k][row + x] = {light[x], units[k]->data[row + x], view.target.data[row + x], shown[x]};
+          pixels_[k][row + x] = {light[x], units[k]->data[row + x], targets[k]->data[row + x], shown[x]};
       }
-      if (!matters_.empty())
-        for (std::size_t x = 0; x < shown.size(); ++x) {
-          const float m = view.mask.data[row + x];
-          matters_[row + x] = m * m;
-        }
     }
   });
 }
@@ -122,6 +132,23 @@ std::vector<StrokeHalfVector> StrokeField::listed_half_vectors(const GlintView& 
       }
   });
   return list;
+}
+
+void StrokeField::share_pictures_with(StrokeField& other) {
+  for (std::size_t i = 0; i < pictures_.size(); ++i)
+    for (std::size_t j = 0; j < other.pictures_.size(); ++j) {
+      if (pictures_[i] < 0 || pictures_[i] != other.pictures_[j]) continue;
+      twins_[i].push_back(other.pixels_[j].data());
+      other.twins_[j].push_back(pixels_[i].data());
+      has_twins_ = other.has_twins_ = true;
+    }
+}
+
+bool StrokeField::shares_pictures_with(const StrokeField& other) const {
+  for (const int mine : pictures_)
+    for (const int theirs : other.pictures_)
+      if (mine >= 0 && mine == theirs) return true;
+  return false;
 }
 
 void StrokeField::write_light(StrokeView& view) const {
@@ -188,12 +215,14 @@ double StrokeField::add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
       PartPixels out;
       with_part(part, k, lobes[k], out);
+      const std::vector<float>& matters = matters_at(k);
       for (int i = 0; i < part.count; ++i) {
         StrokePixel& p = pixels_[k][part.at[i]];
         if (before != nullptr) before->pixels.push_back({part.at[i], static_cast<std::uint32_t>(k), p.light, p.shown});
         p.light = out.light[i];
         p.shown = out.after[i];
-        fell += matters_.empty() ? out.fall[i] : matters_[part.at[i]] * out.fall[i];
+        if (has_twins_) tell_twins(k, part.at[i]);
+        fell += matters.empty() ? out.fall[i] : matters[part.at[i]] * out.fall[i];
       }
     }
   });
@@ -206,6 +235,7 @@ void StrokeField::put_back(StrokePixelsBefore& before) {
     StrokePixel& p = pixels_[was.place][was.at];
     p.light = was.light;
     p.shown = was.shown;
+    if (has_twins_) tell_twins(was.place, was.at);
   }
   before.clear();
 }
@@ -216,7 +246,8 @@ double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_m
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
       PartPixels out;
       with_part(part, k, lobes[k], out);
-      for (int i = 0; i < part.count; ++i) fell += matters_.empty() ? out.fall[i] : matters_[part.at[i]] * out.fall[i];
+      const std::vector<float>& matters = matters_at(k);
+      for (int i = 0; i < part.count; ++i) fell += matters.empty() ? out.fall[i] : matters[part.at[i]] * out.fall[i];
     }
   });
   return fell;
@@ -259,13 +290,14 @@ StrokeWindow StrokeField::window(const PixelBox& box) const {
     StrokePlace& place = w.place[k];
     place.pixels = &pixels_[k][corner];
     place.weight = weights_[k];
+    if (!matters_of_.empty() && !matters_of_[k].empty()) place.matters = &matters_of_[k][corner];
     place.half_vectors = half_vectors_[k].empty() ? nullptr : half_vectors_[k].data();
     for (int c = 0; c < 3; ++c) {
       place.camera_mm[c] = static_cast<float>(glints_[k].camera_mm[c]);
       place.lamp_mm[c] = static_cast<float>(glints_[k].light_mm[c]);
     }
   }
-  w.matters = matters_.empty() ? nullptr : &matters_[corner];
+  w.matters = matters_.empty() || !matters_of_.empty() ? nullptr : &matters_[corner];
   w.stride = width_;
   w.column = box.x0;
   w.row = box.y0;

@@ -32,6 +32,13 @@ class StrokeField {
   /// Both must outlive it. Throws Error for a view with too many asides.
   StrokeField(const StrokeView& view, const StrokeRules& rules);
 
+  /// From now on what one of both changes in a picture that they share (StrokeView::picture) changes in the other. They
+  /// must not be worked on at the same time then.
+  void share_pictures_with(StrokeField& other);
+
+  /// Whether they show the same picture.
+  bool shares_pictures_with(const StrokeField& other) const;
+
   /// Writes the light back into the view that it was made of.
   void write_light(StrokeView& view) const;
 
@@ -85,8 +92,17 @@ class StrokeField {
   };
 
   double lobe_place(const GlintView& glint, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const;
+  const std::vector<float>& matters_at(std::size_t place) const {
+    return matters_of_.empty() ? matters_ : matters_of_[place];
+  }
   std::vector<StrokeHalfVector> listed_half_vectors(const GlintView& glint) const;
   void with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, PartPixels& out) const;
+  void tell_twins(std::size_t k, std::size_t at) const {
+    for (StrokePixel* twin : twins_[k]) {
+      twin[at].light = pixels_[k][at].light;
+      twin[at].shown = pixels_[k][at].shown;
+    }
+  }
   template <typename Visit>
   void each_part(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
                  const Visit& visit) const;
@@ -97,8 +113,12 @@ class StrokeField {
   std::vector<GlintView> glints_;  // the view's own first
   std::vector<float> weights_;
   std::vector<std::vector<StrokePixel>> pixels_;
+  std::vector<int> pictures_;                     // StrokeView::picture of each place
+  std::vector<std::vector<StrokePixel*>> twins_;  // of each place: the same picture's pixels in other fields
+  bool has_twins_ = false;
   std::vector<std::vector<StrokeHalfVector>> half_vectors_;  // none where eye and lamp say them
   std::vector<float> matters_;                               // the mask squared; empty: all alike
+  std::vector<std::vector<float>> matters_of_;               // each place's, where a mask is not the view's; else none
 };
 
 }  // namespace burin

@@ -14,7 +14,7 @@
 namespace burin {
 
 inline constexpr int kStrokeLanes = 16;  ///< strokes tried at once
-inline constexpr int kMostPlaces = 8;    ///< from which a view's errors count
+inline constexpr int kMostPlaces = 9;    ///< from which a view's errors count: three channels, each from three places
 /// The most pixels that a window reaches over in memory, from its first to its last: they are counted in floats.
 inline constexpr int kMostWindowPixels = 1 << 24;
 
@@ -35,6 +35,7 @@ struct alignas(16) StrokeHalfVector {
 struct StrokePlace {
   const StrokePixel* pixels = nullptr;  ///< of the window's corner
   float weight = 1;                     ///< of its errors
+  const float* matters = nullptr;       ///< as StrokeWindow::matters, which is null then; where places differ
   float camera_mm[3] = {}, lamp_mm[3] = {};
   /// Where the face is curved, or it is not one lamp that shines: of the picture's first pixel. Null: eye and lamp say.
   const StrokeHalfVector* half_vectors = nullptr;

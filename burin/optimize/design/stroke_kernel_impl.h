@@ -148,6 +148,12 @@ struct StrokeKernel {
     packet::four_columns<P>(out, [&](int lane) { return &corner[index[lane]].light; });
   }
 
+  [[gnu::always_inline]] static P matters_at(const float* corner, const std::int32_t* index) {
+    alignas(64) float matters[P::size];
+    for (std::size_t i = 0; i < P::size; ++i) matters[i] = corner[index[i]];
+    return P::load_aligned(matters);
+  }
+
   // Follows a line one way, adding up what its pixels gain, until it has come `limit` far, leaves the window, or gains
   // nothing more for a while. kPlain: one place, all pixels alike.
   template <bool kPlain>
@@ -171,15 +177,14 @@ struct StrokeKernel {
         pixels_at(window.place[k].pixels, index, pixel);
         const P after = shown(pixel[0] + length * lobe(line.start[k] + line.slope[k] * middle) * pixel[1]);
         // before^2 - after^2 of what is shown too much.
-        const P fall = (pixel[3] - after) * ((pixel[3] - pixel[2]) + (after - pixel[2]));
+        P fall = (pixel[3] - after) * ((pixel[3] - pixel[2]) + (after - pixel[2]));
+        if (!kPlain && window.place[k].matters != nullptr) fall = fall * matters_at(window.place[k].matters, index);
         gain = kPlain ? fall : gain + P(window.place[k].weight) * fall;
       }
       if (kPlain) {
         gain = gain * P(window.place[0].weight);
       } else if (window.matters != nullptr) {
-        alignas(64) float matters[P::size];
-        for (std::size_t i = 0; i < P::size; ++i) matters[i] = window.matters[index[i]];
-        gain = gain * P::load_aligned(matters);
+        gain = gain * matters_at(window.matters, index);
       }
       sum = xsimd::select(active, sum + gain, sum);
       const Mask better = active & (sum > best.sum);

@@ -12,6 +12,7 @@
 #include <functional>
 #include <queue>
 #include <random>
+#include <set>
 #include <utility>
 
 #include "burin/optimize/carving/ends.h"
@@ -288,7 +289,30 @@ std::vector<StrokeField> stroke_fields(const std::vector<StrokeView>& views, con
   std::vector<StrokeField> fields;
   fields.reserve(views.size());
   for (const StrokeView& view : views) fields.emplace_back(view, rules);
+  for (std::size_t a = 0; a < fields.size(); ++a)
+    for (std::size_t b = a + 1; b < fields.size(); ++b) fields[a].share_pictures_with(fields[b]);
   return fields;
+}
+
+std::vector<std::vector<std::size_t>> field_groups(const std::vector<StrokeField>& fields) {
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t v = 0; v < fields.size(); ++v) {
+    std::vector<std::size_t> mine;  // with all groups that it ties together
+    const auto tied = [&](const std::vector<std::size_t>& group) {
+      return std::any_of(group.begin(), group.end(),
+                         [&](std::size_t w) { return fields[v].shares_pictures_with(fields[w]); });
+    };
+    std::vector<std::vector<std::size_t>> others;
+    for (std::vector<std::size_t>& group : groups)
+      if (tied(group))
+        mine.insert(mine.end(), group.begin(), group.end());
+      else
+        others.push_back(std::move(group));
+    mine.push_back(v);
+    others.push_back(std::move(mine));
+    groups = std::move(others);
+  }
+  return groups;
 }
 
 std::vector<std::size_t> views_of(const std::vector<StrokeField>& fields, const Scratches& scratches) {
@@ -318,17 +342,20 @@ std::vector<Stroke> place_in(std::vector<StrokeField>& fields, const StrokeRules
   std::vector<double> marginal(n, 1.0);  // what a stroke of the last round gained
   std::vector<Stroke> all;
   Stopping stopping(stop);
+  const std::vector<std::vector<std::size_t>> groups = field_groups(fields);
   for (std::size_t round = 0; round < 2 * rounds && all.size() < count && !stopping(); ++round) {
     const std::size_t more = std::max<std::size_t>(1, rounds - std::min(round, rounds));
     const std::vector<std::size_t> wanted = shared_out((count - all.size() + more - 1) / more, marginal, 0.5);
     std::vector<std::vector<Stroke>> placed(n);
-    tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) {
-      if (wanted[v] == 0) return;
-      placed[v] = place_in_view(fields[v], rules, v, wanted[v], seed_of(seed, v, round, 0), stopping);
-      double gained = 0;
-      for (const Stroke& s : placed[v]) gained += s.gain;
-      // A view in which few find a place is nearly full.
-      marginal[v] = gained / static_cast<double>(wanted[v]);
+    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t g) {
+      for (const std::size_t v : groups[g]) {
+        if (wanted[v] == 0) continue;
+        placed[v] = place_in_view(fields[v], rules, v, wanted[v], seed_of(seed, v, round, 0), stopping);
+        double gained = 0;
+        for (const Stroke& s : placed[v]) gained += s.gain;
+        // A view in which few find a place is nearly full.
+        marginal[v] = gained / static_cast<double>(wanted[v]);
+      }
     });
     for (const auto& strokes : placed) all.insert(all.end(), strokes.begin(), strokes.end());
   }
@@ -342,8 +369,10 @@ std::vector<std::size_t> improve_in(std::vector<StrokeField>& fields, const Stro
   std::vector<std::vector<std::size_t>> mine(fields.size());
   for (std::size_t i = 0; i < movable; ++i) mine[view[i]].push_back(i);
   Stopping stopping(stop);
-  tbb::parallel_for(std::size_t{0}, fields.size(), [&](std::size_t v) {
-    ViewSweep(fields[v], rules, scratches, changed).run(std::move(mine[v]), seed, v, stopping);
+  const std::vector<std::vector<std::size_t>> groups = field_groups(fields);
+  tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t g) {
+    for (const std::size_t v : groups[g])
+      ViewSweep(fields[v], rules, scratches, changed).run(std::move(mine[v]), seed, v, stopping);
   });
   std::vector<std::size_t> moved;
   for (std::size_t i = 0; i < changed.size(); ++i)
@@ -380,29 +409,43 @@ std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const S
   return moved;
 }
 
-double squared_error(const StrokeView& view) {
+namespace {
+
+// Of the pictures whose numbers `counted` has not seen; they are in it then.
+double squared_error(const StrokeView& view, std::set<int>& counted) {
   double sum = 0;
-  const auto add = [&](const Image& light, double weight) {
+  const auto add = [&](const Image& light, const Image& target, const Image& mask, double weight, int picture) {
+    if (picture >= 0 && !counted.insert(picture).second) return;
     sum += weight * tbb::parallel_deterministic_reduce(
                         tbb::blocked_range<std::size_t>(0, light.data.size(), 16384), 0.0,
                         [&](const auto& range, double part) {
                           for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                            const double m = view.mask.data.empty() ? 1 : view.mask.data[i];
-                            const double d = m * (shown_light(light.data[i]) - view.target.data[i]);
+                            const double m = mask.data.empty() ? 1 : mask.data[i];
+                            const double d = m * (shown_light(light.data[i]) - target.data[i]);
                             part += d * d;
                           }
                           return part;
                         },
                         std::plus<>());
   };
-  add(view.light, view.weight);
-  for (const StrokeAside& aside : view.asides) add(aside.light, aside.weight);
+  add(view.light, view.target, view.mask, view.weight, view.picture);
+  for (const StrokeAside& aside : view.asides)
+    add(aside.light, aside.target.data.empty() ? view.target : aside.target, aside.mask ? *aside.mask : view.mask,
+        aside.weight, aside.picture);
   return sum;
+}
+
+}  // namespace
+
+double squared_error(const StrokeView& view) {
+  std::set<int> counted;
+  return squared_error(view, counted);
 }
 
 double squared_error(const std::vector<StrokeView>& views) {
   double sum = 0;
-  for (const StrokeView& v : views) sum += squared_error(v);
+  std::set<int> counted;
+  for (const StrokeView& v : views) sum += squared_error(v, counted);
   return sum;
 }
 

@@ -33,6 +33,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "burin/optimize/design/glint.h"
@@ -45,14 +46,20 @@
 
 namespace burin {
 
-/// What a view shows when its eye and lamp stand a little aside.
+/// What a view shows when its eye and lamp stand a little aside, or in another channel.
 struct StrokeAside {
   GlintView glint;
   Image light, unit;
   double weight = 1;  ///< of the errors seen from there
+  Image target{};     ///< no pixels: the view's own
+  int picture = -1;   ///< as StrokeView::picture
+  /// What matters of it, where that is not what matters of the view (a picture of another view): as StrokeView::mask.
+  std::optional<Image> mask{};
 };
 
-/// One view as strokes see it. All images have the grid's size; light is relative to white.
+/// One view as strokes see it. All images have the grid's size; light is relative to white. A view in color is one for
+/// each of its lamps: the channels that the lamp has stand in it as asides do, each with its own target, so that a
+/// stroke is judged by what it does to all of them.
 struct StrokeView {
   GlintView glint;
   Image light;        ///< shown now; follows the strokes that are placed or taken away
@@ -61,9 +68,12 @@ struct StrokeView {
   Image unit;         ///< light of a pixel crossed along one pixel's length by a scratch of the best direction
   double weight = 1;  ///< of the errors seen from where eye and lamp are meant to be
   std::vector<StrokeAside> asides{};  ///< further places that count (at most kMostAsides)
+  /// Views (and asides) of the same number from 0 on are the same picture under several lamps: a stroke of one of them
+  /// changes the light of all, and its errors count once. -1: a picture of its own.
+  int picture = -1;
 };
 
-inline constexpr std::size_t kMostAsides = 7;
+inline constexpr std::size_t kMostAsides = 8;
 
 struct StrokeRules {
   Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};  ///< the carve area, on which the images lie
@@ -104,7 +114,8 @@ std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const S
                                          std::size_t movable, std::uint64_t seed,
                                          const std::function<bool()>& stop = {});
 
-/// Squared error of the shown pictures, of one view or of all: what gains and worths are parts of.
+/// Squared error of the shown pictures, of one view (with its asides) or of all (a picture that several share counts
+/// once): what gains and worths are parts of.
 double squared_error(const StrokeView& view);
 double squared_error(const std::vector<StrokeView>& views);
 

@@ -14,8 +14,12 @@
 
 namespace burin {
 
-/// The views' pictures; `rules` must outlive them.
+/// The views' pictures, shared where views show the same one; `rules` must outlive them.
 std::vector<StrokeField> stroke_fields(const std::vector<StrokeView>& views, const StrokeRules& rules);
+
+/// The fields that may be worked on at the same time: those that share pictures stand in one group, and are worked on
+/// one after the other.
+std::vector<std::vector<std::size_t>> field_groups(const std::vector<StrokeField>& fields);
 
 /// The view that each scratch is meant for: the one that it sends most of its lobe to.
 std::vector<std::size_t> views_of(const std::vector<StrokeField>& fields, const Scratches& scratches);

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "burin/optimize/design/design_views.h"
-#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/optimize/loss/color_metrics.h"
 #include "burin/render/carve.h"
 
 namespace burin {
@@ -24,6 +24,7 @@ class MovedView {
         board_(board),
         bench_(bench),
         exposure_(target.exposure),
+        gains_(target.gains),
         grooves_(grooves),
         target_(target.target),
         mask_(target.mask) {
@@ -35,11 +36,15 @@ class MovedView {
   }
 
   double psnr(const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm) const {
-    ViewRenderer renderer(scene(eye_moved_mm, lamp_moved_mm));
+    RenderOptions options;
+    options.channels = target_.channels;
+    ViewRenderer renderer(scene(eye_moved_mm, lamp_moved_mm), options);
     Image radiance;
     renderer.forward(grooves_, radiance);
-    const double exposure = best_exposure(radiance, target_, exposure_, mask_);
-    return psnr_db(shown_picture(radiance, exposure), target_, mask_);
+    for (std::size_t i = 0; i < radiance.data.size() && radiance.channels == 3; ++i)
+      radiance.data[i] *= static_cast<float>(gains_[i % 3]);
+    const double exposure = color_best_exposure(radiance, target_, exposure_, mask_);
+    return color_psnr_db(shown_picture(radiance, exposure), target_, mask_);
   }
 
  private:
@@ -52,6 +57,7 @@ class MovedView {
   const Board& board_;
   const Bench& bench_;
   double exposure_;
+  std::array<double, 3> gains_;
   const Carved& grooves_;
   std::shared_ptr<const FootprintGrid> grid_;
   Image target_, mask_;

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -46,8 +47,9 @@ struct ViewTolerance {
 
 /// What a view is compared with.
 struct ToleranceTarget {
-  Image target, mask;   ///< as in burin/optimize/target.h
-  double exposure = 0;  ///< near the best
+  Image target, mask;                    ///< as in burin/optimize/target.h
+  double exposure = 0;                   ///< near the best
+  std::array<double, 3> gains{1, 1, 1};  ///< of a target in color: DesignedColor::white_gain
 };
 
 /// One for each of the spec's views, whose `targets` come in the same order.

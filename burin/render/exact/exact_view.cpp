@@ -45,7 +45,8 @@ void check_view(const ViewScene& scene, int channels) {
   if (n == 0 || grid.corner_x_mm.size() != corners || grid.corner_y_mm.size() != corners ||
       grid.center_mm.size() != n || grid.normal.size() != n || (!grid.x_axis.empty() && grid.x_axis.size() != n))
     fail("scene.grid", "it is empty, or its arrays do not fit its window", "make it with camera_grid or board_grid");
-  if (!scene.hidden_from_light.empty() && scene.hidden_from_light.size() != n)
+  const std::size_t hidden = scene.hidden_from_light.size();
+  if (hidden != 0 && hidden != n && hidden != n * (1 + scene.light.also.size()))
     fail("scene.hidden_from_light", "it does not fit the grid's pixels",
          "make it with hidden_pixels, or leave it empty");
 }

@@ -12,7 +12,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Shape = ProfileBand::Shape;
 
-// The NDF on a wall that leans by an angle (its sine and cosine), with its derivatives: docs/model.md 4.24.
+// The NDF on a wall that leans by an angle (its sine and cosine), with its derivatives: docs/model.md 3.7.
 struct PointLight {
   double D, by_alpha;
   Vector3d by_h;

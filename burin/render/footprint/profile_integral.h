@@ -1,5 +1,5 @@
 // burin/render/footprint/profile_integral.h - the footprint integral of a groove whose cross-section is given in bands
-// (groove_profile.h): what footprint_integral.h is to the paper's. docs/model.md 4.24 to 4.28.
+// (groove_profile.h): what footprint_integral.h is to the paper's. docs/model.md 4.24 to 4.26.
 //
 //   Dhat = sum over bands of (area of the band within the footprint) * (mean of the NDF over the band)
 //

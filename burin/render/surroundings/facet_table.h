@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "burin/render/far_light.h"
+#include "burin/render/surroundings/lagrange_cubic.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {
@@ -30,15 +31,7 @@ inline CubicShares cubic_shares(double place, int count, bool periodic) {
   CubicShares out;
   out.first = static_cast<int>(std::floor(place)) - 1;
   if (!periodic) out.first = std::clamp(out.first, 0, count - 4);
-  const double u = place - out.first - 1;
-  out.share[0] = -u * (u - 1) * (u - 2) / 6;
-  out.share[1] = (u + 1) * (u - 1) * (u - 2) / 2;
-  out.share[2] = -(u + 1) * u * (u - 2) / 2;
-  out.share[3] = (u + 1) * u * (u - 1) / 6;
-  out.slope[0] = -(3 * u * u - 6 * u + 2) / 6;
-  out.slope[1] = (3 * u * u - 4 * u - 1) / 2;
-  out.slope[2] = -(3 * u * u - 2 * u - 2) / 2;
-  out.slope[3] = (3 * u * u - 1) / 6;
+  lagrange_cubic(place - out.first - 1, out.share, out.slope);
   return out;
 }
 

@@ -71,7 +71,7 @@ double clear_sky(const Vector3d& to, const Vector3d& sun) {
 Light sun_and_sky(const Vector3d& towards) {
   const Vector3d sun = towards.normalized();
   const auto sky = make_panorama(
-      painted([&](const Vector3d& to) { return clear_sky(to, sun) * Vector3d(0.85, 1, 1.25); }), {}, "sky");
+      painted([&](const Vector3d& to) -> Vector3d { return clear_sky(to, sun) * Vector3d(0.85, 1, 1.25); }), {}, "sky");
   const double from_sky = irradiance(*sky, Vector3d::UnitZ()).mean();
   Light out = sun_light(sun, 4.6 * from_sky / sun.z() * Vector3d::Ones());
   out.id = "sun";

@@ -19,6 +19,41 @@ struct SetAside {
   std::uint32_t corners, ends;
 };
 
+/// What a scratch's ends leave of crossings: their edges from a to b, and which lanes are no single piece.
+template <class P>
+struct WithinEnds {
+  P top1, top2, bottom1, bottom2;
+  MaskOf<P> raised1, capped1;     ///< at a: the first end bounds the piece, or the second
+  MaskOf<P> ends, corners, none;  ///< to be set aside; no single piece
+};
+template <class P>
+[[gnu::always_inline]] inline WithinEnds<P> within_ends(const Crossing<P>& e, const P& first, const P& second,
+                                                        const P& rim) {
+  const MaskOf<P> apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
+  // At both ends of [a, b]: the pixel's edges, and whether one of the scratch's ends lies before them.
+  const P &a = e.a, &b = e.b;
+  P top1 = e.top1, top2 = e.top2, bottom1 = e.bottom1, bottom2 = e.bottom2;
+  const MaskOf<P> capped1 = top1 > second, capped2 = top2 > second, raised1 = bottom1 < first,
+                  raised2 = bottom2 < first;
+  top1 = xsimd::min(top1, second);
+  top2 = xsimd::min(top2, second);
+  bottom1 = xsimd::max(bottom1, first);
+  bottom2 = xsimd::max(bottom2, first);
+  const MaskOf<P> closed1 = top1 < bottom1, closed2 = top2 < bottom2;
+  const MaskOf<P> mixed = (capped1 != capped2) | (raised1 != raised2) | (closed1 != closed2);
+  // An end that lies in the pixel from a to b, or beside it, bounds a single piece as an edge does. So does a corner
+  // at a or b, unless one of the pixel's edges runs along the groove there.
+  const MaskOf<P> has_corner = b - a < rim + rim;
+  const MaskOf<P> corner_between = (e.inside > P(0.0F)) | (e.along & has_corner);
+  const MaskOf<P> in_reach = ((e.Y_min < first) | (e.Y_max > second)) & !apart;
+  const MaskOf<P> ends = in_reach & (corner_between | mixed);
+  const MaskOf<P> corners = corner_between & !(apart | in_reach);
+  const MaskOf<P> none = apart | ends | corners | (closed1 & closed2);
+  close_where(closed1, top1, bottom1);
+  close_where(closed2, top2, bottom2);
+  return {top1, top2, bottom1, bottom2, raised1, capped1, ends, corners, none};
+}
+
 /// One packet of pairs whose pixels the groove crosses from side to side, or enters with an end square across it: a
 /// piece each, at `at`. The others become empty pieces: those to be set aside, and those that the groove does not
 /// meet at all.
@@ -51,28 +86,10 @@ template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
     hy = across_x * px.h_y - across_y * px.h_x;
     hz = px.h_z;
   }
-  const MaskOf<P> apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
-  // At both ends of [a, b]: the pixel's edges, and whether one of the scratch's ends lies before them.
+  const WithinEnds<P> cut = within_ends(e, first, second, rim);
   const P &a = e.a, &b = e.b;
-  P top1 = e.top1, top2 = e.top2, bottom1 = e.bottom1, bottom2 = e.bottom2;
-  const MaskOf<P> capped1 = top1 > second, capped2 = top2 > second, raised1 = bottom1 < first,
-                  raised2 = bottom2 < first;
-  top1 = xsimd::min(top1, second);
-  top2 = xsimd::min(top2, second);
-  bottom1 = xsimd::max(bottom1, first);
-  bottom2 = xsimd::max(bottom2, first);
-  const MaskOf<P> closed1 = top1 < bottom1, closed2 = top2 < bottom2;
-  const MaskOf<P> mixed = (capped1 != capped2) | (raised1 != raised2) | (closed1 != closed2);
-  // An end that lies in the pixel from a to b, or beside it, bounds a single piece as an edge does. So does a corner
-  // at a or b, unless one of the pixel's edges runs along the groove there.
-  const MaskOf<P> has_corner = b - a < rim + rim;
-  const MaskOf<P> corner_between = (e.inside > P(0.0F)) | (e.along & has_corner);
-  const MaskOf<P> in_reach = ((e.Y_min < first) | (e.Y_max > second)) & !apart;
-  const MaskOf<P> ends = in_reach & (corner_between | mixed);
-  const MaskOf<P> corners = corner_between & !(apart | in_reach);
-  const MaskOf<P> none = apart | ends | corners | (closed1 & closed2);
-  close_where(closed1, top1, bottom1);
-  close_where(closed2, top2, bottom2);
+  const P &top1 = cut.top1, &top2 = cut.top2, &bottom1 = cut.bottom1, &bottom2 = cut.bottom2;
+  const MaskOf<P>& none = cut.none;
   const P height1 = top1 - bottom1, height2 = top2 - bottom2;
   const P unit = xsimd::select(none, P(0.0F), constant(kUnit));
   // Where n.h > 0, between lo and hi: on a deep groove one wall is often partly turned away.
@@ -116,8 +133,8 @@ template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
       keep(buffers.moving_turn, -(hy * per_H * moving));
     }
     save(&buffers.area_shift[pair], unit * (height2 - height1));
-    const P on_first = xsimd::select(raised1 & !none, P(1.0F), P(0.0F)),
-            on_second = xsimd::select(capped1 & !none, P(1.0F), P(0.0F));
+    const P on_first = xsimd::select(cut.raised1 & !none, P(1.0F), P(0.0F)),
+            on_second = xsimd::select(cut.capped1 & !none, P(1.0F), P(0.0F));
     // An edge opposite an end turns alone.
     const P alone = (on_second - on_first) * length * (a + b);
     save(&buffers.area_turn[pair], P(0.5F) * unit * (alone + height1 * (top1 + bottom1) - height2 * (top2 + bottom2)));
@@ -134,7 +151,7 @@ template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
     else
       keep(buffers.rim_light, rim_light(hx, hy, hz, alpha, lo, hi, rim, height1, height2));
   }
-  return {packet::bits_of<P>(corners), packet::bits_of<P>(ends)};
+  return {packet::bits_of<P>(cut.corners), packet::bits_of<P>(cut.ends)};
 }
 
 /// The factors of one packet of pairs that cross() began, what they add to their pixels, and their derivatives.

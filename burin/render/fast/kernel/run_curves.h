@@ -11,21 +11,9 @@
 
 #include "burin/render/fast/curve_tables.h"
 #include "burin/render/fast/kernel/work.h"
+#include "burin/render/surroundings/lagrange_cubic.h"
 
 namespace burin::kernel {
-
-/// Lagrange's cubic through four neighbors, the place being u beyond the second; with slopes by the place.
-template <class P>
-[[gnu::always_inline]] inline void lagrange(float u, float (&share)[4], float (&slope)[4]) {
-  share[0] = -u * (u - 1) * (u - 2) / 6;
-  share[1] = (u + 1) * (u - 1) * (u - 2) / 2;
-  share[2] = -(u + 1) * u * (u - 2) / 2;
-  share[3] = (u + 1) * u * (u - 1) / 6;
-  slope[0] = -(3 * u * u - 6 * u + 2) / 6;
-  slope[1] = (3 * u * u - 4 * u - 1) / 2;
-  slope[2] = -(3 * u * u - 2 * u - 2) / 2;
-  slope[3] = (3 * u * u - 1) / 6;
-}
 
 /// atan2(y, x) of a unit vector with y >= 0, within 1e-5 (Abramowitz and Stegun, 4.4.49).
 template <class P>
@@ -56,7 +44,7 @@ template <class P>
     }
     float slope[4];
     first = std::max(0, std::min(static_cast<int>(at) - 1, count - 4));
-    lagrange<P>(at - static_cast<float>(first) - 1, share, slope);
+    lagrange_cubic<float, P>(at - static_cast<float>(first) - 1, share, slope);
     return 4;
   };
   int x = 0, y = 0;
@@ -308,7 +296,7 @@ template <class P>
   const float place = azimuth_of<P>(out.sign * run.across_x, out.sign * run.across_y) * per_direction;
   const int below = std::min(static_cast<int>(place), directions - 1);
   out.first = below - 1;
-  lagrange<P>(place - static_cast<float>(below), out.share, out.slope);
+  lagrange_cubic<float, P>(place - static_cast<float>(below), out.share, out.slope);
   for (float& s : out.slope) s *= per_direction;
   return out;
 }
