@@ -119,7 +119,8 @@ void write_film(const std::vector<std::string>& frames, double frames_per_s, con
   });
 }
 
-void write_frames(std::vector<std::string> frames, const AnimateOptions& options, const fs::path& out) {
+// Returns how many frames there are, with those of the way back.
+int write_frames(std::vector<std::string> frames, const AnimateOptions& options, const fs::path& out) {
   if (options.there_and_back)
     for (std::size_t i = frames.size() - 1; i-- > 1;) frames.push_back(frames[i]);
   const double way = options.there_and_back ? 2 * options.seconds : options.seconds;
@@ -134,6 +135,7 @@ void write_frames(std::vector<std::string> frames, const AnimateOptions& options
   } else {
     fail(out.string(), "an animation is a .png, an .mp4, or a folder of numbered PNG files", "name one of these");
   }
+  return static_cast<int>(frames.size());
 }
 
 }  // namespace
@@ -211,8 +213,7 @@ int animate(const Board& board, const Bench& bench, const Carved& carved, std::s
                                      step.share * log_exposure[std::min(step.from + 1, log_exposure.size() - 1)]);
     frames.push_back(png_of(seen(step.position_mm), exposure, out));
   }
-  write_frames(std::move(frames), options, out);
-  return static_cast<int>(steps.size());
+  return write_frames(std::move(frames), options, out);
 }
 
 }  // namespace burin

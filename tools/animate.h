@@ -41,7 +41,8 @@ std::vector<Step> walk_through(std::span<const Eigen::Vector3d> places_mm, const
 
 /// Renders the frames and writes them: an animated PNG (.png), a film (.mp4, by ffmpeg if it is installed), or, where
 /// `out` has no extension, a folder of numbered PNG files. `views` and `lights` are the places in order; the other kind
-/// stands still at its first. Returns the number of frames. Throws Error for fewer than two places to go through, and
+/// stands still at its first. Returns the number of
+/// frames, those of the way back among them. Throws Error for fewer than two places to go through, and
 /// for .mp4 without ffmpeg.
 int animate(const Board& board, const Bench& bench, const Carved& carved, std::span<const View> views,
             std::span<const Light> lights, const std::filesystem::path& out, const AnimateOptions& options,

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/error.h"
 #include "tools/commands.h"
+#include "tools/photographed_lamps.h"
 #include "tools/progress_bar.h"
 #include "tools/tether/tethered_shoot.h"
 #include "tools/watch/say_shoot.h"
@@ -18,17 +20,20 @@
 namespace burin {
 namespace {
 
-// What the lamp of the photos is called: as said, or as in the bench that the board was designed for.
-std::string lamp_name(const std::string& said, const std::filesystem::path& bench_file) {
-  if (!said.empty() || bench_file.empty()) return said.empty() ? Photo().light : said;
+// The lamps of the photos: the one that was said, or that the bench has, for those in no lamp's folder; and the names
+// that folders within may have.
+PhotoLamps photo_lamps(const std::string& said, const std::filesystem::path& bench_file) {
+  if (bench_file.empty()) return {said.empty() ? Photo().light : said, {}};
   const Bench bench = read_bench(bench_file);
-  if (bench.lights.size() == 1) return bench.lights.front().id;
-  std::string names;
-  for (const Light& light : bench.lights) names += (names.empty() ? "" : ", ") + light.id;
-  fail(bench_file.string(),
-       bench.lights.empty() ? "has no lamp whose name the photos could take"
-                            : "has several lamps (" + names + "), and photos do not tell which of them was on",
-       "say which with --light NAME; where photos of one session show several, correct \"light\" in session.json");
+  PhotoLamps out{said, lamps_of(bench)};
+  if (!said.empty()) return out;
+  if (bench.lights.size() == 1)
+    out.of_folder = bench.lights.front().id;
+  else if (out.names.size() == 1)  // beside the sun, or in a room
+    out.of_folder = out.names.front();
+  else if (out.names.empty())
+    fail(bench_file.string(), "has no lamp whose name the photos could take", "say which with --light NAME");
+  return out;
 }
 
 struct CaptureArguments {
@@ -38,8 +43,13 @@ struct CaptureArguments {
   bool tether = false, once = false;
 };
 
-// By a connected camera, into the folder of photos; each is told as it comes.
-void take_photos(const CaptureArguments& o) {
+// By a connected camera, into the folder of photos, or of their lamp where there are several; each is told as it comes.
+void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
+  if (lamps.names.size() > 1 && o.light.empty())
+    fail("--tether", fmt::format("{} has several lamps, and photos do not tell which is on", o.bench.string()),
+         fmt::format("switch one on alone and say which: --light {}; then the next one",
+                     shell_word(lamps.names.front())));
+  const std::filesystem::path into = lamps.names.size() > 1 ? lamp_folder(o.photos, o.light, lamps.names) : o.photos;
   Shoot shoot;
   shoot.board = read_board(o.board);
   if (!o.bench.empty()) shoot.lens = read_bench(o.bench).lens;
@@ -48,7 +58,11 @@ void take_photos(const CaptureArguments& o) {
     shoot.wanted = planned_shots(o.plan, shoot.board);
     shoot.least_places = 0;
   }
-  shoot_tethered({o.port, o.stops, o.photos, o.once}, shoot, [](const Shoot& so_far, double, double) {
+  if (lamps.names.size() > 1) {
+    shoot.light = o.light;
+    std::erase_if(shoot.wanted, [&](const WantedShot& shot) { return shot.light != o.light; });
+  }
+  shoot_tethered({o.port, o.stops, into, o.once}, shoot, [](const Shoot& so_far, double, double) {
     fmt::print("{}", last_photo_words(so_far));
     std::fflush(stdout);
   });
@@ -64,8 +78,10 @@ void add_capture_command(CLI::App& burin) {
                       "they go (photos in --out unless given)");
   command->add_option("--board", options->board, "The board in the photos: board.json")->required();
   command->add_option("--out", options->out, "The folder for session.json")->required();
-  command->add_option("--bench", options->bench, "The bench that the board was designed for: its lamp's name is taken");
-  command->add_option("--light", options->light, "The lamp's name, where the bench has several");
+  command->add_option("--bench", options->bench,
+                      "The bench that the board was designed for: its lamp's name is taken; of several lamps, photos "
+                      "lie in folders of their names: PHOTOS_DIR/red, PHOTOS_DIR/green");
+  command->add_option("--light", options->light, "The lamp of the photos that lie in no lamp's folder");
   CLI::Option* tether = command->add_flag("--tether", options->tether,
                                           "Take the photos now, by a camera on a USB cable (libgphoto2), at M: a "
                                           "bracket from each place, each photo judged "
@@ -81,11 +97,11 @@ void add_capture_command(CLI::App& burin) {
       if (!options->tether) throw CLI::RequiredError("PHOTOS_DIR");
       options->photos = options->out / "photos";
     }
-    const std::string light = lamp_name(options->light, options->bench);
-    if (options->tether) take_photos(*options);
+    const PhotoLamps lamps = photo_lamps(options->light, options->bench);
+    if (options->tether) take_photos(*options, lamps);
     const WorkLock lock(options->out, "burin capture", WorkLock::Where::new_folders);
     ProgressBar bar;
-    const CaptureResult result = capture_folder(options->photos, options->board, options->out, bar.progress(), light);
+    const CaptureResult result = capture_folder(options->photos, options->board, options->out, bar.progress(), lamps);
     bar.clear();
     int errors = 0;
     std::string first;
@@ -101,9 +117,12 @@ void add_capture_command(CLI::App& burin) {
       fail(options->photos.string(),
            fmt::format("{} error{} found, no session was written", errors, errors == 1 ? " was" : "s were"),
            "correct or remove the photos named above");
-    fmt::print("Wrote {}: {} photos of {} view{}; next: burin calibrate {} --out {}\n", result.written.string(),
+    std::set<std::string> lit;
+    for (const Photo& photo : result.session.photos) lit.insert(photo.light);
+    fmt::print("Wrote {}: {} photos of {} view{}{}; next: burin calibrate {} --out {}\n", result.written.string(),
                result.session.photos.size(), result.views, result.views == 1 ? "" : "s",
-               shell_word(result.written.string()), shell_word(options->out.string()));
+               lit.size() > 1 ? fmt::format(" under {} lamps", lit.size()) : "", shell_word(result.written.string()),
+               shell_word(options->out.string()));
   });
 }
 

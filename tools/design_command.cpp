@@ -131,12 +131,18 @@ void run(const DesignArguments& o) {
   const Progress with_losses = [&](std::string_view stage, double fraction) {
     on_terminal(std::string(stage) + (stage == "designing" ? losses : ""), fraction);
   };
+  std::size_t told = 0;  // findings, before the work began
+  options.found = [&](const std::vector<Finding>& findings) {
+    bar.clear();
+    for (const Finding& finding : findings) note(sentence(finding));
+    told = findings.size();
+  };
   DesignResult result = design(spec, board, bench, options, with_losses);
   result.stopped_early = result.stopped_early || StopOnSignal::asked();  // wherever it was when it was asked
   write_design_result(result, spec, board, bench, o.out);
   bar.clear();
 
-  for (const Finding& finding : result.findings) note(sentence(finding));
+  for (std::size_t i = told; i < result.findings.size(); ++i) note(sentence(result.findings[i]));
   fmt::print("view        PSNR dB   SSIM    face allows   own / highest other target's correlation\n");
   for (std::size_t k = 0; k < result.views.size(); ++k) {
     const DesignedView& v = result.views[k];
@@ -145,6 +151,10 @@ void run(const DesignArguments& o) {
       if (j != k && std::abs(v.ghost[j]) > std::abs(other)) other = v.ghost[j];
     fmt::print("{:<10}  {:6.2f}   {:.3f}   {:6.2f} dB     {:5.2f} / {:5.2f}\n", v.view, v.psnr_db, v.ssim,
                v.achievable_psnr_db, v.ghost[k], other);
+    if (v.color)
+      fmt::print("            in color: red {:.2f}, green {:.2f}, blue {:.2f} dB, luminance {:.2f} dB\n",
+                 v.color->quality.channel_psnr_db[0], v.color->quality.channel_psnr_db[1],
+                 v.color->quality.channel_psnr_db[2], v.color->quality.luminance_psnr_db);
   }
   for (std::size_t k = 0; k < result.tolerance.size(); ++k)
     fmt::print("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));
@@ -266,10 +276,10 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--out", o->out, "Folder for scratches.csv, previews and the report")->required();
   c->add_option("--bench", o->bench, "Design for this bench instead of the one that DESIGN.json names");
   c->add_option("--board", o->board, "Design for this board instead of the one that DESIGN.json names");
-  c->add_option(
-      "--machine", o->machine,
-      "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML: its limits are obeyed (steps, lengths, "
-      "distance, overlap), and its time counts for --carve-hours (grbl's without it)");
+  c->add_option("--machine", o->machine,
+                built_in_machines() +
+                    ", or a burin/machine file in JSON or TOML: its limits are obeyed (steps, lengths, "
+                    "distance, overlap), and its time counts for --carve-hours (grbl's without it)");
   add_options(*c, *o);
   c->add_flag("--live", o->live, "Refresh OUT/live.png while it runs");
   c->footer(example("burin design design.json --out round-01"));

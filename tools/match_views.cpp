@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 
 #include "burin/render/error.h"
@@ -38,6 +39,11 @@ MoveRange both_ways(double mm) { return {mm, mm}; }
 PlaceTolerance smaller(const PlaceTolerance& a, const PlaceTolerance& b) {
   const auto least = [](const MoveRange& x, const MoveRange& y) { return both_ways(std::min(x.least(), y.least())); };
   return {least(a.sideways, b.sideways), least(a.up, b.up), least(a.depth, b.depth)};
+}
+
+PlaceTolerance larger(const PlaceTolerance& a, const PlaceTolerance& b) {
+  const auto most = [](const MoveRange& x, const MoveRange& y) { return both_ways(std::max(x.least(), y.least())); };
+  return {most(a.sideways, b.sideways), most(a.up, b.up), most(a.depth, b.depth)};
 }
 
 PlaceTolerance read_place(JsonObject json) {
@@ -101,6 +107,37 @@ std::string free_name(const std::string& wanted, const std::set<std::string>& ta
   std::string name = wanted;
   while (taken.count(name) > 0) name += "-photo";
   return name;
+}
+
+bool has_far_light(const Bench& bench) {
+  return std::any_of(bench.lights.begin(), bench.lights.end(), [](const Light& light) { return !light.is_near(); });
+}
+
+// Photos measure lamps: a measured bench without sun and surroundings says nothing of where they are.
+std::vector<DesignedLamp> lamps_to_match(const DesignSpec& design, const Bench& designed, const Bench& measured,
+                                         const Board& board, const std::vector<MatchTolerance>& tolerances) {
+  std::vector<DesignedLamp> lamps = designed_lamps(design, designed, board, tolerances);
+  if (has_far_light(measured)) return lamps;
+  lamps.erase(std::remove_if(lamps.begin(), lamps.end(),
+                             [&](const DesignedLamp& lamp) {
+                               return !find_light(designed, lamp.id, "the designed bench").is_near();
+                             }),
+              lamps.end());
+  return lamps;
+}
+
+// Those of the design's lights that were not to be matched, as it has them.
+void add_far_lights(const DesignSpec& design, const Bench& designed, Matching& matching) {
+  for (const DesignView& view : design.views)
+    for (const std::string& id : light_names(view.light)) {
+      const auto is_it = [&](const auto& one) { return one.id == id; };
+      const auto is_matched = [&](const Match& match) { return match.designed == id; };
+      std::vector<Light>& lights = matching.bench.lights;
+      if (std::any_of(matching.lamps.begin(), matching.lamps.end(), is_matched) ||
+          std::any_of(lights.begin(), lights.end(), is_it))
+        continue;
+      lights.push_back(find_light(designed, id, "the designed bench"));
+    }
 }
 
 // New names for `items`: those of the matches, and what is left keeps its own unless that is taken. An item that
@@ -217,15 +254,43 @@ MatchTolerance default_tolerance(const DesignView& picture, const Bench& designe
   constexpr double kPicture = 0.35;     // what pictures lose 3 dB at, as a share of that
   constexpr double kDepthToSideways = 8;
   const Eigen::Vector3d middle = middle_of(board);
-  const Eigen::Vector3d eye = eye_of(find_view(designed, picture.view, "design")) - middle,
-                        lamp = find_light(designed, picture.light, "design").position_mm - middle;
-  const double across = kPicture * kHalfLight * designed.material.alpha * (eye.normalized() + lamp.normalized()).norm();
-  const auto place = [&](double distance_mm) {
-    const double aside = across * distance_mm;
-    return PlaceTolerance{both_ways(aside), both_ways(aside),
-                          both_ways(std::min(kDepthToSideways * aside, distance_mm / 2))};
-  };
-  return {picture.view, picture.light, place(eye.norm()), place(lamp.norm())};
+  const Eigen::Vector3d eye = eye_of(find_view(designed, picture.view, "design")) - middle;
+  std::optional<MatchTolerance> out;
+  for (const std::string& id : light_names(picture.light)) {
+    const Eigen::Vector3d lamp = find_light(designed, id, "design").position_mm - middle;
+    const double across =
+        kPicture * kHalfLight * designed.material.alpha * (eye.normalized() + lamp.normalized()).norm();
+    const auto place = [&](double distance_mm) {
+      const double aside = across * distance_mm;
+      return PlaceTolerance{both_ways(aside), both_ways(aside),
+                            both_ways(std::min(kDepthToSideways * aside, distance_mm / 2))};
+    };
+    const PlaceTolerance of_eye = place(eye.norm()), of_lamp = place(lamp.norm());
+    out = out ? MatchTolerance{picture.view, picture.light, smaller(out->eye, of_eye), larger(out->lamp, of_lamp)}
+              : MatchTolerance{picture.view, picture.light, of_eye, of_lamp};
+  }
+  return *out;
+}
+
+std::vector<DesignedLamp> designed_lamps(const DesignSpec& design, const Bench& designed, const Board& board,
+                                         const std::vector<MatchTolerance>& tolerances) {
+  if (tolerances.size() != design.views.size())
+    fail("designed_lamps", "there is not one tolerance a picture", "call match_tolerances()");
+  std::vector<DesignedLamp> out;
+  for (std::size_t k = 0; k < design.views.size(); ++k) {
+    const std::vector<std::string> ids = light_names(design.views[k].light);
+    for (const std::string& id : ids) {
+      PlaceTolerance tolerance = tolerances[k].lamp;
+      if (ids.size() > 1)  // what was measured of all moved together, but no more than this one alone
+        tolerance = smaller(tolerance, default_tolerance({design.views[k].view, id, {}, 1}, designed, board).lamp);
+      const auto known = std::find_if(out.begin(), out.end(), [&](const DesignedLamp& lamp) { return lamp.id == id; });
+      if (known == out.end())
+        out.push_back({id, find_light(designed, id, "the design").position_mm, tolerance});
+      else
+        known->tolerance = smaller(known->tolerance, tolerance);
+    }
+  }
+  return out;
 }
 
 std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
@@ -278,17 +343,14 @@ Matching match_bench(const DesignSpec& design, const Bench& designed, const Benc
                      const std::vector<MatchTolerance>& tolerances, const GivenNames& given) {
   if (tolerances.size() != design.views.size())
     fail("match_bench", "there is not one tolerance a picture", "call match_tolerances()");
-  std::map<std::string, PlaceTolerance> eyes, lamps;
-  std::vector<std::string> view_names, lamp_names;
-  const auto note_place = [](auto& places, auto& names, const std::string& name, const PlaceTolerance& tolerance) {
-    const auto [at, first] = places.emplace(name, tolerance);
-    if (first) names.push_back(name);
-    at->second = smaller(at->second, tolerance);
-  };
+  std::map<std::string, PlaceTolerance> eyes;
+  std::vector<std::string> view_names;
   for (std::size_t k = 0; k < design.views.size(); ++k) {
-    note_place(eyes, view_names, design.views[k].view, tolerances[k].eye);
-    note_place(lamps, lamp_names, design.views[k].light, tolerances[k].lamp);
+    const auto [at, first] = eyes.emplace(design.views[k].view, tolerances[k].eye);
+    if (first) view_names.push_back(design.views[k].view);
+    at->second = smaller(at->second, tolerances[k].eye);
   }
+  const std::vector<DesignedLamp> lamps = lamps_to_match(design, designed, measured, board, tolerances);
   Matching out;
   for (const std::string& name : view_names) {
     const Eigen::Vector3d place = eye_of(find_view(designed, name, "the designed bench"));
@@ -297,13 +359,12 @@ Matching match_bench(const DesignSpec& design, const Bench& designed, const Benc
       sort_in(match, view.name, offset_of(place, eye_of(view), board, eyes.at(name)));
     decide(match, given.views, false, 0);
   }
-  const bool one_lamp = lamp_names.size() == 1 && measured.lights.size() == 1;
-  for (const std::string& name : lamp_names) {
-    const Eigen::Vector3d place = find_light(designed, name, "the designed bench").position_mm;
-    Match& match = out.lamps.emplace_back(Match{name, {}, false, {}, {}});
+  const bool one_lamp = lamps.size() == 1 && measured.lights.size() == 1;
+  for (const DesignedLamp& lamp : lamps) {
+    Match& match = out.lamps.emplace_back(Match{lamp.id, {}, false, {}, {}});
     for (const Light& light : measured.lights)
-      sort_in(match, light.id, offset_of(place, light.position_mm, board, lamps.at(name)));
-    decide(match, given.lamps, one_lamp, (place - middle_of(board)).norm());
+      sort_in(match, light.id, offset_of(lamp.at_mm, light.position_mm, board, lamp.tolerance));
+    decide(match, given.lamps, one_lamp, (lamp.at_mm - middle_of(board)).norm());
   }
   undo_shared(out.views);
   undo_shared(out.lamps);
@@ -319,6 +380,7 @@ Matching match_bench(const DesignSpec& design, const Bench& designed, const Benc
   require_names(given.views, out.views, is_view, kView.option, views);
   require_names(given.lamps, out.lamps, is_lamp, kLamp.option, lights);
   out.bench = renamed_bench(measured, out);
+  add_far_lights(design, designed, out);
   return out;
 }
 

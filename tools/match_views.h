@@ -31,7 +31,8 @@ inline constexpr double kMostDepth = 0.25;
 /// How far the only lamp may be from where it was believed, as a share of its distance.
 inline constexpr double kOnlyLamp = 0.15;
 
-/// What one designed picture tolerates.
+/// What one designed picture tolerates. Under several lights: the eye under that light which tolerates least, and of
+/// the lights the one that may move most (each has its own, no greater: designed_lamps()).
 struct MatchTolerance {
   std::string view, light;
   PlaceTolerance eye, lamp;
@@ -47,6 +48,18 @@ MatchTolerance default_tolerance(const DesignView& picture, const Bench& designe
 /// that is missing (or an empty path) is no error; a broken one throws Error.
 std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
                                              const std::filesystem::path& design_report);
+
+/// One of the lamps that a design's pictures are lit by.
+struct DesignedLamp {
+  std::string id;
+  Eigen::Vector3d at_mm{0, 0, 0};
+  PlaceTolerance tolerance;  ///< the least of the pictures that it lights
+};
+
+/// The lamps of a design's pictures one by one, each once, in the design's order: of a picture under several, every
+/// one. `tolerances`: one a picture. Throws Error for lamps that `designed` lacks.
+std::vector<DesignedLamp> designed_lamps(const DesignSpec& design, const Bench& designed, const Board& board,
+                                         const std::vector<MatchTolerance>& tolerances);
 
 /// Where a measured place lies, as seen from the designed one.
 struct Offset {
@@ -89,9 +102,10 @@ struct Matching {
   bool complete() const;
 };
 
-/// Matches all views and lamps of the design. `tolerances`: by match_tolerances(), one a picture, in the design's
-/// order. Throws Error for a given name that does not exist, and for views and lamps of the design that `designed`
-/// lacks.
+/// Matches all views and lamps of the design, each of several lamps that light a picture on its own. The sun and
+/// surroundings, which photos do not measure, stay as the design has them where `measured` has none. `tolerances`: by
+/// match_tolerances(), one a picture, in the design's order. Throws Error for a given name that does not exist, and for
+/// views and lamps of the design that `designed` lacks.
 Matching match_bench(const DesignSpec& design, const Bench& designed, const Bench& measured, const Board& board,
                      const std::vector<MatchTolerance>& tolerances, const GivenNames& given = {});
 

@@ -246,7 +246,7 @@ void run(NewArguments o) {
   const Eigen::Vector2d area_mm = board.carve_max_mm - board.carve_min_mm;
   lay_pictures(o, person ? &talk : nullptr, area_mm, project.pictures);
   print_project(o, project, area_mm);
-  for (const std::string& text : project.bench.notes) note(text);
+  for (const Finding& finding : project.bench.findings) note(sentence(finding));
   const std::string preview = write_project(project);
   const std::string folder = shell_word(project.folder.string());
   fmt::print("Preview: {}: {}; the whole design will show finer detail\n",

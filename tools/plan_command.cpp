@@ -9,11 +9,13 @@
 
 #include "burin/calib/plan.h"
 #include "burin/calib/verdict/planned_tags.h"
+#include "burin/optimize/design/lamp_places.h"
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
+#include "burin/render/files/file_names.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/parameter_name.h"
@@ -164,6 +166,7 @@ struct Inputs {
   Bench bench;
   std::filesystem::path board_file, bench_file, scratches;
   std::vector<DesignedPlace> designed;
+  std::vector<Finding> lamps;  // how those of a design in color stand
   bool is_project = false;
 };
 
@@ -175,6 +178,7 @@ Inputs inputs_of_project(const std::filesystem::path& folder) {
           wanted.bench_file,
           wanted.scratches,
           designed_places(wanted.design, wanted.bench),
+          lamps_in_color(wanted.design, wanted.board, wanted.bench),
           true};
 }
 
@@ -192,8 +196,16 @@ Inputs inputs_of_files(const std::filesystem::path& board_file, const std::files
   } else {
     in.bench = read_bench_of(in.board, in.board_file, bench_file);
   }
-  if (!design_file.empty()) in.designed = designed_places(read_design(design_file), in.bench);
+  if (design_file.empty()) return in;
+  const DesignSpec design = read_design(design_file);
+  in.designed = designed_places(design, in.bench);
+  in.lamps = lamps_in_color(design, in.board, in.bench);
   return in;
+}
+
+bool plans_several_lamps(const Inputs& in) {
+  return std::any_of(in.designed.begin(), in.designed.end(),
+                     [&](const DesignedPlace& place) { return place.light != in.designed.front().light; });
 }
 
 }  // namespace
@@ -271,13 +283,14 @@ void add_plan_command(CLI::App& burin) {
     if (in.board.tags.list.size() > kMostPlannedTags)
       note(fmt::format("planned with {} of the board's {} tags, spread over it: more change no place", kMostPlannedTags,
                        in.board.tags.list.size()));
+    for (const Finding& finding : in.lamps) note(sentence(finding));
     plan_options.designed = in.designed;
     const PlanFocus focus = plan_focus(in.board, in.bench, in.designed, options->focus_mm, options->focus_range);
     plan_options.focus = focus.range;
     ProgressBar bar;
     const Plan plan = plan_shots(in.board, in.bench, sent, plan_options, bar.progress());
     bar.clear();
-    for (const std::string& sentence : focus_notes(plan, focus)) note(sentence);
+    for (const Finding& finding : focus_findings(plan, focus)) note(sentence(finding));
     fmt::print("{}\n", focus_in_words(focus));
     print_plan(plan, in.board);
     std::string next =
@@ -285,8 +298,11 @@ void add_plan_command(CLI::App& burin) {
     if (!in.bench_file.empty()) next += " --bench " + shell_word(in.bench_file.string());
     next += " --out DIR";
     if (in.is_project)
-      next =
-          "take these photos into the round's photos folder; next: burin loop " + shell_word(options->board.string());
+      next = std::string("take these photos into the round's photos folder") +
+             (plans_several_lamps(in) ? ", each into the folder of the lamp that shone on it alone (photos/" +
+                                            file_name_of(in.designed.front().light) + " and so on)"
+                                      : "") +
+             "; next: burin loop " + shell_word(options->board.string());
     if (options->out.empty()) {
       fmt::print("Planned {} shots (--out DIR keeps the plan and draws it): {}\n", plan.shots.size(), next);
       return;

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "burin/render/error.h"
+#include "tools/photographed_lamps.h"
 #include "tools/where_to_stand.h"
 
 namespace burin {
@@ -52,7 +53,8 @@ FocusRange read_focus_range(const std::string& text) {
 std::vector<DesignedPlace> designed_places(const DesignSpec& design, const Bench& bench) {
   std::vector<DesignedPlace> places;
   for (const DesignView& v : design.views)
-    places.push_back({v.view, find_view(bench, v.view, "the design").T_camera_board.inverse().translation(), v.light});
+    for (const std::string& light : photographed_lamps(v, bench))  // a photo under each
+      places.push_back({v.view, find_view(bench, v.view, "the design").T_camera_board.inverse().translation(), light});
   return places;
 }
 
@@ -89,13 +91,12 @@ std::string focus_in_words(const PlanFocus& focus) {
       focus.distance_mm, focus.range.near_mm, focus.range.far_mm, focus.given ? "was said to be sharp" : "is sharp");
 }
 
-std::vector<std::string> focus_notes(const Plan& plan, const PlanFocus& focus) {
-  std::vector<std::string> out;
+std::vector<Finding> focus_findings(const Plan& plan, const PlanFocus& focus) {
+  std::vector<Finding> out;
   for (const std::string& view : plan.unseen)
-    out.push_back(fmt::format(
-        "from view \"{}\" this lens sees no tag large enough to be measured: it is not photographed; larger tags or a "
-        "longer focal length would do",
-        view));
+    out.push_back(make_warning(
+        "from view \"" + view + "\" this lens sees no tag large enough to be measured: it is not photographed",
+        "larger tags or a longer focal length would do"));
   bool others = false;
   for (const PlannedShot& shot : plan.shots) {
     others = others || shot.view.empty();
@@ -103,16 +104,18 @@ std::vector<std::string> focus_notes(const Plan& plan, const PlanFocus& focus) {
     const double d = shot.camera.distance_mm;
     if (!shot.view.empty() && !focus.range.holds(d * (1 - kSlack)) && !focus.range.holds(d * (1 + kSlack)) &&
         !focus.range.holds(d))
-      out.push_back(fmt::format(
-          "view \"{}\" is seen from {:.0f} mm, outside of the one focus ({:.0f} to {:.0f} mm): its photo will be soft; "
-          "a smaller aperture than f/8 helps",
-          shot.view, shot.camera.distance_mm, focus.range.near_mm, focus.range.far_mm));
+      out.push_back(make_warning(
+          fmt::format("view \"{}\" is seen from {:.0f} mm, outside of the one focus ({:.0f} to {:.0f} mm): its photo "
+                      "will be soft",
+                      shot.view, shot.camera.distance_mm, focus.range.near_mm, focus.range.far_mm),
+          "a smaller aperture than f/8 helps"));
   }
   if (!others)
-    out.push_back(fmt::format(
-        "from {:.0f} to {:.0f} mm this lens sees the whole board from nowhere: only the designed views are planned; "
-        "with --focus-range of your aperture, or a lens of shorter focal length, there are more places",
-        focus.range.near_mm, focus.range.far_mm));
+    out.push_back(make_warning(
+        fmt::format(
+            "from {:.0f} to {:.0f} mm this lens sees the whole board from nowhere: only the designed views are planned",
+            focus.range.near_mm, focus.range.far_mm),
+        "with --focus-range of your aperture, or a lens of shorter focal length, there are more places"));
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/finding.h"
 
 namespace burin {
 
@@ -36,7 +37,7 @@ std::string focus_in_words(const PlanFocus& focus);
 
 /// What a person should know: designed views that no photo can be taken from, or outside of it, and that no other place
 /// was found in it.
-std::vector<std::string> focus_notes(const Plan& plan, const PlanFocus& focus);
+std::vector<Finding> focus_findings(const Plan& plan, const PlanFocus& focus);
 
 /// "bracket: the tags' paper at 60 % of white, then -3 stops, -5 stops", and in seconds where the bench was measured.
 std::string exposures_in_words(const Plan& plan, const PlannedShot& shot);

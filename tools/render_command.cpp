@@ -57,8 +57,9 @@ void run_animation(const RenderArguments& o, const Board& board, const Bench& be
   const int frames = animate(board, bench, carved, views, lights, o.animation, options, bar.progress());
   bar.clear();
   const bool eye = options.moving == Moving::eye;
-  fmt::print("Wrote {}: {} frames through {} {}, {} pixels; next: open it in a browser.\n", o.animation.string(),
-             frames, eye ? views.size() : lights.size(), eye ? "views" : "lamps", options.pixels);
+  fmt::print("Wrote {}: {} frames through {} {}, {} pixels; next: {}.\n", o.animation.string(), frames,
+             eye ? views.size() : lights.size(), eye ? "views" : "lamps", options.pixels,
+             o.animation.extension().empty() ? "make a film of these pictures" : "open it in a browser");
 }
 
 bool is_float_format(const std::filesystem::path& file) {

@@ -1,7 +1,9 @@
 #include "tools/round_names.h"
 
 #include <algorithm>
+#include <set>
 
+#include "burin/capture/session.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
@@ -32,6 +34,37 @@ void complete_by(std::vector<Item>& known, const std::vector<Item>& nominal, Sam
   for (const Item& item : nominal)
     if (std::none_of(known.begin(), known.end(), [&](const Item& other) { return same_name(item, other); }))
       known.push_back(item);
+}
+
+// Under which lamps each view of a round was photographed; nothing where its session is gone.
+std::map<std::string, std::set<std::string>> lamps_by_view(const fs::path& round) {
+  std::map<std::string, std::set<std::string>> out;
+  if (!fs::exists(round / "session.json")) return out;
+  for (const Photo& photo : read_session(round / "session.json").photos) out[photo.view].insert(photo.light);
+  return out;
+}
+
+// Where several measured views lie near a designed one, each under other lamps, they are that one, photographed lamp by
+// lamp by a camera that was put back: the nearest stands for it. By designed names.
+std::map<std::string, std::string> one_place_by_lamps(const Matching& matching,
+                                                      const std::map<std::string, std::set<std::string>>& lamps_of) {
+  std::map<std::string, int> times;  // how many designed views a measured one is near to
+  for (const Match& match : matching.views)
+    for (const Candidate& candidate : match.near) ++times[candidate.name];
+  std::map<std::string, std::string> out;
+  for (const Match& match : matching.views) {
+    if (!match.measured.empty() || match.near.size() < 2) continue;
+    std::set<std::string> lamps;
+    bool one_place = true;
+    for (const Candidate& candidate : match.near) {
+      const auto found = lamps_of.find(candidate.name);
+      one_place = one_place && found != lamps_of.end() && times[candidate.name] == 1;
+      if (!one_place) break;
+      for (const std::string& lamp : found->second) one_place = lamps.insert(lamp).second && one_place;
+    }
+    if (one_place) out[match.designed] = match.near.front().name;
+  }
+  return out;
 }
 
 }  // namespace
@@ -71,8 +104,18 @@ Matching match_round(const Project& project, int number, const GivenNames& given
   const GivenNames kept = read_names(round / "names.json");
   names.views.insert(kept.views.begin(), kept.views.end());
   names.lamps.insert(kept.lamps.begin(), kept.lamps.end());
-  return match_bench(wanted, designed, read_bench(round / "bench.json"), board,
-                     match_tolerances(wanted, designed, board, round / "design" / "design-report.json"), names);
+  const Bench measured = read_bench(round / "bench.json");
+  const std::vector<MatchTolerance> tolerances =
+      match_tolerances(wanted, designed, board, round / "design" / "design-report.json");
+  Matching matching = match_bench(wanted, designed, measured, board, tolerances, names);
+  if (matching.complete()) return matching;
+  const std::map<std::string, std::string> by_lamps = one_place_by_lamps(matching, lamps_by_view(round));
+  if (by_lamps.empty()) return matching;
+  names.views.insert(by_lamps.begin(), by_lamps.end());
+  matching = match_bench(wanted, designed, measured, board, tolerances, names);
+  for (Match& match : matching.views)
+    if (by_lamps.contains(match.designed)) match.given = false;
+  return matching;
 }
 
 }  // namespace burin

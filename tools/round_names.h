@@ -18,7 +18,8 @@ void write_names(const GivenNames& names, const std::filesystem::path& file);
 /// The measured bench of a round (round-NN/bench.json) against what that round's board was designed for
 /// (round-NN/design.json and the bench that it names, with the tolerance in round-NN/design/design-report.json). A view
 /// or lamp that only the project's design.json has by now is taken from the project's own bench.json. `given` goes
-/// before names.json.
+/// before names.json. Several measured views near a designed one, each photographed under other lamps, are that one:
+/// the nearest stands for it.
 Matching match_round(const Project& project, int number, const GivenNames& given = {});
 
 }  // namespace burin

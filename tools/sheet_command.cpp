@@ -64,8 +64,8 @@ void run(const SheetArguments& options) {
     written += (written.empty() ? "" : " and ") + file.string();
   }
   all.put();
-  for (const std::string& warning : warnings(sheet)) note(warning);
-  for (const std::string& said : focus_notes(sheet.plan, sheet.focus)) note(said);
+  for (const Finding& finding : findings(sheet)) note(sentence(finding));
+  for (const Finding& finding : focus_findings(sheet.plan, sheet.focus)) note(sentence(finding));
   fmt::print("Wrote {}: {} and {} photos in order; print it, or open it on a phone; next: {}\n", written,
              sheet.places.size() == 1 ? "1 place" : fmt::format("{} places", sheet.places.size()),
              sheet.plan.shots.size(), "burin loop " + shell_word(options.project.string()));

@@ -37,28 +37,27 @@ void require_command_line(const ViewArguments& o) {
 
 void run(const ViewArguments& o) {
   require_command_line(o);
-  std::vector<std::string> notes;
+  std::vector<Finding> findings;
   ProgressBar bar;
   bar.progress()("reading", 0);
-  BoardView view = o.folder.empty() ? view_of_files(o.files, notes) : view_of_project(o.folder, notes);
+  BoardView view = o.folder.empty() ? view_of_files(o.files, findings) : view_of_project(o.folder, findings);
   for (const ViewedBoard& board : view.boards)
     if (!is_lens_drawn(board.bench.lens)) {
-      notes.push_back(
-          fmt::format("the lens is {}, which the viewer shows as a pinhole: \"As a photo\" is bent otherwise",
-                      board.bench.lens.model));
+      findings.push_back(make_warning("the lens is " + board.bench.lens.model +
+                                      ", which the viewer shows as a pinhole: \"As a photo\" is bent otherwise"));
       break;
     }
   std::string page = view_page(view, bar.progress());
   if (page.size() > kMostBytes && view.boards.size() > 2) {
-    notes.push_back(fmt::format("with the next design the page would have {:.1f} MB; it is left out",
-                                static_cast<double>(page.size()) * 1e-6));
+    findings.push_back(make_warning(fmt::format("with the next design the page would have {:.1f} MB; it is left out",
+                                                static_cast<double>(page.size()) * 1e-6)));
     view.boards.resize(2);
     page = view_page(view, bar.progress());
   }
   const fs::path out = !o.out.empty() ? o.out : o.folder.empty() ? fs::path("view.html") : o.folder / "view.html";
   write_text(page, out);
   bar.clear();
-  for (const std::string& sentence : notes) note(sentence);
+  for (const Finding& finding : findings) note(sentence(finding));
   std::size_t most = 0;
   for (const ViewedBoard& board : view.boards) most = std::max(most, board.carved.size());
   fmt::print(

@@ -2,6 +2,7 @@
 // The work is in tools/watch: photo_inbox.h (what has arrived), shoot.h (what it is and what is missing).
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
@@ -10,6 +11,7 @@
 #include <memory>
 #include <thread>
 
+#include "burin/capture/lamp_folders.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
@@ -30,7 +32,7 @@ constexpr auto kBetweenLooks = 300ms;
 struct WatchArguments {
   fs::path project, photos, plan;
   bool once = false, json = false, copy = false, tether = false;
-  std::string port;
+  std::string port, light;
   std::vector<double> stops;
 };
 
@@ -89,7 +91,8 @@ class Watch {
       : options_(options),
         teller_(options.json),
         project_(watched_project(options.project, options.photos, options.plan)),
-        inbox_(project_.photos) {
+        inbox_(project_.photos, project_.lamps) {
+    take_light();
     if (options.copy && project_.keep.empty())
       fail("--copy", "the project has no round yet whose photos these could be",
            "make one: burin loop " + shell_word(options.project.string()));
@@ -105,11 +108,46 @@ class Watch {
   }
 
  private:
+  bool several_lamps() const { return project_.lamps.size() > 1; }
+
+  // The lamp that a person says is on. A camera on a cable takes one lamp's photos after the other's.
+  void take_light() {
+    const std::string& said = options_.light;
+    const auto& lamps = project_.lamps;
+    if (!said.empty() && std::find(lamps.begin(), lamps.end(), said) == lamps.end()) {
+      std::string known;
+      for (const std::string& lamp : lamps) known += (known.empty() ? "" : ", ") + lamp;
+      fail("--light " + said, "no photos are wanted under a lamp of that name",
+           known.empty() ? "leave --light out: nothing tells under which lamps photos are wanted"
+                         : "choose one of: " + known);
+    }
+    if (!options_.tether || !several_lamps()) return;
+    if (said.empty())
+      fail("--tether", "photos are wanted under several lamps, and do not tell which is on",
+           fmt::format("switch one on alone and say which: burin watch {} --tether --light {}; then the next one",
+                       shell_word(options_.project.string()), shell_word(lamps.front())));
+    std::erase_if(project_.shoot.wanted, [&](const WantedShot& shot) { return shot.light != said; });
+  }
+
+  // The lamp of a photo: its folder's, or the one that is said to be on; empty where nothing tells.
+  std::string light_of(const fs::path& file) const {
+    if (!several_lamps()) return {};
+    for (const LampFolder& lamp : lamp_folders(project_.photos, project_.lamps))
+      if (file.parent_path() == lamp.folder) return lamp.light;
+    return options_.light;
+  }
+
+  // Where the loop looks for photos under a lamp.
+  fs::path folder_for(const fs::path& photos, const std::string& light) const {
+    return several_lamps() && !light.empty() ? lamp_folder(photos, light, project_.lamps) : photos;
+  }
+
   // By a connected camera, beside those that lie in the folder.
   void take_photos() {
     take_news(inbox_.look());
-    shoot_tethered({options_.port, options_.stops, project_.photos, options_.once}, project_.shoot,
-                   [&](const Shoot& shoot, double seconds, double processor_seconds) {
+    project_.shoot.light = several_lamps() ? options_.light : "";
+    shoot_tethered({options_.port, options_.stops, folder_for(project_.photos, options_.light), options_.once},
+                   project_.shoot, [&](const Shoot& shoot, double seconds, double processor_seconds) {
                      teller_.say_last(shoot, seconds, processor_seconds);
                    });
   }
@@ -134,6 +172,11 @@ class Watch {
     if (!shoot.wanted.empty())
       words += fmt::format("{} shot{} wanted ({}).\n", shoot.wanted.size(), shoot.wanted.size() == 1 ? " is" : "s are",
                            project_.wanted_from);
+    if (several_lamps() && !options_.tether)
+      words += fmt::format("Photos do not tell which lamp was on: put them into {}{}.\n",
+                           lamp_folders_in_words(project_.photos, project_.lamps),
+                           options_.light.empty() ? ", or say which is on with --light NAME"
+                                                  : "; others are taken to be under \"" + options_.light + "\"");
     if (!project_.plan_line.empty())
       words += "There is no plan of the further photos; it is made by: " + project_.plan_line + "\n";
     words += "    now: " + next_words(shoot);
@@ -174,7 +217,9 @@ class Watch {
     try {
       PhotoFacts facts = judge_photo(file, shoot.board, shoot.lens ? &*shoot.lens : nullptr,
                                      shoot.photos.empty() ? nullptr : &shoot.photos.back().facts);
+      shoot.light = light_of(file);
       add_photo(std::move(facts), shoot);
+      find_no_lamp(file);
     } catch (const Error& error) {
       errors_[file] = error.what();
       inbox_.not_yet(file);
@@ -182,12 +227,40 @@ class Watch {
     }
     teller_.say_last(shoot, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(),
                      static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
-    if (options_.copy && !has_errors(shoot.photos.back().faults)) copy_photo(file, project_.keep, teller_);
+    if (!options_.copy || has_errors(shoot.photos.back().faults)) return;
+    if (several_lamps() && shoot.light.empty())
+      teller_.say("not copied", file, "    not copied: nothing tells which lamp was on");
+    else
+      copy_photo(file, folder_for(project_.keep, shoot.light), teller_);
+  }
+
+  // Of several lamps `burin capture` must know which was on; here the order of the shots is gone by.
+  void find_no_lamp(const fs::path& file) {
+    if (!several_lamps() || !project_.shoot.light.empty() || file.parent_path() != project_.photos) return;
+    project_.shoot.photos.back().faults.push_back({Finding::Severity::warning,
+                                                   {},
+                                                   "lies in no lamp's folder: nothing tells which lamp was on",
+                                                   "put it into " +
+                                                       lamp_folders_in_words(project_.photos, project_.lamps) +
+                                                       ", or say which is on with --light NAME"});
   }
 
   void rename(const fs::path& from, const fs::path& to) {
-    for (JudgedPhoto& photo : project_.shoot.photos)
-      if (photo.facts.file == from) photo.facts.file = to;
+    Shoot& shoot = project_.shoot;
+    const auto photo = std::find_if(shoot.photos.begin(), shoot.photos.end(),
+                                    [&](const JudgedPhoto& p) { return p.facts.file == from; });
+    if (photo != shoot.photos.end() && photo->light != light_of(to)) {  // into its lamp's folder: perhaps another shot
+      PhotoFacts facts = photo->facts;
+      facts.file = to;
+      remove_photo(from, shoot);
+      shoot.light = light_of(to);
+      add_photo(std::move(facts), shoot);
+      find_no_lamp(to);
+      teller_.say("renamed", to, fmt::format("{} is {} now", from.string(), to.string()));
+      teller_.say_last(shoot, 0, 0);
+      return;
+    }
+    if (photo != shoot.photos.end()) photo->facts.file = to;
     teller_.say("renamed", to, fmt::format("{} is called {} now", from.filename().string(), to.filename().string()));
   }
 
@@ -248,6 +321,9 @@ void add_watch_command(CLI::App& burin) {
   CLI::Option* tether = command->add_flag(
       "--tether", o->tether, "Take the photos by a camera on a USB cable (libgphoto2): as burin capture --tether");
   add_tether_options(*command, tether, o->stops, o->port);
+  command->add_option("--light", o->light,
+                      "The lamp that is on, where there are several: of photos that lie in no lamp's folder, and of "
+                      "those that --tether takes");
   command->add_flag("--copy", o->copy, "Copy photos that are of use from --photos into the round's folder")
       ->excludes(tether);
   command->add_flag("--once", o->once, "Judge the photos that are there, and end");

@@ -10,6 +10,7 @@
 #include "burin/calib/verdict/camera_place.h"
 #include "burin/render/error.h"
 #include "burin/render/median.h"
+#include "tools/photographed_lamps.h"
 
 namespace burin {
 namespace {
@@ -45,12 +46,14 @@ std::string where_to_stand(const DesignSpec& design, const Bench& bench, const B
   std::set<std::string> lamps;
   std::string exposures;
   for (const DesignView& v : design.views) {
-    if (!lamps.insert(v.light).second) continue;
-    const Light& light = find_light(bench, v.light, "the design");
-    out += fmt::format("lamp \"{}\": {}\n", light.id, place_in_words(light.position_mm, board));
-    if (const double s = paper_exposure_s(light, bench, board); s > 0)
-      exposures += fmt::format("{}about {} at f/8 and ISO 100 under \"{}\"", exposures.empty() ? "" : ", ",
-                               seconds_text(s), light.id);
+    for (const std::string& id : light_names(v.light)) {
+      if (!lamps.insert(id).second) continue;
+      const Light light = find_light(bench, id, "the design");
+      out += fmt::format("lamp \"{}\": {}\n", id, place_in_words(light.position_mm, board));
+      if (const double s = paper_exposure_s(light, bench, board); s > 0)
+        exposures += fmt::format("{}about {} at f/8 and ISO 100 under \"{}\"", exposures.empty() ? "" : ", ",
+                                 seconds_text(s), id);
+    }
   }
   std::vector<Eigen::Vector3d> eyes;
   double nearest = INFINITY, furthest = 0;
@@ -67,6 +70,7 @@ std::string where_to_stand(const DesignSpec& design, const Bench& bench, const B
       out += fmt::format("; its picture holds within about {} mm sideways, {} mm up or down, {} mm in depth",
                          rounded(t.sideways.least()), rounded(t.up.least()), rounded(t.depth.least()));
     }
+    if (photographed_lamps(v, bench).size() > 1) out += "; photographed under each of these lamps alone";
     out += "\n";
   }
   out +=

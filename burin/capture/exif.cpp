@@ -147,6 +147,8 @@ Exif read_exif(const fs::path& file) {
   if (exif.kind == "heif") exif.turned_deg = heic_turned_deg(file);
   exif.make = printable(spec.get_string_attribute("Make"));
   exif.model = printable(spec.get_string_attribute("Model"));
+  const int white = spec.get_int_attribute("Exif:WhiteBalance", -1);  // EXIF 2.32: 0 automatic, 1 manual
+  if (white == 0 || white == 1) exif.auto_white = white == 0;
   exif.says_srgb = spec.get_int_attribute("Exif:ColorSpace") == 1 ||
                    spec.get_string_attribute("ICCProfile:profile_description").find("sRGB") != std::string::npos ||
                    (exif.kind == "png" && png_says_srgb(file));

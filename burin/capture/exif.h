@@ -21,7 +21,8 @@ struct Exif {
   int orientation = 1;                    ///< EXIF's code; 1: as stored. Never applied to pixels
   int turned_deg = 0;  ///< counter-clockwise: what a phone's HEIC asks its readers to do, and what they do
   std::string make, model;
-  bool says_srgb = false;  ///< the file itself says that its values lie along the sRGB curve
+  std::optional<bool> auto_white;  ///< whether the camera chose the white balance anew for this photo
+  bool says_srgb = false;          ///< the file itself says that its values lie along the sRGB curve
 };
 
 /// Reads the header. Throws Error for a file that is missing or no picture.

@@ -16,6 +16,7 @@
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/limits.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -27,6 +28,7 @@ constexpr double kLongestGap_s = 60;  // within a view
 constexpr double kBurst_s = 3;        // photos this close belong together unless their pictures say otherwise
 constexpr double kSameDetails = 0.6;  // one pose gives 0.94 and more, two poses less than 0.05
 constexpr double kSamePlace_px = 0.5;
+constexpr double kTouched_px = 10;  // a tripod that was touched; further aside it was meant
 
 // A photo with the exposure that its EXIF tells. Nothing where EXIF tells too little; the findings then say so.
 std::optional<Photo> photo_of(const IncomingPhoto& incoming, std::vector<Finding>& findings) {
@@ -64,6 +66,95 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, std::vector<Finding
   return photo;
 }
 
+using ExifPhoto = std::pair<Photo, Exif>;
+
+// How far the tags that both photos show lie apart in them; nothing where they share too few.
+std::optional<double> tags_moved_px(const PhotoLook& a, const PhotoLook& b) {
+  constexpr std::size_t kFewTags = 2;  // one alone may be misread
+  std::vector<double> moved;
+  std::size_t tags = 0;
+  for (const TagLook& tag : a.tags) {
+    const auto same = std::find_if(b.tags.begin(), b.tags.end(), [&](const TagLook& t) { return t.id == tag.id; });
+    if (same == b.tags.end()) continue;
+    ++tags;
+    for (std::size_t c = 0; c < 4; ++c) moved.push_back((tag.corner_px[c] - same->corner_px[c]).norm());
+  }
+  if (tags < kFewTags) return std::nullopt;
+  return median_of(std::move(moved));
+}
+
+// Whether a photo was taken right after those of `view`, of its own lamp, from the same place, by their pictures.
+bool joins_by_picture(const std::vector<ExifPhoto>& photos, const std::vector<std::optional<PhotoLook>>& looks,
+                      const std::vector<std::size_t>& view, std::size_t i, bool timed, std::vector<Finding>& findings) {
+  const auto& [photo, exif] = photos[i];
+  // The member of nearest exposure is the best witness.
+  const double factor = exposure_factor(photo);
+  const auto distance = [&](std::size_t k) { return std::abs(std::log(exposure_factor(photos[k].first) / factor)); };
+  const std::size_t k =
+      *std::min_element(view.begin(), view.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
+  const double gap_s =
+      timed ? *exif.time_s - *photos[view.back()].second.time_s - photos[view.back()].first.exposure_s : 0;
+  if (gap_s > kLongestGap_s) return false;
+  const auto same = compare(*looks[k], exposure_factor(photos[k].first), *looks[i], factor);
+  if (!same) return timed && gap_s <= kBurst_s;
+  if (same->correlation < kSameDetails) return false;
+  if (same->shift_px <= kSamePlace_px) return true;
+  char text[160];
+  std::snprintf(text, sizeof text, "shows the same as %s, but %.1f px aside: it became a view of its own",
+                photos[k].first.file.filename().string().c_str(), same->shift_px);
+  findings.push_back({warning, photo.file, text, "use a tripod and a remote release for brackets"});
+  return false;
+}
+
+// Which view each photo belongs to, counted from 0 (0 as well where there is no look): first those that one lamp shows,
+// then those next to each other whose tags have stayed while the lamp was changed.
+std::vector<std::size_t> views_of(const std::vector<ExifPhoto>& photos,
+                                  const std::vector<std::optional<PhotoLook>>& looks, bool timed,
+                                  std::vector<Finding>& findings) {
+  std::vector<std::vector<std::size_t>> views;  // members
+  const auto moved_px = [&](const std::vector<std::size_t>& a, const std::vector<std::size_t>& b) {
+    std::optional<double> least;
+    for (const std::size_t i : a)
+      for (const std::size_t k : b)
+        if (const auto px = tags_moved_px(*looks[i], *looks[k]); px && (!least || *px < *least)) least = px;
+    return least;
+  };
+  for (std::size_t i = 0; i < photos.size(); ++i) {
+    if (!looks[i]) continue;
+    bool joins = false;
+    if (!views.empty()) {
+      std::vector<std::size_t> of_lamp;
+      for (const std::size_t k : views.back())
+        if (photos[k].first.light == photos[i].first.light) of_lamp.push_back(k);
+      joins = of_lamp.empty() ? moved_px({i}, views.back()).value_or(INFINITY) <= kSamePlace_px
+                              : joins_by_picture(photos, looks, of_lamp, i, timed, findings);
+    }
+    if (!joins) views.emplace_back();
+    views.back().push_back(i);
+  }
+  // A bracket under a new lamp may begin with its dark photos, which show no tags.
+  std::vector<std::size_t> out(photos.size(), 0);
+  std::size_t count = 0;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    bool joins = false;
+    if (v > 0) {
+      const std::string &before = photos[views[v - 1].back()].first.light, &now = photos[views[v].front()].first.light;
+      const auto px = before == now ? std::nullopt : moved_px(views[v - 1], views[v]);
+      joins = px && *px <= kSamePlace_px;
+      if (px && !joins && *px <= kTouched_px) {
+        char text[160];
+        std::snprintf(text, sizeof text,
+                      "lies %.1f px aside of the photos under the lamp before: it became a view of its own", *px);
+        findings.push_back({warning, photos[views[v].front()].first.file, text,
+                            "use a tripod, and change lamps without touching the camera"});
+      }
+    }
+    if (v > 0 && !joins) ++count;
+    for (const std::size_t i : views[v]) out[i] = count;
+  }
+  return out;
+}
+
 // One finding for many photos that say the same. Errors stay: each photo has to be put right.
 void merge_notes(std::vector<Finding>& findings) {
   std::vector<Finding> merged;
@@ -89,9 +180,12 @@ void merge_notes(std::vector<Finding>& findings) {
 FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress,
                            const std::string& light) {
   FolderSession result;
-  std::vector<std::pair<Photo, Exif>> photos;
+  std::vector<ExifPhoto> photos;
   while (const auto incoming = source())
-    if (const auto photo = photo_of(*incoming, result.findings)) photos.emplace_back(*photo, incoming->exif);
+    if (auto photo = photo_of(*incoming, result.findings)) {
+      photo->light = incoming->light.empty() ? light : incoming->light;
+      photos.emplace_back(*photo, incoming->exif);
+    }
   require_at_most(
       photos.size(), limit::kPhotos, "the photos", "files",
       "take some of them into a folder of their own: a few dozen from many directions tell all there is to know");
@@ -128,45 +222,16 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
     });
   }
 
-  int views = 0;
-  std::vector<std::size_t> view;  // members of the current one
+  const std::vector<std::size_t> views = views_of(photos, looks, timed, result.findings);
   for (std::size_t i = 0; i < photos.size(); ++i) {
     auto& [photo, exif] = photos[i];
     if (!looks[i]) {
       result.findings.push_back({error, {}, broken[i], ""});
       continue;
     }
-    bool joins = false;
-    if (!view.empty()) {
-      // The member of nearest exposure is the best witness.
-      const double factor = exposure_factor(photo);
-      const auto distance = [&](std::size_t k) {
-        return std::abs(std::log(exposure_factor(photos[k].first) / factor));
-      };
-      const std::size_t k =
-          *std::min_element(view.begin(), view.end(), [&](auto a, auto b) { return distance(a) < distance(b); });
-      const double gap_s =
-          timed ? *exif.time_s - *photos[view.back()].second.time_s - photos[view.back()].first.exposure_s : 0;
-      const auto same = compare(*looks[k], exposure_factor(photos[k].first), *looks[i], factor);
-      if (gap_s <= kLongestGap_s)
-        joins =
-            same ? same->correlation >= kSameDetails && same->shift_px <= kSamePlace_px : timed && gap_s <= kBurst_s;
-      if (!joins && same && same->correlation >= kSameDetails && gap_s <= kLongestGap_s) {
-        char text[160];
-        std::snprintf(text, sizeof text, "shows the same as %s, but %.1f px aside: it became a view of its own",
-                      photos[k].first.file.filename().string().c_str(), same->shift_px);
-        result.findings.push_back({warning, photo.file, text, "use a tripod and a remote release for brackets"});
-      }
-    }
-    if (!joins) {
-      view.clear();
-      ++views;
-    }
-    view.push_back(i);
-    char name[16];
-    std::snprintf(name, sizeof name, "v%02d", views - 1);
+    char name[24];
+    std::snprintf(name, sizeof name, "v%02zu", views[i]);
     photo.view = name;
-    photo.light = light;
     result.session.photos.push_back(photo);
     result.exif.push_back(exif);
   }
@@ -176,12 +241,12 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
 }
 
 CaptureResult capture_folder(const fs::path& photos_dir, const fs::path& board_json, const fs::path& out_dir,
-                             const Progress& progress, const std::string& light) {
+                             const Progress& progress, const PhotoLamps& lamps) {
   const Board board =
       read_board(board_json);  // a session whose board cannot be read is of no use: say so before the photos are read
   CaptureResult result;
-  const PhotoSource source = folder_source(photos_dir, result.findings);
-  FolderSession folder = session_from(source, board.tags, progress, light);
+  const PhotoSource source = folder_source(photos_dir, lamps, result.findings);
+  FolderSession folder = session_from(source, board.tags, progress, lamps.of_folder);
   const auto add = [&](std::vector<Finding>&& more) {
     result.findings.insert(result.findings.end(), std::make_move_iterator(more.begin()),
                            std::make_move_iterator(more.end()));

@@ -4,8 +4,9 @@
 // Photos are taken in the order of their clock (of their names where a file has no time). A photo joins the view of the
 // one before it when at most a minute passed and the two pictures agree: the same details at the same place, whatever
 // the exposures (burin/capture/photo_look.h). A camera that moved by more than half a pixel is at another view: its
-// pose will be solved on its own. Views are called v00, v01, ... All photos are taken to show one lamp, whose
-// name the caller knows.
+// pose will be solved on its own. Views are called v00, v01, ... Each photo shows one lamp: the one that the caller
+// names, or that of the folder it lies in (burin/capture/lamp_folders.h). Photos under another lamp join the view
+// before them where the tags have stayed in their places: what glints differs, but not where the camera stands.
 #pragma once
 
 #include <filesystem>
@@ -30,8 +31,8 @@ struct FolderSession {
 
 /// Takes all photos of a source and looks for `tags` in them. Broken files become errors among the findings. A file
 /// without exposure time or aperture is left out with a warning, and an error where no file has them; a missing ISO is
-/// taken as 100 with a warning. Throws if `progress` does, and for tags of an unknown family. `light`: what the one
-/// lamp of all photos is called.
+/// taken as 100 with a warning. Throws if `progress` does, and for tags of an unknown family. `light`: what the lamp is
+/// called of photos whose source does not say it.
 FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress = {},
                            const std::string& light = Photo().light);
 
@@ -45,9 +46,9 @@ struct CaptureResult {
 
 /// `burin capture`: a folder of photos and a board become DIR/session.json, after the pre-flight
 /// (burin/capture/preflight.h). Throws Error for a folder that is missing or holds no photo, a board that cannot be
-/// read, and a folder that cannot be written.
+/// read, a folder that cannot be written, and photos of which nobody knows the lamp.
 CaptureResult capture_folder(const std::filesystem::path& photos_dir, const std::filesystem::path& board_json,
                              const std::filesystem::path& out_dir, const Progress& progress = {},
-                             const std::string& light = Photo().light);
+                             const PhotoLamps& lamps = {Photo().light, {}});
 
 }  // namespace burin

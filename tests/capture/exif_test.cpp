@@ -31,6 +31,16 @@ struct ExifTest : testing::Test {
   }
 };
 
+TEST_F(ExifTest, WhetherTheCameraChoseTheWhiteBalance) {
+  for (const int code : {0, 1}) {
+    write("a.jpg", OIIO::TypeDesc::UINT8, [&](OIIO::ImageSpec& spec) { spec.attribute("Exif:WhiteBalance", code); });
+    ASSERT_TRUE(read_exif(folder / "a.jpg").auto_white.has_value());
+    EXPECT_EQ(*read_exif(folder / "a.jpg").auto_white, code == 0);
+  }
+  write("b.jpg", OIIO::TypeDesc::UINT8);
+  EXPECT_FALSE(read_exif(folder / "b.jpg").auto_white.has_value());
+}
+
 // What the simulated camera writes, in PNG and in JPEG, is what is read: fractions to the last digit.
 TEST_F(ExifTest, SimulatedPhotosSayHowTheyWereTaken) {
   Json json = small_truth();

@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
@@ -193,6 +194,94 @@ TEST_F(FolderSessionTest, OtherFilesArePassedOver) {
   EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("notes.txt"));
 }
 
+// Two lamps: photos lie in the folder of theirs, and one place is one view under both, whatever its grooves show; the
+// first photo under the second lamp is too dark for tags. A tripod that was touched between the lamps is told.
+TEST_F(FolderSessionTest, FoldersNameTheLamps) {
+  Json left = json["lights"][0];
+  left["id"] = "left";
+  left["position_mm"] = {-400, -60, 300};
+  json["lights"].push_back(left);
+  for (Json& view : json["views"]) {
+    const Json photos = view["photos"];
+    for (int k = 0; k < 3; ++k) {
+      Json photo = photos[k];
+      photo["light"] = "left";
+      const std::string file = photo["file"], time = photo["datetime"];
+      photo["file"] = "photos/Left/" + file.substr(7, 6) + std::to_string(5 + k) + ".png";
+      if (k == 0) photo["exposure_s"] = 0.0002;
+      const int seconds = std::stoi(time.substr(14, 2)) * 60 + std::stoi(time.substr(17)) + 30;
+      char later[32];
+      std::snprintf(later, sizeof later, "2024:05:01 12:%02d:%02d", seconds / 60, seconds % 60);
+      photo["datetime"] = later;
+      view["photos"].push_back(photo);
+    }
+  }
+  take_photos();
+  for (int v = 0; v < 4; ++v) {
+    fs::create_directories(folder / "photos/lamp");
+    for (int k = 0; k < 3; ++k) {
+      const std::string name = "IMG_" + std::to_string(100 + 10 * v + k) + ".png";
+      fs::rename(folder / "photos" / name, folder / "photos/lamp" / name);
+    }
+  }
+  const auto captured = [&] {
+    return capture_folder(folder / "photos", folder / "board.json", folder / "out", {}, {"", {"lamp", "left"}});
+  };
+  CaptureResult result = captured();
+  EXPECT_EQ(text_of(result.findings, Severity::error), "");
+  EXPECT_THAT(text_of(result.findings, Severity::warning), Not(HasSubstr("aside")));
+  EXPECT_EQ(result.views, 4);
+  const Session session = read_session(folder / "out/session.json");
+  ASSERT_EQ(session.photos.size(), 24U);
+  for (int i = 0; i < 24; ++i) {
+    EXPECT_EQ(session.photos[i].view, "v0" + std::to_string(i / 6)) << session.photos[i].file;
+    EXPECT_EQ(session.photos[i].light, i % 6 < 3 ? "lamp" : "left");
+    EXPECT_TRUE(fs::exists(session.photos[i].file)) << session.photos[i].file;
+  }
+  // Without a clock, as the camera counted them; what shows no tags belongs nowhere then.
+  for (int v = 0; v < 4; ++v) fs::remove(folder / "photos/Left" / ("IMG_1" + std::to_string(v) + "5.png"));
+  change("lamp/IMG_100.png", [](auto&, OIIO::ImageSpec& spec) {
+    for (const char* name : {"DateTime", "Exif:DateTimeOriginal", "Exif:DateTimeDigitized"})
+      spec.attribute(name, "0000:00:00 00:00:00");
+  });
+  result = captured();
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("the order of their names was used"));
+  EXPECT_EQ(result.views, 4);
+}
+
+TEST_F(FolderSessionTest, PhotosOfWhichNobodyKnowsTheLamp) {
+  json["views"].erase(json["views"].begin() + 1, json["views"].end());
+  take_photos();
+  const auto capture_as = [&](const PhotoLamps& lamps) {
+    return capture_folder(folder / "photos", folder / "board.json", folder / "out", {}, lamps);
+  };
+  EXPECT_THAT(
+      [&] {
+        capture_as({"", {"red", "the blue one"}});
+      },
+      testing::ThrowsMessage<Error>(AllOf(HasSubstr("IMG_100.png: and 2 more lie in no lamp's folder"),
+                                          HasSubstr("photos/red and"), HasSubstr("photos/the_blue_one"))));
+  EXPECT_EQ(capture_as({"red", {"red", "blue"}}).session.photos[0].light, "red") << "said";
+  // A misspelled folder is no silent loss, nor one of a project with one lamp.
+  fs::create_directories(folder / "photos/the blue one");
+  fs::create_directories(folder / "photos/bleu");
+  fs::rename(folder / "photos/IMG_100.png", folder / "photos/the blue one/IMG_100.png");
+  fs::rename(folder / "photos/IMG_101.png", folder / "photos/bleu/IMG_101.png");
+  CaptureResult result = capture_as({"red", {"red", "the blue one"}});
+  EXPECT_THAT(text_of(result.findings, Severity::error), HasSubstr("bleu: holds photos, and no lamp of the bench"));
+  EXPECT_TRUE(result.written.empty());
+  result = capture_as({"red", {"red"}});
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("bleu: holds photos, and folders within"));
+  EXPECT_EQ(result.session.photos.size(), 1U);
+  fs::remove_all(folder / "photos/bleu");
+  fs::remove(folder / "photos/IMG_102.png");
+  result = capture_as({"", {"red", "the blue one"}});
+  ASSERT_EQ(result.session.photos.size(), 1U);
+  EXPECT_EQ(result.session.photos[0].light, "the blue one");
+  EXPECT_EQ(lamp_folder(folder / "photos", "the blue one", {"red", "the blue one"}), folder / "photos/the blue one");
+  EXPECT_EQ(lamp_folder(folder / "photos", "a b", {"a_b", "a b"}), folder / "photos/a_b-2");
+}
+
 TEST_F(FolderSessionTest, FoldersThatDoNotServe) {
   take_photos();
   const fs::path board = folder / "board.json";
@@ -366,6 +455,27 @@ TEST_F(FolderSessionTest, AViewThatIsDarkerThanItsExifSays) {
     });
   EXPECT_THAT(text_of(capture().findings, Severity::warning),
               testing::ContainsRegex("IMG_12..tif: its paper is 0.5 times as bright"));
+}
+
+// One photo beside its bracket is flicker; the same in all views is the camera's curve, and told once.
+TEST_F(FolderSessionTest, ACurveOfTheCamerasIsToldFromFlicker) {
+  take_photos();
+  change("IMG_120.png", [](auto& pixels, OIIO::ImageSpec&) {
+    for (float& v : pixels) v *= 0.8F;
+  });
+  EXPECT_THAT(text_of(capture().findings, Severity::warning),
+              testing::ContainsRegex("IMG_120.tif: is (19|20|21) % darker than its EXIF .*flicker"));
+  fs::remove_all(folder / "photos");
+  take_photos();
+  for (int v = 0; v < 4; ++v)
+    for (int k = 0; k < 3; ++k)
+      change("IMG_" + std::to_string(100 + 10 * v + k) + ".png", [](auto& pixels, OIIO::ImageSpec&) {
+        for (float& value : pixels) value = std::pow(value, 1.2F);
+      });
+  const std::vector<Finding> findings = capture().findings;
+  EXPECT_THAT(text_of(findings, Severity::warning), Not(HasSubstr("flicker")));
+  EXPECT_THAT(text_of(findings, Severity::note),
+              AllOf(HasSubstr("in all views alike photos are"), HasSubstr("a curve of its own")));
 }
 
 TEST_F(FolderSessionTest, AWrittenSessionIsJudgedTheSameWay) {

@@ -76,11 +76,27 @@ TEST(CaptureCommand, LampTakesItsNameFromTheBenchOfTheDesign) {
   folder.write("nominal.json", nominal.dump());
   const Outcome asked = run_burin(folder, capture);
   EXPECT_EQ(asked.exit_code, 1);
-  EXPECT_THAT(asked.err, AllOf(HasSubstr("nominal.json"), HasSubstr("ceiling, window"), HasSubstr("--light")));
+  EXPECT_THAT(asked.err, AllOf(HasSubstr("IMG_0.png: and 1 more lie in no lamp's folder"),
+                               HasSubstr("bench/photos/ceiling and bench/photos/window"), HasSubstr("--light")));
   std::vector<std::string> said = capture;
   said.insert(said.end(), {"--light", "window"});
   ASSERT_EQ(run_burin(folder, said).exit_code, 0);
   EXPECT_EQ(lamp(), "window");
+  // Or by its folder; what is said counts for the others.
+  for (const char* name : {"ceiling", "window"}) std::filesystem::create_directories(folder / "bench/photos" / name);
+  std::filesystem::rename(folder / "bench/photos/IMG_1.png", folder / "bench/photos/ceiling/IMG_1.png");
+  ASSERT_EQ(run_burin(folder, said).exit_code, 0);
+  EXPECT_EQ(lamp(), "ceiling");
+  std::filesystem::rename(folder / "bench/photos/IMG_0.png", folder / "bench/photos/window/IMG_0.png");
+  ASSERT_EQ(run_burin(folder, capture).exit_code, 0);
+  EXPECT_EQ(lamp(), "ceiling");
+  // The sun beside the only lamp is no other one.
+  nominal["lights"].erase(1);
+  nominal["lights"].push_back({{"id", "sun"}, {"sun", {{"direction", {0, 0.5, 0.8}}, {"irradiance", {1, 1, 1}}}}});
+  folder.write("nominal.json", nominal.dump());
+  std::filesystem::rename(folder / "bench/photos/window/IMG_0.png", folder / "bench/photos/IMG_0.png");
+  ASSERT_EQ(run_burin(folder, capture).exit_code, 0);
+  EXPECT_EQ(lamp(), "ceiling");
 }
 
 TEST(CaptureCommand, PhotosThatDoNotServeAreNamedAndNothingIsWritten) {

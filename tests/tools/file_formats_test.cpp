@@ -78,8 +78,8 @@ class FileFormats : public ::testing::Test {
 TEST_F(FileFormats, PageHasAnExampleOfEachFile) {
   EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("burin/board", "csv", "burin/machine", "toml burin/machine",
                                                       "burin/session", "burin/bench", "burin/bench", "burin/design",
-                                                      "toml burin/loop", "burin/made", "burin/heights", "burin/names",
-                                                      "burin/coupon"));
+                                                      "burin/design", "toml burin/loop", "burin/made", "burin/heights",
+                                                      "burin/names", "burin/coupon"));
 }
 
 TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
@@ -105,6 +105,13 @@ TEST_F(FileFormats, BenchInAPersonsWordsIsDesignedForAndRendered) {
   const Outcome render =
       run_burin(folder_, {"render", "board.json", "--bench", "bench-2.json", "--view", "left", "--out", "left.exr"});
   EXPECT_EQ(render.exit_code, 0) << render.err;
+}
+
+TEST_F(FileFormats, PicturesInColorAreDesignedForTheLampsInAPersonsWords) {
+  const Outcome design = run_burin(folder_, {"design", "design-2.json", "--bench", "bench-2.json", "--scratches", "60",
+                                             "--pixels", "32", "--iterations", "1", "--out", "design"});
+  ASSERT_EQ(design.exit_code, 0) << design.err;
+  EXPECT_THAT(design.out, ::testing::HasSubstr("in color: red"));
 }
 
 TEST_F(FileFormats, BenchIsDesignedForRenderedAndCarved) {

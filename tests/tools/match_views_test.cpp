@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/far_light.h"
 #include "burin/render/parameter_name.h"
 #include "tests/temporary_folder.h"
 #include "tools/project.h"
@@ -88,6 +89,22 @@ class MatchViews : public ::testing::Test {
   Bench designed_, measured_;
   DesignSpec design_;
 };
+
+TEST_F(MatchViews, LampsThatShineAtOnceAreFoundOneByOne) {
+  designed_.lights = {lamp("red", {150, 900, 900}), lamp("green", {-600, 700, 700}), lamp("blue", {900, 700, 700})};
+  measured_.lights = {lamp("l1", {904, 698, 702}), lamp("l2", {152, 905, 893}), lamp("l3", {-603, 702, 699})};
+  for (DesignView& picture : design_.views) {
+    picture.light = "red + green + blue";
+    picture.color = true;
+  }
+  const Matching m = match();
+  ASSERT_TRUE(m.complete());
+  ASSERT_THAT(m.lamps, SizeIs(3));
+  EXPECT_EQ(m.lamps[0].measured, "l2");
+  EXPECT_EQ(m.lamps[1].measured, "l3");
+  EXPECT_EQ(m.lamps[2].measured, "l1");
+  EXPECT_EQ(find_light(m.bench, "red + green + blue", "test").also.size(), 2U);
+}
 
 TEST_F(MatchViews, FindsEachEyeAndTheLampWhateverTheyAreCalled) {
   const Matching m = match();
@@ -213,6 +230,62 @@ TEST_F(MatchViews, OfTwoLampsEachIsFoundByItsPlace) {
   ASSERT_TRUE(m.complete());
   EXPECT_NEAR(find_light(m.bench, "window", "test").position_mm.x(), -690, 1e-12);
   EXPECT_NEAR(find_light(m.bench, "ceiling", "test").position_mm.y(), 905, 1e-12);
+}
+
+// Photos are taken under one lamp each, so each is measured on its own.
+TEST_F(MatchViews, LampsThatShineAtOnceGetTheirNamesInAFile) {
+  designed_.lights = {lamp("red", {150, 900, 900}), lamp("green", {-700, 100, 900}), lamp("blue", {900, 100, 300})};
+  for (DesignView& picture : design_.views) picture.light = "red + green + blue";
+  measured_.lights = {lamp("blue", {158, 905, 898}), lamp("b", {904, 103, 301}), lamp("c", {-694, 105, 905})};
+  const Matching m = match();
+  ASSERT_TRUE(m.complete()) << question();
+  ASSERT_THAT(m.lamps, SizeIs(3));
+  EXPECT_EQ(m.lamps[0].measured, "blue");
+  EXPECT_EQ(m.lamps[1].measured, "c");
+  EXPECT_EQ(m.lamps[2].measured, "b");
+  const TemporaryFolder folder;  // the next round's design reads it from a file
+  Bench named = m.bench;
+  named.lens.model = "LENSMODEL_PINHOLE";
+  named.lens.width = 900;
+  named.lens.height = 700;
+  named.lens.intrinsics = {2300, 2300, 450, 350};
+  write_bench(named, board_.tool_width_um, folder / "bench-before.json");
+  const Light all = find_light(read_bench(folder / "bench-before.json"), "red + green + blue", "test");
+  EXPECT_NEAR(all.position_mm.y(), 905, 1e-6);
+  ASSERT_THAT(all.also, SizeIs(2));
+  EXPECT_NEAR(all.also[0].position_mm.x(), -694, 1e-6);
+  EXPECT_NEAR(all.also[1].position_mm.x(), 904, 1e-6);
+  // One that was taken away is asked for by its own name.
+  measured_.lights.erase(measured_.lights.begin() + 2);
+  EXPECT_THAT(question(), AllOf(HasSubstr("lamp \"green\": no lamp was found near its place"), Not(HasSubstr(" + "))));
+}
+
+TEST_F(MatchViews, EachOfSeveralLampsMayMoveByWhatItsOwnDistanceTolerates) {
+  const Eigen::Vector2d middle = (board_.carve_min_mm + board_.carve_max_mm) / 2;
+  const Eigen::Vector3d from(middle.x(), middle.y(), 0), way(50, 300, 300);
+  designed_.lights = {lamp("near", from + way), lamp("far", from + 10 * way)};
+  for (DesignView& picture : design_.views) picture.light = "near + far";
+  const std::vector<DesignedLamp> lamps =
+      designed_lamps(design_, designed_, board_, match_tolerances(design_, designed_, board_, {}));
+  ASSERT_THAT(lamps, SizeIs(2));
+  // Both in one direction from the board's middle, ten times the distance apart.
+  EXPECT_NEAR(lamps[1].tolerance.sideways.least(), 10 * lamps[0].tolerance.sideways.least(), 1e-6);
+  for (DesignView& picture : design_.views) picture.light = "near";
+  const std::vector<DesignedLamp> alone =
+      designed_lamps(design_, designed_, board_, match_tolerances(design_, designed_, board_, {}));
+  EXPECT_NEAR(alone[0].tolerance.sideways.least(), lamps[0].tolerance.sideways.least(), 1e-9);
+}
+
+TEST_F(MatchViews, TheSunBesideALampStaysAsTheDesignHasIt) {
+  designed_.lights.push_back(sun_light({0.2, 0.5, 0.8}, {3, 2, 1}));
+  designed_.lights.back().id = "sun";
+  for (DesignView& picture : design_.views) picture.light = "ceiling + sun";
+  const Matching m = match();
+  ASSERT_TRUE(m.complete()) << question();
+  const Light all = find_light(m.bench, "ceiling + sun", "test");
+  EXPECT_NEAR(all.position_mm.x(), 158, 1e-12);
+  ASSERT_THAT(all.also, SizeIs(1));
+  EXPECT_FALSE(all.also[0].is_near());
 }
 
 TEST_F(MatchViews, BenchTakesTheDesignedNamesWithAllThatIsKnownOfThem) {

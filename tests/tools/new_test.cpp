@@ -24,6 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::AllOf;
+using ::testing::Field;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -127,7 +128,7 @@ TEST(NewBench, HasNothingToWarnOfForBoardsAndPicturesOfAnyNumber) {
         wanted.camera = camera_in_words(camera);
         wanted.lamp = lamp_in_words("above");
         const LaidOutBench bench = lay_out(wanted);
-        EXPECT_THAT(bench.notes, IsEmpty());
+        EXPECT_THAT(bench.findings, IsEmpty());
         EXPECT_GE(bench.tag_px, 24);
         for (const Finding& finding : findings_of(bench)) ADD_FAILURE() << sentence(finding);
         EXPECT_LE(bench.board.material.depth_um, 20);
@@ -143,11 +144,12 @@ TEST(NewBench, SaysWhatFallsShortAndWhatWouldDo) {
   wanted.lamp = lamp_in_words("above");
   wanted.board_mm = {60, 60};
   wanted.stand_mm = 3000;
-  EXPECT_THAT(lay_out(wanted).notes, ::testing::ElementsAre(HasSubstr("smallest tag")));
+  EXPECT_THAT(lay_out(wanted).findings, ::testing::ElementsAre(Field(&Finding::what, HasSubstr("smallest tag"))));
   wanted.board_mm = {200, 150};
   wanted.camera = camera_in_words("200mm");
   wanted.stand_mm = 600;
-  EXPECT_THAT(lay_out(wanted).notes, ::testing::Contains(HasSubstr("only a part of the board")));
+  EXPECT_THAT(lay_out(wanted).findings,
+              ::testing::Contains(Field(&Finding::what, HasSubstr("only a part of the board"))));
   wanted.stand_mm = 100;
   std::string said;
   try {

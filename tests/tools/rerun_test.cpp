@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <random>
@@ -13,6 +14,7 @@
 
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
+#include "burin/render/error.h"
 #include "burin/render/groove_field.h"
 #include "burin/render/image.h"
 #include "burin/render/scratches.h"
@@ -123,6 +125,64 @@ TEST_F(RerunOfTwoBoards, AreSeenThroughTheMachineAndTheCrossingsOfTheBenchAsItIs
   Bench last = under_;
   last.crossings = Crossings::last;
   EXPECT_NE(seen(last), plain);
+}
+
+// Lamps of three colors instead of the one, and a target in color: red from left to right, blue the other way.
+class RerunInColor : public RerunOfTwoBoards {
+ protected:
+  void SetUp() override {
+    RerunOfTwoBoards::SetUp();
+    Light lamp = under_.lights.front();
+    under_.lights.clear();
+    for (int c = 0; c < 3; ++c) {
+      lamp.id = kNames[static_cast<std::size_t>(c)];
+      lamp.position_mm.x() += 30;
+      lamp.intensity = Eigen::Vector3d::Unit(c);
+      under_.lights.push_back(lamp);
+    }
+    write_color("first", "[1, 1, 1]");
+  }
+  void write_color(const std::string& name, const std::string& white_gain, int channels = 3) const {
+    write_design(name, scratches_);
+    folder_.write(name + "/design-report.json", R"({"format": "burin/design-report", "version": 1,
+      "views": [{"view": "d0", "light": "red + green + blue", "target": "target.png", "psnr_db": 20,
+                 "color": {"white_gain": )" + white_gain +
+                                                    R"(}}],
+      "bench": {"depth_um": 11, "alpha": 0.04, "machine_affine": [[1, 0, 0], [0, 1, 0]]}})");
+    Image target(64, 64, channels, 0.3F);
+    for (int y = 0; y < 64; ++y)
+      for (int x = 0; x < 64; ++x) {
+        target.at(x, y, 0) = static_cast<float>(x) / 63;
+        target.at(x, y, channels - 1) = static_cast<float>(63 - x) / 63;
+      }
+    write_picture(target, folder_ / name / "target.png");
+  }
+  static constexpr std::array<const char*, 3> kNames{"red", "green", "blue"};
+};
+
+TEST_F(RerunInColor, BothBoardsAreSeenInTheirColorsByTheWhiteOfTheSecond) {
+  write_color("second", "[1, 1, 1]");
+  const std::string plain = seen(under_);
+  write_color("first", "[3, 1, 1]");  // what was white on the bench as it was believed to be says nothing of this one
+  EXPECT_EQ(seen(under_), plain);
+  write_color("second", "[2, 0.5, 0.5]");
+  EXPECT_NE(seen(under_), plain);
+  write_color("second", "[1, 1, 1]");
+  std::swap(under_.lights[0].intensity, under_.lights[2].intensity);  // as bright, in other colors
+  EXPECT_NE(seen(under_), plain);
+}
+
+TEST_F(RerunInColor, RefusesDesignsOfWhichOneIsInGray) {
+  const auto refused = [&](const std::string& what) {
+    EXPECT_THAT([&] { seen(under_); }, ::testing::ThrowsMessage<Error>(HasSubstr(what)));
+  };
+  write_color("second", "[1, 1, 1]", 1);
+  refused("has 1 channels");
+  write_color("second", "[1, 1, 1]");
+  folder_.write("first/design-report.json", R"({"format": "burin/design-report", "version": 1,
+      "views": [{"view": "d0", "light": "red + green + blue", "target": "target.png", "psnr_db": 20}],
+      "bench": {"depth_um": 11, "alpha": 0.04, "machine_affine": [[1, 0, 0], [0, 1, 0]]}})");
+  refused("in gray, and the design after it in color");
 }
 
 }  // namespace

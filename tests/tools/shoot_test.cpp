@@ -185,6 +185,28 @@ TEST_F(ShootTest, LampsOfOnePlaceComeInTheirOrder) {
   EXPECT_EQ(next_step(shoot).kind, Kind::finished);
 }
 
+// Where it is known which was on, it counts for that one, in any order; a dark photo without tags, too.
+TEST_F(ShootTest, PhotosOfKnownLampsCountForThese) {
+  shoot.wanted.clear();
+  want("a", 500, 0, 0, "left lamp");
+  want("a", 500, 0, 0, "right lamp");
+  shoot.light = "right lamp";
+  EXPECT_EQ(add_photo(photo(500, 0, 0, 0), shoot).shot, 1U);
+  shoot.light = "left lamp";
+  PhotoFacts dark = photo(500, 0, 0, -6);
+  dark.tags.clear();
+  dark.pose.reset();
+  dark.place_of_before = true;
+  EXPECT_EQ(add_photo(dark, shoot).shot, 0U);
+  EXPECT_EQ(add_photo(photo(500, 0, 0, 0), shoot).shot, 0U);
+  shoot.light = "right lamp";
+  EXPECT_EQ(state_of(shoot, 1), ShotState::begun) << "the glints under the other lamp are not held";
+  EXPECT_EQ(add_photo(photo(500, 0, 0, -6), shoot).shot, 1U);
+  EXPECT_EQ(state_of(shoot, 1), ShotState::done);
+  shoot.light = "third lamp";
+  EXPECT_FALSE(add_photo(photo(500, 0, 0, 0), shoot).shot);
+}
+
 TEST_F(ShootTest, WithoutAPlanItIsPlacesThatCount) {
   shoot.wanted.clear();
   shoot.least_places = 3;

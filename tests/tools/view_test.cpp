@@ -151,6 +151,53 @@ TEST_F(ViewPage, AgreesWithRenderOnABenchThatHasEverything) {
   }
 }
 
+// Three lamps at once: their light adds up, in gray and in color; surroundings count once.
+TEST_F(ViewPage, AddsUpTheLightOfLampsThatShineAtOnce) {
+  Json bench = read_json_file(project_ / "bench.json"), wanted = read_json_file(project_ / "design.json");
+  const Json lamp = bench["lights"][0];
+  bench["lights"] = Json::array();
+  for (const char* id : {"red", "green", "blue"}) {
+    const int c = static_cast<int>(bench["lights"].size());
+    Json one = lamp;
+    one["id"] = id;
+    one["position_mm"][0] = lamp["position_mm"][0].get<double>() + 12 * (c - 1);
+    for (int k = 0; k < 3; ++k) one["intensity"][k] = lamp["intensity"][0].get<double>() * (k == c ? 1 : 0.2);
+    bench["lights"].push_back(one);
+  }
+  wanted["views"][0].erase("light");
+  wanted["views"][0]["lights"] = {"red", "green", "blue"};
+  wanted["views"][0]["color"] = true;
+  wanted["views"][0]["white"] = {1, 1, 1};  // as `burin render` shows it
+  wanted["views"][1].erase("light");
+  wanted["views"][1]["lights"] = {"green", "blue"};
+  std::ofstream(project_ / "bench.json") << bench;
+  std::ofstream(project_ / "design.json") << wanted;
+  design();
+  const fs::path page = view({"project"});
+  Chromium browser(folder_);
+  for (const auto& [name, light] : {std::pair{"d0", "red + green + blue"}, std::pair{"d1", "green + blue"}}) {
+    const Outcome run =
+        run_burin(folder_, {"render", "project/board.json", "--bench", "project/bench.json", "--view", name, "--light",
+                            light, "--scratches", "project/design/scratches.csv", "--out", "render.png"});
+    ASSERT_EQ(run.exit_code, 0) << run.err;
+    const Image whole = read_picture(folder_ / "render.png");
+    for (const std::string sums : {"", "&sums=16", "&sums=8"}) {
+      const double psnr = psnr_on_board(shown(browser, page, std::string("view=") + name + sums), whole);
+      std::printf("view %s%s: %.1f dB\n", name, sums.c_str(), psnr);
+      if (sums != "&sums=8") {
+        EXPECT_GT(psnr, 35) << name << sums;
+      }
+    }
+  }
+  // The whole page, with what moves: no complaint.
+  browser.open(page, 1280, 900, "view=d0");
+  browser.press("l");
+  browser.press("ArrowUp");
+  browser.press(" ");
+  browser.evaluate("new Promise(done => setTimeout(done, 300))");
+  EXPECT_THAT(browser.complaints(), IsEmpty());
+}
+
 // A round that was measured: the lamp is not where it was believed, and the machine carves beside its place.
 TEST_F(ViewPage, ShowsTheBoardBeforeAndAfterItWasMeasured) {
   design();

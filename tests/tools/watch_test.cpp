@@ -119,6 +119,22 @@ TEST_F(PhotoInboxTest, FolderThatVanishesForgetsNothing) {
   EXPECT_THAT(there.look().whole, IsEmpty());
 }
 
+TEST_F(PhotoInboxTest, LooksIntoTheFoldersOfLampsOnly) {
+  PhotoInbox of_lamps(folder.path(), {"red", "green"});
+  EXPECT_THAT(of_lamps.look().whole, IsEmpty());
+  folder.write("a.jpg", "abc");
+  folder.write("Red/b.jpg", "abc");
+  folder.write("blue/c.jpg", "abc");
+  (void)of_lamps.look();
+  EXPECT_THAT(of_lamps.look().whole, ElementsAre(at("a.jpg"), at("Red/b.jpg")));
+  EXPECT_EQ(of_lamps.passed_over(), 1);
+  fs::create_directories(at("green"));
+  fs::rename(at("a.jpg"), at("green/a.jpg"));
+  EXPECT_THAT(of_lamps.look().renamed, ElementsAre(Pair(at("a.jpg"), at("green/a.jpg"))));
+  fs::remove_all(at("Red"));
+  EXPECT_THAT(of_lamps.look().gone, ElementsAre(at("Red/b.jpg")));
+}
+
 // A project with a plan of two shots, and photos of both.
 struct WatchCommand : testing::Test {
   TemporaryFolder folder;
@@ -239,6 +255,39 @@ TEST_F(WatchCommand, RoundsPhotosAndCopies) {
   EXPECT_THAT(run.err, HasSubstr("my board/round-01/photos: holds no photo"));
   folder.write("my board/round-01/bench.json", "{}");
   EXPECT_THAT(run_burin(folder, {"watch", "my board", "--once"}).err, HasSubstr("its photos are measured already"));
+}
+
+// One place under two lamps: each photo counts for the lamp whose folder it lies in, and is copied into it.
+TEST_F(WatchCommand, FoldersNameTheLamps) {
+  const fs::path project = folder / "my board";
+  Json bench = Json::parse(file_text(project / "bench.json")), plan = Json::parse(file_text(project / "plan.json"));
+  Json left = bench["lights"][0];
+  left["id"] = "left";
+  left["position_mm"] = {-500, 100, 700};
+  bench["lights"].push_back(left);
+  plan["shots"][1] = plan["shots"][0];
+  plan["shots"][1]["light"] = {{"id", "left"}, {"position_mm", left["position_mm"]}};
+  write_json(bench, project / "bench.json");
+  fs::create_directories(project / "round-01");
+  write_json(plan, project / "round-01" / "plan.json");
+  take(0, "in/a");
+  fs::create_directories(folder / "in/left");
+  fs::copy_file(folder / "in/a-1.jpg", folder / "in/left/b-1.jpg");
+  Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("put them into in/lamp and in/left, or say which is on with --light NAME"),
+                             HasSubstr("a-1.jpg: shot \"p1\""), HasSubstr("nothing tells which lamp was on"),
+                             HasSubstr("b-1.jpg (lamp \"left\"): shot \"p1\"")));
+  EXPECT_TRUE(fs::exists(project / "round-01/photos/left/b-1.jpg"));
+  EXPECT_FALSE(fs::exists(project / "round-01/photos/a-1.jpg"));
+  run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once", "--light", "lamp"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, AllOf(HasSubstr("1 of 2 shots, 1 begun"), Not(HasSubstr("nothing tells"))));
+  EXPECT_TRUE(fs::exists(project / "round-01/photos/lamp/a-1.jpg"));
+  EXPECT_THAT(run_burin(folder, {"watch", "my board", "--photos", "in", "--light", "lefd"}).err,
+              HasSubstr("--light lefd: no photos are wanted under a lamp of that name; choose one of: lamp, left"));
+  EXPECT_THAT(run_burin(folder, {"watch", "my board", "--tether"}).err,
+              HasSubstr("burin watch 'my board' --tether --light lamp; then the next one"));
 }
 
 TEST_F(WatchCommand, SaysWhatCannotBeWatched) {

@@ -1,5 +1,6 @@
 // Proves: a person is told where lamp and camera go, in mm that a ruler finds, with the focus, and with seconds where
-// the bench has a scale. Oracle: places set out here; the exposure by hand.
+// the bench has a scale; of lamps that shine at once where each stands, there, on the sheet and by `burin watch`.
+// Oracle: places set out here; the exposure by hand.
 #include "tools/where_to_stand.h"
 
 #include <gmock/gmock.h>
@@ -8,6 +9,9 @@
 #include <numbers>
 
 #include "burin/render/error.h"
+#include "tools/sheet/sheet.h"
+#include "tools/wanted_bench.h"
+#include "tools/watch/wanted_shots.h"
 
 namespace burin {
 namespace {
@@ -56,6 +60,35 @@ TEST(WhereToStand, SaysPlacesFocusAndExposure) {
   design.views[1].view = "far";
   text = where_to_stand(design, bench, board, match_tolerances(design, bench, board, {}));
   EXPECT_THAT(text, AllOf(HasSubstr("about 1/" + std::to_string(std::lround(1 / s)) + " s at f/8"), HasSubstr("soft")));
+  // Lamps that shine at once are put up one by one, and photographed one by one.
+  bench.lights.push_back(light);
+  bench.lights[1].id = "window";
+  bench.lights[1].position_mm = {-500, 100, 700};
+  design.views[1].view = "middle";
+  design.views[1].light = "ceiling + window";
+  text = where_to_stand(design, bench, board, match_tolerances(design, bench, board, {}));
+  EXPECT_THAT(text,
+              AllOf(HasSubstr("lamp \"ceiling\": 600 mm above"), HasSubstr("lamp \"window\": 700 mm above"),
+                    Not(HasSubstr("lamp \"ceiling +")), HasSubstr("photographed under each of these lamps alone")));
+  const std::vector<WantedShot> shots =
+      designed_shots(design, bench, board, match_tolerances(design, bench, board, {}));
+  ASSERT_EQ(shots.size(), 3U);  // left under the ceiling; middle under each
+  EXPECT_EQ(shots[1].light, "ceiling");
+  EXPECT_EQ(shots[2].light, "window");
+  EXPECT_THAT(shots[2].lamp_place, HasSubstr("700 mm above"));
+  EXPECT_EQ(shots[2].tolerance.sideways.least(), default_tolerance(design.views[1], bench, board).eye.sideways.least());
+  WantedBench wanted;
+  wanted.design = design;
+  wanted.board = board;
+  wanted.bench = bench;
+  wanted.tolerances = match_tolerances(design, bench, board, {});
+  const std::vector<SheetPlace> places = sheet_places(wanted);
+  ASSERT_EQ(places.size(), 4U);
+  EXPECT_EQ(places[0].name, "ceiling");
+  EXPECT_EQ(places[1].name, "window");
+  EXPECT_EQ(places[1].label, "L2");
+  EXPECT_EQ(places[1].at_mm, bench.lights[1].position_mm);
+
   design.views[1].view = "none";
   EXPECT_THROW(where_to_stand(design, bench, board, {}), Error);
 }

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "burin/optimize/carving/toml_file.h"
+#include "burin/optimize/machine_profile.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/table.h"
@@ -174,7 +175,7 @@ LoopOptions read_loop_options(const fs::path& project) {
 
 void add_loop_options(CLI::App& command, LoopCommandLine& said) {
   command.add_option("--machine", said.machine,
-                     "grbl, linuxcnc, marlin, or a burin/machine file in JSON or TOML; kept in PROJECT_DIR/loop.toml");
+                     built_in_machines() + ", or a burin/machine file in JSON or TOML; kept in PROJECT_DIR/loop.toml");
   said.design = command.add_option_group("design", "Options of burin design, kept in PROJECT_DIR/loop.toml");
   said.design_values = add_design_options(*said.design);
   said.toolpath = command.add_option_group("toolpath", "Options of burin toolpath, kept there too");

@@ -4,11 +4,14 @@
 
 #include <sstream>
 
+#include "burin/capture/lamp_folders.h"
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
 #include "tools/commands.h"
+#include "tools/loop/round_lamps.h"
 #include "tools/match_views.h"
+#include "tools/photographed_lamps.h"
 #include "tools/where_to_stand.h"
 
 namespace burin {
@@ -109,7 +112,7 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
   if (!fs::is_directory(project.round(waiting)))
     return fmt::format("the design of the next board: `{}`", loop_line(project));
   return fmt::format("carve {}, put photos of it into {}; then `{}`", gcode_of(loop, waiting),
-                     (project.round(waiting) / "photos").string(), loop_line(project));
+                     photo_folders_in_words(project, waiting), loop_line(project));
 }
 
 std::string your_turn(const LoopProject& loop, int round) {
@@ -123,6 +126,12 @@ std::string your_turn(const LoopProject& loop, int round) {
   std::string where;
   for (std::string line; std::getline(places, line);) where += "       " + line + "\n";
   const std::string here = shell_word(project.folder.string());
+  const std::vector<std::string> lamps = photographed_lamps(spec, bench);
+  const std::string one_lamp_at_once =
+      lamps.size() < 2 ? ""
+                       : "     Photos do not tell which lamp was on: photograph each place under one lamp after the "
+                         "other, each alone,\n"
+                         "     without touching the camera.\n";
   return fmt::format(
       "Your turn:\n"
       "  1. Read {}, run board-frame.gcode in the air, and carve {}.\n"
@@ -132,11 +141,11 @@ std::string your_turn(const LoopProject& loop, int round) {
       "     further ones, with the camera tilted and the board in other parts of the frame. Keep focus and zoom as\n"
       "     they are. Some views must hardly glint: only half vectors on both sides of the grooves' cut-off angle "
       "tell\n"
-      "     how deep they are. The best such places, in words and mm: burin plan {}\n"
+      "     how deep they are. The best such places, in words and mm: burin plan {}\n{}"
       "  3. Put the photos into {}\n"
       "     (burin watch {} judges each as it comes); then: {}\n\n",
       (project.round(round) / "carve-check.html").string(), gcode_of(loop, round), here, here, where, here,
-      (project.round(round) / "photos").string(), here, loop_line(project));
+      one_lamp_at_once, photo_folders_in_words(project, round), here, loop_line(project));
 }
 
 }  // namespace burin

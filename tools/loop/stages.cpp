@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string_view>
 
-#include "burin/capture/exif.h"
 #include "burin/optimize/design_file.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
@@ -15,6 +14,7 @@
 #include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/loop/round_design.h"
+#include "tools/loop/round_lamps.h"
 #include "tools/stop_signal.h"
 
 namespace burin {
@@ -194,9 +194,21 @@ void make_photos(const Project& project, int number) {
   run_step({"simulate", (project.folder / "truth.json").string(), "--scratches", (round / "sent.csv").string(), "--out",
             part.string()});
   const auto whole = finishing();
+  sort_by_lamp(part);
+  remove_empty_lamp_folders(project, number);
   fs::remove(photos);  // only ever an empty folder
   fs::rename(part / "photos", photos);
   fs::remove_all(part);
+}
+
+void make_capture(const Project& project, int number) {
+  const fs::path round = project.round(number);
+  std::vector<std::string> words{
+      "capture", (round / "photos").string(),           "--board", (round / "board.json").string(),
+      "--bench", project.bench_before(number).string(), "--out",   round.string()};
+  const std::vector<std::string> lamp = lamp_arguments(project, number);
+  words.insert(words.end(), lamp.begin(), lamp.end());
+  run_step(words);
 }
 
 void make_refinement(const Project& project, int number) {
@@ -375,8 +387,7 @@ bool make_stage(const LoopProject& loop, const StageOfRound& at) {
       make_photos(project, at.round);
       break;
     case StageKind::capture:
-      run_step({"capture", (round / "photos").string(), "--board", (round / "board.json").string(), "--bench",
-                project.bench_before(at.round).string(), "--out", round.string()});
+      make_capture(project, at.round);
       break;
     case StageKind::calibrate:
       run_step({"calibrate", (round / "session.json").string(), "--out", (round / "calibration").string()});
@@ -391,16 +402,7 @@ bool make_stage(const LoopProject& loop, const StageOfRound& at) {
   return true;
 }
 
-std::vector<fs::path> photos_of(const Project& project, int round) {
-  std::vector<fs::path> photos;
-  const fs::path folder = project.round(round) / "photos";
-  if (!fs::is_directory(folder)) return photos;
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && entry.path().filename().string().front() != '.' && is_photo_name(entry.path()))
-      photos.push_back(entry.path());
-  std::sort(photos.begin(), photos.end());
-  return photos;
-}
+std::vector<fs::path> photos_of(const Project& project, int round) { return photos_of_round(project, round); }
 
 bool is_photographed(const Project& project, int round) {
   const fs::path folder = project.round(round);

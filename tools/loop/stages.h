@@ -11,7 +11,8 @@
 //   round-NN/sent.csv             the scratches as the machine is told them, in its order
 //   round-NN/board.json           the board to be photographed: its scratches are sent.csv
 //   round-NN/carve-check.html     `burin check carve`: the page to read before metal moves
-//   round-NN/photos/              a person's; or, where the project holds a truth.json, the simulated camera's
+//   round-NN/photos/              a person's, of several lamps in a folder each; or, where the project holds a
+//                                 truth.json, the simulated camera's
 //   round-NN/names.json           which photo's view or lamp is the designed one, where a person had to say so
 //   round-NN/session.json         `burin capture`
 //   round-NN/calibration/         `burin calibrate`
@@ -87,7 +88,7 @@ void finish_design(const LoopProject& loop, int round);
 /// A person's photos, or the simulated camera's, lie there, or have been measured: that board is carved.
 bool is_photographed(const Project& project, int round);
 
-/// The photos of a round, in the order of their names.
+/// The photos of a round, those in its lamps' folders too (tools/loop/round_lamps.h), in the order of their paths.
 std::vector<std::filesystem::path> photos_of(const Project& project, int round);
 
 }  // namespace burin

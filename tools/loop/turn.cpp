@@ -8,6 +8,7 @@
 #include "burin/render/error.h"
 #include "tools/commands.h"
 #include "tools/loop/aside.h"
+#include "tools/loop/round_lamps.h"
 #include "tools/loop/say.h"
 #include "tools/loop/unknown.h"
 #include "tools/stop_signal.h"
@@ -198,7 +199,7 @@ void refuse_unknown(Turn& turn, int round) {
        fmt::format("{} {} not determined, and another board would be designed on a guess", names,
                    open.size() == 1 ? "is" : "are"),
        fmt::format("take the photo named above, put it into {}, and say `{}` again; or go on without: `{}`",
-                   (loop.project.round(round) / "photos").string(), loop_line(loop.project),
+                   photo_folders_in_words(loop.project, round), loop_line(loop.project),
                    loop_line(loop.project, options)));
 }
 
@@ -299,7 +300,10 @@ void turn_loop(const LoopProject& loop, const LoopAnswers& answers) {
   turn_stage(turn, {0, StageKind::report});
   const bool simulated = fs::exists(project.folder / "truth.json");
   fmt::print("\n");
-  if (!simulated) fmt::print("{}", your_turn(loop, round));
+  if (!simulated) {
+    make_lamp_folders(project, round);
+    fmt::print("{}", your_turn(loop, round));
+  }
   fmt::print(
       "The loop has turned {} time{}; the next board to carve is {}.{}\n", round - 1, round == 2 ? "" : "s",
       (project.round(round) / "board.gcode").string(),

@@ -108,18 +108,19 @@ std::string meters(double mm) { return fmt::format("{:.2f} m", std::ceil(mm / 10
 }
 
 // What falls short in the photos, and what would help.
-void add_notes(const BenchWishes& wanted, LaidOutBench& bench) {
+void find_shortfalls(const BenchWishes& wanted, LaidOutBench& bench) {
   const Lens& lens = wanted.camera.lens;
   const double crowded = crowding(lens, bench.eyes_mm, bench.board), needed = needed_px(lens);
   if (crowded > 1)
-    bench.notes.push_back(fmt::format(
-        "from {} the camera sees only a part of the board: stand about {} away (--stand), or use a wider lens",
-        meters(bench.stand_mm), meters(bench.stand_mm * crowded)));
+    bench.findings.push_back(
+        make_warning("from " + meters(bench.stand_mm) + " the camera sees only a part of the board",
+                     "stand about " + meters(bench.stand_mm * crowded) + " away (--stand), or use a wider lens"));
   if (bench.tag_px < needed)
-    bench.notes.push_back(fmt::format(
-        "from {} the smallest tag is only {:.0f} pixels wide, and {:.0f} are needed for it to be found: stand about {} "
-        "away (--stand), or photograph with a longer lens or more pixels (--camera)",
-        meters(bench.stand_mm), bench.tag_px, needed, meters(bench.stand_mm * bench.tag_px / needed)));
+    bench.findings.push_back(make_warning(
+        fmt::format("from {} the smallest tag is only {:.0f} pixels wide, and {:.0f} are needed for it to be found",
+                    meters(bench.stand_mm), bench.tag_px, needed),
+        "stand about " + meters(bench.stand_mm * bench.tag_px / needed) +
+            " away (--stand), or photograph with a longer lens or more pixels (--camera)"));
 }
 
 // The bench at one distance with tags as large as they must be; nothing where no groove can glint.
@@ -134,7 +135,7 @@ std::optional<LaidOutBench> with_visible_tags(double stand_mm, const BenchWishes
     if (!larger) break;
     bench = std::move(larger);
   }
-  if (bench) add_notes(wanted, *bench);
+  if (bench) find_shortfalls(wanted, *bench);
   return bench;
 }
 
@@ -152,7 +153,7 @@ std::optional<LaidOutBench> at_usual_distance(const BenchWishes& wanted, double&
     stand_mm = times > 4 ? kRound_mm * std::round(times * diagonal / kRound_mm) : rounded(times);
     if (stand_mm > kFurthest_mm) break;
     const auto bench = with_visible_tags(stand_mm, wanted);
-    if (bench && bench->notes.empty()) return bench;
+    if (bench && bench->findings.empty()) return bench;
     if (!usual) usual = bench;
   }
   return usual;

@@ -3,10 +3,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <string>
 #include <vector>
 
 #include "burin/render/board.h"
+#include "burin/render/finding.h"
 #include "tools/new/words.h"
 
 namespace burin {
@@ -26,8 +26,8 @@ struct LaidOutBench {
   Eigen::Vector3d lamp_mm{0, 0, 0};
   std::vector<Eigen::Vector3d> eyes_mm;  ///< from left to right, whole mm
   double stand_mm = 0;
-  double tag_px = 0;               ///< the shortest side of a tag in any view's photo
-  std::vector<std::string> notes;  ///< what falls short, and what would help
+  double tag_px = 0;              ///< the shortest side of a tag in any view's photo
+  std::vector<Finding> findings;  ///< what falls short, and what would help
 };
 
 /// Lays a bench out. Throws Error for a board too small for tags, and for a lamp or a distance for which no groove can

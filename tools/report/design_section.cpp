@@ -50,6 +50,7 @@ struct Views {
   std::vector<double> psnr_db;
   std::string pictures;
   Table numbers{{"View", "Preview, PSNR", "It looks", "SSIM", "Start", "The face allows", "Ghost", "Holds"}, {}};
+  Table colors{{"View in color", "Red, PSNR", "Green", "Blue", "Luminance", "White balance"}, {}};
 };
 
 Views read_views(JsonObject& report, const std::filesystem::path& home) {
@@ -78,6 +79,16 @@ Views read_views(JsonObject& report, const std::filesystem::path& home) {
          decibels(allows),
          ghost_sentence(out.names, k, view.numbers("ghost", -1), view.numbers("target_correlation", -1)),
          view.has("tolerance") ? html(view.object("tolerance").text("text")) : ""});
+  }
+  for (JsonObject& view : views) {
+    if (!view.has("color")) continue;
+    JsonObject color = view.object("color");
+    JsonObject psnr = color.object("psnr_db");
+    const std::vector<double> gain = color.numbers("white_gain", 3);
+    out.colors.rows.push_back({html(view.text("view")), decibels(number_or_nan(psnr, "red")),
+                               decibels(number_or_nan(psnr, "green")), decibels(number_or_nan(psnr, "blue")),
+                               decibels(number_or_nan(psnr, "luminance")),
+                               fmt::format("{:.2f} : {:.2f} : {:.2f}", gain[0], gain[1], gain[2])});
   }
   out.pictures = compared_in_lockstep("carve area", all);
   return out;
@@ -159,7 +170,7 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
   out.parts = folded("View by view",
                      fmt::format("{} to {}", decibels(*std::ranges::min_element(views.psnr_db)),
                                  decibels(*std::ranges::max_element(views.psnr_db))),
-                     table(views.numbers)) +
+                     table(views.numbers) + (views.colors.rows.empty() ? "" : table(views.colors))) +
               folded("How it got there", fmt::format("designed in {}", html(duration_text(seconds.number("total")))),
                      how_it_got_there(report, views.names, home));
   return out;

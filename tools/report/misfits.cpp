@@ -44,11 +44,10 @@ std::string misfits_in_pictures(const Bench& bench) {
         fmt::format("alpha by {} %, depth by {} %, base_alpha by {} %", significant(m.alpha_percent),
                     significant(m.depth_percent), significant(m.base_alpha_percent));
     const std::string apart =
-        m.test.starts_with("photo ")
-            ? fmt::format("Its residuals are {} times the others&#39;; without it the answer moves",
-                          significant(m.sigmas))
-            : fmt::format("The groups&#39; answers differ by {} sigmas; half of what lies between them",
-                          significant(m.sigmas));
+        is_of_photo(m) ? fmt::format("Its residuals are {} times the others&#39;; without it the answer moves",
+                                     significant(m.sigmas))
+                       : fmt::format("The groups&#39; answers differ by {} sigmas; half of what lies between them",
+                                     significant(m.sigmas));
     inside += fmt::format("<h4>By {}</h4>\n<p>{}: {}. What usually helps: {}.</p>\n{}", html(quantity_in_words(m)),
                           apart, off, html(remedy_in_words(m)), picture_of(m));
   }

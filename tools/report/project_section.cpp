@@ -12,8 +12,9 @@
 
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
+#include "burin/optimize/design/color_views.h"
 #include "burin/optimize/design_file.h"
-#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/target.h"
 #include "burin/render/bench.h"
 #include "burin/render/bench_of_board.h"
@@ -22,6 +23,7 @@
 #include "burin/render/predicted_photo.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
+#include "tools/loop/round_lamps.h"
 #include "tools/match_views.h"
 #include "tools/project.h"
 #include "tools/report/bench_section.h"
@@ -54,58 +56,122 @@ struct Target {
   Image compared, shown;
 };
 
+// The light of a picture as its target is: luminance, or red, green and blue times what makes white of white.
+Image light_of(const Image& linear, const Target& target, const Eigen::Vector3d& gains) {
+  if (target.compared.channels == 1) return luminance(linear);
+  Image out = linear;
+  for (std::size_t i = 0; i < out.data.size(); ++i)
+    out.data[i] *= static_cast<float>(gains[static_cast<Eigen::Index>(i % 3)]);
+  return out;
+}
+
 // Clipped values (infinite) as very bright ones, what was not photographed as dark.
-Image comparable(const Image& linear, float brightest) {
-  Image out = luminance(linear);
+Image comparable(Image out, float brightest) {
   for (float& v : out.data) v = std::isinf(v) ? 10 * brightest : v > 0 ? v : 0;
   return out;
 }
 
+// The factor for each channel, as a camera's balance that is turned until the picture looks best.
+Eigen::Vector3d best_gains(const Image& radiance, const Image& target, float brightest) {
+  Eigen::Vector3d out;
+  for (int c = 0; c < 3; ++c)
+    out[c] = color_best_exposure(channel_of(radiance, c), channel_of(target, c), 1 / static_cast<double>(brightest));
+  return out / out.mean();
+}
+
+// How a view is looked at: under which of a bench's lights, and what is white there.
+struct Seen {
+  std::vector<std::string> lights;  // several: each in a photo of its own, which are added
+  Eigen::Vector3d gains{1, 1, 1};   // in color, on R, G, B
+  bool each_channel = false;        // in color, a brightness for each
+};
+
 // A photo laid flat on the carve area, at the exposure that comes nearest to the target.
-Shown nearest_exposure(const Target& target, const Board& board,
+Shown nearest_exposure(const Target& target, const Seen& seen, const Board& board,
                        const std::function<Image(const BoardFrame&)>& laid_flat) {
   const auto frame = [&](const Image& like) {
     return BoardFrame{board.carve_min_mm, board.carve_max_mm, like.width, like.height};
   };
-  const Image flat = laid_flat(frame(target.compared));
-  const float brightest = percentile(luminance(flat), 0.99);
+  Eigen::Vector3d gains = seen.gains;
+  Image flat = light_of(laid_flat(frame(target.compared)), target, gains);
+  float brightest = percentile(flat, 0.99);
   if (!(brightest > 0)) return {};
-  const Image radiance = comparable(flat, brightest);
-  const auto white = static_cast<float>(1 / best_exposure(radiance, target.compared, 1 / brightest));
+  if (seen.each_channel) {
+    const Eigen::Vector3d more = best_gains(comparable(flat, brightest), target.compared, brightest);
+    if (!more.allFinite()) return {};
+    flat = light_of(flat, target, more);
+    gains = gains.cwiseProduct(more);
+    brightest = percentile(flat, 0.99);
+    if (!(brightest > 0)) return {};
+  }
+  const Image radiance = comparable(std::move(flat), brightest);
+  const auto white = static_cast<float>(1 / color_best_exposure(radiance, target.compared, 1 / brightest));
   Shown out;
-  out.psnr_db = psnr_db(shown(radiance, white), target.compared);
-  out.picture = shown(comparable(laid_flat(frame(target.shown)), brightest), white);
+  out.psnr_db = color_psnr_db(shown(radiance, white), target.compared);
+  out.picture = shown(comparable(light_of(laid_flat(frame(target.shown)), target, gains), brightest), white);
   return out;
 }
 
-Shown photographed(const fs::path& round, const View& view, const Bench& bench, const std::string& light,
-                   const Target& target) {
-  const Session session = read_session(round / "session.json");
-  const Board board = read_board(session.board);
+// The light of one lamp in the photos of a view: infinite where all are clipped.
+struct LitView {
+  View view;
+  Image light;
+};
+
+std::optional<LitView> lit_view(const Session& session, const View& view, const std::string& light) {
   std::vector<Photo> photos;
   std::copy_if(session.photos.begin(), session.photos.end(), std::back_inserter(photos),
                [&](const Photo& p) { return p.view == view.name && p.light == light; });
-  if (photos.empty()) return {};
+  if (photos.empty()) return std::nullopt;
   MergedView merged = merge_bracket(photos);
   for (std::size_t i = 0; i < merged.valid.size(); ++i)
     if (!merged.valid[i])
       for (int c = 0; c < merged.value.channels; ++c) merged.value.data[i * merged.value.channels + c] = INFINITY;
-  return nearest_exposure(target, board, [&](const BoardFrame& frame) {
-    return rectified(merged.value, 0, 0, bench.lens, view.T_camera_board, surface_of(board, bench), frame);
+  return LitView{view, std::move(merged.value)};
+}
+
+// A round's photos of a picture, as their light adds up on the board: of each lamp from the first of `views` that was
+// photographed under it. What else shines in the room is in each.
+Shown photographed(const fs::path& round, const std::vector<std::string>& views, const Bench& bench, const Seen& seen,
+                   const Target& target) {
+  const Session session = read_session(round / "session.json");
+  const Board board = read_board(session.board);
+  std::vector<LitView> lit;
+  for (const std::string& light : seen.lights) {
+    std::optional<LitView> found;
+    for (const std::string& name : views)
+      if (!found) found = lit_view(session, find_view(bench, name, (round / "bench.json").string()), light);
+    if (!found) return {};
+    if (target.compared.channels == 3 && found->light.channels != 3) return {};  // photos without color say nothing
+    lit.push_back(std::move(*found));
+  }
+  return nearest_exposure(target, seen, board, [&](const BoardFrame& frame) {
+    Image sum;
+    for (const LitView& one : lit) {
+      const Image flat =
+          rectified(one.light, 0, 0, bench.lens, one.view.T_camera_board, surface_of(board, bench), frame);
+      if (sum.data.empty())
+        sum = flat;
+      else
+        for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += flat.data[i];
+    }
+    return sum;
   });
 }
 
 // What a photo of the round's board should look like from there, for the bench that it was designed for.
-Shown promised(const fs::path& scratches, const Board& board, const Bench& bench, const View& view,
-               const std::string& light, const Target& target) {
+Shown promised(const fs::path& scratches, const Board& board, const Bench& bench, const View& view, const Seen& seen,
+               const Target& target) {
   if (!fs::exists(scratches)) return {};
   const PixelWindow window = carve_window(bench, board, view);
   if (window.width == 0 || window.height == 0) return {};
   PredictedPhotoOptions options;
   options.window = window;
-  const Image photo = predicted_photo(bench, board, view, find_light(bench, light, scratches.string()),
-                                      carve(Designed(read_scratches(scratches)), bench, board), options);
-  return nearest_exposure(target, board, [&](const BoardFrame& frame) {
+  options.channels = target.compared.channels;
+  const Image photo =
+      predicted_photo(bench, board, view, find_light(bench, joined_lights(seen.lights), scratches.string()),
+                      carve(Designed(read_scratches(scratches)), bench, board), options);
+  return nearest_exposure(target, seen, board, [&](const BoardFrame& frame) {
     return rectified(photo, window.x0, window.y0, bench.lens, view.T_camera_board, surface_of(board, bench), frame);
   });
 }
@@ -158,6 +224,46 @@ std::string measured_name(const std::vector<Match>& matches, const std::string& 
   return found == matches.end() ? "" : found->measured;
 }
 
+// The measured views of a designed one, as a round's photos call them: the one that it is, and the others near it,
+// which may be the same place under other lamps. Empty where it was not found.
+std::vector<std::string> measured_names(const std::vector<Match>& matches, const std::string& designed) {
+  std::vector<std::string> out;
+  for (const Match& match : matches) {
+    if (match.designed != designed || match.measured.empty()) continue;
+    out.push_back(match.measured);
+    for (const Candidate& near : match.near)
+      if (near.name != match.measured) out.push_back(near.name);
+  }
+  return out;
+}
+
+// The lights of a picture, and its white on a bench that calls them as the design does.
+Seen seen_on(const DesignView& picture, const Board& board, const Bench& bench) {
+  Seen out{light_names(picture.light), {1, 1, 1}, picture.color && picture.white.kind == White::Kind::each};
+  if (picture.color) out.gains = white_gains(picture, board, bench);
+  return out;
+}
+
+// The same by the names of the round's photos; nothing where one of its lights was not found in them.
+std::optional<Seen> seen_in_photos(const DesignView& picture, const Board& board, const Matching& names) {
+  std::vector<std::string> lights;
+  for (const std::string& id : light_names(picture.light)) {
+    lights.push_back(measured_name(names.lamps, id));
+    if (lights.back().empty()) return std::nullopt;
+  }
+  Seen out = seen_on(picture, board, names.bench);
+  out.lights = std::move(lights);
+  return out;
+}
+
+// The picture that a view is to show, on the carve area: luminance, or in color.
+Image target_of(const DesignView& view, double rotation_deg, const Board& board, const BoardFrame& frame) {
+  const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
+  if (!view.color) return load_target(view.target, rotation_deg, area, frame.width, frame.height).picture;
+  const auto in = load_color_target(view.target, rotation_deg, area, frame.width, frame.height);
+  return in_color(in[0].picture, in[1].picture, in[2].picture);
+}
+
 ViewHistory history_of(const Rounds& in, std::size_t index) {
   const DesignView& designed = in.spec.views[index];
   const View& nominal = find_view(in.nominal, designed.view, (in.project.folder / "design.json").string());
@@ -166,10 +272,7 @@ ViewHistory history_of(const Rounds& in, std::size_t index) {
                               : designed.target.rotation_deg;
   ViewHistory out{designed.view, {}, {}};
   const auto drawn = [&](int side_px) {
-    const BoardFrame frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, side_px);
-    return load_target(designed.target, rotation, in.board.carve_max_mm - in.board.carve_min_mm, frame.width,
-                       frame.height)
-        .picture;
+    return target_of(designed, rotation, in.board, board_frame(in.board.carve_min_mm, in.board.carve_max_mm, side_px));
   };
   out.target = {drawn(kSidePx), drawn(in.shown_px)};
   for (int r = 1; r <= in.count; ++r) {
@@ -178,19 +281,19 @@ ViewHistory history_of(const Rounds& in, std::size_t index) {
     if (const auto asked = in_round(in, r, index)) {
       Bench known = read_bench(asked->bench);
       fill_material(known, in.board);
-      now.promised =
-          promised(round / "scratches.csv", in.board, known,
-                   find_view(known, asked->picture.view, asked->bench.string()), asked->picture.light, out.target);
+      now.promised = promised(round / "scratches.csv", in.board, known,
+                              find_view(known, asked->picture.view, asked->bench.string()),
+                              seen_on(asked->picture, in.board, known), out.target);
     }
     if (r > in.measured) continue;
     const Matching& names = in.names[static_cast<std::size_t>(r - 1)];
-    const std::string taken = measured_name(names.views, designed.view),
-                      lamp = measured_name(names.lamps, designed.light);
-    if (taken.empty() || lamp.empty()) continue;
+    const std::vector<std::string> taken = measured_names(names.views, designed.view);
+    if (taken.empty()) continue;
+    const std::optional<Seen> seen = seen_in_photos(designed, in.board, names);
+    if (!seen) continue;
     const Bench measured = read_bench(round / "bench.json");
-    now.photographed =
-        photographed(round, find_view(measured, taken, (round / "bench.json").string()), measured, lamp, out.target);
-    now.photo = taken;
+    now.photographed = photographed(round, taken, measured, *seen, out.target);
+    now.photo = taken.front();
   }
   return out;
 }
@@ -348,22 +451,25 @@ std::string next_of(const Rounds& in) {
   const fs::path round = project.round(in.count);
   const fs::path gcode = round / "board.gcode";
   return fmt::format(
-      "carve {}, put photos of it into <code>{}</code>, then {}.",
+      "carve {}, put photos of it into {}, then {}.",
       fs::exists(gcode) ? "<code>" + html(gcode.string()) + "</code>" : fmt::format("the board of round {}", in.count),
-      html((round / "photos").string()), loop);
+      html(photo_folders_in_words(project, in.count)), loop);
 }
 
 // What to mind in the comparison of rounds.
 std::vector<Finding> findings_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   std::vector<Finding> out;
   std::vector<RerunView> reruns;  // the first board as photographed, and the second as promised or photographed
-  for (const ViewHistory& view : views) {
+  for (std::size_t k = 0; k < views.size(); ++k) {
+    const ViewHistory& view = views[k];
+    const bool several = light_names(in.spec.views[k].light).size() > 1;
     if (in.measured > 0 && !view.rounds[static_cast<std::size_t>(in.measured - 1)].photographed.there())
       out.push_back(
           {Finding::Severity::warning,
            {},
            fmt::format("view {}: no photo of round {} shows it as it is to be seen", view.view, in.measured),
-           fmt::format("take one from its designed place, or name it: burin loop {} --view {}=PHOTOGRAPHED_VIEW",
+           fmt::format("take {} from its designed place, or name it: burin loop {} --view {}=PHOTOGRAPHED_VIEW",
+                       several ? "one under each of its lamps alone, in color," : "one",
                        shell_word(in.project.folder.string()), view.view)});
     if (in.count < 2 || !view.rounds[0].photographed.there() || !view.rounds[1].promised.there()) continue;
     const ViewInRound &before = view.rounds[0], &after = view.rounds[1];
@@ -395,7 +501,9 @@ constexpr const char* kWhatIsCompared =
     "<p class=\"soft\">Promised: the photo that the bench would give for which the board was designed. Photographed: "
     "the "
     "photo taken from there. All are laid flat on the carve area, each at the one exposure that comes nearest to the "
-    "target, and compared with it after gamma 1/2.2, as PSNR: 20 dB is recognizable, 25 dB good, 30 dB hard to tell "
+    "target, and compared with it after gamma 1/2.2, as PSNR (in color over red, green and blue); a view under several "
+    "lamps by the sum of its photos under each alone (what else shines counts in each): 20 dB is recognizable, 25 dB "
+    "good, 30 dB hard to tell "
     "apart. A camera blurs the hatching; a design's own figures count it pixel by pixel, and so are lower than "
     "these.</p>\n";
 

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "burin/optimize/loss/picture_metrics.h"
+#include "burin/optimize/loss/color_metrics.h"
 #include "burin/render/bench.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
@@ -31,6 +32,7 @@ struct DesignedPicture {
   std::string view, light;
   fs::path target;
   double promised_db = 0;
+  std::optional<std::vector<double>> white_gain;  // of a picture in color: factors on R, G, B that make white of white
 };
 
 struct DesignedBoard {
@@ -43,9 +45,11 @@ DesignedBoard read_designed(const fs::path& folder, const Bench& under, const Bo
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
   DesignedBoard out;
-  for (JsonObject& view : report.objects("views"))
+  for (JsonObject& view : report.objects("views")) {
     out.pictures.push_back(
-        {view.text("view"), view.text("light"), folder / view.text("target"), view.number("psnr_db")});
+        {view.text("view"), view.text("light"), folder / view.text("target"), view.number("psnr_db"), {}});
+    if (view.has("color")) out.pictures.back().white_gain = view.object("color").numbers("white_gain", 3);
+  }
   JsonObject used = report.object("bench");
   // Its tool path compensated what was known then of the machine, and of how deep its grooves become.
   Bench then;
@@ -72,15 +76,30 @@ Look look_at(const Carved& carved, const DesignedPicture& asked, const Image& ta
   scene.material = under.material;
   scene.tool_width_um = board.tool_width_um;
   scene.ambient = under.ambient;
-  ViewRenderer renderer(std::move(scene));
+  RenderOptions options;
+  options.channels = target.channels;
+  ViewRenderer renderer(std::move(scene), options);
   Image radiance;
   renderer.forward(carved, radiance);
+  for (std::size_t i = 0; asked.white_gain && i < radiance.data.size(); ++i)
+    radiance.data[i] *= static_cast<float>((*asked.white_gain)[i % 3]);
   const float brightest = percentile(radiance, 0.99);
   if (!(brightest > 0)) fail("view " + asked.view, "is black under " + bench_file.string(), "check its lamp");
   Look look;
-  look.picture = shown(radiance, static_cast<float>(1 / best_exposure(radiance, target, 1 / brightest)));
-  look.psnr_db = psnr_db(look.picture, target);
+  look.picture = shown(radiance, static_cast<float>(1 / color_best_exposure(radiance, target, 1 / brightest)));
+  look.psnr_db = color_psnr_db(look.picture, target);
   return look;
+}
+
+// The target of the second design, in color where the report says so.
+Image target_of(const DesignedPicture& asked) {
+  Image target = read_picture(asked.target);
+  if ((target.channels == 3) != asked.white_gain.has_value())
+    fail(asked.target.string(),
+         fmt::format("has {} channels, and the design's report says that view {} is shown in {}", target.channels,
+                     asked.view, asked.white_gain ? "color" : "gray"),
+         "make the design again: its files do not belong together");
+  return target;
 }
 
 }  // namespace
@@ -137,8 +156,14 @@ Section rerun_section(const RerunInput& input, const Progress& progress) {
     if (old == before.pictures.end())
       fail(input.before.string(), "has no view \"" + asked.view + "\" under \"" + asked.light + "\"",
            "compare two designs of the same pictures");
-    const Image target = read_picture(asked.target);
-    const Look was = look_at(before.carved, *old, target, under, board, input.under);
+    if (old->white_gain.has_value() != asked.white_gain.has_value())
+      fail(input.before.string(),
+           fmt::format("shows view \"{}\" in {}, and the design after it in {}", asked.view,
+                       old->white_gain ? "color" : "gray", asked.white_gain ? "color" : "gray"),
+           "compare two designs of the same pictures");
+    const Image target = target_of(asked);
+    // Both under the same lamps, so by the same white: the one found for the bench as measured.
+    const Look was = look_at(before.carved, asked, target, under, board, input.under);
     const Look is = look_at(after.carved, asked, target, under, board, input.under);
     views.push_back({asked.view, old->promised_db, was.psnr_db, asked.promised_db, is.psnr_db});
     results.rows.push_back({html(asked.view), decibels(old->promised_db), decibels(was.psnr_db),
@@ -169,7 +194,8 @@ Section rerun_section(const RerunInput& input, const Progress& progress) {
                       "the machine's map, the grooves' depth and roughness and how they vary over the board and along "
                       "the carving, and what is seen where grooves cross. Promised is what each design expected of the "
                       "bench that it was made for. PSNR after gamma 1/2.2, each at the exposure that comes nearest to "
-                      "the target.</p>\n",
+                      "the target; in color over red, green and blue, with the white that the second design is seen "
+                      "by.</p>\n",
                       html(input.under.filename().string())));
   return out;
 }

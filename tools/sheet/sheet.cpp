@@ -41,20 +41,12 @@ std::string full_name(const SheetPlace& place) {
 
 std::vector<SheetPlace> sheet_places(const WantedBench& wanted) {
   std::vector<SheetPlace> lamps, eyes;
+  for (const DesignedLamp& lamp : designed_lamps(wanted.design, wanted.bench, wanted.board, wanted.tolerances))
+    lamps.push_back({"L", lamp.id, true, lamp.at_mm, lamp.tolerance});
   const std::vector<Eigen::Vector3d> centers = designed_eyes(wanted);
   for (std::size_t k = 0; k < wanted.design.views.size(); ++k) {
     const DesignView& v = wanted.design.views[k];
     const MatchTolerance& tolerance = wanted.tolerances[k];
-    const auto lamp =
-        std::find_if(lamps.begin(), lamps.end(), [&](const SheetPlace& place) { return place.name == v.light; });
-    if (lamp == lamps.end()) {
-      lamps.push_back(
-          {"L", v.light, true, find_light(wanted.bench, v.light, "the design").position_mm, tolerance.lamp});
-    } else {
-      PlaceTolerance& t = lamp->tolerance;
-      t = {smaller(t.sideways, tolerance.lamp.sideways), smaller(t.up, tolerance.lamp.up),
-           smaller(t.depth, tolerance.lamp.depth)};
-    }
     // A view under two lamps is one place to stand.
     const auto eye =
         std::find_if(eyes.begin(), eyes.end(), [&](const SheetPlace& place) { return place.name == v.view; });
@@ -115,15 +107,15 @@ std::string introduction(const Sheet& sheet) {
          "ellipses.";
 }
 
-std::vector<std::string> warnings(const Sheet& sheet) {
-  std::vector<std::string> out;
+std::vector<Finding> findings(const Sheet& sheet) {
+  std::vector<Finding> out;
   for (const SheetPlace& place : sheet.places)
     if (const double height = above_floor(sheet, place.at_mm.y()); height < 0)
       out.push_back(
-          fmt::format("{} is {:.0f} mm below the floor when the board's middle hangs at {:.0f} mm: hang it at "
-                      "least {:.0f} mm higher (--hang-height {:.0f})",
-                      full_name(place), -height, sheet.hang_height_mm, -height,
-                      std::ceil((sheet.hang_height_mm - height) / 50) * 50));
+          make_warning(fmt::format("{} is {:.0f} mm below the floor when the board's middle hangs at {:.0f} mm",
+                                   full_name(place), -height, sheet.hang_height_mm),
+                       fmt::format("hang it at least {:.0f} mm higher (--hang-height {:.0f})", -height,
+                                   std::ceil((sheet.hang_height_mm - height) / 50) * 50)));
   return out;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "burin/calib/plan.h"
+#include "burin/render/finding.h"
 #include "tools/drawing/drawing.h"
 #include "tools/plan_words.h"
 #include "tools/sheet/bench_drawing.h"
@@ -46,8 +47,8 @@ std::vector<PhotoInWords> photos_in_words(const Sheet& sheet);
 
 /// Sentences that table and wall begin with.
 std::string introduction(const Sheet& sheet);
-/// What stands in the way of following it: an eye below the floor. Sentences.
-std::vector<std::string> warnings(const Sheet& sheet);
+/// What stands in the way of following it: an eye below the floor.
+std::vector<Finding> findings(const Sheet& sheet);
 
 /// Pages of that paper, upright.
 std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& paper_mm);

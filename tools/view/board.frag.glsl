@@ -5,7 +5,9 @@ uniform float uPixelArea, uLightUnit;
 uniform float uBaseAlpha;
 uniform vec3 uF0, uIntensity, uAmbient;
 uniform float uExposure;
-uniform int uLinear;              // 1: radiance * exposure, to be measured
+uniform int uStored;              // 0: as a screen shows it; 1: radiance * exposure, to be measured or added to; 2: its root
+uniform sampler2D uBefore;        // what other lights sent
+uniform int uHasBefore;           // 0: none did; else as uStored
 out vec4 oColor;
 
 const float kPi = 3.14159265358979;
@@ -36,5 +38,10 @@ void main() {
     }
   }
   radiance *= uExposure;
-  oColor = vec4(uLinear == 1 ? radiance : to_srgb(clamp(radiance, 0.0, 1.0)), 1.0);
+  if (uHasBefore != 0) {
+    vec3 before = texelFetch(uBefore, ivec2(gl_FragCoord.xy), 0).rgb;
+    radiance += uHasBefore == 2 ? before * before : before;
+  }
+  vec3 whole = clamp(radiance, 0.0, 1.0);
+  oColor = vec4(uStored == 1 ? radiance : uStored == 2 ? sqrt(whole) : to_srgb(whole), 1.0);
 }

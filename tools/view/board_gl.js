@@ -3,8 +3,9 @@
 //
 //   const board = burinBoard(canvas, shaders)                 null where there is no WebGL2
 //   board.set_scratches(rows)                                 as tools/view/packed_scratches.h packs them
-//   board.draw(scene, look, eye, lamp, exposure)
-//     scene: lens, size_mm, bow_mm, material, ambient           light: axis, exponent, intensity
+//   board.draw(scene, lights, look, eye, exposure)
+//     scene: size_mm, bow_mm, material, ambient
+//     lights, which shine at once: [{ at, axis, falloff_exponent, intensity }, ...]; surroundings shine once
 //     look: { flat: [x0, y0, x1, y1] mm } or { R, T, lens: [fx, fy, cx, cy], k: 12 of OpenCV's }
 //   board.white(...): the exposure at which all but the brightest half per cent of the lit pixels are below white
 'use strict';
@@ -16,6 +17,7 @@ function burinBoard(canvas, shaders) {
   const float_targets = !(forced && forced[1] === '8') && gl.getExtension('EXT_color_buffer_float');
   const full = float_targets && !forced && gl.getExtension('EXT_float_blend');
   const format = full ? gl.RG32F : float_targets ? gl.RG16F : gl.RGBA8;
+  const kEncoded = 0, kLinear = 1, kRoots = 2;  // how board.frag.glsl keeps a picture: for screens; to be measured or added
   const kGrid = 48;  // cells to a side of a face that bow or lens bend
 
   function compiled(type, text) {
@@ -40,7 +42,7 @@ function burinBoard(canvas, shaders) {
     return { program, places };
   }
 
-  let scratches, board, sums, measure, grids, sets = new Map(), rows = null, lost = false;
+  let scratches, board, sums, measure, kept, grids, sets = new Map(), rows = null, lost = false;
   function build() {
     scratches = linked(shaders.camera + shaders.light + shaders.scratch_vert, shaders.scratch_frag, []);
     board = linked(shaders.camera + shaders.board_vert, shaders.camera + shaders.light + shaders.board_frag, ['aPlace']);
@@ -58,6 +60,7 @@ function burinBoard(canvas, shaders) {
       return { array, count: 6 * n * n };
     });
     sums = measure = null;
+    kept = [null, null];
     sets = new Map();
   }
   build();
@@ -142,7 +145,9 @@ function burinBoard(canvas, shaders) {
   }
 
   // How much of a sum counts as 1: pixels' own area, less where 8 bits must hold what white needs.
-  function render(scene, light, look, eye, lamp, exposure, linear, frame, width, height) {
+  // `before`: null, or the picture so far, which is added.
+  function render(scene, light, look, eye, exposure, stored, before, frame, width, height) {
+    const lamp = light.at;
     sums = target(sums, width, height, format);
     gl.bindFramebuffer(gl.FRAMEBUFFER, sums.frame);
     gl.viewport(0, 0, width, height);
@@ -193,7 +198,11 @@ function burinBoard(canvas, shaders) {
     gl.uniform3f(places.uIntensity, ...light.intensity);
     gl.uniform3f(places.uAmbient, ...scene.ambient);
     gl.uniform1f(places.uExposure, exposure);
-    gl.uniform1i(places.uLinear, linear ? 1 : 0);
+    gl.uniform1i(places.uStored, stored);
+    gl.activeTexture(gl.TEXTURE1);
+    gl.bindTexture(gl.TEXTURE_2D, before || sums.texture);
+    gl.uniform1i(places.uBefore, 1);
+    gl.uniform1i(places.uHasBefore, before ? (float_targets ? kLinear : kRoots) : 0);
     const bent = scene.bow_mm.some((v) => v !== 0) || (!look.flat && look.k.some((v) => v !== 0));
     const grid = grids[bent ? 1 : 0];
     gl.bindVertexArray(grid.array);
@@ -201,15 +210,26 @@ function burinBoard(canvas, shaders) {
     gl.bindVertexArray(null);
   }
 
-  function draw(scene, light, look, eye, lamp, exposure) {
+  // What every light sends, one after the other, added to what those before it sent; the last into the frame.
+  function render_all(scene, lights, look, eye, exposure, stored, frame, width, height) {
+    let before = null;
+    lights.forEach((light, i) => {
+      const one = i === 0 ? scene : { ...scene, ambient: [0, 0, 0] };
+      if (i === lights.length - 1) { render(one, light, look, eye, exposure, stored, before, frame, width, height); return; }
+      kept[i % 2] = target(kept[i % 2], width, height, float_targets ? gl.RGBA32F : gl.RGBA8);
+      render(one, light, look, eye, exposure, float_targets ? kLinear : kRoots, before, kept[i % 2].frame, width, height);
+      before = kept[i % 2].texture;
+    });
+  }
+  function draw(scene, lights, look, eye, exposure) {
     if (lost) return;
-    render(scene, light, look, eye, lamp, exposure, false, null, canvas.width, canvas.height);
+    render_all(scene, lights, look, eye, exposure, kEncoded, null, canvas.width, canvas.height);
   }
   // Null where this machine cannot measure (no float targets).
-  function white(scene, light, look, eye, lamp, width, height) {
+  function white(scene, lights, look, eye, width, height) {
     if (lost || !float_targets) return null;
     measure = target(measure, width, height, gl.RGBA32F);
-    render(scene, light, look, eye, lamp, 1, true, measure.frame, width, height);
+    render_all(scene, lights, look, eye, 1, kLinear, measure.frame, width, height);
     const values = new Float32Array(4 * width * height);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, values);
     const lit = [];

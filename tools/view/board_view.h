@@ -17,8 +17,12 @@ namespace burin {
 
 /// A place to look from, under a lamp, and what is to be seen from there.
 struct ViewedPicture {
-  std::string view, light;  ///< names in the bench
-  Image target;             ///< on the carve area, one channel, gamma-encoded, row 0 the largest y; no pixels: none
+  std::string view, light;  ///< names in the bench; of light several joined by kBesides, which shine at once
+  Image target;  ///< on the carve area, gamma-encoded, row 0 the largest y; in color three channels; no pixels: none
+  /// In color what makes white of what is to look white: factors on R, G, B. Each channel is then shown at an exposure
+  /// of its own if `each_channel`.
+  Eigen::Vector3d gains{1, 1, 1};
+  bool each_channel = false;
 };
 
 /// The board on a bench, believed or measured.
@@ -40,10 +44,12 @@ struct BoardView {
 
 /// What a picture looks like when it is laid flat on the carve area, encoded as it is shown, and the exposure (times
 /// radiance) that it is shown at: what comes nearest to the target, or, without one, all but the brightest half per
-/// cent below white. Rendered as `burin design` sees it, `long_side_px` on its longer side.
+/// cent below white. In color `gains` are the picture's, with the balance of those whose channels have exposures of
+/// their own. Rendered as `burin design` sees it, `long_side_px` on its longer side.
 struct FlatPicture {
   Image shown;
   double exposure = 1;
+  Eigen::Vector3d gains{1, 1, 1};
 };
 FlatPicture flat_picture(const Board& board, const ViewedBoard& viewed, const ViewedPicture& picture, int long_side_px);
 

@@ -52,14 +52,26 @@ std::string name_of(const ViewedBoard& viewed, const ViewedPicture& picture) {
   return same > 1 ? picture.view + " under " + picture.light : picture.view;
 }
 
-Json picture_json(const ViewedBoard& viewed, const ViewedPicture& picture, double exposure, const Json& scene) {
+// Of the lights that shine on a picture those that the page draws: lamps; the first where there are none.
+std::vector<std::string> drawn_lights(const Bench& bench, const std::string& joined) {
+  std::vector<std::string> out;
+  const std::vector<std::string> ids = light_names(joined);
+  for (const std::string& id : ids)
+    if (find_light(bench, id, "the viewer").is_near()) out.push_back(id);
+  if (out.empty()) out.push_back(ids.front());
+  return out;
+}
+
+Json picture_json(const ViewedBoard& viewed, const ViewedPicture& picture, const FlatPicture& flat, const Json& scene) {
   const View& view = find_view(viewed.bench, picture.view, "the viewer");
   Json json{{"name", name_of(viewed, picture)},
             {"view", picture.view},
             {"light", picture.light},
+            {"lights", drawn_lights(viewed.bench, picture.light)},
+            {"gains", to_json(flat.gains)},
             {"eye_mm", to_json(Eigen::Vector3d(view.T_camera_board.inverse().translation()))},
             {"R", to_json(Eigen::MatrixXd(view.T_camera_board.linear()))},
-            {"exposure", exposure}};
+            {"exposure", flat.exposure}};
   for (const Json& eye : scene["eyes"])
     if (eye["name"] == picture.view && eye.contains("tolerance_mm")) json["tolerance_mm"] = eye["tolerance_mm"];
   return json;
@@ -149,7 +161,7 @@ std::string view_page(const BoardView& view, const Progress& progress) {
     for (const ViewedPicture& picture : viewed.pictures) {
       if (progress) progress("rendering the views", static_cast<double>(done++) / static_cast<double>(count));
       const FlatPicture flat = flat_picture(view.board, viewed, picture, kFlatSide_px);
-      pictures.push_back(picture_json(viewed, picture, flat.exposure, scene));
+      pictures.push_back(picture_json(viewed, picture, flat, scene));
       cards += card(name_of(viewed, picture), picture, flat);
     }
     galleries += fmt::format("<section class=\"gallery\"><h2>{}</h2><ul class=\"cards\">\n{}</ul></section>\n",

@@ -3,7 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <set>
 
+#include "burin/optimize/design/color_views.h"
+#include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/target.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
@@ -20,10 +23,6 @@ namespace fs = std::filesystem;
 
 constexpr int kTargetSide_px = 320;
 
-void note_findings(const Bench& bench, std::vector<std::string>& notes) {
-  for (const Finding& finding : bench.findings) notes.push_back(sentence(finding));
-}
-
 // What the design's views are to show, on the carve area.
 std::vector<ViewedPicture> pictures_of(const DesignSpec& spec, const Bench& bench, const Board& board,
                                        const fs::path& design) {
@@ -35,30 +34,38 @@ std::vector<ViewedPicture> pictures_of(const DesignSpec& spec, const Bench& benc
     const double rotation = v.target.upright_in_view
                                 ? viewer_rotation_deg(view, (board.carve_min_mm + board.carve_max_mm) / 2)
                                 : v.target.rotation_deg;
-    pictures.push_back(
-        {v.view, v.light,
-         load_target(v.target, rotation, board.carve_max_mm - board.carve_min_mm, frame.width, frame.height).picture});
+    pictures.push_back({v.view, v.light, {}});
+    ViewedPicture& picture = pictures.back();
+    const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
+    if (!v.color) {
+      picture.target = load_target(v.target, rotation, area, frame.width, frame.height).picture;
+      continue;
+    }
+    const std::vector<Target> channels = load_color_target(v.target, rotation, area, frame.width, frame.height);
+    picture.target = in_color(channels[0].picture, channels[1].picture, channels[2].picture);
+    picture.gains = white_gains(v, board, bench);
+    picture.each_channel = v.white.kind == White::Kind::each;
   }
   if (pictures.empty()) fail(design.string(), "names no views", "add what the board is to show from where");
   return pictures;
 }
 
-Bench bench_for(const fs::path& file, const Board& board, std::vector<std::string>& notes) {
+Bench bench_for(const fs::path& file, const Board& board, std::vector<Finding>& findings) {
   Bench bench = read_bench(file);
   fill_material(bench, board);
   if (bench.lights.empty()) fail(file.string(), "has no lights", "add one, or calibrate the bench");
-  note_findings(bench, notes);
+  append(findings, bench.findings);
   return bench;
 }
 
 // A round's board as it was designed, on the bench that it was designed for.
-ViewedBoard designed_round(const Project& project, int number, std::vector<std::string>& notes) {
+ViewedBoard designed_round(const Project& project, int number, std::vector<Finding>& findings) {
   const fs::path round = project.round(number);
   const fs::path file = fs::exists(round / "design.json") ? round / "design.json" : project.folder / "design.json";
   const DesignSpec spec = read_design(file);
   const Board board = read_board(spec.board);
   ViewedBoard out;
-  out.bench = bench_for(spec.bench, board, notes);
+  out.bench = bench_for(spec.bench, board, findings);
   out.carved = carve(Designed(read_scratches(round / "scratches.csv")), out.bench, board);
   out.pictures = pictures_of(spec, out.bench, board, file);
   out.tolerances = match_tolerances(spec, out.bench, board, round / "design" / "design-report.json");
@@ -66,15 +73,14 @@ ViewedBoard designed_round(const Project& project, int number, std::vector<std::
 }
 
 // The same board as the machine carved it, on the bench as measured; nothing where its views are not matched yet.
-std::optional<ViewedBoard> measured_round(const Project& project, int number, std::vector<std::string>& notes) {
+std::optional<ViewedBoard> measured_round(const Project& project, int number, std::vector<Finding>& findings) {
   const fs::path round = project.round(number), design = project.folder / "design.json";
   if (!fs::exists(round / "sent.csv")) return std::nullopt;
   Matching matching = match_round(project, number);
   if (!matching.complete()) {
-    notes.push_back(
-        fmt::format("{}: it is not decided which photos are the designed views, so the board as carved is left "
-                    "out; `burin loop {}` asks",
-                    (round / "bench.json").string(), shell_word(project.folder.string())));
+    findings.push_back({Finding::Severity::warning, round / "bench.json",
+                        "it is not decided which photos are the designed views, so the board as carved is left out",
+                        "`burin loop " + shell_word(project.folder.string()) + "` asks"});
     return std::nullopt;
   }
   const DesignSpec spec = read_design(design);
@@ -96,7 +102,7 @@ fs::path first_scratches(const fs::path& folder, const Board& board) {
   return {};
 }
 
-BoardView first_design(const fs::path& folder, std::vector<std::string>& notes) {
+BoardView first_design(const fs::path& folder, std::vector<Finding>& findings) {
   const DesignSpec spec = read_design(folder / "design.json");
   BoardView out;
   out.board = read_board(spec.board);
@@ -108,7 +114,7 @@ BoardView first_design(const fs::path& folder, std::vector<std::string>& notes) 
   ViewedBoard board;
   board.name = "As designed";
   board.sentence = "The board as it is designed, on the bench that it is designed for.";
-  board.bench = bench_for(spec.bench, out.board, notes);
+  board.bench = bench_for(spec.bench, out.board, findings);
   board.carved = carve(Designed(read_scratches(scratches)), board.bench, out.board);
   board.pictures = pictures_of(spec, board.bench, out.board, folder / "design.json");
   board.tolerances = match_tolerances(spec, board.bench, out.board, scratches.parent_path() / "design-report.json");
@@ -122,17 +128,30 @@ std::string title_of(const fs::path& path) {
   return name.string();
 }
 
-void note_mesh(const Board& board, std::vector<std::string>& notes) {
+// Lights that are no lamps are in the small pictures only.
+void find_far_lights(const BoardView& view, std::vector<Finding>& findings) {
+  std::set<std::string> left_out;
+  for (const ViewedBoard& viewed : view.boards)
+    for (const ViewedPicture& picture : viewed.pictures)
+      for (const std::string& id : light_names(picture.light))
+        if (!find_light(viewed.bench, id, "the viewer").is_near()) left_out.insert(id);
+  for (const std::string& id : left_out)
+    findings.push_back(make_warning("light \"" + id +
+                                    "\" is no lamp, and the viewer does not show its light where one "
+                                    "moves: the small pictures below do"));
+}
+
+void find_mesh(const Board& board, std::vector<Finding>& findings) {
   if (!board.mesh.empty())
-    notes.push_back(fmt::format("{} bends the board; the viewer shows it flat", board.mesh.string()));
+    findings.push_back(make_warning(board.mesh.string() + " bends the board, and the viewer shows it flat"));
   if (board.bend)
-    notes.push_back(fmt::format("board.json bends the board to a radius of {} mm; the viewer shows it flat",
-                                board.bend->radius_mm));
+    findings.push_back(make_warning(fmt::format(
+        "board.json bends the board to a radius of {} mm, and the viewer shows it flat", board.bend->radius_mm)));
 }
 
 }  // namespace
 
-BoardView view_of_project(const fs::path& folder, std::vector<std::string>& notes) {
+BoardView view_of_project(const fs::path& folder, std::vector<Finding>& findings) {
   if (!fs::exists(folder / "design.json"))
     fail((folder / "design.json").string(), "a project needs this file",
          "name a project folder, or give --board, --bench and --scratches");
@@ -142,13 +161,13 @@ BoardView view_of_project(const fs::path& folder, std::vector<std::string>& note
   const int measured = std::min(count, project.measured());
   BoardView out;
   if (count == 0) {
-    out = first_design(folder, notes);
+    out = first_design(folder, findings);
   } else {
     out.board = read_board(read_design(folder / "design.json").board);
     std::optional<ViewedBoard> carved;
-    if (measured > 0) carved = measured_round(project, measured, notes);
+    if (measured > 0) carved = measured_round(project, measured, findings);
     const int shown = carved ? measured : count;
-    ViewedBoard& designed = out.boards.emplace_back(designed_round(project, shown, notes));
+    ViewedBoard& designed = out.boards.emplace_back(designed_round(project, shown, findings));
     designed.name = carved ? "Before" : "As designed";
     designed.sentence = fmt::format("The board of round {}, as it was designed, on the bench as it was {}.", shown,
                                     shown == 1 ? "believed" : "measured in the round before");
@@ -158,23 +177,24 @@ BoardView view_of_project(const fs::path& folder, std::vector<std::string>& note
           fmt::format("The same board of round {} as it was carved, on the bench as its photos measured it.", shown);
       out.boards.push_back(std::move(*carved));
       if (count > measured) {
-        ViewedBoard& next = out.boards.emplace_back(designed_round(project, measured + 1, notes));
+        ViewedBoard& next = out.boards.emplace_back(designed_round(project, measured + 1, findings));
         next.name = "Next";
         next.sentence = fmt::format("The board of round {}, designed for the bench as it was measured.", measured + 1);
       }
     }
   }
   out.title = title_of(folder);
-  note_mesh(out.board, notes);
+  find_mesh(out.board, findings);
+  find_far_lights(out, findings);
   return out;
 }
 
-BoardView view_of_files(const ViewFiles& files, std::vector<std::string>& notes) {
+BoardView view_of_files(const ViewFiles& files, std::vector<Finding>& findings) {
   BoardView out;
   out.board = read_board(files.board);
   ViewedBoard board;
   board.bench = read_bench_of(out.board, files.board, files.bench);
-  note_findings(board.bench, notes);
+  append(findings, board.bench.findings);
   if (board.bench.lights.empty()) fail(files.bench.string(), "has no lights", "add one, or calibrate the bench");
   const fs::path scratches = files.scratches.empty() ? out.board.scratches : files.scratches;
   if (scratches.empty())
@@ -199,7 +219,8 @@ BoardView view_of_files(const ViewFiles& files, std::vector<std::string>& notes)
   if (board.pictures.empty()) fail(files.bench.string(), "has no views", "add the places to look from");
   out.title = title_of(files.board.parent_path().empty() ? fs::path(".") : files.board.parent_path());
   out.boards.push_back(std::move(board));
-  note_mesh(out.board, notes);
+  find_mesh(out.board, findings);
+  find_far_lights(out, findings);
   return out;
 }
 

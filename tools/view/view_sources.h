@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/finding.h"
 #include "burin/render/progress.h"
 #include "tools/view/board_view.h"
 
@@ -12,15 +13,15 @@ namespace burin {
 
 /// A loop project (docs/file-formats.md): the newest round that was measured, as it was believed and as it is, and the
 /// round designed after it; or, before anything was measured, the newest design; or a first design that lies in the
-/// project without a round (in `design`, in `preview`, or named by board.json). `notes` gets sentences for the person.
-/// Throws Error for a folder that is no project, and where nothing is designed yet, with what to do.
-BoardView view_of_project(const std::filesystem::path& folder, std::vector<std::string>& notes);
+/// project without a round (in `design`, in `preview`, or named by board.json). `findings` gets what the person should
+/// know. Throws Error for a folder that is no project, and where nothing is designed yet, with what to do.
+BoardView view_of_project(const std::filesystem::path& folder, std::vector<Finding>& findings);
 
 /// Files of a board. `design` may be empty: then all views of the bench are looked from, under its first lamp.
 struct ViewFiles {
   std::filesystem::path board, bench, scratches, design;
   bool as_sent = false;  ///< the scratches are what the machine was told, not where grooves are wanted
 };
-BoardView view_of_files(const ViewFiles& files, std::vector<std::string>& notes);
+BoardView view_of_files(const ViewFiles& files, std::vector<Finding>& findings);
 
 }  // namespace burin

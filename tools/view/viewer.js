@@ -38,7 +38,7 @@
     walk: null, tilt: null, tilted: null, quality: 1, picture_only: Boolean(asked.picture) };
   const now = () => data.boards[state.board];
   const place = () => now().pictures[state.picture];
-  const light = () => now().lights[place().light];
+  const light = () => now().lights[place().lights[0]];  // the one that is moved; the others keep their places beside it
 
   // ---- places -------------------------------------------------------------------------------------------------------------
   function kept_above(p) {
@@ -66,6 +66,16 @@
   function seen_from() {
     if (!state.tilted) return [state.eye, state.lamp];
     return [state.eye, state.lamp].map((p) => kept_above(add(middle, turned(state.tilted, add(p, middle, -1)))));
+  }
+  // All that shine on a place when its first lamp stands there: { light, at }. Colors as white is to look white.
+  function shining(lamp) {
+    const g = place().gains, way = add(lamp, state.tilted ? turned(state.tilted, add(light().at_mm, middle, -1)) : light().at_mm, -1);
+    const moved = Math.hypot(...way) > 1e-9;
+    return place().lights.map((id, i) => {
+      const one = now().lights[id];
+      const at = state.tilted ? turned(state.tilted, add(one.at_mm, middle, -1)) : one.at_mm;
+      return { ...one, intensity: one.intensity.map((v, c) => v * g[c]), at: i === 0 ? lamp : moved ? kept_above(add(at, way)) : at };
+    });
   }
   function stand(index, keep_walking = false) {
     if (!keep_walking) stop_walk();
@@ -122,7 +132,8 @@
   }
 
   // ---- drawing ------------------------------------------------------------------------------------------------------------
-  const scene_of = (b) => ({ size_mm: data.size_mm, bow_mm: b.bow_mm, material: b.material, ambient: b.ambient });
+  const scene_of = (b) => ({ size_mm: data.size_mm, bow_mm: b.bow_mm, material: b.material,
+    ambient: b.ambient.map((v, c) => v * place().gains[c]) });
   function fit_canvas() {
     const size = /^(\d{1,4})x(\d{1,4})$/.exec(asked.size);
     if (size && state.picture_only) {
@@ -144,8 +155,8 @@
     board.set_scratches(data.rows[now().rows]);
     const [eye, lamp] = seen_from(), { width, height } = canvas, look = look_of(eye, width, height);
     if (asked.exposure === 'auto' || (asked.exposure === undefined && state.picture_only && state.look === 'photo'))
-      state.exposure = board.white(scene_of(now()), light(), look, eye, lamp, width, height);
-    board.draw(scene_of(now()), light(), look, eye, lamp, exposure_at(eye));
+      state.exposure = board.white(scene_of(now()), shining(lamp), look, eye, width, height);
+    board.draw(scene_of(now()), shining(lamp), look, eye, exposure_at(eye));
   }
   let queued = false, resting = 0, last = 0, slow = 0;
   function changed() {
@@ -261,7 +272,7 @@
     const t = Math.min(1, Math.max(0, (along - i - kPause / 2) / (1 - kPause))), ease = t * t * (3 - 2 * t);
     const a = all[order[i]], b = all[order[Math.min(order.length - 1, i + 1)]];
     state.eye = between(a.eye_mm, b.eye_mm, ease);
-    state.lamp = between(now().lights[a.light].at_mm, now().lights[b.light].at_mm, ease);
+    state.lamp = between(now().lights[a.lights[0]].at_mm, now().lights[b.lights[0]].at_mm, ease);
     const index = order[Math.min(order.length - 1, ease < 0.5 ? i : i + 1)];
     if (index !== state.picture) { state.picture = index; show_picture(); }
   }
@@ -401,7 +412,7 @@
     by_id('room').hidden = false;
     room = burinBenchScene(document.querySelector('#room .bench-scene'), now().scene, {
       alt: 'The room: board, places to look from, lamp, and where you are', eye: now().pictures[0].eye_mm,
-      lamp: now().lights[now().pictures[0].light].at_mm,
+      lamp: now().lights[now().pictures[0].lights[0]].at_mm,
       onEye: (p) => { stop_walk(); state.eye = kept_above(p); changed(); },
       onLamp: (p) => { stop_walk(); state.lamp = kept_above(p); changed(); },
     });
@@ -433,7 +444,7 @@
       canvas.width = width; canvas.height = height;
       const look = look_of(eye, width, height), begin = performance.now();
       for (let i = 0; i < n; ++i) {
-        board.draw(scene_of(now()), light(), look, add(eye, [i % 2, 0, 0]), lamp, exposure_at(eye));
+        board.draw(scene_of(now()), shining(lamp), look, add(eye, [i % 2, 0, 0]), exposure_at(eye));
         board.finish();
       }
       const each = (performance.now() - begin) / n;

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "burin/capture/exif.h"
+#include "burin/capture/lamp_folders.h"
 #include "burin/capture/photo_source.h"
 
 namespace burin {
@@ -18,22 +19,42 @@ namespace fs = std::filesystem;
 // Programs that copy or sync write under another name first; what is left when that is taken off may look like a photo.
 bool is_in_the_making(const std::string& name) { return name.front() == '.' || name.front() == '~'; }
 
+fs::path without_extension(fs::path file) { return file.replace_extension(); }
+
+void add_files(const fs::path& folder, std::error_code& error, std::vector<fs::path>& files) {
+  fs::directory_iterator entry(folder, error), end;
+  for (; !error && entry != end; entry.increment(error))
+    if (!is_in_the_making(entry->path().filename().string())) files.push_back(entry->path());
+}
+
+// What lies in a folder and in its lamps' folders, these left out. `error`: of the folder itself; one within that
+// cannot be read now is looked at the next time.
+std::vector<fs::path> files_of(const fs::path& folder, const std::vector<std::string>& lamps, std::error_code& error) {
+  std::vector<fs::path> files;
+  add_files(folder, error, files);
+  if (error) return files;
+  for (const LampFolder& lamp : lamp_folders(folder, lamps)) {
+    std::erase(files, lamp.folder);
+    std::error_code ignored;
+    add_files(lamp.folder, ignored, files);
+  }
+  return files;
+}
+
 }  // namespace
 
-PhotoInbox::PhotoInbox(fs::path folder) : folder_(std::move(folder)) {}
+PhotoInbox::PhotoInbox(fs::path folder, std::vector<std::string> lamps)
+    : folder_(std::move(folder)), lamps_(std::move(lamps)) {}
 
 InboxNews PhotoInbox::look() {
   InboxNews news;
   const Clock::time_point now = Clock::now();
   std::error_code error;
   std::map<fs::path, Entry> seen;
-  std::set<std::string> raws;
+  std::set<fs::path> raws;
   int passed_over = 0;
-  fs::directory_iterator entry(folder_, error), end;
-  for (; !error && entry != end; entry.increment(error)) {
-    const fs::path file = entry->path();
-    const std::string name = file.filename().string();
-    if (is_in_the_making(name)) continue;
+  const std::vector<fs::path> files = files_of(folder_, lamps_, error);
+  for (const fs::path& file : files) {
     struct stat status {};
     // Gone again since the folder was read, or no file: a share that drops out shows in the folder itself.
     if (::stat(file.c_str(), &status) != 0) continue;
@@ -46,7 +67,7 @@ InboxNews PhotoInbox::look() {
     found.inode = status.st_ino;
     std::error_code ignored;
     found.time = fs::last_write_time(file, ignored);
-    if (is_raw_name(file)) raws.insert(file.stem().string());
+    if (is_raw_name(file)) raws.insert(without_extension(file));
     seen.emplace(file, found);
   }
   if (error) {
@@ -55,7 +76,8 @@ InboxNews PhotoInbox::look() {
     return news;
   }
   passed_over_ = passed_over;
-  std::erase_if(seen, [&](const auto& s) { return !is_raw_name(s.first) && raws.contains(s.first.stem().string()); });
+  std::erase_if(seen,
+                [&](const auto& s) { return !is_raw_name(s.first) && raws.contains(without_extension(s.first)); });
 
   for (auto& [file, found] : seen) {
     const auto known = entries_.find(file);

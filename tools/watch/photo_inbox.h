@@ -26,13 +26,14 @@ struct InboxNews {
   std::vector<std::filesystem::path> given_up;  ///< put back by not_yet(), and no byte has come since
 };
 
-/// A folder being watched. Folders within, hidden files, and names that programs give to files in the making (.part,
+/// A folder being watched, with the folders within that are named after lamps (burin/capture/lamp_folders.h), which may
+/// come and go. Other folders within, hidden files, and names that programs give to files in the making (.part,
 /// .tmp, .icloud, ...) are passed over; so is a JPEG beside a raw file of its name.
 class PhotoInbox {
  public:
   static constexpr std::chrono::seconds kGivenUp{5};
 
-  explicit PhotoInbox(std::filesystem::path folder);
+  explicit PhotoInbox(std::filesystem::path folder, std::vector<std::string> lamps = {});
 
   const std::filesystem::path& folder() const { return folder_; }
 
@@ -63,6 +64,7 @@ class PhotoInbox {
   };
 
   std::filesystem::path folder_;
+  std::vector<std::string> lamps_;
   std::map<std::filesystem::path, Entry> entries_;
   bool looked_ = false;
   int passed_over_ = 0;

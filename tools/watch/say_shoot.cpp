@@ -151,8 +151,9 @@ std::string next_words(const Shoot& shoot) {
 std::string last_photo_words(const Shoot& shoot) {
   const JudgedPhoto& photo = shoot.photos.back();
   const std::string which = which_words(photo, shoot);
-  std::string out = fmt::format("{}: {}{}\n", photo.facts.file.filename().string(), which.empty() ? "" : which + ": ",
-                                shows_words(photo, shoot));
+  std::string out = fmt::format("{}{}: {}{}\n", photo.facts.file.filename().string(),
+                                photo.light.empty() ? "" : fmt::format(" (lamp \"{}\")", photo.light),
+                                which.empty() ? "" : which + ": ", shows_words(photo, shoot));
   for (const Finding& fault : photo.faults)
     out += fmt::format("    {}: {}{}\n", fault.severity == Finding::Severity::error ? "BAD" : "note", fault.what,
                        fault.remedy.empty() ? "" : "; " + fault.remedy);
@@ -206,6 +207,7 @@ std::string last_photo_json(const Shoot& shoot, double seconds, double processor
   if (f.exif.iso) json["iso"] = *f.exif.iso;
   json["tags"] = Json::array();
   for (const TagLook& tag : f.tags) json["tags"].push_back(tag.id);
+  if (!photo.light.empty()) json["light"] = photo.light;
   json["missing_tags"] = f.missing_tags;
   json["stray_tags"] = f.stray_tags;
   json["paper"] = f.paper;

@@ -13,6 +13,7 @@ constexpr double kDimPaper = 0.05, kSameDimEye = 0.04;  // the same where paper 
 constexpr double kSameEye = 0.01;  // of the distance: what poses from one photo scatter by, and more
 constexpr double kDarkest = -8.5;  // stops: what still clips there is no groove's glint
 constexpr double kGlintStep = 1.0 / 8;
+constexpr double kOneEye_mm = 1;  // shots from there are one place, under several lamps
 
 bool has_error(const JudgedPhoto& photo) { return has_errors(photo.faults); }
 
@@ -66,7 +67,7 @@ PlaceState place_state(const JudgedPhoto& at, const Shoot& shoot, std::size_t fr
   PlaceState out;
   for (std::size_t i = from; i < shoot.photos.size(); ++i) {
     const JudgedPhoto& photo = shoot.photos[i];
-    if (has_error(photo) || photo.shot != at.shot) continue;
+    if (has_error(photo) || photo.shot != at.shot || photo.light != at.light) continue;
     if (&photo != &at && !same_place(photo.facts, at.facts, shoot.board)) continue;
     out.tags = out.tags || shows_tags_well(photo.facts, shoot.board);
     // What still shines at the darkest is a lamp in a tag's varnish, a drop, a screw: no exposure holds it.
@@ -84,9 +85,9 @@ bool is_done(const JudgedPhoto& at, const Shoot& shoot) {
 void find_shot(const Shoot& shoot, JudgedPhoto& photo) {
   const auto eye = photo.facts.eye_mm();
   if (!eye) return;
-  constexpr double kOneEye_mm = 1;  // shots from there are one place, under several lamps
   for (std::size_t i = 0; i < shoot.wanted.size(); ++i) {
     const WantedShot& shot = shoot.wanted[i];
+    if (!photo.light.empty() && shot.light != photo.light) continue;
     const Offset offset = offset_of(shot.eye_mm, *eye, shoot.board, shot.tolerance);
     const bool wrong = shot.T_camera_board && !same_way_up(*shot.T_camera_board, photo.facts.pose->T_camera_board,
                                                            photo.facts.exif.turned_deg);
@@ -105,6 +106,23 @@ void find_shot(const Shoot& shoot, JudgedPhoto& photo) {
     photo.wrong_way_up = wrong;
   }
   if (photo.nearest && photo.offset.reaches <= 1 && !photo.wrong_way_up) photo.shot = photo.nearest;
+}
+
+// The shot from the same place under the lamp of a photo that is too dark to tell where it was taken; `before` is the
+// photo before it.
+void take_place_of(const JudgedPhoto& before, const Shoot& shoot, JudgedPhoto& photo) {
+  if (before.light == photo.light) {
+    photo.shot = before.shot;
+    photo.nearest = before.nearest;
+    photo.offset = before.offset;
+    photo.wrong_way_up = before.wrong_way_up;
+    return;
+  }
+  if (!before.shot) return;
+  for (std::size_t i = 0; i < shoot.wanted.size() && !photo.shot; ++i)
+    if (shoot.wanted[i].light == photo.light &&
+        (shoot.wanted[i].eye_mm - shoot.wanted[*before.shot].eye_mm).norm() < kOneEye_mm)
+      photo.shot = photo.nearest = i;
 }
 
 NextStep move_on(const Shoot& shoot) {
@@ -133,18 +151,15 @@ const JudgedPhoto& add_photo(PhotoFacts facts, Shoot& shoot) {
   if (const NextStep before = next_step(shoot); before.kind == NextStep::Kind::move) shoot.sent_to = before.shot;
   JudgedPhoto photo;
   photo.facts = std::move(facts);
+  photo.light = shoot.light;
   photo.faults = photo_faults(photo.facts, shoot.board, others_of(shoot, photo.facts.file));
   photo.stops = stops_of(photo.facts, shoot);
   // The dark end of a bracket belongs to where its other photos do, however the plan's places lie.
   if (photo.facts.place_of_before && !shoot.photos.empty()) {
-    const JudgedPhoto& before = shoot.photos.back();
-    photo.shot = before.shot;
-    photo.nearest = before.nearest;
-    photo.offset = before.offset;
-    photo.wrong_way_up = before.wrong_way_up;
+    take_place_of(shoot.photos.back(), shoot, photo);
   } else {
     const auto one = std::find_if(shoot.photos.rbegin(), shoot.photos.rend(), [&](const JudgedPhoto& other) {
-      return other.shot && same_place(other.facts, photo.facts, shoot.board);
+      return other.shot && other.light == photo.light && same_place(other.facts, photo.facts, shoot.board);
     });
     find_shot(shoot, photo);
     // A bracket stays together: shots from one place under two lamps follow each other as wholes.
@@ -204,8 +219,9 @@ NextStep next_exposure(const Shoot& shoot, std::size_t from) {
   if (state.glints) return next;
   double darkest = *facts.exposure_factor;
   for (std::size_t i = from; i < shoot.photos.size(); ++i)
-    if (const JudgedPhoto& photo = shoot.photos[i];
-        !has_error(photo) && photo.facts.exposure_factor && same_place(photo.facts, facts, shoot.board))
+    if (const JudgedPhoto& photo = shoot.photos[i]; !has_error(photo) && photo.light == last.light &&
+                                                    photo.facts.exposure_factor &&
+                                                    same_place(photo.facts, facts, shoot.board))
       darkest = std::min(darkest, *photo.facts.exposure_factor);
   next.kind = NextStep::Kind::expose;
   next.factor = darkest * kGlintStep;

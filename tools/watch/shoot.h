@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "burin/capture/judge_photo.h"
@@ -16,6 +17,7 @@ namespace burin {
 /// One photo, and where it belongs.
 struct JudgedPhoto {
   PhotoFacts facts;
+  std::string light;                   ///< the lamp that was on; empty: not known, so any
   std::vector<Finding> faults;         ///< photo_faults() when it came
   std::optional<std::size_t> shot;     ///< of the wanted ones, the one that it is
   std::optional<std::size_t> nearest;  ///< of the wanted ones, the nearest; none without a pose
@@ -37,6 +39,7 @@ struct Shoot {
   Board board;
   std::optional<Lens> lens;  ///< of the bench
   std::vector<WantedShot> wanted;
+  std::string light;  ///< the lamp that is on in the next photos; empty: not known, then shots come in their order
   std::size_t least_places = 0;        ///< from which photos are wanted in all; a plan knows better
   std::optional<std::size_t> sent_to;  ///< the shot that was last gone to, before the last photo came
   std::vector<JudgedPhoto> photos;     ///< in the order in which they came

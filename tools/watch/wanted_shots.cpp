@@ -5,6 +5,7 @@
 #include "burin/calib/verdict/camera_place.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "tools/photographed_lamps.h"
 
 namespace burin {
 namespace {
@@ -18,6 +19,22 @@ PlaceTolerance planned_tolerance(const Eigen::Vector3d& eye_mm, const Board& boa
 
 void require_in_front(const Eigen::Vector3d& eye_mm, const std::string& where) {
   if (!(eye_mm.z() > 0)) fail(where, "lies behind the board", "plan again with burin plan");
+}
+
+// Where lights stand that shine at once.
+std::string lamps_in_words(const std::string& light, const Bench& bench, const Board& board) {
+  const std::vector<std::string> ids = light_names(light);
+  std::string out;
+  for (const std::string& id : ids)
+    out += (out.empty() ? "" : "; ") + (ids.size() > 1 ? "\"" + id + "\" " : std::string()) +
+           place_in_words(find_light(bench, id, "the design").position_mm, board);
+  return out;
+}
+
+// Whether a light is that of a picture, or one of several that light it.
+bool shines_in(const std::string& light, const std::string& of_picture) {
+  const std::vector<std::string> ids = light_names(of_picture);
+  return light == of_picture || std::find(ids.begin(), ids.end(), light) != ids.end();
 }
 
 }  // namespace
@@ -52,29 +69,35 @@ std::vector<WantedShot> planned_shots(const std::filesystem::path& plan, const B
 std::vector<WantedShot> designed_shots(const DesignSpec& design, const Bench& bench, const Board& board,
                                        const std::vector<MatchTolerance>& tolerances) {
   std::vector<WantedShot> shots;
-  for (const DesignView& view : design.views) {
-    WantedShot shot;
-    shot.name = view.view;
-    shot.designed = true;
-    shot.light = view.light;
-    if (std::any_of(shots.begin(), shots.end(),
-                    [&](const WantedShot& s) { return s.name == shot.name && s.light == shot.light; }))
-      continue;
-    shot.eye_mm = find_view(bench, view.view, "the design").T_camera_board.inverse().translation();
-    require_in_front(shot.eye_mm, "the bench: view \"" + view.view + "\"");
-    shot.place = place_in_words(camera_place_at(shot.eye_mm, board, 0), board);
-    shot.lamp_place = place_in_words(find_light(bench, view.light, "the design").position_mm, board);
-    shot.tolerance = planned_tolerance(shot.eye_mm, board);
-    shots.push_back(std::move(shot));
-  }
+  for (const DesignView& view : design.views)
+    for (const std::string& light : photographed_lamps(view, bench)) {
+      WantedShot shot;
+      shot.name = view.view;
+      shot.designed = true;
+      shot.light = light;
+      if (std::any_of(shots.begin(), shots.end(),
+                      [&](const WantedShot& s) { return s.name == shot.name && s.light == shot.light; }))
+        continue;
+      shot.eye_mm = find_view(bench, view.view, "the design").T_camera_board.inverse().translation();
+      require_in_front(shot.eye_mm, "the bench: view \"" + view.view + "\"");
+      shot.place = place_in_words(camera_place_at(shot.eye_mm, board, 0), board);
+      shot.lamp_place = lamps_in_words(light, bench, board);
+      shot.tolerance = planned_tolerance(shot.eye_mm, board);
+      shots.push_back(std::move(shot));
+    }
   take_tolerances(tolerances, shots);
   return shots;
 }
 
 void take_tolerances(const std::vector<MatchTolerance>& tolerances, std::vector<WantedShot>& shots) {
-  for (WantedShot& shot : shots)
-    for (const MatchTolerance& t : tolerances)
-      if (shot.designed && t.view == shot.name && t.light == shot.light) shot.tolerance = t.eye;
+  for (WantedShot& shot : shots) {
+    const MatchTolerance* least = nullptr;  // of the pictures that this light shows from there
+    for (const MatchTolerance& t : tolerances) {
+      if (!shot.designed || t.view != shot.name || !shines_in(shot.light, t.light)) continue;
+      if (least == nullptr || t.eye.sideways.least() < least->eye.sideways.least()) least = &t;
+    }
+    if (least != nullptr) shot.tolerance = least->eye;
+  }
 }
 
 }  // namespace burin

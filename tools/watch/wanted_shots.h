@@ -35,8 +35,8 @@ struct WantedShot {
 /// The shots of a plan.json, in its order. Throws Error for a file that is missing, broken, or no plan.
 std::vector<WantedShot> planned_shots(const std::filesystem::path& plan, const Board& board);
 
-/// The views of a design, in its order, one for each pair of view and lamp; `tolerances` by match_tolerances(). Throws
-/// Error for views that `bench` lacks.
+/// The views of a design, in its order, one for each pair of view and lamp (in color each of the view's lamps alone);
+/// `tolerances` by match_tolerances(). Throws Error for views that `bench` lacks.
 std::vector<WantedShot> designed_shots(const DesignSpec& design, const Bench& bench, const Board& board,
                                        const std::vector<MatchTolerance>& tolerances);
 

@@ -1,11 +1,14 @@
 #include "tools/watch/watched_project.h"
 
+#include <algorithm>
+
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/loop/say.h"
+#include "tools/photographed_lamps.h"
 #include "tools/project.h"
 
 namespace burin {
@@ -95,6 +98,11 @@ WatchedProject watched_project(const fs::path& folder, const fs::path& photos, c
                     (design ? " --design " + shell_word(design_file.string()) : "") + " --out " +
                     shell_word(((round.empty() ? folder : round) / "plan").string());
   }
+  if (bench)
+    for (const std::string& lamp : lamps_of(*bench))
+      if (std::any_of(out.shoot.wanted.begin(), out.shoot.wanted.end(),
+                      [&](const WantedShot& shot) { return shot.light == lamp; }))
+        out.lamps.push_back(lamp);
   out.next = out.photos == out.keep
                  ? loop_line(project)
                  : "burin capture " + shell_word(out.photos.string()) + " --board " + shell_word(board.string()) +

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "tools/watch/shoot.h"
 
@@ -14,6 +15,8 @@ struct WatchedProject {
   std::filesystem::path photos;  ///< the folder
   std::filesystem::path keep;    ///< the folder that `burin loop` takes photos from; empty without a round
   Shoot shoot;
+  /// The bench's lamps that photos are wanted under: of several, each has a folder of its name in `photos` and `keep`.
+  std::vector<std::string> lamps;
   std::string wanted_from;  ///< "plan/plan.json", "design.json"; empty where nothing says which photos are wanted
   std::string plan_line;    ///< the command that plans, where there is no plan; else empty
   std::string next;         ///< the command for when the photos are there

@@ -1,0 +1,110 @@
+#include "tools/loop/round_lamps.h"
+
+#include <algorithm>
+
+#include "burin/capture/exif.h"
+#include "burin/capture/lamp_folders.h"
+#include "burin/capture/session.h"
+#include "burin/optimize/design_file.h"
+#include "burin/render/bench.h"
+#include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
+#include "burin/render/files/json_file.h"
+#include "burin/render/limits.h"
+#include "tools/photographed_lamps.h"
+
+namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The lamps that a bench names. One that cannot be read names none: whoever uses it says what is wrong.
+std::vector<std::string> lamps_named(const fs::path& bench) {
+  std::vector<std::string> out;
+  if (!fs::is_regular_file(bench)) return out;
+  const Json json = Json::parse(read_bytes(bench, limit::kJsonBytes, "a JSON file"), nullptr, false);
+  if (!json.is_object() || !json.contains("lights") || !json["lights"].is_array()) return out;
+  for (const Json& light : json["lights"])
+    if (light.is_object() && light.contains("id") && light["id"].is_string() && !light.contains("sun") &&
+        !light.contains("surroundings"))
+      out.push_back(light["id"].get<std::string>());
+  return out;
+}
+
+void add_photos(const fs::path& folder, std::vector<fs::path>& photos) {
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_regular_file() && entry.path().filename().string().front() != '.' && is_photo_name(entry.path()))
+      photos.push_back(entry.path());
+}
+
+fs::path photos_folder(const Project& project, int round) { return project.round(round) / "photos"; }
+
+}  // namespace
+
+std::vector<std::string> lamps_of_round(const Project& project, int round) {
+  const fs::path design = project.round(round) / "design.json";
+  if (!fs::exists(design)) return {};
+  const DesignSpec spec = read_design(design);
+  return photographed_lamps(spec, read_bench(spec.bench));
+}
+
+std::vector<fs::path> photos_of_round(const Project& project, int round) {
+  std::vector<fs::path> photos;
+  const fs::path folder = photos_folder(project, round);
+  if (!fs::is_directory(folder)) return photos;
+  add_photos(folder, photos);
+  for (const LampFolder& lamp : lamp_folders(folder, lamps_named(project.bench_before(round))))
+    add_photos(lamp.folder, photos);
+  std::sort(photos.begin(), photos.end());
+  return photos;
+}
+
+std::string photo_folders_in_words(const Project& project, int round) {
+  const fs::path folder = photos_folder(project, round);
+  std::vector<std::string> lamps;
+  try {
+    lamps = lamps_of_round(project, round);
+  } catch (const Error&) {  // whoever uses the design or its bench says what is wrong with them
+  }
+  if (lamps.size() < 2) return folder.string();
+  return lamp_folders_in_words(folder, lamps) + ", each into that of the lamp that shone on it alone";
+}
+
+std::vector<std::string> lamp_arguments(const Project& project, int round) {
+  if (lamps_named(project.bench_before(round)).size() < 2) return {};
+  const std::vector<std::string> lamps = lamps_of_round(project, round);
+  if (lamps.size() != 1) return {};
+  return {"--light", lamps.front()};
+}
+
+void make_lamp_folders(const Project& project, int round) {
+  const std::vector<std::string> lamps = lamps_of_round(project, round);
+  if (lamps.size() < 2) return;
+  const fs::path folder = photos_folder(project, round);
+  for (const std::string& lamp : lamps) make_output_folder(lamp_folder(folder, lamp, lamps));
+}
+
+void remove_empty_lamp_folders(const Project& project, int round) {
+  const fs::path folder = photos_folder(project, round);
+  for (const LampFolder& lamp : lamp_folders(folder, lamps_named(project.bench_before(round))))
+    if (fs::is_empty(lamp.folder)) fs::remove(lamp.folder);
+}
+
+void sort_by_lamp(const fs::path& simulated) {
+  const fs::path file = simulated / "session.json";
+  if (!fs::exists(file)) return;
+  const Session session = read_session(file);
+  std::vector<std::string> lamps;
+  for (const Photo& photo : session.photos)
+    if (std::find(lamps.begin(), lamps.end(), photo.light) == lamps.end()) lamps.push_back(photo.light);
+  if (lamps.size() < 2) return;
+  const fs::path photos = fs::weakly_canonical(simulated / "photos");
+  for (const Photo& photo : session.photos) {
+    if (fs::weakly_canonical(photo.file).parent_path() != photos) continue;  // in a folder already
+    const fs::path folder = lamp_folder(photos, photo.light, lamps);
+    make_output_folder(folder);
+    fs::rename(photo.file, folder / photo.file.filename());
+  }
+}
+
+}  // namespace burin

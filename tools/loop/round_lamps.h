@@ -1,0 +1,38 @@
+// tools/loop/round_lamps.h - the lamps that a round's photos are taken under, and the folders of photos/ that tell
+// which was on: photos/red/ and so on where there are several (burin/capture/lamp_folders.h).
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/project.h"
+
+namespace burin {
+
+/// The lamps that a round's board is to be photographed under, one by one: those of its design. Nothing where the round
+/// has no design yet. Throws Error for a design or a bench that cannot be read.
+std::vector<std::string> lamps_of_round(const Project& project, int round);
+
+/// The photos of a round, those in its lamps' folders too, in the order of their paths.
+std::vector<std::filesystem::path> photos_of_round(const Project& project, int round);
+
+/// Where a round's photos go: "round-01/photos", or "round-01/photos/red and round-01/photos/green, each photo into the
+/// folder of the lamp that shone on it alone".
+std::string photo_folders_in_words(const Project& project, int round);
+
+/// What `burin capture` is to be told of the lamp of photos that lie in no lamp's folder: nothing where its bench
+/// tells, or where nobody knows.
+std::vector<std::string> lamp_arguments(const Project& project, int round);
+
+/// Makes the lamps' folders of a round that is to be photographed under several.
+void make_lamp_folders(const Project& project, int round);
+
+/// Removes those that are empty.
+void remove_empty_lamp_folders(const Project& project, int round);
+
+/// Puts a simulated camera's photos into the folders of their lamps, where its session has several: as a person would.
+/// `simulated`: the folder of session.json and photos/.
+void sort_by_lamp(const std::filesystem::path& simulated);
+
+}  // namespace burin
