@@ -1,7 +1,6 @@
 #include "burin/optimize/toolpath.h"
 
 #include <algorithm>
-#include <fstream>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -59,11 +58,7 @@ void remove_stale_parts(const fs::path& out, const std::vector<fs::path>& writte
 // G-code under its name is G-code that was read back from the disk and replayed.
 void write_gcode(const std::string& text, const fs::path& file, const Toolpath& path, const MachineProfile& machine,
                  const std::function<void(Replay&)>& check) {
-  write_atomically(file, [&](const fs::path& part) {
-    std::ofstream stream(part, std::ios::binary);
-    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
-    stream.close();
-    if (!stream) fail(file.string(), "could not be written whole", "check that the disk is not full");
+  write_file(text, file, Durability::on_disk, [&](const fs::path& part) {
     Replay replay = replay_written(part, text, path, machine, file.string());
     check(replay);
   });

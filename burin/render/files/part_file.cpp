@@ -51,6 +51,7 @@ class Writing {
  public:
   explicit Writing(const FilePlace& place, mode_t mode_if_new = 0666) : place_(place) {
     const mode_t mode = place.there ? place.mode : mode_if_new;
+    const auto named_and_opened = making();
     do {
       if (!part_.empty()) forget_part(part_);  // a dead process' of our number has that name
       part_ = new_part_name(place);

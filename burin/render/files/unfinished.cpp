@@ -12,6 +12,7 @@ namespace fs = std::filesystem;
 struct Names {
   std::mutex mutex;
   std::set<fs::path> paths;
+  std::shared_mutex making;
   std::recursive_mutex finishing;
 };
 
@@ -38,17 +39,20 @@ void end_unfinished(const fs::path& path) {
   names().paths.erase(error ? path : whole);
 }
 
+std::shared_lock<std::shared_mutex> making() { return std::shared_lock(names().making); }
+
 std::unique_lock<std::recursive_mutex> finishing() { return std::unique_lock(names().finishing); }
 
 void abandon_unfinished() {
   names().finishing.lock();  // and never unlocked
+  names().making.lock();
   std::set<fs::path> paths;
   {
     const std::lock_guard lock(names().mutex);
     paths = names().paths;
   }
   std::error_code error;
-  // Another thread may be writing into a folder while it is removed: once more finds what came meanwhile.
+  // Another thread may be making folders within one while it is removed: once more finds what came meanwhile.
   for (int i = 0; i < 2; ++i)
     for (const fs::path& path : paths) fs::remove_all(path, error);
 }
