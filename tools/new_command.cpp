@@ -38,8 +38,8 @@ struct NewArguments {
   int scratches = 0;
 };
 
-constexpr const char *kFolder = "my-board", *kBoard = "200x150", *kCamera = "phone", *kLamp = "above",
-                     *kStand = "four times the board's diagonal", *kMachine = "grbl-spring";
+constexpr const char *kUsualFolder = "my-board", *kUsualBoard = "200x150", *kUsualCamera = "phone",
+                     *kUsualLamp = "above", *kStand = "four times the board's diagonal", *kMachine = "grbl-spring";
 
 // "cat.jpg dog.jpg" as a person writes it: quotes hold spaces together.
 std::vector<std::string> words_of(const std::string& line) {
@@ -98,19 +98,19 @@ void ask_what_is_missing(NewArguments& o, Conversation& talk) {
     });
   };
   talk.out << "A new board. Enter takes the answer in brackets, Ctrl-D ends without writing anything.\n";
-  question(o.folder, "Folder of the project", kFolder, [](const std::string& a) { fail_unless_new(a); });
+  question(o.folder, "Folder of the project", kUsualFolder, [](const std::string& a) { fail_unless_new(a); });
   if (o.pictures.empty())
     ask(talk, "Pictures, one for each place to stand (1 to 9 files)", pictures_here(), [&](const std::string& answer) {
       const std::vector<std::string> names = words_of(answer);
       choose_pictures(as_paths(names), kMostPictures);
       o.pictures = names;
     });
-  question(o.board, "The sheet of metal, width x height", kBoard,
+  question(o.board, "The sheet of metal, width x height", kUsualBoard,
            [](const std::string& a) { tag_sizes(size_in_words(a, "board")); });
-  question(o.camera, "Camera: phone, a focal length as on film (50mm), or a photo that it took", kCamera,
+  question(o.camera, "Camera: phone, a focal length as on film (50mm), or a photo that it took", kUsualCamera,
            [](const std::string& a) { camera_in_words(a); });
   question(o.stand, "How far away you stand (1.2m)", kStand, [](const std::string& a) { stand_of(a); });
-  question(o.lamp, "Lamp: above, left, right or below the board, with a distance if you like (above 600mm)", kLamp,
+  question(o.lamp, "Lamp: above, left, right or below the board, with a distance if you like (above 600mm)", kUsualLamp,
            [](const std::string& a) { lamp_in_words(a); });
   question(o.machine, "Machine: " + built_in_machines() + ", or a file", kMachine,
            [](const std::string& a) { machine_profile(a); });
@@ -199,10 +199,10 @@ void print_project(const NewArguments& o, const NewProject& project, const Eigen
   const auto was_usual = [&](const std::string& said, const char* option, const char* value) {
     if (said.empty()) usual += fmt::format("{}{} {}", usual.empty() ? "" : ", ", option, value);
   };
-  was_usual(o.board, "--board", kBoard);
-  was_usual(o.camera, "--camera", kCamera);
+  was_usual(o.board, "--board", kUsualBoard);
+  was_usual(o.camera, "--camera", kUsualCamera);
   was_usual(o.stand, "--stand", fmt::format("{:g}mm", bench.stand_mm).c_str());
-  was_usual(o.lamp, "--lamp", kLamp);
+  was_usual(o.lamp, "--lamp", kUsualLamp);
   was_usual(o.machine, "--machine", kMachine);
   if (!usual.empty()) fmt::print("Not said, so taken: {}\n", usual);
 }
@@ -230,9 +230,9 @@ void run(NewArguments o) {
   fail_unless_one_each(o.keep, "--keep", o.pictures.size());
   const auto said_or = [](const std::string& said, const char* usual) { return said.empty() ? usual : said; };
   BenchWishes wanted;
-  wanted.board_mm = size_in_words(said_or(o.board, kBoard), "board");
-  wanted.camera = camera_in_words(said_or(o.camera, kCamera));
-  wanted.lamp = lamp_in_words(said_or(o.lamp, kLamp));
+  wanted.board_mm = size_in_words(said_or(o.board, kUsualBoard), "board");
+  wanted.camera = camera_in_words(said_or(o.camera, kUsualCamera));
+  wanted.lamp = lamp_in_words(said_or(o.lamp, kUsualLamp));
   wanted.stand_mm = stand_of(o.stand);
   project.machine = said_or(o.machine, kMachine);
   const MachineProfile machine = machine_profile(project.machine);

@@ -18,7 +18,7 @@ constexpr double kPage = 900, kMargin = 46;  // SVG units
 constexpr const char* kInk = "#1f2328";
 constexpr const char* kSoft = "#6e7781";
 constexpr const char* kLampColor = "#bf8700";
-constexpr const char* kCamera = "#0969da";
+constexpr const char* kCameraColor = "#0969da";
 
 // One of the two views: millimeters (right, up) to the page.
 struct PlanFrame {
@@ -112,11 +112,11 @@ std::string plan_drawing(const Plan& plan, const Board& board) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     const auto places = both(cameras[i]);
     for (int view = 0; view < 2; ++view)
-      svg += line(places[view], middles[view], kCamera, 0.8, plan.shots[i].camera.roll_rad > 0.1);
+      svg += line(places[view], middles[view], kCameraColor, 0.8, plan.shots[i].camera.roll_rad > 0.1);
   }
   for (std::size_t i = 0; i < cameras.size(); ++i)
     for (const Eigen::Vector2d& p : both(cameras[i])) {
-      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"11\" fill=\"{}\"/>\n", p.x(), p.y(), kCamera);
+      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"11\" fill=\"{}\"/>\n", p.x(), p.y(), kCameraColor);
       svg += text(p + Eigen::Vector2d(0, 4.5), std::to_string(i + 1), "white", "middle", 13);
     }
   const double ruler = ruler_mm(scale);

@@ -21,12 +21,6 @@ constexpr double kAside = 0.01;          // of the photo's width: what lens and 
 constexpr double kSamePlace_s = 60;      // from photo to photo
 constexpr double kFullFrameDiagonal_mm = 43.267;
 
-double quantile(std::vector<float>& values, double q) {
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 // The mean of the channels, in which tags are found, and the brightest of them, which clips first.
 struct Grays {
   Image mean, top;
@@ -216,7 +210,7 @@ void judge_glints(const LinearPhoto& photo, const Image& top, PhotoFacts& facts)
     }
   if (values.size() < 100) return;
   facts.glints_clipped = static_cast<double>(clipped) / static_cast<double>(values.size());
-  facts.glints_bright = quantile(values, 0.999);
+  facts.glints_bright = quantile_in_place(values, 0.999);
 }
 
 void judge_paper(PhotoFacts& facts) {
@@ -272,7 +266,7 @@ PhotoFacts judge_photo(const std::filesystem::path& file, const Board& board, co
 
   std::vector<float> some;
   for (std::size_t i = 0; i < grays.top.data.size(); i += 7) some.push_back(grays.top.data[i]);
-  facts.bright = quantile(some, 0.995);
+  facts.bright = quantile_in_place(some, 0.995);
 
   const std::vector<TagDetection> found = find_tags(grays.mean, board.tags);
   facts.tags = look_at_tags(found, grays.top, linear.clipped, board.tags.family);

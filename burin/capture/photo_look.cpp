@@ -18,12 +18,6 @@ namespace {
 
 cv::Mat view_of(Image& image) { return {image.height, image.width, CV_32FC(image.channels), image.data.data()}; }
 
-double quantile(std::vector<float> values, double q) {
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
-}
-
 // A step blurred by a Gaussian of sigma rises by 1 / (sigma sqrt(2 pi)) of its height a pixel at its steepest. The
 // sharpest percent of the strong edges speak for the photo: weaker ones may be soft in the scene.
 std::optional<double> edge_sigma_px(const cv::Mat& gray, double low, double high) {
@@ -41,7 +35,7 @@ std::optional<double> edge_sigma_px(const cv::Mat& gray, double low, double high
       if (range > 0.3 * (high - low)) steepness.push_back(std::hypot(dx.at<float>(y, x), dy.at<float>(y, x)) / range);
     }
   if (steepness.size() < 2000) return std::nullopt;
-  return 1 / (quantile(std::move(steepness), 0.99) * std::sqrt(2 * std::numbers::pi));
+  return 1 / (quantile_of(std::move(steepness), 0.99) * std::sqrt(2 * std::numbers::pi));
 }
 
 std::vector<TagLook> look_for_tags(const Image& gray, std::span<const std::uint8_t> clipped, const TagSet& tags) {
@@ -78,11 +72,11 @@ PhotoLook look_at(const Photo& photo, const TagSet* tags) {
   }
   PhotoLook look;
   look.clipped_fraction = static_cast<double>(clipped) / static_cast<double>(gray.data.size());
-  look.bright = quantile(gray.data, 0.995);
+  look.bright = quantile_of(gray.data, 0.995);
   look.noise_floor = std::max(4 * linear_step(linear.stored, 0), 0.0015);
   const cv::Mat full = view_of(gray);
   // Clipped values would make every edge beside them look steep or flat: sharpness is judged on what is left of them.
-  look.edge_sigma_px = edge_sigma_px(cv::min(full, 0.9F), quantile(gray.data, 0.005), std::min(look.bright, 0.9));
+  look.edge_sigma_px = edge_sigma_px(cv::min(full, 0.9F), quantile_of(gray.data, 0.005), std::min(look.bright, 0.9));
 
   look.width = value.width;
   look.height = value.height;
@@ -139,7 +133,7 @@ std::optional<Comparison> compare(const PhotoLook& a, double factor_a, const Pho
   Comparison result;
   result.correlation =
       detail_a.dot(detail_b) / std::max(std::sqrt(detail_a.dot(detail_a) * detail_b.dot(detail_b)), 1e-12);
-  result.ratio = quantile(std::move(ratios), 0.5);
+  result.ratio = quantile_of(std::move(ratios), 0.5);
   cv::Mat window;
   cv::createHanningWindow(window, detail_a.size(), CV_32F);
   cv::Point2d shift = cv::phaseCorrelate(detail_a, detail_b, window);

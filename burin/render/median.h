@@ -1,4 +1,4 @@
-// burin/render/median.h - the one median of all rooms.
+// burin/render/median.h - the one median and the one quantile of all rooms.
 #pragma once
 
 #include <algorithm>
@@ -20,6 +20,20 @@ T median_in_place(std::vector<T>& values) {
 template <typename T>
 T median_of(std::vector<T> values) {
   return median_in_place(values);
+}
+
+/// The value that a share `q` (0 to 1) of some values lies below. Reorders them; there has to be one at least.
+template <typename T>
+T quantile_in_place(std::vector<T>& values, double q) {
+  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), nth, values.end());
+  return *nth;
+}
+
+/// The same of a copy: move large ones in.
+template <typename T>
+T quantile_of(std::vector<T> values, double q) {
+  return quantile_in_place(values, q);
 }
 
 }  // namespace burin

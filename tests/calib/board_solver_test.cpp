@@ -19,14 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Rig {
+struct DetectedRig {
   RigTruth truth;
   Board board;
   std::vector<ViewTags> pictures;
 };
 
-Rig detect_rig(const fs::path& folder) {
-  Rig rig{read_rig_truth(folder), read_board(folder / "board.json"), {}};
+DetectedRig detect_rig(const fs::path& folder) {
+  DetectedRig rig{read_rig_truth(folder), read_board(folder / "board.json"), {}};
   TagDetector detector(rig.board.tags.family);
   std::vector<int> ids;
   for (const Tag& tag : rig.board.tags.list) ids.push_back(tag.id);
@@ -45,7 +45,7 @@ TEST_P(BoardOfRig, CamerasAreWhereTheyWere) {
   const auto [name, bound_mm, bound_px] = GetParam();
   const fs::path folder = places::rig(name);
   if (!fs::exists(folder / "truth.json")) GTEST_SKIP() << "needs the photographed bench " << folder;
-  const Rig rig = detect_rig(folder);
+  const DetectedRig rig = detect_rig(folder);
   const BoardSolution s = solve_board(rig.board, rig.pictures, rig.truth.lens.width, rig.truth.lens.height);
   for (const Finding& f : s.findings) std::printf("  %s\n", sentence(f).c_str());
   ASSERT_EQ(s.views.size(), rig.truth.views.size());

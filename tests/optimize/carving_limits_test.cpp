@@ -34,7 +34,7 @@ CarvingLimits limits_for(const Board& board, const MachineLimits& machine = {}) 
   return carving_limits(board, machine, board.material.depth_um, CarvingLimits().affine);
 }
 
-Scratches random_scratches(std::size_t count, double longest_mm, unsigned seed) {
+Scratches scratches_up_to(std::size_t count, double longest_mm, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-2, 102), turn(0, 3.14159), length(0.01, longest_mm);
   Scratches s;
@@ -178,7 +178,7 @@ TEST(CarvingLimits, TheMachinesMapIsInTheSteps) {
   Board board = board_100();
   CarvingLimits limits = limits_for(board, machine);
   limits.affine << 1.001, 0.002, 0.31, -0.0015, 0.9985, -0.17;
-  const Mended mended = mend(random_scratches(500, 6, 5), limits);
+  const Mended mended = mend(scratches_up_to(500, 6, 5), limits);
   EXPECT_GT(mended.rows.size(), 450U);
   for (std::size_t i = 0; i < mended.scratches.size(); ++i) {
     const Eigen::Vector2d p(mended.scratches.x0_mm[i], mended.scratches.y0_mm[i]);
@@ -207,7 +207,7 @@ TEST_P(Mending, WhatIsMendedObeysEveryRuleAlsoFromItsFile) {
   machine.max_grooves = GetParam() % 5;
   CarvingLimits limits = limits_for(board, machine);
   if (GetParam() % 2) limits.affine << 1.001, 0.002, 0.31, -0.0015, 0.9985, -0.17;
-  const Scratches given = random_scratches(1500, 8, GetParam() + 100);
+  const Scratches given = scratches_up_to(1500, 8, GetParam() + 100);
   std::vector<double> worth;
   for (std::size_t i = 0; i < given.size(); ++i) worth.push_back(one(random));
   const Mended mended = mend(given, limits, worth);

@@ -34,7 +34,7 @@ using testing::HasSubstr;
 
 class ColorDesign : public ColorRig {};
 
-Scratches some_scratches() {
+Scratches colored_scratches() {
   Scratches s;
   s.x0_mm = {20, 28, 36};
   s.y0_mm = {22, 40, 29};
@@ -57,7 +57,7 @@ TEST_F(ColorDesign, AChannelIsThatOfTheLightsPicture) {
   spec_.views[0].light = "red + green + blue + sun + sky";
   const auto grid = design_grid(board_, bench_, 32);
   const Eigen::Vector3d still(0, 0, 0);
-  const Carved grooves = carve(Designed(some_scratches()), bench_, board_);
+  const Carved grooves = carve(Designed(colored_scratches()), bench_, board_);
   RenderOptions colors;
   colors.channels = 3;
   Image all, one;
@@ -84,7 +84,7 @@ TEST_F(ColorDesign, WhatHidesOneLampDoesNotHideAnother) {
   const auto shown = [&](const std::string& only) {
     Image one;
     ViewRenderer(design_scene(spec_, 0, board_, bench_, grid, still, still, {1, 1, only}))
-        .forward(carve(Designed(some_scratches()), bench_, board_), one);
+        .forward(carve(Designed(colored_scratches()), bench_, board_), one);
     return one;
   };
   const Image all = shown(""), red = shown("red"), green = shown("green"), blue = shown("blue");
@@ -116,7 +116,7 @@ TEST_F(ColorDesign, GradientOfTheLossOverAllChannels) {
     }
     return sum;
   };
-  const Scratches at = some_scratches();
+  const Scratches at = colored_scratches();
   ScratchGradients by;
   by.resize(at.size());
   loss(at, &by);

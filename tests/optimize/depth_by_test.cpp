@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::ThrowsMessage;
 
-Scratches some_scratches(std::size_t count) { return random_scratches(count, 7, {35, 35}, {165, 65}, 22); }
+Scratches scratches_in_the_middle(std::size_t count) { return random_scratches(count, 7, {35, 35}, {165, 65}, 22); }
 
 MachineProfile profile(const TemporaryFolder& folder, const std::string& fields) {
   return read_machine_profile(folder.write("m.json", R"({"format": "burin/machine", "version": 1, )" + fields + "}"));
@@ -72,7 +72,7 @@ void walk(const std::string& gcode, const std::function<void(const Eigen::Vector
 
 TEST(DepthBy, EveryBuiltInMakesTheDepth) {
   const TemporaryFolder folder;
-  const Scratches s = some_scratches(60);
+  const Scratches s = scratches_in_the_middle(60);
   const std::vector<std::pair<std::string, double>> machines{
       {"grbl", -0.014}, {"grbl-spring", -0.8}, {"linuxcnc", -0.014}, {"marlin", -0.014}, {"laser-z", -0.014}};
   EXPECT_EQ(built_in_machines(), "grbl, grbl-spring, linuxcnc, marlin or laser-z");
@@ -94,7 +94,7 @@ TEST(DepthBy, EveryBuiltInMakesTheDepth) {
 
 TEST(DepthBy, TablesOfASpringADragBitAndAServoAreInterpolated) {
   const TemporaryFolder folder;
-  Scratches s = some_scratches(3);
+  Scratches s = scratches_in_the_middle(3);
   s.depth_um = {5, 7.5, 16};
   const auto written = [&](const MachineProfile& machine) {
     ToolpathOptions keep;
@@ -193,7 +193,7 @@ TEST(DepthBy, FaultsOfServosAndBeamsAreNamed) {
 
 TEST(DepthBy, AProbedFaceIsFollowedWithinATenthOfTheDepth) {
   const TemporaryFolder folder;
-  Scratches s = some_scratches(200);
+  Scratches s = scratches_in_the_middle(200);
   ToolpathOptions options;
   options.heights = probed_sheet();
   for (const char* name : {"grbl", "linuxcnc", "marlin", "laser-z", "grbl-spring"}) {
@@ -224,7 +224,7 @@ TEST(DepthBy, AProbedFaceIsFollowedWithinATenthOfTheDepth) {
 }
 
 TEST(DepthBy, AFileThatDoesNotFollowIsFound) {
-  const Scratches s = some_scratches(40);
+  const Scratches s = scratches_in_the_middle(40);
   const MachineProfile machine = machine_profile("grbl");
   ToolpathOptions options;
   options.heights = probed_sheet();
@@ -255,7 +255,7 @@ TEST(DepthBy, AFileThatDoesNotFollowIsFound) {
 
 TEST(DepthBy, WhatIsLeftAfterAnInterruptionFollowsToo) {
   const TemporaryFolder folder;
-  const Scratches s = some_scratches(40);
+  const Scratches s = scratches_in_the_middle(40);
   const MachineProfile machine = machine_profile("grbl");
   ToolpathOptions options;
   options.heights = probed_sheet();
@@ -273,7 +273,7 @@ TEST(DepthBy, WhatIsLeftAfterAnInterruptionFollowsToo) {
 
 TEST(DepthBy, AMeasuredBowIsFollowedOnlyWhenAskedFor) {
   const TemporaryFolder folder;
-  const Scratches s = some_scratches(60);
+  const Scratches s = scratches_in_the_middle(60);
   const Board board = board_200x100();
   Bench bench;
   bench.material = board.material;
@@ -304,7 +304,7 @@ TEST(DepthBy, AMeasuredBowIsFollowedOnlyWhenAskedFor) {
 }
 
 TEST(DepthBy, UnevenSheetsAreJudgedByHowTheDepthComesAbout) {
-  const Scratches s = some_scratches(5);
+  const Scratches s = scratches_in_the_middle(5);
   Board board = board_200x100();
   const auto findings = [&](const char* name) {
     const MachineProfile machine = machine_profile(name);

@@ -24,7 +24,7 @@ using ::testing::ThrowsMessage;
 
 constexpr const char* kHeader = "x0_mm,y0_mm,x1_mm,y1_mm\n";
 
-Scratches read_text(const std::string& text) {
+Scratches scratches_of_text(const std::string& text) {
   const TemporaryFolder folder;
   return read_scratches(folder.write("scratches.csv", text));
 }
@@ -53,15 +53,15 @@ TEST(Scratches, RoundTrip) {
 }
 
 TEST(Scratches, HeaderOnlyIsABoardWithoutScratches) {
-  EXPECT_EQ(read_text(kHeader).size(), 0u);
-  EXPECT_EQ(read_text("x0_mm,y0_mm,x1_mm,y1_mm").size(), 0u);
+  EXPECT_EQ(scratches_of_text(kHeader).size(), 0u);
+  EXPECT_EQ(scratches_of_text("x0_mm,y0_mm,x1_mm,y1_mm").size(), 0u);
   const TemporaryFolder folder;
   write_scratches({}, folder / "none.csv");
   EXPECT_EQ(file_text(folder / "none.csv"), kHeader);
 }
 
 TEST(Scratches, WhatSpreadsheetsWriteIsRead) {
-  const Scratches s = read_text("\xEF\xBB\xBFy0_mm, x0_mm ,x1_mm,y1_mm,alpha\r\n1, 2,3,+4.5,.05\r\n\r\n");
+  const Scratches s = scratches_of_text("\xEF\xBB\xBFy0_mm, x0_mm ,x1_mm,y1_mm,alpha\r\n1, 2,3,+4.5,.05\r\n\r\n");
   ASSERT_EQ(s.size(), 1u);
   EXPECT_EQ(s.x0_mm[0], 2);
   EXPECT_EQ(s.y0_mm[0], 1);
@@ -72,7 +72,7 @@ TEST(Scratches, WhatSpreadsheetsWriteIsRead) {
 
 TEST(Scratches, FaultyLinesAreNamed) {
   const auto expect = [](const std::string& text, const auto& message) {
-    EXPECT_THAT([&] { read_text(text); }, ThrowsMessage<Error>(message)) << text;
+    EXPECT_THAT([&] { scratches_of_text(text); }, ThrowsMessage<Error>(message)) << text;
   };
   const std::string head = kHeader, good = "1,2,3,4\n";
   expect(head + good + "1,nan,3,4\n", AllOf(HasSubstr("scratches.csv:3"), HasSubstr("y0_mm is \"nan\"")));

@@ -29,7 +29,7 @@ std::string millimetres(double value) {
   return text;
 }
 
-std::string place_text(const Eigen::Vector2d& p) {
+std::string point_text(const Eigen::Vector2d& p) {
   char text[80];
   std::snprintf(text, sizeof text, "(%.3f, %.3f) mm", p.x(), p.y());
   return text;
@@ -289,7 +289,7 @@ std::string keep_out_named(const Ends& e, double half_width, const CarvingLimits
     if (free.size() == 1 && free[0].first == 0 && free[0].second == 1) continue;
     if (!place.name.empty()) return "\"" + place.name + "\"";
     const Eigen::Vector2d at = place.polygon_mm.empty() ? place.center_mm : place.polygon_mm.front();
-    return "the one at " + place_text(at);
+    return "the one at " + point_text(at);
   }
   return "a keep-out";
 }
@@ -316,7 +316,7 @@ struct Judge {
   std::string what_is_wrong(Rule rule, const Ends& e, double half_width) const {
     const MachineLimits& m = limits.machine;
     if (rule == Rule::area)
-      return "leaves the board's carve area at " + place_text(in_area(e.a, limits, edge_tolerance_mm) ? e.b : e.a);
+      return "leaves the board's carve area at " + point_text(in_area(e.a, limits, edge_tolerance_mm) ? e.b : e.a);
     if (rule == Rule::keep_out)
       return "crosses a place that is kept free, " + keep_out_named(e, half_width, limits) + " (its groove is " +
              millimetres(2 * half_width) + " wide)";
@@ -334,16 +334,16 @@ struct Judge {
     if (const std::optional<Rule> rule = broken_alone(e, half_width, limits, edge_tolerance_mm))
       broken(
           *rule, i, [&] { return what_is_wrong(*rule, e, half_width); },
-          *rule == Rule::area ? "move it, or correct carve_mm in board.json (now " + place_text(limits.min_mm) +
-                                    " to " + place_text(limits.max_mm) + ")"
+          *rule == Rule::area ? "move it, or correct carve_mm in board.json (now " + point_text(limits.min_mm) +
+                                    " to " + point_text(limits.max_mm) + ")"
           : *rule == Rule::keep_out ? "move it, or correct keep_out and tags in board.json"
                                     : "design for this machine, or correct its limits");
     if (step_mm > 0 && (!on_step(e.a, limits, A_inverse) || !on_step(e.b, limits, A_inverse)))
       broken(
           Rule::step, i,
           [&] {
-            return "does not lie on the machine's steps of " + millimetres(step_mm) + ": " + place_text(e.a) + " to " +
-                   place_text(e.b);
+            return "does not lie on the machine's steps of " + millimetres(step_mm) + ": " + point_text(e.a) + " to " +
+                   point_text(e.b);
           },
           "design for this machine, or correct its step_mm");
     if (limits.width_um > 0 && !scratches.width_um.empty() &&

@@ -30,7 +30,7 @@ struct Point {
   bool touched = true;
 };
 
-std::string place_text(const Eigen::Vector2d& p) { return "X" + fixed(p.x(), 2) + " Y" + fixed(p.y(), 2); }
+std::string word_of_place(const Eigen::Vector2d& p) { return "X" + fixed(p.x(), 2) + " Y" + fixed(p.y(), 2); }
 std::string um(double mm) { return fixed(1e3 * mm, 1) + " um"; }
 
 // Calls `take(line, number)` for each line, numbers from 1.
@@ -137,7 +137,7 @@ std::vector<Point> last_run(const std::vector<Point>& all, const std::vector<Eig
     const Eigen::Vector2d xy = run[i].p.head<2>() - offset;
     if ((xy - places[i]).norm() > kSamePlace_mm)
       fail(name + ":" + std::to_string(run[i].line),
-           "was probed at " + place_text(xy) + ", where the probing file goes to " + place_text(places[i]),
+           "was probed at " + word_of_place(xy) + ", where the probing file goes to " + word_of_place(places[i]),
            "give the log and the probing file of one and the same run");
     run[i].p.head<2>() = places[i];
   }
@@ -206,7 +206,7 @@ void check_plausible(const HeightMap& map, const std::string& name) {
   for (std::size_t i = 0; i < map.z_mm.size(); ++i)
     if (map.probed[i] && std::abs(map.z_mm[i] - smooth[i]) > limit_mm)
       fail(name,
-           "the point at " + place_text(map.at(i)) + " lies " + um(std::abs(map.z_mm[i] - smooth[i])) +
+           "the point at " + word_of_place(map.at(i)) + " lies " + um(std::abs(map.z_mm[i] - smooth[i])) +
                (map.z_mm[i] > smooth[i] ? " above" : " below") + " the smooth face round it (more than " +
                um(limit_mm) + ")",
            "look for a chip or dust there, clean the sheet and the tool, and probe again");

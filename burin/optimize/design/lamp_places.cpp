@@ -172,7 +172,7 @@ class LampSearch {
   std::vector<Lamp> lamps_;
 };
 
-std::string place_text(const Eigen::Vector3d& p) {
+std::string lamp_place_text(const Eigen::Vector3d& p) {
   return "[" + fixed(p.x(), 0) + ", " + fixed(p.y(), 0) + ", " + fixed(p.z(), 0) + "]";
 }
 
@@ -225,7 +225,7 @@ std::vector<Finding> check_lamps(const std::vector<ServedGlint>& served, const L
   std::vector<ServedGlint> moved = served;
   std::string words;
   for (const LampPlace& place : places) {
-    words += (words.empty() ? "" : ", ") + place.light + " at " + place_text(place.position_mm);
+    words += (words.empty() ? "" : ", ") + place.light + " at " + lamp_place_text(place.position_mm);
     for (ServedGlint& one : moved)
       if (one.light == place.light) one.glint.light_mm = place.position_mm;
   }

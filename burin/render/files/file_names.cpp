@@ -6,7 +6,7 @@
 namespace burin {
 namespace {
 
-constexpr std::size_t kLongestName = 100;  // of 255 bytes: what is put before and behind it needs some
+constexpr std::size_t kLongestStem = 100;  // of 255 bytes: what is put before and behind it needs some
 
 // Bytes of the UTF-8 character that begins there: 0 where none does (RFC 3629: shortest form, no surrogates).
 std::size_t character_at(std::string_view text, std::size_t at) {
@@ -51,7 +51,7 @@ std::string file_name_of(std::string_view name) {
     const bool plain = (first >= 'a' && first <= 'z') || (first >= 'A' && first <= 'Z') ||
                        (first >= '0' && first <= '9') || first == '-' || first == '_' || first == '.';
     const std::string next(length > 1 ? (is_invisible(c) ? "_" : c) : plain ? c : "_");
-    if (out.size() + next.size() > kLongestName) break;
+    if (out.size() + next.size() > kLongestStem) break;
     out += next;
     at += length;
   }
