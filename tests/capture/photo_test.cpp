@@ -26,7 +26,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 template <typename T>
-void write_file(const fs::path& file, OIIO::ImageSpec spec, const std::vector<T>& pixels) {
+void write_pixels(const fs::path& file, OIIO::ImageSpec spec, const std::vector<T>& pixels) {
   auto out = OIIO::ImageOutput::create(file.string());
   ASSERT_TRUE(out && out->open(file.string(), spec)) << file;
   ASSERT_TRUE(out->write_image(OIIO::BaseTypeFromC<T>::value, pixels.data()));
@@ -52,7 +52,7 @@ void write_noisy(const fs::path& file, const Image& truth, double exposure, doub
     const double e = std::poisson_distribution<int>(mean)(random) + read_e * std::normal_distribution<>()(random);
     stored[i] = static_cast<std::uint16_t>(std::lround(std::clamp(e / electrons, 0.0, 1.0) * 4095)) * 16;
   }
-  write_file(file, OIIO::ImageSpec(truth.width, truth.height, truth.channels, OIIO::TypeDesc::UINT16), stored);
+  write_pixels(file, OIIO::ImageSpec(truth.width, truth.height, truth.channels, OIIO::TypeDesc::UINT16), stored);
 }
 
 struct PhotoTest : testing::Test {
@@ -65,7 +65,7 @@ struct PhotoTest : testing::Test {
 TEST_F(PhotoTest, TwelveBitsInSixteenHaveTheirOwnWhite) {
   std::vector<std::uint16_t> stored{0, 16, 32752, 62000, 65504, 65520};
   for (auto& v : stored) v = v / 16 * 16;
-  write_file(folder / "p.png", OIIO::ImageSpec(3, 2, 1, OIIO::TypeDesc::UINT16), stored);
+  write_pixels(folder / "p.png", OIIO::ImageSpec(3, 2, 1, OIIO::TypeDesc::UINT16), stored);
   const LinearPhoto p = read_photo(photo("p.png", Encoding::linear));
   EXPECT_EQ(p.value.data[0], 0);
   EXPECT_FLOAT_EQ(p.value.data[1], 1.0F / 4095);
@@ -75,8 +75,8 @@ TEST_F(PhotoTest, TwelveBitsInSixteenHaveTheirOwnWhite) {
 }
 
 TEST_F(PhotoTest, SixteenBitsKeepTheirWhite) {
-  write_file(folder / "p.tif", OIIO::ImageSpec(3, 1, 1, OIIO::TypeDesc::UINT16),
-             std::vector<std::uint16_t>{1, 32767, 65535});
+  write_pixels(folder / "p.tif", OIIO::ImageSpec(3, 1, 1, OIIO::TypeDesc::UINT16),
+               std::vector<std::uint16_t>{1, 32767, 65535});
   const LinearPhoto p = read_photo(photo("p.tif", Encoding::linear));
   EXPECT_FLOAT_EQ(p.value.data[0], 1.0F / 65535);
   EXPECT_FLOAT_EQ(p.value.data[2], 1);
@@ -84,7 +84,7 @@ TEST_F(PhotoTest, SixteenBitsKeepTheirWhite) {
 
 TEST_F(PhotoTest, SrgbIsDecodedPerValue) {
   std::vector<std::uint8_t> stored{0, 10, 128, 200, 250, 255};
-  write_file(folder / "p.png", OIIO::ImageSpec(2, 1, 3, OIIO::TypeDesc::UINT8), stored);
+  write_pixels(folder / "p.png", OIIO::ImageSpec(2, 1, 3, OIIO::TypeDesc::UINT8), stored);
   const LinearPhoto p = read_photo(photo("p.png", Encoding::srgb));
   ASSERT_EQ(p.value.channels, 3);
   // IEC 61966-2-1, worked by hand.
@@ -95,8 +95,8 @@ TEST_F(PhotoTest, SrgbIsDecodedPerValue) {
 }
 
 TEST_F(PhotoTest, FloatFilesAndAlpha) {
-  write_file(folder / "p.exr", OIIO::ImageSpec(2, 1, 4, OIIO::TypeDesc::FLOAT),
-             std::vector<float>{0.25F, 0.5F, 0.75F, 0.5F, NAN, 0, 0, 1});
+  write_pixels(folder / "p.exr", OIIO::ImageSpec(2, 1, 4, OIIO::TypeDesc::FLOAT),
+               std::vector<float>{0.25F, 0.5F, 0.75F, 0.5F, NAN, 0, 0, 1});
   const LinearPhoto p = read_photo(photo("p.exr", Encoding::linear));
   ASSERT_EQ(p.value.channels, 3);
   EXPECT_EQ(p.value.data[2], 0.75F);
@@ -113,7 +113,7 @@ TEST_F(PhotoTest, OrientationIsNotApplied) {
     for (int y = 0; y < 16; ++y)
       for (int x = 0; x < 16; ++x)
         for (int c = 0; c < 3; ++c) stored[(y * 48 + x) * 3 + c] = 200;
-    write_file(folder / name, spec, stored);
+    write_pixels(folder / name, spec, stored);
     const LinearPhoto p = read_photo(photo(name, Encoding::srgb));
     EXPECT_EQ(p.value.width, 48) << name;
     EXPECT_EQ(p.value.height, 32) << name;
@@ -129,7 +129,7 @@ TEST_F(PhotoTest, BrokenFilesAreNamed) {
   EXPECT_THAT(error_of(photo("empty.jpg", Encoding::srgb)), HasSubstr("empty.jpg"));
   folder.write("text.png", "this is no picture");
   EXPECT_THAT(error_of(photo("text.png", Encoding::linear)), HasSubstr("text.png"));
-  write_file(folder / "p.png", OIIO::ImageSpec(4, 4, 1, OIIO::TypeDesc::UINT16), std::vector<std::uint16_t>(16, 9));
+  write_pixels(folder / "p.png", OIIO::ImageSpec(4, 4, 1, OIIO::TypeDesc::UINT16), std::vector<std::uint16_t>(16, 9));
   EXPECT_THAT(error_of(photo("p.png", Encoding::raw)), HasSubstr("not a raw file"));
 }
 
@@ -139,7 +139,7 @@ TEST_F(PhotoTest, FilesCutShortAreRefused) {
   std::vector<std::uint8_t> pixels(200 * 200 * 3);
   for (auto& p : pixels) p = static_cast<std::uint8_t>(random());
   for (const char* name : {"p.jpg", "p.png", "p.tif", "p.exr"}) {
-    write_file(folder / name, OIIO::ImageSpec(200, 200, 3, OIIO::TypeDesc::UINT8), pixels);
+    write_pixels(folder / name, OIIO::ImageSpec(200, 200, 3, OIIO::TypeDesc::UINT8), pixels);
     const Encoding encoding = Encoding::srgb;
     EXPECT_EQ(error_of(photo(name, encoding)), "no error") << name;
     const auto size = fs::file_size(folder / name);
@@ -200,7 +200,7 @@ TEST_F(PhotoTest, ClippedInAllExposuresIsInvalidAndGrown) {
   std::vector<std::uint16_t> stored(32 * 32, 4096);
   stored[10 * 32 + 10] = 65535;
   stored[0] = 4097;  // so that all 16 bits are in use
-  write_file(folder / "p.png", OIIO::ImageSpec(32, 32, 1, OIIO::TypeDesc::UINT16), stored);
+  write_pixels(folder / "p.png", OIIO::ImageSpec(32, 32, 1, OIIO::TypeDesc::UINT16), stored);
   const MergedView m = merge_bracket(std::vector<Photo>{photo("p.png", Encoding::linear)}, NoiseModel{});
   int invalid = 0;
   for (const auto v : m.valid) invalid += !v;
@@ -212,8 +212,8 @@ TEST_F(PhotoTest, ClippedInAllExposuresIsInvalidAndGrown) {
 }
 
 TEST_F(PhotoTest, SizesThatDifferAreRefused) {
-  write_file(folder / "p.png", OIIO::ImageSpec(4, 4, 1, OIIO::TypeDesc::UINT16), std::vector<std::uint16_t>(16, 9));
-  write_file(folder / "q.png", OIIO::ImageSpec(4, 3, 1, OIIO::TypeDesc::UINT16), std::vector<std::uint16_t>(12, 9));
+  write_pixels(folder / "p.png", OIIO::ImageSpec(4, 4, 1, OIIO::TypeDesc::UINT16), std::vector<std::uint16_t>(16, 9));
+  write_pixels(folder / "q.png", OIIO::ImageSpec(4, 3, 1, OIIO::TypeDesc::UINT16), std::vector<std::uint16_t>(12, 9));
   Session session;
   session.photos = {photo("p.png", Encoding::linear), photo("q.png", Encoding::linear)};
   for (const bool bracket : {true, false}) {

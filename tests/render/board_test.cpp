@@ -19,13 +19,13 @@ std::string board_text(const std::string& fields) {
   return R"({"format": "burin/board", "version": 1)" + (fields.empty() ? "" : ", " + fields) + "}";
 }
 
-Board read_text(const std::string& fields) {
+Board board_of_fields(const std::string& fields) {
   const TemporaryFolder folder;
   return read_board(folder.write("board.json", board_text(fields)));
 }
 
 TEST(Board, LeftOutSectionsTakeTheDefaults) {
-  const Board board = read_text(R"("size_mm": [200, 100])");
+  const Board board = board_of_fields(R"("size_mm": [200, 100])");
   const TagSet tags;
   EXPECT_EQ(board.carve_min_mm, Eigen::Vector2d(0, 0));
   EXPECT_EQ(board.carve_max_mm, Eigen::Vector2d(200, 100));
@@ -73,7 +73,7 @@ TEST(Board, RoundTrip) {
 
 TEST(Board, ValuesOutOfRangeAreNamed) {
   const auto expect = [](const std::string& fields, const std::string& field, const std::string& what) {
-    EXPECT_THAT([&] { read_text(fields); },
+    EXPECT_THAT([&] { board_of_fields(fields); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("board.json: " + field), HasSubstr(what))))
         << fields;
   };
@@ -113,15 +113,15 @@ TEST(Board, TagsThatOverlapAreNamed) {
            std::to_string(40 + apart_mm) + R"(, 50], "size_mm": 16, "rotation_deg": )" + std::to_string(turned_deg) +
            "}]}";
   };
-  EXPECT_EQ(read_text(two("tagStandard41h12", 28.9, 0)).tags.list.size(), 2U);
-  EXPECT_THAT([&] { read_text(two("tagStandard41h12", 28.7, 0)); },
+  EXPECT_EQ(board_of_fields(two("tagStandard41h12", 28.9, 0)).tags.list.size(), 2U);
+  EXPECT_THAT([&] { board_of_fields(two("tagStandard41h12", 28.7, 0)); },
               ThrowsMessage<Error>(AllOf(HasSubstr("board.json: tags.list[1]: tag 5 overlaps tag 1"),
                                          HasSubstr("28.8 mm wide"), HasSubstr("1/1.8 of the paper's"))));
-  EXPECT_NO_THROW(read_text(two("tag36h11", 18.1, 0)));
-  EXPECT_THAT([&] { read_text(two("tag36h11", 17.9, 0)); }, ThrowsMessage<Error>(HasSubstr("overlaps")));
+  EXPECT_NO_THROW(board_of_fields(two("tag36h11", 18.1, 0)));
+  EXPECT_THAT([&] { board_of_fields(two("tag36h11", 17.9, 0)); }, ThrowsMessage<Error>(HasSubstr("overlaps")));
   // A corner reaches further than a side: 14.4 + 14.4 sqrt(2) = 34.8.
-  EXPECT_NO_THROW(read_text(two("tagStandard41h12", 34.9, 45)));
-  EXPECT_THAT([&] { read_text(two("tagStandard41h12", 34.6, 45)); }, ThrowsMessage<Error>(HasSubstr("overlaps")));
+  EXPECT_NO_THROW(board_of_fields(two("tagStandard41h12", 34.9, 45)));
+  EXPECT_THAT([&] { board_of_fields(two("tagStandard41h12", 34.6, 45)); }, ThrowsMessage<Error>(HasSubstr("overlaps")));
 }
 
 TEST(Board, TagCornersStandInAprilTagsOrderAndTurnCounterClockwise) {
@@ -145,7 +145,7 @@ TEST(Board, TheRigsBoardsAreRead) {
 }
 
 TEST(Board, KeepOutsGoRoundAndAreJudged) {
-  const Board board = read_text(R"("size_mm": [100, 100], "keep_out": [
+  const Board board = board_of_fields(R"("size_mm": [100, 100], "keep_out": [
       {"name": "hole", "center_mm": [30, 40], "radius_mm": 5}, {"rect_mm": [[0, 0], [10, 20]]},
       {"polygon_mm": [[50, 50], [60, 50], [55, 60]]}])");
   const TemporaryFolder folder;
@@ -158,7 +158,7 @@ TEST(Board, KeepOutsGoRoundAndAreJudged) {
   EXPECT_EQ(back.keep_out[1].polygon_mm[2], Eigen::Vector2d(10, 20));
   EXPECT_EQ(back.keep_out[2].polygon_mm.size(), 3u);
   const auto expect = [](const std::string& place, const std::string& what) {
-    EXPECT_THAT([&] { read_text(R"("size_mm": [100, 100], "keep_out": [{)" + place + "}]"); },
+    EXPECT_THAT([&] { board_of_fields(R"("size_mm": [100, 100], "keep_out": [{)" + place + "}]"); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("keep_out"), HasSubstr(what))));
   };
   expect(R"("name": "nothing")", "write center_mm and radius_mm, or rect_mm, or polygon_mm");

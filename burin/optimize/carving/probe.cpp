@@ -11,6 +11,7 @@
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/table.h"
 #include "burin/render/keep_out.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -180,11 +181,6 @@ HeightMap map_of(const std::vector<Point>& run, const std::string& name) {
     map.probed[at] = true;
   }
   return map;
-}
-
-double median_of(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 // Points that stand out of the smooth surface by far more than the others: chips, dust, a contact that bounced.
