@@ -12,6 +12,7 @@
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_detector.h"
 #include "burin/capture/tags/tag_look.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {

@@ -78,6 +78,7 @@ struct MachineLimits {
 struct MachineProfile {
   std::string name = "grbl";
   GcodeDialect dialect = GcodeDialect::grbl;
+  DepthBy depth_by = DepthBy::fixed_z;
   double carve_feed_mm_min = 1200;
   double plunge_feed_mm_min = 300;
   double rapid_mm_min = 3000;         ///< in the air, along the board
@@ -89,12 +90,11 @@ struct MachineProfile {
   int decimals = 4;                   ///< of coordinates; 4 keeps a 1 mm scratch's direction to 0.004 degrees
   int max_lines = 95000;              ///< a file; longer jobs are split. 0: no limit
   int max_line_characters = 0;        ///< a line that the controller reads, without its end. 0: its dialect's
+  bool laser = false;                 ///< the tool sits on a laser's axis: no file may turn the beam on
   std::vector<int> other_m_codes;     ///< M codes that its files may hold beside the usual: they move nothing
   double force = 0;                   ///< of heads that press, in the unit that {force} has in the blocks
-  DepthBy depth_by = DepthBy::fixed_z;
-  DepthTable depth_table;  ///< of spring, drag and servo
-  double servo_up = 0;     ///< S that lifts a servo's head
-  bool laser = false;      ///< the tool sits on a laser's axis: no file may turn the beam on
+  DepthTable depth_table;             ///< of spring, drag and servo
+  double servo_up = 0;                ///< S that lifts a servo's head
   MachineLimits limits;
   std::optional<MachineMeasured> measured;  ///< by a coupon
   std::optional<MachineBounds> travel;      ///< where the tool can go; nothing is checked if not known

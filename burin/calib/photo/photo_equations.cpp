@@ -268,7 +268,7 @@ GrooveSlopes predict_with_slopes(const ModelData& model, const PhotoData& photo,
     const Image below = light_of_changed(photo, x, carved, index, -kStep, falloff);
     for (std::size_t i = 0; i < above.data.size(); ++i)
       above.data[i] = (above.data[i] - below.data[i]) / static_cast<float>(2 * kStep);
-    Image out = blurred(std::move(above), kernel);
+    Image out = blurred(above, kernel);
     for (std::size_t i = 0; i < out.data.size(); ++i) out.data[i] *= static_cast<float>(vignette_of(photo, x, i));
     return out;
   };
@@ -288,7 +288,7 @@ std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unkn
   for (const Image& given : dE_dvalue) {
     Image back = given;
     for (std::size_t i = 0; i < back.data.size(); ++i) back.data[i] *= static_cast<float>(vignette_of(photo, x, i));
-    back = blurred(std::move(back), kernel);  // a symmetric kernel is its own adjoint, but for the rim, which is unused
+    back = blurred(back, kernel);  // a symmetric kernel is its own adjoint, but for the rim, which is unused
     if (!falloff.empty()) multiply(back, falloff);
     ScratchGradients gradients;
     gradients.resize(carved.size());
@@ -514,8 +514,8 @@ struct ColumnWriter {
   const std::vector<float>& kernel;
 
   bool wants(int at) const { return out.free[at]; }
-  void add(int at, Image image) {
-    if (wants(at)) add_as_seen(at, blurred(std::move(image), kernel));
+  void add(int at, const Image& image) {
+    if (wants(at)) add_as_seen(at, blurred(image, kernel));
   }
   void add_as_seen(int at, Image image) {
     out.index.push_back(at);
@@ -537,7 +537,7 @@ void add_depth(const ModelData& model, const PhotoData& photo, const Unknowns& x
       const double u = p.x() / model.board->size_mm.x(), v = p.y() / model.board->size_mm.y();
       by_term.data[i] *= static_cast<float>(field_terms_at(u, v)[term] / field_over_board(terms, u, v));
     }
-    columns.add(unknown::depth_field + term, std::move(by_term));
+    columns.add(unknown::depth_field + term, by_term);
   }
   columns.add(unknown::log_depth, by_factor);
 }
@@ -553,7 +553,7 @@ void add_by_difference(int at, const ModelData& model, const PhotoData& photo, c
   scene_at(photo, x);
   for (std::size_t i = 0; i < change.data.size(); ++i)
     change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(step);
-  columns.add(at, std::move(change));
+  columns.add(at, change);
 }
 
 // Where grooves have the paper's cross-section, flanks of x[flank] degrees are asked for as a whole: what photos would
@@ -568,7 +568,7 @@ void add_flanks(const PhotoData& photo, const Unknowns& x, const Carved& carved,
   if (!falloff.empty()) multiply(change, falloff);
   scene_at(photo, x);
   for (std::size_t i = 0; i < change.data.size(); ++i) change.data[i] -= light.data[i];
-  columns.add(unknown::flank, std::move(change));
+  columns.add(unknown::flank, change);
 }
 
 // The renderer moves the ends q as given: dq = M q + m. Ours: q = c + A (p - c) + t, so
@@ -587,7 +587,7 @@ void add_machine(const ModelData& model, const Unknowns& x, const Image* by_mach
       Image image(by_row->width, by_row->height, 1);
       for (std::size_t i = 0; i < image.data.size(); ++i)
         image.data[i] = static_cast<float>(M[0] * by_row[0].data[i] + M[1] * by_row[1].data[i] + m * by_row[2].data[i]);
-      columns.add(at, std::move(image));
+      columns.add(at, image);
     }
     columns.add(machine_index(row, 2), by_row[2]);
   }
@@ -632,7 +632,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   add_by_difference(unknown::disk2, model, photo, x, light, spot.falloff, columns);
   add_by_difference(unknown::depth_wear, model, photo, x, light, spot.falloff, columns);
   if (wanted.base >= 0) columns.add(unknown::log_base_alpha, scaled(by[wanted.base], scene.material.base_alpha));
-  for (int k = 0; k < 2 && wanted.grain >= 0; ++k) columns.add(unknown::grain + k, std::move(by[wanted.grain + k]));
+  for (int k = 0; k < 2 && wanted.grain >= 0; ++k) columns.add(unknown::grain + k, by[wanted.grain + k]);
   const bool flanks_as_a_whole = model.profile.kind == GrooveProfile::Kind::paper;
   if (flanks_as_a_whole) add_flanks(photo, x, carved, light, spot.falloff, columns);
   for (int at = unknown::backlash; at <= unknown::log_across; ++at) {
@@ -643,9 +643,9 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
     Image image = std::move(by[wanted.lamp + k]);
     if (!spot.falloff.empty())
       for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] += spot.by[k].data[i];
-    columns.add(unknown::lamp_position + k, std::move(image));
+    columns.add(unknown::lamp_position + k, image);
   }
-  for (int k = 0; k < 3 && !spot.falloff.empty(); ++k) columns.add(unknown::spot + k, std::move(spot.by[3 + k]));
+  for (int k = 0; k < 3 && !spot.falloff.empty(); ++k) columns.add(unknown::spot + k, spot.by[3 + k]);
   columns.add(unknown::log_intensity, light);
   if (wanted.machine >= 0) add_machine(model, x, &by[wanted.machine], columns);
   if (wanted.pose >= 0) {
@@ -653,12 +653,11 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
     const auto lens_free = free.begin() + unknown::lens;
     if (std::any_of(lens_free, lens_free + kMostLensParameters, [](bool f) { return f; })) {
       std::vector<Image> by_lens = lens_slopes(photo, by[wanted.pose], by[wanted.pose + 1]);
-      for (std::size_t k = 0; k < by_lens.size(); ++k)
-        columns.add(unknown::lens + static_cast<int>(k), std::move(by_lens[k]));
+      for (std::size_t k = 0; k < by_lens.size(); ++k) columns.add(unknown::lens + static_cast<int>(k), by_lens[k]);
     }
-    for (int k = 0; k < 6; ++k) columns.add(unknown::pose + k, std::move(by[wanted.pose + k]));
+    for (int k = 0; k < 6; ++k) columns.add(unknown::pose + k, by[wanted.pose + k]);
   }
-  for (int k = 0; k < 3 && wanted.bow >= 0; ++k) columns.add(unknown::bow + k, std::move(by[wanted.bow + k]));
+  for (int k = 0; k < 3 && wanted.bow >= 0; ++k) columns.add(unknown::bow + k, by[wanted.bow + k]);
   add_blur(photo, x, total, columns);
   out.light = blurred(total, kernel);
   return out;
