@@ -487,13 +487,13 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
 namespace {
 
 template <typename Item, typename Name>
-const Item& find_named(const std::vector<Item>& list, std::string_view wanted, Name name, const std::string& kind,
+const Item& find_named(const std::vector<Item>& list, std::string_view wanted, Name name, std::string_view kind,
                        std::string_view where) {
   const auto found = std::find_if(list.begin(), list.end(), [&](const Item& item) { return name(item) == wanted; });
   if (found != list.end()) return *found;
   std::string names;
   for (const Item& item : list) names += (names.empty() ? "" : ", ") + name(item);
-  fail(std::string(where), "the bench has no " + kind + " \"" + std::string(wanted) + "\"",
+  fail(std::string(where), "the bench has no " + std::string(kind) + " \"" + std::string(wanted) + "\"",
        list.empty() ? "it has none at all: add it to bench.json" : "choose one of: " + names);
 }
 
