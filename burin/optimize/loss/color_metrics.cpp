@@ -11,7 +11,8 @@ namespace {
 
 // The mask as often as the picture has channels.
 Image mask_below(const Image& mask, int channels) {
-  if (mask.data.empty() || channels == 1) return mask;
+  if (mask.data.empty()) return {};
+  if (channels == 1) return mask;
   return channels_below(in_color(mask, mask, mask));
 }
 
