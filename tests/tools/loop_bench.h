@@ -55,7 +55,7 @@ inline void add_view_to_truth(const TemporaryFolder& folder, const std::string& 
   for (Json photo : truth["views"][0]["photos"]) {
     const std::string file = photo["file"], time = photo["datetime"];
     photo["file"] = "photos/" + name + file.substr(file.rfind('_'));
-    photo["datetime"] = "2025:05:17 11:30:" + time.substr(time.size() - 2);
+    photo["datetime"] = std::string("2025:05:17 11:30:").append(time, time.size() - 2);
     view["photos"].push_back(photo);
   }
   truth["views"].push_back(view);
