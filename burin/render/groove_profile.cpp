@@ -113,6 +113,12 @@ std::vector<ProfileBand> profile_bands(const GrooveProfile& profile, double widt
   }
   flank(1);
   add_burr(profile.burr_right_um, profile.burr_width_um, half.rim_um, half.rim_by_depth, out);
+  for (ProfileBand& band : out) {
+    band.from_sine = std::sin(band.from_lean);
+    band.from_cosine = std::cos(band.from_lean);
+    band.to_sine = std::sin(band.to_lean);
+    band.to_cosine = std::cos(band.to_lean);
+  }
   return out;
 }
 

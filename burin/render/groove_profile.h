@@ -40,6 +40,7 @@ struct ProfileBand {
   double from_by_depth = 0, to_by_depth = 0;            ///< d(from_um, to_um) / d(depth_um)
   double from_lean_by_depth = 0, to_lean_by_depth = 0;  ///< d(lean) / d(depth_um)
   double by_width = 0;                                  ///< of parabolas: 1; they keep their width as the groove grows
+  double from_sine = 0, from_cosine = 1, to_sine = 0, to_cosine = 1;  ///< of the leans, which every pixel asks for
 };
 
 /// Half-width w where the wall meets the face, burrs not counted: the profile's w(d), um.

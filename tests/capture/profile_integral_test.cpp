@@ -6,6 +6,8 @@
 
 #include <Eigen/Geometry>
 #include <numbers>
+#include <random>
+#include <vector>
 
 #include "burin/capture/simulator/groove_section.h"
 #include "burin/render/groove.h"
@@ -82,6 +84,35 @@ TEST(ProfileIntegral, OfARoundedVWithBurrsIsTheSumOverItsPoints) {
         EXPECT_NEAR(bands_width, width_um, 2e-3);  // a point's width
         EXPECT_NEAR(bands_sum, points, 2e-4 * points + 1e-6 * peak) << lean << " " << alpha << " " << depth;
       }
+}
+
+// The value alone takes areas as differences of what lies left of the bands' edges, and light by packets; with
+// derivatives each band is cut out, and its light is summed node by node.
+TEST(ProfileIntegral, IsTheSameWithDerivativesAndWithout) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> along(-0.5, kLength + 0.5), across(-0.12, 0.12), half(0.02, 0.4), turn(0, 3.2),
+      lean(-70, 70), sideways(-0.2, 0.2);
+  GrooveProfile arc = rounded_v();
+  arc.kind = GrooveProfile::Kind::paper;
+  int seen = 0;
+  for (const GrooveProfile& profile : {rounded_v(), arc})
+    for (int n = 0; n < 2000; ++n) {
+      const GrooveSegment groove{kWidth, n % 2 == 0 ? 5.0 : kDepth, 0.01 * (1 + n % 20), kLength};
+      const std::vector<ProfileBand> bands = profile_bands(profile, groove.width_um, groove.depth_um);
+      const Eigen::Vector2d middle(across(random), along(random));
+      const Eigen::Rotation2Dd turned(turn(random));
+      const double a = half(random), b = half(random);
+      Quad quad{{{-a, -b}, {a, -b}, {0.9 * a, b}, {-a, 0.8 * b}}};
+      if (n % 3 == 0) std::swap(quad[1], quad[3]);  // the other way around
+      for (Eigen::Vector2d& corner : quad) corner = middle + turned * corner;
+      const Eigen::Vector3d h = half_vector(lean(random), sideways(random));
+      const FootprintValue one = profile_integral(groove, bands, profile.across, quad, h),
+                           other = profile_integral_gradient(groove, bands, profile.across, quad, h).value;
+      EXPECT_NEAR(one.area_mm2, other.area_mm2, 1e-14) << n;
+      EXPECT_NEAR(one.Dhat_mm2, other.Dhat_mm2, 1e-11 * other.Dhat_mm2 + 1e-14) << n;
+      seen += other.area_mm2 > 0;
+    }
+  EXPECT_GT(seen, 1000);
 }
 
 TEST(ProfileIntegral, DerivativesAreThoseOfDifferences) {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "burin/render/footprint/lobe_nodes.h"
+
 namespace burin {
 namespace {
 
@@ -35,8 +37,12 @@ PointLight point_light(const Vector3d& h, double sine, double cosine, double alp
 double density(Shape shape, double cosine) {
   return shape == Shape::circle ? cosine : shape == Shape::paper ? 1 / (1 + cosine) : 1 / (cosine * cosine);
 }
-double density_integral(Shape shape, double lean) {
-  return shape == Shape::circle ? std::sin(lean) : shape == Shape::paper ? std::tan(lean / 2) : std::tan(lean);
+double density_integral(Shape shape, double sine, double cosine) {
+  return shape == Shape::circle ? sine : shape == Shape::paper ? sine / (1 + cosine) : sine / cosine;
+}
+double density_integral(const ProfileBand& band) {
+  return density_integral(band.shape, band.to_sine, band.to_cosine) -
+         density_integral(band.shape, band.from_sine, band.from_cosine);
 }
 
 constexpr std::array<double, 4> kNode{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
@@ -116,9 +122,10 @@ Cut cut_to_length(const Quad& corners, double length_mm) {
   const Vector2d a = corners[2] - corners[0], b = corners[3] - corners[1];
   if (a.x() * b.y() - a.y() * b.x() < 0) out.order = {0, 3, 2, 1};
   for (int i = 0; i < 4; ++i) out.quad[i] = corners[out.order[i]];
-  Polygon whole;
-  for (int i = 0; i < 4; ++i) whole.add(out.quad[i], i);
-  out.polygon = clipped(clipped(whole, 1, 0, 1, kFirstEnd), 1, length_mm, -1, kSecondEnd);
+  for (int i = 0; i < 4; ++i) out.polygon.add(out.quad[i], i);
+  const auto beside = [&](const Vector2d& p) { return p.y() >= 0 && p.y() <= length_mm; };
+  if (!std::all_of(corners.begin(), corners.end(), beside))
+    out.polygon = clipped(clipped(out.polygon, 1, 0, 1, kFirstEnd), 1, length_mm, -1, kSecondEnd);
   if (out.polygon.count == 0) return out;
   out.left = out.right = out.polygon.corner[0].p.x();
   for (int i = 1; i < out.polygon.count; ++i) {
@@ -142,6 +149,79 @@ void each_band(const Cut& cut, std::span<const ProfileBand> bands, const Visit& 
   }
 }
 
+// The NDF along a groove's section, as docs/model.md 4.25 has it: tan(lean - lean of h) = s tan(psi).
+struct SectionLobe {
+  double H, along2, across, C, s, sine_h, cosine_h;
+
+  SectionLobe(const Vector3d& h, double alpha, double roughness_across)
+      : H(std::hypot(h.x(), h.z())), along2(1 / (alpha * alpha)), across(roughness_across) {
+    const double y2 = h.y() * h.y() * along2;
+    C = y2 + H * H;
+    s = std::sqrt(C / (y2 + H * H * along2 / (across * across)));
+    sine_h = -h.x() / H;
+    cosine_h = h.z() / H;
+  }
+  bool dark() const { return !(H > 1e-12); }
+  // Of a lean's sine and cosine; what leans away from the light by a right angle or more is dark.
+  double psi(double sine, double cosine) const {
+    const double away = sine * cosine_h - cosine * sine_h, towards = cosine * cosine_h + sine * sine_h;
+    return towards > 1e-9 ? std::atan(away / (s * towards)) : std::copysign(std::numbers::pi / 2, away);
+  }
+  // From the sum over the nodes to the mean over a band.
+  double factor(double half_psi, double whole) const {
+    return half_psi * s * along2 / (std::numbers::pi * across * C * C) / whole;
+  }
+};
+
+// The light of several bands together: what of it is packets runs by packets.
+struct BandSum {
+  static constexpr int kMost = 12, kNodes = 8;
+  const SectionLobe& lobe;
+  int count = 0;
+  std::array<double, kMost> scale;  // a band's area within the footprint times its factor
+  std::array<Shape, kMost> shape;
+  std::array<double, kMost * kNodes> psi, r2, cos_lean;
+  double sum = 0;
+
+  explicit BandSum(const SectionLobe& of) : lobe(of) {}
+  void add(const ProfileBand& band, double psi_from, double psi_to, double area) {
+    const double middle = (psi_from + psi_to) / 2, half = (psi_to - psi_from) / 2;
+    double* const at = psi.data() + static_cast<std::ptrdiff_t>(kNodes) * count;
+    for (int k = 0; k < kNodes / 2; ++k) {
+      at[k] = middle + kNode[k] * half;
+      at[k + kNodes / 2] = middle - kNode[k] * half;
+    }
+    shape[count] = band.shape;
+    scale[count] = area * lobe.factor(half, density_integral(band));
+    if (++count == kMost) flush();
+  }
+  void flush() {
+    lobe_nodes(kNodes * count, psi.data(), lobe.s, lobe.sine_h, lobe.cosine_h, r2.data(), cos_lean.data());
+    for (int i = 0; i < count; ++i) {
+      double mean = 0;
+      for (int k = 0; k < kNodes; ++k)
+        mean += kWeight[k % 4] * r2[kNodes * i + k] * density(shape[i], cos_lean[kNodes * i + k]);
+      sum += scale[i] * mean;
+    }
+    count = 0;
+  }
+};
+
+// Of a polygon, what lies left of x: minus the integral of y dx around it, where the side at x adds nothing.
+double area_left_of(double x, const Polygon& polygon) {
+  const double y0 = polygon.corner[0].p.y();
+  double area = 0;
+  for (int i = 0; i < polygon.count; ++i) {
+    const Vector2d &a = polygon.corner[i].p, &b = polygon.corner[i + 1 < polygon.count ? i + 1 : 0].p;
+    const double left = std::min(a.x(), b.x()), right = std::max(a.x(), b.x()), end = std::min(x, right);
+    if (!(end > left)) continue;
+    const double slope = (b.y() - a.y()) / (b.x() - a.x()), yl = a.x() < b.x() ? a.y() : b.y();
+    const double under = (end - left) * (yl - y0 + 0.5 * slope * (end - left));
+    area += a.x() < b.x() ? -under : under;
+  }
+  return area;
+}
+
 }  // namespace
 
 BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, double across, bool slopes) {
@@ -154,20 +234,12 @@ BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, d
     out.by_h = p.by_h;
     return out;
   }
-  const double H = std::hypot(h.x(), h.z());
-  if (!(H > 1e-12)) return out;
-  // tan(lean - lean of h) = s tan(psi): in psi the lobe is as smooth as a cosine.
-  const double along2 = 1 / (alpha * alpha), across2 = along2 / (across * across);
-  const double C = h.y() * h.y() * along2 + H * H, P = h.y() * h.y() * along2 + H * H * across2, s = std::sqrt(C / P);
-  const double sine_h = -h.x() / H, cosine_h = h.z() / H, lean_h = std::atan2(sine_h, cosine_h);
-  const auto psi_of = [&](double lean) {
-    constexpr double kDark = std::numbers::pi / 2 - 1e-9;
-    return std::atan(std::tan(std::clamp(lean - lean_h, -kDark, kDark)) / s);
-  };
-  const double psi_from = psi_of(band.from_lean), psi_to = psi_of(band.to_lean);
+  const SectionLobe lobe(h, alpha, across);
+  if (lobe.dark()) return out;
+  const double s = lobe.s, sine_h = lobe.sine_h, cosine_h = lobe.cosine_h;
+  const double psi_from = lobe.psi(band.from_sine, band.from_cosine), psi_to = lobe.psi(band.to_sine, band.to_cosine);
   const double middle = (psi_from + psi_to) / 2, half = (psi_to - psi_from) / 2;
-  const double whole = density_integral(band.shape, band.to_lean) - density_integral(band.shape, band.from_lean);
-  const double factor = half * s * along2 / (std::numbers::pi * across * C * C) / whole;
+  const double whole = density_integral(band), factor = lobe.factor(half, whole);
   for (int k = 0; k < 8; ++k) {
     const double psi = middle + (k < 4 ? kNode[k] : -kNode[k - 4]) * half;
     const double sine = std::sin(psi), cosine = std::cos(psi), r2 = cosine * cosine + s * s * sine * sine;
@@ -182,20 +254,44 @@ BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, d
     out.by_alpha += weight / p.D * p.by_alpha;
   }
   if (!slopes) return out;
-  out.by_to_lean = density(band.shape, std::cos(band.to_lean)) * (at(band.to_lean).D - out.value) / whole;
-  out.by_from_lean = -density(band.shape, std::cos(band.from_lean)) * (at(band.from_lean).D - out.value) / whole;
+  out.by_to_lean = density(band.shape, band.to_cosine) * (at(band.to_lean).D - out.value) / whole;
+  out.by_from_lean = -density(band.shape, band.from_cosine) * (at(band.from_lean).D - out.value) / whole;
   return out;
 }
 
 FootprintValue profile_integral(const GrooveSegment& groove, std::span<const ProfileBand> bands, double across,
                                 const Quad& corners_mm, const Vector3d& h_scratch) {
   FootprintValue out{};
+  const Cut cut = cut_to_length(corners_mm, groove.length_mm);
+  if (cut.polygon.count < 3) return out;
   const Vector3d h = h_scratch.normalized();
-  each_band(cut_to_length(corners_mm, groove.length_mm), bands, [&](const ProfileBand& band, const Polygon& part) {
-    const double area = area_of(part);
+  const SectionLobe lobe(h, groove.alpha, across);
+  BandSum arcs(lobe);
+  // Neighbors share an edge: its place, the area left of it, and its psi.
+  double at_mm = cut.left, area_before = 0, lean = 0, psi = 0;
+  bool psi_known = false;
+  for (const ProfileBand& band : bands) {
+    const double from = 1e-3 * band.from_um, to = 1e-3 * band.to_um;
+    if (to <= cut.left || from >= cut.right) continue;
+    if (from > at_mm) area_before = area_left_of(from, cut.polygon);
+    const double area_after = area_left_of(to, cut.polygon), area = std::max(0.0, area_after - area_before);
+    at_mm = to;
+    area_before = area_after;
     out.area_mm2 += area;
-    out.Dhat_mm2 += area * band_light(band, h, groove.alpha, across, false).value;
-  });
+    if (band.shape == Shape::flank || band.from_lean == band.to_lean) {
+      out.Dhat_mm2 += area * point_light(h, band.from_sine, band.from_cosine, groove.alpha, across, false).D;
+      continue;
+    }
+    if (lobe.dark()) continue;
+    if (!psi_known || lean != band.from_lean) psi = lobe.psi(band.from_sine, band.from_cosine);
+    const double psi_to = lobe.psi(band.to_sine, band.to_cosine);
+    arcs.add(band, psi, psi_to, area);
+    psi = psi_to;
+    lean = band.to_lean;
+    psi_known = true;
+  }
+  arcs.flush();
+  out.Dhat_mm2 += arcs.sum;
   return out;
 }
 

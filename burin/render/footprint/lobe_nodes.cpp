@@ -1,0 +1,40 @@
+#include "burin/render/footprint/lobe_nodes.h"
+
+#include <cmath>
+
+#include "burin/render/fast/machine_clones.h"
+
+namespace burin {
+namespace {
+
+// Taylor's series up to pi/4, where what follows is below 1e-16.
+BURIN_INLINED double sine_below_quarter(double y) {
+  const double t = y * y;
+  return y * (1 + t * (-1. / 6 +
+                       t * (1. / 120 + t * (-1. / 5040 + t * (1. / 362880 + t * (-1. / 39916800 +
+                                                                                 t * (1. / 6227020800. +
+                                                                                      t * (-1. / 1307674368000.))))))));
+}
+BURIN_INLINED double cosine_below_quarter(double y) {
+  const double t = y * y;
+  return 1 + t * (-1. / 2 +
+                  t * (1. / 24 + t * (-1. / 720 + t * (1. / 40320 +
+                                                       t * (-1. / 3628800 + t * (1. / 479001600. +
+                                                                                 t * (-1. / 87178291200. +
+                                                                                      t * (1. / 20922789888000.))))))));
+}
+
+}  // namespace
+
+BURIN_MACHINE_CLONES
+void lobe_nodes(int count, const double* psi, double s, double sine_h, double cosine_h, double* r2, double* cos_lean) {
+  for (int i = 0; i < count; ++i) {
+    const double y = 0.5 * psi[i], sy = sine_below_quarter(y), cy = cosine_below_quarter(y);
+    const double sine = 2 * sy * cy, cosine = 1 - 2 * sy * sy;
+    const double square = cosine * cosine + s * s * sine * sine;
+    r2[i] = square;
+    cos_lean[i] = (cosine_h * cosine - sine_h * s * sine) / std::sqrt(square);
+  }
+}
+
+}  // namespace burin
