@@ -84,8 +84,9 @@ void print_result(const Refinement& r, const Board& board) {
                100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
   fmt::print("         residual / its noise: 1 is a perfect model; this one misses {:.1f} % of a pixel's light\n",
              100 * r.model_error);
-  fmt::print("crossing scratches: {}\n",
-             r.bench.crossings == Crossings::last ? "the one carved last is seen" : "their light adds");
+  fmt::print("crossing scratches: {}\n", r.bench.crossings == Crossings::last      ? "the one carved last is seen"
+                                         : r.bench.crossings == Crossings::deepest ? "the lower surface is seen"
+                                                                                   : "their light adds");
 }
 
 }  // namespace
@@ -105,9 +106,10 @@ void add_refine_command(CLI::App& burin) {
   command->add_option("--bench", options->bench, "The bench.json that burin calibrate wrote; it is completed")
       ->required();
   command
-      ->add_option("--crossings", options->crossings,
-                   "Where scratches cross: their light adds, the last one is seen, or whichever fits (auto)")
-      ->check(CLI::IsMember({"auto", "add", "last"}));
+      ->add_option(
+          "--crossings", options->crossings,
+          "Where scratches cross: their light adds, the last one is seen, the deepest, or whichever fits (auto)")
+      ->check(CLI::IsMember({"auto", "add", "last", "deepest"}));
   command->add_flag("--keep-lamp", options->keep_lamp, "Believe the lamp positions of bench.json");
   const auto* hold_out =
       command
@@ -131,7 +133,8 @@ void add_refine_command(CLI::App& burin) {
            "give the designed scratches as \"scratches\": \"FILE.csv\"");
     const Sent sent(read_scratches(board.scratches));
     RefineOptions o;
-    if (options->crossings != "auto") o.crossings = options->crossings == "last" ? Crossings::last : Crossings::add;
+    for (const auto& [crossings, name] : kCrossingsNames)
+      if (options->crossings == name) o.crossings = crossings;
     o.fit_lamp = !options->keep_lamp;
     o.finest_pixel_mm = options->pixel_mm;
     ProgressBar bar;

@@ -180,17 +180,28 @@ void RefineRun::fit_coarse() {
   fit(options.max_iterations, 1e-4, "fitting coarse photos and the machine");
 }
 
-// Where scratches cross: whichever explains the photos better, unless it was asked for.
+// Where scratches cross: whichever explains the photos best, unless it was asked for.
 void RefineRun::choose_crossings() {
   data.model.crossings = options.crossings.value_or(Crossings::add);
   if (!options.crossings) {
     weigh_photos(data, state);
-    State adding = state, last = state;
-    const double cost_adding = solve(data, stage, 2, 1e-4, adding, progress, "crossing scratches as a sum");
-    data.model.crossings = Crossings::last;
-    const double cost_last = solve(data, stage, 2, 1e-4, last, progress, "crossing scratches, the last one rules");
-    data.model.crossings = cost_last < cost_adding ? Crossings::last : Crossings::add;
-    state = cost_last < cost_adding ? last : adding;
+    constexpr std::array<std::pair<Crossings, const char*>, 3> kRules{
+        {{Crossings::add, "crossing scratches as a sum"},
+         {Crossings::last, "crossing scratches, the last one rules"},
+         {Crossings::deepest, "crossing scratches, the lower surface is left"}}};
+    const State before = state;
+    Crossings best = Crossings::add;
+    double best_cost = 0;
+    for (const auto& [rule, name] : kRules) {
+      data.model.crossings = rule;
+      State trial = before;
+      const double cost = solve(data, stage, 2, 1e-4, trial, progress, name);
+      if (rule != kRules.front().first && !(cost < best_cost)) continue;
+      best = rule;
+      best_cost = cost;
+      state = trial;
+    }
+    data.model.crossings = best;
   }
   out.bench.crossings = data.model.crossings;
 }
@@ -248,6 +259,7 @@ void RefineRun::find_profile() {
   data.model.profile = out.bench.material.profile = choice.profile;
   state = choice.state;
   for (const Group group : choice.free) stage.free(group);
+  choose_crossings();  // anew: rims that are cut away and rims that never were look alike
   fit(options.max_iterations, 1e-5, "fitting the grooves' cross-section");
 }
 

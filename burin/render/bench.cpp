@@ -320,10 +320,14 @@ Json told_json(const ToldMaterial& told) {
 
 Crossings read_crossings(JsonObject& json) {
   const std::string text = json.text("crossings", "add");
-  if (text != "add" && text != "last")
-    json.fail_field("crossings", "is \"" + text + "\"",
-                    "write \"add\" (their light adds) or \"last\" (the later groove replaces the earlier)");
-  return text == "last" ? Crossings::last : Crossings::add;
+  const auto found =
+      std::find_if(kCrossingsNames.begin(), kCrossingsNames.end(), [&](const auto& one) { return one.second == text; });
+  if (found == kCrossingsNames.end())
+    json.fail_field(
+        "crossings", "is \"" + text + "\"",
+        "write \"add\" (their light adds), \"last\" (the later groove replaces the earlier) or \"deepest\" (the "
+        "lower surface is left)");
+  return found->first;
 }
 
 Json measured_grain_json(const Material& m, const MaterialSigma& sigma) {
@@ -360,7 +364,8 @@ Json material_json(const Bench& bench, double tool_width_um) {
     json["profile"] = measured_profile_json(bench.material.profile, bench.material_sigma);
   if (!bench.depth_field.is_constant()) json["depth_field"] = field_json(bench.depth_field);
   if (!bench.alpha_field.is_constant()) json["alpha_field"] = field_json(bench.alpha_field);
-  json["crossings"] = bench.crossings == Crossings::last ? "last" : "add";
+  for (const auto& [crossings, name] : kCrossingsNames)
+    if (bench.crossings == crossings) json["crossings"] = name;
   put_scatter(bench.alpha_scatter, "alpha_scatter", json);
   put_scatter(bench.depth_scatter, "depth_scatter", json);
   if (const Json told = told_json(bench.told); !told.empty()) json["told"] = told;

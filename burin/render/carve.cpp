@@ -6,7 +6,7 @@
 #include <numeric>
 
 #include "burin/render/error.h"
-#include "burin/render/groove.h"
+#include "burin/render/groove_profile.h"
 #include "burin/render/machine_errors.h"
 
 namespace burin {
@@ -156,8 +156,8 @@ Carved crossed(Scratches placed, const Bench& bench, const Board& board) {
   std::vector<std::size_t> order(placed.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return placed.is_carved(i); });
-  VisiblePieces pieces =
-      visible_pieces(selected(placed, order), board.tool_width_um, bench.material.depth_um, bench.material.profile);
+  VisiblePieces pieces = visible_pieces(selected(placed, order), board.tool_width_um, bench.material.depth_um,
+                                        bench.material.profile, bench.crossings);
   for (std::uint32_t& row : pieces.source) row = static_cast<std::uint32_t>(order[row]);
   for (std::vector<PieceEnd>* ends : {&pieces.begin, &pieces.end})
     for (PieceEnd& end : *ends) end.cutter = static_cast<std::uint32_t>(order[end.cutter]);
@@ -165,6 +165,7 @@ Carved crossed(Scratches placed, const Bench& bench, const Board& board) {
   out.source = std::move(pieces.source);
   out.begin = std::move(pieces.begin);
   out.end = std::move(pieces.end);
+  out.share = std::move(pieces.share);
   return out;
 }
 
@@ -207,18 +208,37 @@ void pull_back_end(const PieceEnd& end, std::size_t i, const Vector2d& by_q, con
     const double share = u.dot(q - a0) / length;
     out.add_first(j, -lambda * (1 - share) * across);
     out.add_last(j, -lambda * share * across);
-    // The side stands w to the left or right, and w follows width and depth.
-    const double sign = end.boundary == Boundary::side_plus ? 1 : -1;
-    const double wt = or_shared(placed.width_um, j, board.tool_width_um);
-    const double d = or_shared(placed.depth_um, j, bench.material.depth_um);
-    const double rim = groove_rim(wt, d), decay = std::exp(-2 * d / wt);
-    out.add_depth(j, -lambda * sign * 1e-3 * decay / (2 * rim));
-    out.add_width(j, -lambda * sign * 1e-3 * (rim / 2 - d / wt * decay / (2 * rim)));
+    // The line stands off to the left or right, and follows both grooves' depths; with their widths and depths
+    // together it only grows.
+    const double sign = 1e-3 * (end.boundary == Boundary::side_plus ? -lambda : lambda);
+    const auto depth = [&](std::size_t row) { return or_shared(placed.depth_um, row, bench.material.depth_um); };
+    out.add_depth(i, sign * end.reach_by_depth);
+    out.add_depth(j, sign * end.reach_by_cutter_depth);
+    out.add_width(j, sign * (end.reach_um - end.reach_by_depth * depth(i) - end.reach_by_cutter_depth * depth(j)) /
+                         or_shared(placed.width_um, j, board.tool_width_um));
   } else {
     const double lean = across.dot(q - a0) / length;
     out.add_first(j, lambda * (-lean * across - (end.boundary == Boundary::first_end ? u : Vector2d(0, 0))));
     out.add_last(j, lambda * (lean * across - (end.boundary == Boundary::last_end ? u : Vector2d(0, 0))));
   }
+}
+
+// Depth and width of piece k back to its row. A share s of the half-width w(d) is left: the piece has the depth d' with
+// w(d') = s w(d), and by lengths alone d' = wt dd'/dwt + d dd'/dd.
+void pull_back_depth(const Carved& carved, std::size_t k, const Scratches& placed, const Bench& bench,
+                     const Board& board, const ScratchGradients& by, EndGradients& out) {
+  const std::size_t i = carved.source[k];
+  if (carved.share.empty() || carved.share[k] == 1) {
+    out.add_depth(i, by.depth_um[k]);
+    out.add_width(i, by.width_um[k]);
+    return;
+  }
+  const GrooveProfile& profile = bench.material.profile;
+  const double wt = or_shared(placed.width_um, i, board.tool_width_um),
+               d = or_shared(placed.depth_um, i, bench.material.depth_um), piece_um = carved.scratches.depth_um[k];
+  const double by_depth = carved.share[k] * half_width_slope(profile, wt, d) / half_width_slope(profile, wt, piece_um);
+  out.add_depth(i, by.depth_um[k] * by_depth);
+  out.add_width(i, by.width_um[k] + by.depth_um[k] * (piece_um - d * by_depth) / wt);
 }
 
 // dE/d(value of each row after its field) becomes dE/d(value before), and moves the row's ends.
@@ -316,8 +336,7 @@ ScratchGradients pull_back(const Carved& carved, const Designed& designed, const
       const std::size_t i = carved.source[k];
       pull_back_end(carved.begin[k], i, {by_carved.x0_mm[k], by_carved.y0_mm[k]}, placed, bench, board, ends);
       pull_back_end(carved.end[k], i, {by_carved.x1_mm[k], by_carved.y1_mm[k]}, placed, bench, board, ends);
-      out.width_um[i] += by_carved.width_um[k];
-      out.depth_um[i] += by_carved.depth_um[k];
+      pull_back_depth(carved, k, placed, bench, board, by_carved, ends);
       out.alpha[i] += by_carved.alpha[k];
     }
   }

@@ -1,7 +1,9 @@
 #include "burin/render/crossings.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "burin/render/groove.h"
@@ -93,63 +95,146 @@ Stretch covered_stretch(const Scratches& s, std::size_t i, std::size_t j, double
   return out;
 }
 
+// How wide a groove is left where others cut it: this many steps from nothing to its whole width.
+constexpr int kSteps = 3;
+
+// A groove's cross-section.
+struct Section {
+  double width_um, depth_um, half_width_um;
+};
+
+// How far from the middle of one groove, um, another is hidden by it; and what that moves as the hidden one, or the
+// one that hides it, becomes a um deeper.
+struct Reach {
+  double um = 0, by_depth = 0, by_cutter_depth = 0;
+};
+
+// Of groove i at a share of its half-width: up to where the walls of both are equally low (docs/model.md 7.10).
+Reach reach_at(const GrooveProfile& profile, const Section& i, const Section& j, double share) {
+  const double inner_um = depth_at_half_width_um(profile, i.width_um, share * i.half_width_um),
+               below_um = inner_um + j.depth_um - i.depth_um;
+  if (!(below_um > 0)) return {};
+  const double slope = half_width_slope(profile, j.width_um, below_um),
+               inner_by_depth = share * half_width_slope(profile, i.width_um, i.depth_um) /
+                                half_width_slope(profile, i.width_um, inner_um);
+  return {half_width_um(profile, j.width_um, below_um), slope * (inner_by_depth - 1), slope};
+}
+
+// Within that, groove i is left to `level` steps: the mean over the step beyond, by Gauss and Legendre's two points.
+Reach reach_of_step(const GrooveProfile& profile, const Section& i, const Section& j, int level) {
+  constexpr double kNode = 0.21132486540518708;
+  const Reach a = reach_at(profile, i, j, (level + kNode) / kSteps),
+              b = reach_at(profile, i, j, (level + 1 - kNode) / kSteps);
+  return {(a.um + b.um) / 2, (a.by_depth + b.by_depth) / 2, (a.by_cutter_depth + b.by_cutter_depth) / 2};
+}
+
+// Where along a groove less of it begins or ends to be left.
+struct Change {
+  double at_mm;
+  bool ends;
+  int level;  // steps that are left between the two
+  PieceEnd::Boundary boundary;
+  std::size_t cutter;
+  Reach reach;
+};
+
 }  // namespace
 
 VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
-                             const GrooveProfile& profile) {
+                             const GrooveProfile& profile, Crossings rule) {
   VisiblePieces out;
   if (carved.size() == 0) return out;
+  const bool deepest = rule == Crossings::deepest;
+  std::vector<Section> sections(carved.size());
   std::vector<double> half_width_mm(carved.size());
-  for (std::size_t i = 0; i < carved.size(); ++i)
-    half_width_mm[i] = 1e-3 * half_width_um(profile, carved.width_um.empty() ? tool_width_um : carved.width_um[i],
-                                            carved.depth_um.empty() ? depth_um : carved.depth_um[i]);
+  for (std::size_t i = 0; i < carved.size(); ++i) {
+    sections[i] = {carved.width_um.empty() ? tool_width_um : carved.width_um[i],
+                   carved.depth_um.empty() ? depth_um : carved.depth_um[i], 0};
+    sections[i].half_width_um = half_width_um(profile, sections[i].width_um, sections[i].depth_um);
+    half_width_mm[i] = 1e-3 * sections[i].half_width_um;
+  }
   constexpr double kCellMm = 2;
   CellIndex index(carved, half_width_mm, kCellMm);
 
   std::vector<std::size_t> near;
-  std::vector<Stretch> gone;
+  std::vector<Change> changes;
   for (std::size_t i = 0; i < carved.size(); ++i) {
     near.clear();
     index.for_cells(carved, i, half_width_mm[i], [&](const std::vector<std::size_t>& cell) {
-      near.insert(near.end(), std::upper_bound(cell.begin(), cell.end(), i), cell.end());
+      near.insert(near.end(), deepest ? cell.begin() : std::upper_bound(cell.begin(), cell.end(), i), cell.end());
     });
     std::sort(near.begin(), near.end());
     near.erase(std::unique(near.begin(), near.end()), near.end());
-    gone.clear();
+    changes.clear();
+    const auto cover = [&](std::size_t j, int level, const Reach& reach) {
+      const Stretch stretch = covered_stretch(carved, i, j, 1e-3 * reach.um);
+      if (!(stretch.from_mm < stretch.to_mm)) return false;
+      changes.push_back({stretch.from_mm, false, level, stretch.from_boundary, j, reach});
+      changes.push_back({stretch.to_mm, true, level, stretch.to_boundary, j, reach});
+      return true;
+    };
     for (const std::size_t j : near) {
-      const Stretch stretch = covered_stretch(carved, i, j, half_width_mm[j]);
-      if (stretch.from_mm < stretch.to_mm) gone.push_back(stretch);
+      if (j == i) continue;
+      if (!deepest) {
+        cover(j, 0,
+              {sections[j].half_width_um, 0, half_width_slope(profile, sections[j].width_um, sections[j].depth_um)});
+        continue;
+      }
+      for (int level = kSteps - 1; level >= 0; --level)
+        if (!cover(j, level, reach_of_step(profile, sections[i], sections[j], level))) break;
     }
-    std::sort(gone.begin(), gone.end(), [](const Stretch& a, const Stretch& b) {
-      return std::pair(a.from_mm, a.to_mm) < std::pair(b.from_mm, b.to_mm);
+    // What begins comes before what ends there, so that nothing is left between the two.
+    std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
+      return std::tuple(a.at_mm, a.ends, a.level, a.cutter) < std::tuple(b.at_mm, b.ends, b.level, b.cutter);
     });
 
     const double dx = carved.x1_mm[i] - carved.x0_mm[i], dy = carved.y1_mm[i] - carved.y0_mm[i];
     const double length = std::hypot(dx, dy);
-    // From where on nothing later covers it, and what ended the last cover.
     double from = 0;
     PieceEnd begin;
-    const auto keep_until = [&](double to, Boundary boundary, std::size_t cutter) {
+    const auto piece_until = [&](double to, int level, const PieceEnd& end) {
       constexpr double kShortestMm = 1e-4;
-      if (to - from < kShortestMm) return;
+      if (level == 0 || to - from < kShortestMm) return;
       out.pieces.x0_mm.push_back(carved.x0_mm[i] + dx * from / length);
       out.pieces.y0_mm.push_back(carved.y0_mm[i] + dy * from / length);
       out.pieces.x1_mm.push_back(carved.x0_mm[i] + dx * to / length);
       out.pieces.y1_mm.push_back(carved.y0_mm[i] + dy * to / length);
       if (!carved.width_um.empty()) out.pieces.width_um.push_back(carved.width_um[i]);
-      if (!carved.depth_um.empty()) out.pieces.depth_um.push_back(carved.depth_um[i]);
       if (!carved.alpha.empty()) out.pieces.alpha.push_back(carved.alpha[i]);
+      if (deepest) {
+        const double share = static_cast<double>(level) / kSteps;
+        const Section& section = sections[i];
+        out.pieces.depth_um.push_back(
+            level == kSteps ? section.depth_um
+                            : depth_at_half_width_um(profile, section.width_um, share * section.half_width_um));
+        out.pieces.rimless.push_back(level == kSteps ? 0 : 1);
+        out.share.push_back(share);
+      } else if (!carved.depth_um.empty()) {
+        out.pieces.depth_um.push_back(carved.depth_um[i]);
+      }
       out.source.push_back(static_cast<std::uint32_t>(i));
       out.begin.push_back(begin);
-      out.end.push_back({to / length, boundary, static_cast<std::uint32_t>(cutter)});
+      out.end.push_back(end);
     };
-    for (const Stretch& stretch : gone) {
-      keep_until(stretch.from_mm, stretch.from_boundary, stretch.cutter);
-      if (stretch.to_mm <= from) continue;
-      from = stretch.to_mm;
-      begin = {from / length, stretch.to_boundary, static_cast<std::uint32_t>(stretch.cutter)};
+    std::array<int, kSteps> covers{};  // how many stretches leave so many steps
+    const auto left = [&] {
+      int level = 0;
+      while (level < kSteps && covers[level] == 0) ++level;
+      return level;
+    };
+    int level = kSteps;
+    for (const Change& change : changes) {
+      covers[change.level] += change.ends ? -1 : 1;
+      const int now = left();
+      if (now == level) continue;
+      const PieceEnd here{change.at_mm / length, change.boundary,       static_cast<std::uint32_t>(change.cutter),
+                          change.reach.um,       change.reach.by_depth, change.reach.by_cutter_depth};
+      piece_until(change.at_mm, level, here);
+      from = change.at_mm;
+      begin = here;
+      level = now;
     }
-    keep_until(length, Boundary::own_end, 0);
+    piece_until(length, level, {.at = 1});
   }
   return out;
 }

@@ -1,12 +1,17 @@
-// burin/render/crossings.h - grooves that cut into each other: where scratches cross, only the one carved last is left.
-// Frame: board, mm. docs/model.md 7.6.
+// burin/render/crossings.h - grooves that cut into each other: what is left of scratches where they cross.
+// Frame: board, mm. docs/model.md 7.6, 7.10.
 //
-// The renderer adds what crossing scratches send. On a carved board the later groove replaces the earlier one, so the
-// earlier one is interrupted. Cutting its center line where later grooves cover it keeps the area that is left exactly
-// for grooves that cross fully, at any angle, and is right on average for those that touch or overlap sideways.
+// The renderer adds what crossing scratches send. A groove that is pressed replaces an earlier one, which is
+// interrupted. Of grooves that are cut, the lower surface is left, whichever came first: towards a crossing each
+// becomes narrower, as if it were shallower, because the other has taken its rims. Cutting center lines where others
+// cover them, in steps of the width, keeps the area that is left exactly for grooves that cross fully, at any angle,
+// and is right on average for those that touch or overlap sideways.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "burin/render/groove_profile.h"
@@ -14,28 +19,40 @@
 
 namespace burin {
 
-/// What happens where grooves cross: their light and areas add, or only the groove carved last is left.
-enum class Crossings { add, last };
+/// What happens where grooves cross: their light and areas add, only the groove carved last is left, or the lower
+/// surface of all is.
+enum class Crossings { add, last, deepest };
+
+/// As files and options name them.
+inline constexpr std::array<std::pair<Crossings, std::string_view>, 3> kCrossingsNames{
+    {{Crossings::add, "add"}, {Crossings::last, "last"}, {Crossings::deepest, "deepest"}}};
 
 /// Where a piece of a scratch begins or ends.
 struct PieceEnd {
-  /// What ends it there: the scratch's own end, or the outline of a later groove (its sides at -w and +w across it, and
-  /// the lines across its two ends).
+  /// What ends it there: the scratch's own end, or the outline of another groove (lines along it, to its left and
+  /// right, and the lines across its two ends).
   enum class Boundary : std::uint8_t { own_end, side_minus, side_plus, first_end, last_end };
   double at = 0;  ///< along the scratch: 0 its first end, 1 its last
   Boundary boundary = Boundary::own_end;
-  std::uint32_t cutter = 0;  ///< the row of that later groove
+  std::uint32_t cutter = 0;  ///< the row of that groove
+  /// How far from the middle of that groove the line along it lies, um, and what it moves as this groove, or that one,
+  /// becomes a um deeper.
+  double reach_um = 0, reach_by_depth = 0, reach_by_cutter_depth = 0;
 };
 
-/// The pieces of scratches that later ones leave, in carving order.
+/// The pieces of scratches that others leave, in carving order.
 struct VisiblePieces {
-  Scratches pieces;                   ///< width, depth and alpha are those of the source where it carries them
+  /// Width, depth and alpha are those of the source where it carries them; what is left of a groove that others
+  /// narrow has the depth that makes it as wide, and is marked `rimless`.
+  Scratches pieces;
   std::vector<std::uint32_t> source;  ///< the row that each is a piece of
   std::vector<PieceEnd> begin, end;   ///< of each
+  std::vector<double> share;          ///< of the source's half-width that is left; empty: whole grooves
 };
 
-/// Cuts scratches by all later ones. Widths and depths come from the scratches, else from the two numbers given.
+/// Cuts scratches by all later ones (Crossings::last), or by all others (Crossings::deepest). Widths and depths come
+/// from the scratches, else from the two numbers given.
 VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
-                             const GrooveProfile& profile = {});
+                             const GrooveProfile& profile = {}, Crossings rule = Crossings::last);
 
 }  // namespace burin

@@ -46,6 +46,12 @@ struct ProfileBand {
 /// Half-width w where the wall meets the face, burrs not counted: the profile's w(d), um.
 double half_width_um(const GrooveProfile& profile, double width_um, double depth_um);
 
+/// The depth of a groove of that half-width, um: half_width_um() the other way around.
+double depth_at_half_width_um(const GrooveProfile& profile, double width_um, double half_width_um);
+
+/// d(half_width_um) / d(depth_um).
+double half_width_slope(const GrooveProfile& profile, double width_um, double depth_um);
+
 /// The whole section, left to right; arcs are cut into bands at most `widest_um` wide.
 std::vector<ProfileBand> profile_bands(const GrooveProfile& profile, double width_um, double depth_um,
                                        double widest_um = 15);

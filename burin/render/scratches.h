@@ -17,6 +17,9 @@ struct Scratches {
   std::vector<double> width_um, depth_um, alpha;
   /// 1 for what is in the metal already, where it lies; 0 for what is still to be carved. Empty: nothing is carved.
   std::vector<double> carved = {};
+  /// 1 for what is left of a groove whose rims another has taken, with any burrs (burin/render/crossings.h). Empty:
+  /// none. Not in files.
+  std::vector<double> rimless = {};
 
   /// How many there are.
   std::size_t size() const { return x0_mm.size(); }

@@ -61,7 +61,7 @@ double farthest(const Scratches& a, const Scratches& b) {
 
 TEST(Carve, ACompensatedDesignLiesWhereItIsWanted) {
   const Board board = small_board();
-  for (const Crossings crossings : {Crossings::add, Crossings::last}) {
+  for (const Crossings crossings : {Crossings::add, Crossings::last, Crossings::deepest}) {
     Bench bench = worn_bench();
     bench.crossings = crossings;
     Designed design(strewn(60, 1));
@@ -199,7 +199,7 @@ struct LinearE {
 TEST(PullBack, IsTheGradientThroughFieldsWearAndCrossings) {
   const Board board = small_board();
   for (const bool own_depth : {false, true})
-    for (const Crossings crossings : {Crossings::add, Crossings::last}) {
+    for (const Crossings crossings : {Crossings::add, Crossings::last, Crossings::deepest}) {
       Bench bench = worn_bench();
       bench.crossings = crossings;
       Designed design(strewn(40, 5, 30));
@@ -209,7 +209,7 @@ TEST(PullBack, IsTheGradientThroughFieldsWearAndCrossings) {
       }
       const Carved carved = carve(design, bench, board);
       // They do cut each other.
-      ASSERT_GE(carved.size(), design.size() + (crossings == Crossings::last ? 20 : 0));
+      ASSERT_GE(carved.size(), design.size() + (crossings == Crossings::add ? 0 : 20));
       const LinearE E(carved.size(), 6);
       const ScratchGradients g = pull_back(carved, design, bench, board, E.gradient(carved));
       std::size_t compared = 0;
@@ -241,18 +241,20 @@ TEST(PullBack, IsTheGradientThroughFieldsWearAndCrossings) {
 
 TEST(PullBack, SharedDepthMovesAllGrooves) {
   const Board board = small_board();
-  Bench bench = worn_bench();
-  bench.crossings = Crossings::last;
-  const Designed design(strewn(40, 8));
-  const Carved carved = carve(design, bench, board);
-  const LinearE E(carved.size(), 9);
-  const ScratchGradients g = pull_back(carved, design, bench, board, E.gradient(carved));
-  const auto at = [&](double by_um) {
-    Bench other = bench;
-    other.material.depth_um += by_um;
-    return E(carve(design, other, board));
-  };
-  EXPECT_NEAR(g.shared_depth_um, (at(1e-5) - at(-1e-5)) / 2e-5, 1e-5 * std::abs(g.shared_depth_um));
+  for (const Crossings crossings : {Crossings::last, Crossings::deepest}) {
+    Bench bench = worn_bench();
+    bench.crossings = crossings;
+    const Designed design(strewn(40, 8));
+    const Carved carved = carve(design, bench, board);
+    const LinearE E(carved.size(), 9);
+    const ScratchGradients g = pull_back(carved, design, bench, board, E.gradient(carved));
+    const auto at = [&](double by_um) {
+      Bench other = bench;
+      other.material.depth_um += by_um;
+      return E(carve(design, other, board));
+    };
+    EXPECT_NEAR(g.shared_depth_um, (at(1e-5) - at(-1e-5)) / 2e-5, 1e-5 * std::abs(g.shared_depth_um));
+  }
 }
 
 TEST(PullBack, RefusesTheGradientOfOtherGrooves) {

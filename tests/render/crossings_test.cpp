@@ -1,11 +1,11 @@
-// What is proved: the area that later scratches leave of each scratch, against counting random points (the last scratch
-// over a point owns it), and the exact cases. Not proved: that real grooves cut each other so.
+// What is proved: the area that other scratches leave of each scratch, against counting random points (the last scratch
+// over a point owns it, or the lowest wall does), and the exact cases. Not proved: that real grooves cut each other so.
 #include "burin/render/crossings.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -93,6 +93,55 @@ TEST(VisiblePieces, AreaLeftAgreesWithCountingPoints) {
   EXPECT_LT(counted, 0.9 * whole);  // the case is worth the test: crossings take a good part
   // Sideways overlaps are cut by the center line only: right on average, not each. 250 x 2000 points count to 0.2 %.
   EXPECT_NEAR(cut / counted, 1, 0.01);
+}
+
+// Of three strips of each groove's width, inner to outer, how much the lower surface of all shows.
+TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> place(0, 40), turn(0, std::numbers::pi), length(5, 9), unit(0, 1);
+  Scratches s;
+  for (int i = 0; i < 250; ++i) {
+    const double x = place(random), y = place(random), a = turn(random), l = length(random);
+    add(s, x, y, x + l * std::cos(a), y + l * std::sin(a));
+    s.depth_um.push_back(kDepthUm * (0.85 + 0.3 * unit(random)));
+  }
+  const VisiblePieces v = visible_pieces(s, kWidthUm, kDepthUm, {}, Crossings::deepest);
+  const auto half_mm = [&](std::size_t i) { return 1e-3 * half_width_um(kWidthUm, s.depth_um[i]); };
+  std::array<double, 3> left{}, counted{};
+  double whole = 0;
+  constexpr int kPoints = 1500;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Eigen::Vector2d a(s.x0_mm[i], s.y0_mm[i]), b(s.x1_mm[i], s.y1_mm[i]);
+    const Eigen::Vector2d along = (b - a).normalized(), across(along.y(), -along.x());
+    whole += (b - a).norm();
+    for (int k = 0; k < kPoints; ++k) {
+      const double off = 2 * unit(random) - 1;
+      const Eigen::Vector2d p = a + unit(random) * (b - a) + half_mm(i) * off * across;
+      const double height = groove_height_um(1e3 * half_mm(i) * off, kWidthUm, s.depth_um[i]);
+      bool covered = false;
+      for (std::size_t j = 0; j < s.size() && !covered; ++j) {
+        if (j == i) continue;
+        const Eigen::Vector2d c(s.x0_mm[j], s.y0_mm[j]), d(s.x1_mm[j], s.y1_mm[j]);
+        const Eigen::Vector2d u = (d - c).normalized();
+        const double y = (p - c).dot(u), x = (p - c).dot(Eigen::Vector2d(u.y(), -u.x()));
+        covered = y >= 0 && y <= (d - c).norm() && std::abs(x) <= half_mm(j) &&
+                  groove_height_um(1e3 * x, kWidthUm, s.depth_um[j]) < height;
+      }
+      if (!covered) counted[std::min(2, static_cast<int>(3 * std::abs(off)))] += 3 * (b - a).norm() / kPoints;
+    }
+  }
+  for (std::size_t k = 0; k < v.source.size(); ++k) {
+    const std::size_t i = v.source[k];
+    const double share = half_width_um(kWidthUm, v.pieces.depth_um[k]) / (1e3 * half_mm(i)),
+                 l = std::hypot(v.pieces.x1_mm[k] - v.pieces.x0_mm[k], v.pieces.y1_mm[k] - v.pieces.y0_mm[k]);
+    EXPECT_NEAR(v.share[k], share, 1e-9);
+    EXPECT_EQ(v.pieces.rimless[k] != 0, v.share[k] < 1);
+    for (int strip = 0; strip < 3; ++strip)
+      if (3 * share > strip + 0.5) left[strip] += l;
+  }
+  EXPECT_LT(counted[2], 0.8 * whole);  // rims are taken away,
+  EXPECT_GT(counted[0], 0.9 * whole);  // middles hardly are
+  for (int strip = 0; strip < 3; ++strip) EXPECT_NEAR(left[strip] / counted[strip], 1, 0.015) << strip;
 }
 
 }  // namespace

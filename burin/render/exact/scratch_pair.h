@@ -39,7 +39,9 @@ inline ScratchFrame scratch_frame(const Scratches& s, std::size_t i, double widt
   f.groove.depth_um = s.depth_um.empty() ? depth_um : s.depth_um[i];
   f.groove.alpha = s.alpha.empty() ? alpha : s.alpha[i];
   if (!material.profile.is_paper()) {
-    f.bands = profile_bands(material.profile, f.groove.width_um, f.groove.depth_um);
+    GrooveProfile profile = material.profile;
+    if (!s.rimless.empty() && s.rimless[i] != 0) profile.burr_left_um = profile.burr_right_um = 0;
+    f.bands = profile_bands(profile, f.groove.width_um, f.groove.depth_um);
     f.across = material.profile.across;
   }
   return f;

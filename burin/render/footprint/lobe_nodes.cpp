@@ -27,13 +27,19 @@ BURIN_INLINED double cosine_below_quarter(double y) {
 }  // namespace
 
 BURIN_MACHINE_CLONES
-void lobe_nodes(int count, const double* psi, double s, double sine_h, double cosine_h, double* r2, double* cos_lean) {
+void lobe_nodes(int count, const double* psi, double s, double sine_h, double cosine_h, const LobeNodes& out) {
+  double* __restrict const r2 = out.r2;
+  double* __restrict const cos_away = out.cos_away;
+  double* __restrict const sin_away = out.sin_away;
+  double* __restrict const cos_lean = out.cos_lean;
   for (int i = 0; i < count; ++i) {
     const double y = 0.5 * psi[i], sy = sine_below_quarter(y), cy = cosine_below_quarter(y);
     const double sine = 2 * sy * cy, cosine = 1 - 2 * sy * sy;
-    const double square = cosine * cosine + s * s * sine * sine;
+    const double square = cosine * cosine + s * s * sine * sine, root = 1 / std::sqrt(square);
     r2[i] = square;
-    cos_lean[i] = (cosine_h * cosine - sine_h * s * sine) / std::sqrt(square);
+    cos_away[i] = cosine * root;
+    sin_away[i] = s * sine * root;
+    cos_lean[i] = (cosine_h * cosine - sine_h * s * sine) * root;
   }
 }
 

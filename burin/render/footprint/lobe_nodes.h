@@ -3,8 +3,15 @@
 
 namespace burin {
 
-/// tan(lean - lean of h) = s tan(psi), psi from -pi/2 to pi/2: for each psi the factor r2 = cos^2 psi + s^2 sin^2 psi,
-/// and the cosine of the lean. `sine_h`, `cosine_h`: of h's own lean. Good to 1e-15.
-void lobe_nodes(int count, const double* psi, double s, double sine_h, double cosine_h, double* r2, double* cos_lean);
+/// What lobe_nodes() finds for each psi; arrays as long as there are.
+struct LobeNodes {
+  double* r2;        ///< cos^2 psi + s^2 sin^2 psi
+  double* cos_away;  ///< of the lean less that of h
+  double* sin_away;
+  double* cos_lean;  ///< of the lean itself
+};
+
+/// tan(lean - lean of h) = s tan(psi), psi from -pi/2 to pi/2. `sine_h`, `cosine_h`: of h's own lean. Good to 1e-15.
+void lobe_nodes(int count, const double* psi, double s, double sine_h, double cosine_h, const LobeNodes& out);
 
 }  // namespace burin

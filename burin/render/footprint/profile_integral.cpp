@@ -180,7 +180,7 @@ struct BandSum {
   int count = 0;
   std::array<double, kMost> scale;  // a band's area within the footprint times its factor
   std::array<Shape, kMost> shape;
-  std::array<double, kMost * kNodes> psi, r2, cos_lean;
+  std::array<double, kMost * kNodes> psi, r2, cos_away, sin_away, cos_lean;
   double sum = 0;
 
   explicit BandSum(const SectionLobe& of) : lobe(of) {}
@@ -196,7 +196,8 @@ struct BandSum {
     if (++count == kMost) flush();
   }
   void flush() {
-    lobe_nodes(kNodes * count, psi.data(), lobe.s, lobe.sine_h, lobe.cosine_h, r2.data(), cos_lean.data());
+    lobe_nodes(kNodes * count, psi.data(), lobe.s, lobe.sine_h, lobe.cosine_h,
+               {r2.data(), cos_away.data(), sin_away.data(), cos_lean.data()});
     for (int i = 0; i < count; ++i) {
       double mean = 0;
       for (int k = 0; k < kNodes; ++k)
@@ -226,9 +227,8 @@ double area_left_of(double x, const Polygon& polygon) {
 
 BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, double across, bool slopes) {
   BandLight out;
-  const auto at = [&](double lean) { return point_light(h, std::sin(lean), std::cos(lean), alpha, across, slopes); };
   if (band.shape == Shape::flank || band.from_lean == band.to_lean) {
-    const PointLight p = at(band.from_lean);
+    const PointLight p = point_light(h, band.from_sine, band.from_cosine, alpha, across, slopes);
     out.value = p.D;
     out.by_alpha = p.by_alpha;
     out.by_h = p.by_h;
@@ -236,26 +236,35 @@ BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, d
   }
   const SectionLobe lobe(h, alpha, across);
   if (lobe.dark()) return out;
-  const double s = lobe.s, sine_h = lobe.sine_h, cosine_h = lobe.cosine_h;
   const double psi_from = lobe.psi(band.from_sine, band.from_cosine), psi_to = lobe.psi(band.to_sine, band.to_cosine);
   const double middle = (psi_from + psi_to) / 2, half = (psi_to - psi_from) / 2;
   const double whole = density_integral(band), factor = lobe.factor(half, whole);
+  std::array<double, 8> psi, r2, cos_away, sin_away, cos_lean;
+  for (int k = 0; k < 8; ++k) psi[k] = middle + (k < 4 ? kNode[k] : -kNode[k - 4]) * half;
+  lobe_nodes(8, psi.data(), lobe.s, lobe.sine_h, lobe.cosine_h,
+             {r2.data(), cos_away.data(), sin_away.data(), cos_lean.data()});
+  // By h as the lobe's own frame has it: Q = m^2 across2 + y^2 along2 + n^2, m and n along the wall and out of it.
+  const double along2 = lobe.along2, across2 = along2 / (across * across), y2 = h.y() * h.y() * along2;
+  Vector2d by_h(0, 0);
+  double by_Q = 0;
   for (int k = 0; k < 8; ++k) {
-    const double psi = middle + (k < 4 ? kNode[k] : -kNode[k - 4]) * half;
-    const double sine = std::sin(psi), cosine = std::cos(psi), r2 = cosine * cosine + s * s * sine * sine;
-    const double root = 1 / std::sqrt(r2), cos_u = cosine * root, sin_u = s * sine * root;
-    const double cos_lean = cosine_h * cos_u - sine_h * sin_u, sin_lean = sine_h * cos_u + cosine_h * sin_u;
-    const double weight = kWeight[k % 4] * factor * r2 * density(band.shape, cos_lean);
+    const double weight = kWeight[k % 4] * factor * r2[k] * density(band.shape, cos_lean[k]);
     out.value += weight;
     if (!slopes) continue;
-    const PointLight p = point_light(h, sin_lean, cos_lean, alpha, across, true);
-    if (!(p.D > 0)) continue;
-    out.by_h += weight / p.D * p.by_h;
-    out.by_alpha += weight / p.D * p.by_alpha;
+    const double m = lobe.H * sin_away[k], n = lobe.H * cos_away[k], m2 = m * m * across2, Q = m2 + y2 + n * n;
+    const double share = 4 * weight / Q;
+    by_h -= share * Vector2d(m * across2 * cos_away[k] - n * sin_away[k], m * across2 * sin_away[k] + n * cos_away[k]);
+    by_Q += share;
+    out.by_alpha += share * (m2 + y2) - 2 * weight;
   }
   if (!slopes) return out;
-  out.by_to_lean = density(band.shape, band.to_cosine) * (at(band.to_lean).D - out.value) / whole;
-  out.by_from_lean = -density(band.shape, band.from_cosine) * (at(band.from_lean).D - out.value) / whole;
+  out.by_alpha /= alpha;
+  out.by_h = {lobe.cosine_h * by_h.x() - lobe.sine_h * by_h.y(), -h.y() * along2 * by_Q,
+              lobe.sine_h * by_h.x() + lobe.cosine_h * by_h.y()};
+  const auto at = [&](double sine, double cosine) { return point_light(h, sine, cosine, alpha, across, false).D; };
+  out.by_to_lean = density(band.shape, band.to_cosine) * (at(band.to_sine, band.to_cosine) - out.value) / whole;
+  out.by_from_lean =
+      -density(band.shape, band.from_cosine) * (at(band.from_sine, band.from_cosine) - out.value) / whole;
   return out;
 }
 
