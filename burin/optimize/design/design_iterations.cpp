@@ -47,6 +47,7 @@ void DesignRun::iterate() {
   last_rate_ = options_.final_rate > 0 ? options_.final_rate : starts_at_random() ? 1e-4 : 0.0125 / options_.pixels;
   for (iteration_ = 0;; ++iteration_) {
     const bool last = iteration_ == options_.iterations || result_.stopped_early;
+    if (last || searches_are_over()) count_rims();
     look(last);
     record(last);
     if (last) break;
@@ -68,7 +69,10 @@ void DesignRun::iterate() {
 }
 
 // Room for the last look, dropping and the figures, which cost about two more.
-bool DesignRun::time_to_end() { return deadline_.wished_or_used(1, 3 * look_s_); }
+bool DesignRun::time_to_end() {
+  constexpr double kWithRims = 20;  // times as long as without
+  return deadline_.wished_or_used(1, 3 * look_s_ * (rims_count_ ? 1 : kWithRims));
+}
 
 Scratches DesignRun::new_ones() const {
   std::vector<std::size_t> rows(movable_);
@@ -100,7 +104,7 @@ void DesignRun::look(bool last) {
     v.renderer.backward(v.dE_dradiance, by_carved_);
   }
   if (!last) {
-    gradients_ = pull_back(grooves, designed_, bench_, board_, std::move(by_carved_));
+    gradients_ = pull_back(grooves, designed_, bench_now(), board_, std::move(by_carved_));
     for (auto* g : {&gradients_.x0_mm, &gradients_.y0_mm, &gradients_.x1_mm, &gradients_.y1_mm})
       std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable_), g->end(), 0.0);  // what is carved stays
   }
@@ -193,6 +197,15 @@ void DesignRun::settle_order() {
   report("ordering scratches", 0);
   put_in_carving_order(true);
   in_last_order_ = true;
+}
+
+// Grooves as they will cut each other, from now on; the pictures lose light by it.
+void DesignRun::count_rims() {
+  if (rims_count_) return;
+  report("cutting rims away where scratches cross", 0);
+  rims_count_ = true;
+  render_all(views_, in_the_metal());
+  log_exposure_ = fitting_exposures(views_, log_exposure_);
 }
 
 void DesignRun::relocate_some() {

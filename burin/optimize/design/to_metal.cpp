@@ -10,6 +10,11 @@ Carved Metal::carved_alone(const Scratches& designed) const {
   return carve(Designed(designed), alone, board);
 }
 
+Bench adding_rims(Bench bench) {
+  if (bench.crossings == Crossings::deepest) bench.crossings = Crossings::add;
+  return bench;
+}
+
 std::vector<double> by_design(const Carved& carved, const std::vector<double>& by_groove, std::size_t rows) {
   if (carved.source.empty()) return by_groove;
   std::vector<double> sum(rows, 0.0);

@@ -31,6 +31,9 @@ struct Metal {
   Carved carved_alone(const Scratches& designed) const;
 };
 
+/// The bench with grooves that add where they cut each other's rims away (Crossings::deepest); else as it is.
+Bench adding_rims(Bench bench);
+
 /// A number for each groove, such as its light, added up for each designed row that grooves are pieces of.
 std::vector<double> by_design(const Carved& carved, const std::vector<double>& by_groove, std::size_t rows);
 
