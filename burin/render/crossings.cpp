@@ -180,6 +180,9 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
               {sections[j].half_width_um, 0, half_width_slope(profile, sections[j].width_um, sections[j].depth_um)});
         continue;
       }
+      // Most that are near do not meet: their walls are not looked at.
+      const Stretch whole = covered_stretch(carved, i, j, half_width_mm[j]);
+      if (!(whole.from_mm < whole.to_mm)) continue;
       for (int level = kSteps - 1; level >= 0; --level)
         if (!cover(j, level, reach_of_step(profile, sections[i], sections[j], level))) break;
     }

@@ -75,7 +75,7 @@ TEST(ProfileIntegral, OfARoundedVWithBurrsIsTheSumOverItsPoints) {
         const double points = by_points(rounded_v(), depth, h, alpha, &width_um);
         double bands_sum = 0, bands_width = 0, peak = 0;
         for (const ProfileBand& band : profile_bands(rounded_v(), kWidth, depth)) {
-          const double width = band.to_um - band.from_um, light = band_light(band, h, alpha, 1.4, false).value;
+          const double width = band.to_um - band.from_um, light = band_light(band, h, alpha, 1.4).value;
           EXPECT_GT(width, 0);
           bands_sum += width * light;
           bands_width += width;

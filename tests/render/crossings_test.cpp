@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "burin/render/groove.h"
@@ -26,12 +27,34 @@ void add(Scratches& s, double x0, double y0, double x1, double y1) {
   s.y1_mm.push_back(y1);
 }
 
+double piece_length(const VisiblePieces& v, std::size_t k) {
+  return std::hypot(v.pieces.x1_mm[k] - v.pieces.x0_mm[k], v.pieces.y1_mm[k] - v.pieces.y0_mm[k]);
+}
+
 double length_of(const VisiblePieces& v, std::size_t source) {
   double sum = 0;
   for (std::size_t i = 0; i < v.source.size(); ++i)
-    if (v.source[i] == source)
-      sum += std::hypot(v.pieces.x1_mm[i] - v.pieces.x0_mm[i], v.pieces.y1_mm[i] - v.pieces.y0_mm[i]);
+    if (v.source[i] == source) sum += piece_length(v, i);
   return sum;
+}
+
+Scratches strewn(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> place(0, 40), turn(0, std::numbers::pi), length(5, 9);
+  Scratches s;
+  for (int i = 0; i < 250; ++i) {
+    const double x = place(random), y = place(random), a = turn(random), l = length(random);
+    add(s, x, y, x + l * std::cos(a), y + l * std::sin(a));
+  }
+  return s;
+}
+
+// How far across scratch j a point lies, where it lies on it.
+std::optional<double> across_at(const Scratches& s, std::size_t j, double half_width_mm, const Eigen::Vector2d& p) {
+  const Eigen::Vector2d c(s.x0_mm[j], s.y0_mm[j]), d(s.x1_mm[j], s.y1_mm[j]);
+  const Eigen::Vector2d u = (d - c).normalized();
+  const double y = (p - c).dot(u), x = (p - c).dot(Eigen::Vector2d(u.y(), -u.x()));
+  if (!(y >= 0 && y <= (d - c).norm() && std::abs(x) <= half_width_mm)) return std::nullopt;
+  return x;
 }
 
 TEST(VisiblePieces, AFullCrossingTakesItsParallelogram) {
@@ -60,12 +83,8 @@ TEST(VisiblePieces, NothingCrossesNothingIsCut) {
 
 TEST(VisiblePieces, AreaLeftAgreesWithCountingPoints) {
   std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> place(0, 40), turn(0, std::numbers::pi), length(5, 9), unit(0, 1);
-  Scratches s;
-  for (int i = 0; i < 250; ++i) {
-    const double x = place(random), y = place(random), a = turn(random), l = length(random);
-    add(s, x, y, x + l * std::cos(a), y + l * std::sin(a));
-  }
+  std::uniform_real_distribution<double> unit(0, 1);
+  const Scratches s = strewn(random);
   const double w = half_width_mm();
   const VisiblePieces v = visible_pieces(s, kWidthUm, kDepthUm);
   double cut = 0, counted = 0, whole = 0;
@@ -78,10 +97,7 @@ TEST(VisiblePieces, AreaLeftAgreesWithCountingPoints) {
       const Eigen::Vector2d p = a + unit(random) * (b - a) + w * (2 * unit(random) - 1) * across;
       bool covered = false;
       for (std::size_t j = i + 1; j < s.size() && !covered; ++j) {
-        const Eigen::Vector2d c(s.x0_mm[j], s.y0_mm[j]), d(s.x1_mm[j], s.y1_mm[j]);
-        const Eigen::Vector2d u = (d - c).normalized();
-        const double y = (p - c).dot(u), x = (p - c).dot(Eigen::Vector2d(u.y(), -u.x()));
-        covered = y >= 0 && y <= (d - c).norm() && std::abs(x) <= w;
+        covered = across_at(s, j, w, p).has_value();
       }
       left += !covered;
     }
@@ -98,13 +114,9 @@ TEST(VisiblePieces, AreaLeftAgreesWithCountingPoints) {
 // Of three strips of each groove's width, inner to outer, how much the lower surface of all shows.
 TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
   std::mt19937_64 random(8);
-  std::uniform_real_distribution<double> place(0, 40), turn(0, std::numbers::pi), length(5, 9), unit(0, 1);
-  Scratches s;
-  for (int i = 0; i < 250; ++i) {
-    const double x = place(random), y = place(random), a = turn(random), l = length(random);
-    add(s, x, y, x + l * std::cos(a), y + l * std::sin(a));
-    s.depth_um.push_back(kDepthUm * (0.85 + 0.3 * unit(random)));
-  }
+  std::uniform_real_distribution<double> unit(0, 1);
+  Scratches s = strewn(random);
+  for (std::size_t i = 0; i < s.size(); ++i) s.depth_um.push_back(kDepthUm * (0.85 + 0.3 * unit(random)));
   const VisiblePieces v = visible_pieces(s, kWidthUm, kDepthUm, {}, Crossings::deepest);
   const auto half_mm = [&](std::size_t i) { return 1e-3 * half_width_um(kWidthUm, s.depth_um[i]); };
   std::array<double, 3> left{}, counted{};
@@ -121,19 +133,15 @@ TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
       bool covered = false;
       for (std::size_t j = 0; j < s.size() && !covered; ++j) {
         if (j == i) continue;
-        const Eigen::Vector2d c(s.x0_mm[j], s.y0_mm[j]), d(s.x1_mm[j], s.y1_mm[j]);
-        const Eigen::Vector2d u = (d - c).normalized();
-        const double y = (p - c).dot(u), x = (p - c).dot(Eigen::Vector2d(u.y(), -u.x()));
-        covered = y >= 0 && y <= (d - c).norm() && std::abs(x) <= half_mm(j) &&
-                  groove_height_um(1e3 * x, kWidthUm, s.depth_um[j]) < height;
+        const std::optional<double> x = across_at(s, j, half_mm(j), p);
+        covered = x && groove_height_um(1e3 * *x, kWidthUm, s.depth_um[j]) < height;
       }
       if (!covered) counted[std::min(2, static_cast<int>(3 * std::abs(off)))] += 3 * (b - a).norm() / kPoints;
     }
   }
   for (std::size_t k = 0; k < v.source.size(); ++k) {
     const std::size_t i = v.source[k];
-    const double share = half_width_um(kWidthUm, v.pieces.depth_um[k]) / (1e3 * half_mm(i)),
-                 l = std::hypot(v.pieces.x1_mm[k] - v.pieces.x0_mm[k], v.pieces.y1_mm[k] - v.pieces.y0_mm[k]);
+    const double share = half_width_um(kWidthUm, v.pieces.depth_um[k]) / (1e3 * half_mm(i)), l = piece_length(v, k);
     EXPECT_NEAR(v.share[k], share, 1e-9);
     EXPECT_EQ(v.pieces.rimless[k] != 0, v.share[k] < 1);
     for (int strip = 0; strip < 3; ++strip)

@@ -173,9 +173,18 @@ struct SectionLobe {
   }
 };
 
+constexpr int kNodes = 8;
+
+// psi at a band's nodes; returns half of what they span.
+double fill_nodes(double psi_from, double psi_to, double* psi) {
+  const double middle = (psi_from + psi_to) / 2, half = (psi_to - psi_from) / 2;
+  for (int k = 0; k < kNodes; ++k) psi[k] = middle + (k < 4 ? kNode[k] : -kNode[k - 4]) * half;
+  return half;
+}
+
 // The light of several bands together: what of it is packets runs by packets.
 struct BandSum {
-  static constexpr int kMost = 12, kNodes = 8;
+  static constexpr int kMost = 12;
   const SectionLobe& lobe;
   int count = 0;
   std::array<double, kMost> scale;  // a band's area within the footprint times its factor
@@ -185,12 +194,7 @@ struct BandSum {
 
   explicit BandSum(const SectionLobe& of) : lobe(of) {}
   void add(const ProfileBand& band, double psi_from, double psi_to, double area) {
-    const double middle = (psi_from + psi_to) / 2, half = (psi_to - psi_from) / 2;
-    double* const at = psi.data() + static_cast<std::ptrdiff_t>(kNodes) * count;
-    for (int k = 0; k < kNodes / 2; ++k) {
-      at[k] = middle + kNode[k] * half;
-      at[k + kNodes / 2] = middle - kNode[k] * half;
-    }
+    const double half = fill_nodes(psi_from, psi_to, psi.data() + static_cast<std::ptrdiff_t>(kNodes) * count);
     shape[count] = band.shape;
     scale[count] = area * lobe.factor(half, density_integral(band));
     if (++count == kMost) flush();
@@ -225,10 +229,10 @@ double area_left_of(double x, const Polygon& polygon) {
 
 }  // namespace
 
-BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, double across, bool slopes) {
+BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, double across) {
   BandLight out;
   if (band.shape == Shape::flank || band.from_lean == band.to_lean) {
-    const PointLight p = point_light(h, band.from_sine, band.from_cosine, alpha, across, slopes);
+    const PointLight p = point_light(h, band.from_sine, band.from_cosine, alpha, across, true);
     out.value = p.D;
     out.by_alpha = p.by_alpha;
     out.by_h = p.by_h;
@@ -237,27 +241,24 @@ BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, d
   const SectionLobe lobe(h, alpha, across);
   if (lobe.dark()) return out;
   const double psi_from = lobe.psi(band.from_sine, band.from_cosine), psi_to = lobe.psi(band.to_sine, band.to_cosine);
-  const double middle = (psi_from + psi_to) / 2, half = (psi_to - psi_from) / 2;
-  const double whole = density_integral(band), factor = lobe.factor(half, whole);
-  std::array<double, 8> psi, r2, cos_away, sin_away, cos_lean;
-  for (int k = 0; k < 8; ++k) psi[k] = middle + (k < 4 ? kNode[k] : -kNode[k - 4]) * half;
-  lobe_nodes(8, psi.data(), lobe.s, lobe.sine_h, lobe.cosine_h,
+  std::array<double, kNodes> psi, r2, cos_away, sin_away, cos_lean;
+  const double half = fill_nodes(psi_from, psi_to, psi.data()), whole = density_integral(band),
+               factor = lobe.factor(half, whole);
+  lobe_nodes(kNodes, psi.data(), lobe.s, lobe.sine_h, lobe.cosine_h,
              {r2.data(), cos_away.data(), sin_away.data(), cos_lean.data()});
   // By h as the lobe's own frame has it: Q = m^2 across2 + y^2 along2 + n^2, m and n along the wall and out of it.
   const double along2 = lobe.along2, across2 = along2 / (across * across), y2 = h.y() * h.y() * along2;
   Vector2d by_h(0, 0);
   double by_Q = 0;
-  for (int k = 0; k < 8; ++k) {
+  for (int k = 0; k < kNodes; ++k) {
     const double weight = kWeight[k % 4] * factor * r2[k] * density(band.shape, cos_lean[k]);
     out.value += weight;
-    if (!slopes) continue;
     const double m = lobe.H * sin_away[k], n = lobe.H * cos_away[k], m2 = m * m * across2, Q = m2 + y2 + n * n;
     const double share = 4 * weight / Q;
     by_h -= share * Vector2d(m * across2 * cos_away[k] - n * sin_away[k], m * across2 * sin_away[k] + n * cos_away[k]);
     by_Q += share;
     out.by_alpha += share * (m2 + y2) - 2 * weight;
   }
-  if (!slopes) return out;
   out.by_alpha /= alpha;
   out.by_h = {lobe.cosine_h * by_h.x() - lobe.sine_h * by_h.y(), -h.y() * along2 * by_Q,
               lobe.sine_h * by_h.x() + lobe.cosine_h * by_h.y()};
@@ -316,7 +317,7 @@ FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::sp
     AreaSlopes a;
     a.area = area_of(part);
     add_slopes(part, cut.quad, a);
-    const BandLight light = band_light(band, h, groove.alpha, across, true);
+    const BandLight light = band_light(band, h, groove.alpha, across);
     out.value.area_mm2 += a.area;
     out.value.Dhat_mm2 += a.area * light.value;
     for (int i = 0; i < 4; ++i) {

@@ -21,9 +21,8 @@ struct BandLight {
   Eigen::Vector3d by_h{0, 0, 0};
 };
 
-/// `h`: unit, scratch frame; `alpha` along the groove, `across` times as rough across it. Derivatives where asked for.
-BandLight band_light(const ProfileBand& band, const Eigen::Vector3d& h, double alpha, double across,
-                     bool with_derivatives);
+/// `h`: unit, scratch frame; `alpha` along the groove, `across` times as rough across it.
+BandLight band_light(const ProfileBand& band, const Eigen::Vector3d& h, double alpha, double across);
 
 /// As footprint_integral(): `groove` gives alpha and length; the cross-section is that of `bands`.
 FootprintValue profile_integral(const GrooveSegment& groove, std::span<const ProfileBand> bands, double across,
