@@ -1,8 +1,11 @@
 #include "burin/render/crossings.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -11,43 +14,66 @@
 namespace burin {
 namespace {
 
-// A grid of square cells over the board, each listing the scratches whose strip touches it: finds those near a scratch.
+// Grooves as strips: where they begin, which way they go, how long they are, and to where they reach on either side.
+struct Strips {
+  std::vector<double> x_mm, y_mm, ux, uy, length_mm, half_width_mm;
+
+  Strips(const Scratches& s, std::vector<double> half_widths_mm)
+      : x_mm(s.x0_mm), y_mm(s.y0_mm), half_width_mm(std::move(half_widths_mm)) {
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i], length = std::hypot(dx, dy);
+      ux.push_back(dx / length);
+      uy.push_back(dy / length);
+      length_mm.push_back(length);
+    }
+  }
+  std::size_t size() const { return x_mm.size(); }
+};
+
+// A grid of square cells over the board, each listing the scratches whose strip touches it: finds those that a center
+// line may meet.
 class CellIndex {
  public:
-  CellIndex(const Scratches& s, const std::vector<double>& half_width_mm, double cell_mm) : cell_mm_(cell_mm) {
+  explicit CellIndex(const Strips& strips) {
     double x1 = -1e300, y1 = -1e300, reach = 0;
     x0_ = y0_ = 1e300;
-    for (const double w : half_width_mm) reach = std::max(reach, w);
-    for (std::size_t i = 0; i < s.size(); ++i) {
-      x0_ = std::min({x0_, s.x0_mm[i], s.x1_mm[i]});
-      y0_ = std::min({y0_, s.y0_mm[i], s.y1_mm[i]});
-      x1 = std::max({x1, s.x0_mm[i], s.x1_mm[i]});
-      y1 = std::max({y1, s.y0_mm[i], s.y1_mm[i]});
+    for (std::size_t i = 0; i < strips.size(); ++i) {
+      const double ex = strips.x_mm[i] + strips.length_mm[i] * strips.ux[i],
+                   ey = strips.y_mm[i] + strips.length_mm[i] * strips.uy[i];
+      reach = std::max(reach, strips.half_width_mm[i]);
+      x0_ = std::min({x0_, strips.x_mm[i], ex});
+      y0_ = std::min({y0_, strips.y_mm[i], ey});
+      x1 = std::max({x1, strips.x_mm[i], ex});
+      y1 = std::max({y1, strips.y_mm[i], ey});
     }
-    constexpr double kMostCells = 16e6;  // coarser ones find the same, and more that is then passed over
-    cell_mm_ = std::max(cell_mm_, std::sqrt(std::max(0.0, x1 - x0_) * std::max(0.0, y1 - y0_) / kMostCells));
+    // About a cell a scratch, but none smaller than what a strip is wide.
+    constexpr double kMostCells = 16e6, kLargestMm = 2;
+    const double area = std::max(0.0, x1 - x0_) * std::max(0.0, y1 - y0_);
+    cell_mm_ = std::min(kLargestMm, std::sqrt(area / static_cast<double>(strips.size())));
+    cell_mm_ = std::max({cell_mm_, 2 * reach, std::sqrt(area / kMostCells), 1e-3});
     columns_ = static_cast<int>((x1 - x0_) / cell_mm_) + 1;
     rows_ = static_cast<int>((y1 - y0_) / cell_mm_) + 1;
-    cells_.resize(static_cast<std::size_t>(columns_) * rows_);
-    for (std::size_t i = 0; i < s.size(); ++i)
-      for_cells(s, i, half_width_mm[i] + reach, [&](std::vector<std::size_t>& cell) { cell.push_back(i); });
+    first_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
+    for (std::size_t i = 0; i < strips.size(); ++i)
+      for_cells(strips, i, strips.half_width_mm[i], [&](std::size_t cell) { ++first_[cell + 1]; });
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    listed_.resize(first_.back());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (std::size_t i = 0; i < strips.size(); ++i)
+      for_cells(strips, i, strips.half_width_mm[i],
+                [&](std::size_t cell) { listed_[next[cell]++] = static_cast<std::uint32_t>(i); });
   }
 
-  template <typename F>
-  void for_cells(const Scratches& s, std::size_t i, double margin_mm, F&& f) {
-    // Steps along the scratch that are shorter than a cell, with a margin: every cell that the strip touches is met.
-    const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i];
-    const int steps = static_cast<int>(std::ceil(std::hypot(dx, dy) / cell_mm_)) + 1;
-    std::vector<std::size_t> seen;
-    for (int k = 0; k <= steps; ++k) {
-      const double x = s.x0_mm[i] + dx * k / steps, y = s.y0_mm[i] + dy * k / steps, m = margin_mm + 0.5 * cell_mm_;
-      for (int row = index(y - m - y0_, rows_); row <= index(y + m - y0_, rows_); ++row)
-        for (int column = index(x - m - x0_, columns_); column <= index(x + m - x0_, columns_); ++column)
-          seen.push_back(static_cast<std::size_t>(row) * columns_ + column);
-    }
-    std::sort(seen.begin(), seen.end());
-    seen.erase(std::unique(seen.begin(), seen.end()), seen.end());
-    for (const std::size_t c : seen) f(cells_[c]);
+  /// Those that scratch i's center line may meet, from `least` on, in order.
+  void find_near(const Strips& strips, std::size_t i, std::size_t least, std::vector<std::uint32_t>& near) const {
+    near.clear();
+    for_cells(strips, i, 0, [&](std::size_t cell) {
+      const auto begin = listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
+                 end = listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]);
+      near.insert(near.end(), std::lower_bound(begin, end, least), end);
+    });
+    std::sort(near.begin(), near.end());
+    near.erase(std::unique(near.begin(), near.end()), near.end());
   }
 
  private:
@@ -55,28 +81,49 @@ class CellIndex {
     return std::clamp(static_cast<int>(std::floor(offset_mm / cell_mm_)), 0, count - 1);
   }
 
-  double cell_mm_, x0_ = 0, y0_ = 0;
+  // Every cell that is within the margin of scratch i's center line, once: row by row, from where the line comes within
+  // the margin of the row to where it leaves it.
+  template <typename F>
+  void for_cells(const Strips& s, std::size_t i, double margin_mm, F&& f) const {
+    constexpr double kRounding = 1e-9;
+    const double m = margin_mm + kRounding, length = s.length_mm[i];
+    const double ax = s.x_mm[i] - x0_, ay = s.y_mm[i] - y0_, bx = length * s.ux[i], by = length * s.uy[i];
+    const int last_row = index(std::max(ay, ay + by) + m, rows_);
+    for (int row = index(std::min(ay, ay + by) - m, rows_); row <= last_row; ++row) {
+      double from = 0, to = 1;
+      if (std::abs(by) > kRounding) {
+        const double below = (row * cell_mm_ - m - ay) / by, above = ((row + 1) * cell_mm_ + m - ay) / by;
+        from = std::clamp(std::min(below, above), 0.0, 1.0);
+        to = std::clamp(std::max(below, above), 0.0, 1.0);
+      }
+      const double x_from = ax + from * bx, x_to = ax + to * bx;
+      const int last_column = index(std::max(x_from, x_to) + m, columns_);
+      for (int column = index(std::min(x_from, x_to) - m, columns_); column <= last_column; ++column)
+        f(static_cast<std::size_t>(row) * columns_ + column);
+    }
+  }
+
+  double cell_mm_ = 0, x0_ = 0, y0_ = 0;
   int columns_ = 0, rows_ = 0;
-  std::vector<std::vector<std::size_t>> cells_;
+  std::vector<std::size_t> first_;  // of a cell's list in listed_
+  std::vector<std::uint32_t> listed_;
 };
 
 using Boundary = PieceEnd::Boundary;
 
-// The stretch of scratch i's center line, in mm from its first end, that lies on scratch j. Empty if from >= to.
+// The stretch of scratch i's center line, in mm from its first end, that lies within a half-width of scratch j. Empty
+// if from >= to.
 struct Stretch {
   double from_mm, to_mm;
   Boundary from_boundary = Boundary::own_end, to_boundary = Boundary::own_end;
-  std::size_t cutter;
 };
-Stretch covered_stretch(const Scratches& s, std::size_t i, std::size_t j, double half_width_j_mm) {
-  const double ix = s.x1_mm[i] - s.x0_mm[i], iy = s.y1_mm[i] - s.y0_mm[i], length_i = std::hypot(ix, iy);
-  const double jx = s.x1_mm[j] - s.x0_mm[j], jy = s.y1_mm[j] - s.y0_mm[j], length_j = std::hypot(jx, jy);
-  const double ux = jx / length_j, uy = jy / length_j;
-  const double ox = s.x0_mm[i] - s.x0_mm[j], oy = s.y0_mm[i] - s.y0_mm[j];
+Stretch covered_stretch(const Strips& s, std::size_t i, std::size_t j, double half_width_j_mm) {
+  const double ux = s.ux[j], uy = s.uy[j];
+  const double ox = s.x_mm[i] - s.x_mm[j], oy = s.y_mm[i] - s.y_mm[j];
   // Along j and across it, as functions a + b t of the distance t along i.
-  const double along_a = ox * ux + oy * uy, along_b = (ix * ux + iy * uy) / length_i;
-  const double across_a = ox * uy - oy * ux, across_b = (ix * uy - iy * ux) / length_i;
-  Stretch out{.from_mm = 0, .to_mm = length_i, .cutter = j};
+  const double along_a = ox * ux + oy * uy, along_b = s.ux[i] * ux + s.uy[i] * uy;
+  const double across_a = ox * uy - oy * ux, across_b = s.ux[i] * uy - s.uy[i] * ux;
+  Stretch out{.from_mm = 0, .to_mm = s.length_mm[i]};
   const auto clip = [&](double a, double b, double from, double to, Boundary at_from, Boundary at_to) {
     if (std::abs(b) < 1e-12) {
       if (a < from || a > to) out.to_mm = out.from_mm;
@@ -90,7 +137,7 @@ Stretch covered_stretch(const Scratches& s, std::size_t i, std::size_t j, double
     if (enters > out.from_mm) out.from_mm = enters, out.from_boundary = at_from;
     if (leaves < out.to_mm) out.to_mm = leaves, out.to_boundary = at_to;
   };
-  clip(along_a, along_b, 0, length_j, Boundary::first_end, Boundary::last_end);
+  clip(along_a, along_b, 0, s.length_mm[j], Boundary::first_end, Boundary::last_end);
   clip(across_a, across_b, -half_width_j_mm, half_width_j_mm, Boundary::side_minus, Boundary::side_plus);
   return out;
 }
@@ -134,46 +181,31 @@ struct Change {
   bool ends;
   int level;  // steps that are left between the two
   PieceEnd::Boundary boundary;
-  std::size_t cutter;
+  std::uint32_t cutter;
   Reach reach;
 };
 
-}  // namespace
+// Cuts grooves one by one; those of a part of the board by one thread.
+struct Cutting {
+  const Scratches& carved;
+  const GrooveProfile& profile;
+  bool deepest;
+  std::vector<Section> sections;
+  Strips strips;
+  CellIndex index{strips};
 
-VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
-                             const GrooveProfile& profile, Crossings rule) {
-  VisiblePieces out;
-  if (carved.size() == 0) return out;
-  const bool deepest = rule == Crossings::deepest;
-  std::vector<Section> sections(carved.size());
-  std::vector<double> half_width_mm(carved.size());
-  for (std::size_t i = 0; i < carved.size(); ++i) {
-    sections[i] = {carved.width_um.empty() ? tool_width_um : carved.width_um[i],
-                   carved.depth_um.empty() ? depth_um : carved.depth_um[i], 0};
-    sections[i].half_width_um = half_width_um(profile, sections[i].width_um, sections[i].depth_um);
-    half_width_mm[i] = 1e-3 * sections[i].half_width_um;
-  }
-  constexpr double kCellMm = 2;
-  CellIndex index(carved, half_width_mm, kCellMm);
-
-  std::vector<std::size_t> near;
-  std::vector<Change> changes;
-  for (std::size_t i = 0; i < carved.size(); ++i) {
-    near.clear();
-    index.for_cells(carved, i, half_width_mm[i], [&](const std::vector<std::size_t>& cell) {
-      near.insert(near.end(), deepest ? cell.begin() : std::upper_bound(cell.begin(), cell.end(), i), cell.end());
-    });
-    std::sort(near.begin(), near.end());
-    near.erase(std::unique(near.begin(), near.end()), near.end());
+  // Where other grooves cover groove i, in order along it.
+  void find_changes(std::size_t i, std::vector<std::uint32_t>& near, std::vector<Change>& changes) const {
+    index.find_near(strips, i, deepest ? 0 : i + 1, near);
     changes.clear();
-    const auto cover = [&](std::size_t j, int level, const Reach& reach) {
-      const Stretch stretch = covered_stretch(carved, i, j, 1e-3 * reach.um);
+    const auto cover = [&](std::uint32_t j, int level, const Reach& reach) {
+      const Stretch stretch = covered_stretch(strips, i, j, 1e-3 * reach.um);
       if (!(stretch.from_mm < stretch.to_mm)) return false;
       changes.push_back({stretch.from_mm, false, level, stretch.from_boundary, j, reach});
       changes.push_back({stretch.to_mm, true, level, stretch.to_boundary, j, reach});
       return true;
     };
-    for (const std::size_t j : near) {
+    for (const std::uint32_t j : near) {
       if (j == i) continue;
       if (!deepest) {
         cover(j, 0,
@@ -181,7 +213,7 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
         continue;
       }
       // Most that are near do not meet: their walls are not looked at.
-      const Stretch whole = covered_stretch(carved, i, j, half_width_mm[j]);
+      const Stretch whole = covered_stretch(strips, i, j, strips.half_width_mm[j]);
       if (!(whole.from_mm < whole.to_mm)) continue;
       for (int level = kSteps - 1; level >= 0; --level)
         if (!cover(j, level, reach_of_step(profile, sections[i], sections[j], level))) break;
@@ -190,35 +222,39 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
     std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
       return std::tuple(a.at_mm, a.ends, a.level, a.cutter) < std::tuple(b.at_mm, b.ends, b.level, b.cutter);
     });
+  }
 
-    const double dx = carved.x1_mm[i] - carved.x0_mm[i], dy = carved.y1_mm[i] - carved.y0_mm[i];
-    const double length = std::hypot(dx, dy);
+  // A piece of groove i that is `level` steps wide; nothing where it is too short to be seen.
+  void add_piece(std::size_t i, int level, double from_mm, double to_mm, const PieceEnd& begin, const PieceEnd& end,
+                 VisiblePieces& out) const {
+    constexpr double kShortestMm = 1e-4;
+    if (level == 0 || to_mm - from_mm < kShortestMm) return;
+    out.pieces.x0_mm.push_back(strips.x_mm[i] + strips.ux[i] * from_mm);
+    out.pieces.y0_mm.push_back(strips.y_mm[i] + strips.uy[i] * from_mm);
+    out.pieces.x1_mm.push_back(strips.x_mm[i] + strips.ux[i] * to_mm);
+    out.pieces.y1_mm.push_back(strips.y_mm[i] + strips.uy[i] * to_mm);
+    if (!carved.width_um.empty()) out.pieces.width_um.push_back(carved.width_um[i]);
+    if (!carved.alpha.empty()) out.pieces.alpha.push_back(carved.alpha[i]);
+    if (deepest) {
+      const double share = static_cast<double>(level) / kSteps;
+      const Section& section = sections[i];
+      out.pieces.depth_um.push_back(
+          level == kSteps ? section.depth_um
+                          : depth_at_half_width_um(profile, section.width_um, share * section.half_width_um));
+      out.pieces.rimless.push_back(level == kSteps ? 0 : 1);
+      out.share.push_back(share);
+    } else if (!carved.depth_um.empty()) {
+      out.pieces.depth_um.push_back(carved.depth_um[i]);
+    }
+    out.source.push_back(static_cast<std::uint32_t>(i));
+    out.begin.push_back(begin);
+    out.end.push_back(end);
+  }
+
+  void add_pieces(std::size_t i, const std::vector<Change>& changes, VisiblePieces& out) const {
+    const double length = strips.length_mm[i];
     double from = 0;
     PieceEnd begin;
-    const auto piece_until = [&](double to, int level, const PieceEnd& end) {
-      constexpr double kShortestMm = 1e-4;
-      if (level == 0 || to - from < kShortestMm) return;
-      out.pieces.x0_mm.push_back(carved.x0_mm[i] + dx * from / length);
-      out.pieces.y0_mm.push_back(carved.y0_mm[i] + dy * from / length);
-      out.pieces.x1_mm.push_back(carved.x0_mm[i] + dx * to / length);
-      out.pieces.y1_mm.push_back(carved.y0_mm[i] + dy * to / length);
-      if (!carved.width_um.empty()) out.pieces.width_um.push_back(carved.width_um[i]);
-      if (!carved.alpha.empty()) out.pieces.alpha.push_back(carved.alpha[i]);
-      if (deepest) {
-        const double share = static_cast<double>(level) / kSteps;
-        const Section& section = sections[i];
-        out.pieces.depth_um.push_back(
-            level == kSteps ? section.depth_um
-                            : depth_at_half_width_um(profile, section.width_um, share * section.half_width_um));
-        out.pieces.rimless.push_back(level == kSteps ? 0 : 1);
-        out.share.push_back(share);
-      } else if (!carved.depth_um.empty()) {
-        out.pieces.depth_um.push_back(carved.depth_um[i]);
-      }
-      out.source.push_back(static_cast<std::uint32_t>(i));
-      out.begin.push_back(begin);
-      out.end.push_back(end);
-    };
     std::array<int, kSteps> covers{};  // how many stretches leave so many steps
     const auto left = [&] {
       int level = 0;
@@ -230,15 +266,60 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
       covers[change.level] += change.ends ? -1 : 1;
       const int now = left();
       if (now == level) continue;
-      const PieceEnd here{change.at_mm / length, change.boundary,       static_cast<std::uint32_t>(change.cutter),
+      const PieceEnd here{change.at_mm / length, change.boundary,       change.cutter,
                           change.reach.um,       change.reach.by_depth, change.reach.by_cutter_depth};
-      piece_until(change.at_mm, level, here);
+      add_piece(i, level, from, change.at_mm, begin, here, out);
       from = change.at_mm;
       begin = here;
       level = now;
     }
-    piece_until(length, level, {.at = 1});
+    add_piece(i, level, from, length, begin, {.at = 1}, out);
   }
+};
+
+template <typename T>
+void append_rows(std::vector<T>& to, const std::vector<T>& more) {
+  to.insert(to.end(), more.begin(), more.end());
+}
+
+void append_pieces(VisiblePieces& to, const VisiblePieces& more) {
+  for (const auto column : {&Scratches::x0_mm, &Scratches::y0_mm, &Scratches::x1_mm, &Scratches::y1_mm,
+                            &Scratches::width_um, &Scratches::depth_um, &Scratches::alpha})
+    append_rows(to.pieces.*column, more.pieces.*column);
+  append_rows(to.pieces.rimless, more.pieces.rimless);
+  append_rows(to.source, more.source);
+  append_rows(to.begin, more.begin);
+  append_rows(to.end, more.end);
+  append_rows(to.share, more.share);
+}
+
+}  // namespace
+
+VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
+                             const GrooveProfile& profile, Crossings rule) {
+  VisiblePieces out;
+  if (carved.size() == 0) return out;
+  std::vector<Section> sections(carved.size());
+  std::vector<double> half_width_mm(carved.size());
+  for (std::size_t i = 0; i < carved.size(); ++i) {
+    sections[i] = {carved.width_um.empty() ? tool_width_um : carved.width_um[i],
+                   carved.depth_um.empty() ? depth_um : carved.depth_um[i], 0};
+    sections[i].half_width_um = half_width_um(profile, sections[i].width_um, sections[i].depth_um);
+    half_width_mm[i] = 1e-3 * sections[i].half_width_um;
+  }
+  const Cutting cutting{carved, profile, rule == Crossings::deepest, std::move(sections),
+                        Strips(carved, std::move(half_width_mm))};
+  constexpr std::size_t kAtOnce = 512;  // pieces come in carving order, whoever cuts them
+  std::vector<VisiblePieces> parts((carved.size() + kAtOnce - 1) / kAtOnce);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    std::vector<std::uint32_t> near;
+    std::vector<Change> changes;
+    for (std::size_t i = part * kAtOnce; i < std::min(carved.size(), (part + 1) * kAtOnce); ++i) {
+      cutting.find_changes(i, near, changes);
+      cutting.add_pieces(i, changes, parts[part]);
+    }
+  });
+  for (const VisiblePieces& part : parts) append_pieces(out, part);
   return out;
 }
 

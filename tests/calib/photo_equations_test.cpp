@@ -13,6 +13,7 @@
 #include <random>
 
 #include "burin/calib/geometry/geometry_prior.h"
+#include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/effect_unknowns.h"
 
 namespace burin {
@@ -113,7 +114,7 @@ void check_gradient(const Scene& s) {
   FreeUnknowns free{};
   for (int i = 0; i < unknown::count; ++i) free[i] = true;
   const bool spot = s.start[unknown::spot + 2] > 0;
-  const PhotoEquations e = photo_equations(s.model, s.photo, s.start, carved_at(s.model, s.start), free, 10);
+  const PhotoEquations e = photo_equations(s.model, s.photo, s.start, CarvedStates(s.model), free, 10);
   EXPECT_NEAR(e.cost, photo_cost(s.model, s.photo, s.start, carved_at(s.model, s.start)), 1e-4 * e.cost);
   EXPECT_GT(e.cost, 100);
   EXPECT_LT((e.tile_scores.rowwise().sum() - e.Jtr).norm(), 1e-9 * e.Jtr.norm());
@@ -160,7 +161,7 @@ TEST(PhotoEquations, LensAndPoseMoveThePicture) {
   ASSERT_EQ(parameters, 8);
   for (int i = unknown::pose; i < unknown::bow; ++i) free[i] = true;
   for (int i = 0; i < parameters; ++i) free[unknown::lens + i] = true;
-  const PhotoEquations e = photo_equations(s.model, photo, s.start, carved, free);
+  const PhotoEquations e = photo_equations(s.model, photo, s.start, CarvedStates(s.model), free);
   const auto check = [&](int unknown, double step, double tolerance, const std::function<Bench(double)>& moved) {
     const auto cost = [&](double by) { return photo_cost(s.model, photo_of(moved(by)), s.start, carved); };
     const double scale = std::sqrt(2 * e.cost * e.JtJ(unknown, unknown));
@@ -208,7 +209,7 @@ TEST(PhotoEquations, EffectsAreDifferences) {
   x[unknown::burr_width] = std::log(10);
   FreeUnknowns free{};
   for (int i = 0; i < unknown::pose; ++i) free[i] = true;
-  const PhotoEquations e = photo_equations(s.model, s.photo, x, carved_at(s.model, x), free);
+  const PhotoEquations e = photo_equations(s.model, s.photo, x, CarvedStates(s.model), free);
   const Image here = predict(s.model, s.photo, x, carved_at(s.model, x));
   for (int i = unknown::backlash; i < unknown::pose; ++i) {
     if (!is_difference(i) || i == unknown::flank) continue;
@@ -238,7 +239,8 @@ TEST(PhotoEquations, SlopesHoldNearWhereTheyWereTakenAndNotFarAway) {
     FreeUnknowns free{};
     for (int i = 0; i < unknown::pose; ++i)
       free[i] = (i < unknown::depth_field || i >= unknown::machine) && !is_difference(i);
-    const PhotoSlopes slopes = photo_slopes(s.model, s.photo, s.start, carved_at(s.model, s.start), free);
+    const PhotoSlopes slopes =
+        photo_slopes(s.model, s.photo, s.start, carved_at(s.model, s.start), CarvedStates(s.model), free);
     const auto seen = [&](const Unknowns& x) { return seen_light(s.model, s.photo, x, carved_at(s.model, x)); };
     Unknowns near = s.start, far = s.start;
     near[unknown::log_alpha] += 0.01;
@@ -254,7 +256,7 @@ TEST(PhotoEquations, SlopesHoldNearWhereTheyWereTakenAndNotFarAway) {
     // A change that the slopes did not foretell.
     EXPECT_FALSE(slopes_hold(s.model, s.photo, slopes, s.start, seen(near)));
     const PhotoEquations kept = photo_equations(s.model, s.photo, near, seen(near), slopes);
-    const PhotoEquations taken = photo_equations(s.model, s.photo, near, carved_at(s.model, near), free);
+    const PhotoEquations taken = photo_equations(s.model, s.photo, near, CarvedStates(s.model), free);
     EXPECT_NEAR(kept.cost, taken.cost, 1e-5 * taken.cost);
     for (int i = 0; i < unknown::pose; ++i) {
       if (is_difference(i)) continue;

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "burin/calib/geometry/information.h"
+#include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/normal_system.h"
@@ -185,15 +186,15 @@ FreeUnknowns wanted_of(const Stage& stage, const FanLayout& layout) {
 }
 
 // One photo's part. Its row of derivatives is short: by the pixel's own fan, travel, and what the photo depends on.
-void add_photo(const FanProblem& problem, std::size_t k, const State& state, const Carved& carved, const Stage& stage,
-               const FanLayout& layout, FanEquations& out) {
+void add_photo(const FanProblem& problem, std::size_t k, const State& state, const Carved& carved,
+               const CarvedStates& grooves, const Stage& stage, const FanLayout& layout, FanEquations& out) {
   const ModelData& model = problem.data.model;
   const PhotoData& photo = problem.data.photos[k];
   const Unknowns x = state.of(photo.photo.light);
   const GrooveSlopes own = predict_with_slopes(model, photo, x, carved);
   const std::array<Image, kTrends> trends = trend_slopes(problem, k, state, carved, own.value);
   const FreeUnknowns wanted = wanted_of(stage, layout);
-  const PhotoSlopes slopes = photo_slopes(model, photo, x, carved, wanted);
+  const PhotoSlopes slopes = photo_slopes(model, photo, x, carved, grooves, wanted);
   std::vector<Index> at{0, 0};  // own depth and alpha first: set for each fan
   for (Index trend = 0; trend < kTrends; ++trend) at.push_back(2 * layout.fans + trend);
   for (const int index : slopes.index) at.push_back(layout.place(photo, index));
@@ -296,10 +297,11 @@ FanEquations equations_of(FanProblem& problem, const Stage& stage, const State& 
                           const FanLayout& layout) {
   Sent sent;
   const Carved carved = carved_of(problem, sent, state, values);
+  const CarvedStates grooves(problem.data.model);
   const std::size_t photos = problem.data.photos.size();
   const auto clusters = static_cast<Index>(photos * (problem.coupon->fans.size() + 1) * kSectors);
   std::vector<FanEquations> parts(photos, FanEquations(layout.size(), clusters));
-  each_photo(photos, [&](std::size_t k) { add_photo(problem, k, state, carved, stage, layout, parts[k]); });
+  each_photo(photos, [&](std::size_t k) { add_photo(problem, k, state, carved, grooves, stage, layout, parts[k]); });
   FanEquations out(layout.size(), clusters);
   for (const FanEquations& part : parts) {
     out.H += part.H;

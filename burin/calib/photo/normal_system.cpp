@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "burin/calib/geometry/information.h"
+#include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/geometry_agreement.h"
 #include "burin/calib/photo/paper_equation.h"
 
@@ -30,12 +31,13 @@ std::vector<std::vector<PhotoEquations>> equations_of_photos(
     const Problem& data, const Stage& stage, const State& state, const std::vector<ModelData>& models,
     const std::function<void(std::size_t, const PhotoSlopes&)>& look) {
   const FreeUnknowns wanted = wanted_of(data, stage);
-  const Carved carved = carved_at(data.model, state.of(0));
+  const CarvedStates grooves(data.model);
   std::vector<std::vector<PhotoEquations>> out(models.size(), std::vector<PhotoEquations>(data.photos.size()));
   each_photo(data.photos.size(), [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];
     const Unknowns x = state.of(photo.photo.light);
-    const PhotoSlopes slopes = photo_slopes(data.model, photo, x, carved, wanted);
+    const std::shared_ptr<const Carved> carved = grooves.at(x);
+    const PhotoSlopes slopes = photo_slopes(data.model, photo, x, *carved, grooves, wanted);
     if (look) look(k, slopes);
     for (std::size_t m = 0; m < models.size(); ++m) {
       const ModelData& model = models[m];
@@ -43,7 +45,7 @@ std::vector<std::vector<PhotoEquations>> equations_of_photos(
         out[m][k] = photo_equations(model, photo, x, slopes.light, slopes, kTileMm);
       } else {
         PhotoData shifted = photo;
-        shift_by_grooves(model, x, carved, shifted);
+        shift_by_grooves(model, x, *carved, shifted);
         out[m][k] = photo_equations(model, shifted, x, slopes.light, slopes, kTileMm);
       }
     }

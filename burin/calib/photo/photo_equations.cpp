@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <utility>
 
 #include "burin/calib/light/lamp.h"
+#include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
@@ -218,9 +220,6 @@ std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x) {
   return terms;
 }
 
-namespace {
-
-// The bench that the unknowns make, as far as carving asks.
 Bench bench_at(const ModelData& model, const Unknowns& x) {
   Bench bench;
   bench.machine_affine = affine_of(machine_map(x), model.center_mm);
@@ -233,8 +232,6 @@ Bench bench_at(const ModelData& model, const Unknowns& x) {
   bench.crossings = model.crossings;
   return bench;
 }
-
-}  // namespace
 
 Carved carved_at(const ModelData& model, const Unknowns& x) {
   return carve(*model.sent, bench_at(model, x), *model.board);
@@ -543,13 +540,13 @@ void add_depth(const ModelData& model, const PhotoData& photo, const Unknowns& x
 }
 
 // By one more rendering: what no derivative of the renderer tells, as wear, which goes with the carving order.
-void add_by_difference(int at, const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
-                       const std::vector<float>& falloff, ColumnWriter& columns) {
+void add_by_difference(int at, const PhotoData& photo, const Unknowns& x, const Image& light,
+                       const std::vector<float>& falloff, const CarvedStates& grooves, ColumnWriter& columns) {
   if (!columns.wants(at)) return;
   const double step = difference_step(at, x[at]);
   Unknowns moved = x;
   moved[at] += step;
-  Image change = rendered_light(photo, moved, carved_at(model, moved), falloff);
+  Image change = rendered_light(photo, moved, *grooves.at(moved), falloff);
   scene_at(photo, x);
   for (std::size_t i = 0; i < change.data.size(); ++i)
     change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(step);
@@ -614,7 +611,7 @@ void add_blur(const PhotoData& photo, const Unknowns& x, const Image& total, Col
 }  // namespace
 
 PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
-                         const FreeUnknowns& free) {
+                         const CarvedStates& grooves, const FreeUnknowns& free) {
   const Wanted wanted(free);
   const ViewScene& scene = scene_at(photo, x);
   RadianceDerivatives rendered = render_with_derivatives(scene, photo.camera, carved, wanted.parameters);
@@ -629,15 +626,15 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   ColumnWriter columns{out, kernel};
   if (wanted.alpha >= 0) columns.add(unknown::log_alpha, scaled(by[wanted.alpha], scene.material.alpha));
   if (wanted.depth >= 0) add_depth(model, photo, x, by[wanted.depth], columns);
-  add_by_difference(unknown::disk2, model, photo, x, light, spot.falloff, columns);
-  add_by_difference(unknown::depth_wear, model, photo, x, light, spot.falloff, columns);
+  add_by_difference(unknown::disk2, photo, x, light, spot.falloff, grooves, columns);
+  add_by_difference(unknown::depth_wear, photo, x, light, spot.falloff, grooves, columns);
   if (wanted.base >= 0) columns.add(unknown::log_base_alpha, scaled(by[wanted.base], scene.material.base_alpha));
   for (int k = 0; k < 2 && wanted.grain >= 0; ++k) columns.add(unknown::grain + k, by[wanted.grain + k]);
   const bool flanks_as_a_whole = model.profile.kind == GrooveProfile::Kind::paper;
   if (flanks_as_a_whole) add_flanks(photo, x, carved, light, spot.falloff, columns);
   for (int at = unknown::backlash; at <= unknown::log_across; ++at) {
     if (at == unknown::grain || at == unknown::grain + 1 || (at == unknown::flank && flanks_as_a_whole)) continue;
-    add_by_difference(at, model, photo, x, light, spot.falloff, columns);
+    add_by_difference(at, photo, x, light, spot.falloff, grooves, columns);
   }
   for (int k = 0; k < 3 && wanted.lamp >= 0; ++k) {
     Image image = std::move(by[wanted.lamp + k]);
@@ -683,9 +680,9 @@ bool slopes_hold(const ModelData& model, const PhotoData& photo, const PhotoSlop
   return changed < 1 || missed < kTenth * kTenth * changed;
 }
 
-PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
-                               const FreeUnknowns& free, double tile_mm) {
-  const PhotoSlopes slopes = photo_slopes(model, photo, x, carved, free);
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                               const CarvedStates& grooves, const FreeUnknowns& free, double tile_mm) {
+  const PhotoSlopes slopes = photo_slopes(model, photo, x, *grooves.at(x), grooves, free);
   return photo_equations(model, photo, x, slopes.light, slopes, tile_mm);
 }
 

@@ -44,6 +44,8 @@ struct PhotoData {
 };
 
 /// What all photos share.
+class CarvedStates;  // burin/calib/photo/carved_states.h
+
 struct ModelData {
   const Board* board = nullptr;
   const Sent* sent = nullptr;
@@ -67,7 +69,10 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
 /// The terms of the field of depth.
 std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x);
 
-/// The scratches as carved under these unknowns, cut where later ones rule if the model says so.
+/// The bench that the unknowns make, as far as carving asks.
+Bench bench_at(const ModelData& model, const Unknowns& x);
+
+/// The scratches as carved under these unknowns, cut where others rule if the model says so.
 Carved carved_at(const ModelData& model, const Unknowns& x);
 
 /// The same with the scratch that each is a piece of, and with a depth and a roughness for each.
@@ -125,8 +130,9 @@ struct PhotoSlopes {
   std::vector<int> index;      ///< of the unknown that each column is by
   std::vector<Image> columns;  ///< before vignetting
 };
+/// `carved` is in the metal at x, `grooves` beside it.
 PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
-                         const FreeUnknowns& free);
+                         const CarvedStates& grooves, const FreeUnknowns& free);
 
 /// Whether slopes that were taken elsewhere serve at x, where the photo shows `light`: they foretold what has changed
 /// since, in expected errors, to a tenth, or it is less than one expected error in all pixels together.
@@ -149,8 +155,8 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light);
 
 /// `tile_mm` > 0 asks for tile_scores, noise_JtJ and curvature_JtJ.
-PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
-                               const FreeUnknowns& free, double tile_mm = 0);
+PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
+                               const CarvedStates& grooves, const FreeUnknowns& free, double tile_mm = 0);
 /// The same where `light` is seen, with slopes that hold there.
 PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
                                const PhotoSlopes& slopes, double tile_mm = 0);

@@ -9,13 +9,13 @@
 #include <atomic>
 #include <cmath>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "burin/calib/geometry/information.h"
+#include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/paper_equation.h"
 
 namespace burin {
@@ -43,25 +43,6 @@ constexpr std::array<Block, count_blocks()> blocks_of_rows() {
 }
 constexpr auto kBlocks = blocks_of_rows();
 
-// The scratches of the last few states: all photos of an iteration share them.
-class CarvedCache {
- public:
-  std::shared_ptr<const Carved> get(const ModelData& model, const Unknowns& x) {
-    const Eigen::VectorXd key = x.head<unknown::ambient>();
-    const std::lock_guard<std::mutex> lock(mutex_);
-    if (!carved_ || key != key_) {
-      carved_ = std::make_shared<const Carved>(carved_at(model, x));
-      key_ = key;
-    }
-    return carved_;
-  }
-
- private:
-  std::mutex mutex_;
-  Eigen::VectorXd key_;
-  std::shared_ptr<const Carved> carved_;
-};
-
 // One photo as Ceres sees it: its weighted residuals and their Jacobian, turned by an orthogonal transform into count +
 // 1 numbers that have the same cost, gradient and Gauss-Newton matrix. So Ceres' memory does not grow with the pixels.
 // Derivatives take ten times as long as values, so they are kept while they hold (slopes_hold): a fit that starts
@@ -69,8 +50,8 @@ class CarvedCache {
 // Photos are looked at side by side before Ceres asks (PhotosAtOnce); Ceres then sums them in one order, by one thread.
 class PhotoCost : public ceres::CostFunction {
  public:
-  PhotoCost(const ModelData& model, const PhotoData& photo, CarvedCache& cache, std::vector<double*> blocks)
-      : model_(model), photo_(photo), cache_(cache), blocks_(std::move(blocks)) {
+  PhotoCost(const ModelData& model, const PhotoData& photo, const CarvedStates& grooves, std::vector<double*> blocks)
+      : model_(model), photo_(photo), grooves_(grooves), blocks_(std::move(blocks)) {
     for (const Block& block : kBlocks) mutable_parameter_block_sizes()->push_back(block.row->size);
     set_num_residuals(unknown::count + 1);
   }
@@ -82,7 +63,7 @@ class PhotoCost : public ceres::CostFunction {
     Unknowns x = Unknowns::Zero();  // cameras, bow and lens are held
     for (std::size_t b = 0; b < kBlocks.size(); ++b)
       for (int i = 0; i < kBlocks[b].row->size; ++i) x[kBlocks[b].first + i] = blocks_[b][i];
-    const std::shared_ptr<const Carved> carved = cache_.get(model_, x);
+    const std::shared_ptr<const Carved> carved = grooves_.at(x);
     residuals_ = Eigen::VectorXd::Zero(unknown::count + 1);
     // A step that is taken is asked for twice: for its cost, and with the Jacobian.
     if (light_.data.empty() || x != seen_at_) {
@@ -95,7 +76,7 @@ class PhotoCost : public ceres::CostFunction {
     }
     const FreeUnknowns& free = *free_unknowns;
     if (slopes_.free != free || !slopes_hold(model_, photo_, slopes_, x, light_))
-      slopes_ = photo_slopes(model_, photo_, x, *carved, free);
+      slopes_ = photo_slopes(model_, photo_, x, *carved, grooves_, free);
     const PhotoEquations equations = photo_equations(model_, photo_, x, light_, slopes_);
     // JtJ = D U S U^T D with D its diagonal's root: rows sqrt(S) U^T D, residuals S^-1/2 U^T D^-1 Jtr.
     const ScaledEigen eigen = scaled_eigen(equations.JtJ);
@@ -123,7 +104,7 @@ class PhotoCost : public ceres::CostFunction {
  private:
   const ModelData& model_;
   const PhotoData& photo_;
-  CarvedCache& cache_;
+  const CarvedStates& grooves_;
   std::vector<double*> blocks_;  // a parameter block each of kBlocks
   Unknowns seen_at_ = Unknowns::Zero();
   Image light_;  // at seen_at_
@@ -173,8 +154,8 @@ void add_prior(ceres::Problem& problem, const UnknownRow& row, double* block) {
 }
 
 // Photos and paper as Ceres' residual blocks. Returns the lamps that they were taken under.
-std::set<std::size_t> add_residuals(const Problem& data, CarvedCache& cache, State& state, PhotosAtOnce& photos,
-                                    ceres::Problem& problem) {
+std::set<std::size_t> add_residuals(const Problem& data, const CarvedStates& grooves, State& state,
+                                    PhotosAtOnce& photos, ceres::Problem& problem) {
   std::set<std::size_t> lights;
   for (const PhotoData& photo : data.photos) {
     const std::size_t light = photo.photo.light;
@@ -182,7 +163,7 @@ std::set<std::size_t> add_residuals(const Problem& data, CarvedCache& cache, Sta
     std::vector<double*> blocks;
     blocks.reserve(kBlocks.size());
     for (const Block& block : kBlocks) blocks.push_back(state.block(block.first, light));
-    auto* cost = new PhotoCost(data.model, photo, cache, blocks);
+    auto* cost = new PhotoCost(data.model, photo, grooves, blocks);
     photos.photos.push_back(cost);
     problem.AddResidualBlock(cost, nullptr, blocks);
   }
@@ -224,12 +205,12 @@ void hold_and_bound(const Problem& data, const Stage& stage, const std::set<std:
 
 double solve(const Problem& data, const Stage& stage, int max_iterations, double tolerance, State& state,
              const Progress& progress, const std::string& stage_name) {
-  CarvedCache cache;
+  const CarvedStates grooves(data.model);
   PhotosAtOnce photos;
   ceres::Problem::Options problem_options;
   problem_options.evaluation_callback = &photos;
   ceres::Problem problem(problem_options);
-  const std::set<std::size_t> lights = add_residuals(data, cache, state, photos, problem);
+  const std::set<std::size_t> lights = add_residuals(data, grooves, state, photos, problem);
   hold_and_bound(data, stage, lights, state, problem);
   for (const PhotoCost* photo : photos.photos) {
     FreeUnknowns& free = photos.free.emplace_back();

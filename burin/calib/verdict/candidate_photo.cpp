@@ -7,6 +7,7 @@
 #include <set>
 
 #include "burin/calib/light/lamp.h"
+#include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/paper_equation.h"
 #include "burin/render/board_face.h"
@@ -301,8 +302,8 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
     }
 
   // Metal: every pixel, with the error that the prediction's own brightness gives it.
-  const Carved carved = carved_at(data.model, x);
-  photo.photo.value = predict(data.model, photo, x, carved);
+  const CarvedStates grooves(data.model);
+  photo.photo.value = predict(data.model, photo, x, *grooves.at(x));
   std::vector<float> bright;
   const double noise = options.noise * out.light.paper;
   for (std::size_t i = 0; i < photo.weight.size(); ++i) {
@@ -317,7 +318,7 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
   out.light.metal = *top;
   FreeUnknowns wanted{};
   for (int i = 0; i < unknown::pose; ++i) wanted[i] = free[global_index(i, light)];
-  const PhotoEquations equations = photo_equations(data.model, photo, x, carved, wanted);
+  const PhotoEquations equations = photo_equations(data.model, photo, x, grooves, wanted);
   for (int a = 0; a < unknown::pose; ++a)
     for (int b = 0; b < unknown::pose; ++b)
       out.information(global_index(a, light), global_index(b, light)) += equations.JtJ(a, b);

@@ -1,0 +1,55 @@
+#include "burin/calib/photo/carved_states.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace burin {
+namespace {
+
+// What carve() asks of a bench: states that differ in nothing else have the same grooves in the metal.
+std::vector<double> key_of(const Bench& bench) {
+  const GrooveProfile& profile = bench.material.profile;
+  const MachineErrors& errors = bench.machine_errors;
+  std::vector<double> key{bench.material.depth_um, bench.material.alpha,  static_cast<double>(profile.kind),
+                          profile.flank_deg,       profile.tip_radius_um, static_cast<double>(bench.crossings)};
+  const auto add = [&](const auto& numbers) { key.insert(key.end(), numbers.begin(), numbers.end()); };
+  add(bench.machine_affine.reshaped());
+  add(errors.backlash_mm);
+  add(errors.screw_sin_mm);
+  add(errors.screw_cos_mm);
+  add(errors.screw_period_mm);
+  add(bench.depth_field.terms);
+  add(bench.alpha_field.terms);
+  return key;
+}
+
+// A few dozen states of an ordinary board; of one with a million pieces, the last two.
+constexpr std::size_t kMostPieces = 2'000'000, kMostStates = 32;
+
+}  // namespace
+
+std::shared_ptr<const Carved> CarvedStates::at(const Unknowns& x) const {
+  std::vector<double> key = key_of(bench_at(model_, x));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto found =
+      std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.key == key; });
+  if (found != entries_.end()) {
+    std::rotate(found, found + 1, entries_.end());
+    return entries_.back().carved;
+  }
+  // A thread that waits for its helpers must not take up another photo, which would ask here again.
+  tbb::this_task_arena::isolate([&] {
+    entries_.push_back({std::move(key), std::make_shared<const Carved>(carved_at(model_, x))});
+  });
+  std::size_t pieces = 0;
+  for (const Entry& entry : entries_) pieces += entry.carved->size();
+  while (entries_.size() > 2 && (pieces > kMostPieces || entries_.size() > kMostStates)) {
+    pieces -= entries_.front().carved->size();
+    entries_.pop_front();
+  }
+  return entries_.back().carved;
+}
+
+}  // namespace burin

@@ -1,0 +1,34 @@
+// burin/calib/photo/carved_states.h - grooves in the metal at the states that a fit asks for. All photos of an
+// iteration share them, and so do derivatives by differences: cutting grooves where they cross takes longer than
+// rendering them.
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "burin/calib/photo/photo_equations.h"
+
+namespace burin {
+
+/// carved_at() of one model, which must outlive it, with the latest answers kept. Several threads may ask at once.
+class CarvedStates {
+ public:
+  explicit CarvedStates(const ModelData& model) : model_(model) {}
+
+  /// carved_at(model, x).
+  std::shared_ptr<const Carved> at(const Unknowns& x) const;
+
+ private:
+  struct Entry {
+    std::vector<double> key;
+    std::shared_ptr<const Carved> carved;
+  };
+
+  const ModelData& model_;
+  mutable std::mutex mutex_;
+  mutable std::deque<Entry> entries_;  // the latest last
+};
+
+}  // namespace burin
