@@ -89,9 +89,7 @@ void ExactView::forward(const Scratches& scratches, PixelPairs pairs, bool keep_
   const int channels = pixels_.channels;
   pairs_ = std::move(pairs);
   scratch_count_ = scratches.size();
-  std::vector<ScratchFrame> frames(scratch_count_);
-  for (std::size_t s = 0; s < scratch_count_; ++s)
-    frames[s] = scratch_frame(scratches, s, scene_.tool_width_um, scene_.material);
+  const std::vector<ScratchFrame> frames = scratch_frames(scratches, scene_.tool_width_um, scene_.material);
   pair_light_mm2_.assign(pairs_.scratch.size(), 0);
   jacobian_.assign(keep_jacobian ? pairs_.scratch.size() : 0, {});
   covered_.assign(pixels_.size(), 0);

@@ -313,9 +313,7 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
   const FootprintGrid& grid = *scene.grid;
   const auto strips = strips_of(scratches, scene.tool_width_um, scene.material);
   const PixelPairs pairs = find_pairs(PixelIndex(grid), grid.width(), grid.height(), strips);
-  std::vector<ScratchFrame> frames(scratches.size());
-  for (std::size_t s = 0; s < frames.size(); ++s)
-    frames[s] = scratch_frame(scratches, s, scene.tool_width_um, scene.material);
+  const std::vector<ScratchFrame> frames = scratch_frames(scratches, scene.tool_width_um, scene.material);
   const bool own_alpha = !scratches.alpha.empty(), own_depth = !scratches.depth_um.empty(),
              own_width = !scratches.width_um.empty();
 

@@ -9,6 +9,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "burin/render/board.h"
@@ -23,10 +24,11 @@ namespace burin {
 struct ScratchFrame {
   Eigen::Vector2d p0{0, 0}, x{1, 0}, y{0, 1};
   GrooveSegment groove;
-  std::vector<ProfileBand> bands;  ///< of a cross-section that is not the paper's
-  double across = 1;               ///< of such a one: GrooveProfile::across
+  std::shared_ptr<const std::vector<ProfileBand>> bands;  ///< of a cross-section that is not the paper's; else none
+  double across = 1;                                      ///< of such a one: GrooveProfile::across
 };
 
+/// Without its bands.
 inline ScratchFrame scratch_frame(const Scratches& s, std::size_t i, double width_um, const Material& material) {
   const double depth_um = material.depth_um, alpha = material.alpha;
   ScratchFrame f;
@@ -38,23 +40,22 @@ inline ScratchFrame scratch_frame(const Scratches& s, std::size_t i, double widt
   f.groove.width_um = s.width_um.empty() ? width_um : s.width_um[i];
   f.groove.depth_um = s.depth_um.empty() ? depth_um : s.depth_um[i];
   f.groove.alpha = s.alpha.empty() ? alpha : s.alpha[i];
-  if (!material.profile.is_paper()) {
-    GrooveProfile profile = material.profile;
-    if (!s.rimless.empty() && s.rimless[i] != 0) profile.burr_left_um = profile.burr_right_um = 0;
-    f.bands = profile_bands(profile, f.groove.width_um, f.groove.depth_um);
-    f.across = material.profile.across;
-  }
+  f.across = material.profile.is_paper() ? 1 : material.profile.across;
   return f;
 }
 
+/// All of them, in the order of the scratches. Those of one width and depth share their section: pieces of a bent or
+/// cut groove are many.
+std::vector<ScratchFrame> scratch_frames(const Scratches& scratches, double width_um, const Material& material);
+
 /// The footprint integral of whichever cross-section, with its derivatives or without.
 inline FootprintValue pair_integral(const ScratchFrame& f, const Quad& corners, const Eigen::Vector3d& h) {
-  return f.bands.empty() ? footprint_integral(f.groove, corners, h)
-                         : profile_integral(f.groove, f.bands, f.across, corners, h);
+  return f.bands == nullptr ? footprint_integral(f.groove, corners, h)
+                            : profile_integral(f.groove, *f.bands, f.across, corners, h);
 }
 inline FootprintGradient pair_integral_gradient(const ScratchFrame& f, const Quad& corners, const Eigen::Vector3d& h) {
-  return f.bands.empty() ? footprint_integral_gradient(f.groove, corners, h)
-                         : profile_integral_gradient(f.groove, f.bands, f.across, corners, h);
+  return f.bands == nullptr ? footprint_integral_gradient(f.groove, corners, h)
+                            : profile_integral_gradient(f.groove, *f.bands, f.across, corners, h);
 }
 
 inline Quad in_scratch(const ScratchFrame& f, const std::array<Eigen::Vector2d, 4>& corners_mm) {
