@@ -244,8 +244,11 @@ void RefineRun::find_effects() {
   if (more) fit(options.max_iterations, 1e-5, "fitting backlash and the face's direction");
   tell("asking whether the machine's screws are uneven", 0);
   if (start_screws(data, state)) {
+    // Until their height is known, the photos hold no period: it would go anywhere.
     stage.free(Group::screw);
-    fit(options.max_iterations, 1e-5, "fitting the machine's screws");
+    fit(options.max_iterations, 1e-4, "fitting the machine's screws");
+    stage.free(Group::screw_period);
+    fit(options.max_iterations, 1e-5, "fitting the machine's screws and their periods");
   }
   if (other_section) find_profile();
 }

@@ -227,6 +227,8 @@ Trial tried(Problem& data, Stage stage, const State& from, const GrooveProfile& 
   Trial out{profile, from, std::move(free), {}, 0};
   set_profile(data, profile, out.state);
   for (const Group group : out.free) stage.free(group);
+  // Known already, and dear: each is a rendering more.
+  stage.free(Group::backlash, false).free(Group::screw, false).free(Group::screw_period, false);
   if (iterations > 0) solve(data, stage, iterations, 1e-4, out.state, {}, "");
   out.costs = costs_of_views(data, out.state);
   out.cost = std::accumulate(out.costs.begin(), out.costs.end(), 0.0);

@@ -36,6 +36,7 @@ enum class Group {
   machine,
   backlash,
   screw,
+  screw_period,
   grain,
   flank,
   burrs,
@@ -100,7 +101,7 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"backlash", 2, Scope::shared, Group::backlash},
     // The sine's and the cosine's parts of x, then of y, mm; then the logarithms of both periods.
     {"screw", 4, Scope::shared, Group::screw},
-    {"log_screw_period", 2, Scope::shared, Group::screw},
+    {"log_screw_period", 2, Scope::shared, Group::screw_period},
     // FaceGrain's c and s.
     {"grain", 2, Scope::shared, Group::grain},
     // The profile's: flanks' slope (degrees); burrs left and right, and their width (um); logarithm of across.
@@ -214,7 +215,7 @@ class Stage {
   Stage() {
     free_.fill(true);
     hold({Group::depth_linear, Group::depth_quadratic, Group::depth_wear, Group::blur, Group::glare, Group::lamp_size,
-          Group::backlash, Group::screw, Group::grain, Group::flank, Group::burrs, Group::across});
+          Group::backlash, Group::screw, Group::screw_period, Group::grain, Group::flank, Group::burrs, Group::across});
   }
   bool frees(Group group) const { return free_[static_cast<std::size_t>(group)]; }
   Stage& free(Group group, bool free = true) {
