@@ -174,6 +174,15 @@ void add_misfits(std::vector<ModelTest> tests, Uncertainty& out) {
   }
 }
 
+// Where grooves cut each other's rims away, benches whose truth is known come out a little too shallow, and their
+// roughnesses a little off, for a reason not found (docs/calibration.md): by this much, RMS.
+void add_unexplained_by_rims(Uncertainty& out) {
+  constexpr double kDepth = 0.003, kRoughness = 0.001;
+  for (const auto& [unknown, by] : {std::pair(unknown::log_depth, kDepth), std::pair(unknown::log_alpha, kRoughness),
+                                    std::pair(unknown::log_base_alpha, kRoughness)})
+    out.shifts.emplace_back(by * Eigen::VectorXd::Unit(out.covariances.front().rows(), unknown));
+}
+
 }  // namespace
 
 Uncertainty uncertainty_of(const Problem& data, const Stage& stage, const State& state) {
@@ -205,6 +214,7 @@ Uncertainty uncertainty_of(const Problem& data, const Stage& stage, const State&
   if (out.part_shift.size() >= kFewestViews) out.covariances.push_back(jackknife_of(out.part_shift));
 
   add_misfits(test_model(data, state, system.free, classes), out);
+  if (data.model.crossings == Crossings::deepest) add_unexplained_by_rims(out);
 
   out.free = system.free;
   for (const auto& [view, H] : system.H_view) {
