@@ -354,6 +354,24 @@ TEST_F(DesignTest, IsMadeForTheFieldsAndCrossingsThatTheBenchHas) {
   for (std::size_t k = 0; k < 2; ++k) EXPECT_NEAR(known.views[k].psnr_db, again[k], 0.02) << "view " << k;
 }
 
+TEST_F(DesignTest, WhereGroovesCutEachOtherABoardHoldsFewerAndShowsMoreSo) {
+  spec_.scratches = 8000;
+  options_.iterations = 10;
+  options_.rate = 0;
+  Bench measured = bench_;
+  measured.crossings = Crossings::deepest;
+  const DesignResult crowd = design(spec_, board_, bench_, options_, {});
+  EXPECT_EQ(crowd.started_with, 8000U);
+  const DesignResult fewer = design(spec_, board_, measured, options_, {});
+  EXPECT_LT(fewer.started_with, 5000U);
+  EXPECT_THAT(fewer.findings, testing::Contains(testing::Field(&Finding::what, HasSubstr("cut each other's rims"))));
+  const std::vector<double> lost = decibels_of(crowd.scratches, spec_, board_, measured, options_);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_GT(fewer.views[k].psnr_db, lost[k] + 1) << "view " << k;
+  // As many as it holds are as many as were asked for.
+  spec_.scratches = 1000;
+  EXPECT_EQ(design(spec_, board_, measured, options_, {}).started_with, 1000U);
+}
+
 TEST_F(DesignTest, WhereTheOrderOfCarvingShowsItIsDesignedForAShortOne) {
   options_.iterations = 20;
   options_.rate = 0;

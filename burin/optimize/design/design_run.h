@@ -52,6 +52,7 @@ class DesignRun {
   void place();           // scratches to start from; with fewer, if so many could not be carved in time
   void expose();          // brightnesses that suit the start
   void improve_start();   // each scratch searched a better place
+  bool is_crowded();      // then the start is made anew, with fewer
   void iterate();         // Adam, searches, and scratches that go (design_iterations.cpp)
   void obey_all_rules();  // the last word: ends on steps, pairs apart
   void measure();         // what each view will show

@@ -1,5 +1,9 @@
 #include "burin/optimize/design/to_metal.h"
 
+#include <cmath>
+
+#include "burin/render/groove_profile.h"
+
 namespace burin {
 
 Carved Metal::carved_alone(const Scratches& designed) const {
@@ -8,6 +12,16 @@ Carved Metal::carved_alone(const Scratches& designed) const {
   alone.crossings = Crossings::add;
   alone.depth_field.terms[kWear] = alone.alpha_field.terms[kWear] = 0;
   return carve(Designed(designed), alone, board);
+}
+
+double area_mm2(const Carved& grooves, const Bench& bench, const Board& board) {
+  const Scratches& s = grooves.scratches;
+  double sum = 0;
+  for (std::size_t i = 0; i < s.size(); ++i)
+    sum += std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]) * 2e-3 *
+           half_width_um(bench.material.profile, s.width_um.empty() ? board.tool_width_um : s.width_um[i],
+                         s.depth_um.empty() ? bench.material.depth_um : s.depth_um[i]);
+  return sum;
 }
 
 Bench adding_rims(Bench bench) {
