@@ -168,9 +168,10 @@ bool DesignRun::start_with_fewer() {
 
 // Where grooves cut each other's rims away, a board holds so many and no more: each that comes takes as much from those
 // it crosses as it brings. Measured (docs/design.md): pictures are best where grooves, side by side, would cover six to
-// nine tenths of the carve area in the end, and lose 4 dB where they cover it twice over.
+// nine tenths of the carve area in the end, and lose 4 dB where they cover it twice over. With the time for a start
+// used up, it stays as it is.
 bool DesignRun::is_crowded() {
-  if (bench_.crossings != Crossings::deepest || options_.from) return false;
+  if (bench_.crossings != Crossings::deepest || options_.from || deadline_.wished_or_used(kStartShare)) return false;
   constexpr double kMost = 0.95, kBest = 0.6;  // strokes grow by a third later on
   const Eigen::Vector2d size = limits_.max_mm - limits_.min_mm;
   const double new_cover = area_mm2(metal_.carved_alone(new_ones()), bench_, board_) / (size.x() * size.y());

@@ -1,19 +1,28 @@
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
-#include <numeric>
-#include <tuple>
-#include <utility>
+#include <bit>
+#include <cstdint>
+#include <unordered_map>
 
 #include "burin/render/exact/scratch_pair.h"
 
 namespace burin {
 namespace {
 
-// The same for grooves whose sections are.
-std::tuple<double, double, bool> section_key(const Scratches& s, const ScratchFrame& frame, std::size_t i) {
-  return {frame.groove.width_um, frame.groove.depth_um, !s.rimless.empty() && s.rimless[i] != 0};
-}
+// Grooves of one key have one section.
+struct SectionKey {
+  double width_um, depth_um;
+  bool rimless;
+  bool operator==(const SectionKey&) const = default;
+};
+struct SectionHash {
+  std::size_t operator()(const SectionKey& key) const {
+    constexpr std::uint64_t kOdd = 0x9e3779b97f4a7c15;
+    const std::uint64_t mixed =
+        (std::bit_cast<std::uint64_t>(key.width_um) * kOdd) ^ std::bit_cast<std::uint64_t>(key.depth_um);
+    return (mixed ^ (mixed >> 29)) * kOdd + (key.rimless ? 1 : 0);
+  }
+};
 
 }  // namespace
 
@@ -21,24 +30,23 @@ std::vector<ScratchFrame> scratch_frames(const Scratches& scratches, double widt
   std::vector<ScratchFrame> out(scratches.size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = scratch_frame(scratches, i, width_um, material);
   if (material.profile.is_paper()) return out;
-  const auto key = [&](std::size_t i) { return section_key(scratches, out[i], i); };
-  std::vector<std::size_t> order(out.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return key(a) < key(b); });
-  std::vector<std::pair<std::size_t, std::size_t>> runs;  // of one section, in `order`
-  for (std::size_t from = 0, to = 0; from < order.size(); from = to) {
-    while (to < order.size() && key(order[to]) == key(order[from])) ++to;
-    runs.emplace_back(from, to);
+  std::unordered_map<SectionKey, std::size_t, SectionHash> known;
+  std::vector<SectionKey> keys;
+  std::vector<std::size_t> section(out.size());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const SectionKey key{out[i].groove.width_um, out[i].groove.depth_um,
+                         !scratches.rimless.empty() && scratches.rimless[i] != 0};
+    section[i] = known.try_emplace(key, keys.size()).first->second;
+    if (section[i] == keys.size()) keys.push_back(key);
   }
-  tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t run) {
-    const auto [from, to] = runs[run];
-    const ScratchFrame& first = out[order[from]];
+  std::vector<std::shared_ptr<const std::vector<ProfileBand>>> bands(keys.size());
+  tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t k) {
     GrooveProfile profile = material.profile;
-    if (std::get<2>(key(order[from]))) profile.burr_left_um = profile.burr_right_um = 0;
-    const auto bands = std::make_shared<const std::vector<ProfileBand>>(
-        profile_bands(profile, first.groove.width_um, first.groove.depth_um));
-    for (std::size_t k = from; k < to; ++k) out[order[k]].bands = bands;
+    if (keys[k].rimless) profile.burr_left_um = profile.burr_right_um = 0;
+    bands[k] =
+        std::make_shared<const std::vector<ProfileBand>>(profile_bands(profile, keys[k].width_um, keys[k].depth_um));
   });
+  for (std::size_t i = 0; i < out.size(); ++i) out[i].bands = bands[section[i]];
   return out;
 }
 
