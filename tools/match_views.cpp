@@ -151,7 +151,7 @@ std::vector<std::pair<std::string, std::string>> rename(std::vector<Item>& items
     if (!match.measured.empty()) taken.insert(match.designed);
   std::vector<Item> out;
   for (const Item& item : items) {
-    const std::string old = name_of(item);
+    const std::string& old = name_of(item);
     bool used = false;
     for (const Match& match : matches) {
       if (match.measured != old) continue;

@@ -61,15 +61,14 @@ class LoopOfSeveralLamps : public ::testing::Test {
       Json& view = truth["views"][v];
       const Json photos = view["photos"];
       view["photos"] = Json::array();
-      for (std::size_t c = 0; c < 3; ++c)
-        for (std::size_t k = 0; k < 2; ++k) {
-          Json photo = photos[k];
-          photo["light"] = kLamps[c];
-          photo["file"] = "photos/IMG_" + std::to_string(100 + 10 * v + 2 * c + k) + ".png";
-          const std::string second = std::to_string(20 * c + 2 * k);
-          photo["datetime"] = "2025:05:17 10:0" + std::to_string(v) + (second.size() == 1 ? ":0" : ":") + second;
-          view["photos"].push_back(photo);
-        }
+      for (std::size_t c = 0; c < 3; ++c) {
+        Json photo = photos[0];
+        photo["light"] = kLamps[c];
+        photo["file"] = "photos/IMG_" + std::to_string(100 + 10 * v + 2 * c) + ".png";
+        const std::string second = std::to_string(20 * c);
+        photo["datetime"] = "2025:05:17 10:0" + std::to_string(v) + (second.size() == 1 ? ":0" : ":") + second;
+        view["photos"].push_back(photo);
+      }
     }
     std::ofstream(project / "bench.json") << bench;
     std::ofstream(project / "design.json") << design;
@@ -118,7 +117,7 @@ TEST_F(LoopOfSeveralLamps, TurnsTwiceByPhotosInFoldersOfTheirLamps) {
     fs::copy_file(entry.path(), round / "photos" / entry.path().filename());
   const Outcome unsorted = loop();
   EXPECT_EQ(unsorted.exit_code, 1);
-  EXPECT_THAT(unsorted.err, AllOf(HasSubstr("IMG_100.png: and 23 more lie in no lamp's folder"),
+  EXPECT_THAT(unsorted.err, AllOf(HasSubstr("IMG_100.png: and 11 more lie in no lamp's folder"),
                                   HasSubstr("project/round-01/photos/green")));
   EXPECT_FALSE(fs::exists(round / "session.json"));
 
@@ -126,7 +125,7 @@ TEST_F(LoopOfSeveralLamps, TurnsTwiceByPhotosInFoldersOfTheirLamps) {
   put_into_folders(round / "photos", round);
   const Outcome turned = loop();
   ASSERT_EQ(turned.exit_code, 0) << turned.out << turned.err;
-  EXPECT_THAT(turned.out, HasSubstr("24 photos of 4 views under 3 lamps"));
+  EXPECT_THAT(turned.out, HasSubstr("12 photos of 4 views under 3 lamps"));
   EXPECT_THAT(turned.out, HasSubstr("The loop has turned 1 time"));
   const Json truth = read_json_file(folder_ / "truth.json"), bench = read_json_file(round / "bench.json");
   ASSERT_EQ(bench["lights"].size(), 3U);

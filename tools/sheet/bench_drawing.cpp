@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -188,7 +188,9 @@ std::vector<Eigen::Vector2d> tolerance_outline(const Board& board, const SheetPl
   const Eigen::Matrix<double, 2, 3> seen = axes_of(projection) * half;
   // The outline reaches sqrt(u^T M u) in the direction u, M = seen seen^T: it is the root of M, times the unit circle.
   const Eigen::Matrix2d M = seen * seen.transpose();
-  const Eigen::Matrix2d root = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(M).operatorSqrt();
+  // (Of 2 x 2, by Cayley and Hamilton: root^2 - trace(root) root + det(root) = 0. Seen edge on, det may round below 0.)
+  const double det_root = std::sqrt(std::max(0.0, M.determinant()));
+  const Eigen::Matrix2d root = (M + det_root * Eigen::Matrix2d::Identity()) / std::sqrt(std::max(1e-300, M.trace() + 2 * det_root));
   std::vector<Eigen::Vector2d> out;
   constexpr int kPoints = 48;
   for (int i = 0; i < kPoints; ++i) {

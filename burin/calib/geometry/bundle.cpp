@@ -83,7 +83,7 @@ Eigen::Vector3d board_point(const BundleCorner& c, const Surface& surface, const
   if (surface.bend) {
     Eigen::Matrix<double, 3, 2> by_xy;
     Eigen::Matrix3d by_bow;
-    const Eigen::Vector3d p = bent_point(surface, {shared[1], shared[2], shared[3]}, xy, c.z_mm, &by_xy, &by_bow);
+    Eigen::Vector3d p = bent_point(surface, {shared[1], shared[2], shared[3]}, xy, c.z_mm, &by_xy, &by_bow);
     if (by_shared) {
       by_shared->col(0) = half > 0 ? Eigen::Vector3d(by_xy * turned / half) : Eigen::Vector3d::Zero();
       by_shared->rightCols<3>() = by_bow;
@@ -772,8 +772,10 @@ PoseSeed seed_poses(const Bundle& b, double focal_px) { return seed_from(b, poin
 double seed_focal_px(const Bundle& b) {
   const auto points = points_by_view(b);
   const double size = std::max(b.lens.width, b.lens.height);
+  constexpr int kCandidates = 17;
   std::vector<double> candidates;
-  for (int i = 0; i < 17; ++i)
+  candidates.reserve(kCandidates);
+  for (int i = 0; i < kCandidates; ++i)
     candidates.push_back(0.3 * std::pow(1.25, i) * size);  // up to 10 times the picture's width
   std::vector<std::vector<cv::Point3f>> object;
   std::vector<std::vector<cv::Point2f>> pixel;

@@ -31,6 +31,7 @@ std::vector<double> residuals_by_part(const std::vector<PhotoFit>& photos, const
 
 std::vector<Misfit::Class> residuals_by_photo(const std::vector<PhotoFit>& photos) {
   std::vector<Misfit::Class> out;
+  out.reserve(photos.size());
   for (const PhotoFit& photo : photos)
     out.push_back({photo.view, photo.residual_rms,
                    photo.residual_to_noise > 0 ? photo.residual_rms / photo.residual_to_noise : 0});

@@ -266,7 +266,7 @@ std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine) {
   text += "G38.2 Z" + z(-kSearch_mm) + " F60\nG10 L20 P1 Z0\nG0 Z" + z(0.3) + "\n" + touch + "G10 L20 P1 Z0\n" + lift;
   const bool logs = machine.dialect == GcodeDialect::linuxcnc;
   if (logs) text += "(PROBEOPEN burin-probe.txt)\n";
-  for (const Eigen::Vector2d& p : plan.points_mm) text += go(p) + touch + lift;
+  for (const Eigen::Vector2d& p : plan.points_mm) text.append(go(p)).append(touch).append(lift);
   if (logs) text += "(PROBECLOSE)\n";
   return text + "M2\n";
 }

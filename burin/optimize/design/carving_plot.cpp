@@ -52,7 +52,8 @@ std::string carving_plot(const std::vector<CarvingPoint>& curve, const std::vect
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 640 400\" font-family=\"sans-serif\" "
       "font-size=\"12\">\n<rect width=\"640\" height=\"400\" fill=\"white\"/>\n";
   svg += words(kLeft, 20, "start", "PSNR in dB over hours to carve, the least worthy scratches left out first");
-  for (double db = low; db <= high; db += high - low > 10 ? 2 : 1) {
+  for (int step = high - low > 10 ? 2 : 1, up = 0; low + up <= high; up += step) {
+    const double db = low + up;
     svg += line(kLeft, y(db), kWidth - kRight, y(db));
     svg += words(kLeft - 6, y(db) + 4, "end", number(db, 0));
   }

@@ -58,11 +58,11 @@ double best_exposure(const Image& radiance, const Image& target, double guess, c
   };
   // A coarse scan (the error may have shoulders where much is clipped), then golden section around its best.
   double best = std::log(guess), least = error(best);
-  for (double step = -2.4; step <= 2.41; step += 0.3) {
-    const double e = error(std::log(guess) + step);
+  for (int i = -8; i <= 8; ++i) {
+    const double at = std::log(guess) + 0.3 * i, e = error(at);
     if (e < least) {
       least = e;
-      best = std::log(guess) + step;
+      best = at;
     }
   }
   constexpr double kGolden = 0.6180339887498949;

@@ -17,7 +17,7 @@ constexpr const char* kFrameRemedy =
     "its top row and its middle column";
 
 Eigen::Vector3d light_of(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback) {
-  const Eigen::Vector3d v = json.vec3(key, fallback);
+  Eigen::Vector3d v = json.vec3(key, fallback);
   if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "light is 0 or greater");
   return v;
 }
@@ -33,7 +33,7 @@ Light read_sun(JsonObject json) {
   if (!(diameter >= 0 && diameter <= 5))
     json.fail_field("diameter_deg", "is " + Json(diameter).dump(),
                     "the sun's is 0.53; write a larger light as a lamp with a size, or as surroundings");
-  const Light out = sun_light(to, light_of(json, "irradiance", {1, 1, 1}), diameter);
+  Light out = sun_light(to, light_of(json, "irradiance", {1, 1, 1}), diameter);
   json.finish();
   return out;
 }

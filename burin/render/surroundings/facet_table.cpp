@@ -75,11 +75,13 @@ std::vector<FarRay> points_of(const Light& lamp, double alpha) {
   for (int k = 0; k < count; ++k) {
     Eigen::Vector2d at;
     if (disk) {  // four sunflowers, turned by right angles: about the middle
-      const double r = lamp.size.disk_mm * std::sqrt((k / 4 + 0.5) / (count / 4)),
-                   turn = k / 4 * std::numbers::pi * (3 - std::sqrt(5)) + k % 4 * std::numbers::pi / 2;
+      const int quarter = k / 4, each = count / 4;
+      const double r = lamp.size.disk_mm * std::sqrt((quarter + 0.5) / each),
+                   turn = quarter * std::numbers::pi * (3 - std::sqrt(5)) + k % 4 * std::numbers::pi / 2;
       at = {r * std::cos(turn), r * std::sin(turn)};
     } else {
-      at = {(k % side + 0.5) / side - 0.5, (k / side + 0.5) / side - 0.5};
+      const int row = k / side;
+      at = {(k % side + 0.5) / side - 0.5, (row + 0.5) / side - 0.5};
       at = at.cwiseProduct(lamp.size.panel_mm);
     }
     out.push_back({lamp.position_mm + across * at, Eigen::Vector3d::Constant(1.0 / count)});
@@ -239,8 +241,9 @@ PlaceLattice place_lattice(const ViewScene& scene, const Light& light, double al
   for (std::size_t k = 0; k < valid.size(); k += stride)
     for (const std::size_t to : {valid.front(), valid[valid.size() / 2], valid.back()}) {
       const std::size_t from = valid[k];
+      const std::size_t row_from = from / w, row_to = to / w;
       const double dx = std::abs(static_cast<double>(from % w) - static_cast<double>(to % w)),
-                   dy = std::abs(static_cast<double>(from / w) - static_cast<double>(to / w));
+                   dy = std::abs(static_cast<double>(row_from) - static_cast<double>(row_to));
       const double each = turned(from, to) / std::max(1.0, std::hypot(dx, dy));
       if (dx >= dy) by_column = std::max(by_column, each);
       if (dy >= dx) by_row = std::max(by_row, each);
@@ -261,8 +264,8 @@ PlaceLattice place_lattice(const ViewScene& scene, const Light& light, double al
         double nearest = std::numeric_limits<double>::infinity();
         // Of large pictures some pixels will do: a place outside is only there to be interpolated from.
         for (std::size_t k = 0; k < valid.size(); k += std::max<std::size_t>(1, valid.size() / 10'000)) {
-          const std::size_t i = valid[k];
-          const double d = std::hypot(static_cast<double>(i % w) - x, static_cast<double>(i / w) - y);
+          const std::size_t i = valid[k], row = i / w;
+          const double d = std::hypot(static_cast<double>(i % w) - x, static_cast<double>(row) - y);
           if (d >= nearest) continue;
           nearest = d;
           best = i;
