@@ -154,24 +154,53 @@ struct StrokeKernel {
     return P::load_aligned(matters);
   }
 
-  // Follows a line one way, adding up what its pixels gain, until it has come `limit` far, leaves the window, or gains
-  // nothing more for a while. kPlain: one place, all pixels alike.
+  // Where the running sum of what a stroke's pixels gain is largest, ahead of its point and behind it.
+  struct BothWays {
+    Best ahead, behind;
+  };
+
+  // Follows a line one way and then the other, adding up what its pixels gain, each until it has come its `limit` far,
+  // leaves the window, or gains nothing more for a while. A lane turns back as soon as its way ahead ends, whatever
+  // the others do: lanes wait for each other once. kPlain: one place, all pixels alike.
   template <bool kPlain>
-  [[gnu::always_inline]] static void follow(const StrokeWindow& window, const Line& line, Way way, float sign,
-                                            const P& limit, Mask active, Best& best) {
+  [[gnu::always_inline]] static BothWays follow(const StrokeWindow& window, const Line& line, Way way, const Way& back,
+                                                P limit, const P& limit_back, const Mask& wanted, Best best,
+                                                const Best& best_back) {
     constexpr float kPatience = 6;  // pixels without gain after which a stroke ends
     const P width(static_cast<float>(window.width)), height(static_cast<float>(window.height));
     const P stride(static_cast<float>(window.stride));
-    const auto inside = [&] {
-      return (way.cell_x >= P(0)) & (way.cell_y >= P(0)) & (way.cell_x < width) & (way.cell_y < height);
+    const auto goes_on = [&](const Mask& lanes) {
+      return lanes & (way.cell_x >= P(0)) & (way.cell_y >= P(0)) & (way.cell_x < width) & (way.cell_y < height) &
+             (way.s < limit);
     };
-    P sum(0);
-    active = active & inside() & (way.s < limit);
-    while (packet::bits_of<P>(active) != 0) {
+    P sum(0), sign(1);
+    Best ahead = best;
+    Mask active = goes_on(wanted), turned = !wanted;
+    while (true) {
+      const Mask turns = !(active | turned);
+      if (packet::bits_of<P>(turns) != 0) {
+        ahead.sum = xsimd::select(turns, best.sum, ahead.sum);
+        ahead.at = xsimd::select(turns, best.at, ahead.at);
+        best.sum = xsimd::select(turns, best_back.sum, best.sum);
+        best.at = xsimd::select(turns, best_back.at, best.at);
+        sum = xsimd::select(turns, P(0), sum);
+        sign = xsimd::select(turns, P(-1), sign);
+        limit = xsimd::select(turns, limit_back, limit);
+        way.s = xsimd::select(turns, back.s, way.s);
+        way.next_x = xsimd::select(turns, back.next_x, way.next_x);
+        way.next_y = xsimd::select(turns, back.next_y, way.next_y);
+        way.step_x = xsimd::select(turns, back.step_x, way.step_x);
+        way.step_y = xsimd::select(turns, back.step_y, way.step_y);
+        way.cell_x = xsimd::select(turns, back.cell_x, way.cell_x);
+        way.cell_y = xsimd::select(turns, back.cell_y, way.cell_y);
+        turned = turned | turns;
+        active = active | goes_on(turns);
+      }
+      if (packet::bits_of<P>(active) == 0) return {ahead, best};
       alignas(64) std::int32_t index[P::size];
       xsimd::to_int(xsimd::select(active, way.cell_y * stride + way.cell_x, P(0))).store_aligned(index);
       const P until = xsimd::min(xsimd::min(way.next_x, way.next_y), limit);
-      const P length = xsimd::max(until - way.s, P(0)), middle = P(sign) * (way.s + P(0.5F) * length);
+      const P length = xsimd::max(until - way.s, P(0)), middle = sign * (way.s + P(0.5F) * length);
       P gain(0), pixel[4];
       for (int k = 0; k < (kPlain ? 1 : window.places); ++k) {
         pixels_at(window.place[k].pixels, index, pixel);
@@ -196,7 +225,7 @@ struct StrokeKernel {
       way.next_x = xsimd::select(across_x, way.next_x + way.each_x, way.next_x);
       way.next_y = xsimd::select(across_x, way.next_y, way.next_y + way.each_y);
       way.s = until;
-      active = active & inside() & (way.s < limit) & (way.s - best.at < P(kPatience));
+      active = goes_on(active) & (way.s - best.at < P(kPatience));
     }
   }
 
@@ -216,16 +245,14 @@ struct StrokeKernel {
     const P step_x = xsimd::select(right, P(1), P(-1)), step_y = xsimd::select(down, P(1), P(-1));
     // From where the line enters the point's pixel, so that no pixel is shared between the two ways.
     const P entry = xsimd::min(back_x, back_y), half(0.5F * window.longest);
-    Best on{P(-1e30F), P(0) - entry};
-    follow<kPlain>(window, line, {P(0) - entry, front_x, front_y, each_x, each_y, step_x, step_y, cell_x, cell_y}, 1,
-                   half - entry, wanted, on);
     const Mask across_x = back_x < back_y;
-    Best back{P(0), entry};
-    follow<kPlain>(window, line,
-                   {entry, xsimd::select(across_x, back_x + each_x, back_x),
-                    xsimd::select(across_x, back_y, back_y + each_y), each_x, each_y, P(0) - step_x, P(0) - step_y,
-                    xsimd::select(across_x, cell_x - step_x, cell_x), xsimd::select(across_x, cell_y, cell_y - step_y)},
-                   -1, half + entry, wanted, back);
+    const BothWays found = follow<kPlain>(
+        window, line, {P(0) - entry, front_x, front_y, each_x, each_y, step_x, step_y, cell_x, cell_y},
+        {entry, xsimd::select(across_x, back_x + each_x, back_x), xsimd::select(across_x, back_y, back_y + each_y),
+         each_x, each_y, P(0) - step_x, P(0) - step_y, xsimd::select(across_x, cell_x - step_x, cell_x),
+         xsimd::select(across_x, cell_y, cell_y - step_y)},
+        half - entry, half + entry, wanted, {P(-1e30F), P(0) - entry}, {P(0), entry});
+    const Best &on = found.ahead, &back = found.behind;
     ahead = on.at;
     behind = P(0) - back.at;
     const Mask long_enough = wanted & ((ahead - behind) >= P(window.shortest));
