@@ -190,7 +190,8 @@ std::vector<Eigen::Vector2d> tolerance_outline(const Board& board, const SheetPl
   const Eigen::Matrix2d M = seen * seen.transpose();
   // (Of 2 x 2, by Cayley and Hamilton: root^2 - trace(root) root + det(root) = 0. Seen edge on, det may round below 0.)
   const double det_root = std::sqrt(std::max(0.0, M.determinant()));
-  const Eigen::Matrix2d root = (M + det_root * Eigen::Matrix2d::Identity()) / std::sqrt(std::max(1e-300, M.trace() + 2 * det_root));
+  const Eigen::Matrix2d root =
+      (M + det_root * Eigen::Matrix2d::Identity()) / std::sqrt(std::max(1e-300, M.trace() + 2 * det_root));
   std::vector<Eigen::Vector2d> out;
   constexpr int kPoints = 48;
   for (int i = 0; i < kPoints; ++i) {

@@ -32,11 +32,11 @@ struct ToolpathOptions {
   /// (order_matters), for the board was designed for it.
   std::optional<bool> keep_order{};
   bool follow_bow = false;  ///< depths follow the bench's measured bow: the same sheet, lying as it was photographed
-  bool frame = false;  ///< G-code: also a file that moves round the scratches at safe height, to see that they fit
-  double part_s = 0;   ///< split G-code into files of at most about this long; 0: as few files as max_lines allows
+  bool frame = false;       ///< G-code: also a file that moves round the scratches at safe height, to see that they fit
+  double part_s = 0;        ///< split G-code into files of at most about this long; 0: as few files as max_lines allows
   std::optional<Interruption> after{};  ///< carve only what this file left, in its order
   std::optional<HeightMap> heights{};   ///< of the face as it lies on the machine: depths follow it
-  std::vector<double> feed_mm_min{};  ///< of each scratch given (a test piece's); empty: the machine's for all
+  std::vector<double> feed_mm_min{};    ///< of each scratch given (a test piece's); empty: the machine's for all
 };
 
 /// The rules that a tool path obeys. `measured` may be null.
