@@ -64,6 +64,7 @@ struct Film {
     RenderOptions options;
     options.channels = 3;
     options.material_gradients = false;
+    options.light_along_grooves = true;
     Image image;
     ViewRenderer(std::move(scene), options).forward(carved, image);
     return image;

@@ -26,8 +26,13 @@ struct ViewRenderer::State {
     ViewPixels pixels;
     ExactView view;
 
-    Exact(ViewScene s, int channels)
-        : scene(std::move(s)), index(*scene.grid), pixels(view_pixels(scene, channels)), view(scene, pixels) {}
+    Exact(ViewScene s, const RenderOptions& options)
+        : scene(std::move(s)),
+          index(*scene.grid),
+          pixels(view_pixels(scene, options.channels)),
+          view(scene, pixels,
+               options.light_along_grooves && !options.use_double ? ExactView::BandLightBy::knots
+                                                                  : ExactView::BandLightBy::pixel) {}
   };
   std::unique_ptr<Exact> exact;
   std::unique_ptr<LightsView> lights;  // of all that is no lone point lamp: then neither of both
@@ -42,7 +47,7 @@ struct ViewRenderer::State {
     if (!scene.light.is_lamp() || !scene.light.size.is_point())
       lights = std::make_unique<LightsView>(scene, options, std::move(workspace));
     else if (options.use_double || !material.profile.is_paper())
-      exact = std::make_unique<Exact>(std::move(scene), options.channels);
+      exact = std::make_unique<Exact>(std::move(scene), options);
     else  // which keeps what it needs of the scene, in float
       fast = std::make_unique<FastView>(scene, options.channels, options.material_gradients, options.simd,
                                         workspace != nullptr ? std::move(workspace) : make_render_workspace());

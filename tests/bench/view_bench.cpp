@@ -76,6 +76,43 @@ BENCHMARK(WholePairs)
 void ForwardOnly(benchmark::State& state) { time_view(state, {}, 80000, false, false); }
 BENCHMARK(ForwardOnly)->Unit(benchmark::kMillisecond);
 
+/// Grooves with flanks and burrs, whose light has no closed form: found at every pixel, or at a few places along each.
+void OtherSections(benchmark::State& state) {
+  const bool along = state.range(0) != 0, backward = state.range(1) != 0;
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  ViewScene scene = paper_scene(paper_grid(512));
+  scene.tool_width_um = 320;
+  scene.material.depth_um = 14;
+  GrooveProfile& profile = scene.material.profile;
+  profile.kind = GrooveProfile::Kind::rounded_v;
+  profile.flank_deg = 24;
+  profile.burr_left_um = 1.1;
+  profile.burr_right_um = 0.7;
+  profile.across = 1.4;
+  const Carved carved = in_metal(paper_scratches(4000));
+  const Image weights = random_weights(512, 512);
+  RenderOptions options;
+  options.light_along_grooves = along;
+  ViewRenderer renderer(scene, options);
+  Image image;
+  for (auto _ : state) {
+    if (!backward) {
+      renderer.forward(carved, image);
+      continue;
+    }
+    renderer.forward_with_jacobian(carved, image);
+    ScratchGradients gradients;
+    renderer.backward(weights, gradients);
+  }
+  const auto pairs = static_cast<double>(renderer.pair_count());
+  state.counters["pairs"] = pairs;
+  state.counters["ns/pair"] = benchmark::Counter(1e-9 * pairs * static_cast<double>(state.iterations()),
+                                                 benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.SetLabel(std::string(along ? "light at places along grooves" : "light at every pixel") +
+                 (backward ? ", both ends, wt, d and alpha" : ", value only"));
+}
+BENCHMARK(OtherSections)->ArgNames({"along", "backward"})->ArgsProduct({{0, 1}, {0, 1}})->Unit(benchmark::kMillisecond);
+
 /// Time per pair as scratches grow in number.
 void Scaling(benchmark::State& state) {
   time_view(state, {1, false, false}, static_cast<int>(state.range(0)), true, false);

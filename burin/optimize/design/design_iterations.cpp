@@ -92,7 +92,10 @@ void DesignRun::look(bool last) {
   result_.pairs = 0;
   for (WorkView& v : views_) {
     const double exposure = std::exp(log_exposure_[v.exposure_group]);
-    v.renderer.forward_with_jacobian(grooves, v.radiance);
+    if (last)
+      v.renderer.forward(grooves, v.radiance);
+    else
+      v.renderer.forward_with_jacobian(grooves, v.radiance);
     picture_from_radiance(v.radiance, exposure, v.picture);
     v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
     now.loss += v.value.total;

@@ -26,7 +26,8 @@ struct SectionHash {
 
 }  // namespace
 
-std::vector<ScratchFrame> scratch_frames(const Scratches& scratches, double width_um, const Material& material) {
+std::vector<ScratchFrame> scratch_frames(const Scratches& scratches, double width_um, const Material& material,
+                                         double widest_um) {
   std::vector<ScratchFrame> out(scratches.size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = scratch_frame(scratches, i, width_um, material);
   if (material.profile.is_paper()) return out;
@@ -43,8 +44,8 @@ std::vector<ScratchFrame> scratch_frames(const Scratches& scratches, double widt
   tbb::parallel_for(std::size_t{0}, keys.size(), [&](std::size_t k) {
     GrooveProfile profile = material.profile;
     if (keys[k].rimless) profile.burr_left_um = profile.burr_right_um = 0;
-    bands[k] =
-        std::make_shared<const std::vector<ProfileBand>>(profile_bands(profile, keys[k].width_um, keys[k].depth_um));
+    bands[k] = std::make_shared<const std::vector<ProfileBand>>(
+        profile_bands(profile, keys[k].width_um, keys[k].depth_um, widest_um));
   });
   for (std::size_t i = 0; i < out.size(); ++i) out[i].bands = bands[section[i]];
   return out;

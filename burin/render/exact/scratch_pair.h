@@ -45,8 +45,9 @@ inline ScratchFrame scratch_frame(const Scratches& s, std::size_t i, double widt
 }
 
 /// All of them, in the order of the scratches. Those of one width and depth share their section: pieces of a bent or
-/// cut groove are many.
-std::vector<ScratchFrame> scratch_frames(const Scratches& scratches, double width_um, const Material& material);
+/// cut groove are many. `widest_um` as in profile_bands().
+std::vector<ScratchFrame> scratch_frames(const Scratches& scratches, double width_um, const Material& material,
+                                         double widest_um = 15);
 
 /// The footprint integral of whichever cross-section, with its derivatives or without.
 inline FootprintValue pair_integral(const ScratchFrame& f, const Quad& corners, const Eigen::Vector3d& h) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "burin/render/footprint/lobe_nodes.h"
 
@@ -48,8 +49,8 @@ double density_integral(const ProfileBand& band) {
 constexpr std::array<double, 4> kNode{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
 constexpr std::array<double, 4> kWeight{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
 
-// A footprint cut with a groove's length and one band: a convex polygon, each side with what it lies on.
-enum Side : int { kQuadSides = 4, kFirstEnd = 4, kSecondEnd, kFrom, kTo };
+// A footprint cut with a groove's length: a convex polygon, each side with what it lies on.
+enum Side : int { kQuadSides = 4, kFirstEnd = 4, kSecondEnd };
 struct Corner {
   Vector2d p;
   int side;  // of the side that begins here: 0 to 3 of the quadrilateral, or a Side
@@ -77,39 +78,6 @@ Polygon clipped(const Polygon& in, int axis, double at, double sign, int side) {
   return out;
 }
 
-struct AreaSlopes {
-  double area = 0, by_length = 0, by_from = 0, by_to = 0;
-  std::array<Vector2d, 4> by_corner{Vector2d::Zero(), Vector2d::Zero(), Vector2d::Zero(), Vector2d::Zero()};
-};
-
-double area_of(const Polygon& polygon) {
-  double twice = 0;
-  for (int i = 0; i < polygon.count; ++i) {
-    const Vector2d &a = polygon.corner[i].p, &b = polygon.corner[(i + 1) % polygon.count].p;
-    twice += (a.x() - polygon.corner[0].p.x()) * (b.y() - a.y()) - (a.y() - polygon.corner[0].p.y()) * (b.x() - a.x());
-  }
-  return std::max(0.0, twice / 2);
-}
-
-// By what moves each side outwards.
-void add_slopes(const Polygon& polygon, const Quad& quad, AreaSlopes& out) {
-  for (int i = 0; i < polygon.count; ++i) {
-    const Vector2d &a = polygon.corner[i].p, &b = polygon.corner[(i + 1) % polygon.count].p;
-    const int side = polygon.corner[i].side;
-    const Vector2d outwards(b.y() - a.y(), a.x() - b.x());  // times the side's length
-    if (side == kSecondEnd) out.by_length += outwards.y();
-    if (side == kFrom) out.by_from += outwards.x();
-    if (side == kTo) out.by_to += outwards.x();
-    if (side >= kQuadSides) continue;
-    const Vector2d &c = quad[side], &d = quad[(side + 1) % 4], e = d - c;
-    const double length2 = e.squaredNorm();
-    if (!(length2 > 0)) continue;
-    const double share = std::clamp((0.5 * (a + b) - c).dot(e) / length2, 0.0, 1.0);
-    out.by_corner[side] += (1 - share) * outwards;
-    out.by_corner[(side + 1) % 4] += share * outwards;
-  }
-}
-
 // The quadrilateral, counter-clockwise, cut with the groove's length. `order[i]`: the given corner that corner i was.
 struct Cut {
   Quad quad;
@@ -135,17 +103,59 @@ Cut cut_to_length(const Quad& corners, double length_mm) {
   return out;
 }
 
-// visit(band, polygon of the footprint within it) for the bands that it reaches.
-template <typename Visit>
-void each_band(const Cut& cut, std::span<const ProfileBand> bands, const Visit& visit) {
-  if (cut.polygon.count < 3) return;
-  for (const ProfileBand& band : bands) {
-    const double from = 1e-3 * band.from_um, to = 1e-3 * band.to_um;
-    if (to <= cut.left || from >= cut.right) continue;
-    Polygon part = cut.polygon;
-    if (from > cut.left) part = clipped(part, 0, from, 1, kFrom);
-    if (to < cut.right) part = clipped(part, 0, to, -1, kTo);
-    if (part.count >= 3) visit(band, part);
+// Of one quantity that is even over each band: its integral over a polygon, by the corners of the footprint that lie on
+// its sides, and by the groove's length.
+struct SideSums {
+  std::array<Vector2d, 4> by_corner{Vector2d::Zero(), Vector2d::Zero(), Vector2d::Zero(), Vector2d::Zero()};
+  double by_length = 0;
+};
+
+// What a band takes of a polygon: its area there, and how long the polygon is along the groove at its two edges.
+struct BandShare {
+  double area = 0, at_from = 0, at_to = 0;
+};
+
+// Walks around the polygon, band by band: fills `shares` (Green's theorem: minus the integral of y dx), and what moving
+// a side outwards brings of area and of light, each band's own.
+void walk(const Cut& cut, std::span<const ProfileBand> bands, std::span<const double> light,
+          std::span<BandShare> shares, SideSums& by_area, SideSums& by_light) {
+  const double y0 = cut.polygon.corner[0].p.y();
+  const double first = 1e-3 * bands.front().from_um, last = 1e-3 * bands.back().to_um;
+  for (int i = 0; i < cut.polygon.count; ++i) {
+    const Corner& corner = cut.polygon.corner[i];
+    const Vector2d &a = corner.p, &b = cut.polygon.corner[i + 1 < cut.polygon.count ? i + 1 : 0].p;
+    const double dx = b.x() - a.x(), left = std::min(a.x(), b.x()), right = std::max(a.x(), b.x());
+    const double way = dx >= 0 ? 1 : -1, slope = dx == 0 ? 0 : (b.y() - a.y()) / dx;
+    if (right < first || left > last) continue;
+    const bool on_quad = corner.side < kQuadSides;
+    const Vector2d c = on_quad ? cut.quad[corner.side] : a;
+    const Vector2d e = on_quad ? Vector2d(cut.quad[(corner.side + 1) % 4] - c) : Vector2d(0, 0);
+    const double length2 = e.squaredNorm();
+    for (std::size_t k = 0; k < bands.size(); ++k) {
+      const double from = 1e-3 * bands[k].from_um, to = 1e-3 * bands[k].to_um;
+      if (to <= left && (dx != 0 || to < left)) continue;
+      if (from >= right) break;
+      const double x1 = std::max(left, from), x2 = std::min(right, to);
+      const auto y_at = [&](double x) { return a.y() + slope * (x - a.x()) - y0; };
+      const double y1 = dx == 0 ? a.y() - y0 : y_at(x1), y2 = dx == 0 ? b.y() - y0 : y_at(x2);
+      BandShare& share = shares[k];
+      share.area -= way * (x2 - x1) * 0.5 * (y1 + y2);
+      if (from >= left && from < right) share.at_from -= way * y1;
+      if (to >= left && to < right) share.at_to -= way * y2;
+      const Vector2d outwards = way * Vector2d(y2 - y1, x1 - x2);  // times the part's length
+      if (corner.side == kSecondEnd) {
+        by_area.by_length += outwards.y();
+        by_light.by_length += light[k] * outwards.y();
+      }
+      if (!on_quad || !(length2 > 0)) continue;
+      const Vector2d middle(0.5 * (x1 + x2), y0 + 0.5 * (y1 + y2));
+      const double second = std::clamp((middle - c).dot(e) / length2, 0.0, 1.0);
+      const int at = corner.side, after = (at + 1) % 4;
+      by_area.by_corner[at] += (1 - second) * outwards;
+      by_area.by_corner[after] += second * outwards;
+      by_light.by_corner[at] += (1 - second) * light[k] * outwards;
+      by_light.by_corner[after] += second * light[k] * outwards;
+    }
   }
 }
 
@@ -229,6 +239,19 @@ double area_left_of(double x, const Polygon& polygon) {
 
 }  // namespace
 
+void BandLights::resize(std::size_t count) {
+  for (std::vector<double>* v : {&value, &by_hx, &by_hy, &by_hz, &by_alpha, &by_depth}) v->assign(count, 0);
+}
+
+void BandLights::set(std::size_t k, const ProfileBand& band, const BandLight& light) {
+  value[k] = light.value;
+  by_hx[k] = light.by_h.x();
+  by_hy[k] = light.by_h.y();
+  by_hz[k] = light.by_h.z();
+  by_alpha[k] = light.by_alpha;
+  by_depth[k] = light.by_from_lean * band.from_lean_by_depth + light.by_to_lean * band.to_lean_by_depth;
+}
+
 BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, double across) {
   BandLight out;
   if (band.shape == Shape::flank || band.from_lean == band.to_lean) {
@@ -305,34 +328,72 @@ FootprintValue profile_integral(const GrooveSegment& groove, std::span<const Pro
   return out;
 }
 
+FootprintValue profile_integral(const GrooveSegment& groove, std::span<const ProfileBand> bands,
+                                const BandLights& lights, const Quad& corners_mm) {
+  FootprintValue out{};
+  const Cut cut = cut_to_length(corners_mm, groove.length_mm);
+  if (cut.polygon.count < 3) return out;
+  double area_before = 0, at_mm = cut.left;
+  for (std::size_t k = 0; k < bands.size(); ++k) {
+    const double from = 1e-3 * bands[k].from_um, to = 1e-3 * bands[k].to_um;
+    if (to <= cut.left || from >= cut.right) continue;
+    if (from > at_mm) area_before = area_left_of(from, cut.polygon);
+    const double area_after = area_left_of(to, cut.polygon), area = std::max(0.0, area_after - area_before);
+    at_mm = to;
+    area_before = area_after;
+    out.area_mm2 += area;
+    out.Dhat_mm2 += area * lights.value[k];
+  }
+  return out;
+}
+
 FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
                                             double across, const Quad& corners_mm, const Vector3d& h_scratch) {
+  const Vector3d h = h_scratch.normalized();
+  // Where nothing of the groove is seen, nothing is asked of its walls.
+  const auto beside = [&](int axis, double low, double high) {
+    const auto [least, most] =
+        std::minmax({corners_mm[0][axis], corners_mm[1][axis], corners_mm[2][axis], corners_mm[3][axis]});
+    return bands.empty() || most <= low || least >= high;
+  };
+  thread_local BandLights lights;
+  lights.resize(bands.size());
+  if (!beside(1, 0, groove.length_mm) && !beside(0, 1e-3 * bands.front().from_um, 1e-3 * bands.back().to_um))
+    for (std::size_t k = 0; k < bands.size(); ++k)
+      lights.set(k, bands[k], band_light(bands[k], h, groove.alpha, across));
+  return profile_integral_gradient(groove, bands, lights, corners_mm);
+}
+
+FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
+                                            const BandLights& lights, const Quad& corners_mm) {
   FootprintGradient out{};
   out.dDhat_dcorner.fill(Vector2d::Zero());
   out.darea_dcorner.fill(Vector2d::Zero());
   out.dDhat_dhalf.setZero();
-  const Vector3d h = h_scratch.normalized();
   const Cut cut = cut_to_length(corners_mm, groove.length_mm);
-  each_band(cut, bands, [&](const ProfileBand& band, const Polygon& part) {
-    AreaSlopes a;
-    a.area = area_of(part);
-    add_slopes(part, cut.quad, a);
-    const BandLight light = band_light(band, h, groove.alpha, across);
-    out.value.area_mm2 += a.area;
-    out.value.Dhat_mm2 += a.area * light.value;
-    for (int i = 0; i < 4; ++i) {
-      out.darea_dcorner[cut.order[i]] += a.by_corner[i];
-      out.dDhat_dcorner[cut.order[i]] += light.value * a.by_corner[i];
+  if (cut.polygon.count >= 3) {
+    thread_local std::vector<BandShare> shares;
+    shares.assign(bands.size(), {});
+    SideSums by_area, by_light;
+    walk(cut, bands, lights.value, shares, by_area, by_light);
+    for (std::size_t k = 0; k < bands.size(); ++k) {
+      const ProfileBand& band = bands[k];
+      const double area = std::max(0.0, shares[k].area);
+      out.value.area_mm2 += area;
+      out.value.Dhat_mm2 += area * lights.value[k];
+      const double by_depth = 1e-3 * (shares[k].at_to * band.to_by_depth - shares[k].at_from * band.from_by_depth);
+      out.darea_ddepth_um += by_depth;
+      out.dDhat_ddepth_um += lights.value[k] * by_depth + area * lights.by_depth[k];
+      out.dDhat_dalpha += area * lights.by_alpha[k];
+      out.dDhat_dhalf += area * Vector3d(lights.by_hx[k], lights.by_hy[k], lights.by_hz[k]);
     }
-    out.darea_dlength_mm += a.by_length;
-    out.dDhat_dlength_mm += light.value * a.by_length;
-    const double by_depth = 1e-3 * (a.by_from * band.from_by_depth + a.by_to * band.to_by_depth);
-    out.darea_ddepth_um += by_depth;
-    out.dDhat_ddepth_um += light.value * by_depth + a.area * (light.by_from_lean * band.from_lean_by_depth +
-                                                              light.by_to_lean * band.to_lean_by_depth);
-    out.dDhat_dalpha += a.area * light.by_alpha;
-    out.dDhat_dhalf += a.area * light.by_h;
-  });
+    for (int i = 0; i < 4; ++i) {
+      out.darea_dcorner[cut.order[i]] = by_area.by_corner[i];
+      out.dDhat_dcorner[cut.order[i]] = by_light.by_corner[i];
+    }
+    out.darea_dlength_mm = by_area.by_length;
+    out.dDhat_dlength_mm = by_light.by_length;
+  }
   // Euler's relation for homogeneous functions (docs/model.md 4.22).
   double light_by_corners = 0, area_by_corners = 0;
   for (int i = 0; i < 4; ++i) {
