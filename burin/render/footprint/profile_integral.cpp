@@ -91,9 +91,13 @@ Cut cut_to_length(const Quad& corners, double length_mm) {
   if (a.x() * b.y() - a.y() * b.x() < 0) out.order = {0, 3, 2, 1};
   for (int i = 0; i < 4; ++i) out.quad[i] = corners[out.order[i]];
   for (int i = 0; i < 4; ++i) out.polygon.add(out.quad[i], i);
-  const auto beside = [&](const Vector2d& p) { return p.y() >= 0 && p.y() <= length_mm; };
-  if (!std::all_of(corners.begin(), corners.end(), beside))
-    out.polygon = clipped(clipped(out.polygon, 1, 0, 1, kFirstEnd), 1, length_mm, -1, kSecondEnd);
+  double least = corners[0].y(), most = least;
+  for (const Vector2d& p : corners) {
+    least = std::min(least, p.y());
+    most = std::max(most, p.y());
+  }
+  if (least < 0) out.polygon = clipped(out.polygon, 1, 0, 1, kFirstEnd);
+  if (most > length_mm) out.polygon = clipped(out.polygon, 1, length_mm, -1, kSecondEnd);
   if (out.polygon.count == 0) return out;
   out.left = out.right = out.polygon.corner[0].p.x();
   for (int i = 1; i < out.polygon.count; ++i) {
