@@ -86,14 +86,15 @@ ViewPixels view_pixels(const ViewScene& scene, int channels) {
   return pixels;
 }
 
-// By pixels' own size: where one ends within a band, the band's light is shared out evenly.
-double ExactView::widest_band_um() const {
-  constexpr double kFinest = 15, kOfPixel = 1.0 / 16;
-  if (band_light_ == BandLightBy::pixel) return kFinest;
+ExactView::ExactView(const ViewScene& scene, const ViewPixels& pixels, BandLightBy band_light)
+    : scene_(scene), pixels_(pixels), band_light_(band_light) {
+  if (band_light_ == BandLightBy::pixel) return;
+  // By pixels' own size: where one ends within a band, the band's light is shared out evenly.
+  constexpr double kOfPixel = 1.0 / 16, kMost = 10;
   double least = 1e300;
   for (const double area : pixels_.area_mm2)
     if (area > 0) least = std::min(least, area);
-  return std::clamp(1000 * kOfPixel * std::sqrt(least), kFinest, 10 * kFinest);
+  widest_band_um_ = std::clamp(1000 * kOfPixel * std::sqrt(least), widest_band_um_, kMost * widest_band_um_);
 }
 
 ExactView::SeenPixel ExactView::seen_pixel(std::size_t pixel) const {
@@ -116,8 +117,7 @@ void ExactView::set_pair(std::size_t pair, const SeenPixel& p, const ScratchFram
   const Quad q = in_scratch(f, p.corners_mm);
   const Eigen::Vector3d h = in_scratch(f, p.h_face);
   const Shadowing g = shadowing(p.cos_i, p.cos_o, f.groove.alpha);
-  const bool with_jacobian = !jacobian_.empty(), known = along != nullptr && along->knows(h);
-  if (known) along->at(h, with_jacobian, lights);
+  const bool with_jacobian = !jacobian_.empty(), known = along != nullptr && along->at(h, with_jacobian, lights);
   FootprintValue value;
   if (with_jacobian) {
     const FootprintGradient d =
@@ -195,7 +195,7 @@ void ExactView::forward(const Scratches& scratches, PixelPairs pairs, bool keep_
   pairs_ = std::move(pairs);
   scratch_count_ = scratches.size();
   const std::vector<ScratchFrame> frames =
-      scratch_frames(scratches, scene_.tool_width_um, scene_.material, widest_band_um());
+      scratch_frames(scratches, scene_.tool_width_um, scene_.material, widest_band_um_);
   pair_light_mm2_.assign(pairs_.scratch.size(), 0);
   pair_area_mm2_.assign(pairs_.scratch.size(), 0);
   jacobian_.assign(keep_jacobian ? pairs_.scratch.size() : 0, {});

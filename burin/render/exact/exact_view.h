@@ -1,6 +1,6 @@
 // burin/render/exact/exact_view.h - one view rendered pair by pair in double: slow, simple, what the fast path is
-// measured against. Frame: board, mm. docs/model.md 5. Use it through burin/render/view_renderer.h
-// (RenderOptions::use_double).
+// measured against; and what renders cross-sections that the fast path does not know. Frame: board, mm.
+// docs/model.md 5. Use it through burin/render/view_renderer.h (RenderOptions::use_double).
 #pragma once
 
 #include <array>
@@ -45,12 +45,12 @@ std::array<double, 3> ambient_radiance(const ViewScene& scene, int channels);
 class ExactView {
  public:
   /// How the light on a groove's walls is found, where its cross-section is not the paper's: at each pixel, or at a few
-  /// half vectors along it (burin/render/footprint/lights_along.h), which is two to three times as fast.
+  /// half vectors along it (burin/render/footprint/lights_along.h), which takes less than half the time with
+  /// derivatives.
   enum class BandLightBy { pixel, knots };
 
   /// `scene` and `pixels` must outlive this.
-  ExactView(const ViewScene& scene, const ViewPixels& pixels, BandLightBy band_light = BandLightBy::pixel)
-      : scene_(scene), pixels_(pixels), band_light_(band_light) {}
+  ExactView(const ViewScene& scene, const ViewPixels& pixels, BandLightBy band_light = BandLightBy::pixel);
 
   /// Radiance from the pairs given; with `keep_jacobian` for backward().
   void forward(const Scratches& scratches, PixelPairs pairs, bool keep_jacobian, Image& radiance);
@@ -82,7 +82,6 @@ class ExactView {
                 BandLights& lights);
   void set_pairs_by_pixel(const std::vector<ScratchFrame>& frames);
   void set_pairs_by_line(const std::vector<ScratchFrame>& frames);
-  double widest_band_um() const;
   /// Each scratch's entries, in pixel order.
   struct GrooveEntries {
     std::vector<std::size_t> begin;
@@ -99,6 +98,7 @@ class ExactView {
   const ViewScene& scene_;
   const ViewPixels& pixels_;
   BandLightBy band_light_;
+  double widest_band_um_ = 15;   ///< of a cross-section (profile_bands())
   std::vector<SeenPixel> seen_;  ///< of every pixel, where pairs are worked on groove by groove
   std::size_t scratch_count_ = 0;
   PixelPairs pairs_;

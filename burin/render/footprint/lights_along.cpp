@@ -13,7 +13,7 @@ constexpr double kBeside = 0.06;  // of the roughness: as far as light goes stra
 
 void LightsAlong::set(const GrooveSegment& groove, std::span<const ProfileBand> bands, double across,
                       std::span<const Eigen::Vector3d> half, bool slopes) {
-  known_ = 0;
+  count_ = 0;
   if (half.size() < 2) return;
   const double rough = groove.alpha * std::min(1.0, across);
   // The ends of the chord: what lies furthest from any one of them, and what lies furthest from that.
@@ -27,13 +27,11 @@ void LightsAlong::set(const GrooveSegment& groove, std::span<const ProfileBand> 
   const double wanted = std::ceil(chord.norm() / (kStep * rough));
   // A knot costs as much as a pixel with its slopes does without knots, or as three pixels without slopes.
   if (!((slopes ? 1.5 : 4) * (wanted + 1) < static_cast<double>(half.size()))) return;
-  steps_ = std::max<std::size_t>(1, static_cast<std::size_t>(wanted));
-  step_ = chord / static_cast<double>(steps_);
-  step2_ = step_.squaredNorm();
+  step_ = chord / std::max(1.0, wanted);
   beside2_ = kBeside * kBeside * rough * rough;
-  known_ = step2_ > 0 ? steps_ + 1 : 1;
-  if (knots_.size() < known_) knots_.resize(known_);
-  for (std::size_t j = 0; j < known_; ++j) {
+  count_ = static_cast<std::size_t>(wanted) + 1;
+  if (knots_.size() < count_) knots_.resize(count_);
+  for (std::size_t j = 0; j < count_; ++j) {
     const Eigen::Vector3d h = first_ + static_cast<double>(j) * step_;
     knots_[j].resize(bands.size());
     for (std::size_t k = 0; k < bands.size(); ++k)
@@ -41,24 +39,20 @@ void LightsAlong::set(const GrooveSegment& groove, std::span<const ProfileBand> 
   }
 }
 
-bool LightsAlong::knows(const Eigen::Vector3d& h) const {
-  if (known_ == 0) return false;
+bool LightsAlong::at(const Eigen::Vector3d& h, bool slopes, BandLights& out) const {
+  if (count_ == 0) return false;
+  // From the first knot, in steps. A lone one has no chord.
   const Eigen::Vector3d from = h - first_;
-  const double t = known_ == 1 ? 0 : std::clamp(from.dot(step_) / step2_, 0.0, static_cast<double>(steps_));
-  return (from - t * step_).squaredNorm() <= beside2_;
-}
-
-void LightsAlong::at(const Eigen::Vector3d& h, bool slopes, BandLights& out) const {
-  const Eigen::Vector3d from = h - first_;
-  const double t = known_ == 1 ? 0 : std::clamp(from.dot(step_) / step2_, 0.0, static_cast<double>(steps_));
-  const std::size_t j = known_ == 1 ? 0 : std::min(steps_ - 1, static_cast<std::size_t>(t));
-  const double u = t - static_cast<double>(j);
+  const double last = static_cast<double>(count_ - 1), inverse2 = count_ > 1 ? 1 / step_.squaredNorm() : 0;
+  const double t = std::clamp(from.dot(step_) * inverse2, 0.0, last);
   const Eigen::Vector3d beside = from - t * step_;
-  const BandLights &a = knots_[j], &b = knots_[known_ == 1 ? j : j + 1];
+  if (beside.squaredNorm() > beside2_) return false;
+  const std::size_t j = std::min(static_cast<std::size_t>(t), std::max<std::size_t>(count_, 2) - 2);
+  const double u = t - static_cast<double>(j);
+  const BandLights &a = knots_[j], &b = knots_[std::min(j + 1, count_ - 1)];
   const std::size_t n = a.value.size();
   if (out.value.size() != n) out.resize(n);
   const double dx = step_.x(), dy = step_.y(), dz = step_.z(), rx = beside.x(), ry = beside.y(), rz = beside.z();
-  const double inverse2 = step2_ > 0 ? 1 / step2_ : 0;
   for (std::size_t k = 0; k < n; ++k) {
     const double a1 = a.by_hx[k] * dx + a.by_hy[k] * dy + a.by_hz[k] * dz,
                  b1 = b.by_hx[k] * dx + b.by_hy[k] * dy + b.by_hz[k] * dz, rise = b.value[k] - a.value[k];
@@ -78,6 +72,7 @@ void LightsAlong::at(const Eigen::Vector3d& h, bool slopes, BandLights& out) con
     out.by_alpha[k] = a.by_alpha[k] + u * (b.by_alpha[k] - a.by_alpha[k]);
     out.by_depth[k] = a.by_depth[k] + u * (b.by_depth[k] - a.by_depth[k]);
   }
+  return true;
 }
 
 }  // namespace burin

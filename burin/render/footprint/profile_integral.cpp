@@ -241,6 +241,21 @@ double area_left_of(double x, const Polygon& polygon) {
   return area;
 }
 
+// visit(which, area) for the bands that a footprint reaches, from left to right. Neighbors share an edge.
+template <typename Visit>
+void each_area(const Cut& cut, std::span<const ProfileBand> bands, const Visit& visit) {
+  double at_mm = cut.left, area_before = 0;
+  for (std::size_t k = 0; k < bands.size(); ++k) {
+    const double from = 1e-3 * bands[k].from_um, to = 1e-3 * bands[k].to_um;
+    if (to <= cut.left || from >= cut.right) continue;
+    if (from > at_mm) area_before = area_left_of(from, cut.polygon);
+    const double area_after = area_left_of(to, cut.polygon);
+    visit(k, std::max(0.0, area_after - area_before));
+    at_mm = to;
+    area_before = area_after;
+  }
+}
+
 }  // namespace
 
 void BandLights::resize(std::size_t count) {
@@ -304,29 +319,23 @@ FootprintValue profile_integral(const GrooveSegment& groove, std::span<const Pro
   const Vector3d h = h_scratch.normalized();
   const SectionLobe lobe(h, groove.alpha, across);
   BandSum arcs(lobe);
-  // Neighbors share an edge: its place, the area left of it, and its psi.
-  double at_mm = cut.left, area_before = 0, lean = 0, psi = 0;
+  double lean = 0, psi = 0;  // at the edge that a band shares with the next
   bool psi_known = false;
-  for (const ProfileBand& band : bands) {
-    const double from = 1e-3 * band.from_um, to = 1e-3 * band.to_um;
-    if (to <= cut.left || from >= cut.right) continue;
-    if (from > at_mm) area_before = area_left_of(from, cut.polygon);
-    const double area_after = area_left_of(to, cut.polygon), area = std::max(0.0, area_after - area_before);
-    at_mm = to;
-    area_before = area_after;
+  each_area(cut, bands, [&](std::size_t k, double area) {
+    const ProfileBand& band = bands[k];
     out.area_mm2 += area;
     if (band.shape == Shape::flank || band.from_lean == band.to_lean) {
       out.Dhat_mm2 += area * point_light(h, band.from_sine, band.from_cosine, groove.alpha, across, false).D;
-      continue;
+      return;
     }
-    if (lobe.dark()) continue;
+    if (lobe.dark()) return;
     if (!psi_known || lean != band.from_lean) psi = lobe.psi(band.from_sine, band.from_cosine);
     const double psi_to = lobe.psi(band.to_sine, band.to_cosine);
     arcs.add(band, psi, psi_to, area);
     psi = psi_to;
     lean = band.to_lean;
     psi_known = true;
-  }
+  });
   arcs.flush();
   out.Dhat_mm2 += arcs.sum;
   return out;
@@ -337,44 +346,21 @@ FootprintValue profile_integral(const GrooveSegment& groove, std::span<const Pro
   FootprintValue out{};
   const Cut cut = cut_to_length(corners_mm, groove.length_mm);
   if (cut.polygon.count < 3) return out;
-  double area_before = 0, at_mm = cut.left;
-  for (std::size_t k = 0; k < bands.size(); ++k) {
-    const double from = 1e-3 * bands[k].from_um, to = 1e-3 * bands[k].to_um;
-    if (to <= cut.left || from >= cut.right) continue;
-    if (from > at_mm) area_before = area_left_of(from, cut.polygon);
-    const double area_after = area_left_of(to, cut.polygon), area = std::max(0.0, area_after - area_before);
-    at_mm = to;
-    area_before = area_after;
+  each_area(cut, bands, [&](std::size_t k, double area) {
     out.area_mm2 += area;
     out.Dhat_mm2 += area * lights.value[k];
-  }
+  });
   return out;
 }
 
-FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
-                                            double across, const Quad& corners_mm, const Vector3d& h_scratch) {
-  const Vector3d h = h_scratch.normalized();
-  // Where nothing of the groove is seen, nothing is asked of its walls.
-  const auto beside = [&](int axis, double low, double high) {
-    const auto [least, most] =
-        std::minmax({corners_mm[0][axis], corners_mm[1][axis], corners_mm[2][axis], corners_mm[3][axis]});
-    return bands.empty() || most <= low || least >= high;
-  };
-  thread_local BandLights lights;
-  lights.resize(bands.size());
-  if (!beside(1, 0, groove.length_mm) && !beside(0, 1e-3 * bands.front().from_um, 1e-3 * bands.back().to_um))
-    for (std::size_t k = 0; k < bands.size(); ++k)
-      lights.set(k, bands[k], band_light(bands[k], h, groove.alpha, across));
-  return profile_integral_gradient(groove, bands, lights, corners_mm);
-}
+namespace {
 
-FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
-                                            const BandLights& lights, const Quad& corners_mm) {
+FootprintGradient gradient_within(const Cut& cut, const GrooveSegment& groove, std::span<const ProfileBand> bands,
+                                  const BandLights& lights, const Quad& corners_mm) {
   FootprintGradient out{};
   out.dDhat_dcorner.fill(Vector2d::Zero());
   out.darea_dcorner.fill(Vector2d::Zero());
   out.dDhat_dhalf.setZero();
-  const Cut cut = cut_to_length(corners_mm, groove.length_mm);
   if (cut.polygon.count >= 3) {
     thread_local std::vector<BandShare> shares;
     shares.assign(bands.size(), {});
@@ -411,6 +397,25 @@ FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::sp
                          groove.depth_um * out.darea_ddepth_um) /
                         groove.width_um;
   return out;
+}
+
+}  // namespace
+
+FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
+                                            double across, const Quad& corners_mm, const Vector3d& h_scratch) {
+  const Vector3d h = h_scratch.normalized();
+  const Cut cut = cut_to_length(corners_mm, groove.length_mm);
+  thread_local BandLights lights;  // its memory: this is asked for each pixel of each groove
+  lights.resize(bands.size());
+  for (std::size_t k = 0; k < bands.size() && cut.polygon.count >= 3; ++k)
+    if (1e-3 * bands[k].to_um > cut.left && 1e-3 * bands[k].from_um < cut.right)
+      lights.set(k, bands[k], band_light(bands[k], h, groove.alpha, across));
+  return gradient_within(cut, groove, bands, lights, corners_mm);
+}
+
+FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
+                                            const BandLights& lights, const Quad& corners_mm) {
+  return gradient_within(cut_to_length(corners_mm, groove.length_mm), groove, bands, lights, corners_mm);
 }
 
 }  // namespace burin
