@@ -1,28 +1,35 @@
 #include "tools/animate.h"
 
-#include <spawn.h>
+#include <fcntl.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"
+#include "burin/render/files/descriptor.h"
 #include "burin/render/files/encoded_picture.h"
+#include "burin/render/files/file_error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
-#include "burin/render/files/part_file.h"
 #include "burin/render/files/write_file.h"
 #include "burin/render/image.h"
 #include "burin/render/look_at.h"
 #include "burin/render/view_renderer.h"
 #include "tools/animated_png.h"
 #include "tools/automatic_exposure.h"
-
-extern char** environ;  // of unistd.h; a program that is started keeps ours
 
 namespace burin {
 namespace {
@@ -52,15 +59,9 @@ struct Film {
   Image radiance(const Eigen::Vector3d& eye_mm, const Light& light) const {
     const Eigen::Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
     const PixelWindow whole{0, 0, lens.width, lens.height};
-    const CameraView camera{lens, look_at(eye_mm, middle), face.surface, whole};
-    ViewScene scene;
-    scene.grid = share(camera_grid(lens, camera.T_camera_board, face, whole));
+    ViewScene scene =
+        make_scene(bench, board, share(camera_grid(lens, look_at(eye_mm, middle), face, whole)), eye_mm, light);
     scene.hidden_from_light = hidden_pixels(*scene.grid, face, light.position_mm);
-    scene.camera_center_mm = eye_mm;
-    scene.light = light;
-    scene.material = bench.material;
-    scene.tool_width_um = board.tool_width_um;
-    scene.ambient = bench.ambient;
     RenderOptions options;
     options.channels = 3;
     options.material_gradients = false;
@@ -87,35 +88,84 @@ fs::path numbered_frame(const fs::path& folder, int frame) {
   return folder / ("frame-" + number + ".png");
 }
 
-// Runs a program and waits; its exit status, or nothing where it cannot be started.
-std::optional<int> run_and_wait(std::vector<std::string> words) {
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t process = 0;
-  if (posix_spawnp(&process, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) return std::nullopt;
-  int status = 0;
-  if (waitpid(process, &status, 0) != process || !WIFEXITED(status)) return -1;
-  return WEXITSTATUS(status);
-}
+// A program that is started with bytes for its standard input, and ends with this one: when the pipe ends, or at once
+// where this process is ended (PR_SET_PDEATHSIG is its thread's end, which here waits).
+class FedProgram {
+ public:
+  // `output` is its descriptor 3. Throws Error where the system has no room for another process.
+  FedProgram(std::vector<std::string> words, int output, const fs::path& for_file) {
+    std::vector<char*> arguments;
+    for (std::string& word : words) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    std::array<int, 2> ends{-1, -1};
+    // A socket, since a pipe that nobody reads any more ends this process by a signal.
+    if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+      fail_with(for_file, "cannot be written: there is no pipe to " + words.front(), errno);
+    input_ = Descriptor(ends[0]);
+    const Descriptor theirs(ends[1]);
+    const pid_t parent = ::getpid();
+    process_ = ::fork();
+    if (process_ == 0) {  // another thread may hold any lock: system calls alone
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      // Descriptors below 3 are open (fill_closed_streams): neither of these is in the other's way.
+      if (::getppid() == parent && ::dup2(theirs.number(), STDIN_FILENO) >= 0 && ::dup2(output, kOutput) >= 0 &&
+          ::fcntl(kOutput, F_SETFD, 0) == 0)
+        ::execvp(arguments[0], arguments.data());
+      ::_exit(kNotStarted);
+    }
+    if (process_ < 0) fail_with(for_file, "cannot be written: " + words.front() + " cannot be started", errno);
+  }
+  ~FedProgram() {
+    if (process_ <= 0) return;
+    ::kill(process_, SIGKILL);
+    end();
+  }
+  FedProgram(const FedProgram&) = delete;
+  FedProgram& operator=(const FedProgram&) = delete;
 
+  // False where it reads no more.
+  bool feed(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t sent = ::send(input_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      if (sent < 0 && errno == EINTR) continue;
+      if (sent < 0) return false;
+      bytes.remove_prefix(static_cast<std::size_t>(sent));
+    }
+    return true;
+  }
+
+  // Its input ends; waits for it. Its exit status; -1 where a signal ended it.
+  int end() {
+    input_ = Descriptor();
+    int status = 0;
+    while (::waitpid(process_, &status, 0) < 0 && errno == EINTR) {
+    }
+    process_ = 0;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  static constexpr int kNotStarted = 127, kOutput = 3;
+
+ private:
+  Descriptor input_;
+  pid_t process_ = -1;
+};
+
+// No frame is a file, and the film is one that this process has open: whatever happens, nothing of either is left.
 void write_film(const std::vector<std::string>& frames, double frames_per_s, const fs::path& out) {
-  const std::optional<int> there = run_and_wait({"ffmpeg", "-hide_banner", "-loglevel", "quiet", "-version"});
-  if (!there || *there != 0)
-    fail(out.string(), "a film is made by ffmpeg, which is not installed",
-         "install it (apt install ffmpeg), or name a .png: an animated PNG, which browsers play");
-  const fs::path folder = find_place(out).folder() / (out.stem().string() + "-frames");
-  if (fs::exists(folder))
-    fail(folder.string(), "is there already, where the film's frames are to be kept while it is made", "move it away");
-  make_output_folder(folder);
-  for (std::size_t i = 0; i < frames.size(); ++i) write_text(frames[i], numbered_frame(folder, static_cast<int>(i)));
   write_atomically(out, [&](const fs::path& part) {
-    const std::optional<int> status =
-        run_and_wait({"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-framerate", std::to_string(frames_per_s),
-                      "-i", (folder / "frame-%04d.png").string(), "-pix_fmt", "yuv420p", part.string()});
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-    if (!status || *status != 0)
+    const Descriptor film(::open(part.c_str(), O_RDWR | O_CLOEXEC));
+    if (!film) fail_with(out, "cannot be written", errno);
+    FedProgram ffmpeg({"ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "image2pipe", "-framerate",
+                       std::to_string(frames_per_s), "-c:v", "png", "-i", "pipe:0", "-pix_fmt", "yuv420p", "-f", "mp4",
+                       "/proc/self/fd/3"},
+                      film.number(), out);
+    const bool fed = std::all_of(frames.begin(), frames.end(), [&](const auto& frame) { return ffmpeg.feed(frame); });
+    const int status = ffmpeg.end();
+    if (status == FedProgram::kNotStarted)
+      fail(out.string(), "a film is made by ffmpeg, which is not installed",
+           "install it (apt install ffmpeg), or name a .png: an animated PNG, which browsers play");
+    if (!fed || status != 0)
       fail(out.string(), "ffmpeg could not write it", "see what it says above, or name a .png instead");
   });
 }
@@ -132,7 +182,9 @@ int write_frames(std::vector<std::string> frames, const AnimateOptions& options,
     write_film(frames, frames_per_s, out);
   } else if (out.extension().empty()) {
     make_output_folder(out);
+    FilesTogether all;
     for (std::size_t i = 0; i < frames.size(); ++i) write_text(frames[i], numbered_frame(out, static_cast<int>(i)));
+    all.put();
   } else {
     fail(out.string(), "an animation is a .png, an .mp4, or a folder of numbered PNG files", "name one of these");
   }

@@ -8,7 +8,9 @@
 #include "burin/render/error.h"
 #include "burin/render/footprint/ndf_cases.h"
 #include "tools/commands.h"
+#include "tools/progress_bar.h"
 #include "tools/report/carve_check.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -60,12 +62,17 @@ CarveCheckFiles files_of(const CarveOptions& options) {
 }
 
 void check_before_carving(const CarveOptions& options) {
-  const CarveCheckFiles files = files_of(options);
-  const CarveCheck check = check_carve_files(files);
   std::filesystem::path page = options.out;
   if (page.empty())
     page = std::filesystem::is_directory(options.what) ? options.what / "carve-check.html" : "carve-check.html";
+  const WorkLock lock(page.parent_path(), "burin check carve", WorkLock::Where::projects);
+  const CarveCheckFiles files = files_of(options);
+  ProgressBar bar;
+  bar.progress()("replaying", 0);
+  const CarveCheck check = check_carve_files(files);
+  bar.progress()("writing", 0);
   write_carve_check_page(check, files, page);
+  bar.clear();
   fmt::print("{}", carve_check_text(check));
   if (!check.good()) {
     const auto red = std::count_if(check.findings.begin(), check.findings.end(),

@@ -18,6 +18,7 @@
 #include "burin/optimize/duration.h"
 #include "burin/render/error.h"
 #include "burin/render/files/file_error.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/files/printable.h"
 #include "burin/render/simd_choice.h"
 #include "burin/render/threads.h"
@@ -192,6 +193,7 @@ int run_program(const std::vector<std::string>& arguments) {
     say_at_the_end(mode, command, sentence, exit_code);
   });
   int exit_code = kDone;
+  const NamedPaths named(command);
   try {
     const ResultToOutput result(command);
     exit_code = run_in_mode(mode, command, [&] { return run_in_words(command); });

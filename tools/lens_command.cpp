@@ -18,6 +18,7 @@
 #include "burin/render/median.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -92,9 +93,7 @@ LensSolution solve_without_strays(ChessboardViews& found, const Chessboard& boar
   constexpr double kFarFactor = 5, kFar_px = 2;
   while (true) {
     LensSolution s = solve_lens(found.views, found.width, found.height, board.size_mm(), solver);
-    std::vector<double> rms = s.view_rms_point_px;
-    std::nth_element(rms.begin(), rms.begin() + static_cast<std::ptrdiff_t>(rms.size() / 2), rms.end());
-    const double usual = rms[rms.size() / 2];
+    const double usual = median_of(s.view_rms_point_px);
     const auto worst = std::max_element(s.view_rms_point_px.begin(), s.view_rms_point_px.end());
     if (!(*worst > kFar_px && *worst > kFarFactor * usual) || found.views.size() <= 3) return s;
     const auto at = found.views.begin() + (worst - s.view_rms_point_px.begin());
@@ -121,11 +120,12 @@ void print_lens(const ChessboardViews& found, const LensSolution& s, bool bow) {
 }
 
 void run(const LensArguments& options) {
+  const WorkLock lock(options.out.parent_path(), "burin lens", WorkLock::Where::projects);
   Chessboard board;
   std::tie(board.columns, board.rows) = pair_of(options.chessboard, "--chessboard");
   board.square_mm = options.square_mm;
   ChessboardViews found = read_views(options, board);
-  for (const Finding& finding : found.findings) note(sentence(finding));  // first: why too few photos are left
+  for (const Finding& finding : found.findings) note(finding);  // first: why too few photos are left
   found.findings.clear();
   LensSolverOptions solver;
   solver.model = options.model;
@@ -140,15 +140,16 @@ void run(const LensArguments& options) {
   write_cameramodel(s.lens, options.out);
   all.put();
 
-  for (const Finding& finding : found.findings) note(sentence(finding));
+  for (const Finding& finding : found.findings) note(finding);
   print_lens(found, s, options.bow);
   const int parts = parts_covered(found.views, found.width, found.height);
   fmt::print("coverage {} of 12 parts of the frame; {} shows every corner\n", parts, picture.string());
   constexpr int kFewParts = 10;
   if (parts < kFewParts)
-    note("the corners of the frame are not covered: the lens is a guess there; add photos with the board in them");
+    note(make_warning("the corners of the frame are not covered: the lens is a guess there",
+                      "add photos with the board in them"));
   for (const std::string& name : s.not_determined)
-    note(name + " is hardly determined; add photos with the board tilted, in different directions");
+    note(make_warning(name + " is hardly determined", "add photos with the board tilted, in different directions"));
   fmt::print("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options.out.string(),
              shell_word(options.out.string()));
 }

@@ -6,6 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <optional>
+#include <utility>
 
 #include "burin/calib/plan.h"
 #include "burin/calib/verdict/planned_tags.h"
@@ -24,6 +26,7 @@
 #include "tools/plan_words.h"
 #include "tools/progress_bar.h"
 #include "tools/wanted_bench.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -182,6 +185,8 @@ Inputs inputs_of_project(const std::filesystem::path& folder) {
           true};
 }
 
+Finding assumed(std::string what) { return {Finding::Severity::note, {}, std::move(what), ""}; }
+
 Inputs inputs_of_files(const std::filesystem::path& board_file, const std::filesystem::path& bench_file,
                        const std::filesystem::path& design_file) {
   Inputs in;
@@ -191,8 +196,8 @@ Inputs inputs_of_files(const std::filesystem::path& board_file, const std::files
   in.scratches = in.board.scratches;
   if (bench_file.empty()) {
     in.bench = usual_bench(in.board);
-    note("no --bench: planned for a 50 mm lens on full frame, and a lamp " +
-         place_in_words(in.bench.lights[0].position_mm, in.board));
+    note(assumed("no --bench: planned for a 50 mm lens on full frame, and a lamp " +
+                 place_in_words(in.bench.lights[0].position_mm, in.board)));
   } else {
     in.bench = read_bench_of(in.board, in.board_file, bench_file);
   }
@@ -208,18 +213,74 @@ bool plans_several_lamps(const Inputs& in) {
                      [&](const DesignedPlace& place) { return place.light != in.designed.front().light; });
 }
 
+struct PlanArguments {
+  std::filesystem::path board, bench, design, scratches, camera, out;
+  std::vector<std::vector<double>> lamps;
+  PlanOptions plan;
+  double focus_mm = 0;
+  std::string focus_range;
+  bool camera_as_seed = false;
+};
+
+void run(const PlanArguments& arguments) {
+  std::optional<WorkLock> lock;
+  if (!arguments.out.empty()) lock.emplace(arguments.out, "burin plan", WorkLock::Where::new_folders);
+  Inputs in = arguments.bench.empty() && std::filesystem::is_directory(arguments.board)
+                  ? inputs_of_project(arguments.board)
+                  : inputs_of_files(arguments.board, arguments.bench, arguments.design);
+  PlanOptions plan_options = arguments.plan;
+  if (!arguments.camera.empty()) {
+    in.bench.lens = read_cameramodel(arguments.camera);
+    plan_options.fix_lens = !arguments.camera_as_seed;
+  }
+  if (!arguments.lamps.empty()) put_lamps(arguments.lamps, in.board, in.bench);
+  const std::filesystem::path file = arguments.scratches.empty() ? in.scratches : arguments.scratches;
+  Sent sent;
+  if (!file.empty() && (!arguments.scratches.empty() || std::filesystem::exists(file))) {
+    sent = Sent(read_scratches(file));
+  } else {
+    sent = test_strokes(in.board);
+    note(assumed(fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size())));
+  }
+  if (in.board.tags.list.size() > kMostPlannedTags)
+    note(assumed(fmt::format("planned with {} of the board's {} tags, spread over it: more change no place",
+                             kMostPlannedTags, in.board.tags.list.size())));
+  for (const Finding& finding : in.lamps) note(finding);
+  plan_options.designed = in.designed;
+  const PlanFocus focus = plan_focus(in.board, in.bench, in.designed, arguments.focus_mm, arguments.focus_range);
+  plan_options.focus = focus.range;
+  ProgressBar bar;
+  bar.progress()("planning", 0);
+  const Plan plan = plan_shots(in.board, in.bench, sent, plan_options, bar.progress());
+  bar.clear();
+  for (const Finding& finding : focus_findings(plan, focus)) note(finding);
+  fmt::print("{}\n", focus_in_words(focus));
+  print_plan(plan, in.board);
+  std::string next = "take these photos; next: burin capture PHOTOS_DIR --board " + shell_word(in.board_file.string());
+  if (!in.bench_file.empty()) next += " --bench " + shell_word(in.bench_file.string());
+  next += " --out DIR";
+  if (in.is_project)
+    next = std::string("take these photos into the round's photos folder") +
+           (plans_several_lamps(in) ? ", each into the folder of the lamp that shone on it alone (photos/" +
+                                          file_name_of(in.designed.front().light) + " and so on)"
+                                    : "") +
+           "; next: burin loop " + shell_word(arguments.board.string());
+  if (arguments.out.empty()) {
+    fmt::print("Planned {} shots (--out DIR keeps the plan and draws it): {}\n", plan.shots.size(), next);
+    return;
+  }
+  make_output_folder(arguments.out);
+  FilesTogether all;
+  write_json(plan_json(plan, in.board, focus), arguments.out / "plan.json");
+  write_text(plan_drawing(plan, in.board), arguments.out / "plan.svg");
+  all.put();
+  fmt::print("Wrote {}, plan.svg shows where to stand: {}\n", (arguments.out / "plan.json").string(), next);
+}
+
 }  // namespace
 
 void add_plan_command(CLI::App& burin) {
-  struct Options {
-    std::filesystem::path board, bench, design, scratches, camera, out;
-    std::vector<std::vector<double>> lamps;
-    PlanOptions plan;
-    double focus_mm = 0;
-    std::string focus_range;
-    bool camera_as_seed = false;
-  };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlanArguments>();
   CLI::App* command = burin.add_subcommand(
       "plan", "Say which photos to take of a board: where to put camera and lamp, and what they would tell");
   command
@@ -262,58 +323,7 @@ void add_plan_command(CLI::App& burin) {
   command->add_option("--out", options->out,
                       "The folder for plan.json and plan.svg; without it, the plan is printed only");
   command->footer(example("burin plan board.json --bench bench.json --design design.json --shots 8 --out plan"));
-  command->callback([options] {
-    Inputs in = options->bench.empty() && std::filesystem::is_directory(options->board)
-                    ? inputs_of_project(options->board)
-                    : inputs_of_files(options->board, options->bench, options->design);
-    PlanOptions plan_options = options->plan;
-    if (!options->camera.empty()) {
-      in.bench.lens = read_cameramodel(options->camera);
-      plan_options.fix_lens = !options->camera_as_seed;
-    }
-    if (!options->lamps.empty()) put_lamps(options->lamps, in.board, in.bench);
-    const std::filesystem::path file = options->scratches.empty() ? in.scratches : options->scratches;
-    Sent sent;
-    if (!file.empty() && (!options->scratches.empty() || std::filesystem::exists(file))) {
-      sent = Sent(read_scratches(file));
-    } else {
-      sent = test_strokes(in.board);
-      note(fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size()));
-    }
-    if (in.board.tags.list.size() > kMostPlannedTags)
-      note(fmt::format("planned with {} of the board's {} tags, spread over it: more change no place", kMostPlannedTags,
-                       in.board.tags.list.size()));
-    for (const Finding& finding : in.lamps) note(sentence(finding));
-    plan_options.designed = in.designed;
-    const PlanFocus focus = plan_focus(in.board, in.bench, in.designed, options->focus_mm, options->focus_range);
-    plan_options.focus = focus.range;
-    ProgressBar bar;
-    const Plan plan = plan_shots(in.board, in.bench, sent, plan_options, bar.progress());
-    bar.clear();
-    for (const Finding& finding : focus_findings(plan, focus)) note(sentence(finding));
-    fmt::print("{}\n", focus_in_words(focus));
-    print_plan(plan, in.board);
-    std::string next =
-        "take these photos; next: burin capture PHOTOS_DIR --board " + shell_word(in.board_file.string());
-    if (!in.bench_file.empty()) next += " --bench " + shell_word(in.bench_file.string());
-    next += " --out DIR";
-    if (in.is_project)
-      next = std::string("take these photos into the round's photos folder") +
-             (plans_several_lamps(in) ? ", each into the folder of the lamp that shone on it alone (photos/" +
-                                            file_name_of(in.designed.front().light) + " and so on)"
-                                      : "") +
-             "; next: burin loop " + shell_word(options->board.string());
-    if (options->out.empty()) {
-      fmt::print("Planned {} shots (--out DIR keeps the plan and draws it): {}\n", plan.shots.size(), next);
-      return;
-    }
-    make_output_folder(options->out);
-    FilesTogether all;
-    write_json(plan_json(plan, in.board, focus), options->out / "plan.json");
-    write_text(plan_drawing(plan, in.board), options->out / "plan.svg");
-    all.put();
-    fmt::print("Wrote {}, plan.svg shows where to stand: {}\n", (options->out / "plan.json").string(), next);
-  });
+  command->callback([options] { run(*options); });
 }
 
 }  // namespace burin

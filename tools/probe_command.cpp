@@ -13,6 +13,7 @@
 #include "burin/render/files/write_file.h"
 #include "tools/commands.h"
 #include "tools/probe_light_command.h"
+#include "tools/progress_bar.h"
 
 namespace burin {
 namespace {
@@ -26,12 +27,16 @@ struct ProbeArguments {
 void write_probing(const ProbeArguments& options) {
   const MachineProfile machine = machine_profile(options.machine);
   const Board board = read_board(options.board);
+  ProgressBar bar;
+  bar.progress()("choosing where to touch the face", 0);
   const ProbePlan plan = probe_plan(board, options.spacing_mm);
   const std::string gcode = probe_gcode(plan, machine);
+  bar.progress()("writing", 0);
   write_file(gcode, options.out, Durability::on_disk, [&](const std::filesystem::path& written) {
     const std::string name = options.out.string();
     fail_unless_probes(read_back(written, gcode, name), plan, machine, name);
   });
+  bar.clear();
   const Eigen::Vector2d& first = plan.points_mm.front();
   fmt::print("touches the face at {} points, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
              plan.points_mm.size() - 1, first.x(), first.y());
@@ -45,9 +50,12 @@ void write_probing(const ProbeArguments& options) {
 }
 
 void read_heights_of(const ProbeArguments& options) {
+  ProgressBar bar;
+  bar.progress()("reading the log", 0);
   const ProbedHeights probed =
       read_probe_log(read_text(options.log), options.log, read_text(options.probed), options.probed);
-  for (const Finding& finding : probed.findings) note(sentence(finding));
+  bar.clear();
+  for (const Finding& finding : probed.findings) note(finding);
   write_heights(probed.map, options.out);
   const auto points = std::count(probed.map.probed.begin(), probed.map.probed.end(), true);
   fmt::print("{} points, {:.1f} um from the lowest to the highest; the zero moved by {:.1f} um meanwhile\n", points,

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace burin {
 namespace {
@@ -36,7 +37,15 @@ std::string progress_line(std::string_view stage, double fraction, double stage_
 ProgressBar::ProgressBar()
     : on_terminal_(isatty(STDERR_FILENO) == 1), work_start_(Clock::now()), stage_start_(work_start_) {}
 
-ProgressBar::~ProgressBar() { clear(); }
+ProgressBar::~ProgressBar() {
+  {
+    const std::lock_guard lock(mutex_);
+    over_ = true;
+  }
+  changed_.notify_one();
+  if (drawer_.joinable()) drawer_.join();
+  clear();
+}
 
 Progress ProgressBar::progress() {
   return [this](std::string_view stage, double fraction) { show(stage, fraction); };
@@ -45,25 +54,60 @@ Progress ProgressBar::progress() {
 void ProgressBar::show(std::string_view stage, double fraction) {
   if (!on_terminal_) return;
   const auto now = Clock::now();
+  const std::lock_guard lock(mutex_);
   // "designing: d0 12, d1 9": what stands after the colon may change while the stage goes on.
   if (const std::string_view name = stage.substr(0, stage.find(':')); name != stage_) {
     stage_ = name;
     stage_start_ = now;
   }
-  if (seconds_between(work_start_, now) < kQuietSeconds) return;
-  if (drawn_ && seconds_between(last_drawn_, now) < kRedrawSeconds) return;
-  // \r and "erase to the end of the line": the line is redrawn in place.
-  fmt::print(stderr, "\r{}\x1b[K", progress_line(stage, fraction, seconds_between(stage_start_, now)));
-  std::fflush(stderr);
-  drawn_ = true;
-  last_drawn_ = now;
+  said_ = stage;
+  fraction_ = fraction;
+  if (now >= due()) {
+    draw();
+    return;
+  }
+  if (!drawer_.joinable()) drawer_ = std::thread([this] { draw_when_due(); });
+  if (!std::exchange(waiting_, true)) changed_.notify_one();
 }
 
 void ProgressBar::clear() {
+  const std::lock_guard lock(mutex_);
+  waiting_ = false;
   if (!drawn_) return;
   fmt::print(stderr, "\r\x1b[K");
   std::fflush(stderr);
   drawn_ = false;
+}
+
+// When the line may be drawn next.
+ProgressBar::Clock::time_point ProgressBar::due() const {
+  const auto after = [](Clock::time_point from, double seconds) {
+    return from + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
+  };
+  const Clock::time_point loud = after(work_start_, kQuietSeconds);
+  return drawn_ ? std::max(loud, after(last_drawn_, kRedrawSeconds)) : loud;
+}
+
+void ProgressBar::draw() {
+  last_drawn_ = Clock::now();
+  // \r and "erase to the end of the line": the line is redrawn in place.
+  fmt::print(stderr, "\r{}\x1b[K", progress_line(said_, fraction_, seconds_between(stage_start_, last_drawn_)));
+  std::fflush(stderr);
+  drawn_ = true;
+  waiting_ = false;
+}
+
+// Draws what was said last, if nothing else is said until then.
+void ProgressBar::draw_when_due() {
+  std::unique_lock lock(mutex_);
+  while (!over_) {
+    if (!waiting_)
+      changed_.wait(lock);
+    else if (Clock::now() >= due())
+      draw();
+    else
+      changed_.wait_until(lock, due());
+  }
 }
 
 }  // namespace burin

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@
 #include "tools/automatic_exposure.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -37,8 +39,7 @@ struct RenderArguments {
 void require_command_line(const RenderArguments& o) {
   if (o.out.empty() == o.animation.empty())
     throw CLI::ValidationError("--out", "give --out PICTURE, or --animate FILE");
-  if (!o.out.empty() && (o.views.size() != 1 || o.lights.size() > 1))
-    throw CLI::ValidationError("--view", "a picture shows one view under one lamp");
+  if (!o.out.empty() && o.views.size() != 1) throw CLI::ValidationError("--view", "a picture shows one view");
 }
 
 void run_animation(const RenderArguments& o, const Board& board, const Bench& bench, const Carved& carved,
@@ -54,6 +55,8 @@ void run_animation(const RenderArguments& o, const Board& board, const Bench& be
   AnimateOptions options = o.animate;
   options.moving = o.moving == "eye" ? Moving::eye : Moving::lamp;
   options.exposure = o.exposure;
+  std::optional<WorkLock> lock;
+  if (o.animation.extension().empty()) lock.emplace(o.animation, "burin render", WorkLock::Where::new_folders);
   const int frames = animate(board, bench, carved, views, lights, o.animation, options, bar.progress());
   bar.clear();
   const bool eye = options.moving == Moving::eye;
@@ -73,7 +76,7 @@ void run(const RenderArguments& o) {
   if (o.animation.has_extension()) find_place(o.animation);
   Board board = read_board(o.board);
   const Bench bench = read_bench_of(board, o.board, o.bench);
-  for (const Finding& finding : bench.findings) note(sentence(finding));
+  for (const Finding& finding : bench.findings) note(finding);
   if (bench.lights.empty()) fail(o.bench.string(), "has no lights", "add one, or calibrate the bench");
   if (!o.scratches.empty()) board.scratches = o.scratches;
   if (board.scratches.empty())
@@ -81,13 +84,14 @@ void run(const RenderArguments& o) {
   ProgressBar bar;
   bar.progress()("reading scratches", 0);
   const Scratches rows = read_scratches(board.scratches);
+  bar.progress()("carving in thought", 0);
   const Carved carved = o.as_sent ? carve(Sent(rows), bench, board) : carve(Designed(rows), bench, board);
   if (!o.animation.empty()) {
     run_animation(o, board, bench, carved, bar);
     return;
   }
   const View& view = find_view(bench, o.views.front(), "--view");
-  const Light& light = o.lights.empty() ? bench.lights.front() : find_light(bench, o.lights.front(), "--light");
+  const Light light = o.lights.empty() ? bench.lights.front() : find_light(bench, joined_lights(o.lights), "--light");
 
   bar.progress()("rendering", 0.2);
   const CameraView camera = make_camera_view(bench, board, view, {0, 0, bench.lens.width, bench.lens.height});
@@ -100,6 +104,7 @@ void run(const RenderArguments& o) {
     v *= static_cast<float>(exposure);
     if (!is_linear) v = linear_to_srgb(std::clamp(v, 0.0F, 1.0F));
   }
+  bar.progress()("writing", 0);
   write_picture(image, o.out);
   bar.clear();
   fmt::print("Wrote {}: view {} under {}, {} scratches, {} x {} pixels, exposure {:.6g}.\n", o.out.string(), view.name,
@@ -114,7 +119,9 @@ void add_render_command(CLI::App& burin) {
   c->add_option("BOARD.json", o->board, "The board")->required();
   c->add_option("--bench", o->bench, "The bench: lens, views, lamps, material")->required();
   c->add_option("--view", o->views, "Name of the view; of an animation's, in order (default there: all)");
-  c->add_option("--light", o->lights, "Id of the lamp (default: the bench's first)");
+  c->add_option("--light", o->lights,
+                "Id of a lamp, sun or surroundings (default: the bench's first); several shine at once, "
+                "or are those that an animation's lamp moves through");
   c->add_option("--scratches", o->scratches, "These scratches instead of the board's");
   c->add_option("--exposure", o->exposure,
                 "Times the radiance (default: 1 for .exr and .tif, which stay linear; else the brightest half per cent "

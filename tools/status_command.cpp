@@ -7,6 +7,7 @@
 #include "tools/commands.h"
 #include "tools/loop/say.h"
 #include "tools/loop/state.h"
+#include "tools/progress_bar.h"
 #include "tools/work_lock.h"
 
 namespace burin {
@@ -70,9 +71,12 @@ void run(const fs::path& folder, bool as_json) {
   if (!fs::exists(folder / "design.json"))
     fail((folder / "design.json").string(), "a loop project needs this file", "name a project folder");
   const LoopProject loop{{folder}, read_loop_options(folder)};
+  ProgressBar bar;
+  bar.progress()("looking whether files are as they were", 0);
   ContentHashes hashes;
   const std::vector<StageState> states = states_of(loop, hashes);
   const std::string at_work = who_works_in(folder), next = next_of(loop, states);
+  bar.clear();
   if (as_json) {
     Json json{{"format", "burin/status"}, {"version", 1}, {"project", folder.string()}, {"burin", BURIN_VERSION}};
     json["options"] = in_words(loop.options);

@@ -43,13 +43,15 @@ MachineProfile machine_of(const ToolpathArguments& options) {
 
 // The scratches to carve: as they are, or, if asked for, made to obey the machine's limits.
 Scratches scratches_of(const ToolpathArguments& options, const Board& board, const Bench* bench,
-                       const MachineProfile& machine) {
+                       const MachineProfile& machine, ProgressBar& bar) {
+  bar.progress()("reading scratches", 0);
   Scratches scratches = read_scratches(options.scratches);
   if (!options.mend) return scratches;
   Mended mended = mend(scratches, toolpath_limits(board, bench, machine));
+  bar.clear();
   if (mended.rows.size() < scratches.size())
-    note(fmt::format("mended: {} of {} scratches are left out, {}", scratches.size() - mended.rows.size(),
-                     scratches.size(), dropped_text(mended.dropped)));
+    note(make_warning(fmt::format("mended: {} of {} scratches are left out, {}", scratches.size() - mended.rows.size(),
+                                  scratches.size(), dropped_text(mended.dropped))));
   return std::move(mended.scratches);
 }
 
@@ -96,8 +98,9 @@ void write(const ToolpathArguments& options) {
   std::optional<Bench> bench;
   if (!options.bench.empty()) bench = read_bench_of(board, options.board, options.bench);
   if (bench)
-    for (const Finding& finding : bench->findings) note(sentence(finding));
-  const Scratches scratches = scratches_of(options, board, bench ? &*bench : nullptr, machine);
+    for (const Finding& finding : bench->findings) note(finding);
+  ProgressBar bar;
+  const Scratches scratches = scratches_of(options, board, bench ? &*bench : nullptr, machine, bar);
   ToolpathOptions settings;
   set_face(options, settings);
   if (options.keep_order || options.order == "keep") settings.keep_order = true;
@@ -106,18 +109,18 @@ void write(const ToolpathArguments& options) {
   if (!options.part.empty()) settings.part_s = duration_from_text(options.part);
   if (!options.resume.empty()) settings.after = Interruption{options.resume, options.at_line};
 
-  ProgressBar bar;
   FilesTogether all;
   const ToolpathReport report =
       write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
-  bar.clear();
-  for (const Finding& finding : report.findings) note(sentence(finding));
+  bar.progress()("writing", 0);
   if (!options.sent.empty()) {
     const bool drawing = report.files.front().extension() == ".svg" || report.files.front().extension() == ".dxf" ||
                          report.files.front().extension() == ".csv";
     write_scratches(drawing ? report.sent.scratches : told_by(report), options.sent);
   }
   all.put();
+  bar.clear();
+  for (const Finding& finding : report.findings) note(finding);
 
   for (std::size_t i = 0; i < report.files.size(); ++i)
     fmt::print("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));
@@ -163,13 +166,16 @@ void replay(const ToolpathArguments& options) {
   settings.keep_order = true;
   set_face(options, settings);
   const Bench* const measured = bench ? &*bench : nullptr;
-  const Toolpath planned =
-      plan_toolpath(scratches_of(options, board, measured, machine), board, measured, machine, settings);
+  ProgressBar bar;
+  const Toolpath planned = plan_toolpath(scratches_of(options, board, measured, machine, bar), board, measured, machine,
+                                         settings, bar.progress());
   std::vector<ReplayedScratch> carved;
   double duration_s = 0;
   for (const std::filesystem::path& file : options.replay) {
+    bar.progress()("replaying", 0);
     const Replay done = replay_gcode(read_text(file), machine, file.string(), &planned.face);
     fail_unless_ended(done, machine, file.string());
+    bar.clear();
     carved.insert(carved.end(), done.scratches.begin(), done.scratches.end());
     duration_s += done.duration_s;
     fmt::print("{}: {} lines, {} scratches, {:.1f} m in the metal, {:.1f} m in the air, {}\n", file.string(),
@@ -178,8 +184,10 @@ void replay(const ToolpathArguments& options) {
     fmt::print("  X {:.3f} to {:.3f}, Y {:.3f} to {:.3f}, Z {:.3f} to {:.3f} mm\n", done.min_mm.x(), done.max_mm.x(),
                done.min_mm.y(), done.max_mm.y(), done.min_mm.z(), done.max_mm.z());
   }
+  bar.progress()("comparing with what was planned", 0);
   fail_unless_good(check_toolpath(carved, planned.scratches, 1e-3, depth_share(planned.face)),
                    options.replay.front().string());
+  bar.clear();
   fmt::print("Replayed: all {} scratches are carved once and as planned, in about {} on {}.\n", carved.size(),
              duration_text(duration_s), machine.name);
 }

@@ -9,6 +9,7 @@
 #include "tools/commands.h"
 #include "tools/content_hash.h"
 #include "tools/loop/record.h"
+#include "tools/progress_bar.h"
 #include "tools/project.h"
 
 namespace burin {
@@ -30,6 +31,7 @@ struct Trace {
   std::set<std::string> told;  // path and hash
   std::set<const KnownRecord*> followed;
   std::set<std::string> changed;  // paths
+  std::string lines;              // what is said of all of them
 };
 
 void add_records(Trace& trace, const fs::path& folder, const std::string& prefix) {
@@ -85,11 +87,11 @@ void follow(Trace& trace, const std::string& name, const std::string& hash, int 
   std::string line = fmt::format("{:{}}{}  {}", "", 2 * depth, name, hash.substr(0, 12));
   if (depth > 0) line += "  " + state_of_file(trace, name, hash, maker);
   if (again) {
-    if (maker) fmt::print("{}  (see above)\n", line);
+    if (maker) trace.lines += line + "  (see above)\n";
     return;
   }
   if (!maker) {
-    fmt::print("{}\n", line);
+    trace.lines += line + "\n";
     return;
   }
   const MadeRecord& record = maker->record;
@@ -99,11 +101,11 @@ void follow(Trace& trace, const std::string& name, const std::string& hash, int 
                       record.status == MadeRecord::Status::done ? "" : std::string(", ") + in_words(record.status),
                       record.burin, edited ? ", then changed by hand" : "");
   if (!trace.followed.insert(maker).second) {
-    fmt::print("{}  (see above)\n", line);
+    trace.lines += line + "  (see above)\n";
     return;
   }
   for (const auto& [option, text] : record.options) line += fmt::format(", {} {}", option, text);
-  fmt::print("{}\n", line);
+  trace.lines += line + "\n";
   for (const auto& [input, content] : record.inputs) follow(trace, input, content, depth + 1);
 }
 
@@ -118,6 +120,8 @@ fs::path project_of(const fs::path& file) {
 
 void run(const fs::path& file, const fs::path& project) {
   Trace trace;
+  ProgressBar bar;
+  bar.progress()("looking whether files are as they were", 0);
   trace.project.folder = project.empty() ? project_of(file) : project;
   const std::string hash = trace.hashes.of(file);
   if (hash.empty()) fail(file.string(), "is no file", "name a file that burin loop made");
@@ -133,6 +137,8 @@ void run(const fs::path& file, const fs::path& project) {
          "name a result, such as a G-code, a report or a bench of one of its rounds");
   }
   follow(trace, name, hash, 0);
+  bar.clear();
+  fmt::print("{}", trace.lines);
   if (!trace.changed.empty())
     fail(file.string(),
          fmt::format("{} of the files that it rests on {} what {} when it was made", trace.changed.size(),

@@ -98,7 +98,11 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   report.already_carved = path.already_carved;
   report.stepped_mm = path.stepped_mm;
   report.face = path.face;
+  const auto tell = [&](std::string_view stage, std::size_t done, std::size_t of) {
+    if (progress) progress(stage, static_cast<double>(done) / static_cast<double>(of));
+  };
   if (!is_gcode) {
+    tell("writing", 0, 1);
     if (extension == ".csv")
       write_scratches(path.sent.scratches, out);
     else
@@ -110,11 +114,13 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   report.findings = sheet_findings(path, board, measured, machine);
   for (const Finding& finding : report.findings)
     if (finding.severity == Finding::Severity::error) fail("tool path", finding.what, finding.remedy);
+  tell("making G-code", 0, 1);
   const std::vector<GcodePart> parts = gcode_parts(path, machine, options.part_s);
   report.duration_s = 0;
   FilesTogether all;
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const fs::path file = part_file(out, k, parts.size());
+    tell("writing and replaying", k, parts.size());
     write_gcode(parts[k].text, file, path, machine, [&](Replay& replay) {
       fail_unless_carves(replay, path, parts[k], machine, file.string());
       report.replayed.insert(report.replayed.end(), replay.scratches.begin(), replay.scratches.end());

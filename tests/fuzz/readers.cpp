@@ -23,6 +23,7 @@
 #include "burin/render/board_mesh.h"
 #include "burin/render/coupon.h"
 #include "burin/render/error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/picture_file.h"
 #include "burin/render/footprint/ndf_cases.h"
@@ -112,6 +113,28 @@ void probe(const fs::path& file) {
   read_probe_log(std::string_view(text).substr(0, blank), file, std::string_view(text).substr(blank), file);
 }
 
+/// A journal of files that change together, in a folder from a stranger: whatever it says, what lies outside of that
+/// folder stays, and no journal does.
+void journal(const fs::path& file) {
+  const fs::path around = file.parent_path() / "around", folder = around / "project";
+  fs::remove_all(around);
+  fs::create_directories(folder / "below");
+  fs::create_directory_symlink("..", folder / "out");
+  for (const fs::path& in : {around, folder, folder / "below"})
+    for (const char* name : {"a.json", "b.json", ".a.part-1-0.json", ".b.part-1-1.json"}) put(in / name, name);
+  fs::rename(file, folder / ".burin-change");
+  settle_folder(folder / "below");
+  if (fs::exists(folder / ".burin-change")) throw std::logic_error("the journal is still there");
+  std::size_t outside = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(around)) {
+    ++outside;
+    if (entry.is_regular_file() && read_text(entry.path()) != entry.path().filename().string())
+      throw std::logic_error("a journal has changed what lies outside of its folder");
+  }
+  constexpr std::size_t kOutside = 5;  // those four, and the project
+  if (outside != kOutside) throw std::logic_error("a journal has renamed what lies outside of its folder");
+}
+
 void duration(const fs::path& file) { duration_text(duration_from_text(read_text(file))); }
 
 /// As a photo: EXIF, then pixels; and as a target. Large ones only as far as their headers: memory is what limits are
@@ -173,6 +196,7 @@ std::vector<FuzzReader> fuzz_readers() {
           {"obj", ".obj", obj},
           {"gcode", ".gcode", gcode},
           {"probe", ".log", probe},
+          {"journal", ".change", journal},
           {"duration", ".txt", duration},
           {"tags", ".bin", tags},
           {"png", ".png", picture},

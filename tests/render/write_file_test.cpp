@@ -16,6 +16,7 @@
 #include "burin/render/files/file_names.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/image.h"
 #include "tests/temporary_folder.h"
 
@@ -60,6 +61,53 @@ TEST(WriteFile, LinksStayAndAreFollowedAndModesStay) {
   EXPECT_THAT([&] { write_text("x", folder / "round"); },
               ThrowsMessage<Error>(AllOf(HasSubstr("symbolic links"), HasSubstr("circle"))));
   EXPECT_THAT(names_in(folder / "elsewhere"), ElementsAre("later.csv", "real.csv"));
+}
+
+// A stranger's project: names that Burin makes within it stay within it.
+TEST(NamedPaths, NoLinkLeadsOutOfAFolderThatWasNamed) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "p/round");
+  folder.write("home/rc", "mine");
+  fs::create_symlink("../home/rc", folder / "p/report.html");
+  fs::create_symlink("../home/new", folder / "p/bench.json");
+  fs::create_symlink("report.html", folder / "p/chain.html");
+  fs::create_symlink("round/page.html", folder / "p/page.html");
+  fs::create_directory_symlink("../home", folder / "p/previews");
+  const auto refused = [&](const auto& work, const std::string& link, const std::string& target) {
+    EXPECT_THAT(work, ThrowsMessage<Error>(AllOf(HasSubstr("the symbolic link " + (folder / link).string()),
+                                                 HasSubstr((folder / target).string()), HasSubstr("; remove that"))));
+  };
+  {
+    const NamedPaths named({"report", (folder / "p").string() + "/", "--threads=2", "-", "--"});
+    refused([&] { write_text("x", folder / "p/report.html"); }, "p/report.html", "home/rc");
+    refused([&] { write_text("x", folder / "p/bench.json"); }, "p/bench.json", "home/new");
+    refused([&] { write_text("x", folder / "p/round/../chain.html"); }, "p/chain.html", "home/rc");
+    refused([&] { write_text("x", folder / "p/previews/a.png"); }, "p/previews", "home/a.png");
+    refused([&] { remove_file(folder / "p/previews/rc"); }, "p/previews", "home/rc");
+    refused([&] { make_output_folder(folder / "p/previews/more"); }, "p/previews", "home/more");
+    {
+      FilesTogether all;
+      write_text("x", folder / "p/new.html");
+      refused([&] { write_text("x", folder / "p/report.html"); }, "p/report.html", "home/rc");
+    }
+    EXPECT_FALSE(fs::exists(folder / "p/new.html"));
+    write_text("within", folder / "p/page.html");
+  }
+  EXPECT_EQ(file_text(folder / "p/round/page.html"), "within");
+  EXPECT_TRUE(fs::is_symlink(folder / "p/page.html"));
+  EXPECT_EQ(file_text(folder / "home/rc"), "mine");
+  EXPECT_THAT(names_in(folder / "home"), ElementsAre("rc"));
+  {  // a file by its own path, a folder that is a link itself, and what lies on the way to either
+    const NamedPaths named(
+        {"x", "--out=" + (folder / "p/report.html").string(), (folder / "p/previews/deep/a").string()});
+    write_text("asked for", folder / "p/report.html");
+    make_output_folder(folder / "p/previews/deep");
+    write_text("beside it", folder / "p/previews/deep/b");
+  }
+  EXPECT_EQ(file_text(folder / "home/rc"), "asked for");
+  EXPECT_EQ(file_text(folder / "home/deep/b"), "beside it");
+  write_text("by another program", folder / "p/bench.json");
+  EXPECT_EQ(file_text(folder / "home/new"), "by another program");
 }
 
 TEST(WriteFile, WhatIsNoFileIsRefused) {

@@ -86,6 +86,24 @@ TEST_F(RenderCommand, AsCarvedGoesThroughTheMachine) {
   EXPECT_NE(carved.data, picture("c.exr", {"--view", "d0", "--scratches", "one.csv"}).data);
 }
 
+TEST_F(RenderCommand, SeveralLampsShineAtOnce) {
+  auto bench = nlohmann::ordered_json::parse(file_text(folder_ / "bench" / "bench.json"));
+  auto other = bench["lights"][0];
+  other["id"] = "other";
+  other["position_mm"] = {200, 300, 500};
+  bench["lights"].push_back(other);
+  std::ofstream(folder_ / "bench" / "bench.json") << bench;
+  const auto under = [&](const std::string& out, const std::vector<std::string>& lamps) {
+    std::vector<std::string> words{"--view", "d0", "--scratches", "all.csv"};
+    for (const std::string& lamp : lamps) words.insert(words.end(), {"--light", lamp});
+    return picture(out, words);
+  };
+  const Image a = under("a.exr", {"lamp"}), b = under("b.exr", {"other"}), both = under("both.exr", {"lamp", "other"});
+  ASSERT_GT(sum(a), 0);
+  ASSERT_GT(sum(b), 0);
+  EXPECT_NEAR(sum(both), sum(a) + sum(b), 1e-3 * sum(both));
+}
+
 TEST_F(RenderCommand, WhatIsNotThereIsNamed) {
   const auto expect = [&](const std::vector<std::string>& more, const std::string& about, const std::string& what) {
     const Outcome run = render("out.exr", more);
@@ -99,6 +117,61 @@ TEST_F(RenderCommand, WhatIsNotThereIsNamed) {
   expect({"--view", "d0"}, "bench/scratches.csv", "does not exist");  // the board's own, not made yet
   EXPECT_EQ(render("out.xyz", {"--view", "d0", "--scratches", "all.csv"}).exit_code, 1);
   EXPECT_EQ(render("out.exr", {}).exit_code, 2);
+}
+
+// A film's program of our own in the PATH: what is done with frames and leftovers, not what films look like.
+class Film : public RenderCommand {
+ protected:
+  Outcome film(const std::string& program, const std::string& then) const {
+    folder_.write("bin/ffmpeg", "#!/bin/sh\n" + program);
+    fs::permissions(folder_ / "bin/ffmpeg", fs::perms(0700));
+    return run_shell(folder_, "cd " + quoted(folder_.path().string()) + " && { PATH=$PWD/bin:$PATH " +
+                                  quoted(places::program()) +
+                                  " render bench/board.json --bench bench/bench.json --scratches all.csv --exposure 1 "
+                                  "--frames 4 --pixels 32 --animate film.mp4" +
+                                  then + "; }");
+  }
+  // Besides what the test has written, and where output goes.
+  std::vector<std::string> made() const {
+    std::vector<std::string> names;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path()))
+      if (const std::string name = entry.path().filename().string();
+          name != "bench" && name != "bin" && name != "all.csv" && name != "one.csv" && name != "ffmpeg.process")
+        names.push_back(name);
+    return names;
+  }
+};
+
+TEST_F(Film, IsMadeWithoutAFolderOfFrames) {
+  const Outcome made_film = film("ls -A >seen; cat >&3\n", "");
+  EXPECT_EQ(made_film.exit_code, 0) << made_film.err;
+  EXPECT_EQ(file_text(folder_ / "seen").find("frames"), std::string::npos);
+  fs::remove(folder_ / "seen");
+  EXPECT_THAT(made(), ::testing::ElementsAre("film.mp4"));
+  const std::string bytes = file_text(folder_ / "film.mp4");
+  EXPECT_EQ(bytes.substr(1, 3), "PNG");
+  std::size_t frames = 0;
+  for (std::size_t at = 0; (at = bytes.find("IHDR", at)) != std::string::npos; ++at) ++frames;
+  EXPECT_EQ(frames, 6U) << "there and back";
+}
+
+TEST_F(Film, ThatFailsLeavesNothing) {
+  const Outcome failed = film("exit 1\n", "");
+  EXPECT_EQ(failed.exit_code, 1);
+  EXPECT_THAT(failed.err, HasSubstr("ffmpeg could not write it; "));
+  EXPECT_TRUE(made().empty());
+}
+
+TEST_F(Film, ThatIsStoppedLeavesNothingAndNobodyAtWork) {
+  const Outcome stopped = film(
+      "echo $$ >ffmpeg.process; exec sleep 300\n",
+      " & pid=$!; for i in $(seq 1200); do [ -s ffmpeg.process ] && break; sleep 0.05; done; kill -TERM $pid; wait "
+      "$pid; "
+      "echo exit code $?; sleep 0.5; case \"$(sed -n 's/^State:[[:space:]]*//p' /proc/$(cat ffmpeg.process)/status "
+      "2>/dev/null)\" in ''|Z*|X*) ;; *) echo goes on;; esac");
+  EXPECT_THAT(stopped.out, AllOf(HasSubstr("exit code 143"), ::testing::Not(HasSubstr("goes on")))) << stopped.err;
+  EXPECT_TRUE(made().empty()) << made().front();
+  EXPECT_EQ(film("cat >&3\n", "").exit_code, 0) << "again, as if it had not been stopped";
 }
 
 }  // namespace

@@ -57,6 +57,34 @@ TEST_F(Writing, ALinkStaysAndAFileAsPrivateAsItWas) {
   EXPECT_EQ(fs::status(folder / "stick/board.gcode").permissions(), fs::perms(0600));
 }
 
+// A stranger's project holds links where Burin writes.
+TEST_F(Writing, AStrangersLinkLeadsNothingOutOfItsFolder) {
+  fs::create_directory(folder / "home");
+  folder.write("home/.bashrc", "mine");
+  fs::create_symlink("../home/.bashrc", folder / "p/board-frame.gcode");
+  const Outcome framed = toolpath("p/board.gcode", " --frame");
+  EXPECT_EQ(framed.exit_code, 1);
+  EXPECT_THAT(framed.err, AllOf(HasSubstr("p/board-frame.gcode"), HasSubstr("home/.bashrc"), HasSubstr("; remove")));
+  EXPECT_EQ(file_text(folder / "home/.bashrc"), "mine");
+  EXPECT_FALSE(fs::exists(folder / "p/board.gcode")) << "all of it, or nothing";
+  fs::create_symlink("../home/.bashrc", folder / "p/carve-check.html");
+  const Outcome checked =
+      run_shell(folder, "cd " + quoted((folder / "p").string()) + " && " + quoted(places::program()) +
+                            " toolpath ../s.csv --board board.json --out b.gcode && " + quoted(places::program()) +
+                            " check carve ../s.csv --board board.json --gcode b.gcode");
+  EXPECT_EQ(checked.exit_code, 1);
+  EXPECT_THAT(checked.err, AllOf(HasSubstr("carve-check.html"), HasSubstr("home/.bashrc")));
+  EXPECT_EQ(file_text(folder / "home/.bashrc"), "mine");
+  fs::create_directory_symlink("../home", folder / "p/round-01");
+  const Outcome loop = run_burin(folder, {"loop", "p"});
+  EXPECT_EQ(loop.exit_code, 1);
+  EXPECT_THAT(loop.err, AllOf(HasSubstr("the symbolic link "), HasSubstr("p/round-01"), HasSubstr("home")));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder / "home"), fs::directory_iterator()), 1);
+  // Who names the file means it.
+  EXPECT_EQ(toolpath("p/board-frame.gcode").exit_code, 0);
+  EXPECT_THAT(file_text(folder / "home/.bashrc"), HasSubstr("Burin"));
+}
+
 TEST_F(Writing, AFullDiskBehindStandardOutputIsAnError) {
   for (const char* redirection : {" >/dev/full", " >&-"}) {
     const Outcome run = toolpath("a.gcode", redirection);
@@ -90,6 +118,19 @@ TEST_F(Writing, OneCommandAtATimeInAFolderOfResults) {
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_THAT(second.err, HasSubstr("burin refine, process 4711 since 2025-06-01"));
   EXPECT_FALSE(fs::exists(folder / "p/round-01/design/scratches.csv"));
+  const std::vector<std::vector<std::string>> others{
+      {"plan", "p", "--out", "p/round-01/plan"},
+      {"sheet", "p"},
+      {"view", "p"},
+      {"check", "carve", "p/round-01"},
+      {"lens", "p", "--chessboard", "9x6", "--square-mm", "25", "--out", "p/round-01/lens.cameramodel"},
+      {"coupon", "write", "--machine", "grbl-spring", "--out", "p/round-01/coupon"}};
+  for (const std::vector<std::string>& command : others) {
+    const Outcome other = run_burin(folder, command);
+    EXPECT_EQ(other.exit_code, 1) << command.front();
+    EXPECT_THAT(other.err, HasSubstr("burin refine, process 4711")) << command.front();
+  }
+  EXPECT_FALSE(fs::exists(folder / "p/round-01/plan") || fs::exists(folder / "p/round-01/coupon"));
   EXPECT_EQ(toolpath("a.gcode").exit_code, 0) << "elsewhere anybody may work";
   ::close(file);
   EXPECT_EQ(run_burin(folder, design).exit_code, 0);

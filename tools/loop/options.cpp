@@ -11,6 +11,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/table.h"
+#include "burin/render/files/write_file.h"
 #include "tools/commands.h"
 #include "tools/loop/toml_line.h"
 
@@ -149,12 +150,8 @@ std::string joined_texts(const std::vector<std::string>& values) {
   return out;
 }
 
-}  // namespace
-
-LoopOptions read_loop_options(const fs::path& project) {
-  const fs::path file = options_file(project);
+LoopOptions read_options_file(const fs::path& file) {
   LoopOptions options;
-  if (!fs::exists(file)) return options;
   const TomlFile toml = read_toml(file, "burin/loop", 1);
   with_line(file, toml, [&] {
     JsonObject root(toml.content, file.string());
@@ -171,6 +168,25 @@ LoopOptions read_loop_options(const fs::path& project) {
   check_command(options.design, "design", &add_design_options, file);
   check_command(options.toolpath, "toolpath", &add_toolpath_options, file);
   return options;
+}
+
+// The same of a text that has another name until it is looked at; errors name the file that it is to be.
+LoopOptions read_options_part(const fs::path& part, const fs::path& file) {
+  try {
+    return read_options_file(part);
+  } catch (const Error& error) {
+    std::string words = error.what();
+    if (const std::size_t at = words.find(part.string()); at != std::string::npos)
+      words.replace(at, part.string().size(), file.string());
+    throw Error(words);
+  }
+}
+
+}  // namespace
+
+LoopOptions read_loop_options(const fs::path& project) {
+  const fs::path file = options_file(project);
+  return fs::exists(file) ? read_options_file(file) : LoopOptions();
 }
 
 void add_loop_options(CLI::App& command, LoopCommandLine& said) {
@@ -204,20 +220,14 @@ LoopOptions remember_options(const LoopCommandLine& said, const fs::path& projec
     for (const auto& [name, values] : *now)
       if (const auto found = old->find(name); found == old->end() || found->second != values)
         text = with_toml_value(text, table, name, toml_value(values));
-  // Looked at before it takes the place of what a person wrote.
-  const std::string old_text = there ? read_text(file) : "";
-  write_text(text, file);
-  const auto put_back = [&] { there ? write_text(old_text, file) : static_cast<void>(fs::remove(file)); };
-  try {
-    const LoopOptions now = read_loop_options(project);
-    if (now.machine == wanted.machine && now.design == wanted.design && now.toolpath == wanted.toolpath) return now;
-  } catch (const Error&) {
-    put_back();
-    throw;
-  }
-  put_back();
-  fail(file.string(), "is written in a way that the options given here cannot be added to",
-       "write them there: machine = \"...\", [design], [toolpath], one option a line");
+  LoopOptions now;
+  write_file(text, file, Durability::on_disk, [&](const fs::path& part) {
+    now = read_options_part(part, file);
+    if (now.machine != wanted.machine || now.design != wanted.design || now.toolpath != wanted.toolpath)
+      fail(file.string(), "is written in a way that the options given here cannot be added to",
+           "write them there: machine = \"...\", [design], [toolpath], one option a line");
+  });
+  return now;
 }
 
 std::string machine_argument(const LoopOptions& options, const fs::path& project) {

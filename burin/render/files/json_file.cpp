@@ -13,6 +13,7 @@
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/input_file.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/files/printable.h"
 #include "burin/render/limits.h"
 
@@ -341,6 +342,9 @@ void make_output_folder(const std::filesystem::path& folder) {
   std::error_code error;
   if (fs::exists(folder, error) && !fs::is_directory(folder, error))
     fail(folder.string(), "is a file, not a folder", "choose another name for the output folder");
+  error.clear();
+  const fs::path real = fs::weakly_canonical(folder, error);
+  if (!error) fail_if_led_outside(folder, real);
   fs::create_directories(folder, error);
   std::error_code unknown;
   if (!fs::is_directory(folder, unknown)) fail_with(folder, "the folder cannot be made", error.value());

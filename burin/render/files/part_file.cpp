@@ -17,6 +17,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/files/unfinished.h"
 
 namespace burin {
@@ -127,12 +128,8 @@ bool is_left_over(const fs::path& file) {
   return ::kill(process, 0) != 0 && errno == ESRCH;
 }
 
-}  // namespace
-
-fs::path FilePlace::folder() const { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
-
-FilePlace find_place(const fs::path& named) {
-  fail_unless_name(named);
+// Where links lead from that name.
+FilePlace place_behind_links(const fs::path& named) {
   FilePlace place;
   place.named = place.file = named;
   constexpr int kMostLinks = 40;  // as the system itself
@@ -166,13 +163,27 @@ FilePlace find_place(const fs::path& named) {
   return place;
 }
 
+}  // namespace
+
+fs::path FilePlace::folder() const { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+FilePlace find_place(const fs::path& named) {
+  fail_unless_name(named);
+  FilePlace place = place_behind_links(named);
+  std::error_code error;
+  const fs::path folder = fs::canonical(place.folder(), error);
+  if (error) fail_with(named, "cannot be written", error.value());
+  fail_if_led_outside(named, folder / place.file.filename());
+  return place;
+}
+
 fs::path new_part_name(const FilePlace& place) {
   static std::atomic<unsigned> counter{0};
   const std::string stem = place.file.stem().native(), extension = place.file.extension().native();
   const std::string mark = std::string(kMark) + std::to_string(::getpid()) + "-" + std::to_string(counter++);
   const std::size_t others = 1 + mark.size();
   const std::string_view kept = cut(extension, kLongestName - others);
-  const fs::path part =
+  fs::path part =
       place.folder() / ("." + std::string(cut(stem, kLongestName - others - kept.size())) + mark + std::string(kept));
   begin_unfinished(part);
   const std::lock_guard<std::mutex> guard(ours().mutex);

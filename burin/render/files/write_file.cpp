@@ -9,6 +9,7 @@
 #include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/files_together.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/files/part_file.h"
 #include "burin/render/files/unfinished.h"
 
@@ -86,6 +87,8 @@ void remove_file(const fs::path& file) {
   if (!fs::exists(fs::symlink_status(file, error))) return;
   FilePlace place;
   place.named = place.file = file;  // a link goes, not what it leads to
+  const fs::path folder = fs::canonical(place.folder(), error);
+  if (!error) fail_if_led_outside(file, folder / file.filename());
   place.there = true;
   if (joins_change(place, {})) return;
   if (::unlink(file.c_str()) != 0 && errno != ENOENT) fail_with(file, "cannot be removed", errno);

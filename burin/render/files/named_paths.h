@@ -1,0 +1,32 @@
+// burin/render/files/named_paths.h - which files and folders a person named, so that no symbolic link within a folder
+// leads what Burin writes out of it: a project may come from a stranger (docs/security.md).
+//
+// A file that the command line names by its own path (`--out FILE`) is written wherever links lead. All other names are
+// Burin's own (report.html, round-01/bench.json): they stay within the innermost folder that was named.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace burin {
+
+/// While one lives, these are the words of the command line: paths among them, options and numbers, which name nothing
+/// that is written. Without one (in another program) whoever writes a file has named it.
+class NamedPaths {
+ public:
+  explicit NamedPaths(const std::vector<std::string>& words);
+  ~NamedPaths();
+  NamedPaths(const NamedPaths&) = delete;
+  NamedPaths& operator=(const NamedPaths&) = delete;
+
+ private:
+  std::vector<std::filesystem::path> before_;
+};
+
+/// Throws Error naming link and target where a symbolic link leads `named`, a file or folder that is to be written, out
+/// of the innermost folder that was named. `real`: where it leads to, without links. Nothing is refused that was named
+/// by its own path.
+void fail_if_led_outside(const std::filesystem::path& named, const std::filesystem::path& real);
+
+}  // namespace burin
