@@ -7,6 +7,7 @@
 
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/loop/options.h"
 #include "tools/loop/round_design.h"
@@ -30,7 +31,10 @@ void run(const LoopArguments& o) {
     if (!fs::exists(o.project.folder / file))
       fail((o.project.folder / file).string(), "a loop project needs this file",
            "see samples/small-bench for a complete project");
+  require_own_files(o.project);
   const WorkLock lock(o.project.folder, "burin loop");
+  // A round that is a link out of the project is refused, before anything in it is moved aside.
+  for (int round = 1; round <= o.project.rounds(); ++round) make_output_folder(o.project.round(round));
   remember_names(o.project, o.views, o.lamps);
   if (!o.said.machine.empty()) machine_profile(o.said.machine);  // refused before it is kept
   const LoopProject loop{o.project, remember_options(o.said, o.project.folder)};
@@ -55,7 +59,7 @@ void add_loop_command(CLI::App& burin) {
                     "Go on with what is out of date, was changed by hand, was ended early or has no record, as it is");
   command->add_option("--accept-unknown", o->answers.accept_unknown,
                       "Design the next board although the photos left this parameter open: depth_um, alpha, "
-                      "machine.affine, light.ID.position_mm");
+                      "machine.affine, light.ID.position_mm (depth and lamps: also where they tell it only weakly)");
   command->add_option("--view", o->views,
                       "Which measured view is the designed one, where the loop asks: middle=v01 (kept in the round's "
                       "names.json)");

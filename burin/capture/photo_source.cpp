@@ -97,7 +97,8 @@ void find_other_folders(const fs::path& folder, const PhotoLamps& lamps, const s
     for (; !error && !photos && inside != end; inside.increment(error)) photos = is_photo_name(inside->path());
     if (!photos) continue;
     if (lamps.names.size() == 1)
-      findings.push_back({Finding::Severity::note, other, "holds photos, and folders within are passed over", ""});
+      findings.push_back({Finding::Severity::note, other, "holds photos, and folders within are passed over",
+                          "if it is a lamp's that shone on them alone, list that lamp in bench.json (\"lights\")"});
     else
       findings.push_back({Finding::Severity::error, other, "holds photos, and no lamp of the bench is called that",
                           "rename it: " + lamp_folders_in_words(folder, lamps.names) +

@@ -325,6 +325,8 @@ TEST(DepthBy, UnevenSheetsAreJudgedByHowTheDepthComesAbout) {
   for (const char* name : {"grbl", "linuxcnc", "marlin", "laser-z"})
     EXPECT_EQ(worst(name), static_cast<int>(Finding::Severity::error)) << name;
   EXPECT_THAT(findings("grbl").at(0).what, HasSubstr("board.json's flatness_um"));
+  // `burin loop` has no --heights.
+  EXPECT_THAT(findings("grbl").at(0).remedy, HasSubstr("in a loop: put it into the round's folder as heights.json"));
   // A spring of 15 um a mm makes 0.45 um of it. That its table is a guess is said all the same.
   const std::vector<Finding> spring = findings("grbl-spring");
   ASSERT_EQ(spring.size(), 2u);

@@ -2,15 +2,26 @@
 
 #include <fmt/core.h>
 
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "burin/render/files/json_file.h"
 #include "burin/render/files/part_file.h"
+#include "burin/render/files/write_file.h"
 #include "tools/loop/state.h"
 
 namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
+
+// "02-design" among the folders of former/.
+bool is_former(const fs::path& folder, StageKind stage) {
+  const std::string name = folder.filename().string();
+  const std::size_t dash = name.find('-');
+  return dash != std::string::npos && name.substr(dash + 1) == name_of(stage);
+}
 
 fs::path new_folder(const fs::path& former, const char* stage) {
   for (int number = 1;; ++number) {
@@ -21,6 +32,28 @@ fs::path new_folder(const fs::path& former, const char* stage) {
         taken = taken || entry.path().filename().string().starts_with(begin);
     if (!taken) return former / (begin + stage);
   }
+}
+
+// Made from the same, to its end, and not edited later. What else was kept then does not matter: the inputs are again
+// those that it was made from.
+bool is_the_same(const MadeRecord& former, const MadeRecord& begun) {
+  return former.status == MadeRecord::Status::done && former.stage == begun.stage && former.burin == begun.burin &&
+         former.options == begun.options && former.inputs == begun.inputs && former.kept.outputs.empty() &&
+         !former.outputs.empty();
+}
+
+// The files of `former` as they lie in `aside`, and where they belong; none if one is missing or another by now.
+std::vector<std::pair<fs::path, fs::path>> whole_files(const MadeRecord& former, const fs::path& aside,
+                                                       const LoopProject& loop, const fs::path& folder,
+                                                       ContentHashes& hashes) {
+  std::vector<std::pair<fs::path, fs::path>> files;
+  for (const auto& [name, hash] : former.outputs) {
+    const fs::path place = (loop.project.folder / name).lexically_normal();
+    const fs::path file = aside / place.lexically_relative(folder.lexically_normal());
+    if (hash.empty() || hashes.of(file) != hash) return {};
+    files.emplace_back(file, place);
+  }
+  return files;
 }
 
 void move_to(const fs::path& aside, const fs::path& file, const fs::path& folder) {
@@ -35,8 +68,7 @@ void complete_last_move(const LoopProject& loop, const StageOfRound& at, Content
   fs::path last;
   if (fs::is_directory(folder / "former"))
     for (const auto& entry : fs::directory_iterator(folder / "former"))
-      if (entry.path().filename().string().ends_with(std::string("-") + name_of(at.stage)) && entry.path() > last)
-        last = entry.path();
+      if (is_former(entry.path(), at.stage) && entry.path() > last) last = entry.path();
   if (last.empty()) return;
   const std::optional<MadeRecord> record = read_record(last / "made.json");
   if (!record) return;
@@ -58,8 +90,8 @@ fs::path begin_stage(const LoopProject& loop, const StageOfRound& at, const Made
   const bool not_ended = before && before->status == MadeRecord::Status::begun;
   if (not_ended) complete_last_move(loop, at, hashes);
   std::vector<fs::path> files = outputs_of(loop, at);
-  // Part of a result that nobody was given.
-  if (not_ended && !has_result(loop, at)) {
+  // Part of a result that nobody was given; or the page of a check that said not to carve.
+  if (not_ended && (at.stage == StageKind::check || !has_result(loop, at))) {
     for (const fs::path& file : files) fs::remove(file);
     files.clear();
   }
@@ -76,6 +108,36 @@ fs::path begin_stage(const LoopProject& loop, const StageOfRound& at, const Made
   }
   write_record(begun, record);
   for (const fs::path& file : files) move_to(aside, file, folder);
+  return aside;
+}
+
+fs::path restore_former(const LoopProject& loop, const StageOfRound& at, const MadeRecord& begun,
+                        ContentHashes& hashes) {
+  if (at.stage != StageKind::design && at.stage != StageKind::calibrate && at.stage != StageKind::refine) return {};
+  const fs::path folder = folder_of(loop.project, at);
+  if (!fs::is_directory(folder / "former")) return {};
+  fs::path aside;
+  std::optional<MadeRecord> record;
+  std::vector<std::pair<fs::path, fs::path>> files;
+  for (const auto& entry : fs::directory_iterator(folder / "former")) {
+    if (!is_former(entry.path(), at.stage) || entry.path() < aside) continue;
+    const std::optional<MadeRecord> former = read_record(entry.path() / "made.json");
+    if (!former || !is_the_same(*former, begun)) continue;
+    std::vector<std::pair<fs::path, fs::path>> found = whole_files(*former, entry.path(), loop, folder, hashes);
+    if (found.empty()) continue;
+    aside = entry.path();
+    record = former;
+    files = std::move(found);
+  }
+  if (!record) return {};
+  // Copied, and removed behind the record: what is cut off leaves the former result whole.
+  for (const auto& [file, place] : files) {
+    make_output_folder(place.parent_path());
+    copy_whole(file, place);
+  }
+  record->kept = {};
+  write_record(*record, record_file(loop.project, at));
+  fs::remove_all(aside);
   return aside;
 }
 

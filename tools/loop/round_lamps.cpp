@@ -48,12 +48,22 @@ std::vector<std::string> lamps_of_round(const Project& project, int round) {
   return photographed_lamps(spec, read_bench(spec.bench));
 }
 
+fs::path bench_of_photos(const Project& project, int round) {
+  const fs::path before = project.bench_before(round), own = project.folder / "bench.json";
+  if (round == 1) return before;
+  const std::vector<std::string> known = lamps_named(before), listed = lamps_named(own);
+  const bool more = std::any_of(listed.begin(), listed.end(), [&](const std::string& lamp) {
+    return std::find(known.begin(), known.end(), lamp) == known.end();
+  });
+  return more ? own : before;
+}
+
 std::vector<fs::path> photos_of_round(const Project& project, int round) {
   std::vector<fs::path> photos;
   const fs::path folder = photos_folder(project, round);
   if (!fs::is_directory(folder)) return photos;
   add_photos(folder, photos);
-  for (const LampFolder& lamp : lamp_folders(folder, lamps_named(project.bench_before(round))))
+  for (const LampFolder& lamp : lamp_folders(folder, lamps_named(bench_of_photos(project, round))))
     add_photos(lamp.folder, photos);
   std::sort(photos.begin(), photos.end());
   return photos;
@@ -71,7 +81,7 @@ std::string photo_folders_in_words(const Project& project, int round) {
 }
 
 std::vector<std::string> lamp_arguments(const Project& project, int round) {
-  if (lamps_named(project.bench_before(round)).size() < 2) return {};
+  if (lamps_named(bench_of_photos(project, round)).size() < 2) return {};
   const std::vector<std::string> lamps = lamps_of_round(project, round);
   if (lamps.size() != 1) return {};
   return {"--light", lamps.front()};
@@ -86,7 +96,7 @@ void make_lamp_folders(const Project& project, int round) {
 
 void remove_empty_lamp_folders(const Project& project, int round) {
   const fs::path folder = photos_folder(project, round);
-  for (const LampFolder& lamp : lamp_folders(folder, lamps_named(project.bench_before(round))))
+  for (const LampFolder& lamp : lamp_folders(folder, lamps_named(bench_of_photos(project, round))))
     if (fs::is_empty(lamp.folder)) fs::remove(lamp.folder);
 }
 

@@ -21,6 +21,10 @@ std::vector<std::filesystem::path> photos_of_round(const Project& project, int r
 /// folder of the lamp that shone on it alone".
 std::string photo_folders_in_words(const Project& project, int round);
 
+/// The bench that names the lamps of a round's photos: the one before that round or, where a person has added a lamp to
+/// the project's own (one that was put somewhere for a photo), that one.
+std::filesystem::path bench_of_photos(const Project& project, int round);
+
 /// What `burin capture` is to be told of the lamp of photos that lie in no lamp's folder: nothing where its bench
 /// tells, or where nobody knows.
 std::vector<std::string> lamp_arguments(const Project& project, int round);

@@ -2,13 +2,17 @@
 
 #include <fmt/core.h>
 
+#include <optional>
 #include <sstream>
 
 #include "burin/capture/lamp_folders.h"
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
+#include "burin/render/error.h"
 #include "tools/commands.h"
+#include "tools/loop/carved_board.h"
+#include "tools/loop/round_design.h"
 #include "tools/loop/round_lamps.h"
 #include "tools/match_views.h"
 #include "tools/photographed_lamps.h"
@@ -31,6 +35,59 @@ std::string gcode_of(const LoopProject& loop, int round) {
   }
   if (first.empty()) return (loop.project.round(round) / "board.gcode").string();
   return count == 1 ? first : fmt::format("{} and the {} further board*.gcode", first, count - 1);
+}
+
+// What may be answered to a stage's question.
+struct PossibleAnswers {
+  bool again = false, keep = false;
+};
+
+// What a carved board was told otherwise than board.json says now, where that is why its stage is out of date.
+std::vector<ToldOtherwise> carved_otherwise(const LoopProject& loop, const StageState& state) {
+  if (state.at.stage != StageKind::board || !state.photographed) return {};
+  try {
+    return told_otherwise(loop.project, state.at.round);
+  } catch (const Error&) {  // a board.json that is being edited: what reads it next says what is wrong with it
+    return {};
+  }
+}
+
+PossibleAnswers answers_to(const LoopProject& loop, const StageState& state) {
+  const bool metal =
+      state.photographed && (state.at.stage == StageKind::design || state.at.stage == StageKind::toolpath);
+  return {!metal && carved_otherwise(loop, state).empty(), has_result(loop, state.at)};
+}
+
+// Why the loop would not design that round's board now; empty if it would.
+std::string why_not_designed(const LoopProject& loop, int round) {
+  try {
+    if (round > 1)
+      if (const ToldByRound told = told_by_round(loop, round - 1); !told.open.empty()) {
+        const std::optional<NextPhoto>& photo = told.open.front().verdict.next_photo;
+        const LoopQuestion question = question_of(
+            loop, round - 1, told.open,
+            photo ? "(" + sentence(*photo, told.open.front().verdict.unit) + ")" : "that `burin plan` names");
+        return question.what + "; " + question.remedy;
+      }
+    require_designable(loop.project, round);
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// The next thing to do with a stage that is made without a question.
+std::string next_of_stage(const LoopProject& loop, const StageState& state) {
+  if (state.at.stage == StageKind::design)
+    if (const std::string why_not = why_not_designed(loop, state.at.round); !why_not.empty()) return why_not;
+  const std::string next = fmt::format("{}: `{}`", name_of(loop.project, state.at), loop_line(loop.project));
+  if (state.condition == Condition::interrupted)
+    return fmt::format("{}{} (or `{}`, which takes it as good as it got)", next, time_limit_in_words(loop),
+                       loop_line(loop.project, "--keep"));
+  if (state.at.stage == StageKind::check && state.condition == Condition::stopped && has_result(loop, state.at))
+    return fmt::format("mend the red lines in {}; then `{}`",
+                       (folder_of(loop.project, state.at) / "carve-check.html").string(), loop_line(loop.project));
+  return next;
 }
 
 }  // namespace
@@ -76,11 +133,15 @@ LoopQuestion question_of(const LoopProject& loop, const StageState& state) {
     question.what = fmt::format("{}, which {} made", in_words(state.changes), place);
   else
     question.what = fmt::format("{} since {} was made", in_words(state.changes), place);
+  const std::vector<ToldOtherwise> told = carved_otherwise(loop, state);
+  if (!told.empty()) question.what += ": " + in_words(told);
   const std::string keep = fmt::format("`{}` goes on with it as it is", loop_line(project, "--keep"));
   const std::string again =
       fmt::format("`{}` makes it anew (what it replaces goes to {})", loop_line(project, "--again " + place),
                   (folder_of(project, state.at) / "former").string());
-  if (!has_result(loop, state.at))
+  if (!told.empty())
+    question.remedy = told_again(project, told) + (has_result(loop, state.at) ? "; or " + keep : "");
+  else if (!has_result(loop, state.at))
     question.remedy = metal ? "put it back: that board is carved and photographed" : again;
   else if (metal)
     question.remedy = keep + "; it is not made anew, since that board is carved and photographed";
@@ -89,13 +150,80 @@ LoopQuestion question_of(const LoopProject& loop, const StageState& state) {
   return question;
 }
 
+LoopQuestion question_of(const LoopProject& loop, const std::vector<StageState>& states) {
+  if (states.empty()) fail(loop.project.folder.string(), "raises no question", "ask none");
+  if (states.size() == 1) return question_of(loop, states.front());
+  LoopQuestion all;
+  std::string again, neither, missing_again, told;
+  bool can_keep_all = true, can_make_all = true;
+  for (const StageState& state : states) {
+    const LoopQuestion one = question_of(loop, state);
+    const auto [can_make, can_keep] = answers_to(loop, state);
+    all.what += (all.what.empty() ? "" : "; ") + one.what;
+    if (const std::vector<ToldOtherwise> numbers = carved_otherwise(loop, state); !numbers.empty())
+      told = told_again(loop.project, numbers);
+    const std::string option = "--again " + name_of(loop.project, state.at);
+    if (can_make) again += (again.empty() ? "" : " ") + option;
+    if (can_make && !can_keep) missing_again += (missing_again.empty() ? "" : " ") + option;
+    if (!can_make && !can_keep) neither += (neither.empty() ? "" : "; ") + one.remedy;
+    can_make_all = can_make_all && can_make;
+    can_keep_all = can_keep_all && can_keep;
+  }
+  if (!neither.empty()) {
+    all.remedy = neither;
+    return all;
+  }
+  if (can_make_all)
+    all.remedy = fmt::format("`{}` makes all of it anew (what it replaces goes to the rounds' former/)",
+                             loop_line(loop.project, again));
+  else if (!again.empty())
+    all.remedy = fmt::format("`{}` makes anew what can be and goes on with the rest as it is",
+                             loop_line(loop.project, again + " --keep"));
+  if (can_keep_all)
+    all.remedy += fmt::format("{}`{}` goes on with all as it is", all.remedy.empty() ? "" : ", ",
+                              loop_line(loop.project, "--keep"));
+  else if (can_make_all && missing_again != again)
+    all.remedy +=
+        fmt::format(", `{}` makes anew what is missing alone", loop_line(loop.project, missing_again + " --keep"));
+  if (!told.empty()) all.remedy = told + "; or " + all.remedy;
+  return all;
+}
+
+LoopQuestion question_of(const LoopProject& loop, int round, const std::vector<UnknownParameter>& open,
+                         const std::string& photo) {
+  std::string options;
+  for (const UnknownParameter& u : open)
+    options += (options.empty() ? "" : " ") + ("--accept-unknown " + shell_word(u.name));
+  LoopQuestion question;
+  question.what = in_short(open) + ", and another board would be designed on a guess";
+  question.remedy = fmt::format("take the photo {}, put it into {}, and say `{}` again; or go on without: `{}`", photo,
+                                photo_folders_in_words(loop.project, round), loop_line(loop.project),
+                                loop_line(loop.project, options));
+  return question;
+}
+
+std::string time_limit_in_words(const LoopProject& loop) {
+  const auto limit = loop.options.design.find("time");
+  if (limit == loop.options.design.end() || limit->second.empty()) return "";
+  return fmt::format(", again for {} at most (`time` in {}, which `{}` changes)", limit->second.front(),
+                     (loop.project.folder / "loop.toml").string(), loop_line(loop.project, "--time 2h"));
+}
+
 std::string next_of(const LoopProject& loop, const std::vector<StageState>& states) {
-  for (const StageState& state : states)
-    if (needs_answer_now(state, states)) {
-      const LoopQuestion question = question_of(loop, state);
-      return question.what + "; " + question.remedy;
-    }
   const Project& project = loop.project;
+  std::vector<StageState> asking;
+  for (const StageState& state : states)
+    if (needs_answer_now(state, states)) asking.push_back(state);
+  if (!asking.empty()) {
+    try {
+      const int number = next_to_carve(project);
+      if (fs::exists(project.bench_before(number))) require_one_truth(project, number);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    const LoopQuestion question = question_of(loop, without_followers(asking));
+    return question.what + "; " + question.remedy;
+  }
   int waiting = 1;
   for (const StageState& state : states) {
     if (state.at.round == 0 || state.up_to_date() || !is_made_by_itself(state)) continue;
@@ -103,14 +231,14 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
       waiting = state.at.round;
       break;
     }
-    const std::string next = fmt::format("{}: `{}`", name_of(project, state.at), loop_line(project));
-    if (state.condition != Condition::interrupted) return next;
-    return fmt::format("{} (or `{}`, which takes it as good as it got)", next, loop_line(project, "--keep"));
+    return next_of_stage(loop, state);
   }
-  if (states.size() <= 1) return fmt::format("the first design: `{}`", loop_line(project));
   while (is_photographed(project, waiting)) ++waiting;
-  if (!fs::is_directory(project.round(waiting)))
-    return fmt::format("the design of the next board: `{}`", loop_line(project));
+  if (states.size() <= 1 || !fs::is_directory(project.round(waiting))) {
+    if (const std::string why_not = why_not_designed(loop, waiting); !why_not.empty()) return why_not;
+    return fmt::format("{}: `{}`", states.size() <= 1 ? "the first design" : "the design of the next board",
+                       loop_line(project));
+  }
   return fmt::format("carve {}, put photos of it into {}; then `{}`", gcode_of(loop, waiting),
                      photo_folders_in_words(project, waiting), loop_line(project));
 }

@@ -203,9 +203,10 @@ void make_photos(const Project& project, int number) {
 
 void make_capture(const Project& project, int number) {
   const fs::path round = project.round(number);
-  std::vector<std::string> words{
-      "capture", (round / "photos").string(),           "--board", (round / "board.json").string(),
-      "--bench", project.bench_before(number).string(), "--out",   round.string()};
+  std::vector<std::string> words{"capture", (round / "photos").string(),
+                                 "--board", (round / "board.json").string(),
+                                 "--bench", bench_of_photos(project, number).string(),
+                                 "--out",   round.string()};
   const std::vector<std::string> lamp = lamp_arguments(project, number);
   words.insert(words.end(), lamp.begin(), lamp.end());
   run_step(words);
@@ -284,7 +285,8 @@ StageBasis basis_of(const LoopProject& loop, const StageOfRound& at) {
       basis.files.insert(round / "session.json");
       [[fallthrough]];
     case StageKind::capture:
-      add_bench(project.bench_before(at.round), basis.files);  // for its lamps' names
+      add_bench(project.bench_before(at.round), basis.files);
+      add_bench(bench_of_photos(project, at.round), basis.files);  // for its lamps' names
       basis.files.insert(round / "board.json");
       for (const fs::path& photo : photos_of(project, at.round)) basis.files.insert(photo);
       return basis;
@@ -408,6 +410,12 @@ bool is_photographed(const Project& project, int round) {
   const fs::path folder = project.round(round);
   return fs::exists(folder / "session.json") || fs::exists(record_file(project, {round, StageKind::capture})) ||
          !photos_of(project, round).empty();
+}
+
+int next_to_carve(const Project& project) {
+  int round = 1;
+  while (is_photographed(project, round)) ++round;
+  return round;
 }
 
 }  // namespace burin

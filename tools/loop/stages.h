@@ -88,6 +88,9 @@ void finish_design(const LoopProject& loop, int round);
 /// A person's photos, or the simulated camera's, lie there, or have been measured: that board is carved.
 bool is_photographed(const Project& project, int round);
 
+/// The first round whose board is not photographed; there may be nothing of it yet.
+int next_to_carve(const Project& project);
+
 /// The photos of a round, those in its lamps' folders too (tools/loop/round_lamps.h), in the order of their paths.
 std::vector<std::filesystem::path> photos_of(const Project& project, int round);
 

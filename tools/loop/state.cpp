@@ -75,7 +75,19 @@ std::string list_of(const std::vector<std::string>& names) {
 
 bool is_in_the_metal(StageKind stage) { return stage == StageKind::design || stage == StageKind::toolpath; }
 
-// Whether what this stage is made from within its round was made anew: it follows without a question.
+// A carving stage before `state` in its round that is still to be made, or was ended early: what this one will be made
+// from is not known yet.
+bool waits_for_another(const StageState& state, const std::vector<StageState>& states) {
+  return is_carving(state.at.stage) && std::any_of(states.begin(), states.end(), [&](const StageState& other) {
+           return other.at.round == state.at.round && is_carving(other.at.stage) && other.at.stage < state.at.stage &&
+                  is_made_by_itself(other);
+         });
+}
+
+}  // namespace
+
+bool is_carving(StageKind stage) { return is_in_the_metal(stage) || stage == StageKind::board; }
+
 bool follows(const StageState& state) {
   const char* from = state.at.stage == StageKind::toolpath ? "/scratches.csv"
                      : state.at.stage == StageKind::board  ? "/sent.csv"
@@ -86,7 +98,24 @@ bool follows(const StageState& state) {
   });
 }
 
-}  // namespace
+std::vector<StageState> without_followers(const std::vector<StageState>& asking) {
+  const auto stale = [](const StageState& state) {
+    return is_carving(state.at.stage) && state.condition == Condition::done && !state.changed(Kind::output);
+  };
+  std::vector<StageState> first;
+  for (const StageState& state : asking) {
+    // What misses nothing but a file of the stage before is made anew with it.
+    const bool misses = std::all_of(state.changes.begin(), state.changes.end(), [](const StageChange& change) {
+      return change.kind == Kind::input && change.how == How::gone;
+    });
+    const bool behind =
+        stale(state) && std::any_of(first.begin(), first.end(), [&](const StageState& other) {
+          return other.at.round == state.at.round && is_carving(other.at.stage) && (stale(other) || misses);
+        });
+    if (!behind) first.push_back(state);
+  }
+  return first;
+}
 
 bool StageState::changed(StageChange::Kind kind) const {
   return std::any_of(changes.begin(), changes.end(), [&](const StageChange& change) { return change.kind == kind; });
@@ -147,12 +176,11 @@ bool needs_answer(const StageState& state) {
   if (state.at.stage == StageKind::photos) return false;  // what was photographed is
   if (state.changed(Kind::output)) return true;
   if (is_in_the_metal(state.at.stage) && state.photographed) return false;  // as it was carved
-  const bool carving = is_in_the_metal(state.at.stage) || state.at.stage == StageKind::board;
-  return carving && !follows(state);
+  return is_carving(state.at.stage) && !follows(state);
 }
 
 bool needs_answer_now(const StageState& state, const std::vector<StageState>& states) {
-  if (!needs_answer(state)) return false;
+  if (!needs_answer(state) || waits_for_another(state, states)) return false;
   if (state.condition != Condition::done || state.changed(Kind::output)) return true;
   return std::none_of(states.begin(), states.end(), [&](const StageState& other) {
     const bool measures = other.at.stage == StageKind::capture || other.at.stage == StageKind::calibrate ||

@@ -61,8 +61,20 @@ FileHashes hashes_of(const Project& project, const std::vector<std::filesystem::
 bool needs_answer(const StageState& state);
 
 /// The same among all states: not while the round before is still to be measured anew, since only then is known what
-/// the design rests on.
+/// the design rests on; and not of design, tool path or board while an earlier one of them in that round is itself to
+/// be made, or was ended early.
 bool needs_answer_now(const StageState& state, const std::vector<StageState>& states);
+
+/// Design, tool path and board: each is made from the one before it in its round.
+bool is_carving(StageKind stage);
+
+/// Whether it is out of date because the carving stage before it in its round was made anew: it is then made anew
+/// without a question.
+bool follows(const StageState& state);
+
+/// Of states that raise questions those to be asked: what a carving stage rests on, those behind it in the round rest
+/// on too, so that one question a round is enough.
+std::vector<StageState> without_followers(const std::vector<StageState>& asking);
 
 /// Whether the stage would be made anew without a question.
 bool is_made_by_itself(const StageState& state);

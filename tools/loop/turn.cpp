@@ -8,6 +8,8 @@
 #include "burin/render/error.h"
 #include "tools/commands.h"
 #include "tools/loop/aside.h"
+#include "tools/loop/carved_board.h"
+#include "tools/loop/round_design.h"
 #include "tools/loop/round_lamps.h"
 #include "tools/loop/say.h"
 #include "tools/loop/unknown.h"
@@ -27,10 +29,6 @@ struct Turn {
   ContentHashes hashes;
   bool some_done = false, said = false;
 };
-
-bool is_carving(StageKind stage) {
-  return stage == StageKind::design || stage == StageKind::toolpath || stage == StageKind::board;
-}
 
 // What an --again names. Throws Error for what is none, and for what is in the metal.
 StageOfRound stage_of(const LoopProject& loop, const std::string& words) {
@@ -122,34 +120,40 @@ void keep(Turn& turn, const StageState& state) {
              state.changes.empty() ? in_words(state) : in_words(state.changes));
 }
 
+// What would be refused whatever is answered, before anything is asked or kept.
+void refuse_contradiction(const Turn& turn) {
+  const Project& project = turn.loop.project;
+  const int number = next_to_carve(project);
+  if (fs::exists(project.bench_before(number))) require_one_truth(project, number);
+}
+
 // What a person has to decide before anything is done. Throws Error for what is not decided.
 void settle(Turn& turn) {
   const std::vector<StageState> states = states_of(turn.loop, turn.hashes);
   const bool begun = std::any_of(states.begin(), states.end(),
                                  [](const StageState& state) { return state.condition != Condition::not_begun; });
   if (begun) fmt::print("{}", table_of(turn.loop, states));
-  std::vector<LoopQuestion> open;
-  int round_asked = 0;
+  std::vector<StageState> open, kept;
   for (const StageState& state : states) {
-    if (!is_open(turn, state) || !needs_answer_now(state, states)) continue;
-    if (turn.answers.keep && can_be_kept(turn, state)) continue;
-    // What a stage rests on, those behind it rest on too: one question a round.
-    const bool stale = state.condition == Condition::done && !state.changed(StageChange::Kind::output);
-    if (stale && is_carving(state.at.stage) && state.at.round == round_asked) continue;
-    if (stale && is_carving(state.at.stage)) round_asked = state.at.round;
-    open.push_back(question_of(turn.loop, state));
+    const bool asks = is_open(turn, state) && needs_answer_now(state, states);
+    if (turn.answers.keep && !turn.again.contains(state.at) && can_be_kept(turn, state) &&
+        (asks || state.condition == Condition::interrupted))
+      kept.push_back(state);
+    else if (asks)
+      open.push_back(state);
   }
+  const auto carving = [](const StageState& state) { return is_carving(state.at.stage); };
+  if (!open.empty() || std::any_of(kept.begin(), kept.end(), carving)) refuse_contradiction(turn);
   if (!open.empty()) {
     std::fflush(stdout);
-    const std::string where = turn.loop.project.folder.string();
-    for (std::size_t i = 1; i < open.size(); ++i) note(fmt::format("{}: {}; {}", where, open[i].what, open[i].remedy));
-    fail(where, open.front().what, open.front().remedy);
+    const LoopQuestion question = question_of(turn.loop, without_followers(open));
+    fail(turn.loop.project.folder.string(), question.what, question.remedy);
   }
-  if (turn.answers.keep)
-    for (const StageState& state : states)
-      if (can_be_kept(turn, state) && !turn.again.contains(state.at) &&
-          (state.condition == Condition::interrupted || needs_answer_now(state, states)))
-        keep(turn, state);
+  for (const StageState& asked : kept) {
+    const StageState state = state_of(turn.loop, asked.at, turn.hashes);
+    const bool follows_now = follows(state) && !follows(asked);  // what was just kept before it is another one
+    if (can_be_kept(turn, state) && !follows_now) keep(turn, state);
+  }
 }
 
 // Photos without a tool path: which board do they show?
@@ -164,43 +168,36 @@ void refuse_early_photos(const Turn& turn, const StageState& state) {
 // Before another board is designed, the one before must have told what the design rests on.
 void refuse_unknown(Turn& turn, int round) {
   const LoopProject& loop = turn.loop;
-  const StageOfRound measured{round, StageKind::refine};
-  const fs::path file = record_file(loop.project, measured);
+  const ToldByRound told = told_by_round(loop, round, turn.answers.accept_unknown);
+  if (!told.open.empty()) {
+    fmt::print("\n{}", in_words(told.open));
+    std::fflush(stdout);
+    const LoopQuestion question = question_of(loop, round, told.open);
+    fail(loop.project.round(round).string(), question.what, question.remedy);
+  }
+  for (const Finding& weak : told.weak) note(weak);
+  std::vector<std::string> names;
+  for (const UnknownParameter& u : told.accepted) {
+    names.push_back(u.name);
+    note(make_warning(in_short({u}) + "; the next design goes on with what " +
+                      (u.verdict.known() ? "the photos told" : "was believed") + ", as accepted"));
+  }
+  const fs::path file = record_file(loop.project, {round, StageKind::refine});
   std::optional<MadeRecord> record = read_record(file);
-  std::vector<UnknownParameter> unknown = unknown_after(loop.project, round);
-  std::vector<std::string> accepted = turn.answers.accept_unknown;
-  accepted.insert(accepted.end(), loop.options.accept_unknown.begin(), loop.options.accept_unknown.end());
-  if (record) accepted.insert(accepted.end(), record->accepted_unknown.begin(), record->accepted_unknown.end());
-  std::vector<UnknownParameter> open;
-  std::set<std::string> gone_on_without;
-  for (const UnknownParameter& u : unknown) {
-    if (std::find(accepted.begin(), accepted.end(), u.name) == accepted.end())
-      open.push_back(u);
-    else
-      gone_on_without.insert(u.name);
-  }
-  if (open.empty()) {
-    for (const std::string& name : gone_on_without)
-      note(fmt::format("{} is not determined; the next design goes on with what was believed, as accepted", name));
-    if (record && !gone_on_without.empty()) {
-      record->accepted_unknown.assign(gone_on_without.begin(), gone_on_without.end());
-      write_record(*record, file);
-    }
-    return;
-  }
-  fmt::print("\n{}", in_words(open));
-  std::fflush(stdout);
-  std::string names, options;
-  for (const UnknownParameter& u : open) {
-    names += (names.empty() ? "" : ", ") + u.name;
-    options += (options.empty() ? "" : " ") + ("--accept-unknown " + shell_word(u.name));
-  }
-  fail(loop.project.round(round).string(),
-       fmt::format("{} {} not determined, and another board would be designed on a guess", names,
-                   open.size() == 1 ? "is" : "are"),
-       fmt::format("take the photo named above, put it into {}, and say `{}` again; or go on without: `{}`",
-                   photo_folders_in_words(loop.project, round), loop_line(loop.project),
-                   loop_line(loop.project, options)));
+  if (!record || names.empty() || record->accepted_unknown == names) return;
+  record->accepted_unknown = names;
+  write_record(*record, file);
+}
+
+// All that can refuse a stage is asked before its former result is moved.
+void refuse_before_it_begins(Turn& turn, const StageState& state) {
+  const Project& project = turn.loop.project;
+  const auto [round, stage] = state.at;
+  refuse_early_photos(turn, state);
+  if (stage == StageKind::board && state.photographed) require_told_as_carved(project, round);
+  if (stage == StageKind::design && round > 1) refuse_unknown(turn, round - 1);
+  if (stage == StageKind::design) require_designable(project, round);
+  if (stage == StageKind::toolpath) require_one_truth(project, round);
 }
 
 // The same as it was begun? What a person edits while the work runs must not pass for what it was made from.
@@ -227,8 +224,7 @@ void say_begin(Turn& turn, const StageState& state) {
 
 void make(Turn& turn, const StageState& state) {
   const LoopProject& loop = turn.loop;
-  refuse_early_photos(turn, state);
-  if (state.at.stage == StageKind::design && state.at.round > 1) refuse_unknown(turn, state.at.round - 1);
+  refuse_before_it_begins(turn, state);
   say_begin(turn, state);
   const StageBasis basis = basis_of(loop, state.at);
   MadeRecord record;
@@ -238,6 +234,13 @@ void make(Turn& turn, const StageState& state) {
   record.inputs = hashes_of(loop.project, basis.files, turn.hashes);
   const fs::path aside = begin_stage(loop, state.at, record, turn.hashes);
   if (!aside.empty()) fmt::print("what was there is now in {}\n", aside.string());
+  if (!turn.again.contains(state.at)) {
+    const fs::path from = restore_former(loop, state.at, record, turn.hashes);
+    if (!from.empty()) {
+      fmt::print("the same was made of the same before: it is taken back from {}\n", from.string());
+      return;
+    }
+  }
   const bool whole = make_stage(loop, state.at);
   refuse_edited_meanwhile(turn, state.at, record.inputs);
   record.status = whole ? MadeRecord::Status::done : MadeRecord::Status::interrupted;
@@ -250,8 +253,8 @@ void make(Turn& turn, const StageState& state) {
   if (record.status == MadeRecord::Status::interrupted)
     fail(loop.project.folder.string(),
          fmt::format("{} was ended early and is not done", name_of(loop.project, state.at)),
-         fmt::format("`{}` takes it as good as it got, `{}` designs anew", loop_line(loop.project, "--keep"),
-                     loop_line(loop.project)));
+         fmt::format("`{}` takes it as good as it got, `{}` designs anew{}", loop_line(loop.project, "--keep"),
+                     loop_line(loop.project), time_limit_in_words(loop)));
 }
 
 // One stage as it stands after all before it: nothing to do, made, or a question. False where a person has to go to the

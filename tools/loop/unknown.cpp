@@ -2,32 +2,96 @@
 
 #include <fmt/core.h>
 
-#include "burin/render/bench.h"
+#include <algorithm>
+
 #include "burin/render/parameter_name.h"
+#include "tools/loop/record.h"
+#include "tools/round_names.h"
 
 namespace burin {
 namespace {
 
-bool design_rests_on(const std::string& parameter) {
-  return parameter == parameter::kDepth || parameter == parameter::kAlpha || parameter == parameter::kMachine ||
-         (parameter.starts_with("light.") && parameter.ends_with(".position_mm"));
+// The next board cannot be designed well for one that is known only weakly.
+bool must_be_determined(const std::string& name, const std::set<std::string>& lamps) {
+  return name == parameter::kDepth || std::any_of(lamps.begin(), lamps.end(), [&](const std::string& lamp) {
+           return name == parameter::light_position(lamp);
+         });
+}
+
+bool must_be_known(const std::string& name) { return name == parameter::kAlpha || name == parameter::kMachine; }
+
+std::string how_far_known(const Verdict& verdict) {
+  return verdict.known() ? "determined only weakly" : "not determined";
+}
+
+// The lamps of the next design, as the round's measured bench calls them.
+std::set<std::string> lamps_used(const Project& project, int round) {
+  std::set<std::string> lamps;
+  for (const Match& match : match_round(project, round).lamps)
+    if (!match.measured.empty()) lamps.insert(match.measured);
+  return lamps;
 }
 
 }  // namespace
 
-std::vector<UnknownParameter> unknown_after(const Project& project, int round) {
+std::vector<UnknownParameter> unknown_in(const Bench& measured, const std::set<std::string>& lamps) {
   std::vector<UnknownParameter> unknown;
-  for (const auto& [name, verdict] : read_bench(project.round(round) / "bench.json").verdict)
-    if (design_rests_on(name) && !verdict.known()) unknown.push_back({name, verdict});
+  for (const auto& [name, verdict] : measured.verdict)
+    if ((must_be_determined(name, lamps) && !verdict.determined()) || (must_be_known(name) && !verdict.known()))
+      unknown.push_back({name, verdict});
   return unknown;
+}
+
+std::vector<Finding> weakly_known_in(const Bench& measured, const std::filesystem::path& file) {
+  std::vector<Finding> notes;
+  for (const auto& [name, verdict] : measured.verdict)
+    if (must_be_known(name) && verdict.degree == Degree::weakly)
+      notes.push_back({Finding::Severity::note, file,
+                       fmt::format("{} is {}, and the next design rests on it: {}", name, how_far_known(verdict),
+                                   sentence(verdict)),
+                       ""});
+  return notes;
+}
+
+ToldByRound told_by_round(const LoopProject& loop, int round, const std::vector<std::string>& accepted) {
+  const std::filesystem::path file = loop.project.round(round) / "bench.json";
+  const std::optional<MadeRecord> record = read_record(record_file(loop.project, {round, StageKind::refine}));
+  const Bench measured = read_bench(file);
+  ToldByRound told;
+  for (const UnknownParameter& u : unknown_in(measured, lamps_used(loop.project, round))) {
+    const auto names_it = [&](const std::vector<std::string>& names) {
+      return std::find(names.begin(), names.end(), u.name) != names.end();
+    };
+    const bool goes_on =
+        names_it(accepted) || names_it(loop.options.accept_unknown) || (record && names_it(record->accepted_unknown));
+    (goes_on ? told.accepted : told.open).push_back(u);
+  }
+  told.weak = weakly_known_in(measured, file);
+  return told;
 }
 
 std::string in_words(const std::vector<UnknownParameter>& unknown) {
   std::string words;
   for (const UnknownParameter& u : unknown) {
-    words += fmt::format("  {} is not determined: {}\n", u.name, sentence(u.verdict));
+    words += fmt::format("  {} is {}: {}\n", u.name, how_far_known(u.verdict), sentence(u.verdict));
     if (u.verdict.next_photo)
       words += fmt::format("    next photo: {}\n", sentence(*u.verdict.next_photo, u.verdict.unit));
+  }
+  return words;
+}
+
+std::string in_short(const std::vector<UnknownParameter>& unknown) {
+  std::string words;
+  for (const bool known : {false, true}) {
+    std::string names, how;
+    int count = 0;
+    for (const UnknownParameter& u : unknown) {
+      if (u.verdict.known() != known) continue;
+      names += (names.empty() ? "" : ", ") + u.name;
+      how = how_far_known(u.verdict);
+      ++count;
+    }
+    if (count > 0) words += fmt::format("{}{} {} {}", words.empty() ? "" : "; ", names, count == 1 ? "is" : "are", how);
   }
   return words;
 }

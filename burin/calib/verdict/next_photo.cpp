@@ -9,6 +9,8 @@
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/verdict/candidate_photo.h"
 #include "burin/calib/verdict/half_samples.h"
+#include "burin/render/files/decimals.h"
+#include "burin/render/files/file_names.h"
 #include "burin/render/median.h"
 #include "burin/render/parameter_name.h"
 
@@ -164,11 +166,18 @@ struct Best {
   std::size_t light = 0, straddling = 0;
 };
 
+// The best photo under a lamp as it stands, unless only one that is put elsewhere tells enough.
+const Best& chosen(const Best& own, const Best& moved, std::size_t rarer) {
+  if (own.place != nullptr && is_worth_taking(own.score, own.straddling, rarer)) return own;
+  return moved.place != nullptr && moved.score < own.score ? moved : own;
+}
+
 NextPhoto next_photo_of(const Best& best, const Verdict& verdict, const WiderBench& wider, const Board& board) {
   NextPhoto next{NextPhoto::Kind::at_place, place_in_words(*best.place, board), {}, {}};
   const Light& light = wider.bench.lights[best.light];
+  const auto own = static_cast<std::ptrdiff_t>(wider.own_lamps);
   if (best.light >= wider.own_lamps)
-    next.place += ", the lamp moved to " + place_in_words(light.position_mm, board);
+    next.place += moved_lamp_in_words(light, {wider.bench.lights.begin(), wider.bench.lights.begin() + own}, board);
   else if (wider.own_lamps > 1)
     next.place += ", under lamp " + light.id;
   if (best.straddling > 0)
@@ -179,6 +188,30 @@ NextPhoto next_photo_of(const Best& best, const Verdict& verdict, const WiderBen
 }
 
 }  // namespace
+
+bool is_worth_taking(double sigma_ratio, std::size_t half_vectors, std::size_t half_vectors_now) {
+  // Another one like it, and the cut-off is seen.
+  if (half_vectors > 0) {
+    const std::size_t by_two = half_vectors_now + 2 * (half_vectors - std::min(half_vectors, half_vectors_now));
+    return Straddle{by_two, by_two}.both();
+  }
+  constexpr double kEnough = 0.8;  // four such photos more than halve the sigma
+  return sigma_ratio <= kEnough;
+}
+
+std::string moved_lamp_in_words(const Light& moved, const std::vector<Light>& lamps, const Board& board) {
+  std::string id;
+  for (int number = 2; id.empty(); ++number) {
+    const std::string wanted = lamps.front().id + "-" + std::to_string(number);
+    if (std::none_of(lamps.begin(), lamps.end(), [&](const Light& lamp) { return lamp.id == wanted; })) id = wanted;
+  }
+  const Eigen::Vector3d& p = moved.position_mm;
+  return ", the lamp moved to " + place_in_words(p, board) +
+         ", where it counts as another one: list it among the \"lights\" of the nominal bench.json (in a loop, the "
+         "project's own) as {\"id\": \"" +
+         id + "\", \"position_mm\": [" + fixed(p.x(), 0) + ", " + fixed(p.y(), 0) + ", " + fixed(p.z(), 0) +
+         "]}, and put the photo into photos/" + file_name_of(id);
+}
 
 void advise_light(const Problem& data, const State& state, const Uncertainty& u, const Combinations& judged,
                   Bench& bench, const Progress& progress) {
@@ -193,7 +226,7 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
   const Straddle straddle = straddle_of(data, state);
   const std::size_t rarer = std::min(straddle.inside, straddle.outside);
 
-  std::vector<Best> best(open.size());
+  std::vector<Best> own(open.size()), moved(open.size());
   const auto consider = [&](const LightCandidate& candidate, const CameraPlace& place, std::size_t light) {
     const Eigen::MatrixXd after = inverse_information(H + scale * candidate.information);
     for (std::size_t i = 0; i < open.size(); ++i) {
@@ -207,7 +240,8 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
         if (straddling <= rarer) continue;
         score = 1 / (1 + static_cast<double>(straddling));
       }
-      if (score < best[i].score) best[i] = {score, &place, light, straddling};
+      Best& best = (light < wider.own_lamps ? own : moved)[i];
+      if (score < best.score) best = {score, &place, light, straddling};
     }
   };
   std::vector<double> distances;
@@ -226,9 +260,10 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
     }
   }
   for (std::size_t i = 0; i < open.size(); ++i) {
-    if (best[i].place == nullptr) continue;
+    const Best& best = chosen(own[i], moved[i], rarer);
+    if (best.place == nullptr) continue;
     Verdict& verdict = bench.verdict[open[i]];
-    verdict.next_photo = next_photo_of(best[i], verdict, wider, board);
+    verdict.next_photo = next_photo_of(best, verdict, wider, board);
   }
 }
 

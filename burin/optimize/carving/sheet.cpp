@@ -19,8 +19,9 @@ std::string micrometers(double mm) { return significant(1e3 * mm, 2) + " um"; }
 const char* remedy(const MachineProfile& machine) {
   return machine.dialect == GcodeDialect::marlin
              ? "use a tool that is pressed by a spring (a profile with \"depth_by\": \"spring\")"
-             : "probe the sheet as it lies on the machine (burin probe write) and give --heights, use a tool that is "
-               "pressed by a spring (--machine grbl-spring, or \"depth_by\" in a profile), or, where it is the very "
+             : "probe the sheet as it lies on the machine (burin probe write) and give --heights (in a loop: put it "
+               "into the round's folder as heights.json), use a tool that is pressed by a spring (--machine "
+               "grbl-spring, or \"depth_by\" in a profile), or, where it is the very "
                "sheet that was photographed and lies as it lay then, --follow-bow";
 }
 
@@ -63,7 +64,8 @@ void judge_preload(const DepthRange& depth, const std::optional<Unevenness>& kno
     add(findings, error > kSpoiled * depth.least_mm ? Finding::Severity::error : Finding::Severity::warning,
         "the face lies " + micrometers(probe_mm) + " higher in one place than in another (" + known->source +
             "), of which " + head + " makes " + micrometers(error) + " of the depth of " + micrometers(depth.least_mm),
-        "clamp the sheet flatter, use a softer spring, or probe it (burin probe write) and give --heights");
+        "clamp the sheet flatter, use a softer spring, or probe it (burin probe write) and give --heights (in a loop: "
+        "put it into the round's folder as heights.json)");
   } else {
     add(findings, Finding::Severity::note,
         head + " makes " + micrometers(error) + " of depth of the face's " + micrometers(probe_mm) + " (" +
