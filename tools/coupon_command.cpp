@@ -19,11 +19,13 @@
 #include "burin/optimize/carving/coupon.h"
 #include "burin/optimize/duration.h"
 #include "burin/optimize/toolpath.h"
+#include "burin/optimize/write_measured_machine.h"
 #include "burin/render/error.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -88,6 +90,7 @@ void print_plan(const CouponPlan& plan, const ToolpathReport& report) {
 }
 
 void write_coupon_files(WriteOptions options) {
+  const WorkLock lock(options.out, "burin coupon write", WorkLock::Where::new_folders);
   const MachineProfile machine = machine_profile(options.machine);
   if (options.coupon.date.empty()) options.coupon.date = today();
   std::optional<Board> on;
@@ -102,7 +105,7 @@ void write_coupon_files(WriteOptions options) {
   if (fs::exists(options.out / "coupon.json"))
     fail((options.out / "coupon.json").string(), "is there already", "name another folder, or remove that coupon");
   if (on)
-    for (const Finding& finding : check_place(*on, options.coupon.at_mm)) note(sentence(finding));
+    for (const Finding& finding : check_place(*on, options.coupon.at_mm)) note(finding);
   CouponPlan plan = make_coupon(machine, options.coupon);
   make_output_folder(options.out);
   Board on_machine = coupon_on_machine(plan);
@@ -116,13 +119,15 @@ void write_coupon_files(WriteOptions options) {
     shifted.x0_mm[i] += plan.coupon.at_mm.x(), shifted.x1_mm[i] += plan.coupon.at_mm.x();
     shifted.y0_mm[i] += plan.coupon.at_mm.y(), shifted.y1_mm[i] += plan.coupon.at_mm.y();
   }
+  MachineProfile unasked = plan.machine;
+  unasked.depth_table.assumed = false;  // that its table is a guess is why a coupon is carved
   ProgressBar bar;
   FilesTogether all;
-  const ToolpathReport report = write_toolpath(shifted, on_machine, nullptr, plan.machine, settings,
-                                               options.out / "coupon.gcode", bar.progress());
+  const ToolpathReport report =
+      write_toolpath(shifted, on_machine, nullptr, unasked, settings, options.out / "coupon.gcode", bar.progress());
   bar.clear();
-  for (const Finding& finding : plan.findings) note(sentence(finding));
-  for (const Finding& finding : report.findings) note(sentence(finding));
+  for (const Finding& finding : plan.findings) note(finding);
+  for (const Finding& finding : report.findings) note(finding);
   write_scratches(in_coupon(plan, report.sent), options.out / "scratches.csv");
   plan.board.scratches = options.out / "scratches.csv";
   write_board(plan.board, options.out / "board.json");
@@ -182,7 +187,7 @@ Session session_of(const fs::path& photos, const fs::path& board_file, const fs:
   for (const Finding& finding : captured.findings) {
     if (finding.severity == Finding::Severity::error && first.empty()) first = sentence(finding);
     // What it says of the whole session is about boards, which need more photos than a coupon.
-    if (finding.severity != Finding::Severity::error && !finding.file.empty()) note(sentence(finding));
+    if (finding.severity != Finding::Severity::error && !finding.file.empty()) note(finding);
   }
   if (captured.written.empty()) {
     for (const Photo& photo : captured.session.photos) fail_if_another(photo.file, coupon, folder, board);
@@ -273,19 +278,21 @@ void write_machine(const ReadOptions& options, const MachineProfile& machine, co
   const bool presses = machine.depth_by != DepthBy::fixed_z;
   if (presses && table.rows.empty())
     note(
-        "no depth table: it takes two commands at the usual speed whose depths are known, and depths that rise with "
-        "them; take the photos that the notes above ask for");
+        make_warning("no depth table: it takes two commands at the usual speed whose depths are known, and depths that "
+                     "rise with them",
+                     "take the photos that the notes above ask for"));
   const std::optional<fs::path> former = write_measured_machine(options.machine, measured, options.out);
   if (former) fmt::print("The former file is kept as {}\n", former->string());
   const std::string what = presses && !table.rows.empty()
                                ? fmt::format("a depth table of {} rows, {:.1f} to {:.1f} um", table.rows.size(),
                                              table.rows.front().depth_um, table.rows.back().depth_um)
                                : "what the coupon told";
-  fmt::print("Wrote {}: {}; next: burin toolpath SCRATCHES.csv --board BOARD.json --machine {} --out board.gcode\n",
+  fmt::print("Wrote {}: {}; next: burin loop PROJECT_DIR --machine {} (kept in the project's loop.toml)\n",
              options.out.string(), what, shell_word(options.out.string()));
 }
 
 void read_coupon_files(const ReadOptions& options) {
+  const WorkLock lock(options.folder, "burin coupon read");
   const Coupon coupon = read_coupon(options.folder / "coupon.json");
   std::optional<MachineProfile> machine;
   if (!options.machine.empty()) {
@@ -296,8 +303,8 @@ void read_coupon_files(const ReadOptions& options) {
                ", and the coupon was carved by " + coupon.machine + ", whose depth_by is " + coupon.depth_by,
            "give the machine that carved it");
     if (coupon.usual_feed_mm_min != machine->carve_feed_mm_min)
-      note(fmt::format("{} carves at {:g} mm/min by now; the depth table will be that of {:g} mm/min", machine->name,
-                       machine->carve_feed_mm_min, coupon.usual_feed_mm_min));
+      note(make_warning(fmt::format("{} carves at {:g} mm/min by now; the depth table will be that of {:g} mm/min",
+                                    machine->name, machine->carve_feed_mm_min, coupon.usual_feed_mm_min)));
     if (options.out.extension() != ".json") fail(options.out.string(), "is no .json file", "name one for --out");
     std::error_code unknown;
     if (fs::exists(options.out) && !fs::equivalent(options.machine, options.out, unknown))
@@ -318,8 +325,8 @@ void read_coupon_files(const ReadOptions& options) {
   const std::vector<MergedView> photos = photos_for_refine(session, board, calibrated.bench);
   const CouponReading reading = read_coupon_photos(photos, coupon, board, told, calibrated.bench, {}, bar.progress());
   bar.clear();
-  for (const Finding& finding : calibrated.findings) note(sentence(finding));
-  for (const Finding& finding : reading.findings) note(sentence(finding));
+  for (const Finding& finding : calibrated.findings) note(finding);
+  for (const Finding& finding : reading.findings) note(finding);
   print_reading(coupon, reading);
   if (machine)
     write_machine(options, *machine, measured_of(coupon, reading, board, told));
@@ -344,7 +351,10 @@ void add_coupon_command(CLI::App& burin) {
       ->capture_default_str();
   write->add_option("--out", options->out, "The folder for coupon.json, board.json, scratches.csv and coupon.gcode")
       ->required();
-  write->add_option("--on", options->on, "The board.json of a board on whose face it is carved; left out: on scrap");
+  write->add_option(
+      "--on", options->on,
+      "The board.json of a board on whose face it is carved, in a corner without tags; left out: on scrap, "
+      "which is simpler");
   write->add_option("--at", options->at_mm, "Where its lower-left corner lies from work zero: X Y, mm")->expected(2);
   CLI::Option* preloads = write->add_option("--preloads", options->coupon.commands,
                                             "What to tell the machine, softest first: mm below contact, or S values");

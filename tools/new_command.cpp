@@ -5,6 +5,9 @@
 #include <CLI/Error.hpp>
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <iostream>
@@ -17,6 +20,8 @@
 #include "burin/optimize/layout/tag_layout.h"
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/error.h"
+#include "burin/render/files/file_error.h"
+#include "burin/render/files/unfinished.h"
 #include "tools/commands.h"
 #include "tools/new/ask.h"
 #include "tools/new/lay_out.h"
@@ -131,19 +136,27 @@ void fail_unless_one_each(const std::vector<std::string>& list, const char* opti
 class SheetToLookAt {
  public:
   SheetToLookAt(const std::vector<ChosenPicture>& pictures, const Eigen::Vector2d& area_mm)
-      : file_(fs::temp_directory_path() / fmt::format("burin-crops-{}.png", getpid())) {
-    write_picture(crop_sheet(pictures, area_mm), file_);
+      : folder_(new_folder()), unfinished_(folder_) {
+    write_picture(crop_sheet(pictures, area_mm), file());
   }
   ~SheetToLookAt() {
     std::error_code ignored;
-    fs::remove(file_, ignored);
+    fs::remove_all(folder_, ignored);
   }
   SheetToLookAt(const SheetToLookAt&) = delete;
   SheetToLookAt& operator=(const SheetToLookAt&) = delete;
-  const fs::path& file() const { return file_; }
+  fs::path file() const { return folder_ / "crops.png"; }
 
  private:
-  fs::path file_;
+  // Of a name that nobody can foresee, and ours alone: everybody may lay links into the folder for such files.
+  static fs::path new_folder() {
+    std::string name = (fs::temp_directory_path() / "burin-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) fail_with(name, "the folder cannot be made", errno);
+    return name;
+  }
+
+  fs::path folder_;
+  Unfinished unfinished_;
 };
 
 void lay_pictures(const NewArguments& o, Conversation* talk, const Eigen::Vector2d& area_mm,
@@ -236,7 +249,9 @@ void run(NewArguments o) {
   wanted.stand_mm = stand_of(o.stand);
   project.machine = said_or(o.machine, kMachine);
   const MachineProfile machine = machine_profile(project.machine);
+  const auto began = std::chrono::steady_clock::now();
   project.pictures = choose_pictures(as_paths(o.pictures), kMostPictures);
+  project.spent_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   wanted.views = static_cast<int>(project.pictures.size());
   project.camera = wanted.camera;
   project.bench = lay_out(wanted);
@@ -246,7 +261,7 @@ void run(NewArguments o) {
   const Eigen::Vector2d area_mm = board.carve_max_mm - board.carve_min_mm;
   lay_pictures(o, person ? &talk : nullptr, area_mm, project.pictures);
   print_project(o, project, area_mm);
-  for (const Finding& finding : project.bench.findings) note(sentence(finding));
+  for (const Finding& finding : project.bench.findings) note(finding);
   const std::string preview = write_project(project);
   const std::string folder = shell_word(project.folder.string());
   fmt::print("Preview: {}: {}; the whole design will show finer detail\n",

@@ -2,6 +2,7 @@
 #include <CLI/Validators.hpp>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "burin/render/error.h"
@@ -15,6 +16,7 @@
 #include "tools/progress_bar.h"
 #include "tools/sheet/sheet.h"
 #include "tools/wanted_bench.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -25,7 +27,8 @@ struct SheetArguments {
   fs::path project;
   std::vector<fs::path> out;
   std::string paper = "a4", focus_range;
-  double hang_height_mm = 1500, focus_mm = 0;
+  std::optional<double> hang_height_mm;
+  double focus_mm = 0;
   int shots = 8;
 };
 
@@ -36,6 +39,7 @@ void run(const SheetArguments& options) {
     if (file.extension() != ".pdf" && file.extension() != ".html")
       fail(file.string(), "is the name of neither a PDF nor a page",
            "write --out " + shell_word(fs::path(file).replace_extension(".pdf").string()) + " or .html");
+  const WorkLock lock(out.front().parent_path(), "burin sheet", WorkLock::Where::projects);
   const Paper paper = find_paper(options.paper);
   const WantedBench wanted = wanted_bench({options.project});
   Sheet sheet;
@@ -43,7 +47,7 @@ void run(const SheetArguments& options) {
   sheet.board = wanted.board;
   sheet.places = sheet_places(wanted);
   sheet.measured_rounds = wanted.measured_rounds;
-  sheet.hang_height_mm = options.hang_height_mm;
+  sheet.hang_height_mm = options.hang_height_mm.value_or(usual_hang_height_mm(sheet.board, sheet.places));
   PlanOptions plan_options;
   plan_options.shots = options.shots;
   plan_options.designed = designed_places(wanted.design, wanted.bench);
@@ -64,8 +68,8 @@ void run(const SheetArguments& options) {
     written += (written.empty() ? "" : " and ") + file.string();
   }
   all.put();
-  for (const Finding& finding : findings(sheet)) note(sentence(finding));
-  for (const Finding& finding : focus_findings(sheet.plan, sheet.focus)) note(sentence(finding));
+  for (const Finding& finding : findings(sheet)) note(finding);
+  for (const Finding& finding : focus_findings(sheet.plan, sheet.focus)) note(finding);
   fmt::print("Wrote {}: {} and {} photos in order; print it, or open it on a phone; next: {}\n", written,
              sheet.places.size() == 1 ? "1 place" : fmt::format("{} places", sheet.places.size()),
              sheet.plan.shots.size(), "burin loop " + shell_word(options.project.string()));
@@ -84,8 +88,10 @@ void add_sheet_command(CLI::App& burin) {
                    "in the project")
       ->take_all()
       ->expected(1);
-  command->add_option("--hang-height", options->hang_height_mm, "Of the board's middle above the floor, mm")
-      ->capture_default_str()
+  command
+      ->add_option("--hang-height", options->hang_height_mm,
+                   "Of the board's middle above the floor, mm; left out: so that the eyes' heights are a standing "
+                   "adult's")
       ->check(CLI::Range(1.0, 10'000.0));
   command->add_option("--shots", options->shots, "How many photos to plan beside the designed views")
       ->capture_default_str()
@@ -94,7 +100,7 @@ void add_sheet_command(CLI::App& burin) {
       ->check(CLI::PositiveNumber);
   command->add_option("--focus-range", options->focus_range, "What is sharp then, like 900-1500mm (burin plan)");
   command->add_option("--paper", options->paper, "a4, letter, a3 or tabloid")->capture_default_str();
-  command->footer(example("burin sheet my-board --hang-height 1500"));
+  command->footer(example("burin sheet my-board --hang-height 1800"));
   command->callback([options] { run(*options); });
 }
 

@@ -13,6 +13,7 @@
 #include "tools/progress_bar.h"
 #include "tools/view/view_page.h"
 #include "tools/view/view_sources.h"
+#include "tools/work_lock.h"
 
 namespace burin {
 namespace {
@@ -37,6 +38,8 @@ void require_command_line(const ViewArguments& o) {
 
 void run(const ViewArguments& o) {
   require_command_line(o);
+  const fs::path out = !o.out.empty() ? o.out : o.folder.empty() ? fs::path("view.html") : o.folder / "view.html";
+  const WorkLock lock(out.parent_path(), "burin view", WorkLock::Where::projects);
   std::vector<Finding> findings;
   ProgressBar bar;
   bar.progress()("reading", 0);
@@ -54,10 +57,9 @@ void run(const ViewArguments& o) {
     view.boards.resize(2);
     page = view_page(view, bar.progress());
   }
-  const fs::path out = !o.out.empty() ? o.out : o.folder.empty() ? fs::path("view.html") : o.folder / "view.html";
   write_text(page, out);
   bar.clear();
-  for (const Finding& finding : findings) note(sentence(finding));
+  for (const Finding& finding : findings) note(finding);
   std::size_t most = 0;
   for (const ViewedBoard& board : view.boards) most = std::max(most, board.carved.size());
   fmt::print(

@@ -27,7 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr auto kBetweenLooks = 300ms;
+// A photo is judged 0.2 to 0.4 s after its last byte has come.
+constexpr auto kBetweenLooks = 100ms, kStays = 200ms;
 
 struct WatchArguments {
   fs::path project, photos, plan;
@@ -91,7 +92,7 @@ class Watch {
       : options_(options),
         teller_(options.json),
         project_(watched_project(options.project, options.photos, options.plan)),
-        inbox_(project_.photos, project_.lamps) {
+        inbox_(project_.photos, project_.lamps, kStays) {
     take_light();
     if (options.copy && project_.keep.empty())
       fail("--copy", "the project has no round yet whose photos these could be",

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "burin/capture/exif.h"
+#include "burin/capture/opened_photo.h"
 #include "burin/capture/photo_memory.h"
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
@@ -101,28 +102,33 @@ void read_pixels(OIIO::ImageInput& input, const Photo& photo, const OIIO::TypeDe
     fail(photo.file.string(), "is damaged or cut short (" + input.geterror() + ")", "copy it from the camera again");
 }
 
-// Stored values made linear. `eight_bits`: they are whole 255ths, of which a table has all.
-void make_linear(const Photo& photo, bool eight_bits, std::vector<float>& v) {
-  const bool srgb = photo.encoding == Encoding::srgb;
-  if (!srgb && photo.response.is_none()) return;
-  const auto linear = [&](float stored) {
-    const auto plain = photo.response.is_none() ? stored : static_cast<float>(unbent(photo.response, stored));
-    return srgb ? srgb_to_linear(plain) : plain;
-  };
-  if (!eight_bits && photo.response.is_none()) {
-    for (float& value : v) value = linear(value);
-    return;
-  }
-  if (eight_bits) {
-    std::array<float, 256> table{};
-    for (int s = 0; s < 256; ++s) table[s] = linear(static_cast<float>(s) / 255);
-    for (float& value : v) value = table[static_cast<int>(std::lround(value * 255))];
+bool is_stored_linear(const Photo& photo) { return photo.encoding != Encoding::srgb && photo.response.is_none(); }
+
+float linear_of(const Photo& photo, float stored) {
+  const auto plain = photo.response.is_none() ? stored : static_cast<float>(unbent(photo.response, stored));
+  return photo.encoding == Encoding::srgb ? srgb_to_linear(plain) : plain;
+}
+
+// Pixels of eight bits made linear: a table has all values.
+void read_bytes_linear(OIIO::ImageInput& input, const Photo& photo, int channels, std::vector<float>& v) {
+  std::vector<std::uint8_t> stored(v.size());
+  read_pixels(input, photo, OIIO::TypeDesc::UINT8, channels, stored.data());
+  std::array<float, 256> table{};
+  for (int s = 0; s < 256; ++s) table[s] = linear_of(photo, static_cast<float>(s) / 255);
+  std::transform(stored.begin(), stored.end(), v.begin(), [&](std::uint8_t s) { return table[s]; });
+}
+
+// Stored values made linear.
+void make_linear(const Photo& photo, std::vector<float>& v) {
+  if (is_stored_linear(photo)) return;
+  if (photo.response.is_none()) {
+    for (float& value : v) value = linear_of(photo, value);
     return;
   }
   // A bent curve takes long to evaluate: from a table that is fine enough for 16 bits.
   constexpr int kSteps = 4096;
   std::vector<float> table(kSteps + 2);
-  for (int s = 0; s <= kSteps; ++s) table[s] = linear(static_cast<float>(s) / kSteps);
+  for (int s = 0; s <= kSteps; ++s) table[s] = linear_of(photo, static_cast<float>(s) / kSteps);
   table[kSteps + 1] = table[kSteps];
   for (float& value : v) {
     const float at = std::clamp(value, 0.0F, 1.0F) * kSteps;
@@ -141,7 +147,7 @@ std::vector<float> bent_steps(const Photo& photo, double step) {
     const float plain = photo.encoding == Encoding::srgb ? linear_to_srgb(v) : v;
     const float stored = std::clamp(static_cast<float>(bent(photo.response, plain)), kHalf, 1 - kHalf);
     std::vector<float> about{stored - kHalf, stored + kHalf};
-    make_linear(photo, false, about);
+    make_linear(photo, about);
     steps[i] = static_cast<float>(step) * (about[1] - about[0]) / (2 * kHalf);
   }
   return steps;
@@ -153,10 +159,11 @@ double balance_of(const Photo& photo, int channels, std::size_t channel) {
 
 }  // namespace
 
-LinearPhoto read_photo(const Photo& photo) {
-  const auto input = open_photo(photo);
-  const OIIO::ImageSpec spec = input->spec();
-  const std::string kind = input->format_name();
+LinearPhoto read_photo(const Photo& photo) { return linear_pixels_of(*open_photo(photo), photo); }
+
+LinearPhoto linear_pixels_of(OIIO::ImageInput& input, const Photo& photo) {
+  const OIIO::ImageSpec spec = input.spec();
+  const std::string kind = input.format_name();
   if (kind == "jpeg" && !jpeg_is_complete(photo.file))
     fail(photo.file.string(), "is cut short", "copy it from the camera again");
   const int channels = spec.nchannels >= 3 ? 3 : 1;  // 2 and 4 hold an alpha channel as well
@@ -165,22 +172,27 @@ LinearPhoto read_photo(const Photo& photo) {
   result.value = Image(spec.width, spec.height, channels);
   result.stored.lossy = kind == "jpeg";
   std::vector<float>& v = result.value.data;
+  const bool sharpened = photo.sharpening.amount > 0;  // which is taken back from what is stored
+  const bool by_table = spec.format == OIIO::TypeDesc::UINT8 && !sharpened && !is_stored_linear(photo);
   if (spec.format == OIIO::TypeDesc::UINT16) {
     std::vector<std::uint16_t> stored(v.size());
-    read_pixels(*input, photo, OIIO::TypeDesc::UINT16, channels, stored.data());
+    read_pixels(input, photo, OIIO::TypeDesc::UINT16, channels, stored.data());
     const int unused = photo.encoding == Encoding::linear ? unused_low_bits(stored) : 0;
     const float white = static_cast<float>((65535 >> unused) << unused);
     std::transform(stored.begin(), stored.end(), v.begin(), [&](std::uint16_t s) { return s / white; });
     result.stored.step = (1 << unused) / static_cast<double>(white);
+  } else if (by_table) {
+    read_bytes_linear(input, photo, channels, v);
+    result.stored.step = 1.0 / 255;
   } else {
-    read_pixels(*input, photo, OIIO::TypeDesc::FLOAT, channels, v.data());
+    read_pixels(input, photo, OIIO::TypeDesc::FLOAT, channels, v.data());
     if (spec.format == OIIO::TypeDesc::UINT8) result.stored.step = 1.0 / 255;
   }
 
   unsharpened(photo.sharpening, result.value);
   result.stored.srgb = photo.encoding == Encoding::srgb;
   if (!photo.response.is_none()) result.stored.bent_steps = bent_steps(photo, result.stored.step);
-  make_linear(photo, spec.format == OIIO::TypeDesc::UINT8 && !(photo.sharpening.amount > 0), v);
+  if (!by_table) make_linear(photo, v);
   const float from = own_top(v, kClippedFrom);
   result.clipped.assign(v.size() / channels, 0);
   for (std::size_t i = 0; i < v.size(); ++i)

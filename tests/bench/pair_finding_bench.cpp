@@ -1,4 +1,4 @@
-// Finding the pairs of pixels and scratches, 80,000 scratches in 512 x 512 pixels, one thread: rasterised
+// Finding the pairs of pixels and scratches, 80,000 scratches in 512 x 512 pixels, one thread: rasterized
 // (burin/render/fast/pairs.h) and by Embree, side by side, with how many of the true pairs each misses.
 //
 // Embree's complete recipe: a scratch is a flat ribbon whose half-width is the groove's plus the largest radius of a
@@ -132,7 +132,7 @@ void FindPairsByRaster(benchmark::State& state) {
   std::vector<PixelSpan> spans;
   for (std::size_t s = 0; s < some.size(); ++s) {
     spans.clear();
-    index.find(some[s], spans);
+    find_spans(index, some[s], spans);
     for (const PixelSpan& span : spans)
       for (int c = span.begin; c < span.end; ++c)
         found.emplace_back(span.row * kPixels + c, static_cast<std::uint32_t>(s));

@@ -17,6 +17,7 @@
 #include "burin/optimize/carving/label.h"
 #include "burin/optimize/machine_measured.h"
 #include "burin/optimize/toolpath.h"
+#include "burin/optimize/write_measured_machine.h"
 #include "burin/render/error.h"
 #include "tests/temporary_folder.h"
 
@@ -251,7 +252,11 @@ TEST(Coupon, RefusesWhatMakesNoSense) {
   EXPECT_EQ(check_place(board, {50, 0}).size(), 1U);
   EXPECT_THAT([&] { check_place(board, {150, 0}); }, ThrowsMessage<Error>(HasSubstr("off the board")));
   board.keep_out.push_back({"hole", {}, {30, 30}, 4});
-  EXPECT_THAT([&] { check_place(board, {0, 0}); }, ThrowsMessage<Error>(HasSubstr("covers hole")));
+  EXPECT_THAT(
+      [&] {
+        check_place(board, {0, 0});
+      },
+      ThrowsMessage<Error>(AllOf(HasSubstr("covers hole"), HasSubstr("on scrap of the same metal"))));
 }
 
 TEST(Coupon, IsReadAsItWasWritten) {

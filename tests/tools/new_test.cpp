@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "burin/optimize/design/glint.h"
+#include "burin/optimize/design/glint_check.h"
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
@@ -300,6 +301,37 @@ TEST_F(NewProjectTest, CropsAreSaidAndObeyed) {
   const DesignSpec spec = read_design(folder_ / "p" / "design.json");
   EXPECT_EQ(spec.views[0].target.keep, Keep::bottom);
   EXPECT_EQ(spec.views[1].target.fit, Fit::contain);
+}
+
+// A face is 64 pixels high where a board is three times as wide as high.
+TEST_F(NewProjectTest, ALongBoardsPreviewIsNotCoarse) {
+  const Outcome made = make({"p", "--board", "450x200", "--pictures", "a.png", "--scratches", "300"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr(" x 64 pixels, "));
+}
+
+// Pictures are read two at a time: they stay in their order, and of several faults the first picture's is told.
+TEST(NewPictures, ReadAtTheSameTimeKeepTheirOrder) {
+  const TemporaryFolder folder;
+  std::vector<fs::path> files;
+  for (int i = 0; i < 9; ++i) {
+    Image image(i == 0 ? 900 : 40 + i, 30, 1, 0.2F);  // the first takes longest
+    image.at(3, 3) = 0.9F;
+    files.push_back(folder / "a.png");
+    files.back().replace_filename("p" + std::to_string(i) + ".png");
+    write_picture(image, files.back());
+  }
+  const std::vector<ChosenPicture> pictures = choose_pictures(files, 9);
+  ASSERT_EQ(pictures.size(), 9U);
+  for (int i = 0; i < 9; ++i) {
+    EXPECT_EQ(pictures[static_cast<std::size_t>(i)].width, i == 0 ? 900 : 40 + i);
+    EXPECT_EQ(pictures[static_cast<std::size_t>(i)].view, "p" + std::to_string(i));
+  }
+  write_picture(Image(1500, 1500, 1, 0.5F), files[4]);  // of one tone, known when it is read; the others at once
+  folder.write("p5.png", "no picture");
+  fs::remove(files[8]);
+  for (int again = 0; again < 10; ++again)
+    EXPECT_THAT([&] { choose_pictures(files, 9); }, ThrowsMessage<Error>(HasSubstr("p4.png: is of one tone")));
 }
 
 TEST(NewPictures, LargeOnesAreStoredSmaller) {

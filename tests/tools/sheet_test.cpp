@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <numbers>
 #include <random>
+#include <tuple>
 
 #include "tests/places.h"
 #include "tests/tools/chromium.h"
@@ -67,6 +68,13 @@ std::vector<Set> sets() {
   out.push_back(far);
   Set long_board{"long_board", board_of(900, 60), {lamp, eye(1, {450, 30, 400}), eye(2, {-300, 30, 500})}};
   out.push_back(long_board);
+  // Seen from the side, two dots are one.
+  out.push_back({"left_and_right_alike",
+                 board_of(200, 150),
+                 {{"L", "lamp", true, {100, 718, 766}, tolerance_of(18, 18, 143)},
+                  eye(1, {-462, -243, 763}, "astronaut"),
+                  eye(2, {100, 5, 998}, "coffee"),
+                  eye(3, {662, -243, 763}, "chelsea")}});
   return out;
 }
 
@@ -101,14 +109,24 @@ std::vector<LabelBox> labels_of(const Drawing& drawing) {
   return out;
 }
 
+// Of the lines from a dot to a label that stands further off.
+std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> leaders_of(const Drawing& drawing) {
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> out;
+  for (const auto& element : drawing.elements)
+    if (const auto* shape = std::get_if<Shape>(&element); shape && !shape->closed && shape->pen.tint == Tint::faint)
+      out.emplace_back(shape->outlines[0].front(), shape->outlines[0].back());
+  return out;
+}
+
 TEST(BenchDrawing, IsToScaleAndItsLabelsCoverNothing) {
   for (const Set& set : sets())
     for (const Projection projection : kAll)
-      for (const auto& [width, text] : {std::pair{180.0, 3.2}, {100.0, 3.6}}) {
+      for (const auto& [width, most_height, text] :
+           {std::tuple{180.0, 110.0, 3.2}, {100.0, 110.0, 3.6}, {88.3, 80.0, 3.2}, {88.3, 85.0, 3.6}}) {
         SCOPED_TRACE(set.name + " " + std::to_string(static_cast<int>(projection)));
-        const BenchDrawing drawn = bench_drawing(set.board, set.places, projection, width, 110, text, 1500);
+        const BenchDrawing drawn = bench_drawing(set.board, set.places, projection, width, most_height, text, 1500);
         ASSERT_EQ(drawn.places.size(), set.places.size());
-        EXPECT_LE(drawn.drawing.size_mm.y(), 110 + 4 * text);
+        EXPECT_LE(drawn.drawing.size_mm.y(), most_height + 4 * text);
         for (std::size_t i = 0; i < set.places.size(); ++i) {
           const Eigen::Vector2d on_paper = drawn.places[i] - drawn.places[0],
                                 real = seen(projection, set.places[i].at_mm - set.places[0].at_mm);
@@ -126,6 +144,14 @@ TEST(BenchDrawing, IsToScaleAndItsLabelsCoverNothing) {
                         (labels[k].low.array() >= labels[i].high.array()).any())
                 << labels[i].text << " on " << labels[k].text;
         }
+        if (set.name == "seven_far_apart_two_lamps") continue;  // on a strip: there is no way around nine labels
+        for (const auto& [from, to] : leaders_of(drawn.drawing))
+          for (const LabelBox& label : labels)
+            for (double part = 0; part < 0.99; part += 0.02) {  // its end touches its own label
+              const Eigen::Vector2d p = from + part * (to - from);
+              ASSERT_FALSE((p.array() > label.low.array() + 0.3).all() && (p.array() < label.high.array() - 0.3).all())
+                  << "a line crosses " << label.text;
+            }
       }
 }
 
@@ -151,6 +177,30 @@ TEST(BenchDrawing, DrawsToleranceAsTheOutlineOfItsEllipsoid) {
       EXPECT_NEAR(drawn / sampled, 1, 0.02);  // 48 corners, 20,000 samples
     }
   }
+}
+
+// A standing person sees the pictures: the lamp is above the board, so the eyes are below its middle.
+TEST(SheetWords, EyesAreAStandingAdults) {
+  Sheet sheet;
+  sheet.board = board_of(200, 150);
+  sheet.places = {{"L", "lamp", true, {100, 718, 766}, tolerance_of(18, 18, 143)},
+                  eye(1, {-462, -243, 763}),
+                  eye(2, {100, 5, 998}),
+                  eye(3, {662, -243, 763})};
+  sheet.hang_height_mm = usual_hang_height_mm(sheet.board, sheet.places);
+  EXPECT_EQ(sheet.hang_height_mm, 1790);  // 1600 + 75 - (5 - 243) / 2 = 1794, to 10 mm
+  std::vector<Finding> said = findings(sheet);
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].severity, Finding::Severity::note);
+  EXPECT_THAT(sentence(said[0]), AllOf(HasSubstr("eyes between 1.47 and 1.72 m above the floor"),
+                                       HasSubstr("knees bend from one place to the next")));
+  sheet.hang_height_mm = 1500;
+  said = findings(sheet);
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_EQ(said[0].severity, Finding::Severity::warning);
+  EXPECT_THAT(sentence(said[0]), AllOf(HasSubstr("eyes between 1.18 and 1.43 m"), HasSubstr("(--hang-height 1790)")));
+  // Eyes far above a board: its lower edge is on the floor at the lowest.
+  EXPECT_EQ(usual_hang_height_mm(sheet.board, {eye(1, {100, 5000, 900})}), 80);
 }
 
 // The sample, and one whose names are made to break pages.
@@ -204,7 +254,7 @@ TEST_F(SheetCommand, APdfHasTheSameWords) {
   const Outcome text = run_shell(folder_, "cd " + quoted(folder_.path().string()) + " && pdftotext -layout s.pdf -");
   ASSERT_EQ(text.exit_code, 0) << text.err;
   for (const char* words : {"on a table", "on a wall", "photos, in this order", "1: view \"d0\"", "177 mm beyond the",
-                            "1655 mm above", "12", "Focus once at 500 mm"})
+                            "1665 mm above", "12", "Focus once at 500 mm", "eyes between 1.53 and 1.6"})
     EXPECT_THAT(text.out, HasSubstr(words));
 }
 
@@ -216,6 +266,15 @@ TEST_F(SheetCommand, ThePageIsReadOnAPhone) {
     for (const bool dark : {false, true}) {
       browser.open(folder_ / "s.html", width, 900, "", width < 500, dark);
       EXPECT_LE(browser.evaluate("document.documentElement.scrollWidth").get<int>(), width);
+      // A cell's head beside it is no higher than the cell, or it would run over what is below.
+      EXPECT_EQ(browser.evaluate("[...document.querySelectorAll('tbody td')].filter(td => "
+                                 "parseFloat(getComputedStyle(td, '::before').height) > "
+                                 "td.getBoundingClientRect().height + 0.5).length"),
+                0);
+      EXPECT_TRUE(width > 500 || browser.evaluate("Math.max(...[...document.querySelectorAll('tbody td')].map(td => "
+                                                  "parseFloat(getComputedStyle(td, '::before').height)))")
+                                         .get<double>() > 30)
+          << "no head of two lines was looked at";
       // Words of the drawings, in pixels.
       EXPECT_GE(browser
                     .evaluate("Math.min(...[...document.querySelectorAll('svg text')].map(t => "

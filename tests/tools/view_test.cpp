@@ -326,6 +326,21 @@ TEST_F(ViewPage, IsOneFileUnderAStrictPolicyAndSaysItWithoutWebGL) {
   EXPECT_THAT(browser.complaints(), IsEmpty());
 }
 
+// What `burin new` leaves is no design: few scratches, and a picture of them.
+TEST_F(ViewPage, CallsAPreviewAPreview) {
+  design();
+  fs::rename(project_ / "design" / "scratches.csv", project_ / "scratches.csv");
+  Json json = Json::parse(file_text(project_ / "board.json"));
+  json["scratches"] = "scratches.csv";
+  std::ofstream(project_ / "board.json") << json.dump();
+  EXPECT_THAT(file_text(view({"project"})), AllOf(HasSubstr("\"As designed\""), Not(HasSubstr("quick preview"))));
+  std::ofstream(project_ / "preview.png") << "a picture";
+  EXPECT_THAT(file_text(view({"project"})),
+              AllOf(HasSubstr("\"Preview\""), HasSubstr("A quick preview, "),
+                    HasSubstr(" of 600 scratches; burin loop project designs the whole board."),
+                    Not(HasSubstr("\"As designed\""))));
+}
+
 TEST_F(ViewPage, SaysWhatToDoWhereThereIsNothingToShow) {
   const auto refused = [&](const std::vector<std::string>& line, const std::string& what) {
     const Outcome run = run_burin(folder_, line);

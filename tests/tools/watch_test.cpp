@@ -65,6 +65,23 @@ TEST_F(PhotoInboxTest, PassesOverWhatIsInTheMakingAndWhatIsNoPhoto) {
   EXPECT_THAT(whole(), ElementsAre(at("a.jpg")));
 }
 
+// Looked at often, a copy that pauses between two bursts is not taken.
+TEST_F(PhotoInboxTest, WaitsUntilAFileHasStayed) {
+  PhotoInbox patient(folder.path(), {}, 300ms);
+  folder.write("old.jpg", "abc");
+  EXPECT_THAT(patient.look().whole, ElementsAre(at("old.jpg"))) << "what lies there at the first look";
+  folder.write("a.jpg", "abc");
+  EXPECT_THAT(patient.look().whole, IsEmpty());
+  EXPECT_THAT(patient.look().whole, IsEmpty());
+  EXPECT_TRUE(patient.expects());
+  std::this_thread::sleep_for(400ms);
+  folder.write("a.jpg", "abcdef");
+  EXPECT_THAT(patient.look().whole, IsEmpty()) << "it has grown";
+  EXPECT_THAT(patient.look().whole, IsEmpty());
+  std::this_thread::sleep_for(400ms);
+  EXPECT_THAT(patient.look().whole, ElementsAre(at("a.jpg")));
+}
+
 TEST_F(PhotoInboxTest, KnowsARenamedADeletedAndAReplacedFile) {
   folder.write("a.jpg", "abc");
   folder.write("b.jpg", "abcd");

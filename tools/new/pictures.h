@@ -25,8 +25,8 @@ struct ChosenPicture {
   Keep keep = Keep::middle;
 };
 
-/// Reads pictures. Throws Error for one that cannot be read, is of one tone, or has a name that no JSON file can hold;
-/// for none, and for more than `most`.
+/// Reads pictures, two at the same time. Throws Error for the first one that cannot be read, is of one tone, or has a
+/// name that no JSON file can hold; for none, and for more than `most`.
 std::vector<ChosenPicture> choose_pictures(const std::vector<std::filesystem::path>& files, std::size_t most);
 
 /// How a picture is usually laid on an area: what loses much of its height keeps its top, where heads and skies are;

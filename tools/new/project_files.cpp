@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstdlib>
 
 #include "burin/optimize/design.h"
@@ -95,7 +96,7 @@ void write_into(const NewProject& project, const fs::path& folder) {
 
 // Along the longer side: few, but for long boards enough across as well.
 int preview_pixels(const Board& board) {
-  constexpr double kUsual = 128, kAcross = 40, kMost = 640;
+  constexpr double kUsual = 128, kAcross = 64, kMost = 640;
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   return static_cast<int>(std::clamp(kAcross * area.maxCoeff() / area.minCoeff(), kUsual, kMost));
 }
@@ -109,8 +110,8 @@ Image to_look_at(const Image& image, int pictures) {
                  std::max(1, static_cast<int>(std::lround(image.height * scale))));
 }
 
-// A quick design of what is written there. Says each view's PSNR in words.
-std::string preview_project(const fs::path& folder) {
+// A quick design of what is written there, `spent_s` after the work began. Says each view's PSNR in words.
+std::string preview_project(const fs::path& folder, double spent_s) {
   const DesignSpec written = read_design(folder / "design.json");
   const Board board = read_board(written.board);
   const Bench bench = read_bench_of(board, written.board, written.bench);
@@ -122,7 +123,8 @@ std::string preview_project(const fs::path& folder) {
   options.pixels = preview_pixels(board);
   options.iterations = 40;
   options.contact_frames = 0;
-  options.time_limit_s = 7;
+  constexpr double kWhole_s = 11, kUsual_s = 7, kLeast_s = 2;  // of fifteen, on two slower cores
+  options.time_limit_s = std::clamp(kWhole_s - spent_s, kLeast_s, kUsual_s);
   ProgressBar bar;
   const DesignResult result = design(spec, board, bench, options, bar.progress());
   std::vector<Image> shown, targets;
@@ -135,7 +137,7 @@ std::string preview_project(const fs::path& folder) {
   write_scratches(result.scratches, folder / "scratches.csv");
   write_picture(tiled({shown, targets}, 4), folder / "preview.png");
   bar.clear();
-  for (const Finding& finding : result.findings) note(sentence(finding));
+  for (const Finding& finding : result.findings) note(finding);
   return fmt::format("{} ({} x {} pixels, {} scratches of {}, {:.0f} s)", numbers, result.views.front().shown.width,
                      result.views.front().shown.height, result.scratches.size(), written.scratches,
                      result.total_seconds);
@@ -190,9 +192,11 @@ std::string write_project(const NewProject& project) {
   const fs::path staging = folder.parent_path() / (begin + std::to_string(getpid()));
   std::error_code error;
   const Unfinished unfinished(staging);
+  const auto began = std::chrono::steady_clock::now();
   try {
     write_into(project, staging);
-    std::string preview = preview_project(staging);
+    const std::chrono::duration<double> writing = std::chrono::steady_clock::now() - began;
+    std::string preview = preview_project(staging, project.spent_s + writing.count());
     const auto whole = finishing();
     put_in_place(staging, folder);
     return preview;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "burin/capture/exif.h"
+#include "burin/render/degrees.h"
 #include "burin/render/error.h"
 #include "burin/render/files/file_names.h"
 #include "burin/render/files/table.h"
@@ -131,8 +132,8 @@ SaidLamp lamp_in_words(const std::string& text) {
 
 Eigen::Vector3d lamp_position_mm(const SaidLamp& said, const Eigen::Vector2d& board_mm, double usual_mm) {
   if (said.position_mm) return *said.position_mm;
-  constexpr double kDegree = std::numbers::pi / 180, kTilt = 40 * kDegree;
-  const double distance = said.distance_mm > 0 ? said.distance_mm : usual_mm, azimuth = said.azimuth_deg * kDegree;
+  constexpr double kTilt = 40 * kDegree_rad;
+  const double distance = said.distance_mm > 0 ? said.distance_mm : usual_mm, azimuth = said.azimuth_deg * kDegree_rad;
   const Eigen::Vector3d p(board_mm.x() / 2 + distance * std::sin(kTilt) * std::cos(azimuth),
                           board_mm.y() / 2 + distance * std::sin(kTilt) * std::sin(azimuth),
                           distance * std::cos(kTilt));

@@ -50,7 +50,8 @@ Box grown(const Box& box, double by) {
 struct LabelRoom {
   Box page;
   std::vector<Box> dots, labels;
-  std::vector<Eigen::Vector2d> lines;  // points of what is better not written over
+  std::vector<Eigen::Vector2d> lines;      // points of what is better not written over
+  std::vector<Eigen::Vector2d> leaders{};  // and of lines to labels
   Box board;
 
   double badness(const Box& box) const {
@@ -61,6 +62,26 @@ struct LabelRoom {
     for (const Eigen::Vector2d& p : lines)
       if ((p.array() > box.low.array()).all() && (p.array() < box.high.array()).all()) bad += 0.8;
     return bad + 2 * shared_area(box, board);
+  }
+
+  // Points of the line from a dot to its label, half a millimeter apart.
+  static std::vector<Eigen::Vector2d> leader(const Eigen::Vector2d& dot, const Box& box) {
+    const Eigen::Vector2d way = dot.cwiseMax(box.low).cwiseMin(box.high) - dot;
+    std::vector<Eigen::Vector2d> points;
+    for (double along = 0; along < way.norm(); along += 0.5) points.emplace_back(dot + along / way.norm() * way);
+    return points;
+  }
+
+  // How many points of lines to labels lie in labels: of a new one in those there are, and the other way around.
+  double crossed(const Eigen::Vector2d& dot, const Box& box) const {
+    const auto within = [](const Eigen::Vector2d& p, const Box& label) {
+      return (p.array() > label.low.array()).all() && (p.array() < label.high.array()).all();
+    };
+    double count = 0;
+    for (const Eigen::Vector2d& p : leader(dot, box))
+      for (const Box& label : labels) count += within(p, label);
+    for (const Eigen::Vector2d& p : leaders) count += within(p, box);
+    return count;
   }
 
   Box place(const Eigen::Vector2d& dot, double width, double height) {
@@ -74,12 +95,14 @@ struct LabelRoom {
         const Eigen::Vector2d center = dot + reach * toward + toward.cwiseProduct(half);
         const Box box{center - half, center + half};
         // Beside is read more easily than above or below.
-        const double bad = badness(box) + reach + 0.8 * std::abs(toward.y());
+        const double bad = badness(box) + 10 * crossed(dot, box) + reach + 0.8 * std::abs(toward.y());
         if (bad < least) {
           least = bad;
           best = box;
         }
       }
+    const std::vector<Eigen::Vector2d> line = leader(dot, best);
+    leaders.insert(leaders.end(), line.begin(), line.end());
     labels.push_back(best);
     return best;
   }
@@ -223,7 +246,8 @@ BenchDrawing bench_drawing(const Board& board, const std::vector<SheetPlace>& pl
   draw_room(drawing, frame, projection, width_mm, text_mm, floor_y);
   const Eigen::Vector3d corner(board.size_mm.x(), board.size_mm.y(), 0);
   const Eigen::Vector2d a = frame.at(Eigen::Vector3d(0, 0, 0)), b = frame.at(corner);
-  LabelRoom room{{{0.5, 0.5}, {width_mm - 0.5, foot - 0.5}}, {}, {}, std::move(lines), {a.cwiseMin(b), a.cwiseMax(b)}};
+  LabelRoom room{
+      {{0.5, 0.5}, {width_mm - 0.5, foot - 0.5}}, {}, {}, std::move(lines), {}, {a.cwiseMin(b), a.cwiseMax(b)}};
   if ((b - a).cwiseAbs().minCoeff() > 0.5)
     add_rectangle(drawing, a, b, Tint::board, {Tint::ink, 0.3, 0});
   else

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "burin/calib/verdict/camera_place.h"
 
@@ -31,6 +32,36 @@ MoveRange smaller(const MoveRange& a, const MoveRange& b) { return a.least() <= 
 
 double above_floor(const Sheet& sheet, double y_mm) {
   return sheet.hang_height_mm + y_mm - sheet.board.size_mm.y() / 2;
+}
+
+// y of the lowest and of the highest eye, board frame.
+std::pair<double, double> eye_range_mm(const std::vector<SheetPlace>& places) {
+  double low = INFINITY, high = -INFINITY;
+  for (const SheetPlace& place : places) {
+    if (place.lamp) continue;
+    low = std::min(low, place.at_mm.y());
+    high = std::max(high, place.at_mm.y());
+  }
+  return {low, high};
+}
+
+// How high eyes are, and what to do about it.
+Finding eyes_and_floor(const Sheet& sheet) {
+  constexpr double kKnees_mm = 200;  // knees that bend, shoes, and how people differ
+  const auto [low_y, high_y] = eye_range_mm(sheet.places);
+  const double low = above_floor(sheet, low_y), high = above_floor(sheet, high_y);
+  const std::string eyes =
+      high - low < 10 ? fmt::format("eyes {:.2f} m above the floor", low / 1000)
+                      : fmt::format("eyes between {:.2f} and {:.2f} m above the floor", low / 1000, high / 1000);
+  const std::string standing = fmt::format("a standing adult's are at about {:.1f} m", kStandingEye_mm / 1000);
+  const double usual = usual_hang_height_mm(sheet.board, sheet.places);
+  if (std::abs((low + high) / 2 - kStandingEye_mm) > kKnees_mm && sheet.hang_height_mm != usual)
+    return make_warning(
+        eyes, fmt::format("{}: hang the board's middle at {:.0f} mm (--hang-height {:.0f})", standing, usual, usual));
+  return {Finding::Severity::note,
+          {},
+          eyes,
+          standing + (high - low < 10 ? "" : ", and knees bend from one place to the next")};
 }
 
 std::string full_name(const SheetPlace& place) {
@@ -62,6 +93,14 @@ std::vector<SheetPlace> sheet_places(const WantedBench& wanted) {
     for (std::size_t i = 0; i < lamps.size(); ++i) lamps[i].label = "L" + std::to_string(i + 1);
   lamps.insert(lamps.end(), eyes.begin(), eyes.end());
   return lamps;
+}
+
+double usual_hang_height_mm(const Board& board, const std::vector<SheetPlace>& places) {
+  constexpr double kWhole_mm = 10;
+  const auto [low, high] = eye_range_mm(places);
+  const double middle = std::isfinite(low) ? (low + high) / 2 - board.size_mm.y() / 2 : 0;
+  const double least = std::ceil(board.size_mm.y() / 2 / kWhole_mm) * kWhole_mm;
+  return std::max(least, std::round((kStandingEye_mm - middle) / kWhole_mm) * kWhole_mm);
 }
 
 std::vector<PlaceInWords> on_table(const Sheet& sheet) {
@@ -109,6 +148,7 @@ std::string introduction(const Sheet& sheet) {
 
 std::vector<Finding> findings(const Sheet& sheet) {
   std::vector<Finding> out;
+  if (std::isfinite(eye_range_mm(sheet.places).first)) out.push_back(eyes_and_floor(sheet));
   for (const SheetPlace& place : sheet.places)
     if (const double height = above_floor(sheet, place.at_mm.y()); height < 0)
       out.push_back(

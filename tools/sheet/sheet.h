@@ -21,13 +21,19 @@ struct Sheet {
   Board board;
   std::vector<SheetPlace> places;  ///< lamps, then eyes in the design's order
   int measured_rounds = 0;         ///< 0: the bench is as it was believed
-  double hang_height_mm = 1500;    ///< of the board's middle above the floor
+  double hang_height_mm = 1500;    ///< of the board's middle above the floor; usual_hang_height_mm()
   PlanFocus focus;
   Plan plan;
 };
 
 /// Lamps and eyes of the design, each lamp with the least tolerance of the views that it lights.
 std::vector<SheetPlace> sheet_places(const WantedBench& wanted);
+
+/// How high a standing adult's eyes are above the floor.
+inline constexpr double kStandingEye_mm = 1600;
+/// The height of the board's middle above the floor, to 10 mm, at which the middle of its eyes' heights is
+/// kStandingEye_mm: for a lamp above the board, eyes are below its middle. Its lower edge stays above the floor.
+double usual_hang_height_mm(const Board& board, const std::vector<SheetPlace>& places);
 
 /// One place, in words for one of the two ways that a board lies.
 struct PlaceInWords {
@@ -47,7 +53,8 @@ std::vector<PhotoInWords> photos_in_words(const Sheet& sheet);
 
 /// Sentences that table and wall begin with.
 std::string introduction(const Sheet& sheet);
-/// What stands in the way of following it: an eye below the floor.
+/// What else the wall's drawing needs: how high its eyes are (a note, or a warning where nobody stands so), and what
+/// stands in the way of following it: a place below the floor.
 std::vector<Finding> findings(const Sheet& sheet);
 
 /// Pages of that paper, upright.

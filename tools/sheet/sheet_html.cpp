@@ -62,7 +62,8 @@ std::string sheet_html(const Sheet& sheet) {
           fmt::format("<p>The board's middle hangs {:.0f} mm above the floor, its lower edge at {:.0f} mm.</p>\n",
                       sheet.hang_height_mm, sheet.hang_height_mm - sheet.board.size_mm.y() / 2);
   for (const Finding& finding : findings(sheet))
-    body += "<p class=\"warning\">" + xml_text(sentence(finding)) + "</p>\n";
+    body += fmt::format("<p{}>{}.</p>\n", finding.severity == Finding::Severity::note ? "" : " class=\"warning\"",
+                        xml_text(sentence(finding)));
   body += "<div class=\"figures\">" + figure_of(sheet, Projection::wall_side, "From the left: the wall at the left") +
           figure_of(sheet, Projection::wall_above, "From above: the wall at the top") +
           figure_of(sheet, Projection::wall_front, "As you look at it") + "</div>\n" +

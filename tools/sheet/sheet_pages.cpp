@@ -119,7 +119,7 @@ void add_places(PageWriter& writer, const std::vector<PlaceInWords>& places, con
                 const std::string& title) {
   std::vector<std::vector<std::string>> rows;
   for (const PlaceInWords& p : places) rows.push_back({p.name, p.across, p.upright, p.away, p.tolerance});
-  add_table(writer, {{"", 0.16}, {"left and right", 0.22}, {upright, 0.22}, {away, 0.19}, {kToleranceHead, 0.21}}, rows,
+  add_table(writer, {{"", 0.19}, {"left and right", 0.21}, {upright, 0.21}, {away, 0.19}, {kToleranceHead, 0.2}}, rows,
             false, title);
 }
 
@@ -159,7 +159,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
   writer.begin(on_a_wall);
   writer.paragraph(fmt::format("The board's middle hangs {:.0f} mm above the floor, its lower edge at {:.0f} mm.",
                                sheet.hang_height_mm, sheet.hang_height_mm - sheet.board.size_mm.y() / 2));
-  for (const Finding& finding : findings(sheet)) writer.paragraph(sentence(finding));
+  for (const Finding& finding : findings(sheet)) writer.paragraph(sentence(finding) + ".");
   const double wall_room = room_for_drawings(), gap = 0.03;
   writer.heading("From the left: the wall at the left; and as you look at it");
   const BenchDrawing side = draw(Projection::wall_side, 0.55 * wall_room, (1 - gap) / 2),
@@ -180,7 +180,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
     writer.paragraph(sentence(finding) + ".", Tint::soft);
   std::vector<std::vector<std::string>> rows;
   for (const PhotoInWords& p : photos_in_words(sheet)) rows.push_back({p.name, p.place, p.exposures, p.lamp});
-  add_table(writer, {{"photo", 0.15}, {"place", 0.48}, {"exposures", 0.26}, {"lamp", 0.11}}, rows, true, photos);
+  add_table(writer, {{"photo", 0.19}, {"place", 0.44}, {"exposures", 0.26}, {"lamp", 0.11}}, rows, true, photos);
   return std::move(writer.pages);
 }
 

@@ -31,14 +31,10 @@ FlatPicture flat_picture(const Board& board, const ViewedBoard& viewed, const Vi
   const Bench& bench = viewed.bench;
   BoardFrame frame = board_frame(board.carve_min_mm, board.carve_max_mm, long_side_px);
   if (!picture.target.data.empty()) frame.width = picture.target.width, frame.height = picture.target.height;
-  ViewScene scene;
-  scene.grid =
-      share(board_grid(board.carve_min_mm, board.carve_max_mm, frame.width, frame.height, face_of(board, bench)));
-  scene.camera_center_mm = find_view(bench, picture.view, "the viewer").T_camera_board.inverse().translation();
-  scene.light = find_light(bench, picture.light, "the viewer");
-  scene.material = bench.material;
-  scene.tool_width_um = board.tool_width_um;
-  scene.ambient = bench.ambient;
+  ViewScene scene =
+      make_board_scene(bench, board, frame.width, frame.height,
+                       find_view(bench, picture.view, "the viewer").T_camera_board.inverse().translation(),
+                       find_light(bench, picture.light, "the viewer"));
   RenderOptions options;
   const bool colored = picture.target.channels == 3;
   options.channels = colored ? 3 : 1;

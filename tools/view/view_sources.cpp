@@ -102,6 +102,9 @@ fs::path first_scratches(const fs::path& folder, const Board& board) {
   return {};
 }
 
+// Whether these are the few scratches of `burin new`, which leaves a picture of them beside them.
+bool is_preview(const fs::path& scratches) { return fs::exists(scratches.parent_path() / "preview.png"); }
+
 BoardView first_design(const fs::path& folder, std::vector<Finding>& findings) {
   const DesignSpec spec = read_design(folder / "design.json");
   BoardView out;
@@ -115,7 +118,13 @@ BoardView first_design(const fs::path& folder, std::vector<Finding>& findings) {
   board.name = "As designed";
   board.sentence = "The board as it is designed, on the bench that it is designed for.";
   board.bench = bench_for(spec.bench, out.board, findings);
-  board.carved = carve(Designed(read_scratches(scratches)), board.bench, out.board);
+  const Scratches rows = read_scratches(scratches);
+  if (is_preview(scratches)) {
+    board.name = "Preview";
+    board.sentence = fmt::format("A quick preview, {} of {} scratches; burin loop {} designs the whole board.",
+                                 rows.size(), spec.scratches, shell_word(folder.string()));
+  }
+  board.carved = carve(Designed(rows), board.bench, out.board);
   board.pictures = pictures_of(spec, board.bench, out.board, folder / "design.json");
   board.tolerances = match_tolerances(spec, board.bench, out.board, scratches.parent_path() / "design-report.json");
   out.boards.push_back(std::move(board));

@@ -13,8 +13,9 @@ namespace burin {
 
 /// A loop project (docs/file-formats.md): the newest round that was measured, as it was believed and as it is, and the
 /// round designed after it; or, before anything was measured, the newest design; or a first design that lies in the
-/// project without a round (in `design`, in `preview`, or named by board.json). `findings` gets what the person should
-/// know. Throws Error for a folder that is no project, and where nothing is designed yet, with what to do.
+/// project without a round (in `design`, in `preview`, or named by board.json: what `burin new` left is called a
+/// preview). `findings` gets what the person should know. Throws Error for a folder that is no project, and where
+/// nothing is designed yet, with what to do.
 BoardView view_of_project(const std::filesystem::path& folder, std::vector<Finding>& findings);
 
 /// Files of a board. `design` may be empty: then all views of the bench are looked from, under its first lamp.

@@ -43,8 +43,8 @@ std::vector<fs::path> files_of(const fs::path& folder, const std::vector<std::st
 
 }  // namespace
 
-PhotoInbox::PhotoInbox(fs::path folder, std::vector<std::string> lamps)
-    : folder_(std::move(folder)), lamps_(std::move(lamps)) {}
+PhotoInbox::PhotoInbox(fs::path folder, std::vector<std::string> lamps, std::chrono::milliseconds stays)
+    : folder_(std::move(folder)), lamps_(std::move(lamps)), stays_(stays) {}
 
 InboxNews PhotoInbox::look() {
   InboxNews news;
@@ -85,7 +85,7 @@ InboxNews PhotoInbox::look() {
     if (known != entries_.end() && known->second == found) {
       found.state = known->second.state;
       found.since = known->second.since;
-      if (found.state == Entry::State::growing && found.size > 0) {
+      if (found.state == Entry::State::growing && found.size > 0 && now - found.since >= stays_) {
         found.state = Entry::State::taken;
         news.whole.push_back(file);
       } else if ((found.state == Entry::State::growing || found.state == Entry::State::doubted) &&

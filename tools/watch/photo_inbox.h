@@ -2,8 +2,8 @@
 // have gone, which only got another name.
 //
 // By looking, not by the kernel's messages: network shares and phones' syncs send none. A file counts as whole when its
-// size and time have stayed between two looks; one that cannot be read then is tried again whenever it grows, and given
-// up (for now) when it has not for kGivenUp.
+// size and time have stayed between two looks, and for so long as is asked for: copies come in bursts. One that cannot
+// be read then is tried again whenever it grows, and given up (for now) when it has not for kGivenUp.
 #pragma once
 
 #include <chrono>
@@ -33,7 +33,9 @@ class PhotoInbox {
  public:
   static constexpr std::chrono::seconds kGivenUp{5};
 
-  explicit PhotoInbox(std::filesystem::path folder, std::vector<std::string> lamps = {});
+  /// `stays`: how long size and time must not have changed.
+  explicit PhotoInbox(std::filesystem::path folder, std::vector<std::string> lamps = {},
+                      std::chrono::milliseconds stays = {});
 
   const std::filesystem::path& folder() const { return folder_; }
 
@@ -65,6 +67,7 @@ class PhotoInbox {
 
   std::filesystem::path folder_;
   std::vector<std::string> lamps_;
+  std::chrono::milliseconds stays_;
   std::map<std::filesystem::path, Entry> entries_;
   bool looked_ = false;
   int passed_over_ = 0;

@@ -421,7 +421,8 @@ std::vector<Finding> check_place(const Board& board, const Vector2d& at_mm) {
       for (const KeepOut& other : taken)
         if (distance_mm(p, other) == 0)
           fail(kWhere, "covers " + (other.name.empty() ? "a keep-out" : other.name) + " at " + place(p) + " mm",
-               "put its lower-left corner elsewhere (--at), or carve it on scrap (without --on)");
+               "carve it on scrap of the same metal, which is simplest (without --on), or put its lower-left corner "
+               "where 60 x 60 mm are free of tags (--at)");
     }
   if ((end_mm.array() <= board.carve_min_mm.array()).any() || (at_mm.array() >= board.carve_max_mm.array()).any())
     return {};
