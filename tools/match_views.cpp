@@ -187,9 +187,7 @@ Bench renamed_bench(const Bench& measured, const Matching& matching) {
   };
   for (const auto& [from, to] : views) move_verdict(parameter::pose(from), parameter::pose(to));
   for (const auto& [from, to] : lights)
-    for (const auto name_of :
-         {&parameter::light_position, &parameter::light_intensity, &parameter::light_axis, &parameter::light_falloff})
-      move_verdict(name_of(from), name_of(to));
+    for (const auto name_of : parameter::kOfOneLight) move_verdict(name_of(from), name_of(to));
   for (const auto& [name, value] : measured.verdict)
     if (moved.count(name) == 0) verdict.emplace(name, value);
   for (auto& [name, value] : verdict)

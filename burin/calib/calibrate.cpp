@@ -268,7 +268,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
       if (!foreign.count(out.rejected[i].id))
         fail(session.photos.front().file.string(),
              "no tag can be used in any photo; in view " + out.rejected_view[i] + ", of tag " +
-                 std::to_string(out.rejected[i].id) + ", " + out.rejected[i].reason,
+                 std::to_string(out.rejected[i].id) + ", " + in_words(out.rejected[i]),
              "take the photos again");
     fail_without_tags(session, brackets, noise, board, foreign);
   }

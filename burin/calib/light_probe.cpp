@@ -115,7 +115,7 @@ void solve_places(ProbeWork& work, const Board& believed, const LightProbeOption
       if (!picture.rejected.empty())
         fail(picture.file.string(),
              "no tag can be used in any photo; of tag " + std::to_string(picture.rejected.front().id) + ", " +
-                 picture.rejected.front().reason,
+                 in_words(picture.rejected.front()),
              "take the photos again: tags sharp, their paper not clipped in the darker ones");
     fail(work.file_of(0).string(), "no tag of the board's is seen in any photo, so nobody knows where the camera stood",
          "photograph ball and tags together, sharp, the tags at least 20 pixels wide; and check tags.family in "

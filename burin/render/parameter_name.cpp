@@ -44,6 +44,10 @@ std::string light_axis(const std::string& id) { return of_light(id, kAxis); }
 std::string light_falloff(const std::string& id) { return of_light(id, kFalloff); }
 std::string light_size(const std::string& id) { return of_light(id, kSize); }
 
+bool is_light_position(const std::string& name) {
+  return name.starts_with(kLightPrefix) && name.ends_with(std::string(".") + kPosition.first);
+}
+
 std::string in_words(const std::string& name) {
   for (const auto& [known, words] : kWords)
     if (name == known) return words;

@@ -2,6 +2,7 @@
 // They are written here and nowhere else.
 #pragma once
 
+#include <array>
 #include <string>
 
 namespace burin::parameter {
@@ -32,6 +33,10 @@ std::string light_intensity(const std::string& id);
 std::string light_axis(const std::string& id);
 std::string light_falloff(const std::string& id);
 std::string light_size(const std::string& id);
+/// All of them: functions from a lamp's id to a name.
+inline constexpr std::array kOfOneLight{&light_position, &light_intensity, &light_axis, &light_falloff, &light_size};
+/// Whether a name is that of some lamp's position.
+bool is_light_position(const std::string& name);
 
 /// The parameter in words: "the depth d", "the position of lamp “spot”". A name that is not one of these comes back as
 /// it is.

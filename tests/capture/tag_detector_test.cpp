@@ -109,7 +109,7 @@ TEST_P(TagCornersOfRig, AreWhereTheTrueCameraSeesThem) {
     tags += static_cast<int>(found.tags.size());
     std::printf("%s %s: %zu tags, %zu rejected, rms %.4f px", rig, view.name.c_str(), found.tags.size(),
                 found.rejected.size(), std::sqrt(view2 / std::max<std::size_t>(1, 8 * found.tags.size())));
-    for (const RejectedTag& r : found.rejected) std::printf(" [%d: %s]", r.id, r.reason.c_str());
+    for (const RejectedTag& r : found.rejected) std::printf(" [%d: %s]", r.id, in_words(r).c_str());
     std::printf("\n");
   }
   ASSERT_GT(n, 0);

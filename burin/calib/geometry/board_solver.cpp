@@ -142,22 +142,24 @@ struct Solver {
     for (std::size_t v = 0; v < view_names.size(); ++v) {
       const int n = tags_in(static_cast<int>(v));
       if (n >= options.min_tags) continue;
-      std::map<std::string, int> reasons;
+      std::map<TagFault, std::vector<RejectedTag>> refused;
       for (const ViewTags& p : pictures)
         if (p.view == view_names[v])
-          for (const RejectedTag& r : p.rejected) ++reasons[r.reason];
-      const auto most = std::max_element(reasons.begin(), reasons.end(),
-                                         [](const auto& a, const auto& b) { return a.second < b.second; });
-      if (n == 0 && reasons.empty())
+          for (const RejectedTag& r : p.rejected) refused[r.fault].push_back(r);
+      const auto most = std::max_element(refused.begin(), refused.end(), [](const auto& a, const auto& b) {
+        return a.second.size() < b.second.size();
+      });
+      if (n == 0 && refused.empty())
         drop_view(static_cast<int>(v), "no tag can be read in it",
                   "it is out of focus, was moved or exposed twice, is too dark or too bright, or does not show the "
                   "board: take it again");
       else
-        drop_view(
-            static_cast<int>(v),
-            "only " + std::to_string(n) + " of its tags can be used" +
-                (most == reasons.end() ? "" : " (" + std::to_string(most->second) + " others: " + most->first + ")"),
-            "go closer, light the tags, keep the whole board in the photo");
+        drop_view(static_cast<int>(v),
+                  "only " + std::to_string(n) + " of its tags can be used" +
+                      (most == refused.end() ? ""
+                                             : " (" + std::to_string(most->second.size()) +
+                                                   " others: " + in_words(most->second.front()) + ")"),
+                  "go closer, light the tags, keep the whole board in the photo");
     }
     require_views();
   }

@@ -85,18 +85,21 @@ void leave_out_blurred(std::vector<ViewTags>& pictures, std::size_t keep_views) 
     for (std::size_t k = 0; k < pictures.size(); ++k)
       if (k != i && !pictures[k].tags.empty()) views.insert(pictures[k].view);
     if (views.size() < keep_views) return;
-    const std::string why = "the photo is blurred, its edges " + fixed(blur[i], 1) + " px wide, the others' " +
-                            fixed(usual, 1) + " px: out of focus, moved while it was exposed, or exposed twice";
     for (const TagDetection& tag : pictures[i].tags)
       pictures[i].rejected.push_back(
-          {tag.id, 0.25 * (tag.corner_px[0] + tag.corner_px[1] + tag.corner_px[2] + tag.corner_px[3]), why});
+          {tag.id, 0.25 * (tag.corner_px[0] + tag.corner_px[1] + tag.corner_px[2] + tag.corner_px[3]),
+           TagFault::photo_blurred, blur[i], usual});
     pictures[i].tags.clear();
   }
 }
 
 std::vector<Finding> rejected_tags(std::span<const ViewTags> pictures, const Board& board,
                                    const BoardSolution& solved) {
-  std::map<std::string, std::map<std::string, std::set<int>>> by_reason;  // reason, view, ids
+  struct Refused {
+    std::set<int> ids;
+    std::string why;
+  };
+  std::map<TagFault, std::map<std::string, Refused>> by_fault;  // and view
   std::map<std::string, std::set<int>> seen;
   std::map<std::string, std::filesystem::path> file;
   for (const ViewTags& picture : pictures) {
@@ -106,21 +109,23 @@ std::vector<Finding> rejected_tags(std::span<const ViewTags> pictures, const Boa
     for (const TagDetection& tag : picture.tags) seen[picture.view].insert(tag.id);
     for (const RejectedTag& tag : picture.rejected) {
       seen[picture.view].insert(tag.id);
-      by_reason[tag.reason][picture.view].insert(tag.id);
+      Refused& refused = by_fault[tag.fault][picture.view];
+      refused.ids.insert(tag.id);
+      refused.why = in_words(tag);
     }
   }
   std::vector<Finding> findings;
-  for (auto& [reason, views] : by_reason) {
+  for (auto& [fault, views] : by_fault) {
     std::map<int, std::vector<std::string>> by_tag;
-    for (const auto& [view, ids] : views) {
-      if (2 * ids.size() > seen[view].size() && ids.size() > 2) {
+    for (const auto& [view, refused] : views) {
+      if (2 * refused.ids.size() > seen[view].size() && refused.ids.size() > 2) {
         findings.push_back({Finding::Severity::warning, file[view],
-                            std::to_string(ids.size()) + " of " + std::to_string(seen[view].size()) +
+                            std::to_string(refused.ids.size()) + " of " + std::to_string(seen[view].size()) +
                                 " tags are not used in view " + view,
-                            reason});
+                            refused.why});
         continue;
       }
-      for (const int id : ids) by_tag[id].push_back(view);
+      for (const int id : refused.ids) by_tag[id].push_back(view);
     }
     for (const auto& [id, in] : by_tag) {
       const bool known = std::any_of(board.tags.list.begin(), board.tags.list.end(),
@@ -129,7 +134,7 @@ std::vector<Finding> rejected_tags(std::span<const ViewTags> pictures, const Boa
           {known ? Finding::Severity::warning : Finding::Severity::note,
            {},
            "tag " + std::to_string(id) + " is not used in view" + (in.size() > 1 ? "s " : " ") + listed(in),
-           reason});
+           views[in.front()].why});
     }
   }
   return findings;

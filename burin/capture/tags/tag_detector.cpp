@@ -83,9 +83,7 @@ double bright_end(const Gray& gray) {
   for (std::size_t i = 0; i < gray.value.size(); i += 4)
     if (std::isfinite(gray.value[i])) finite.push_back(gray.value[i]);
   if (finite.empty()) return 1;
-  auto at = finite.begin() + static_cast<std::ptrdiff_t>(0.995 * static_cast<double>(finite.size() - 1));
-  std::nth_element(finite.begin(), at, finite.end());
-  return std::max<double>(*at, 1e-12);
+  return std::max<double>(quantile_in_place(finite, 0.995), 1e-12);
 }
 
 // One side of a tag as measured: points q with (q - mid) . across = offset + slope * (q - mid) . along.
@@ -184,9 +182,7 @@ bool fit_edge(const std::vector<StripPixel>& pixels, double reach, EdgeEstimate&
     k1 += step[4];
     w0 += step[5];
     w1 += step[6];
-    auto mid = absolute.begin() + static_cast<std::ptrdiff_t>(absolute.size() / 2);
-    std::nth_element(absolute.begin(), mid, absolute.end());
-    scale = std::max(1.48 * *mid, 1e-4 * std::abs(w0 - k0));
+    scale = std::max(1.48 * median_in_place(absolute), 1e-4 * std::abs(w0 - k0));
     if (iteration > 2 && std::abs(step[0]) < 1e-4 && std::abs(step[1]) * reach < 1e-4) break;
   }
   const double variance = chi2 / std::max(1.0, weight_sum - 7);
@@ -244,19 +240,19 @@ bool intersect(const Side& a, const Side& b, Eigen::Vector2d& q, double& sigma) 
   return std::isfinite(sigma) && q.allFinite();
 }
 
-// Empty if the corners were refined, else why not.
-std::string refine(const Gray& gray, std::span<const std::uint8_t> valid, double modules,
-                   const TagDetectorOptions& options, TagDetection& tag) {
+// Nothing if the corners were refined, else why not.
+std::optional<TagFault> refine(const Gray& gray, std::span<const std::uint8_t> valid, double modules,
+                               const TagDetectorOptions& options, TagDetection& tag) {
   std::array<Side, 4> sides;
   double blur = 0;
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector2d &a = tag.coarse_px[i], &b = tag.coarse_px[(i + 1) % 4];
-    if ((b - a).norm() < options.min_side_px) return "it is too small in the photo: go closer or print it larger";
+    if ((b - a).norm() < options.min_side_px) return TagFault::small;
     switch (fit_side(gray, valid, a, b, modules, sides[i])) {
       case SideFault::clipped:
-        return "its white paper is clipped: add a shorter exposure";
+        return TagFault::clipped;
       case SideFault::no_edge:
-        return "one of its sides is covered, glares or is out of focus";
+        return TagFault::covered;
       case SideFault::none:
         break;
     }
@@ -264,14 +260,13 @@ std::string refine(const Gray& gray, std::span<const std::uint8_t> valid, double
     blur += sides[i].blur_px / 4;
   }
   for (int i = 0; i < 4; ++i) {
-    if (!intersect(sides[(i + 3) % 4], sides[i], tag.corner_px[i], tag.corner_sigma_px[i]))
-      return "its sides do not meet in corners";
+    if (!intersect(sides[(i + 3) % 4], sides[i], tag.corner_px[i], tag.corner_sigma_px[i])) return TagFault::no_corners;
     const double side = (tag.coarse_px[(i + 1) % 4] - tag.coarse_px[i]).norm();
     if ((tag.corner_px[i] - tag.coarse_px[i]).norm() > std::max({options.max_shift_px, kRoughSides * side, 1.5 * blur}))
-      return "its corners do not lie where its sides meet: covered or damaged";
+      return TagFault::shifted;
   }
   tag.blur_px = blur;
-  return {};
+  return std::nullopt;
 }
 
 // What is measured of tags that were found: corners of those that can be used, and why the others cannot.
@@ -284,18 +279,18 @@ TagsInPhoto measured_tags(const Gray& gray, std::span<const std::uint8_t> valid,
   for (TagDetection& tag : found) {
     const auto& p = tag.coarse_px;
     const Eigen::Vector2d center = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-    auto reject = [&](const std::string& why) { out.rejected.push_back({tag.id, center, why}); };
+    auto reject = [&](TagFault fault) { out.rejected.push_back({tag.id, center, fault}); };
     if (!wanted(tag.id)) {
-      reject("it is not in board.json's list");
+      reject(TagFault::unlisted);
       continue;
     }
     if (tag.decision_margin < options.min_decision_margin) {
-      reject("it can hardly be read (low contrast or blurred)");
+      reject(TagFault::unreadable);
       continue;
     }
     if (times[tag.id] > 1) {
-      reject("its id is seen " + std::to_string(times[tag.id]) +
-             " times in the photo: a reflection or a second copy; cover it");
+      reject(TagFault::repeated);
+      out.rejected.back().measured = times[tag.id];
       continue;
     }
     double low = 1e9, side = 0;
@@ -304,12 +299,11 @@ TagsInPhoto measured_tags(const Gray& gray, std::span<const std::uint8_t> valid,
       side = std::max(side, (p[(c + 1) % 4] - p[c]).norm());
     }
     if (low < std::max(2.0, 0.5 * side / modules)) {
-      reject("it touches the edge of the photo");
+      reject(TagFault::at_edge);
       continue;
     }
-    const std::string why = refine(gray, valid, modules, options, tag);
-    if (!why.empty()) {
-      reject(why);
+    if (const auto fault = refine(gray, valid, modules, options, tag)) {
+      reject(*fault);
       continue;
     }
     out.tags.push_back(tag);

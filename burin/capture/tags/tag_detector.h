@@ -15,6 +15,7 @@
 
 #include <Eigen/Core>
 
+#include "burin/capture/tags/tag_fault.h"
 #include "burin/render/image.h"
 
 namespace burin {
@@ -30,13 +31,6 @@ struct TagDetection {
   std::array<double, 4> corner_sigma_px{};   ///< per axis, from the noise of the pixels alone
   double blur_px = 0;                        ///< Gaussian width of the edges, the pixel's own square included
   std::array<double, 4> side_blur_px{};      ///< the same of each side; side i runs from corner i to corner i + 1
-};
-
-/// A tag that was seen but is not used, and why ("its white paper is clipped").
-struct RejectedTag {
-  int id = 0;
-  Eigen::Vector2d center_px{0, 0};
-  std::string reason;
 };
 
 /// Tags found in one photo, and those that were seen and not used.

@@ -40,6 +40,7 @@ std::vector<TagLook> look_at_tags(std::span<const TagDetection> found, const Ima
       }
     if (white.empty()) continue;
     look.clipped_fraction = lost / static_cast<double>(white.size());
+    // Of the middle two the lower one, not the upper as in median.h: what is judged by it keeps its bits.
     const auto middle_one = white.begin() + static_cast<std::ptrdiff_t>((white.size() - 1) / 2);
     std::nth_element(white.begin(), middle_one, white.end());
     look.white = *middle_one;

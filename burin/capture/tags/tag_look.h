@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/capture/photo_look.h"
+#include "burin/capture/tags/seen_tag.h"
 #include "burin/capture/tags/tag_detector.h"
 #include "burin/render/image.h"
 
