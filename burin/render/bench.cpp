@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,6 +16,7 @@
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/lamp_size_json.h"
+#include "burin/render/files/machine_json.h"
 #include "burin/render/files/material_json.h"
 #include "burin/render/files/misfit_json.h"
 #include "burin/render/files/profile_json.h"
@@ -42,13 +42,6 @@ std::optional<Eigen::Vector3d> optional_sigma3(JsonObject& json, const std::stri
   if (!json.has(key)) return std::nullopt;
   Eigen::Vector3d v = json.vec3(key);
   if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "standard deviations are 0 or greater");
-  return v;
-}
-
-/// Three numbers of light, R G B, none negative.
-Eigen::Vector3d color(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback) {
-  Eigen::Vector3d v = json.vec3(key, fallback);
-  if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "light is 0 or greater");
   return v;
 }
 
@@ -83,7 +76,7 @@ Light read_light(JsonObject& json, const fs::path& file) {
   }
   light.position_mm = json.vec3("position_mm");
   light.position_sigma_mm = optional_sigma3(json, "position_sigma_mm");
-  light.intensity = color(json, "intensity", light.intensity);
+  light.intensity = light_color(json, "intensity", light.intensity);
   light.intensity_sigma = optional_sigma3(json, "intensity_sigma");
   light.axis = json.vec3("axis", light.axis);
   const double length = light.axis.norm();
@@ -125,67 +118,6 @@ std::vector<Tag> read_measured_tags(JsonObject& json) {
     tags.push_back(tag);
   }
   return tags;
-}
-
-// {"backlash_mm": [x, y], "screw_mm": [x, y], "screw_period_mm": [x, y], "screw_phase_deg": [x, y]}
-MachineErrors read_machine_errors(JsonObject& json) {
-  MachineErrors errors;
-  const auto sigma = [&](const char* key) -> std::optional<Eigen::Vector2d> {
-    if (!json.has(key)) return std::nullopt;
-    const Eigen::Vector2d v = json.vec2(key);
-    if ((v.array() < 0).any()) json.fail_field(key, "has a negative entry", "standard deviations are 0 or greater");
-    return v;
-  };
-  if (json.has("backlash_mm")) errors.backlash_mm = json.vec2("backlash_mm");
-  errors.backlash_sigma_mm = sigma("backlash_sigma_mm");
-  if (json.has("screw_mm")) {
-    const Eigen::Vector2d amplitude = json.vec2("screw_mm"), period = json.vec2("screw_period_mm"),
-                          phase = json.vec2("screw_phase_deg") * (std::numbers::pi / 180);
-    if (!(period.array() > 0).all())
-      json.fail_field("screw_period_mm", "is not positive", "write how far an axis moves in one turn of its screw, mm");
-    constexpr double kSteepest = 0.5;  // of a place by what is told: beyond it a screw would run backwards
-    if ((amplitude.array().abs() * (2 * std::numbers::pi) > kSteepest * period.array()).any())
-      json.fail_field("screw_mm", "is too large for screw_period_mm", "write amplitudes of some hundredths of a mm");
-    errors.screw_period_mm = period;
-    errors.screw_sin_mm = amplitude.array() * phase.array().cos();
-    errors.screw_cos_mm = amplitude.array() * phase.array().sin();
-    errors.screw_sigma_mm = sigma("screw_sigma_mm");
-  }
-  return errors;
-}
-
-Json machine_json(const Bench& bench) {
-  Json json;
-  json["affine"] = to_json(bench.machine_affine);
-  if (bench.machine_affine_sigma) json["affine_sigma"] = to_json(*bench.machine_affine_sigma);
-  const MachineErrors& errors = bench.machine_errors;
-  if (!errors.backlash_mm.isZero(0)) {
-    json["backlash_mm"] = to_json(errors.backlash_mm);
-    if (errors.backlash_sigma_mm) json["backlash_sigma_mm"] = to_json(*errors.backlash_sigma_mm);
-  }
-  if (errors.uneven()) {
-    json["screw_mm"] = to_json(errors.screw_mm());
-    if (errors.screw_sigma_mm) json["screw_sigma_mm"] = to_json(*errors.screw_sigma_mm);
-    json["screw_period_mm"] = to_json(errors.screw_period_mm);
-    json["screw_phase_deg"] = to_json(errors.screw_phase_deg());
-  }
-  return json;
-}
-
-void read_machine(JsonObject json, Bench& bench) {
-  if (json.has("affine")) {
-    bench.machine_affine = json.matrix("affine", 2, 3);
-    if (std::abs(bench.machine_affine.leftCols<2>().determinant()) < 1e-9)
-      json.fail_field("affine", "its determinant is 0: it flattens the board to a line",
-                      "write [[1, 0, 0], [0, 1, 0]] if the machine's error is not known");
-  }
-  if (json.has("affine_sigma")) {
-    bench.machine_affine_sigma = json.matrix("affine_sigma", 2, 3);
-    if ((bench.machine_affine_sigma->array() < 0).any())
-      json.fail_field("affine_sigma", "has a negative entry", "standard deviations are 0 or greater");
-  }
-  bench.machine_errors = read_machine_errors(json);
-  json.finish();
 }
 
 template <typename List, typename Name>
@@ -411,7 +343,7 @@ Bench read_bench(const std::filesystem::path& file) {
     material.finish();
   }
   if (json.has("sensor")) bench.sensor = read_sensor(json.object("sensor"));
-  bench.ambient = color(json, "ambient", bench.ambient);
+  bench.ambient = light_color(json, "ambient", bench.ambient);
   if (json.has("board")) {
     JsonObject board = json.object("board");
     bench.bow_mm = board.vec3("bow_mm", bench.bow_mm);
@@ -422,7 +354,17 @@ Bench read_bench(const std::filesystem::path& file) {
     if (board.has("tags")) bench.tags = read_measured_tags(board);
     board.finish();
   }
-  if (json.has("machine")) read_machine(json.object("machine"), bench);
+  if (json.has("machine")) {
+    JsonObject machine = json.object("machine");
+    bench.machine_affine = read_machine_affine(machine, bench.machine_affine);
+    if (machine.has("affine_sigma")) {
+      bench.machine_affine_sigma = machine.matrix("affine_sigma", 2, 3);
+      if ((bench.machine_affine_sigma->array() < 0).any())
+        machine.fail_field("affine_sigma", "has a negative entry", "standard deviations are 0 or greater");
+    }
+    bench.machine_errors = read_machine_errors(machine);
+    machine.finish();
+  }
   bench.misfits = read_misfits(json);
   if (json.has("verdict")) {
     JsonObject verdicts = json.object("verdict");
@@ -482,7 +424,8 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
       tags.push_back(item);
     }
   }
-  json["machine"] = machine_json(bench);
+  json["machine"] = machine_json(bench.machine_affine, bench.machine_errors);
+  if (bench.machine_affine_sigma) json["machine"]["affine_sigma"] = to_json(*bench.machine_affine_sigma);
   if (!bench.misfits.empty()) json["misfits"] = misfits_json(bench.misfits);
   for (const auto& [name, verdict] : bench.verdict) json["verdict"][name] = verdict_json(verdict);
   write_json(json, file);

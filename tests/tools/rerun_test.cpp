@@ -73,10 +73,12 @@ class RerunOfTwoBoards : public ::testing::Test {
   }
 
   // As burin design leaves it, made for grooves 11 um deep.
-  void write_design(const std::string& name, const Scratches& scratches) const {
+  void write_design(const std::string& name, const Scratches& scratches,
+                    const std::string& machine = R"({"affine": [[1, 0, 0], [0, 1, 0]]})") const {
     folder_.write(name + "/design-report.json", R"({"format": "burin/design-report", "version": 1,
       "views": [{"view": "d0", "light": "lamp", "target": "target.png", "psnr_db": 20}],
-      "bench": {"depth_um": 11, "alpha": 0.04, "machine_affine": [[1, 0, 0], [0, 1, 0]]}})");
+      "bench": {"depth_um": 11, "alpha": 0.04, "machine": )" +
+                                                    machine + "}}");
     Image target(64, 64, 1);
     for (int y = 0; y < 64; ++y)
       for (int x = 0; x < 64; ++x) target.at(x, y) = static_cast<float>(x) / 63;
@@ -125,6 +127,17 @@ TEST_F(RerunOfTwoBoards, AreSeenThroughTheMachineAndTheCrossingsOfTheBenchAsItIs
   Bench last = under_;
   last.crossings = Crossings::last;
   EXPECT_NE(seen(last), plain);
+}
+
+// What a design's bench knew of the machine, its tool path has compensated: then the board is as it was designed.
+TEST_F(RerunOfTwoBoards, TheSecondCompensatesWhatItsBenchKnewOfTheMachine) {
+  write_design("second", scratches_);
+  const std::string plain = seen(under_);
+  Bench loose = under_;
+  loose.machine_errors.backlash_mm << 0.3, 0.2;
+  EXPECT_NE(seen(loose), plain);
+  write_design("second", scratches_, R"({"affine": [[1, 0, 0], [0, 1, 0]], "backlash_mm": [0.3, 0.2]})");
+  EXPECT_EQ(seen(loose), plain);
 }
 
 // Lamps of three colors instead of the one, and a target in color: red from left to right, blue the other way.

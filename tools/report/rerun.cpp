@@ -16,6 +16,7 @@
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/machine_json.h"
 #include "burin/render/image.h"
 #include "burin/render/scratches.h"
 #include "burin/render/view_renderer.h"
@@ -53,7 +54,13 @@ DesignedBoard read_designed(const fs::path& folder, const Bench& under, const Bo
   JsonObject used = report.object("bench");
   // Its tool path compensated what was known then of the machine, and of how deep its grooves become.
   Bench then;
-  if (used.has("machine_affine")) then.machine_affine = used.matrix("machine_affine", 2, 3);
+  if (used.has("machine")) {
+    JsonObject machine = used.object("machine");
+    then.machine_affine = read_machine_affine(machine, then.machine_affine);
+    then.machine_errors = read_machine_errors(machine);
+  } else if (used.has("machine_affine")) {  // designs of 0.1
+    then.machine_affine = used.matrix("machine_affine", 2, 3);
+  }
   then.material.depth_um = used.number("depth_um", board.material.depth_um);
   then.material.alpha = used.number("alpha", board.material.alpha);
   const Designed designed(read_scratches(folder / "scratches.csv"));
@@ -68,17 +75,12 @@ struct Look {
 
 Look look_at(const Carved& carved, const DesignedPicture& asked, const Image& target, const Bench& under,
              const Board& board, const fs::path& bench_file) {
-  ViewScene scene;
-  scene.grid =
-      share(board_grid(board.carve_min_mm, board.carve_max_mm, target.width, target.height, face_of(board, under)));
-  scene.camera_center_mm = find_view(under, asked.view, bench_file.string()).T_camera_board.inverse().translation();
-  scene.light = find_light(under, asked.light, bench_file.string());
-  scene.material = under.material;
-  scene.tool_width_um = board.tool_width_um;
-  scene.ambient = under.ambient;
+  const Eigen::Vector3d eye_mm =
+      find_view(under, asked.view, bench_file.string()).T_camera_board.inverse().translation();
+  const Light& light = find_light(under, asked.light, bench_file.string());
   RenderOptions options;
   options.channels = target.channels;
-  ViewRenderer renderer(std::move(scene), options);
+  ViewRenderer renderer(make_board_scene(under, board, target.width, target.height, eye_mm, light), options);
   Image radiance;
   renderer.forward(carved, radiance);
   for (std::size_t i = 0; asked.white_gain && i < radiance.data.size(); ++i)

@@ -13,6 +13,7 @@
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/lamp_size_json.h"
+#include "burin/render/files/machine_json.h"
 #include "burin/render/files/picture_file.h"
 #include "burin/render/files/profile_json.h"
 #include "burin/render/limits.h"
@@ -58,19 +59,6 @@ void read_material_into(JsonObject& json, Material& material) {
   material.depth_um = json.positive("depth_um", material.depth_um);
   material.base_alpha = roughness(json, "base_alpha", material.base_alpha);
   material.f0 = color(json, "f0", material.f0);
-}
-
-// Backlash and screws, with the words of bench.json.
-void read_machine_errors_into(JsonObject& json, MachineErrors& errors) {
-  if (json.has("backlash_mm")) errors.backlash_mm = json.vec2("backlash_mm");
-  if (!json.has("screw_mm")) return;
-  const Eigen::Vector2d amplitude = json.vec2("screw_mm");
-  const Eigen::Array2d phase = json.vec2("screw_phase_deg").array() * (std::numbers::pi / 180);
-  errors.screw_period_mm = json.vec2("screw_period_mm");
-  if (!(errors.screw_period_mm.array() > 0).all())
-    json.fail_field("screw_period_mm", "is not positive", "write how far an axis moves in one turn of its screw, mm");
-  errors.screw_sin_mm = amplitude.array() * phase.cos();
-  errors.screw_cos_mm = amplitude.array() * phase.sin();
 }
 
 void read_brushed(JsonObject json, BenchTruth& truth) {
@@ -288,7 +276,7 @@ ShapeOnBoard read_shape(JsonObject& json) {
 Dust read_dust(JsonObject json, std::uint64_t seed) {
   Dust dust;
   dust.specks = at_least(json, "specks", 0, 0);
-  dust.fibers = at_least(json, "fibres", 0, 0);
+  dust.fibers = at_least(json, "fibres", 0, 0);  // spelled as in the files there are
   for (const int count : {dust.specks, dust.fibers})
     require_at_most(static_cast<std::size_t>(count), limit::kDust, json.where(), "pieces of dust", "strew less");
   const auto size = json.has("speck_mm") ? json.numbers("speck_mm", 2) : std::vector{dust.smallest_mm, dust.largest_mm};
@@ -350,7 +338,7 @@ BenchTruth read_bench_truth(const fs::path& file) {
   if (root.has("machine")) {
     JsonObject machine = root.object("machine");
     truth.machine_affine = machine.matrix("affine", 2, 3);
-    read_machine_errors_into(machine, truth.machine_errors);
+    truth.machine_errors = read_machine_errors(machine);
     machine.finish();
   }
   read_lens(root.object("camera"), truth);

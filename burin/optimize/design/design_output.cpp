@@ -10,6 +10,7 @@
 #include "burin/render/files/file_names.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/machine_json.h"
 #include "burin/render/simd_width.h"
 
 namespace burin {
@@ -40,7 +41,7 @@ Json bench_as_used(const DesignSpec& spec, const Board& board, const Bench& benc
   json["width_um"] = board.tool_width_um;
   json["base_alpha"] = bench.material.base_alpha;
   json["carve_mm"] = {to_json(board.carve_min_mm), to_json(board.carve_max_mm)};
-  json["machine_affine"] = to_json(bench.machine_affine);
+  json["machine"] = machine_json(bench.machine_affine, bench.machine_errors);
   Json lights = Json::array(), cameras = Json::array();
   std::set<std::string> seen;
   for (const DesignView& v : spec.views) {
