@@ -110,7 +110,7 @@ function(burin_warnings target)
 endfunction()
 
 # Compiles files of the current folder for wider machines than the rest. GCC 12 takes the undefined operands inside its own
-# AVX-512 intrinsics for uninitialised variables. With a sanitizer the generic kernels are checked; for the wider ones, the same
+# AVX-512 intrinsics for uninitialized variables. With a sanitizer the generic kernels are checked; for the wider ones, the same
 # code, GCC would need too long.
 function(burin_simd_files)
   cmake_parse_arguments(ARG "" "" "AVX2;AVX512" ${ARGN})

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <random>
 
 int main() {
@@ -22,7 +23,7 @@ int main() {
 
   Scratches rows;
   std::mt19937 random(1);
-  std::uniform_real_distribution<double> place(5, 35), angle(0, 3.14159);
+  std::uniform_real_distribution<double> place(5, 35), angle(0, std::numbers::pi);
   for (int i = 0; i < 400; ++i) {
     const double x = place(random), y = place(random), a = angle(random);
     rows.x0_mm.push_back(x), rows.y0_mm.push_back(y);

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ inline Board drawn_board() {
 
 /// A camera `distance_mm` from the middle of a board, turned from its normal to the right and up, looking at it.
 inline Eigen::Isometry3d looking_at_board(const Board& board, double distance_mm, double right_deg, double up_deg) {
-  const double right_rad = right_deg * M_PI / 180, up_rad = up_deg * M_PI / 180;
+  const double right_rad = right_deg * std::numbers::pi / 180, up_rad = up_deg * std::numbers::pi / 180;
   const Eigen::Vector3d away(std::sin(right_rad) * std::cos(up_rad), std::sin(up_rad),
                              std::cos(right_rad) * std::cos(up_rad));
   const Eigen::Vector3d center = Eigen::Vector3d(board.size_mm.x() / 2, board.size_mm.y() / 2, 0) + distance_mm * away;

@@ -75,7 +75,7 @@ void add_calibrate_command(CLI::App& burin) {
     }
     all.put();
     bar.clear();
-    for (const Finding& finding : c.findings) note(sentence(finding));
+    for (const Finding& finding : c.findings) note(finding);
     const BoardSolution& g = c.geometry;
     fmt::print("lens     {}: focal lengths {:.2f} and {:.2f} px{}\n", g.lens.model, g.lens.intrinsics[0],
                g.lens.intrinsics[1],

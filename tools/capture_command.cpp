@@ -110,7 +110,7 @@ void add_capture_command(CLI::App& burin) {
         if (++errors == 1) first = sentence(finding);
         fmt::print(stderr, "error: {}\n", sentence(finding));
       } else {
-        note(sentence(finding));
+        note(finding);
       }
     }
     if (result.written.empty())

@@ -37,6 +37,8 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/finding.h"
+
 namespace burin {
 
 void add_new_command(CLI::App& burin);
@@ -95,5 +97,6 @@ inline std::string command_text(const std::vector<std::string>& arguments) {
 
 /// Tells the person about something that does not stop the work: a photo left out, a value assumed. To stderr.
 inline void note(const std::string& sentence) { fmt::print(stderr, "note: {}\n", sentence); }
+inline void note(const Finding& finding) { note(sentence(finding)); }
 
 }  // namespace burin

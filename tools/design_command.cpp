@@ -95,7 +95,7 @@ void run(const DesignArguments& o) {
   if (o.scratches > 0) spec.scratches = o.scratches;
   const Board board = read_board(spec.board);
   const Bench bench = read_bench_of(board, spec.board, spec.bench);
-  for (const Finding& finding : bench.findings) note(sentence(finding));
+  for (const Finding& finding : bench.findings) note(finding);
   DesignOptions options = o.design;
   options.start = o.start == "guided" ? Start::guided : Start::random;
   options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
@@ -134,7 +134,7 @@ void run(const DesignArguments& o) {
   std::size_t told = 0;  // findings, before the work began
   options.found = [&](const std::vector<Finding>& findings) {
     bar.clear();
-    for (const Finding& finding : findings) note(sentence(finding));
+    for (const Finding& finding : findings) note(finding);
     told = findings.size();
   };
   DesignResult result = design(spec, board, bench, options, with_losses);
@@ -142,7 +142,7 @@ void run(const DesignArguments& o) {
   write_design_result(result, spec, board, bench, o.out);
   bar.clear();
 
-  for (std::size_t i = told; i < result.findings.size(); ++i) note(sentence(result.findings[i]));
+  for (std::size_t i = told; i < result.findings.size(); ++i) note(result.findings[i]);
   fmt::print("view        PSNR dB   SSIM    face allows   own / highest other target's correlation\n");
   for (std::size_t k = 0; k < result.views.size(); ++k) {
     const DesignedView& v = result.views[k];

@@ -18,6 +18,7 @@
 #include "burin/render/files/file_names.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/image.h"
+#include "burin/render/median.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/work_lock.h"
@@ -44,7 +45,7 @@ Session session_of(const ProbeLightArguments& options, const Board& board, std::
   for (const Finding& finding : findings)
     if (finding.severity == Finding::Severity::error) throw Error(sentence(finding));
   for (const Finding& finding : findings)
-    if (finding.severity == Finding::Severity::warning) note(sentence(finding));
+    if (finding.severity == Finding::Severity::warning) note(finding);
   join_dark_views(folder);
   by_exif = lens_by_exif(folder);
   return std::move(folder.session);
@@ -55,9 +56,7 @@ Image to_look_at(const LightProbe& probe) {
   const Image& radiance = probe.radiance;
   std::vector<float> light;
   for (std::size_t i = 0; i < radiance.data.size() / 6; ++i) light.push_back(radiance.data[3 * i + 1]);
-  const auto middle = light.begin() + static_cast<std::ptrdiff_t>(light.size() / 2);
-  std::nth_element(light.begin(), middle, light.end());
-  const double scale = 0.35 / std::max(1e-30F, *middle);
+  const double scale = 0.35 / std::max(1e-30F, median_in_place(light));
   Image picture(radiance.width, radiance.height, 3);
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
@@ -156,7 +155,7 @@ void probe_room(const ProbeLightArguments& options) {
   }
   const LightProbe probe = light_probe(session, board, how, bar.progress());
   bar.clear();
-  for (const Finding& finding : probe.findings) note(sentence(finding));
+  for (const Finding& finding : probe.findings) note(finding);
   write_probe(probe, options.out);
   print_probe(probe, bench.has_value());
   const Eigen::Vector3d& d = probe.brightest.direction;

@@ -84,9 +84,7 @@ void print_result(const Refinement& r, const Board& board) {
                100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
   fmt::print("         residual / its noise: 1 is a perfect model; this one misses {:.1f} % of a pixel's light\n",
              100 * r.model_error);
-  fmt::print("crossing scratches: {}\n", r.bench.crossings == Crossings::last      ? "the one carved last is seen"
-                                         : r.bench.crossings == Crossings::deepest ? "the lower surface is seen"
-                                                                                   : "their light adds");
+  fmt::print("crossing scratches: {}\n", in_words(r.bench.crossings));
 }
 
 }  // namespace
@@ -108,7 +106,8 @@ void add_refine_command(CLI::App& burin) {
   command
       ->add_option(
           "--crossings", options->crossings,
-          "Where scratches cross: their light adds, the last one is seen, the deepest, or whichever fits (auto)")
+          "What is seen where scratches cross: the light of both (add), the one carved last, the deepest, or whichever "
+          "fits the photos (auto)")
       ->check(CLI::IsMember({"auto", "add", "last", "deepest"}));
   command->add_flag("--keep-lamp", options->keep_lamp, "Believe the lamp positions of bench.json");
   const auto* hold_out =
@@ -156,7 +155,7 @@ void add_refine_command(CLI::App& burin) {
     }
     all.put();
     bar.clear();
-    for (const Finding& finding : result.findings) note(sentence(finding));
+    for (const Finding& finding : result.findings) note(finding);
     print_result(result, board);
     if (!held.pixels.empty()) fmt::print("{}", pixels_in_words(held.pixels));
     const std::string bench = options->bench.string();

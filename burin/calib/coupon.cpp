@@ -14,6 +14,7 @@
 #include "burin/calib/refine.h"
 #include "burin/calib/verdict/camera_place.h"
 #include "burin/calib/verdict/refine_result.h"
+#include "burin/render/degrees.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/groove.h"
@@ -26,7 +27,6 @@ using Eigen::Index;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kDetermined = 0.2, kWeakly = 0.6;  // sigmas of a depth or roughness, relative
 constexpr double kBeyond = 1;                       // the same for photos beyond it, where little light is left
 constexpr double kReach = 1.5;  // roughnesses about the steepest wall within which a photo tells the depth
@@ -183,9 +183,9 @@ TravelReading travel_of(const Vector2d& along, const Eigen::Matrix2d& covariance
   const Vector2d u = along.norm() > 0 ? Vector2d(along.normalized()) : Vector2d(1, 0);
   const double worst = 2 * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
   out.sigma = 2 * std::sqrt(u.dot(covariance * u));
-  out.towards_deg = kDegrees * std::atan2(u.y(), u.x());
+  out.towards_deg = kRadian_deg * std::atan2(u.y(), u.x());
   const Vector2d across(-u.y(), u.x());
-  if (along.norm() > 0) out.towards_sigma_deg = kDegrees * std::sqrt(across.dot(covariance * across)) / along.norm();
+  if (along.norm() > 0) out.towards_sigma_deg = kRadian_deg * std::sqrt(across.dot(covariance * across)) / along.norm();
   constexpr double kTells = 0.1, kChance = 9.21;  // chi^2 of two degrees of freedom, 1 %
   out.known = worst < kTells;
   out.seen = out.known && along.dot(covariance.inverse() * along) > kChance;
@@ -276,7 +276,7 @@ void fill_reading(const Rounds& run, const Eigen::MatrixXd& covariance, CouponRe
 void judge_cells(const Rounds& run, CouponReading& out) {
   const Coupon& coupon = *run.problem.coupon;
   const auto degrees = [](double low, double high) {
-    const std::string a = significant(kDegrees * low, 2), b = significant(kDegrees * high, 2);
+    const std::string a = significant(kRadian_deg * low, 2), b = significant(kRadian_deg * high, 2);
     return (a == b ? a : a + " to " + b) + " degrees";
   };
   for (const bool of_depth : {true, false})
@@ -332,7 +332,7 @@ void judge_cells(const Rounds& run, CouponReading& out) {
 // Photos that could not serve, and why.
 void judge_photos(const Rounds& run, CouponReading& out) {
   const std::vector<std::vector<FanInPhoto>> seen = fans_in_photos(run);
-  constexpr double kMirror = 9 / kDegrees, kClipped = 0.01;
+  constexpr double kMirror = 9 / kRadian_deg, kClipped = 0.01;
   for (std::size_t k = 0; k < run.problem.data.photos.size(); ++k) {
     const std::string& view = run.bench.views[run.problem.data.photos[k].photo.view].name;
     double lean = 0;

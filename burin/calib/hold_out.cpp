@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <set>
@@ -51,7 +52,7 @@ std::vector<std::vector<std::string>> hold_out_folds(const std::string& wanted, 
     into_folds(views.size());
   } else if (is_number(wanted)) {
     double number = 0;
-    std::istringstream(wanted) >> number;
+    std::from_chars(wanted.data(), wanted.data() + wanted.size(), number);
     if (number > 0 && number < 1) {
       const auto count =
           std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(number * static_cast<double>(views.size()))));

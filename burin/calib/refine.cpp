@@ -185,18 +185,15 @@ void RefineRun::choose_crossings() {
   data.model.crossings = options.crossings.value_or(Crossings::add);
   if (!options.crossings) {
     weigh_photos(data, state);
-    constexpr std::array<std::pair<Crossings, const char*>, 3> kRules{
-        {{Crossings::add, "crossing scratches as a sum"},
-         {Crossings::last, "crossing scratches, the last one rules"},
-         {Crossings::deepest, "crossing scratches, the lower surface is left"}}};
     const State before = state;
     Crossings best = Crossings::add;
     double best_cost = 0;
-    for (const auto& [rule, name] : kRules) {
+    for (const auto& [rule, name] : kCrossingsNames) {
       data.model.crossings = rule;
       State trial = before;
-      const double cost = solve(data, stage, 2, 1e-4, trial, progress, name);
-      if (rule != kRules.front().first && !(cost < best_cost)) continue;
+      const double cost =
+          solve(data, stage, 2, 1e-4, trial, progress, "crossing scratches, " + std::string(in_words(rule)));
+      if (rule != best && !(cost < best_cost)) continue;
       best = rule;
       best_cost = cost;
       state = trial;

@@ -13,6 +13,7 @@
 #include "burin/capture/preflight.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/limits.h"
@@ -99,10 +100,10 @@ bool joins_by_picture(const std::vector<ExifPhoto>& photos, const std::vector<st
   if (!same) return timed && gap_s <= kBurst_s;
   if (same->correlation < kSameDetails) return false;
   if (same->shift_px <= kSamePlace_px) return true;
-  char text[160];
-  std::snprintf(text, sizeof text, "shows the same as %s, but %.1f px aside: it became a view of its own",
-                photos[k].first.file.filename().string().c_str(), same->shift_px);
-  findings.push_back({warning, photo.file, text, "use a tripod and a remote release for brackets"});
+  findings.push_back({warning, photo.file,
+                      "shows the same as " + photos[k].first.file.filename().string() + ", but " +
+                          fixed(same->shift_px, 1) + " px aside: it became a view of its own",
+                      "use a tripod and a remote release for brackets"});
   return false;
 }
 
@@ -141,13 +142,11 @@ std::vector<std::size_t> views_of(const std::vector<ExifPhoto>& photos,
       const std::string &before = photos[views[v - 1].back()].first.light, &now = photos[views[v].front()].first.light;
       const auto px = before == now ? std::nullopt : moved_px(views[v - 1], views[v]);
       joins = px && *px <= kSamePlace_px;
-      if (px && !joins && *px <= kTouched_px) {
-        char text[160];
-        std::snprintf(text, sizeof text,
-                      "lies %.1f px aside of the photos under the lamp before: it became a view of its own", *px);
-        findings.push_back({warning, photos[views[v].front()].first.file, text,
-                            "use a tripod, and change lamps without touching the camera"});
-      }
+      if (px && !joins && *px <= kTouched_px)
+        findings.push_back(
+            {warning, photos[views[v].front()].first.file,
+             "lies " + fixed(*px, 1) + " px aside of the photos under the lamp before: it became a view of its own",
+             "use a tripod, and change lamps without touching the camera"});
     }
     if (v > 0 && !joins) ++count;
     for (const std::size_t i : views[v]) out[i] = count;

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "burin/capture/photo.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -38,11 +38,7 @@ std::vector<std::uint8_t> clear_of_clipping(const LinearPhoto& photo) {
 // Variance of the bulk: about the median, outliers cut at 3.5 sigma. The first sigma comes from the quartiles, which
 // quantized values can make zero; `floor` keeps it alive.
 double bulk_variance(std::vector<float>& values, double floor) {
-  const auto quantile = [&](double q) {
-    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), nth, values.end());
-    return static_cast<double>(*nth);
-  };
+  const auto quantile = [&](double q) { return static_cast<double>(quantile_in_place(values, q)); };
   const double low = quantile(0.25), high = quantile(0.75);
   double center = quantile(0.5), sigma = std::max((high - low) / 1.349, floor);
   double variance = 0;
@@ -168,6 +164,7 @@ std::vector<NoiseSample> noise_within(const LinearPhoto& photo) {
       std::vector<float>& list = variances[bin];
       if (list.size() < 20) continue;
       const double v = sum_v[bin] / static_cast<double>(list.size());
+      // With n / 10 below it: quantile_in_place(list, 0.1) counts from n - 1, and takes the one before where n is 20.
       const auto nth = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 10);
       std::nth_element(list.begin(), nth, list.end());
       const double step = linear_step(photo.stored, v);

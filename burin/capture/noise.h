@@ -16,21 +16,9 @@
 #include <span>
 #include <vector>
 
-#include "burin/render/image.h"
+#include "burin/capture/linear_photo.h"
 
 namespace burin {
-
-struct LinearPhoto;
-
-/// How a file kept its values.
-struct StoredAs {
-  double step = 0;     ///< one stored level, in units of the full range; 0 for floating-point files
-  bool srgb = false;   ///< levels lie along the sRGB curve
-  bool lossy = false;  ///< JPEG
-  /// Where a response of its own (burin/render/response.h) bends that curve: linear widths of one level at the squares
-  /// of i / (size - 1). Empty: it does not.
-  std::vector<float> bent_steps;
-};
 
 /// Linear width of one stored level around the linear value `v`.
 double linear_step(const StoredAs& stored, double v);

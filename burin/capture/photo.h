@@ -10,19 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "burin/capture/linear_photo.h"
 #include "burin/capture/noise.h"
 #include "burin/capture/session.h"
 #include "burin/render/image.h"
 
 namespace burin {
-
-/// A photo, linear, 1 being the white level; 1 or 3 channels.
-struct LinearPhoto {
-  Image value;
-  std::vector<std::uint8_t>
-      clipped;      ///< width * height: 1 where any channel is at (or near) the white level or unusable
-  StoredAs stored;  ///< how finely the file kept the values
-};
 
 /// Reads PNG, TIFF, JPEG, EXR and raw files. `photo.encoding` says how stored values become linear.
 /// Raw: linear, no tone curve, no white balance, no color matrix, black level removed, color mosaic filled in

@@ -2,25 +2,16 @@
 // know.
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "burin/capture/session.h"
+#include "burin/capture/tags/seen_tag.h"
 #include "burin/render/board.h"
 #include "burin/render/image.h"
 
 namespace burin {
-
-/// A tag as pre-flight sees it.
-struct TagLook {
-  int id = 0;
-  std::array<Eigen::Vector2d, 4> corner_px;  ///< AprilTag's (0.04 px), in TagDetection's order
-  double white = 0;                          ///< median linear value of its white cells
-  double clipped_fraction = 0;               ///< of its white cells' centers
-};
 
 /// What the pre-flight looks at in one photo.
 struct PhotoLook {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <string>
 #include <tuple>
@@ -14,6 +13,7 @@
 #include "burin/capture/tags/tag_coverage.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/median.h"
 
 namespace burin {
@@ -38,12 +38,9 @@ constexpr double kTiltForFocal_deg =
 constexpr double kWrongSize = 0.08;       // print, lens and bow account for a few per cent of a tag's side
 constexpr double kPaperBrightness = 1.4;  // between views, at one tag: lens and paper may account for as much
 
-template <typename... Args>
-std::string text(const char* format, Args... args) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, format, args...);
-  return buffer;
-}
+std::string pixels_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
+
+std::string percent(double share) { return fixed(100 * share, 0) + " %"; }
 
 void judge_files(const Session& session, std::span<const Exif> exif, std::vector<Finding>& findings) {
   int turned = 0;
@@ -80,22 +77,24 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
     const auto& file = session.photos[i].file;
     if (e.turned_deg != usually_turned)
       findings.push_back({error, file,
-                          text("was turned by %d degrees by the phone, others by %d: one lens cannot explain both",
-                               e.turned_deg, usually_turned),
+                          "was turned by " + std::to_string(e.turned_deg) + " degrees by the phone, others by " +
+                              std::to_string(usually_turned) + ": one lens cannot explain both",
                           "hold the phone the same way for all photos, or set it to save JPEG (\"most compatible\")"});
     else if (e.width == usual.second && e.height == usual.first && e.width != e.height)
       findings.push_back({error, file,
-                          text("is %d x %d pixels where others are %d x %d: it was rotated", e.width, e.height,
-                               usual.first, usual.second),
+                          "is " + pixels_text(e.width, e.height) + " pixels where others are " +
+                              pixels_text(usual.first, usual.second) + ": it was rotated",
                           "copy it from the camera again without \"auto-rotate\""});
     else if (e.width != usual.first || e.height != usual.second)
+      findings.push_back({error, file,
+                          "is " + pixels_text(e.width, e.height) + " pixels where others are " +
+                              pixels_text(usual.first, usual.second),
+                          "use photos of one camera, uncropped and at one size"});
+    if (e.focal_mm && std::abs(*e.focal_mm / focal - 1) > 0.01)
       findings.push_back(
           {error, file,
-           text("is %d x %d pixels where others are %d x %d", e.width, e.height, usual.first, usual.second),
-           "use photos of one camera, uncropped and at one size"});
-    if (e.focal_mm && std::abs(*e.focal_mm / focal - 1) > 0.01)
-      findings.push_back({error, file, text("was taken at %.4g mm focal length, others at %.4g mm", *e.focal_mm, focal),
-                          "leave the zoom alone during a session: take this photo again, or leave it out"});
+           "was taken at " + general(*e.focal_mm, 4) + " mm focal length, others at " + general(focal, 4) + " mm",
+           "leave the zoom alone during a session: take this photo again, or leave it out"});
     if (!e.model.empty() && std::pair(e.make, e.model) != camera)
       findings.push_back(
           {error, file,
@@ -103,8 +102,8 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
            "use one camera for a session"});
     if (session.photos[i].f_number != aperture)
       findings.push_back({warning, file,
-                          text("was taken at f/%.3g, others at f/%.3g: vignetting and sharpness differ",
-                               session.photos[i].f_number, aperture),
+                          "was taken at f/" + general(session.photos[i].f_number, 3) + ", others at f/" +
+                              general(aperture, 3) + ": vignetting and sharpness differ",
                           "set the aperture by hand"});
     turned += e.orientation != 1;
   }
@@ -112,7 +111,7 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
     findings.push_back(
         {note,
          {},
-         text("%d photos carry an EXIF orientation; their pixels are used as the sensor had them", turned),
+         std::to_string(turned) + " photos carry an EXIF orientation; their pixels are used as the sensor had them",
          ""});
 }
 
@@ -135,9 +134,7 @@ bool contradict_alike(std::span<const ComparedPhoto> photos) {
   return std::abs(middle) > std::log1p(kExposureError) && median_of(std::move(off)) < kAlike * std::abs(middle);
 }
 
-std::string how_far(double ratio) {
-  return text("%.0f %% %s", 100 * std::abs(ratio - 1), ratio > 1 ? "brighter" : "darker");
-}
+std::string how_far(double ratio) { return percent(std::abs(ratio - 1)) + (ratio > 1 ? " brighter" : " darker"); }
 
 // Flicker strikes here and there; a camera's tone curve bends the brightness of all views alike.
 void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& compared,
@@ -149,15 +146,16 @@ void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& c
     if (contradict_alike(photos)) {
       std::vector<double> ratios;
       for (const ComparedPhoto& one : photos) ratios.push_back(one.ratio);
-      alike += text("%s%s than their EXIF says where a view's longest exposure is %.3g times as long",
-                    alike.empty() ? "" : ", ", how_far(median_of(ratios)).c_str(), photos.front().times);
+      alike += (alike.empty() ? "" : ", ") + how_far(median_of(ratios)) +
+               " than their EXIF says where a view's longest exposure is " + general(photos.front().times, 3) +
+               " times as long";
       continue;
     }
     for (const ComparedPhoto& one : photos)
       if (std::abs(one.ratio - 1) > kExposureError)
         findings.push_back({warning, session.photos[one.photo].file,
-                            text("is %s than its EXIF and %s say", how_far(one.ratio).c_str(),
-                                 session.photos[one.longest].file.filename().string().c_str()),
+                            "is " + how_far(one.ratio) + " than its EXIF and " +
+                                session.photos[one.longest].file.filename().string() + " say",
                             "switch off flicker, automatic ISO and exposure correction, and use a steady lamp"});
   }
   if (!alike.empty())
@@ -184,32 +182,31 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
                                                          [&](int a, int b) { return factor(a) < factor(b); });
     const PhotoLook &dark = looks[*shortest], &bright = looks[*longest];
     if (dark.clipped_fraction > kMuchClipped)
-      findings.push_back(
-          {warning, session.photos[*shortest].file,
-           text("%.0f %% of view %s (glints, paper or background) is clipped even in its shortest exposure",
-                100 * dark.clipped_fraction, bracket.view.c_str()),
-           "add an exposure 4 to 8 times shorter"});
+      findings.push_back({warning, session.photos[*shortest].file,
+                          percent(dark.clipped_fraction) + " of view " + bracket.view +
+                              " (glints, paper or background) is clipped even in its shortest exposure",
+                          "add an exposure 4 to 8 times shorter"});
     if (bright.bright < kTooDark)
       findings.push_back({warning, session.photos[*longest].file,
-                          text("view %s is dark: its brightest parts reach %.1f %% of white", bracket.view.c_str(),
-                               100 * bright.bright),
+                          "view " + bracket.view + " is dark: its brightest parts reach " +
+                              fixed(100 * bright.bright, 1) + " % of white",
                           "add an exposure 8 times longer"});
     for (const int i : bracket.photos) {
       const PhotoLook& look = looks[i];
       if (look.edge_sigma_px && look.bright > kTooDark && *look.edge_sigma_px > kBlurred_px &&
           *look.edge_sigma_px > kBlurredBesideUsual * usual_edge)
-        findings.push_back(
-            {warning, session.photos[i].file,
-             text("is blurred: its sharpest edges are %.1f px wide, others' %.1f px", *look.edge_sigma_px, usual_edge),
-             "focus once by hand, use a tripod, and take it again"});
+        findings.push_back({warning, session.photos[i].file,
+                            "is blurred: its sharpest edges are " + fixed(*look.edge_sigma_px, 1) +
+                                " px wide, others' " + fixed(usual_edge, 1) + " px",
+                            "focus once by hand, use a tripod, and take it again"});
       if (i == *longest) continue;
       const auto same = compare(bright, factor(*longest), look, factor(i));
       if (!same) continue;
       compared.push_back({i, *longest, factor(*longest) / factor(i), same->ratio});
       if (same->shift_px > kMoved_px)
         findings.push_back({warning, session.photos[i].file,
-                            text("lies %.1f px aside of %s of the same view", same->shift_px,
-                                 session.photos[*longest].file.filename().string().c_str()),
+                            "lies " + fixed(same->shift_px, 1) + " px aside of " +
+                                session.photos[*longest].file.filename().string() + " of the same view",
                             "use a tripod and a remote release for brackets"});
     }
   }
@@ -217,7 +214,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
   if (usual_edge > kBlurred_px)
     findings.push_back({warning,
                         {},
-                        text("all photos are soft: the sharpest edges are %.1f px wide", usual_edge),
+                        "all photos are soft: the sharpest edges are " + fixed(usual_edge, 1) + " px wide",
                         "focus on the board's face, close the aperture to f/8, use a tripod"});
   std::vector<std::string> views;
   for (const Photo& photo : session.photos)
@@ -226,7 +223,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
     findings.push_back(
         {warning,
          {},
-         text("there are photos from %d place%s only", static_cast<int>(views.size()), views.size() == 1 ? "" : "s"),
+         "there are photos from " + std::to_string(views.size()) + (views.size() == 1 ? " place only" : " places only"),
          "photograph the board from eight to twelve places, tilted, near and away from the mirror side"});
 }
 
@@ -254,12 +251,11 @@ Finding wrong_size(double ratio, const TagSet& tags) {
   return {
       error,
       {},
-      text("tags are %.2f times as wide as size_mm says, measured between their centers: about %.2f mm where tag %d "
-           "has %.2f%s",
-           ratio, ratio * first.size_mm, first.id, first.size_mm, meant.c_str()),
-      text("correct size_mm in board.json: the side of the square whose corners AprilTag reports, measured on the "
-           "board, %.2f of the paper's width; or correct center_mm",
-           1 / times)};
+      "tags are " + fixed(ratio, 2) + " times as wide as size_mm says, measured between their centers: about " +
+          fixed(ratio * first.size_mm, 2) + " mm where tag " + std::to_string(first.id) + " has " +
+          fixed(first.size_mm, 2) + meant,
+      "correct size_mm in board.json: the side of the square whose corners AprilTag reports, measured on the board, " +
+          fixed(1 / times, 2) + " of the paper's width; or correct center_mm"};
 }
 
 void judge_tags(const Session& session, std::span<const PhotoLook> looks, const TagSet& tags,
@@ -302,23 +298,22 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
     double lost = 0;
     for (const TagLook& tag : best[b]->tags) lost += tag.clipped_fraction / static_cast<double>(view.tags);
     if (view.tags < std::min(kFewTagsInView, static_cast<int>(tags.list.size())))
-      findings.push_back(
-          {warning, file,
-           text("view %s shows %d of the board's %d tags", name.c_str(), view.tags, static_cast<int>(tags.list.size())),
-           "keep the whole board in the photo, sharp and evenly lit, or leave the photo out"});
+      findings.push_back({warning, file,
+                          "view " + name + " shows " + std::to_string(view.tags) + " of the board's " +
+                              std::to_string(tags.list.size()) + " tags",
+                          "keep the whole board in the photo, sharp and evenly lit, or leave the photo out"});
     else if (view.side_px < kSmallTagInView_px)
-      findings.push_back({warning, file, text("the tags of view %s are %.0f pixels wide", name.c_str(), view.side_px),
+      findings.push_back({warning, file, "the tags of view " + name + " are " + fixed(view.side_px, 0) + " pixels wide",
                           "go closer, so that the board fills the frame, or print larger tags (40 pixels are good)"});
     if (lost > kPaperClipped)
-      findings.push_back({warning, file,
-                          text("the tags' white paper is clipped in every exposure of view %s", name.c_str()),
+      findings.push_back({warning, file, "the tags' white paper is clipped in every exposure of view " + name,
                           "add an exposure 4 times shorter: clipped tags cannot be measured"});
     const double moved = view.own_focal_px / std::max(coverage.focal_px, 1.0);
     // Only where the board is tilted does a photo tell its focal length.
     if (view.normal && view.tilt_deg > kTiltForFocal_deg && coverage.direction_deg > kOneDirection_deg &&
         view.error_px > 0.001 * best[b]->width && view.error_px > 3 * usual_error &&
         view.own_error_px < 0.5 * view.error_px && std::abs(moved - 1) > 0.05)
-      findings.push_back({warning, file, text("its tags fit a focal length %.2f times that of the others", moved),
+      findings.push_back({warning, file, "its tags fit a focal length " + fixed(moved, 2) + " times that of the others",
                           "leave zoom and focus alone during a session: take it again, or leave it out"});
     std::vector<double> ratios;
     for (const TagLook& tag : best[b]->tags) {
@@ -330,7 +325,8 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
     if (ratios.size() >= 3 && std::max(ratio, 1 / ratio) > kPaperBrightness)
       findings.push_back(
           {warning, file,
-           text("its paper is %.1f times as bright as in the other views at the exposure that its EXIF tells", ratio),
+           "its paper is " + fixed(ratio, 1) +
+               " times as bright as in the other views at the exposure that its EXIF tells",
            "correct exposure_s, iso or f_number in session.json, or give the photo a light of its own there if the "
            "lamp "
            "was moved or dimmed"});
@@ -340,13 +336,13 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
   if (coverage.frame_share < kLittleOfFrame)
     findings.push_back({warning,
                         {},
-                        text("the tags reach over %.0f %% of the frame only", 100 * coverage.frame_share),
+                        "the tags reach over " + percent(coverage.frame_share) + " of the frame only",
                         "let the board fill the frame, and move it into the corners of some photos"});
   if (brackets.size() > 1 && coverage.direction_deg < kOneDirection_deg)
     findings.push_back(
         {warning,
          {},
-         text("all photos see the board from nearly one direction, within %.0f degrees", coverage.direction_deg),
+         "all photos see the board from nearly one direction, within " + fixed(coverage.direction_deg, 0) + " degrees",
          "photograph it from the left, the right, above and below, tilted by 30 to 45 degrees"});
 }
 

@@ -1,8 +1,7 @@
 // burin/optimize/machine_measured.h - what a coupon told of a machine (burin coupon): the object "measured" of a
-// burin/machine file, and how it comes into one. docs/file-formats.md, "A carving machine".
+// burin/machine file, and the depth table that follows. docs/file-formats.md, "A carving machine".
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,11 +41,5 @@ struct MachineMeasured {
 /// with the command, within two sigmas, are taken together; empty where fewer than two rows are left, or where depths
 /// fall beyond that: such a machine has no table.
 DepthTable measured_table(const MachineMeasured& measured);
-
-/// Writes `machine` (a built-in name or a file) with what was measured, and the depth table that follows, to `out`, a
-/// JSON file; atomically, and read again before it counts. Where `out` is the machine's own file, what it was is kept
-/// beside it, and that file's path returned. Throws Error for an `out` that is something else's, or no .json.
-std::optional<std::filesystem::path> write_measured_machine(const std::string& machine, const MachineMeasured& measured,
-                                                            const std::filesystem::path& out);
 
 }  // namespace burin

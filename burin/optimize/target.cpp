@@ -2,16 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "burin/render/degrees.h"
 #include "burin/render/error.h"
 #include "burin/render/linear_picture.h"
 
 namespace burin {
 namespace {
-
-constexpr double kRadiansADegree = std::numbers::pi / 180;
 
 // An image in memory as light. `name` is what errors call it.
 Image linear_picture(const Image& in_memory, const std::string& name) {
@@ -65,7 +63,7 @@ float sample(const Image& image, double x, double y, float outside) {
 // A picture (linear) laid on the area's grid. `scale_used`: grid pixels a picture pixel became.
 Image lay_on_area(const Image& picture, double rotation_deg, const TargetSpec& spec, const Eigen::Vector2d& area_mm,
                   int width, int height, float outside, double& scale_used) {
-  const double c = std::cos(rotation_deg * kRadiansADegree), s = std::sin(rotation_deg * kRadiansADegree);
+  const double c = std::cos(rotation_deg * kDegree_rad), s = std::sin(rotation_deg * kDegree_rad);
   const LaidPicture laid =
       laid_picture(picture.width, picture.height, spec.fit, spec.keep.value_or(Keep::middle), rotation_deg, area_mm);
   const double mm = laid.mm_per_px;
@@ -100,8 +98,7 @@ Image lay_on_area(const Image& picture, double rotation_deg, const TargetSpec& s
 std::string cropped(const std::string& where, const Image& picture, const TargetSpec& spec, double rotation_deg,
                     const Eigen::Vector2d& area_mm) {
   if (spec.fit != Fit::cover || spec.keep) return "";
-  const double c = std::abs(std::cos(rotation_deg * kRadiansADegree)),
-               s = std::abs(std::sin(rotation_deg * kRadiansADegree));
+  const double c = std::abs(std::cos(rotation_deg * kDegree_rad)), s = std::abs(std::sin(rotation_deg * kDegree_rad));
   const LaidPicture laid =
       laid_picture(picture.width, picture.height, spec.fit, spec.keep.value_or(Keep::middle), rotation_deg, area_mm);
   const double width_lost = laid.width_lost, height_lost = laid.height_lost;
@@ -120,8 +117,7 @@ std::string cropped(const std::string& where, const Image& picture, const Target
 
 LaidPicture laid_picture(int width, int height, Fit fit, Keep keep, double rotation_deg,
                          const Eigen::Vector2d& area_mm) {
-  const double c = std::abs(std::cos(rotation_deg * kRadiansADegree)),
-               s = std::abs(std::sin(rotation_deg * kRadiansADegree));
+  const double c = std::abs(std::cos(rotation_deg * kDegree_rad)), s = std::abs(std::sin(rotation_deg * kDegree_rad));
   // The turned area's bounding box in the picture's axes decides the size, in mm a picture pixel.
   const double box_x = c * area_mm.x() + s * area_mm.y(), box_y = s * area_mm.x() + c * area_mm.y();
   // "contain" wants the turned picture inside the area: the same with the roles exchanged.
@@ -223,7 +219,7 @@ double viewer_rotation_deg(const View& view, const Eigen::Vector2d& p_board_mm) 
   if (!(std::abs(side) > 1e-9 * p.squaredNorm()))
     fail("view " + view.name, "looks along the board's face", "move the camera above the board");
   const Eigen::Vector2d up = duv_dxy.inverse() * Eigen::Vector2d(0, -1);
-  return std::atan2(-up.x(), up.y()) / kRadiansADegree;
+  return std::atan2(-up.x(), up.y()) / kDegree_rad;
 }
 
 Image within_contrast(const Image& target, const Image& floor) {

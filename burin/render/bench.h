@@ -5,7 +5,6 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,9 +14,10 @@
 #include "burin/render/crossings.h"
 #include "burin/render/finding.h"
 #include "burin/render/groove_field.h"
-#include "burin/render/lamp_size.h"
 #include "burin/render/lens.h"
+#include "burin/render/light.h"
 #include "burin/render/machine_errors.h"
+#include "burin/render/material.h"
 #include "burin/render/misfit.h"
 #include "burin/render/sensor.h"
 #include "burin/render/verdict.h"
@@ -34,31 +34,6 @@ struct View {
   /// Set as long as a file says only where the eye is and the board was not looked at: T_camera_board then has the
   /// center alone (burin/render/bench_of_board.h, aim_views).
   std::optional<double> roll_to_middle_deg;
-};
-
-struct FarLight;
-
-/// A near lamp: a point with color, or an area, and a direction and fall-off when it is a spot (docs/model.md 5.5):
-/// I(w) = intensity * max(0, axis . (-wi))^falloff_exponent, with exponent 0 for a bare lamp. With `far`: the sun, or
-/// surroundings (burin/render/far_light.h). With `also`: several lights that shine at once, this one among them.
-struct Light {
-  std::string id = "lamp";
-  Eigen::Vector3d position_mm{0, 0, 0};
-  std::optional<Eigen::Vector3d> position_sigma_mm;
-  Eigen::Vector3d intensity{1, 1, 1};  ///< radiant intensity, R G B; with Sensor::gain = 1 when it was measured
-  std::optional<Eigen::Vector3d> intensity_sigma;
-  Eigen::Vector3d axis{0, 0, -1};  ///< unit, from the lamp
-  double falloff_exponent = 0;
-  std::optional<double> falloff_exponent_sigma;
-  LampSize size;  ///< its area across the axis; position_mm is its middle
-  /// The sun or surroundings: then position_mm is a place far away in the direction that most light comes from, and
-  /// intensity the sun's irradiance, or a factor on the surroundings' radiance. Null for a near lamp.
-  std::shared_ptr<const FarLight> far;
-  std::vector<Light> also;  ///< lights that shine beside this one (which have none of their own)
-
-  bool is_near() const { return far == nullptr; }
-  /// One near lamp and nothing else: what photos can measure.
-  bool is_lamp() const { return far == nullptr && also.empty(); }
 };
 
 /// Standard deviations of Material's numbers; empty for those that were not measured.

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 
+#include "burin/render/degrees.h"
 #include "burin/render/files/decimals.h"
 
 namespace burin {
@@ -13,7 +14,6 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kRadian = std::numbers::pi / 180;
 // Of a full tube: edges that all but meet leave no one a way to look in, and the frame 1.1 of the face is singular
 // where its normal has turned round.
 constexpr double kMostOfTube = 0.95;
@@ -58,7 +58,7 @@ Parts along_ray(const Parts& origin, const Parts& direction, double lambda) {
 Cylinder cylinder_of(const Bend& bend, const Vector2d& size_mm, const Vector2d& moved_mm) {
   Cylinder c;
   c.size_mm = size_mm;
-  const double rim = rim_mm(size_mm), axis = bend.axis_deg * kRadian + moved_mm[1] / rim;
+  const double rim = rim_mm(size_mm), axis = bend.axis_deg * kDegree_rad + moved_mm[1] / rim;
   c.along = {std::cos(axis), std::sin(axis)};
   c.across = {-c.along.y(), c.along.x()};
   c.curvature = 1 / bend.radius_mm - 2 * moved_mm[0] / (rim * rim);
@@ -66,7 +66,7 @@ Cylinder cylinder_of(const Bend& bend, const Vector2d& size_mm, const Vector2d& 
 }
 
 Bend bend_of(const Cylinder& c) {
-  double axis = std::atan2(c.along.y(), c.along.x()) / kRadian;
+  double axis = std::atan2(c.along.y(), c.along.x()) / kDegree_rad;
   if (axis < 0) axis += 180;
   return {1 / c.curvature, axis >= 180 ? axis - 180 : axis};
 }
@@ -133,7 +133,7 @@ bool hidden_from(const Cylinder& c, const BentPlace& place, const Vector3d& from
 }
 
 double least_radius_mm(const Vector2d& size_mm, double axis_deg) {
-  const double axis = axis_deg * kRadian;
+  const double axis = axis_deg * kDegree_rad;
   const double reach = 0.5 * (std::abs(std::sin(axis)) * size_mm.x() + std::abs(std::cos(axis)) * size_mm.y());
   return reach / (kMostOfTube * std::numbers::pi);
 }

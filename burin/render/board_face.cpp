@@ -75,4 +75,12 @@ std::vector<std::uint8_t> hidden_pixels(const FootprintGrid& grid, const BoardFa
   return hidden;
 }
 
+std::vector<std::uint8_t> hidden_on_the_way(const FootprintGrid& grid, const BoardFace& face,
+                                            const Eigen::Vector3d& eye_mm, const Eigen::Vector3d& lamp_mm) {
+  std::vector<std::uint8_t> hidden = hidden_pixels(grid, face, lamp_mm);
+  const std::vector<std::uint8_t> from_eye = hidden_pixels(grid, face, eye_mm);
+  for (std::size_t i = 0; i < hidden.size(); ++i) hidden[i] = hidden[i] || from_eye[i];
+  return hidden;
+}
+
 }  // namespace burin

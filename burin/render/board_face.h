@@ -62,4 +62,9 @@ FootprintGrid board_grid(const Eigen::Vector2d& min_mm, const Eigen::Vector2d& m
 std::vector<std::uint8_t> hidden_pixels(const FootprintGrid& grid, const BoardFace& face,
                                         const Eigen::Vector3d& from_mm);
 
+/// 1 where the face sends no light from the lamp to the eye because it hides itself from either. Empty where it never
+/// does.
+std::vector<std::uint8_t> hidden_on_the_way(const FootprintGrid& grid, const BoardFace& face,
+                                            const Eigen::Vector3d& eye_mm, const Eigen::Vector3d& lamp_mm);
+
 }  // namespace burin

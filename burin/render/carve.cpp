@@ -165,7 +165,6 @@ Carved crossed(Scratches placed, const Bench& bench, const Board& board) {
   out.source = std::move(pieces.source);
   out.begin = std::move(pieces.begin);
   out.end = std::move(pieces.end);
-  out.share = std::move(pieces.share);
   return out;
 }
 
@@ -223,12 +222,12 @@ void pull_back_end(const PieceEnd& end, std::size_t i, const Vector2d& by_q, con
   }
 }
 
-// Depth and width of piece k back to its row. A share s of the half-width w(d) is left: the piece has the depth d' with
+// Depth and width of piece k back to its row. Of the half-width w(d) a share s is left: the piece has the depth d' with
 // w(d') = s w(d), and by lengths alone d' = wt dd'/dwt + d dd'/dd.
 void pull_back_depth(const Carved& carved, std::size_t k, const Scratches& placed, const Bench& bench,
                      const Board& board, const ScratchGradients& by, EndGradients& out) {
   const std::size_t i = carved.source[k];
-  if (carved.share.empty() || carved.share[k] == 1) {
+  if (!carved.scratches.is_narrowed(k)) {
     out.add_depth(i, by.depth_um[k]);
     out.add_width(i, by.width_um[k]);
     return;
@@ -236,7 +235,8 @@ void pull_back_depth(const Carved& carved, std::size_t k, const Scratches& place
   const GrooveProfile& profile = bench.material.profile;
   const double wt = or_shared(placed.width_um, i, board.tool_width_um),
                d = or_shared(placed.depth_um, i, bench.material.depth_um), piece_um = carved.scratches.depth_um[k];
-  const double by_depth = carved.share[k] * half_width_slope(profile, wt, d) / half_width_slope(profile, wt, piece_um);
+  const double by_depth =
+      carved.scratches.left[k] * half_width_slope(profile, wt, d) / half_width_slope(profile, wt, piece_um);
   out.add_depth(i, by.depth_um[k] * by_depth);
   out.add_width(i, by.width_um[k] + by.depth_um[k] * (piece_um - d * by_depth) / wt);
 }

@@ -55,7 +55,6 @@ struct Carved {
   /// Empty: one whole groove for each row, in order.
   std::vector<std::uint32_t> source;
   std::vector<PieceEnd> begin, end;
-  std::vector<double> share;  ///< of the groove's half-width that others leave of each piece; empty: all of it
 
   /// How many there are.
   std::size_t size() const { return scratches.size(); }

@@ -241,8 +241,7 @@ struct Cutting {
       out.pieces.depth_um.push_back(
           level == kSteps ? section.depth_um
                           : depth_at_half_width_um(profile, section.width_um, share * section.half_width_um));
-      out.pieces.rimless.push_back(level == kSteps ? 0 : 1);
-      out.share.push_back(share);
+      out.pieces.left.push_back(share);
     } else if (!carved.depth_um.empty()) {
       out.pieces.depth_um.push_back(carved.depth_um[i]);
     }
@@ -284,16 +283,26 @@ void append_rows(std::vector<T>& to, const std::vector<T>& more) {
 
 void append_pieces(VisiblePieces& to, const VisiblePieces& more) {
   for (const auto column : {&Scratches::x0_mm, &Scratches::y0_mm, &Scratches::x1_mm, &Scratches::y1_mm,
-                            &Scratches::width_um, &Scratches::depth_um, &Scratches::alpha})
+                            &Scratches::width_um, &Scratches::depth_um, &Scratches::alpha, &Scratches::left})
     append_rows(to.pieces.*column, more.pieces.*column);
-  append_rows(to.pieces.rimless, more.pieces.rimless);
   append_rows(to.source, more.source);
   append_rows(to.begin, more.begin);
   append_rows(to.end, more.end);
-  append_rows(to.share, more.share);
 }
 
 }  // namespace
+
+std::string_view in_words(Crossings crossings) {
+  switch (crossings) {
+    case Crossings::add:
+      return "their light adds";
+    case Crossings::last:
+      return "the one carved last is seen";
+    case Crossings::deepest:
+      return "the lower surface is seen";
+  }
+  return {};
+}
 
 VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
                              const GrooveProfile& profile, Crossings rule) {

@@ -23,6 +23,9 @@ namespace burin {
 /// surface of all is.
 enum class Crossings { add, last, deepest };
 
+/// "the lower surface is seen"
+std::string_view in_words(Crossings crossings);
+
 /// As files and options name them.
 inline constexpr std::array<std::pair<Crossings, std::string_view>, 3> kCrossingsNames{
     {{Crossings::add, "add"}, {Crossings::last, "last"}, {Crossings::deepest, "deepest"}}};
@@ -43,11 +46,10 @@ struct PieceEnd {
 /// The pieces of scratches that others leave, in carving order.
 struct VisiblePieces {
   /// Width, depth and alpha are those of the source where it carries them; what is left of a groove that others
-  /// narrow has the depth that makes it as wide, and is marked `rimless`.
+  /// narrow has the depth that makes it as wide (`left` says how much that is).
   Scratches pieces;
   std::vector<std::uint32_t> source;  ///< the row that each is a piece of
   std::vector<PieceEnd> begin, end;   ///< of each
-  std::vector<double> share;          ///< of the source's half-width that is left; empty: whole grooves
 };
 
 /// Cuts scratches by all later ones (Crossings::last), or by all others (Crossings::deepest). Widths and depths come

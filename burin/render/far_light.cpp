@@ -5,7 +5,6 @@
 #include <numbers>
 #include <string>
 
-#include "burin/render/bench.h"
 #include "burin/render/error.h"
 
 namespace burin {

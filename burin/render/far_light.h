@@ -7,10 +7,9 @@
 #include <memory>
 
 #include "burin/render/image.h"
+#include "burin/render/light.h"
 
 namespace burin {
-
-struct Light;
 
 /// How a latitude-longitude picture lies about the board. Its rows run from the direction `up` (row 0) to the opposite
 /// one. `board`: up is +z, straight out of the face, and columns run by azimuth from +x counter-clockwise. `inside`:

@@ -38,6 +38,9 @@ void write_picture(const Image& image, const std::filesystem::path& file, int pn
 /// Rec. 709 luminance of three channels (0.2126 R + 0.7152 G + 0.0722 B); one channel is returned as it is.
 Image luminance(const Image& image);
 
+/// The same of one pixel's R, G, B.
+inline float luminance_of(const float* rgb) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
+
 /// Area-averaging (down) or bilinear (up) resize.
 Image resized(const Image& image, int width, int height);
 

@@ -4,8 +4,6 @@
 #include <numbers>
 #include <utility>
 
-#include "burin/render/bench.h"
-
 namespace burin {
 
 Eigen::Matrix<double, 3, 2> across_axis(const Eigen::Vector3d& axis, double turn_deg) {
@@ -64,11 +62,6 @@ std::vector<LampPoint> lamp_points(const Light& light) {
     for (const Node& y : nodes_of_side(is_large(half.y())))
       out.push_back({across * Eigen::Vector2d(half.x() * x.at, half.y() * y.at), x.share * y.share});
   return out;
-}
-
-double equivalent_disk_mm(const LampSize& size) {
-  // A disk's points scatter by radius^2 / 4 along each direction, a panel's by side^2 / 12.
-  return size.disk_mm > 0 ? size.disk_mm : std::sqrt(size.panel_mm.squaredNorm() / 6);
 }
 
 }  // namespace burin

@@ -7,23 +7,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <vector>
 
+#include "burin/render/light.h"
+
 namespace burin {
-
-struct Light;
-
-/// The area of a lamp, across its axis: nothing (a point), a disk, or a panel. At most one of the two is given.
-struct LampSize {
-  double disk_mm = 0;  ///< the disk's radius
-  /// The panel's two sides, the first along the board's x before it is turned by `turn_deg` about the lamp's axis.
-  Eigen::Vector2d panel_mm{0, 0};
-  double turn_deg = 0;
-  std::optional<double> disk_sigma_mm;  ///< where the radius was measured from photos
-
-  bool is_point() const { return !(disk_mm > 0) && !(panel_mm.maxCoeff() > 0); }
-};
 
 /// One point of a lamp: where it lies from the lamp's middle, and its share of the light (all add up to 1).
 struct LampPoint {
@@ -39,9 +27,5 @@ Eigen::Matrix<double, 3, 2> across_axis(const Eigen::Vector3d& axis, double turn
 /// runs to the plane of the board: one for a point lamp, four for a disk (right for polynomials of the third degree),
 /// Gauss and Legendre's two for each half side of a panel. Above: seven (Radon's, of the fifth degree), and three.
 std::vector<LampPoint> lamp_points(const Light& light);
-
-/// The radius of the disk whose points scatter as much about its middle as the panel's do, root mean square over
-/// directions: what a disk that is fitted to a panel's photos comes to.
-double equivalent_disk_mm(const LampSize& size);
 
 }  // namespace burin

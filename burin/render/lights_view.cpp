@@ -15,7 +15,7 @@ namespace {
 
 double wider_alpha(double alpha, double wider) { return std::min(1.0, std::sqrt(alpha * alpha + wider)); }
 
-// Renderers of several lamps are kept up to so much; beyond it they are made anew each time.
+// Views of several lamps are kept up to so much; beyond it they are made anew each time.
 constexpr std::size_t kMostKept_bytes = 400'000'000;
 
 // What hides the k-th of `count` lights: the scene's flags, which follow one another light by light. One picture's
@@ -95,32 +95,32 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
   const std::size_t bytes = lamps_.size() * static_cast<std::size_t>(width_) * height_ * (21 + 4 * options.channels);
   if (lamps_.size() > 1 && (exact || bytes > kMostKept_bytes)) return;
   for (Lamp& lamp : lamps_) {
-    lamp.renderer = std::make_unique<ViewRenderer>(std::move(lamp.scene), options_, workspace_);
+    lamp.view = std::make_unique<LampView>(std::move(lamp.scene), options_, workspace_);
     lamp.scene = {};
   }
 }
 
-ViewRenderer& LightsView::renderer_of(const Lamp& lamp, std::optional<ViewRenderer>& made) const {
-  if (lamp.renderer) return *lamp.renderer;
-  made.emplace(lamp.scene, options_, workspace_);
+LampView& LightsView::view_of(const Lamp& lamp, std::unique_ptr<LampView>& made) const {
+  if (lamp.view) return *lamp.view;
+  made.reset();  // at most one at a time: each is large
+  made = std::make_unique<LampView>(lamp.scene, options_, workspace_);
   return *made;
 }
 
-ViewRenderer& LightsView::with_jacobian(std::size_t k, std::optional<ViewRenderer>& made) const {
+LampView& LightsView::with_jacobian(std::size_t k, std::unique_ptr<LampView>& made) const {
   const Lamp& lamp = lamps_[k];
-  ViewRenderer& renderer = renderer_of(lamp, made);
-  const bool is_kept = lamp.renderer != nullptr && k + 1 == lamps_.size() && surroundings_.empty();
-  if (is_kept && last_has_jacobian_) return renderer;
+  LampView& view = view_of(lamp, made);
+  const bool is_kept = lamp.view != nullptr && k + 1 == lamps_.size() && surroundings_.empty();
+  if (is_kept && last_has_jacobian_) return view;
   Image again;
-  renderer.forward_with_jacobian(under(lamp), again);
+  view.forward(under(lamp), true, again);
   last_has_jacobian_ = is_kept;
-  return renderer;
+  return view;
 }
 
-Carved LightsView::under(const Lamp& lamp) const {
-  Carved out;
-  out.scratches = last_;
-  for (double& alpha : out.scratches.alpha) alpha = wider_alpha(alpha, lamp.wider);
+Scratches LightsView::under(const Lamp& lamp) const {
+  Scratches out = last_;
+  for (double& alpha : out.alpha) alpha = wider_alpha(alpha, lamp.wider);
   return out;
 }
 
@@ -128,16 +128,13 @@ void LightsView::forward(const Scratches& scratches, bool keep_jacobian, Image& 
   last_ = scratches;
   last_has_jacobian_ = keep_jacobian;
   Image sum(width_, height_, options_.channels), one;
-  std::optional<ViewRenderer> made;
+  std::unique_ptr<LampView> made;
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
-    ViewRenderer& renderer = renderer_of(lamps_[k], made);
+    LampView& view = view_of(lamps_[k], made);
     // One workspace holds one Jacobian: that of what comes last.
-    if (keep_jacobian && k + 1 == lamps_.size() && surroundings_.empty())
-      renderer.forward_with_jacobian(under(lamps_[k]), one);
-    else
-      renderer.forward(under(lamps_[k]), one);
+    view.forward(under(lamps_[k]), keep_jacobian && k + 1 == lamps_.size() && surroundings_.empty(), one);
     for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += one.data[i];
-    pair_count_ = renderer.pair_count();
+    pair_count_ = view.pair_count();
   }
   for (const auto& around : surroundings_) {
     around->add_radiance(scratches, keep_jacobian && around == surroundings_.back(), sum);
@@ -159,28 +156,28 @@ void LightsView::narrow(const Lamp& lamp, const ScratchGradients& before, Scratc
 void LightsView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
   for (std::size_t k = surroundings_.size(); k-- > 0;)  // the last one's Jacobian is there still
     surroundings_[k]->backward(dE_dradiance, gradients);
-  std::optional<ViewRenderer> made;
+  std::unique_ptr<LampView> made;
   for (std::size_t k = lamps_.size(); k-- > 0;) {
-    const ViewRenderer& renderer = with_jacobian(k, made);
+    const LampView& view = with_jacobian(k, made);
     if (lamps_[k].wider == 0) {
-      renderer.backward(dE_dradiance, gradients);
+      view.backward(dE_dradiance, gradients);
       continue;
     }
     const ScratchGradients before = gradients;
-    renderer.backward(dE_dradiance, gradients);
+    view.backward(dE_dradiance, gradients);
     narrow(lamps_[k], before, gradients);
   }
 }
 
 void LightsView::add_contributions(std::vector<double>& contribution) const {
-  std::optional<ViewRenderer> made;
+  std::unique_ptr<LampView> made;
   last_has_jacobian_ = false;  // what follows is rendered in its place
   for (const auto& one : surroundings_) one->add_contributions(contribution);
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
-    ViewRenderer& renderer = renderer_of(lamps_[k], made);
+    LampView& view = view_of(lamps_[k], made);
     Image again;
-    renderer.forward(under(lamps_[k]), again);
-    renderer.add_contributions(contribution);
+    view.forward(under(lamps_[k]), false, again);
+    view.add_contributions(contribution);
   }
 }
 

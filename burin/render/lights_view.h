@@ -4,11 +4,14 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <vector>
 
+#include "burin/render/image.h"
+#include "burin/render/lamp_view.h"
+#include "burin/render/scratch_gradients.h"
+#include "burin/render/scratches.h"
 #include "burin/render/surroundings/surroundings_view.h"
-#include "burin/render/view_renderer.h"
+#include "burin/render/view_scene.h"
 
 namespace burin {
 
@@ -27,17 +30,16 @@ class LightsView {
   std::size_t pair_count() const { return pair_count_; }
 
  private:
-  /// A point lamp, or the sun: alpha^2 grows by `wider` under it. `renderer` is kept, or made anew each time of
-  /// `scene`.
+  /// A point lamp, or the sun: alpha^2 grows by `wider` under it. `view` is kept, or made anew each time of `scene`.
   struct Lamp {
     ViewScene scene;
     double wider = 0;
-    std::unique_ptr<ViewRenderer> renderer;
+    std::unique_ptr<LampView> view;
   };
-  ViewRenderer& renderer_of(const Lamp& lamp, std::optional<ViewRenderer>& made) const;
-  /// The renderer of lamp k, in which the last forward()'s Jacobian lies.
-  ViewRenderer& with_jacobian(std::size_t k, std::optional<ViewRenderer>& made) const;
-  Carved under(const Lamp& lamp) const;
+  LampView& view_of(const Lamp& lamp, std::unique_ptr<LampView>& made) const;
+  /// The view of lamp k, in which the last forward()'s Jacobian lies.
+  LampView& with_jacobian(std::size_t k, std::unique_ptr<LampView>& made) const;
+  Scratches under(const Lamp& lamp) const;
   /// What `gradients` got more since `before`, from the wider roughness to the groove's own.
   void narrow(const Lamp& lamp, const ScratchGradients& before, ScratchGradients& gradients) const;
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/render/sensor.h"
+#include "burin/render/blur.h"
 
 namespace burin {
 namespace {

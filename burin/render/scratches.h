@@ -16,15 +16,18 @@ struct Scratches {
   std::vector<double> x0_mm, y0_mm, x1_mm, y1_mm;
   std::vector<double> width_um, depth_um, alpha;
   /// 1 for what is in the metal already, where it lies; 0 for what is still to be carved. Empty: nothing is carved.
+  /// Numbers like the others, so that what goes over all columns needs no case of its own.
   std::vector<double> carved = {};
-  /// 1 for what is left of a groove whose rims another has taken, with any burrs (burin/render/crossings.h). Empty:
-  /// none. Not in files.
-  std::vector<double> rimless = {};
+  /// How much of the groove's half-width others have left; where it is less than 1, they have taken its burrs, too
+  /// (burin/render/crossings.h). Empty: all of it. Not in files.
+  std::vector<double> left = {};
 
   /// How many there are.
   std::size_t size() const { return x0_mm.size(); }
   /// Whether scratch i is in the metal already.
   bool is_carved(std::size_t i) const { return !carved.empty() && carved[i] != 0; }
+  /// Whether others have taken the rims of scratch i.
+  bool is_narrowed(std::size_t i) const { return !left.empty() && left[i] < 1; }
 };
 
 /// Reads `scratches.csv`. Throws Error naming the line for a missing column, a value that is not a finite number,

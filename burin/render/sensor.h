@@ -1,5 +1,5 @@
-// burin/render/sensor.h - from radiance to a photo's values: blur, exposure, vignetting, encoding, each written here
-// and nowhere else. docs/model.md 5.7, 5.8.
+// burin/render/sensor.h - from radiance to a photo's values: blur (blur.h), exposure, vignetting, encoding, each
+// written once and nowhere else. docs/model.md 5.7, 5.8.
 //
 //   value = gain * exposure_factor * vignette(r) * blur(radiance),      1 being the white level.
 //
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/blur.h"
 #include "burin/render/glare.h"
 #include "burin/render/image.h"
 #include "burin/render/response.h"
@@ -49,15 +50,6 @@ T vignette_at(const T* vignette, double radius2) {
 
 /// r^2 of a pixel: squared distance from the image's center ((W - 1) / 2, (H - 1) / 2) over half its diagonal.
 double vignette_radius2(int width, int height, double x_px, double y_px);
-
-/// Weights of a Gaussian on a pixel grid, odd in number, their sum 1. Pixels that are the mean of `bin` x `bin` finer
-/// ones are as wide as the Gaussian or wider: there three taps of its variance say more than a sampled curve. Empty for
-/// a sigma of 0.
-std::vector<float> blur_taps(double psf_sigma_px, int bin = 1);
-
-/// The image through those weights, along rows and columns; beyond the edge it goes on as it ends.
-Image blurred(const Image& image, const std::vector<float>& taps);
-Image blurred(const Image& image, double psf_sigma_px);
 
 /// A linear value from 0 to 1 as it is encoded (raw values are linear).
 float encoded(float linear_value, Encoding encoding);

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "burin/render/error.h"
-#include "burin/render/simd_choice.h"
 
 namespace burin {
 namespace {
@@ -48,18 +47,7 @@ SimdWidth resolved_simd(SimdWidth width) {
   return has_kernel(SimdWidth::avx2) ? SimdWidth::avx2 : SimdWidth::generic;
 }
 
-SimdChoice::SimdChoice(SimdWidth width) : before_(chosen) {
-  if (width != SimdWidth::best) resolved_simd(width);
-  chosen = width;
-}
-
-SimdChoice::~SimdChoice() { chosen = before_; }
-
-std::optional<SimdWidth> simd_named(std::string_view wanted) {
-  for (const SimdWidth width : {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512})
-    if (wanted == name(width)) return width;
-  return std::nullopt;
-}
+SimdWidth replace_best(SimdWidth width) { return chosen.exchange(width); }
 
 int kernel_lanes(SimdWidth width) {
   switch (resolved_simd(width)) {

@@ -15,6 +15,10 @@ bool has_kernel(SimdWidth width);
 /// `best` made concrete. Throws Error for a width that does not run here.
 SimdWidth resolved_simd(SimdWidth width);
 
+/// From now on `best` is this width everywhere in the process (`best`: the widest again). Gives what it was before.
+/// SimdChoice (simd_choice.h) calls it, and takes it back.
+SimdWidth replace_best(SimdWidth width);
+
 /// Floats in one packet of a width.
 int kernel_lanes(SimdWidth width);
 

@@ -29,8 +29,8 @@ std::string halves_in_words(const std::array<double, 4>& n, std::string_view of_
 }
 
 std::string cutoff_in_words(double inside, double outside, bool seen) {
-  const std::string counts = significant(inside, 17) + " half vectors lean a little less and " +
-                             significant(outside, 17) + " a little more than the grooves' steepest wall";
+  std::string counts = significant(inside, 17) + " half vectors lean a little less and " + significant(outside, 17) +
+                       " a little more than the grooves' steepest wall";
   if (seen) return counts;
   return counts + ", so no photo shows where the glints end; photograph the board from " +
          (inside >= outside ? "further to the side" : "nearer to the lamp's mirror image");

@@ -6,8 +6,8 @@
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
-#include "burin/render/fast/fast_view.h"
 #include "burin/render/fast/pairs.h"
+#include "burin/render/lamp_view.h"
 #include "burin/render/lights_view.h"
 
 namespace burin {
@@ -15,58 +15,27 @@ namespace burin {
 struct ViewRenderer::State {
   RenderOptions options;
   int width = 0, height = 0;
-  double tool_width_um = 0;  // shared
-  Material material;
   std::size_t scratch_count = 0;
-
-  std::unique_ptr<FastView> fast;
-  struct Exact {
-    ViewScene scene;
-    PixelIndex index;
-    ViewPixels pixels;
-    ExactView view;
-
-    Exact(ViewScene s, const RenderOptions& options)
-        : scene(std::move(s)),
-          index(*scene.grid),
-          pixels(view_pixels(scene, options.channels)),
-          view(scene, pixels,
-               options.light_along_grooves && !options.use_double ? ExactView::BandLightBy::knots
-                                                                  : ExactView::BandLightBy::pixel) {}
-  };
-  std::unique_ptr<Exact> exact;
-  std::unique_ptr<LightsView> lights;  // of all that is no lone point lamp: then neither of both
+  std::unique_ptr<LampView> lamp;      // of a lone point lamp
+  std::unique_ptr<LightsView> lights;  // of all else
 
   State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderWorkspace> workspace) : options(o) {
     check_view(scene, options.channels);
     width = scene.grid->width();
     height = scene.grid->height();
-    tool_width_um = scene.tool_width_um;
-    material = scene.material;
-    // The float path knows the paper's cross-section alone.
     if (!scene.light.is_lamp() || !scene.light.size.is_point())
       lights = std::make_unique<LightsView>(scene, options, std::move(workspace));
-    else if (options.use_double || !material.profile.is_paper())
-      exact = std::make_unique<Exact>(std::move(scene), options);
-    else  // which keeps what it needs of the scene, in float
-      fast = std::make_unique<FastView>(scene, options.channels, options.material_gradients, options.simd,
-                                        workspace != nullptr ? std::move(workspace) : make_render_workspace());
+    else
+      lamp = std::make_unique<LampView>(std::move(scene), options, std::move(workspace));
   }
 
   void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
     check_scratches(scratches);
     scratch_count = scratches.size();
-    if (lights) {
+    if (lights)
       lights->forward(scratches, keep_jacobian, radiance);
-      return;
-    }
-    if (fast) {
-      const KernelMode with = options.material_gradients ? KernelMode::material : KernelMode::ends;
-      fast->forward(scratches, keep_jacobian ? with : KernelMode::value, radiance);
-      return;
-    }
-    const std::vector<Strip> strips = strips_of(scratches, tool_width_um, material);
-    exact->view.forward(scratches, find_pairs(exact->index, width, height, strips), keep_jacobian, radiance);
+    else
+      lamp->forward(scratches, keep_jacobian, radiance);
   }
 };
 
@@ -106,10 +75,8 @@ void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradien
              " scratches of the last forward_with_jacobian()");
   if (state_->lights)
     state_->lights->backward(dE_dradiance, gradients);
-  else if (state_->fast)
-    state_->fast->backward(dE_dradiance, gradients);
   else
-    state_->exact->view.backward(dE_dradiance, gradients);
+    state_->lamp->backward(dE_dradiance, gradients);
 }
 
 void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
@@ -118,15 +85,12 @@ void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
          "give one for each of the " + std::to_string(state_->scratch_count) + " scratches of the last forward()");
   if (state_->lights)
     state_->lights->add_contributions(contribution);
-  else if (state_->fast)
-    state_->fast->add_contributions(contribution);
   else
-    state_->exact->view.add_contributions(contribution);
+    state_->lamp->add_contributions(contribution);
 }
 
 std::size_t ViewRenderer::pair_count() const {
-  if (state_->lights) return state_->lights->pair_count();
-  return state_->fast ? state_->fast->pair_count() : state_->exact->view.pair_count();
+  return state_->lights ? state_->lights->pair_count() : state_->lamp->pair_count();
 }
 
 CameraView make_camera_view(const Bench& bench, const Board& board, const View& view, const PixelWindow& window) {
@@ -134,16 +98,34 @@ CameraView make_camera_view(const Bench& bench, const Board& board, const View& 
 }
 
 ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& camera, const Light& light) {
-  ViewScene scene;
   BoardFace face{camera.surface, nullptr};
   if (!board.mesh.empty()) face = face_of(board, bench);
-  scene.grid = share(camera_grid(camera.lens, camera.T_camera_board, face, camera.window));
+  ViewScene scene =
+      make_scene(bench, board, share(camera_grid(camera.lens, camera.T_camera_board, face, camera.window)),
+                 camera.T_camera_board.inverse().translation(), light);
   scene.hidden_from_light = hidden_pixels(*scene.grid, face, light.position_mm);
-  scene.camera_center_mm = camera.T_camera_board.inverse().translation();
+  return scene;
+}
+
+ViewScene make_scene(const Bench& bench, const Board& board, std::shared_ptr<const FootprintGrid> grid,
+                     const Eigen::Vector3d& camera_center_mm, const Light& light) {
+  ViewScene scene;
+  scene.grid = std::move(grid);
+  scene.camera_center_mm = camera_center_mm;
   scene.light = light;
   scene.material = bench.material;
   scene.tool_width_um = board.tool_width_um;
   scene.ambient = bench.ambient;
+  return scene;
+}
+
+ViewScene make_board_scene(const Bench& bench, const Board& board, int width, int height,
+                           const Eigen::Vector3d& camera_center_mm, const Light& light) {
+  const BoardFace face = face_of(board, bench);
+  ViewScene scene =
+      make_scene(bench, board, share(board_grid(board.carve_min_mm, board.carve_max_mm, width, height, face)),
+                 camera_center_mm, light);
+  scene.hidden_from_light = hidden_on_the_way(*scene.grid, face, camera_center_mm, light.position_mm);
   return scene;
 }
 

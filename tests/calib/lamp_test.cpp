@@ -84,7 +84,7 @@ RigLamp lamps_of_rig(const std::string& name) {
   return out;
 }
 
-TEST(WithLamps, CleanBenchWithinAMillimetre) {
+TEST(WithLamps, CleanBenchWithinAMillimeter) {
   BURIN_NEEDS_RIG("a");
   const RigLamp rig = lamps_of_rig("a");
   ASSERT_EQ(rig.bench.lights.size(), 1U);

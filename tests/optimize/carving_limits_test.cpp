@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "burin/optimize/carving/groove_pairs.h"
@@ -36,7 +37,7 @@ CarvingLimits limits_for(const Board& board, const MachineLimits& machine = {}) 
 
 Scratches scratches_up_to(std::size_t count, double longest_mm, unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> place(-2, 102), turn(0, 3.14159), length(0.01, longest_mm);
+  std::uniform_real_distribution<double> place(-2, 102), turn(0, std::numbers::pi), length(0.01, longest_mm);
   Scratches s;
   for (std::size_t i = 0; i < count; ++i) {
     const double x = place(random), y = place(random), angle = turn(random), l = length(random);

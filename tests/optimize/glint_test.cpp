@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "burin/optimize/design/glint_check.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
 #include "burin/render/groove.h"

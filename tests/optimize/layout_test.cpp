@@ -7,6 +7,7 @@
 #include <set>
 
 #include "burin/optimize/design/glint.h"
+#include "burin/optimize/design/glint_check.h"
 #include "burin/optimize/layout/tag_layout.h"
 #include "burin/optimize/layout/view_places.h"
 #include "burin/render/error.h"

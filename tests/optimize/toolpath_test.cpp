@@ -100,7 +100,7 @@ TEST(Toolpath, TheEstimateIsTheReplaysTime) {
   EXPECT_GT(plan_toolpath(s, board_200x100(), nullptr, machine).duration_s, 1.5 * path.duration_s);
 }
 
-TEST(Toolpath, SvgIsInMillimetresAndNotMirrored) {
+TEST(Toolpath, SvgIsInMillimetersAndNotMirrored) {
   const TemporaryFolder folder;
   const Scratches s = some_scratches(50);
   const ToolpathReport report =
@@ -114,7 +114,7 @@ TEST(Toolpath, SvgIsInMillimetresAndNotMirrored) {
   EXPECT_LT(worst_mm(s, report.order, found), 0.51e-4);
 }
 
-TEST(Toolpath, DxfIsR12InMillimetresWithYUp) {
+TEST(Toolpath, DxfIsR12InMillimetersWithYUp) {
   const TemporaryFolder folder;
   const Scratches s = some_scratches(50);
   const ToolpathReport report =

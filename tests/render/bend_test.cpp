@@ -7,9 +7,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board_face.h"
@@ -17,6 +14,7 @@
 #include "burin/render/error.h"
 #include "tests/render/expect_fast_is_exact.h"
 #include "tests/render/small_world.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 namespace {
@@ -280,9 +278,9 @@ TEST(BentBoard, WhatWasFoundInPhotosIsSettled) {
 }
 
 std::string error_of(const std::string& bend, const std::string& more = "") {
-  const auto file = std::filesystem::temp_directory_path() / "burin-bend-test.json";
-  std::ofstream(file) << R"({"format": "burin/board", "version": 1, "size_mm": [120, 80])" << more << R"(, "bend": )"
-                      << bend << "}";
+  const TemporaryFolder folder;
+  const auto file = folder.write("board.json", R"({"format": "burin/board", "version": 1, "size_mm": [120, 80])" +
+                                                   more + R"(, "bend": )" + bend + "}");
   try {
     read_board(file);
   } catch (const Error& e) {
@@ -304,7 +302,8 @@ TEST(BentBoard, IsReadAndWrittenAndRefusedByName) {
   board.size_mm = kSheet;
   board.carve_max_mm = kSheet;
   board.bend = Bend{-211.5, 12};
-  const auto file = std::filesystem::temp_directory_path() / "burin-bend-test.json";
+  const TemporaryFolder folder;
+  const auto file = folder / "board.json";
   write_board(board, file);
   const Board back = read_board(file);
   ASSERT_TRUE(back.bend);

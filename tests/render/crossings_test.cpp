@@ -142,8 +142,8 @@ TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
   for (std::size_t k = 0; k < v.source.size(); ++k) {
     const std::size_t i = v.source[k];
     const double share = half_width_um(kWidthUm, v.pieces.depth_um[k]) / (1e3 * half_mm(i)), l = piece_length(v, k);
-    EXPECT_NEAR(v.share[k], share, 1e-9);
-    EXPECT_EQ(v.pieces.rimless[k] != 0, v.share[k] < 1);
+    EXPECT_NEAR(v.pieces.left[k], share, 1e-9);
+    EXPECT_EQ(v.pieces.is_narrowed(k), share < 1 - 1e-9);
     for (int strip = 0; strip < 3; ++strip)
       if (3 * share > strip + 0.5) left[strip] += l;
   }

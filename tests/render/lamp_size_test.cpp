@@ -102,8 +102,8 @@ TEST(LampSize, SharesAddUpAndThePointsLieAboutTheMiddleAcrossTheAxis) {
       }
       EXPECT_NEAR(shares, 1, 1e-12);
       EXPECT_LT(mean.norm(), 1e-9);
-      // A disk's points scatter by r^2 / 2 about its middle.
-      EXPECT_NEAR(spread, std::pow(equivalent_disk_mm(size), 2) / 2, 1e-6);
+      // The points of a disk of radius r scatter by r^2 / 2 about its middle, a panel's by side^2 / 12 along each side.
+      EXPECT_NEAR(spread, disk_mm > 0 ? disk_mm * disk_mm / 2 : size.panel_mm.squaredNorm() / 12, 1e-6);
     }
 }
 

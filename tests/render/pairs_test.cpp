@@ -57,7 +57,7 @@ Count compare(const FootprintGrid& grid, const std::vector<Strip>& strips) {
   Count count;
   for (const Strip& strip : strips) {
     std::vector<PixelSpan> spans;
-    index.find(strip, spans);
+    find_spans(index, strip, spans);
     std::set<std::pair<int, int>> found;
     for (const PixelSpan& s : spans)
       for (int c = s.begin; c < s.end; ++c)
@@ -168,7 +168,7 @@ TEST(PixelIndex, NoFootprintNoPair) {
   for (double& x : grid.corner_x_mm) x = NAN;
   const PixelIndex index(grid);
   std::vector<PixelSpan> spans;
-  index.find({{0, 0}, {100, 100}, 1}, spans);
+  find_spans(index, {{0, 0}, {100, 100}, 1}, spans);
   EXPECT_TRUE(spans.empty());
 }
 
@@ -181,7 +181,7 @@ TEST(FindPairs, ByPixelInScratchOrder) {
   const PixelIndex index(grid);
   for (const Strip& strip : strips) {
     std::vector<PixelSpan> spans;
-    index.find(strip, spans);
+    find_spans(index, strip, spans);
     for (const PixelSpan& s : spans) expected += s.end - s.begin;
   }
   EXPECT_EQ(pairs.scratch.size(), expected);

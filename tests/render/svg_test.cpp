@@ -51,6 +51,12 @@ TEST(Decimals, SentencesHaveTheDigitsThatMeanSomething) {
   EXPECT_EQ(significant(3), "3");
   EXPECT_EQ(significant(0), "0");
   EXPECT_EQ(significant(1e-12), "0");
+  EXPECT_EQ(general(0.5, 5), "0.5");
+  EXPECT_EQ(general(35, 4), "35");
+  EXPECT_EQ(general(123456, 3), "1.23e+05");
+  EXPECT_EQ(general(0.00001234, 3), "1.23e-05");
+  EXPECT_EQ(coarse(9.94), "9.9");
+  EXPECT_EQ(coarse(9.96), "10");
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "tests/drawn_photo.h"
 #include "tools/watch/say_shoot.h"
@@ -111,7 +112,7 @@ TEST_F(ShootTest, PhotoFromElsewhereIsNone) {
   const JudgedPhoto far = add_photo(photo(500, 14, 0, 0), shoot);
   EXPECT_FALSE(far.shot);
   EXPECT_EQ(far.nearest, 1U);
-  EXPECT_NEAR(far.offset.sideways_mm, 500 * std::tan(14 * M_PI / 180), 1);
+  EXPECT_NEAR(far.offset.sideways_mm, 500 * std::tan(14 * std::numbers::pi / 180), 1);
   EXPECT_THAT(last_photo_words(shoot), AllOf(HasSubstr("none of the planned ones; nearest is shot \"middle\""),
                                              HasSubstr("120 mm to the right, 15 mm lower")));
   EXPECT_EQ(next_step(shoot).kind, Kind::move);
@@ -156,7 +157,7 @@ TEST_F(ShootTest, DeletedPhotoOpensItsShotAgain) {
 TEST_F(ShootTest, CameraOnItsSideIsAnotherShot) {
   const Eigen::Isometry3d upright = looking_at_board(shoot.board, 500, 0, 0);
   Eigen::Isometry3d turned = upright;
-  turned.prerotate(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitZ()));
+  turned.prerotate(Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitZ()));
   shoot.wanted.resize(1);
   want("upright", 500, 0, 0);
   shoot.wanted.back().T_camera_board = upright;
@@ -168,7 +169,7 @@ TEST_F(ShootTest, CameraOnItsSideIsAnotherShot) {
   EXPECT_EQ(add_photo(side, shoot).shot, 2U);
   side.file = "upside-down.jpg";
   side.pose->T_camera_board = turned;
-  side.pose->T_camera_board.prerotate(Eigen::AngleAxisd(M_PI, Eigen::Vector3d::UnitZ()));
+  side.pose->T_camera_board.prerotate(Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitZ()));
   EXPECT_EQ(add_photo(side, shoot).shot, 2U) << "upside down is as good";
 }
 

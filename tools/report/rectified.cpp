@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "burin/render/median.h"
+
 namespace burin {
 namespace {
 
@@ -69,9 +71,7 @@ float percentile(const Image& image, double fraction) {
   std::copy_if(image.data.begin(), image.data.end(), std::back_inserter(values),
                [](float v) { return std::isfinite(v); });
   if (values.empty()) return 0;
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), nth, values.end());
-  return *nth;
+  return quantile_in_place(values, fraction);
 }
 
 Image shown(const Image& linear, float white) {

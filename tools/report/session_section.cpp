@@ -16,6 +16,7 @@
 #include "burin/render/board.h"
 #include "burin/render/board_face.h"
 #include "burin/render/brdf.h"
+#include "burin/render/degrees.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/svg.h"
@@ -41,7 +42,6 @@ constexpr int kRectifiedSidePx = 420;
 constexpr int kPhotoWidthPx = 900;
 constexpr double kWhitePercentile = 0.995;  // of the photo: the few brightest glints may saturate
 constexpr float kDifferenceScale = 0.25F;   // of the displayed white
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 struct Loaded {
   Session session;
@@ -241,8 +241,9 @@ std::string numbers(const Loaded& in) {
                   : "<span class=\"unknown\">unknown, as d is</span>",
       fixed(half_width_um(in.board.tool_width_um, believed.depth_um), 1) + " µm", "");
   row("Cut-off angle, 2 atan(2w / wt)",
-      depth_known ? fixed(2 * std::atan(rim) * kDegrees, 1) + "°" : "<span class=\"unknown\">unknown, as d is</span>",
-      fixed(2 * std::atan(groove_rim(in.board.tool_width_um, believed.depth_um)) * kDegrees, 1) + "°",
+      depth_known ? fixed(2 * std::atan(rim) * kRadian_deg, 1) + "°"
+                  : "<span class=\"unknown\">unknown, as d is</span>",
+      fixed(2 * std::atan(groove_rim(in.board.tool_width_um, believed.depth_um)) * kRadian_deg, 1) + "°",
       "half vectors that lean further give no glint");
   material_row("Roughness of the plain face", parameter::kBaseAlpha, material.base_alpha, sigma.base_alpha,
                believed.base_alpha, "", "0.05 (mirror-like) to 0.3 (brushed)");
@@ -355,8 +356,8 @@ std::string machine_numbers(const Loaded& in) {
   out.rows = {
       {"Scale along x", show(scale_x - 1, sigma(0, 0), 1000) + " ‰", "within ±2 ‰"},
       {"Scale along y", show(scale_y - 1, sigma(1, 1), 1000) + " ‰", "within ±2 ‰"},
-      {"Turn of the board on the machine", show(turn, sigma(1, 0), kDegrees) + "°", "within ±0.1°"},
-      {"Skew of the axes", show(-skew, sigma(0, 1), kDegrees) + "°", "within ±0.05°"},
+      {"Turn of the board on the machine", show(turn, sigma(1, 0), kRadian_deg) + "°", "within ±0.1°"},
+      {"Skew of the axes", show(-skew, sigma(0, 1), kRadian_deg) + "°", "within ±0.05°"},
       {"Offset at the middle of the carve area", fmt::format("{:.3f}, {:.3f} mm", offset.x(), offset.y()),
        "within ±0.3 mm"},
       {"Largest shift over the carve area", fmt::format("{:.3f} mm", largest), "the next tool path takes it out"}};
@@ -378,7 +379,7 @@ std::string view_numbers(const Loaded& in) {
     if (!in.bench.lights.empty()) {
       const Eigen::Vector3d h =
           ((in.bench.lights[0].position_mm - center).normalized() + (eye - center).normalized()).normalized();
-      lean = fmt::format("{:.1f}°", std::acos(std::clamp(h.z(), -1.0, 1.0)) * kDegrees);
+      lean = fmt::format("{:.1f}°", std::acos(std::clamp(h.z(), -1.0, 1.0)) * kRadian_deg);
     }
     const auto rms = view.reprojection_rms_px;
     out.rows.push_back({html(view.name), view.tags ? std::to_string(*view.tags) : "",

@@ -185,7 +185,7 @@ void shoot_tethered(const TetheredShoot& how, Shoot& shoot, const PhotoTold& tol
       if (!wait_for_enter()) break;
     }
     const std::string why = take_bracket(camera, how.stops, how.photos, shoot, told, &StopOnSignal::asked);
-    if (!why.empty() && !StopOnSignal::asked()) note("the bracket is not whole: " + why);
+    if (!why.empty() && !StopOnSignal::asked()) note(make_warning("the bracket is not whole: " + why));
     if (how.once) break;
   }
   fmt::print("\n");

@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-#include "burin/calib/photo/photo_equations.h"
+#include "burin/calib/photo/model_data.h"
 
 namespace burin {
 

@@ -17,7 +17,7 @@
 // plain face. A size that photos point to but do not ask for may still be there, with roughness taking it up.
 //
 // With every view's normal equations at hand (at the optimum without fields, all terms free, cameras and bow
-// eliminated), fits and judgements are small dense solves, no rendering.
+// eliminated), fits and judgments are small dense solves, no rendering.
 #pragma once
 
 #include <Eigen/Core>

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "burin/calib/geometry/geometry_prior.h"
-#include "burin/calib/photo/normal_system.h"
+#include "burin/calib/photo/normal_matrices.h"
 
 namespace burin {
 

@@ -214,41 +214,6 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
   return data;
 }
 
-std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x) {
-  std::array<double, GrooveField::kTerms> terms{};
-  for (int i = 0; i < GrooveField::kTerms; ++i) terms[i] = x[unknown::depth_field + i];
-  return terms;
-}
-
-Bench bench_at(const ModelData& model, const Unknowns& x) {
-  Bench bench;
-  bench.machine_affine = affine_of(machine_map(x), model.center_mm);
-  bench.material.depth_um = std::exp(x[unknown::log_depth]);
-  bench.material.alpha = std::exp(x[unknown::log_alpha]);
-  bench.material.profile = profile_of(model.profile, x);
-  bench.machine_errors = machine_errors_of(x);
-  bench.depth_field.terms = depth_field_of(x);
-  bench.alpha_field.terms = model.alpha_field;
-  bench.crossings = model.crossings;
-  return bench;
-}
-
-Carved carved_at(const ModelData& model, const Unknowns& x) {
-  return carve(*model.sent, bench_at(model, x), *model.board);
-}
-
-Carved carved_pieces(const ModelData& model, const Unknowns& x) {
-  Carved carved = carved_at(model, x);
-  const std::size_t n = carved.size();
-  if (carved.scratches.depth_um.empty()) carved.scratches.depth_um.assign(n, std::exp(x[unknown::log_depth]));
-  if (carved.scratches.alpha.empty()) carved.scratches.alpha.assign(n, std::exp(x[unknown::log_alpha]));
-  if (carved.source.empty()) {
-    carved.source.resize(n);
-    std::iota(carved.source.begin(), carved.source.end(), 0U);
-  }
-  return carved;
-}
-
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved) {
   Image value = value_of_light(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
   for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] += static_cast<float>(corrected_by(photo, x, i));

@@ -11,6 +11,7 @@
 
 #include "burin/calib/geometry/geometry_prior.h"
 #include "burin/calib/light/light_samples.h"
+#include "burin/calib/photo/model_data.h"
 #include "burin/calib/photo/unknowns.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
@@ -43,40 +44,11 @@ struct PhotoData {
   std::vector<float> groove_shift;  ///< what grooves that differ add to the mean of the value (shift_by_grooves)
 };
 
-/// What all photos share.
 class CarvedStates;  // burin/calib/photo/carved_states.h
-
-struct ModelData {
-  const Board* board = nullptr;
-  const Sent* sent = nullptr;
-  /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
-  std::array<double, GrooveField::kTerms> alpha_field{};
-  Crossings crossings = Crossings::add;  ///< overlap: see burin/render/carve.h
-  GrooveProfile profile;                 ///< its kind; its numbers are unknowns
-  Eigen::Vector2d center_mm{0, 0};       ///< of the carve area
-  double f0 = 0.92;                      ///< mean of the channels
-  double cauchy = 3;                     ///< scale of the robust loss, in expected errors
-  /// How much roughness and depth differ from groove to groove: standard deviations of their logarithms
-  /// (groove_scatter.h), and the standard errors of these numbers' squares.
-  double alpha_jitter = 0, depth_jitter = 0;
-  double alpha_jitter2_sigma = 0, depth_jitter2_sigma = 0;
-};
 
 /// Prepares a photo. `margin_px`: distance (in binned pixels) that used pixels keep from tags and the board's edge.
 PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& board, const Bench& bench,
                           double margin_px);
-
-/// The terms of the field of depth.
-std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x);
-
-/// The bench that the unknowns make, as far as carving asks.
-Bench bench_at(const ModelData& model, const Unknowns& x);
-
-/// The scratches as carved under these unknowns, cut where others rule if the model says so.
-Carved carved_at(const ModelData& model, const Unknowns& x);
-
-/// The same with the scratch that each is a piece of, and with a depth and a roughness for each.
-Carved carved_pieces(const ModelData& model, const Unknowns& x);
 
 /// The photo as predicted (linear value / exposure factor).
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved);

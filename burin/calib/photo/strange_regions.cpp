@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
+#include <string>
+
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {
@@ -124,11 +125,11 @@ void leave_out(const std::vector<StrangeRegion>& regions, const Problem& data, s
 
 Finding told(const StrangeRegion& region) {
   const Eigen::Vector2d size = region.max_mm - region.min_mm, middle = 0.5 * (region.min_mm + region.max_mm);
-  std::ostringstream text;
-  text << std::fixed << std::setprecision(0) << "a region of " << size.x() << " x " << size.y() << " mm at ("
-       << middle.x() << ", " << middle.y() << ") mm does not look like the board in " << region.strange_in << " of "
-       << region.seen_in << " photos: a sticker, or fingerprints? It is left out of the fit";
-  return make_warning(text.str(), "clean the board there and photograph it again if the grooves under it matter");
+  return make_warning("a region of " + fixed(size.x(), 0) + " x " + fixed(size.y(), 0) + " mm at (" +
+                          fixed(middle.x(), 0) + ", " + fixed(middle.y(), 0) + ") mm does not look like the board in " +
+                          std::to_string(region.strange_in) + " of " + std::to_string(region.seen_in) +
+                          " photos: a sticker, or fingerprints? It is left out of the fit",
+                      "clean the board there and photograph it again if the grooves under it matter");
 }
 
 }  // namespace burin

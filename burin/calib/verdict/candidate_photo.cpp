@@ -14,6 +14,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/footprint_grid.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -313,9 +314,7 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
     photo.weight[i] = static_cast<float>(1 / std::max(1e-300, std::hypot(noise, options.model_error * value)));
   }
   if (bright.empty()) return out;
-  const auto top = bright.begin() + static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(bright.size() - 1));
-  std::nth_element(bright.begin(), top, bright.end());
-  out.light.metal = *top;
+  out.light.metal = quantile_in_place(bright, 0.999);
   FreeUnknowns wanted{};
   for (int i = 0; i < unknown::pose; ++i) wanted[i] = free[global_index(i, light)];
   const PhotoEquations equations = photo_equations(data.model, photo, x, grooves, wanted);

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "burin/calib/refine.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
+#include "burin/calib/verdict/refinement.h"
 
 namespace burin {
 

@@ -23,6 +23,7 @@
 #include "burin/render/error.h"
 #include "burin/render/far_light.h"
 #include "burin/render/groove.h"
+#include "burin/render/lamp_size.h"
 
 namespace burin {
 namespace {
@@ -158,6 +159,18 @@ struct PixelCorners {
 struct SeenGroove {
   double x0, y0, ex, ey, length, half_width, t_per_mm, a2, scale, tilt;
   const GrooveSection* section;
+
+  /// How far to the right of its middle line a point lies; nothing beyond its ends.
+  std::optional<double> across(double px, double py) const {
+    const double dx = px - x0, dy = py - y0, along = dx * ex + dy * ey;
+    if (along < 0 || along > length) return std::nullopt;
+    return dx * ey - dy * ex;
+  }
+  /// The same; nothing beside it either.
+  std::optional<double> within(double px, double py) const {
+    const std::optional<double> aside = across(px, py);
+    return aside && std::abs(*aside) <= half_width ? aside : std::nullopt;
+  }
 };
 
 /// The face as one pixel sees it: its normal, the way to the camera, and that way with the sheet turned flat.
@@ -202,10 +215,9 @@ bool add_sections(const std::vector<SeenGroove>& grooves, double px, double py, 
   bool shows_plain = true;
   for (std::size_t k = grooves.size(); k-- > 0;) {
     const SeenGroove& g = grooves[k];
-    const double dx = px - g.x0, dy = py - g.y0;
-    const double across = dx * g.ey - dy * g.ex, along = dx * g.ex + dy * g.ey;
-    if (along < 0 || along > g.length) continue;
-    const std::optional<SectionPoint> point = section_at(*g.section, 1e3 * across);
+    const std::optional<double> across = g.across(px, py);
+    if (!across) continue;
+    const std::optional<SectionPoint> point = section_at(*g.section, 1e3 * *across);
     if (!point) continue;
     const Met met{point->height_um, point->lean, &g};
     if (!last_rules) {
@@ -233,12 +245,11 @@ bool add_grooves(const std::vector<SeenGroove>& grooves, double px, double py, c
   bool shows_plain = true;
   for (std::size_t k = grooves.size(); k-- > 0;) {
     const SeenGroove& g = grooves[k];
-    const double dx = px - g.x0, dy = py - g.y0;
-    const double across = dx * g.ey - dy * g.ex, along = dx * g.ex + dy * g.ey;
-    if (std::abs(across) > g.half_width || along < 0 || along > g.length) continue;
+    const std::optional<double> across = g.within(px, py);
+    if (!across) continue;
     sums.covered += bare;
     // The groove's normal (-2t, 0, 1 - t^2) / (1 + t^2) across it, along it, out of the face (docs/model.md 2.3).
-    const double t = g.t_per_mm * across;
+    const double t = g.t_per_mm * *across;
     const double h_across = (h.x() * g.ey - h.y() * g.ex - h.z() * g.tilt) / std::sqrt(1 - g.tilt * g.tilt);
     const double n_h = (-2 * t * h_across + (1 - t * t) * h.z()) / (1 + t * t);
     if (n_h > 0) {
@@ -602,11 +613,10 @@ Vector3d PointSampler::State::pixel_around(std::span<const Corner> above, std::s
     bool shows_plain = true;
     for (std::size_t i = seen.size(); i-- > 0;) {
       const SeenGroove& g = seen[i];
-      const double dx = px - g.x0, dy = py - g.y0;
-      const double across = dx * g.ey - dy * g.ex, along = dx * g.ex + dy * g.ey;
-      if (std::abs(across) > g.half_width || along < 0 || along > g.length) continue;
+      const std::optional<double> across = g.within(px, py);
+      if (!across) continue;
       covered += bare;
-      const double t = g.t_per_mm * across;
+      const double t = g.t_per_mm * *across;
       // Across the groove, tangential to the face.
       const Vector3d x_axis = (Vector3d(g.ey, -g.ex, 0) - g.tilt * lie) / std::sqrt(1 - g.tilt * g.tilt);
       grooves_light += bare * from((-2 * t * x_axis + (1 - t * t) * lie) / (1 + t * t), wo, std::sqrt(g.a2));

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -11,6 +10,7 @@
 #include "burin/optimize/carving/ends.h"
 #include "burin/optimize/carving/groove_pairs.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
 
@@ -23,16 +23,10 @@ constexpr double kInside_mm = 2e-5;  // how far a mended end keeps from a rule's
 constexpr int kHairs = 4;            // steps of 0.6 times the least distance that a scratch may go aside to keep it
 constexpr double kSmallestGroove = 1e-9;  // mm2, below which two grooves only touch
 
-std::string millimetres(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.5g mm", value);
-  return text;
-}
+std::string length_text(double mm) { return general(mm, 5) + " mm"; }
 
-std::string point_text(const Eigen::Vector2d& p) {
-  char text[80];
-  std::snprintf(text, sizeof text, "(%.3f, %.3f) mm", p.x(), p.y());
-  return text;
+std::string point_text(const Eigen::Vector2d& p_mm) {
+  return "(" + fixed(p_mm.x(), 3) + ", " + fixed(p_mm.y(), 3) + ") mm";
 }
 
 double half_width_mm(const Scratches& s, std::size_t i, const CarvingLimits& limits) {
@@ -319,10 +313,10 @@ struct Judge {
       return "leaves the board's carve area at " + point_text(in_area(e.a, limits, edge_tolerance_mm) ? e.b : e.a);
     if (rule == Rule::keep_out)
       return "crosses a place that is kept free, " + keep_out_named(e, half_width, limits) + " (its groove is " +
-             millimetres(2 * half_width) + " wide)";
-    return "is " + millimetres(e.length()) + " long; the machine carves " +
-           (rule == Rule::shortest ? "no less than " + millimetres(m.shortest_mm)
-                                   : "no more than " + millimetres(m.longest_mm));
+             length_text(2 * half_width) + " wide)";
+    return "is " + length_text(e.length()) + " long; the machine carves " +
+           (rule == Rule::shortest ? "no less than " + length_text(m.shortest_mm)
+                                   : "no more than " + length_text(m.longest_mm));
   }
 
   // The rules that concern one scratch.
@@ -342,7 +336,7 @@ struct Judge {
       broken(
           Rule::step, i,
           [&] {
-            return "does not lie on the machine's steps of " + millimetres(step_mm) + ": " + point_text(e.a) + " to " +
+            return "does not lie on the machine's steps of " + length_text(step_mm) + ": " + point_text(e.a) + " to " +
                    point_text(e.b);
           },
           "design for this machine, or correct its step_mm");
@@ -351,8 +345,7 @@ struct Judge {
       broken(
           Rule::width, i,
           [&] {
-            return "is " + std::to_string(scratches.width_um[i]) + " um wide, the board's tool " +
-                   std::to_string(limits.width_um);
+            return "is " + fixed(scratches.width_um[i], 6) + " um wide, the board's tool " + fixed(limits.width_um, 6);
           },
           "carve it with another tool (tool.width_um in board.json), or take its width away");
   }
@@ -374,8 +367,8 @@ struct Judge {
         broken(
             Rule::distance, i,
             [&] {
-              return "runs " + millimetres(met.nearest_mm) + " beside the one in row " +
-                     std::to_string(met.nearest + 1) + "; the machine needs " + millimetres(m.distance_mm);
+              return "runs " + length_text(met.nearest_mm) + " beside the one in row " +
+                     std::to_string(met.nearest + 1) + "; the machine needs " + length_text(m.distance_mm);
             },
             remedy);
       if (m.max_overlap > 0 && met.share > m.max_overlap * (1 + 1e-9))

@@ -2,7 +2,7 @@
 // travel short.
 //
 // Travel is what the tool moves in the air: from where it starts to the first scratch, and from each scratch to the
-// next. Each scratch may be carved from either end, so this is a travelling salesman's tour over the 2n ends in which
+// next. Each scratch may be carved from either end, so this is a traveling salesman's tour over the 2n ends in which
 // the n scratches are edges that stay. Method: a greedy tour to the nearest end, over a grid; then 2-opt (Croes,
 // Operations Research 6(6), 1958) and Or-opt (Or, 1976; runs of up to three scratches, either way round), both over
 // lists of nearest ends with a work queue (Bentley, ORSA J. Computing 4(4), 1992), until no such move shortens it; then

@@ -29,7 +29,7 @@ std::string dxf(const Toolpath& path, int decimals) {
   };
   group(0, "SECTION"), group(2, "HEADER");
   group(9, "$ACADVER"), group(1, "AC1009");
-  group(9, "$INSUNITS"), group(70, "4");     // millimetres
+  group(9, "$INSUNITS"), group(70, "4");     // millimeters
   group(9, "$MEASUREMENT"), group(70, "1");  // metric
   group(9, "$EXTMIN"), point(10, path.min_mm);
   group(9, "$EXTMAX"), point(10, path.max_mm);

@@ -2,31 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
 #include <numeric>
-#include <sstream>
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {
 
 constexpr double kWidth = 640, kHeight = 400, kLeft = 56, kRight = 100, kTop = 34, kBottom = 44;
 
-std::string number(double value, int decimals) {
-  std::ostringstream out;
-  out << std::fixed << std::setprecision(decimals) << value;
-  return out.str();
-}
-
 std::string line(double x0, double y0, double x1, double y1) {
-  return "<path d=\"M" + number(x0, 1) + " " + number(y0, 1) + "L" + number(x1, 1) + " " + number(y1, 1) +
+  return "<path d=\"M" + fixed(x0, 1) + " " + fixed(y0, 1) + "L" + fixed(x1, 1) + " " + fixed(y1, 1) +
          "\" stroke=\"#ccc\"/>\n";
 }
 
 std::string words(double x, double y, const char* anchor, const std::string& text) {
-  return "<text x=\"" + number(x, 1) + "\" y=\"" + number(y, 1) + "\" text-anchor=\"" + anchor + "\">" + text +
+  return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\" text-anchor=\"" + anchor + "\">" + text +
          "</text>\n";
 }
 
@@ -55,12 +48,12 @@ std::string carving_plot(const std::vector<CarvingPoint>& curve, const std::vect
   for (int step = high - low > 10 ? 2 : 1, up = 0; low + up <= high; up += step) {
     const double db = low + up;
     svg += line(kLeft, y(db), kWidth - kRight, y(db));
-    svg += words(kLeft - 6, y(db) + 4, "end", number(db, 0));
+    svg += words(kLeft - 6, y(db) + 4, "end", fixed(db, 0));
   }
   for (int k = 0; k <= 5; ++k) {
     const double h = hours * k / 5;
     svg += line(x(h), kTop, x(h), kHeight - kBottom);
-    svg += words(x(h), kHeight - kBottom + 18, "middle", number(h, hours < 5 ? 2 : 1) + " h");
+    svg += words(x(h), kHeight - kBottom + 18, "middle", fixed(h, hours < 5 ? 2 : 1) + " h");
   }
   // Names stand where their curves begin, a line of text apart at least.
   std::vector<std::pair<double, std::string>> names{{y(mean(curve.front().psnr_db)), "mean"}};
@@ -74,7 +67,7 @@ std::string carving_plot(const std::vector<CarvingPoint>& curve, const std::vect
   const auto path = [&](const char* style, const auto& value) {
     std::string d;
     for (const CarvingPoint& p : curve)
-      d += (d.empty() ? "M" : "L") + number(x(p.hours), 1) + " " + number(y(value(p)), 1);
+      d += (d.empty() ? "M" : "L") + fixed(x(p.hours), 1) + " " + fixed(y(value(p)), 1);
     svg += "<path d=\"" + d + "\" fill=\"none\" " + style + "/>\n";
   };
   for (std::size_t k = 0; k < view_names.size(); ++k)

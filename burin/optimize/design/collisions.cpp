@@ -6,25 +6,17 @@
 #include <string>
 #include <tuple>
 
+#include "burin/render/degrees.h"
 #include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {
 
-constexpr double kCollisionDegree_rad = std::numbers::pi / 180;
 constexpr std::size_t kToldOneByOne = 6;
 constexpr int kPlacesASide = 9;  // a side: where a curved board is asked
 
-std::string in_degrees(double radians) { return fixed(radians / kCollisionDegree_rad, 1); }
+std::string in_degrees(double radians) { return fixed(radians / kDegree_rad, 1); }
 std::string in_percent(double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; }
-
-// Difference of two orientations, which count modulo 180 degrees: 0 .. 90 degrees.
-double turn_between(double a, double b) { return std::abs(std::remainder(a - b, std::numbers::pi)); }
-
-double ghost_of(const Lean& a, const Lean& b, double alpha) {
-  const double apart = turn_between(a.azimuth, b.azimuth);
-  return std::max(lobe(a.angle, apart, alpha), lobe(b.angle, apart, alpha));
-}
 
 // Each view's half vector at the places where the board is asked, the middle first.
 struct AskedPlaces {

@@ -7,6 +7,7 @@
 
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/white.h"
+#include "burin/render/degrees.h"
 #include "burin/render/error.h"
 #include "burin/render/far_light.h"
 #include "burin/render/files/decimals.h"
@@ -14,7 +15,7 @@
 namespace burin {
 namespace {
 
-constexpr double kOneColor_rad = 1 * std::numbers::pi / 180;  // lights nearer than that are of one color
+constexpr double kOneColor_rad = 1 * kDegree_rad;  // lights nearer than that are of one color
 
 std::vector<Light> one_by_one(const Light& light) {
   std::vector<Light> all{light};

@@ -32,14 +32,6 @@ std::shared_ptr<const BoardFace> curved_face(const Board& board, const Bench& be
   return face->curved() ? face : nullptr;
 }
 
-std::vector<std::uint8_t> hidden_on_the_way(const FootprintGrid& grid, const BoardFace& face,
-                                            const Eigen::Vector3d& eye_mm, const Eigen::Vector3d& lamp_mm) {
-  std::vector<std::uint8_t> hidden = hidden_pixels(grid, face, lamp_mm);
-  const std::vector<std::uint8_t> from_eye = hidden_pixels(grid, face, eye_mm);
-  for (std::size_t i = 0; i < hidden.size(); ++i) hidden[i] = hidden[i] || from_eye[i];
-  return hidden;
-}
-
 Image seen_from(const FootprintGrid& grid, const BoardFace& face, const Eigen::Vector3d& eye_mm) {
   const std::vector<std::uint8_t> open = open_to(grid, face, eye_mm);
   if (share_of(open) == 1) return {};

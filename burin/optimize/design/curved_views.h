@@ -17,11 +17,6 @@ namespace burin {
 /// The board's face where it is curved, to be asked by GlintView; nothing for a flat or bowed one.
 std::shared_ptr<const BoardFace> curved_face(const Board& board, const Bench& bench);
 
-/// 1 where the face sends no light from the lamp to the eye because it hides itself from either. Empty where it never
-/// does (see hidden_pixels()).
-std::vector<std::uint8_t> hidden_on_the_way(const FootprintGrid& grid, const BoardFace& face,
-                                            const Eigen::Vector3d& eye_mm, const Eigen::Vector3d& lamp_mm);
-
 /// 1 where the eye sees the face, 0 where the face turns away or is hidden; no pixels if it sees all of it.
 Image seen_from(const FootprintGrid& grid, const BoardFace& face, const Eigen::Vector3d& eye_mm);
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numeric>
 #include <string>
 #include <tuple>
@@ -18,6 +17,7 @@
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/optimize/target.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {
@@ -157,11 +157,9 @@ bool DesignRun::start_with_fewer() {
   const double hours = carving_time_s(scratches_, bench_.material.depth_um, options_.carve_machine) / 3600;
   const auto fewer = static_cast<std::size_t>(kMore * options_.carve_hours / hours * static_cast<double>(movable_));
   if (!(hours > 1.1 * kMore * options_.carve_hours) || fewer == 0) return false;
-  char words[160];
-  std::snprintf(words, sizeof words,
-                "%zu scratches would take %.1f hours to carve: began with %zu for the %.1f there are", movable_, hours,
-                fewer, options_.carve_hours);
-  result_.findings.push_back(make_warning(words));
+  result_.findings.push_back(make_warning(std::to_string(movable_) + " scratches would take " + fixed(hours, 1) +
+                                          " hours to carve: began with " + std::to_string(fewer) + " for the " +
+                                          fixed(options_.carve_hours, 1) + " there are"));
   movable_ = fewer;
   return true;
 }
@@ -183,12 +181,10 @@ bool DesignRun::is_crowded() {
   const double room = std::max(kBest - (cover - new_cover), 0.2 * kBest);
   const auto fewer = static_cast<std::size_t>(room / new_cover * static_cast<double>(movable_));
   if (fewer == 0 || fewer >= movable_) return false;
-  char words[240];
-  std::snprintf(words, sizeof words,
-                "%zu scratches would cover the carve area %.1f times and cut each other's rims away, and with them "
-                "most of their light: began with %zu, which show more",
-                movable_, cover, fewer);
-  result_.findings.push_back(make_warning(words));
+  result_.findings.push_back(
+      make_warning(std::to_string(movable_) + " scratches would cover the carve area " + fixed(cover, 1) +
+                   " times and cut each other's rims away, and with them most of their light: began with " +
+                   std::to_string(fewer) + ", which show more"));
   movable_ = fewer;
   return true;
 }

@@ -12,6 +12,7 @@
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/direction_light.h"
 #include "burin/optimize/design/glint.h"
+#include "burin/optimize/design/glint_check.h"
 #include "burin/optimize/design/lamp_places.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/color_metrics.h"
@@ -290,15 +291,10 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
                        std::shared_ptr<const FootprintGrid> grid, const Eigen::Vector3d& eye_moved_mm,
                        const Eigen::Vector3d& lamp_moved_mm, const LightPart& part) {
   const DesignView& v = spec.views[index];
-  ViewScene scene;
-  scene.grid = std::move(grid);
-  scene.camera_center_mm = glint_of(v, bench).camera_mm + eye_moved_mm;
-  scene.ambient = bench.ambient;
+  ViewScene scene = make_scene(bench, board, std::move(grid), glint_of(v, bench).camera_mm + eye_moved_mm, {});
   scene.light = part_of(find_light(bench, v.light, "design"), part, scene.ambient);
   scene.light.position_mm += lamp_moved_mm;
   for (Light& beside : scene.light.also) beside.position_mm += lamp_moved_mm;
-  scene.material = bench.material;
-  scene.tool_width_um = board.tool_width_um;
   if (const auto face = curved_face(board, bench)) {
     const auto hidden_from = [&](const Light& light) {
       return hidden_on_the_way(*scene.grid, *face, scene.camera_center_mm, light.position_mm);

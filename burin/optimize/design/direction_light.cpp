@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {
@@ -45,12 +45,6 @@ double half_turn(const std::vector<double>& light, double best) {
     sum += turn;
   }
   return angle_of(0.5 * sum);
-}
-
-std::string times_text(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, value < 9.95 ? "%.1f" : "%.0f", value);
-  return text;
 }
 
 }  // namespace
@@ -121,7 +115,7 @@ std::vector<Finding> check_directions(const std::vector<MeasuredView>& views) {
            "bring light and eye closer to the mirror direction, or carve deeper");
     const double contrast = d.best / std::max(d.least, 1e-3 * d.best);
     const std::string what = "view " + v.name + ": under " + v.light + " a scratch of the best direction sends " +
-                             times_text(contrast) + " times the light of one of the worst";
+                             coarse(contrast) + " times the light of one of the worst";
     if (contrast < kLittle)
       findings.push_back(make_warning(what + ": the picture's darks will be gray",
                                       "seek a smaller and brighter light, or cover a part of the surroundings"));

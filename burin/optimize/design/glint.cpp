@@ -2,69 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
-
-#include "burin/optimize/design/collisions.h"
-#include "burin/render/error.h"
-#include "burin/render/groove.h"
-#include "burin/render/steepest_lean.h"
 
 namespace burin {
 namespace {
 
 constexpr double kPiHalf = std::numbers::pi / 2;
-constexpr double kOneDegree = std::numbers::pi / 180;
-
-std::string degrees(double radians) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.1f", radians / kOneDegree);
-  return text;
-}
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
-
-// Whether scratches of any direction glint.
-bool near_mirror(double lean, double alpha) { return std::sin(lean) < 3 * alpha; }
-
-// What the grooves of a board hold of a view's lobe.
-struct Reached {
-  double least_lean = kPiHalf, most_lean = 0;  // of h over the area
-  double shallowest = kPiHalf, steepest = 0;   // of the grooves' steepest walls
-  double best = 0;                             // part of the lobe, where it is most
-  double dark = 0;                             // share of the area where it is less than half
-  double mirror = 0;                           // share where h leans too little for a direction to count
-};
-
-Reached reached_over(const GlintView& view, const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm,
-                     double width_um, const GrooveAt& groove_at) {
-  constexpr int kPoints = 9;  // a side: where the area is looked at
-  Reached out;
-  int dark = 0, mirror = 0;
-  for (int j = 0; j < kPoints; ++j)
-    for (int i = 0; i < kPoints; ++i) {
-      const double fx = (i + 0.5) / kPoints, fy = (j + 0.5) / kPoints;
-      const Eigen::Vector2d p(min_mm.x() + fx * (max_mm.x() - min_mm.x()), min_mm.y() + fy * (max_mm.y() - min_mm.y()));
-      const double angle = lean_at(view, {p.x(), p.y(), 0}).angle;
-      const GrooveShape groove = groove_at(p);
-      const double steepest = steepest_lean(groove.profile, width_um, groove.depth_um);
-      const double part = reach(angle, steepest, groove.alpha);
-      out.least_lean = std::min(out.least_lean, angle);
-      out.most_lean = std::max(out.most_lean, angle);
-      out.shallowest = std::min(out.shallowest, steepest);
-      out.steepest = std::max(out.steepest, steepest);
-      out.best = std::max(out.best, part);
-      dark += part < 0.5 ? 1 : 0;
-      mirror += near_mirror(angle, groove.alpha) ? 1 : 0;
-    }
-  out.dark = static_cast<double>(dark) / (kPoints * kPoints);
-  out.mirror = static_cast<double>(mirror) / (kPoints * kPoints);
-  return out;
-}
 
 }  // namespace
 
@@ -115,6 +58,13 @@ double lobe(double lean, double turn, double alpha) {
   return std::pow(1 + q * q, -1.5);
 }
 
+double turn_between(double a, double b) { return std::abs(std::remainder(a - b, std::numbers::pi)); }
+
+double ghost_of(const Lean& a, const Lean& b, double alpha) {
+  const double apart = turn_between(a.azimuth, b.azimuth);
+  return std::max(lobe(a.angle, apart, alpha), lobe(b.angle, apart, alpha));
+}
+
 double turn_for(double lean, double part, double alpha) {
   const double s = alpha * std::sqrt(std::max(0.0, std::pow(part, -2.0 / 3) - 1)) / std::max(1e-12, std::sin(lean));
   return s >= 1 ? kPiHalf : std::asin(s);
@@ -128,54 +78,6 @@ double reach(double lean, double steepest, double alpha) {
 double depth_for_lean_um(double lean, double width_um) {
   const double rim = std::tan(lean / 2);
   return -width_um / 2 * std::log1p(-std::min(0.99, rim * rim));
-}
-
-std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
-                                  const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at) {
-  constexpr double kNoGlint = 0.02;  // of the lobe: what is left 2 alpha beyond the cut-off
-  std::vector<Finding> findings;
-  const Eigen::Vector2d center = (min_mm + max_mm) / 2;
-  const double alpha = groove_at(center).alpha;
-  for (const GlintView& view : views) {
-    const std::string where = "view " + view.name;
-    if (!(view.camera_mm.z() > 0) || !(view.light_mm.z() > 0))
-      fail(where, std::string(view.camera_mm.z() > 0 ? "its lamp" : "its camera") + " lies behind the board's face",
-           "the board frame has z out of the metal: check the view's eye_mm (or T_camera_board) and the lamp's "
-           "position_mm in the bench");
-    const Reached reached = reached_over(view, min_mm, max_mm, width_um, groove_at);
-    const Lean lean = lean_at(view, {center.x(), center.y(), 0});
-    const std::string remedy = "carve at least " + number(depth_for_lean_um(reached.most_lean, width_um)) +
-                               " um deep with this cutter, or bring lamp and eye closer to the mirror direction until "
-                               "the half vector leans less than " +
-                               degrees(reached.shallowest) + " degrees";
-    if (reached.best < kNoGlint)
-      fail(where,
-           "no groove can glint there: the half vector leans " + degrees(reached.least_lean) + " to " +
-               degrees(reached.most_lean) + " degrees from the board's normal, the steepest groove wall only " +
-               degrees(reached.steepest) + " (" + degrees(reached.least_lean - reached.steepest) +
-               " degrees too little)",
-           remedy);
-    if (reached.dark > 0)
-      findings.push_back(
-          make_warning(where + ": on " + std::to_string(std::lround(100 * reached.dark)) +
-                           " % of the carve area the half vector leans beyond the grooves' steepest wall (" +
-                           degrees(reached.shallowest) + " degrees, up to " + degrees(reached.most_lean) +
-                           "), where scratches show less than half their light",
-                       remedy));
-    if (view.face != nullptr && reached.mirror > 0)
-      findings.push_back(make_warning(
-          where + ": on " + std::to_string(std::lround(100 * reached.mirror)) +
-              " % of the carve area the curved board lies near the mirror direction, where scratches of any direction "
-              "glint and the plain face shines",
-          "move the lamp or the eye along the cylinder's axis"));
-    else if (view.face == nullptr && near_mirror(lean.angle, alpha))
-      findings.push_back(make_warning(where + ": lies near the mirror direction (the half vector leans " +
-                                          degrees(lean.angle) +
-                                          " degrees), where scratches of any direction glint and the plain face shines",
-                                      "move the lamp or the eye"));
-  }
-  append(findings, told(collisions_of(views, min_mm, max_mm, groove_at), views));
-  return findings;
 }
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// burin/optimize/design/glint.h - which scratches glint for which view: the closed form that checks and starting points
-// rest on. Frame: board, mm; angles in radians.
+// burin/optimize/design/glint.h - which scratches glint for which view: the closed form that checks (glint_check.h) and
+// starting points rest on. Frame: board, mm; angles in radians.
 //
 // A groove's normals lie in the plane across it, so it glints where the half vector h does too: the scratch must run
 // at right angles to h's shadow on the board. Turned by delta from there, h leaves that plane by
@@ -20,7 +20,6 @@
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench.h"
 #include "burin/render/board_face.h"
-#include "burin/render/finding.h"
 
 namespace burin {
 
@@ -61,6 +60,12 @@ Lean lean_at(const GlintView& view, const Eigen::Vector3d& p_mm);
 /// Light of a scratch turned by `turn` from the direction that glints best, relative to that best.
 double lobe(double lean, double turn, double alpha);
 
+/// Difference of two scratches' orientations, which count modulo 180 degrees: 0 .. pi/2.
+double turn_between(double a, double b);
+
+/// Part of its light that a scratch made for one half vector shows at another, for whichever of the two that is more.
+double ghost_of(const Lean& a, const Lean& b, double alpha);
+
 /// The turn at which the lobe has fallen to `part` (0..1) of its best; at most pi/2.
 double turn_for(double lean, double part, double alpha);
 
@@ -77,11 +82,5 @@ struct GrooveShape {
   GrooveProfile profile{};
 };
 using GrooveAt = std::function<GrooveShape(const Eigen::Vector2d& p_mm)>;
-
-/// Throws Error if a camera or lamp lies behind the face or no groove on the area min..max can glint for a view (by how
-/// many degrees, and the depth or lean that would do). Finds views that glint on part of the area only, and
-/// pairs of views that one scratch serves at once (collisions; orientation counts modulo 180 degrees) with how much.
-std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
-                                  const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at);
 
 }  // namespace burin

@@ -12,21 +12,14 @@
 #include "burin/optimize/design/color_views.h"
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/to_metal.h"
+#include "burin/render/degrees.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/steepest_lean.h"
 
 namespace burin {
 namespace {
 
-constexpr double kDegree_rad = std::numbers::pi / 180;
 constexpr std::size_t kMostSearched = 40;
-
-double turn_between(double a, double b) { return std::abs(std::remainder(a - b, std::numbers::pi)); }
-
-double ghost_of(const Lean& a, const Lean& b, double alpha) {
-  const double apart = turn_between(a.azimuth, b.azimuth);
-  return std::max(lobe(a.angle, apart, alpha), lobe(b.angle, apart, alpha));
-}
 
 std::string in_degrees(double radians, int decimals) { return fixed(radians / kDegree_rad, decimals); }
 

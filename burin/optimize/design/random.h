@@ -9,7 +9,4 @@ namespace burin {
 /// Uniform in [0, 1).
 inline double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
-/// Roughly normal, of variance 1: enough for the steps of a search.
-inline double bell(std::mt19937_64& random) { return 2 * (uniform(random) + uniform(random) + uniform(random) - 1.5); }
-
 }  // namespace burin

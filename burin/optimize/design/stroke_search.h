@@ -30,71 +30,20 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "burin/optimize/design/glint.h"
+#include "burin/optimize/design/stroke_types.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/render/carve.h"
-#include "burin/render/groove_field.h"
 #include "burin/render/image.h"
 #include "burin/render/scratches.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {
-
-/// What a view shows when its eye and lamp stand a little aside, or in another channel.
-struct StrokeAside {
-  GlintView glint;
-  Image light, unit;
-  double weight = 1;  ///< of the errors seen from there
-  Image target{};     ///< no pixels: the view's own
-  int picture = -1;   ///< as StrokeView::picture
-  /// What matters of it, where that is not what matters of the view (a picture of another view): as StrokeView::mask.
-  std::optional<Image> mask{};
-};
-
-/// One view as strokes see it. All images have the grid's size; light is relative to white. A view in color is one for
-/// each of its lamps: the channels that the lamp has stand in it as asides do, each with its own target, so that a
-/// stroke is judged by what it does to all of them.
-struct StrokeView {
-  GlintView glint;
-  Image light;        ///< shown now; follows the strokes that are placed or taken away
-  Image target;       ///< gamma-encoded
-  Image mask;         ///< what matters (1) and what does not (0); no pixels: everything
-  Image unit;         ///< light of a pixel crossed along one pixel's length by a scratch of the best direction
-  double weight = 1;  ///< of the errors seen from where eye and lamp are meant to be
-  std::vector<StrokeAside> asides{};  ///< further places that count (at most kMostAsides)
-  /// Views (and asides) of the same number from 0 on are the same picture under several lamps: a stroke of one of them
-  /// changes the light of all, and its errors count once. -1: a picture of its own.
-  int picture = -1;
-};
-
-inline constexpr std::size_t kMostAsides = 8;
-
-struct StrokeRules {
-  Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};  ///< the carve area, on which the images lie
-  double shortest_mm = 0, longest_mm = 0;      ///< of a stroke
-  double alpha = 0.04;                         ///< where it does not vary
-  GrooveField alpha_field{};                   ///< how it does
-  Eigen::Vector2d board_size_mm{1, 1};
-  double dimmest = 0.01;  ///< least part of the lobe a stroke is turned to
-  int candidates = 16;    ///< a stroke is the best of
-
-  double alpha_at(const Eigen::Vector2d& p_mm) const {
-    return alpha_field.is_constant() ? alpha : std::min(1.0, at_place(alpha_field, alpha, board_size_mm, p_mm));
-  }
-};
-
-/// A stroke and by how much it lowers the squared error.
-struct Stroke {
-  Eigen::Vector2d a_mm{0, 0}, b_mm{0, 0};
-  double gain = 0;
-  std::size_t view = 0;  ///< that it is meant for
-};
 
 /// Light per mm of length, summed over pixels, that a scratch of the best direction sends to the view of `renderer`,
 /// measured on a lattice of test scratches and interpolated to every pixel; in radiance times pixels per mm. `carve`

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "burin/optimize/design/stroke_field.h"
-#include "burin/optimize/design/stroke_search.h"
+#include "burin/optimize/design/stroke_types.h"
 #include "burin/render/scratches.h"
 
 namespace burin {

@@ -8,8 +8,8 @@
 
 #include "burin/optimize/design/stroke_field.h"
 #include "burin/optimize/design/stroke_kernel.h"
-#include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design/stroke_tiles.h"
+#include "burin/optimize/design/stroke_types.h"
 
 namespace burin {
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/render/carve.h"
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {
@@ -115,12 +115,6 @@ double range_of(const Lost& lost, double first_mm, double most_mm) {
   return inside + (kLostDb - lost_inside) / (lost_outside - lost_inside) * (outside - inside);
 }
 
-std::string mm(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, value < 9.95 ? "%.1f" : "%.0f", value);
-  return text;
-}
-
 }  // namespace
 
 std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board& board, const Bench& bench,
@@ -176,9 +170,10 @@ std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board
 }
 
 std::string tolerance_text(const std::string& view, const ViewTolerance& t) {
-  return "view " + view + " holds within " + mm(t.eye.sideways.least()) + " mm sideways, " + mm(t.eye.up.least()) +
-         " mm up or down, " + mm(t.eye.depth.least()) + " mm in depth; its lamp within " + mm(t.lamp.sideways.least()) +
-         ", " + mm(t.lamp.up.least()) + " and " + mm(t.lamp.depth.least()) + " mm";
+  return "view " + view + " holds within " + coarse(t.eye.sideways.least()) + " mm sideways, " +
+         coarse(t.eye.up.least()) + " mm up or down, " + coarse(t.eye.depth.least()) +
+         " mm in depth; its lamp within " + coarse(t.lamp.sideways.least()) + ", " + coarse(t.lamp.up.least()) +
+         " and " + coarse(t.lamp.depth.least()) + " mm";
 }
 
 }  // namespace burin

@@ -6,12 +6,11 @@
 #include <numbers>
 
 #include "burin/optimize/design/glint.h"
+#include "burin/render/degrees.h"
 #include "burin/render/groove.h"
 
 namespace burin {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 double square(double v) { return v * v; }
 
@@ -28,7 +27,7 @@ class Search {
         middle_((q.carve_min_mm.x() + q.carve_max_mm.x()) / 2, (q.carve_min_mm.y() + q.carve_max_mm.y()) / 2, 0) {
     to_lamp_ = (q.lamp_mm - middle_).normalized();
     // A tenth of a degree on this side of the wall: places are rounded to whole mm by people.
-    steepest_ = 2 * std::atan(groove_rim(q.width_um, q.depth_um)) - 0.1 * kDegree;
+    steepest_ = 2 * std::atan(groove_rim(q.width_um, q.depth_um)) - 0.1 * kDegree_rad;
   }
 
   std::optional<std::vector<Eigen::Vector3d>> best() const {
@@ -68,10 +67,10 @@ class Search {
   }
 
   std::vector<Candidate> candidates(double azimuth) const {
-    constexpr double kStep = 1 * kDegree, kFurthest = 62 * kDegree, kComfortable = 45 * kDegree;
-    constexpr double kDarkFace = 21 * kDegree;  // the plain face's own shine is small from here on
-    constexpr double kLeast = 8 * kDegree;
-    constexpr double kFromLamp = 25 * kDegree;                       // a head stays out of the light
+    constexpr double kStep = 1 * kDegree_rad, kFurthest = 62 * kDegree_rad, kComfortable = 45 * kDegree_rad;
+    constexpr double kDarkFace = 21 * kDegree_rad;  // the plain face's own shine is small from here on
+    constexpr double kLeast = 8 * kDegree_rad;
+    constexpr double kFromLamp = 25 * kDegree_rad;                   // a head stays out of the light
     const double mirror = std::asin(std::min(1.0, 3.2 * q_.alpha));  // 3 alpha, and a bit: check_glints
     std::vector<Candidate> out;
     for (const double side : {0.0, std::numbers::pi})
@@ -82,9 +81,9 @@ class Search {
         const double tilt = std::acos(std::clamp(wo.z(), -1.0, 1.0));
         if (tilt > kFurthest || !glints_everywhere(middle_ + q_.distance_mm * wo)) continue;
         const double from_lamp = std::acos(std::clamp(wo.dot(to_lamp_), -1.0, 1.0));
-        out.push_back({wo, square(std::max(0.0, tilt - kComfortable) / (5 * kDegree)) +
-                               square(std::max(0.0, kDarkFace - lean) / (3 * kDegree)) +
-                               square(std::max(0.0, kFromLamp - from_lamp) / (6 * kDegree))});
+        out.push_back({wo, square(std::max(0.0, tilt - kComfortable) / (5 * kDegree_rad)) +
+                               square(std::max(0.0, kDarkFace - lean) / (3 * kDegree_rad)) +
+                               square(std::max(0.0, kFromLamp - from_lamp) / (6 * kDegree_rad))});
       }
     return out;
   }

@@ -14,8 +14,11 @@
 
 #include "burin/render/fast/curve_tables.h"
 #include "burin/render/fast/tile_kernel.h"
+#include "burin/render/image.h"
+#include "burin/render/scratch_gradients.h"
+#include "burin/render/scratches.h"
 #include "burin/render/simd_width.h"
-#include "burin/render/view_renderer.h"
+#include "burin/render/view_scene.h"
 
 namespace burin {
 

@@ -5,94 +5,26 @@
 // distortion, bowed faces, pixels larger or smaller than the groove. A few pixels that only nearly touch are reported
 // too.
 //
-// How: the grid is cut into tiles (burin/render/fast/tile.h), each a block, or several where one map is not good
-// enough. A block has a projective map that takes its footprints' corners to the pixel lattice within kBlockError_px,
-// measured at every corner, so that it needs no camera. Which tiles a strip may touch is found through one map of the
-// whole grid, whose error is known too; where there is none (folded or split grids), through the tiles' boxes. In a
-// tile the strip is drawn through the block's map, every pixel widened by what the map is wrong: this can only add
-// pixels. Frame: board xy, mm. docs/model.md 8.1.
+// How: tile by tile (pixel_index.h). Frame: board xy, mm. docs/model.md 8.1.
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
-#include "burin/render/board.h"
-#include "burin/render/fast/tile.h"
-#include "burin/render/footprint_grid.h"
+#include "burin/render/fast/pixel_index.h"
+#include "burin/render/material.h"
 #include "burin/render/scratches.h"
 
 namespace burin {
-
-/// A scratch on the board: all points within half_width_mm of the line between its ends, ends cut square.
-struct Strip {
-  Eigen::Vector2d p0_mm{0, 0}, p1_mm{0, 0};
-  double half_width_mm = 0;
-};
 
 /// Pixels begin .. end - 1 of one row.
 struct PixelSpan {
   int row = 0, begin = 0, end = 0;
 };
 
-/// One tile of a grid. Tiles without any footprint have no blocks.
-struct GridTile {
-  Eigen::Vector2d origin_mm{0, 0};
-  std::uint32_t block_begin = 0, block_end = 0;
-  bool all_valid = false;  ///< every pixel of the grid in it has a footprint
-};
-
-/// A map of a whole grid to its pixel lattice, right within error_px at every footprint's corner.
-struct GridMap {
-  bool exists = false, affine = false;
-  Eigen::Matrix3d lattice_from_board = Eigen::Matrix3d::Identity();
-  double error_px = 0;
-  double w_min = 0;  ///< least third homogeneous coordinate among the corners
-};
-
-/// The tiles of a grid. Built once a grid; the grid may go.
-class PixelIndex {
- public:
-  explicit PixelIndex(const FootprintGrid& grid);
-
-  int tiles_x() const { return tiles_x_; }
-  int tiles_y() const { return tiles_y_; }
-  std::span<const GridTile> tiles() const { return tiles_; }  ///< row-major
-  std::span<const TileBlock> blocks(const GridTile& tile) const {
-    return std::span(blocks_).subspan(tile.block_begin, tile.block_end - tile.block_begin);
-  }
-
-  /// Bit c of row r: that pixel of the tile has a footprint. Null where all have one.
-  const std::uint32_t* valid_rows(std::size_t tile) const {
-    return tiles_[tile].all_valid ? nullptr : valid_rows_[tile].data();
-  }
-
-  const GridMap& map() const { return map_; }
-
-  /// Appends the tiles that a strip may touch, in ascending order. `across_mm`: half its width across it.
-  void find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d& p1_mm, const Eigen::Vector2d& across_mm,
-                  std::vector<std::uint32_t>& tiles) const;
-
-  /// Appends the spans that the strip touches. Each pixel at most once; pixels without a footprint never.
-  void find(const Strip& strip, std::vector<PixelSpan>& spans) const;
-
-  /// 1 where a pixel has a footprint: finite corners, an area above 0. Row-major.
-  const std::vector<std::uint8_t>& has_footprint() const { return valid_; }
-
- private:
-  void map_whole_grid(const FootprintGrid& grid);
-  void add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, int y1, const Eigen::Vector2d& origin_mm, int left,
-                  int top);
-
-  int width_ = 0, height_ = 0, tiles_x_ = 0, tiles_y_ = 0;
-  std::vector<std::uint8_t> valid_;
-  std::vector<GridTile> tiles_;
-  std::vector<std::array<std::uint32_t, kTile>> valid_rows_;  // by tile
-  std::vector<TileBlock> blocks_;
-  GridMap map_;
-};
+/// Appends the spans of a grid that the strip touches. Each pixel at most once; pixels without a footprint never.
+void find_spans(const PixelIndex& index, const Strip& strip, std::vector<PixelSpan>& spans);
 
 /// All pairs, by pixel: those of pixel i are scratch[begin[i]] .. scratch[begin[i + 1] - 1], ascending.
 struct PixelPairs {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "burin/render/fast/pairs.h"
+#include "burin/render/fast/pixel_index.h"
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/fast/tile_runs.h"
 

@@ -221,11 +221,12 @@ struct TileRaster {
             place = _mm512_add_epi32(place, step);
             count = _mm512_sub_epi32(count, one);
             left = _mm512_cmpgt_epi32_mask(count, _mm512_setzero_si512());
+            return left != 0;  // more to put
           };
           // A line crosses two pixels of a row, seldom more: no branch for those.
           put_one();
-          put_one();
-          while (left != 0) put_one();
+          while (put_one()) {
+          }
           continue;
         }
       }

@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "burin/render/fast/pairs.h"
+#include "burin/render/fast/pixel_index.h"
 #include "burin/render/fast/tile.h"
 
 namespace burin {

@@ -35,9 +35,11 @@ TiledGrid::TiledGrid(const FootprintGrid& grid)
         if (!index.has_footprint()[static_cast<std::size_t>(y) * width + x]) return;
         const auto q = footprint_corners_mm(grid, x, y);
         for (int k = 0; k < 4; ++k) {
-          const double column = static_cast<double>(place % kTile) + kAround[k][0];
-          const double row = static_cast<double>(place / kTile) + kAround[k][1];
-          visit(place, k, Eigen::Vector3d(1, column, row), q[k] - origin);
+          const std::size_t column = place % kTile, row = place / kTile;
+          visit(
+              place, k,
+              Eigen::Vector3d(1, static_cast<double>(column) + kAround[k][0], static_cast<double>(row) + kAround[k][1]),
+              q[k] - origin);
         }
       });
     };

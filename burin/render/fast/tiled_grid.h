@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "burin/render/fast/pairs.h"
+#include "burin/render/fast/pixel_index.h"
 #include "burin/render/fast/tile.h"
 #include "burin/render/footprint_grid.h"
 

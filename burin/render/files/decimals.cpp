@@ -36,4 +36,11 @@ std::string significant(double value, int digits) {
   return text;
 }
 
+std::string general(double value, int digits) {
+  std::array<char, kLongest> text;
+  return {text.data(), std::to_chars(text.begin(), text.end(), value, std::chars_format::general, digits).ptr};
+}
+
+std::string coarse(double value) { return fixed(value, value < 9.95 ? 1 : 0); }
+
 }  // namespace burin

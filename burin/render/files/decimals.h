@@ -15,4 +15,11 @@ std::string shortest(double value);
 /// is "0.012", 0.5 is "0.5" and 562.4 is "562".
 std::string significant(double value, int digits = 2);
 
+/// To `digits` significant digits as printf's %g has them, whatever the locale: without trailing zeros, and with an
+/// exponent below 1e-4 and from 10^digits on.
+std::string general(double value, int digits);
+
+/// One decimal below ten, none from there on: "0.3", "9.9", "10".
+std::string coarse(double value);
+
 }  // namespace burin

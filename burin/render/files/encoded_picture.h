@@ -11,7 +11,7 @@ namespace burin {
 
 /// The bytes of a picture of the kind that `extension` (".png") names, from pixels of `type`. The same pixels give the
 /// same bytes: no date is in it unless `spec` has one. Throws Error naming `file`, which it is for.
-std::string encoded_picture(const std::string& extension, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels,
-                            const std::filesystem::path& file);
+std::string encoded_picture(const std::string& extension, OIIO::ImageSpec spec, const OIIO::TypeDesc& type,
+                            const void* pixels, const std::filesystem::path& file);
 
 }  // namespace burin

@@ -16,12 +16,6 @@ constexpr const char* kFrameRemedy =
     "or \"inside\" for a panorama as one sees it from within, with \"up\" and \"middle\", the board's directions of "
     "its top row and its middle column";
 
-Eigen::Vector3d light_of(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback) {
-  Eigen::Vector3d v = json.vec3(key, fallback);
-  if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "light is 0 or greater");
-  return v;
-}
-
 Light read_sun(JsonObject json) {
   const Eigen::Vector3d to = json.vec3("direction");
   if (!(to.norm() > 1e-9))
@@ -33,7 +27,7 @@ Light read_sun(JsonObject json) {
   if (!(diameter >= 0 && diameter <= 5))
     json.fail_field("diameter_deg", "is " + Json(diameter).dump(),
                     "the sun's is 0.53; write a larger light as a lamp with a size, or as surroundings");
-  Light out = sun_light(to, light_of(json, "irradiance", {1, 1, 1}), diameter);
+  Light out = sun_light(to, light_color(json, "irradiance", {1, 1, 1}), diameter);
   json.finish();
   return out;
 }
@@ -53,7 +47,7 @@ Light read_surroundings(JsonObject json, const std::filesystem::path& file) {
   }
   const std::filesystem::path picture = resolve_path(file, json.text("picture"));
   Light out = surroundings_light(make_panorama(read_picture(picture), frame, picture.string()),
-                                 light_of(json, "intensity", {1, 1, 1}));
+                                 light_color(json, "intensity", {1, 1, 1}));
   auto far = std::make_shared<FarLight>(*out.far);
   far->picture = picture;
   far->frame = frame;
@@ -63,6 +57,12 @@ Light read_surroundings(JsonObject json, const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+Eigen::Vector3d light_color(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback) {
+  Eigen::Vector3d v = json.vec3(key, fallback);
+  if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "light is 0 or greater");
+  return v;
+}
 
 bool says_far_light(JsonObject& light) { return light.has("sun") || light.has("surroundings"); }
 

@@ -2,10 +2,13 @@
 // Include it in .cpp files only: it pulls in nlohmann-json.
 #pragma once
 
-#include "burin/render/bench.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/light.h"
 
 namespace burin {
+
+/// Three numbers of light, R G B. Throws Error where one is negative.
+Eigen::Vector3d light_color(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback);
 
 /// Whether an entry of "lights" is no near lamp: it has a "sun" or a "surroundings".
 bool says_far_light(JsonObject& light);

@@ -34,12 +34,6 @@ bool is_invisible(std::string_view c) {
   return (second == 0x80 && (third < 0x90 || (third >= 0xA8 && third <= 0xAF))) || (second == 0x81 && third >= 0x9F);
 }
 
-std::string lower(std::string text) {
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
-}
-
 }  // namespace
 
 std::string file_name_of(std::string_view name) {
@@ -67,8 +61,8 @@ std::vector<std::string> distinct_file_names(const std::vector<std::string>& nam
   for (const std::string& name : names) {
     const std::string wanted = file_name_of(name);
     const auto all_of = [&](const std::string& candidate) {
-      std::vector<std::string> all{lower(candidate)};
-      for (const std::string& ending : endings) all.push_back(lower(candidate + ending));
+      std::vector<std::string> all{lower_case(candidate)};
+      for (const std::string& ending : endings) all.push_back(lower_case(candidate + ending));
       return all;
     };
     std::string candidate = wanted;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "burin/render/files/json_file.h"
-#include "burin/render/lamp_size.h"
+#include "burin/render/light.h"
 
 namespace burin {
 

@@ -2,8 +2,8 @@
 // give them. docs/file-formats.md. Include it in .cpp files only: it pulls in nlohmann-json.
 #pragma once
 
-#include "burin/render/board.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/material.h"
 
 namespace burin {
 

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "burin/render/footprint/footprint_core.h"
-#include "burin/render/footprint/footprint_integral.h"
+#include "burin/render/footprint/footprint_types.h"
 #include "burin/render/groove.h"
 
 namespace burin::footprint {

@@ -6,9 +6,9 @@ namespace burin {
 /// What lobe_nodes() finds for each psi; arrays as long as there are.
 struct LobeNodes {
   double* r2;        ///< cos^2 psi + s^2 sin^2 psi
-  double* cos_away;  ///< of the lean less that of h
+  double* cos_lean;  ///< of the lean
+  double* cos_away;  ///< of the lean less that of h; both null where nobody asks
   double* sin_away;
-  double* cos_lean;  ///< of the lean itself
 };
 
 /// tan(lean - lean of h) = s tan(psi), psi from -pi/2 to pi/2. `sine_h`, `cosine_h`: of h's own lean. Good to 1e-15.

@@ -203,7 +203,7 @@ struct BandSum {
   int count = 0;
   std::array<double, kMost> scale;  // a band's area within the footprint times its factor
   std::array<Shape, kMost> shape;
-  std::array<double, kMost * kNodes> psi, r2, cos_away, sin_away, cos_lean;
+  std::array<double, kMost * kNodes> psi, r2, cos_lean;
   double sum = 0;
 
   explicit BandSum(const SectionLobe& of) : lobe(of) {}
@@ -215,7 +215,7 @@ struct BandSum {
   }
   void flush() {
     lobe_nodes(kNodes * count, psi.data(), lobe.s, lobe.sine_h, lobe.cosine_h,
-               {r2.data(), cos_away.data(), sin_away.data(), cos_lean.data()});
+               {r2.data(), cos_lean.data(), nullptr, nullptr});
     for (int i = 0; i < count; ++i) {
       double mean = 0;
       for (int k = 0; k < kNodes; ++k)
@@ -287,7 +287,7 @@ BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, d
   const double half = fill_nodes(psi_from, psi_to, psi.data()), whole = density_integral(band),
                factor = lobe.factor(half, whole);
   lobe_nodes(kNodes, psi.data(), lobe.s, lobe.sine_h, lobe.cosine_h,
-             {r2.data(), cos_away.data(), sin_away.data(), cos_lean.data()});
+             {r2.data(), cos_lean.data(), cos_away.data(), sin_away.data()});
   // By h as the lobe's own frame has it: Q = m^2 across2 + y^2 along2 + n^2, m and n along the wall and out of it.
   const double along2 = lobe.along2, across2 = along2 / (across * across), y2 = h.y() * h.y() * along2;
   Vector2d by_h(0, 0);

@@ -143,8 +143,9 @@ void ExactSurroundings::Data::add_table(const FacetTable& table, std::size_t pix
                                         int side, Work& w) const {
   const double turned = across / (2 * std::numbers::pi);
   const CubicShares a = cubic_shares((turned - std::floor(turned)) * table.azimuths, table.azimuths, true);
-  const CubicShares x = cubic_shares(static_cast<double>(pixel % width) / table.column_pixels, table.columns, false);
-  const CubicShares y = cubic_shares(static_cast<double>(pixel / width) / table.row_pixels, table.rows, false);
+  const std::size_t column = pixel % width, row = pixel / width;
+  const CubicShares x = cubic_shares(static_cast<double>(column) / table.column_pixels, table.columns, false);
+  const CubicShares y = cubic_shares(static_cast<double>(row) / table.row_pixels, table.rows, false);
   const double per_turn = table.azimuths / (2 * std::numbers::pi);
   const std::size_t n = table.ring_size();
   float *sum = &w.sum[side > 0 ? n : 0], *slope = &w.slope[side > 0 ? n : 0];
@@ -244,8 +245,9 @@ void ExactSurroundings::Data::make_knots(const SeenScratch& s, const std::vector
   for (std::size_t k = 0; k < pixel.size(); ++k) place[k] = along(pixel[k]);
   const auto [low, high] = std::minmax_element(place.begin(), place.end());
   const std::uint32_t a = pixel[low - place.begin()], b = pixel[high - place.begin()];
+  const std::size_t row_a = a / width, row_b = b / width;
   const double pixels = std::hypot(static_cast<double>(a % width) - static_cast<double>(b % width),
-                                   static_cast<double>(a / width) - static_cast<double>(b / width));
+                                   static_cast<double>(row_a) - static_cast<double>(row_b));
   const double turned = pixels * lattice.lean_per_pixel / (kKnot * s.frame.groove.alpha);
   const int steps = turned < 0.25 ? 0 : static_cast<int>(std::ceil(turned));
   w.knots.resize(steps + 1);
@@ -305,7 +307,7 @@ void ExactSurroundings::Data::find_scratch_pairs(std::size_t i, const Strip& str
   p.light.clear();
   p.area.clear();
   w.spans.clear();
-  index.find(strip, w.spans);
+  find_spans(index, strip, w.spans);
   for (const PixelSpan& span : w.spans)
     for (int c = span.begin; c < span.end; ++c) {
       const std::size_t pixel = static_cast<std::size_t>(span.row) * width + c;

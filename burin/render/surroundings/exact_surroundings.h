@@ -6,7 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "burin/render/view_renderer.h"
+#include "burin/render/image.h"
+#include "burin/render/light.h"
+#include "burin/render/scratch_gradients.h"
+#include "burin/render/scratches.h"
+#include "burin/render/view_scene.h"
 
 namespace burin {
 

@@ -15,8 +15,9 @@
 #include <vector>
 
 #include "burin/render/far_light.h"
+#include "burin/render/light.h"
 #include "burin/render/surroundings/lagrange_cubic.h"
-#include "burin/render/view_renderer.h"
+#include "burin/render/view_scene.h"
 
 namespace burin {
 

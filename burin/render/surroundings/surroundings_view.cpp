@@ -25,12 +25,12 @@ struct SurroundingsView::Data {
 
   Data(const ViewScene& s, const Light& l, const RenderOptions& o) : scene(s), light(l), options(o) {}
 
-  void make_channels(std::shared_ptr<RenderWorkspace> workspace);
+  void make_channels(const std::shared_ptr<RenderWorkspace>& workspace);
   void make_tables(const Scratches& scratches);
   KernelMode with_jacobian() const { return options.material_gradients ? KernelMode::material : KernelMode::ends; }
 };
 
-void SurroundingsView::Data::make_channels(std::shared_ptr<RenderWorkspace> workspace) {
+void SurroundingsView::Data::make_channels(const std::shared_ptr<RenderWorkspace>& workspace) {
   lattice = place_lattice(scene, light, std::min(scene.material.alpha, scene.material.base_alpha));
   const int n = options.channels;
   const FaceLight all = face_light(scene, light, n, lattice);
@@ -58,7 +58,7 @@ void SurroundingsView::Data::make_tables(const Scratches& scratches) {
 }
 
 SurroundingsView::SurroundingsView(const ViewScene& scene, const Light& light, const RenderOptions& options,
-                                   std::shared_ptr<RenderWorkspace> workspace)
+                                   const std::shared_ptr<RenderWorkspace>& workspace)
     : data_(std::make_unique<Data>(scene, light, options)) {
   if (!scene.material.profile.is_paper())
     fail("light " + light.id, "surroundings light grooves of the paper's cross-section alone so far",
@@ -66,7 +66,7 @@ SurroundingsView::SurroundingsView(const ViewScene& scene, const Light& light, c
   if (options.use_double)
     data_->exact = std::make_unique<ExactSurroundings>(scene, light, options);
   else
-    data_->make_channels(std::move(workspace));
+    data_->make_channels(workspace);
 }
 
 SurroundingsView::~SurroundingsView() = default;

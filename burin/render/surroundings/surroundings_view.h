@@ -6,7 +6,11 @@
 #include <memory>
 #include <vector>
 
-#include "burin/render/view_renderer.h"
+#include "burin/render/image.h"
+#include "burin/render/light.h"
+#include "burin/render/scratch_gradients.h"
+#include "burin/render/scratches.h"
+#include "burin/render/view_scene.h"
 
 namespace burin {
 
@@ -16,7 +20,7 @@ namespace burin {
 class SurroundingsView {
  public:
   SurroundingsView(const ViewScene& scene, const Light& light, const RenderOptions& options,
-                   std::shared_ptr<RenderWorkspace> workspace);
+                   const std::shared_ptr<RenderWorkspace>& workspace);
   ~SurroundingsView();
 
   /// Adds the radiance to `radiance`, which has the view's size. Deterministic, for any number of threads.

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "burin/render/scratches.h"
-#include "burin/render/view_renderer.h"
+#include "burin/render/view_scene.h"
 
 namespace burin {
 

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "burin/render/median.h"
+
 namespace burin {
 namespace {
 
@@ -75,9 +77,8 @@ cv::Mat log_map(const BallView& view, const EdgeMap& map) {
         static_cast<float>(q.x()), static_cast<float>(q.y())};
   }
   cv::remap(smooth, value, places, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-  std::vector<float> sorted(value.begin<float>(), value.end<float>());
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const float dark = std::max(1e-20F, 0.02F * sorted[sorted.size() / 2]);
+  const float usual = median_of(std::vector<float>(value.begin<float>(), value.end<float>()));
+  const float dark = std::max(1e-20F, 0.02F * usual);
   for (auto v = value.begin<float>(); v != value.end<float>(); ++v) *v = std::log(std::max(*v, 0.0F) + dark);
   return value;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "burin/calib/light/probe/ball_agreement.h"
@@ -130,13 +131,14 @@ void require_ball(const std::optional<FittedBall>& ball, std::span<const std::fi
   if (oval)
     fail(files[best].string(),
          where_it_stands(ball->ball) + " is not round: its outline is off by " + of_outline(off) +
-             " of its radius, which turns directions by " + significant(4 * off * 180 / M_PI, 2) + " degrees",
+             " of its radius, which turns directions by " + significant(4 * off * 180 / std::numbers::pi, 2) +
+             " degrees",
          "take a bearing ball, or turn a Christmas ball so that its cap and seam are not seen; and check that the lens "
          "is this camera's");
   if (look.radius_px < kLeastRadius_px)
     fail(files[best].string(),
          "the ball is only " + significant(2 * look.radius_px, 2) + " pixels wide: a pixel spans " +
-             significant(2 / look.radius_px * 180 / M_PI, 2) + " degrees of the room",
+             significant(2 / look.radius_px * 180 / std::numbers::pi, 2) + " degrees of the room",
          "come closer, or take a larger ball: 200 pixels and more are good");
 }
 

@@ -127,8 +127,9 @@ struct Profiles {
 }  // namespace
 
 double pixels_per_rad(const BallView& view, const TangentCone& cone) {
-  const std::array<Eigen::Vector3d, 2> rays = {view.T_camera_board.linear() * cone.ray(cone.half_angle, 0),
-                                               view.T_camera_board.linear() * cone.ray(cone.half_angle, M_PI)};
+  const std::array<Eigen::Vector3d, 2> rays = {
+      view.T_camera_board.linear() * cone.ray(cone.half_angle, 0),
+      view.T_camera_board.linear() * cone.ray(cone.half_angle, std::numbers::pi)};
   std::array<Eigen::Vector2d, 2> at;
   project(view.lens, rays, at);
   return (at[0] - at[1]).norm() / (2 * cone.half_angle);

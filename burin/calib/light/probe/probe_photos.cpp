@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 #include <thread>
 
 #include "burin/capture/tags/tag_look.h"
@@ -92,7 +93,8 @@ std::vector<BallPicture> pictures_of_ball(const Session& session, std::span<cons
     if (!cone) return;
     std::vector<Eigen::Vector3d> rays;
     for (int k = 0; k < 64; ++k)
-      rays.push_back(picture.T_camera_board.linear() * cone->ray(kAroundBall * cone->half_angle, k * M_PI / 32));
+      rays.push_back(picture.T_camera_board.linear() *
+                     cone->ray(kAroundBall * cone->half_angle, k * std::numbers::pi / 32));
     std::vector<Eigen::Vector2d> at(rays.size());
     project(picture.lens, rays, at);
     Eigen::Vector2d low = at[0], high = at[0];

@@ -274,8 +274,8 @@ template <class P>
   clip(out.column, out.column_step);
   clip(out.row, out.row_step);
   if (!(out.from_Y <= out.to_Y)) {  // its middle line is not in the tile: a pixel of it is
-    const float c = static_cast<float>(first_place % kTile) - out.column,
-                d = static_cast<float>(first_place / kTile) - out.row;
+    const auto column = first_place % kTile, row = first_place / kTile;
+    const float c = static_cast<float>(column) - out.column, d = static_cast<float>(row) - out.row;
     const float Y = size > 0 ? (c * out.column_step + d * out.row_step) / size : 0;
     out.from_Y = out.to_Y = std::min(std::max(Y, run.first_end), run.second_end);
   }
