@@ -14,6 +14,7 @@
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/exact/scratch_pair.h"
 #include "burin/render/groove.h"
+#include "burin/render/simd_width.h"
 #include "tests/render/expect_fast_is_exact.h"
 #include "tests/render/small_world.h"
 
@@ -31,6 +32,36 @@ TEST(ViewRenderer, PairsFoundGiveWhatAllPairsGive) {
     EXPECT_GT(*std::max_element(all.data.begin(), all.data.end()), 0);
     EXPECT_EQ(found.data, all.data) << channels << " channels";
   }
+}
+
+// A pixel's edge on a groove's rim, to the last bit or beside it, is no corner of a triangle.
+TEST(ViewRenderer, PixelsWhoseEdgesLieOnRimsAreSeenWhole) {
+  const double width_um = 400, depth_um = 2, half_mm = 1e-3 * half_width_um(width_um, depth_um);
+  for (const SimdWidth simd : {SimdWidth::generic, SimdWidth::avx2, SimdWidth::avx512})
+    for (const double beside_mm : {0.0, 1e-12, -1e-12, 1e-9, -1e-9, 3e-8})
+      for (const int columns : {1, 2, 3}) {
+        if (!has_kernel(simd)) continue;
+        const double pitch_mm = (columns == 2 ? 1 : 2) * (half_mm + beside_mm), left_mm = 30 - pitch_mm * columns / 2;
+        ViewScene scene;
+        scene.grid = share(board_grid({left_mm, 23.5}, {left_mm + columns * pitch_mm, 24.5}, columns, 2,
+                                      Surface{{60, 48}, {0, 0, 0}}));
+        scene.camera_center_mm = {30, 0, 300};
+        scene.light.position_mm = {20, -300, 400};
+        scene.tool_width_um = width_um;
+        scene.material.depth_um = depth_um;
+        Scratches s;
+        s.x0_mm = s.x1_mm = {30};
+        s.y0_mm = {19}, s.y1_mm = {29};
+        Image fast, exact;
+        RenderOptions options;
+        options.simd = simd;
+        ViewRenderer(scene, options).forward(in_metal(s), fast);
+        options.use_double = true;
+        ViewRenderer(scene, options).forward(in_metal(s), exact);
+        for (std::size_t i = 0; i < exact.data.size(); ++i)
+          EXPECT_NEAR(fast.data[i], exact.data[i], 1e-4 * exact.data[i] + 1e-12)
+              << columns << " columns, " << beside_mm << " mm beside";
+      }
 }
 
 /// backward() of the double path against central differences in double: every number of every scratch, and the shared

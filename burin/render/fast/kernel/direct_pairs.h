@@ -31,7 +31,6 @@ template <class P>
                                                         const P& rim) {
   const MaskOf<P> apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
   // At both ends of [a, b]: the pixel's edges, and whether one of the scratch's ends lies before them.
-  const P &a = e.a, &b = e.b;
   P top1 = e.top1, top2 = e.top2, bottom1 = e.bottom1, bottom2 = e.bottom2;
   const MaskOf<P> capped1 = top1 > second, capped2 = top2 > second, raised1 = bottom1 < first,
                   raised2 = bottom2 < first;
@@ -42,8 +41,10 @@ template <class P>
   const MaskOf<P> closed1 = top1 < bottom1, closed2 = top2 < bottom2;
   const MaskOf<P> mixed = (capped1 != capped2) | (raised1 != raised2) | (closed1 != closed2);
   // An end that lies in the pixel from a to b, or beside it, bounds a single piece as an edge does. So does a corner
-  // at a or b, unless one of the pixel's edges runs along the groove there.
-  const MaskOf<P> has_corner = b - a < rim + rim;
+  // at a or b, unless one of the pixel's edges runs along the groove there: on the rim, too, where rounding may put a
+  // on either side of it.
+  const P near(1e-6F);
+  const MaskOf<P> has_corner = (e.t_min > -rim - near) | (e.t_max < rim + near);
   const MaskOf<P> corner_between = (e.inside > P(0.0F)) | (e.along & has_corner);
   const MaskOf<P> in_reach = ((e.Y_min < first) | (e.Y_max > second)) & !apart;
   const MaskOf<P> ends = in_reach & (corner_between | mixed);
