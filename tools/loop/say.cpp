@@ -216,8 +216,7 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
     if (needs_answer_now(state, states)) asking.push_back(state);
   if (!asking.empty()) {
     try {
-      const int number = next_to_carve(project);
-      if (fs::exists(project.bench_before(number))) require_one_truth(project, number);
+      require_one_truth_to_carve(project);
     } catch (const Error& error) {
       return error.what();
     }

@@ -418,4 +418,9 @@ int next_to_carve(const Project& project) {
   return round;
 }
 
+void require_one_truth_to_carve(const Project& project) {
+  const int round = next_to_carve(project);
+  if (fs::exists(project.bench_before(round))) require_one_truth(project, round);
+}
+
 }  // namespace burin

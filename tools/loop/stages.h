@@ -91,6 +91,9 @@ bool is_photographed(const Project& project, int round);
 /// The first round whose board is not photographed; there may be nothing of it yet.
 int next_to_carve(const Project& project);
 
+/// require_one_truth() (tools/loop/round_design.h) of that round, where its bench is there.
+void require_one_truth_to_carve(const Project& project);
+
 /// The photos of a round, those in its lamps' folders too (tools/loop/round_lamps.h), in the order of their paths.
 std::vector<std::filesystem::path> photos_of(const Project& project, int round);
 

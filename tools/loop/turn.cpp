@@ -120,13 +120,6 @@ void keep(Turn& turn, const StageState& state) {
              state.changes.empty() ? in_words(state) : in_words(state.changes));
 }
 
-// What would be refused whatever is answered, before anything is asked or kept.
-void refuse_contradiction(const Turn& turn) {
-  const Project& project = turn.loop.project;
-  const int number = next_to_carve(project);
-  if (fs::exists(project.bench_before(number))) require_one_truth(project, number);
-}
-
 // What a person has to decide before anything is done. Throws Error for what is not decided.
 void settle(Turn& turn) {
   const std::vector<StageState> states = states_of(turn.loop, turn.hashes);
@@ -143,7 +136,8 @@ void settle(Turn& turn) {
       open.push_back(state);
   }
   const auto carving = [](const StageState& state) { return is_carving(state.at.stage); };
-  if (!open.empty() || std::any_of(kept.begin(), kept.end(), carving)) refuse_contradiction(turn);
+  // What would be refused whatever is answered, before anything is asked or kept.
+  if (!open.empty() || std::any_of(kept.begin(), kept.end(), carving)) require_one_truth_to_carve(turn.loop.project);
   if (!open.empty()) {
     std::fflush(stdout);
     const LoopQuestion question = question_of(turn.loop, without_followers(open));
