@@ -95,6 +95,7 @@ class FedProgram {
   // `output` is its descriptor 3. Throws Error where the system has no room for another process.
   FedProgram(std::vector<std::string> words, int output, const fs::path& for_file) {
     std::vector<char*> arguments;
+    arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     std::array<int, 2> ends{-1, -1};

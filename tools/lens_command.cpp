@@ -63,9 +63,11 @@ Image coverage_picture(const std::vector<TargetView>& views, const LensSolution&
 int parts_covered(const std::vector<TargetView>& views, int width, int height) {
   std::array<bool, 12> seen{};
   for (const TargetView& view : views)
-    for (const Eigen::Vector2d& q : view.q_px)
-      seen[static_cast<std::size_t>(std::clamp(static_cast<int>(4 * q.x() / width), 0, 3) +
-                                    4 * std::clamp(static_cast<int>(3 * q.y() / height), 0, 2))] = true;
+    for (const Eigen::Vector2d& q : view.q_px) {
+      const auto column = static_cast<std::size_t>(std::clamp(4 * q.x() / width, 0.0, 3.0)),
+                 row = static_cast<std::size_t>(std::clamp(3 * q.y() / height, 0.0, 2.0));
+      seen[4 * row + column] = true;
+    }
   return static_cast<int>(std::count(seen.begin(), seen.end(), true));
 }
 

@@ -74,6 +74,7 @@ PlanFocus plan_focus(const Board& board, const Bench& bench, const std::vector<D
   }
   if (!(focus_mm > 0)) {
     std::vector<Eigen::Vector3d> eyes;
+    eyes.reserve(designed.size());
     for (const DesignedPlace& place : designed) eyes.push_back(place.center_mm);
     if (designed.empty())
       for (const View& view : bench.views) eyes.push_back(view.T_camera_board.inverse().translation());

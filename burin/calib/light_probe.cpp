@@ -193,6 +193,7 @@ FittedBall solve_ball(ProbeWork& work, const Board& board, const LightProbeOptio
   work.keep(kept);
   pictures = pictures_of_ball(work.session, work.brackets, work.noise, work.places, fit->ball, progress);
   std::vector<BallView> views;
+  views.reserve(pictures.size());
   for (const BallPicture& picture : pictures) views.push_back(in_gray(picture));
   fit = fit_ball(views, fit->ball, board, hints);
   require_ball(fit, work.files());

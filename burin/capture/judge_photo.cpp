@@ -79,6 +79,7 @@ std::vector<TagDetection> find_tags(const Image& gray, const TagSet& tags) {
     search(small, scale);
   }
   std::vector<double> sides;
+  sides.reserve(found.size());
   for (const TagDetection& tag : found) sides.push_back((tag.coarse_px[1] - tag.coarse_px[0]).norm() / scale);
   const bool large = !sides.empty() && median_of(sides) >= kLargeTag_px;
   if (found.size() < tags.list.size() && !large) search(gray, 1);
@@ -143,8 +144,10 @@ void find_pose(AgreeingCorners& corners, const Lens* believed, PhotoFacts& facts
     facts.pose = board_pose(corners, *lens);
     facts.focal_px = lens->intrinsics[0];
   } else {
-    constexpr double kStep = 1.03;
-    for (double f = 0.3 * facts.width; f < 10 * facts.width; f *= kStep) {
+    constexpr double kShortest = 0.3, kStep = 1.03;
+    constexpr int kFocals = 119;  // up to 10 times the photo's width
+    for (int k = 0; k < kFocals; ++k) {
+      const double f = kShortest * std::pow(kStep, k) * facts.width;
       const auto pose = board_pose(corners, plain_lens(f, facts.width, facts.height));
       if (!pose || (facts.pose && pose->error_px >= facts.pose->error_px)) continue;
       facts.pose = pose;

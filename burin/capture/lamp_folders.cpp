@@ -43,6 +43,7 @@ std::vector<LampFolder> lamp_folders(const fs::path& photos, const std::vector<s
       found.push_back({lamp, {folder, lamps[static_cast<std::size_t>(lamp)]}});
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<LampFolder> out;
+  out.reserve(found.size());
   for (auto& [lamp, folder] : found) out.push_back(std::move(folder));
   return out;
 }

@@ -490,6 +490,7 @@ std::vector<NoiseModel> session_noise(const Session& session, std::span<const Br
   }
   for (Kind& kind : kinds) kind.noise = estimate_noise(kind.photos);
   std::vector<NoiseModel> noise;
+  noise.reserve(kind_of.size());
   for (const std::size_t kind : kind_of) noise.push_back(kinds[kind].noise);
   return noise;
 }

@@ -96,7 +96,8 @@ std::vector<std::string> wrapped(std::string_view text, double size_mm, double w
       lines.push_back(word.substr(0, cut));
       word.erase(0, cut);
     }
-    const std::string longer = line.empty() ? word : line + " " + word;
+    std::string longer = line;
+    longer += (line.empty() ? "" : " ") + word;
     if (!line.empty() && words_width_mm(longer, size_mm) > width_mm) {
       lines.push_back(line);
       line = word;

@@ -200,7 +200,7 @@ void add_loop_options(CLI::App& command, LoopCommandLine& said) {
 
 LoopOptions remember_options(const LoopCommandLine& said, const fs::path& project) {
   const fs::path file = options_file(project);
-  const LoopOptions before = read_loop_options(project);
+  LoopOptions before = read_loop_options(project);
   LoopOptions wanted = before;
   if (!said.machine.empty())
     wanted.machine = is_file_name(said.machine, ".") ? path_in_project(project, said.machine) : said.machine;

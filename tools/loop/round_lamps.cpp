@@ -49,7 +49,7 @@ std::vector<std::string> lamps_of_round(const Project& project, int round) {
 }
 
 fs::path bench_of_photos(const Project& project, int round) {
-  const fs::path before = project.bench_before(round), own = project.folder / "bench.json";
+  fs::path before = project.bench_before(round), own = project.folder / "bench.json";
   if (round == 1) return before;
   const std::vector<std::string> known = lamps_named(before), listed = lamps_named(own);
   const bool more = std::any_of(listed.begin(), listed.end(), [&](const std::string& lamp) {

@@ -79,8 +79,8 @@ std::string why_not_designed(const LoopProject& loop, int round) {
 // The next thing to do with a stage that is made without a question.
 std::string next_of_stage(const LoopProject& loop, const StageState& state) {
   if (state.at.stage == StageKind::design)
-    if (const std::string why_not = why_not_designed(loop, state.at.round); !why_not.empty()) return why_not;
-  const std::string next = fmt::format("{}: `{}`", name_of(loop.project, state.at), loop_line(loop.project));
+    if (std::string why_not = why_not_designed(loop, state.at.round); !why_not.empty()) return why_not;
+  std::string next = fmt::format("{}: `{}`", name_of(loop.project, state.at), loop_line(loop.project));
   if (state.condition == Condition::interrupted)
     return fmt::format("{}{} (or `{}`, which takes it as good as it got)", next, time_limit_in_words(loop),
                        loop_line(loop.project, "--keep"));
@@ -103,7 +103,8 @@ std::string table_of(const LoopProject& loop, const std::vector<StageState>& sta
     if (state.condition == Condition::not_begun) continue;
     if (state.at.round != round) {
       round = state.at.round;
-      table += round == 0 ? "whole loop\n" : loop.project.round(round).filename().string() + "\n";
+      table += round == 0 ? "whole loop" : loop.project.round(round).filename().string();
+      table += '\n';
     }
     std::string words = in_words(state);
     if (state.at.stage == StageKind::photos)
@@ -234,7 +235,7 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
   }
   while (is_photographed(project, waiting)) ++waiting;
   if (states.size() <= 1 || !fs::is_directory(project.round(waiting))) {
-    if (const std::string why_not = why_not_designed(loop, waiting); !why_not.empty()) return why_not;
+    if (std::string why_not = why_not_designed(loop, waiting); !why_not.empty()) return why_not;
     return fmt::format("{}: `{}`", states.size() <= 1 ? "the first design" : "the design of the next board",
                        loop_line(project));
   }

@@ -237,10 +237,9 @@ std::string in_words(const StageState& state) {
       break;
   }
   const bool accepted = state.record && state.record->status != MadeRecord::Status::done;
-  const std::string done = accepted ? state.record->status == MadeRecord::Status::adopted
-                                          ? "done, from what is not known"
-                                          : "done, ended early and kept"
-                                    : "done";
+  std::string done = accepted ? state.record->status == MadeRecord::Status::adopted ? "done, from what is not known"
+                                                                                    : "done, ended early and kept"
+                              : "done";
   if (state.changes.empty()) return done;
   const std::string since = in_words(state.changes);
   if (state.at.stage == StageKind::photos) return "taken; since then: " + since;

@@ -25,6 +25,7 @@ std::vector<Eigen::Vector2d> seen(const Lens& lens, const Eigen::Vector3d& eye_m
                                   const std::vector<Eigen::Vector2d>& places) {
   const Eigen::Isometry3d T = look_at(eye_mm, board_middle(board));
   std::vector<Eigen::Vector3d> p;
+  p.reserve(places.size());
   for (const Eigen::Vector2d& place : places) p.push_back(T * Eigen::Vector3d(place.x(), place.y(), 0));
   std::vector<Eigen::Vector2d> q(p.size());
   project(lens, p, q);
@@ -99,7 +100,9 @@ std::string meters(double mm) { return fmt::format("{:.2f} m", std::ceil(mm / 10
   const TagSizes tags = tag_sizes(wanted.board_mm);
   const std::string where = fmt::format("a board of {:g} x {:g} mm, seen from {}", wanted.board_mm.x(),
                                         wanted.board_mm.y(), meters(stand_mm));
-  for (double further = stand_mm; further < kFurthest_mm; further *= 1.1)
+  constexpr int kSteps = 60;  // from 34 mm on they reach the furthest
+  double further = stand_mm;
+  for (int step = 0; step < kSteps && further < kFurthest_mm; ++step, further *= 1.1)
     if (laid_out_at(further, tags.usual_mm, wanted))
       fail(where, "is too near: no grooves glint all over it for every picture",
            "stand at least " + meters(further) + " away (--stand), or show fewer pictures");
@@ -152,7 +155,7 @@ std::optional<LaidOutBench> at_usual_distance(const BenchWishes& wanted, double&
   for (const double times : {4.0, 3.4, 2.9, 2.4, 2.0, 1.7, 1.4, 1.2, 5.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0}) {
     stand_mm = times > 4 ? kRound_mm * std::round(times * diagonal / kRound_mm) : rounded(times);
     if (stand_mm > kFurthest_mm) break;
-    const auto bench = with_visible_tags(stand_mm, wanted);
+    auto bench = with_visible_tags(stand_mm, wanted);
     if (bench && bench->findings.empty()) return bench;
     if (!usual) usual = bench;
   }

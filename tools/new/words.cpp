@@ -90,7 +90,7 @@ Eigen::Vector2d size_in_words(const std::string& text, const std::string& what) 
                               width_unit = width.unit.empty() ? height_unit : unit_mm(width.unit);
   if (!width.number || !height.number || !width_unit || !height_unit || (shared.empty() && !width.unit.empty()))
     fail(what, "\"" + text + "\" is no width and height", remedy);
-  const Eigen::Vector2d mm(*width.number * *width_unit, *height.number * *height_unit);
+  Eigen::Vector2d mm(*width.number * *width_unit, *height.number * *height_unit);
   if (!(mm.minCoeff() > 0)) fail(what, "\"" + text + "\" has a side that is not above 0", remedy);
   return mm;
 }

@@ -81,7 +81,7 @@ struct TilePen {
   void outline(const std::vector<Eigen::Vector2d>& corners, const Pen& pen) const {
     for (std::size_t i = 0; i < corners.size(); ++i) line(corners[i], corners[(i + 1) % corners.size()], pen);
   }
-  void fill(std::vector<std::vector<Eigen::Vector2d>> polygons, Tint tint) const {
+  void fill(const std::vector<std::vector<Eigen::Vector2d>>& polygons, Tint tint) const {
     Shape shape{{}, true, tint, {}};
     for (const auto& polygon : polygons) {
       std::vector<Eigen::Vector2d> seen = clipped(polygon, tile.low_mm, tile.high_mm);

@@ -28,11 +28,11 @@ Axis axis_of(double low, double high, bool logarithmic) {
   if (logarithmic) {
     axis.bottom = std::log10(low);
     axis.top = std::log10(high);
-    for (double decade = std::pow(10, std::floor(axis.bottom)); decade <= high * 1.001; decade *= 10)
+    const bool sparse = axis.top - axis.bottom > 2;
+    for (int power = static_cast<int>(std::floor(axis.bottom)); std::pow(10, power) <= high * 1.001; ++power)
       for (const double step : {1.0, 2.0, 5.0}) {
-        const bool sparse = axis.top - axis.bottom > 2;
-        if ((step == 1 || !sparse) && decade * step >= low * 0.999 && decade * step <= high * 1.001)
-          axis.ticks.push_back(decade * step);
+        const double tick = step * std::pow(10, power);
+        if ((step == 1 || !sparse) && tick >= low * 0.999 && tick <= high * 1.001) axis.ticks.push_back(tick);
       }
     return axis;
   }

@@ -41,8 +41,9 @@ Image rectified(const Image& photo, int x0, int y0, const Lens& lens, const Eige
   for (int r = 0; r < frame.height; ++r)
     for (int c = 0; c < frame.width; ++c)
       for (int s = 0; s < kSamples; ++s) {
-        const double u = (c + (s % kSamplesPerSide + 0.5) / kSamplesPerSide) / frame.width;
-        const double v = (r + (s / kSamplesPerSide + 0.5) / kSamplesPerSide) / frame.height;
+        const int column = s % kSamplesPerSide, row = s / kSamplesPerSide;
+        const double u = (c + (column + 0.5) / kSamplesPerSide) / frame.width;
+        const double v = (r + (row + 0.5) / kSamplesPerSide) / frame.height;
         const double x = frame.min_mm.x() + u * size.x(), y = frame.max_mm.y() - v * size.y();
         p_camera.push_back(T_camera_board * face_point(surface, x, y));
       }

@@ -68,7 +68,7 @@ struct LabelRoom {
   static std::vector<Eigen::Vector2d> leader(const Eigen::Vector2d& dot, const Box& box) {
     const Eigen::Vector2d way = dot.cwiseMax(box.low).cwiseMin(box.high) - dot;
     std::vector<Eigen::Vector2d> points;
-    for (double along = 0; along < way.norm(); along += 0.5) points.emplace_back(dot + along / way.norm() * way);
+    for (int k = 0; 0.5 * k < way.norm(); ++k) points.emplace_back(dot + 0.5 * k / way.norm() * way);
     return points;
   }
 
@@ -258,7 +258,7 @@ BenchDrawing bench_drawing(const Board& board, const std::vector<SheetPlace>& pl
     out.places.push_back(frame.at(place.at_mm));
     add_line(drawing, out.places.back(), middle, {place.lamp ? Tint::lamp : Tint::eye, 0.15, place.lamp ? 1.2 : 0.0});
     const double length = (middle - out.places.back()).norm();
-    for (double along = 2; along < length; along += 1)
+    for (int along = 2; along < length; ++along)
       room.lines.emplace_back(out.places.back() + along / length * (middle - out.places.back()));
     const Eigen::Vector2d half(1.6, 1.6);
     room.dots.push_back({out.places.back() - half, out.places.back() + half});

@@ -44,6 +44,7 @@ std::string table_of(const std::vector<std::string>& heads, const std::vector<st
 
 std::string places_table(const std::vector<PlaceInWords>& places, const char* upright, const char* away) {
   std::vector<std::vector<std::string>> rows;
+  rows.reserve(places.size());
   for (const PlaceInWords& p : places) rows.push_back({xml_text(p.name), p.across, p.upright, p.away, p.tolerance});
   return table_of({"place", "left and right", upright, away, kToleranceHead}, rows);
 }

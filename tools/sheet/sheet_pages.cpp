@@ -118,6 +118,7 @@ void add_table(PageWriter& writer, const std::vector<Column>& columns,
 void add_places(PageWriter& writer, const std::vector<PlaceInWords>& places, const char* upright, const char* away,
                 const std::string& title) {
   std::vector<std::vector<std::string>> rows;
+  rows.reserve(places.size());
   for (const PlaceInWords& p : places) rows.push_back({p.name, p.across, p.upright, p.away, p.tolerance});
   add_table(writer, {{"", 0.19}, {"left and right", 0.21}, {upright, 0.21}, {away, 0.19}, {kToleranceHead, 0.2}}, rows,
             false, title);

@@ -311,7 +311,7 @@ void TetheredCamera::put_back() {
     const auto [name, value] = state_->former.back();
     state_->former.pop_back();
     const std::size_t others = state_->former.size();
-    if (state_->set(name, value) < GP_OK) left += (left.empty() ? "" : ", ") + name + " (was " + value + ")";
+    if (state_->set(name, value) < GP_OK) left += fmt::format("{}{} (was {})", left.empty() ? "" : ", ", name, value);
     state_->former.resize(others);  // set() would keep this change as well
   }
   if (!left.empty()) fail("the camera", "could not be set back: " + left, "set that by hand on the camera");

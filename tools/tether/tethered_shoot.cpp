@@ -138,8 +138,7 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
       if (stopped()) return "stopped";
       const double time_s = camera.set_shutter(paper_s * std::exp2(stop));
       if (!taken.insert(time_s).second) continue;  // the paper's own, or the end of the dial
-      if (const std::string wrong = cannot_go_on(take_one(camera, photos, shoot, told, files)); !wrong.empty())
-        return wrong;
+      if (std::string wrong = cannot_go_on(take_one(camera, photos, shoot, told, files)); !wrong.empty()) return wrong;
     }
     camera.set_shutter(paper_s);
     return "";
@@ -155,8 +154,7 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
           "holds them";
       break;
     }
-    if (const std::string wrong = cannot_go_on(take_one(camera, photos, shoot, told, files)); !wrong.empty())
-      return wrong;
+    if (std::string wrong = cannot_go_on(take_one(camera, photos, shoot, told, files)); !wrong.empty()) return wrong;
   }
   camera.set_shutter(paper_s);  // where the next place begins
   return why;

@@ -79,7 +79,9 @@ InboxNews PhotoInbox::look() {
   std::erase_if(seen,
                 [&](const auto& s) { return !is_raw_name(s.first) && raws.contains(without_extension(s.first)); });
 
-  for (auto& [file, found] : seen) {
+  for (auto& one : seen) {
+    const fs::path& file = one.first;
+    Entry& found = one.second;
     const auto known = entries_.find(file);
     found.since = now;
     if (known != entries_.end() && known->second == found) {

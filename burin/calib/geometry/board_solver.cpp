@@ -521,7 +521,7 @@ std::string solve_robustly(Solver& s, const std::function<void(double)>& report)
   solve(first);
   s.reweigh();
   // Residuals of the plainest lens may still hold distortion: choose the model before judging corners.
-  const std::string model = options.lens ? options.lens->model : options.lens_model;
+  std::string model = options.lens ? options.lens->model : options.lens_model;
   if (!options.fix_lens && !options.lens)
     s.bundle.lens = plain_lens("LENSMODEL_OPENCV4", s.bundle.lens.intrinsics[0], width, height);
   solve(model);

@@ -16,6 +16,11 @@
 namespace burin {
 namespace {
 
+Eigen::Vector2d corner_mm(const Chessboard& board, int k) {
+  const int column = k % board.columns, row = k / board.columns;
+  return board.square_mm * Eigen::Vector2d(column, row);
+}
+
 cv::Mat eight_bits(const Image& linear) {
   cv::Mat gray(linear.height, linear.width, CV_8U);
   for (std::size_t i = 0; i < gray.total(); ++i) {
@@ -99,9 +104,7 @@ ChessboardViews find_chessboards(const std::filesystem::path& folder, const Ches
                               "try --corner-window 0, which fits it to the squares"});
     TargetView view{photo.file.filename().string(), {}, {}, {}};
     for (std::size_t k = 0; k < corners->q.size(); ++k) {
-      const auto columns = static_cast<std::size_t>(board.columns);
-      view.p_target_mm.emplace_back(board.square_mm * static_cast<double>(k % columns),
-                                    board.square_mm * static_cast<double>(k / columns));
+      view.p_target_mm.push_back(corner_mm(board, static_cast<int>(k)));
       view.q_px.emplace_back(corners->q[k].x, corners->q[k].y);
     }
     out.views.push_back(std::move(view));
@@ -156,7 +159,7 @@ ChessboardViews read_corners(const std::filesystem::path& vnl, const Chessboard&
            current + " has more corners than a board of " + std::to_string(board.columns) + " x " +
                std::to_string(board.rows),
            "give the number of inner corners with --chessboard COLUMNSxROWS");
-    view.p_target_mm.emplace_back(board.square_mm * (k % board.columns), board.square_mm * (k / board.columns));
+    view.p_target_mm.push_back(corner_mm(board, k));
     view.q_px.emplace_back(table.number(x), table.number(y));
     view.sigma_px.push_back(1 / weight);
   }

@@ -199,7 +199,8 @@ std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> sampl
   constexpr double kDifferentFactor = 4;  // times what the agreeing photos differ by
   constexpr std::size_t kFewestTags = 5;
   std::vector<LampGroup> groups;
-  for (const auto& [light, photos] : white) {
+  for (const auto& white_of_lamp : white) {
+    const auto& photos = white_of_lamp.second;
     std::vector<std::size_t> index;
     for (const auto& [light_view, tags] : photos)
       if (tags.size() >= kFewestTags) index.push_back(light_view);
@@ -248,7 +249,7 @@ std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> sampl
     std::stable_sort(sets.begin(), sets.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
     for (std::size_t s = 1; s < sets.size(); ++s) {
       LampGroup group;
-      group.light = bench.lights[light].id;
+      group.light = bench.lights[white_of_lamp.first].id;
       std::vector<double> between;
       for (const std::size_t a : sets[s]) {
         group.light_views.push_back(index[a]);

@@ -283,9 +283,11 @@ void add_others(const FanProblem& problem, const State& state, const FanValues& 
   for_each_unknown([&](const UnknownRow& row, int first) {
     if (!(row.prior_sigma[0] > 0)) return;
     const int begin = row.scope == Scope::paper ? kPaperIndex : first;
-    for (int i = 0; i < row.size; ++i)
-      if (free[static_cast<std::size_t>(begin + i)])
-        add(layout.own + begin + i, std::pow(row.prior_sigma[i], -2), state.block(first)[i]);
+    for (int i = 0; i < row.size; ++i) {
+      const int at = begin + i;
+      if (free[static_cast<std::size_t>(at)])
+        add(layout.own + at, std::pow(row.prior_sigma[i], -2), state.block(first)[i]);
+    }
   });
   if (layout.geometry > 0) {
     out.H.bottomRightCorner(layout.geometry, layout.geometry) += problem.data.geometry->information;

@@ -466,6 +466,7 @@ void judge_position(LightJudge& j, std::size_t i) {
   Light& light = j.bench.lights[i];
   const std::string name = parameter::light_position(light.id);
   std::vector<Eigen::VectorXd> rows;
+  rows.reserve(3);
   for (int k = 0; k < 3; ++k) rows.push_back(j.unit(global_index(unknown::lamp_position + k, i)));
   const HalvesVerdict check = j.check(name, rows);
   Eigen::Vector3d sigma;

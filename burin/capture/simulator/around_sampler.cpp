@@ -31,7 +31,8 @@ Eigen::Vector3d AroundSampler::draw(double a, double b, double c) const {
   const Image& picture = panorama_->radiance;
   const auto at = static_cast<std::size_t>(std::min<std::ptrdiff_t>(
       std::ssize(until_) - 1, std::upper_bound(until_.begin(), until_.end(), a) - until_.begin()));
-  const double column = static_cast<double>(at % picture.width) + b, row = static_cast<double>(at / picture.width);
+  const std::size_t in_row = at % picture.width, above = at / picture.width;
+  const double column = static_cast<double>(in_row) + b, row = static_cast<double>(above);
   // Evenly over the pixel's solid angle: in the cosine of the polar angle.
   const double top = std::cos(std::numbers::pi * row / picture.height),
                bottom = std::cos(std::numbers::pi * (row + 1) / picture.height);

@@ -448,7 +448,7 @@ Carved bent(const BenchTruth& truth, const Sent& sent, const Carved& straight) {
     const int n = std::max(1, static_cast<int>(std::ceil((p1 - p0).norm() / kPieceMm)));
     const auto at = [&](int k) -> Eigen::Vector2d {
       const double share = static_cast<double>(k) / n;
-      const Eigen::Vector2d straight_place = p0 + share * (p1 - p0);
+      Eigen::Vector2d straight_place = p0 + share * (p1 - p0);
       if (told.is_carved(i)) return straight_place;
       return straight_place + truth.machine_affine.leftCols<2>() * screw_at(truth, t0 + share * (t1 - t0));
     };

@@ -600,7 +600,8 @@ Vector3d PointSampler::State::pixel_around(std::span<const Corner> above, std::s
     return around.reflected(middle.turn * facet, middle.normal, wo, alpha, f0, u).cwiseProduct(factor);
   };
   for (int k = 0; k < side * side; ++k) {
-    const double u = (k % side + uniform()) / side, v = (k / side + uniform()) / side;
+    const int column = k % side, row = k / side;
+    const double u = (column + uniform()) / side, v = (row + uniform()) / side;
     const double px = corners.at(&Corner::x, u, v), py = corners.at(&Corner::y, u, v);
     const Vector3d wo = face_seen(px, py, flat, camera).wo;
     const double bare = add_things(near_things, px, py, middle, flat, others);

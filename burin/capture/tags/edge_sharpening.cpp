@@ -58,7 +58,7 @@ std::vector<Near> pixels_across(const LinearPhoto& photo, Encoding encoding, con
   return out;
 }
 
-void add_side(std::vector<Near> pixels, double reach, Profile& profile) {
+void add_side(const std::vector<Near>& pixels, double reach, Profile& profile) {
   std::vector<double> black, white;
   for (const Near& p : pixels) {
     if (p.distance < -0.4 * reach && p.distance > -0.6 * reach) black.push_back(p.value);
@@ -136,6 +136,7 @@ EdgeSharpening edge_sharpening(std::span<const EdgePhoto> photos, int border_cel
   if (out.photos < kFewestPhotos) return out;
   out.overshoot = median_of(overshoots);
   std::vector<double> off;
+  off.reserve(overshoots.size());
   for (const double o : overshoots) off.push_back(std::abs(o - out.overshoot));
   out.overshoot_sigma = 1.86 * median_of(off) / std::sqrt(static_cast<double>(out.photos));
   constexpr double kLeast = 0.006, kSigmas = 3;

@@ -326,9 +326,9 @@ void add_fans(const Grid& grid, std::size_t usual, CouponPlan& plan) {
   for (std::size_t k = 0; k < places; ++k) {
     const CouponCell& cell = coupon.cells[order[k]];
     const Spokes& spokes = grid.spokes[order[k]];
-    const auto column = static_cast<double>(place[k] % grid.across), row = static_cast<double>(place[k] / grid.across);
+    const std::size_t column = place[k] % grid.across, row = place[k] / grid.across;
     CouponFan fan{order[k],
-                  grid.first_mm + grid.pitch_mm * Vector2d(column, row),
+                  grid.first_mm + grid.pitch_mm * Vector2d(static_cast<double>(column), static_cast<double>(row)),
                   spokes.outer_mm,
                   outward[order[k]],
                   plan.scratches.size(),

@@ -147,6 +147,7 @@ std::vector<Image> nearest_mixed(const std::vector<const Image*>& target, const 
   for (const Eigen::Vector3d& color : colors)
     if (color.norm() > 0) unit.push_back(color.normalized());
   std::vector<Image> out;
+  out.reserve(target.size());
   for (const Image* one : target) out.push_back(*one);
   std::vector<double> amounts(unit.size());
   for (std::size_t i = 0; i < out.front().data.size(); ++i) {

@@ -214,6 +214,7 @@ std::vector<int> exposing_channels(const DesignView& v, const std::vector<Target
                                    std::vector<Finding>& findings) {
   constexpr double kBlack = 1e-3;
   std::vector<double> light;
+  light.reserve(targets.size());
   for (const Target& target : targets) light.push_back(light_that_matters(target));
   const auto brightest = static_cast<int>(std::max_element(light.begin(), light.end()) - light.begin());
   std::vector<int> out;

@@ -56,9 +56,9 @@ void StrokeTrier::draw_anywhere(int lane) {
   const double at = uniform(random_) * missing_.back();
   const auto i = static_cast<std::size_t>(std::upper_bound(missing_.begin(), missing_.end(), at) - missing_.begin());
   const auto k = static_cast<int>(std::min(i, missing_.size() - 1));
-  const int columns = box_.x1 - box_.x0;
+  const int columns = box_.x1 - box_.x0, column = k % columns, row = k / columns;
   const std::uint64_t bits = random_();
-  const auto x = static_cast<float>(k % columns), y = static_cast<float>(k / columns);
+  const auto x = static_cast<float>(column), y = static_cast<float>(row);
   // Within the pixel, whatever the sum is rounded to.
   tries_.x[lane] = std::min(x + fraction_of(bits, 0), std::nextafter(x + 1, x));
   tries_.y[lane] = std::min(y + fraction_of(bits, 24), std::nextafter(y + 1, y));

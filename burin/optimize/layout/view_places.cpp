@@ -74,7 +74,9 @@ class Search {
     const double mirror = std::asin(std::min(1.0, 3.2 * q_.alpha));  // 3 alpha, and a bit: check_glints
     std::vector<Candidate> out;
     for (const double side : {0.0, std::numbers::pi})
-      for (double lean = std::max(kLeast, mirror); lean < steepest_; lean += kStep) {
+      for (int k = 0;; ++k) {
+        const double lean = std::max(kLeast, mirror) + k * kStep;
+        if (lean >= steepest_) break;
         const Eigen::Vector3d h(std::sin(lean) * std::cos(azimuth + side), std::sin(lean) * std::sin(azimuth + side),
                                 std::cos(lean));
         const Eigen::Vector3d wo = 2 * to_lamp_.dot(h) * h - to_lamp_;
@@ -93,7 +95,8 @@ class Search {
   static void level(const std::vector<std::vector<Candidate>>& views, double& least,
                     std::vector<Eigen::Vector3d>& found) {
     constexpr double kEven = 0.15, kUsualHeight = -0.2, kUsualRange = 0.35;
-    for (double height = -0.8; height < 0.81; height += 0.05) {
+    for (int step = -16; step <= 16; ++step) {
+      const double height = 0.05 * step;
       double cost = square((height - kUsualHeight) / kUsualRange);
       std::vector<Eigen::Vector3d> eyes;
       for (const std::vector<Candidate>& view : views) {

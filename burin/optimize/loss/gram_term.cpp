@@ -174,7 +174,7 @@ std::size_t corner_of(const Image& image, int x0, int y0) {
 
 }  // namespace
 
-GramTerm::GramTerm(const Image& target) : width_(target.width), height_(target.height) {
+GramTerm::GramTerm(const Image& target) {
   int w = target.width, h = target.height;
   for (int s = 0; s < kGramScales && w >= 3 && h >= 3; ++s, w /= 2, h /= 2) {
     Scale& scale = scales_.emplace_back();

@@ -41,7 +41,6 @@ class GramTerm {
 
   void shrink(const Image& picture);
 
-  int width_ = 0, height_ = 0;
   std::vector<Scale> scales_;
 };
 

@@ -35,7 +35,7 @@ MachineErrors read_machine_errors(JsonObject& json) {
 
 Eigen::Matrix<double, 2, 3> read_machine_affine(JsonObject& json, const Eigen::Matrix<double, 2, 3>& otherwise) {
   if (!json.has("affine")) return otherwise;
-  const Eigen::Matrix<double, 2, 3> affine = json.matrix("affine", 2, 3);
+  Eigen::Matrix<double, 2, 3> affine = json.matrix("affine", 2, 3);
   if (std::abs(affine.leftCols<2>().determinant()) < 1e-9)
     json.fail_field("affine", "its determinant is 0: it flattens the board to a line",
                     "write [[1, 0, 0], [0, 1, 0]] if the machine's error is not known");

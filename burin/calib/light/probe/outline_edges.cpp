@@ -113,12 +113,12 @@ struct Profiles {
   Profiles(const BallView& view, const TangentCone& tangent, double reach_px)
       : cone(tangent), per_rad(pixels_per_rad(view, tangent)), step_px(0.5 * view.scale), dark(darkest(view.gray)) {
     half = static_cast<int>(std::ceil(reach_px / step_px)) + 4;
-    rays.resize(static_cast<std::size_t>(2 * half + 1));
+    rays.resize(2 * static_cast<std::size_t>(half) + 1);
   }
   // False where it leaves the picture.
   bool sample(const BallView& view, double turn, std::vector<double>& profile) {
-    for (int i = -half; i <= half; ++i)
-      rays[static_cast<std::size_t>(i + half)] = cone.ray(cone.half_angle + i * step_px / per_rad, turn);
+    for (std::size_t i = 0; i < rays.size(); ++i)
+      rays[i] = cone.ray(cone.half_angle + (static_cast<int>(i) - half) * step_px / per_rad, turn);
     sample_rays(view, rays, profile);
     return std::none_of(profile.begin(), profile.end(), [](double value) { return std::isnan(value); });
   }

@@ -92,6 +92,7 @@ std::vector<BallPicture> pictures_of_ball(const Session& session, std::span<cons
     const auto cone = tangent_cone(ball, places[b].eye_mm());
     if (!cone) return;
     std::vector<Eigen::Vector3d> rays;
+    rays.reserve(64);
     for (int k = 0; k < 64; ++k)
       rays.push_back(picture.T_camera_board.linear() *
                      cone->ray(kAroundBall * cone->half_angle, k * std::numbers::pi / 32));
