@@ -111,7 +111,7 @@ endfunction()
 
 # Compiles files of the current folder for wider machines than the rest. GCC 12 takes the undefined operands inside its own
 # AVX-512 intrinsics for uninitialized variables. With a sanitizer the generic kernels are checked; for the wider ones, the same
-# code, GCC would need too long.
+# code, a compiler would need too long.
 function(burin_simd_files)
   cmake_parse_arguments(ARG "" "" "AVX2;AVX512" ${ARGN})
   if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
@@ -124,7 +124,7 @@ function(burin_simd_files)
   set_source_files_properties(${ARG_AVX2} ${ARG_AVX512} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
   set_source_files_properties(${ARG_AVX2} PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma;${unchecked}")
   set_source_files_properties(${ARG_AVX512} PROPERTIES
-    COMPILE_OPTIONS "-mavx512f;-mavx512cd;-mavx512dq;-mavx512bw;-mfma;-Wno-uninitialized;-Wno-maybe-uninitialized;${unchecked}")
+    COMPILE_OPTIONS "-mavx512f;-mavx512cd;-mavx512dq;-mavx512bw;-mfma;-Wno-uninitialized;$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>;${unchecked}")
 endfunction()
 
 # Where whole builds begin from nothing (the presets), what most files begin with is read once, and files are compiled a handful at

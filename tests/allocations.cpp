@@ -7,9 +7,17 @@ namespace {
 std::atomic<std::size_t> calls{0};
 }
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define BURIN_SANITIZED
+#elif defined(__has_feature)  // clang
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define BURIN_SANITIZED
+#endif
+#endif
+
 std::size_t burin::allocations() { return calls.load(); }
 
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__GLIBC__) && !defined(BURIN_SANITIZED)
 bool burin::counts_allocations() { return true; }
 
 // glibc lets a program replace these (its manual, "Replacing malloc") and offers what it replaces by another name.

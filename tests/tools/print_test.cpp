@@ -254,9 +254,9 @@ TEST_P(Printed, TemplatePutsEveryTagInItsPlaceOnTheBoard) {
               1);
   }
   const Image whole = joined(paper, pages, board, printer);
-  const auto on_board = [&](const Eigen::Vector2d& px) {
+  const auto on_board = [height_mm = board.size_mm.y()](const Eigen::Vector2d& px) {
     const Eigen::Vector2d mm = (px + Eigen::Vector2d(0.5, 0.5)) * 25.4 / kDpi;
-    return Eigen::Vector2d(mm.x() - 6, board.size_mm.y() + 6 - mm.y());
+    return Eigen::Vector2d(mm.x() - 6, height_mm + 6 - mm.y());
   };
   TagDetector detector(board.tags.family);
   const auto found = detector.detect(whole, {}, {}).tags;
