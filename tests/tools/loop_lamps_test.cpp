@@ -102,7 +102,7 @@ class LoopOfSeveralLamps : public ::testing::Test {
 
 TEST_F(LoopOfSeveralLamps, TurnsTwiceByPhotosInFoldersOfTheirLamps) {
   const fs::path project = folder_ / "project", round = project / "round-01";
-  const Outcome first = run_burin(folder_, {"loop", "project"});
+  const Outcome first = run_burin(folder_, {"loop", "project", "--iterations", "20", "--pixels", "128"});
   ASSERT_EQ(first.exit_code, 0) << first.err;
   EXPECT_THAT(first.out, AllOf(HasSubstr("photographed under each of these lamps alone"),
                                HasSubstr("photograph each place under one lamp after the other, each alone"),
