@@ -543,7 +543,7 @@ BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
   work.problem->GetResidualBlocks(&ids);
   for (const auto id : ids) add_residual(work, column, view_of, id, o.fix_poses, out);
   for (auto& v : out.views) {
-    if (!v.used) continue;
+    if (!v.used || columns == 0) continue;
     const Eigen::LDLT<Matrix6> factor(v.H);
     v.information -= v.B.transpose() * factor.solve(v.B);
     v.gradient -= v.B.transpose() * factor.solve(v.g);

@@ -38,7 +38,20 @@ SharedGradient shared_gradient(const GrooveSegment& groove, const ScaledFootprin
 
 FootprintValue footprint_integral(const GrooveSegment& groove, const Quad& corners_mm,
                                   const Eigen::Vector3d& h_scratch) {
-  return footprint_value<double>(groove, corners_mm, h_scratch);
+  FootprintValue result;
+  if (is_empty(groove)) return result;
+  const double rim = groove_rim(groove.width_um, groove.depth_um);
+  const auto f = scale_footprint<double>(groove, corners_mm, rim);
+  if (f.outside) return result;
+  const double unit_mm2 = f.sign * std::pow(groove.width_um / 2000, 2);
+  result.area_mm2 = std::max(0.0, unit_mm2 * area_sums(f, rim).value);
+  const auto [h, dark] = unit_half(h_scratch);
+  if (dark) return result;
+  const double alpha = std::min(groove.alpha, 1.0);
+  const auto lobes = make_lobes(h.x(), h.y(), h.z(), alpha);
+  const auto sums = ndf_sums<false>(f, lobes, front_facing(h.x(), h.z(), rim));
+  result.Dhat_mm2 = std::max(0.0, unit_mm2 * alpha * alpha / std::numbers::pi * sums.value);
+  return result;
 }
 
 FootprintGradient footprint_integral_gradient(const GrooveSegment& groove, const Quad& corners_mm,

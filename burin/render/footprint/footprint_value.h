@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "burin/render/footprint/footprint_core.h"
@@ -156,25 +155,6 @@ struct UnitHalf {
 inline UnitHalf unit_half(const Eigen::Vector3d& h_scratch) {
   const Eigen::Vector3d h = h_scratch.stableNormalized();
   return {h, !(std::hypot(h.x(), h.z()) > 1e-150)};
-}
-
-/// footprint_integral() in scalars of another size.
-template <class T>
-FootprintValue footprint_value(const GrooveSegment& groove, const Quad& corners_mm, const Eigen::Vector3d& h_scratch) {
-  FootprintValue result;
-  if (is_empty(groove)) return result;
-  const double rim = groove_rim(groove.width_um, groove.depth_um);
-  const auto f = scale_footprint<T>(groove, corners_mm, rim);
-  if (f.outside) return result;
-  const double unit_mm2 = f.sign * std::pow(groove.width_um / 2000, 2);
-  result.area_mm2 = std::max(0.0, unit_mm2 * double(area_sums(f, T(rim)).value));
-  const auto [h, dark] = unit_half(h_scratch);
-  if (dark) return result;
-  const T alpha = T(std::min(groove.alpha, 1.0));
-  const auto lobes = make_lobes(T(h.x()), T(h.y()), T(h.z()), alpha);
-  const auto sums = ndf_sums<false>(f, lobes, front_facing(T(h.x()), T(h.z()), T(rim)));
-  result.Dhat_mm2 = std::max(0.0, unit_mm2 * double(alpha) * double(alpha) / std::numbers::pi * double(sums.value));
-  return result;
 }
 
 }  // namespace burin::footprint

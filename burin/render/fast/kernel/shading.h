@@ -40,7 +40,8 @@ struct Shading {
     for (int k = 0; k < kLanesOf<P>; ++k) at[k] = 4U * place[k];
     asm("" : "+m"(at));
     P shading[4];
-    packet::four_columns(shading, [&](int k) { return of[0] + at[k]; });
+    const auto* const all = reinterpret_cast<const float*>(of);  // no row: `at` runs through all of them
+    packet::four_columns(shading, [&](int k) { return all + at[k]; });
     h_x = shading[0];
     h_y = shading[1];
     const P hz2 = xsimd::max(P(1.0F) - (h_x * h_x + h_y * h_y), P(1e-12F));
