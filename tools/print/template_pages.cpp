@@ -177,7 +177,7 @@ void draw_tags(const TilePen& pen, const Board& board, const std::vector<TagMark
     for (auto& cell : cells)
       for (Eigen::Vector2d& p : cell) p = tag.center_mm + Eigen::Vector2d(c * p.x() - s * p.y(), s * p.x() + c * p.y());
     pen.outline(m.paper, {Tint::soft, 0.1, 0});
-    pen.fill(std::move(cells), Tint::black);
+    pen.fill(cells, Tint::black);
     pen.fill({m.arrow}, Tint::ink);
     if (pen.shows(m.number_mm, kLabel_mm / 2)) pen.words(m.number_mm, m.number, kLabel_mm, Tint::ink, true);
   }

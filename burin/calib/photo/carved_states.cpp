@@ -14,7 +14,9 @@ std::vector<double> key_of(const Bench& bench) {
   const MachineErrors& errors = bench.machine_errors;
   std::vector<double> key{bench.material.depth_um, bench.material.alpha,  static_cast<double>(profile.kind),
                           profile.flank_deg,       profile.tip_radius_um, static_cast<double>(bench.crossings)};
-  const auto add = [&](const auto& numbers) { key.insert(key.end(), numbers.begin(), numbers.end()); };
+  const auto add = [&](const auto& numbers) {  // one by one: GCC 14 sees copies past the first six where there are none
+    for (const double number : numbers) key.push_back(number);
+  };
   add(bench.machine_affine.reshaped());
   add(errors.backlash_mm);
   add(errors.screw_sin_mm);
