@@ -107,10 +107,11 @@ std::string table_of(const LoopProject& loop, const std::vector<StageState>& sta
       table += '\n';
     }
     std::string words = in_words(state);
-    if (state.at.stage == StageKind::photos)
-      words =
-          fmt::format("{} photo{}{}", photos_of(loop.project, round).size(),
-                      photos_of(loop.project, round).size() == 1 ? "" : "s", state.changes.empty() ? "" : ", " + words);
+    if (state.at.stage == StageKind::photos) {
+      const std::size_t photos = photos_of(loop.project, round).size();
+      words = fmt::format("{} photo{}{}{}", photos, photos == 1 ? "" : "s", state.changes.empty() ? "" : ", ",
+                          state.changes.empty() ? "" : words);
+    }
     if (state.record && state.record->holds() && state.record->burin != BURIN_VERSION)
       words += fmt::format(" (made by Burin {}; this is {})", state.record->burin, BURIN_VERSION);
     if (state.record && !state.record->accepted_unknown.empty()) {
