@@ -124,7 +124,7 @@ function(burin_simd_files)
   set_source_files_properties(${ARG_AVX2} ${ARG_AVX512} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
   set_source_files_properties(${ARG_AVX2} PROPERTIES COMPILE_OPTIONS "-mavx2;-mfma;${unchecked}")
   set_source_files_properties(${ARG_AVX512} PROPERTIES
-    COMPILE_OPTIONS "-mavx512f;-mavx512cd;-mavx512dq;-mavx512bw;-mfma;-Wno-uninitialized;$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>;${unchecked}")
+    COMPILE_OPTIONS "-mavx512f;-mavx512cd;-mavx512dq;-mavx512bw;-mfma;$<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized;-Wno-maybe-uninitialized>;${unchecked}")
 endfunction()
 
 # Where whole builds begin from nothing (the presets), what most files begin with is read once, and files are compiled a handful at

@@ -144,10 +144,9 @@ void find_pose(AgreeingCorners& corners, const Lens* believed, PhotoFacts& facts
     facts.pose = board_pose(corners, *lens);
     facts.focal_px = lens->intrinsics[0];
   } else {
-    constexpr double kShortest = 0.3, kStep = 1.03;
-    constexpr int kFocals = 119;  // up to 10 times the photo's width
-    for (int k = 0; k < kFocals; ++k) {
-      const double f = kShortest * std::pow(kStep, k) * facts.width;
+    constexpr double kStep = 1.03;
+    for (const double focal : focal_scale(kStep)) {
+      const double f = focal * facts.width;
       const auto pose = board_pose(corners, plain_lens(f, facts.width, facts.height));
       if (!pose || (facts.pose && pose->error_px >= facts.pose->error_px)) continue;
       facts.pose = pose;

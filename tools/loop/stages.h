@@ -53,8 +53,8 @@ const char* name_of(StageKind stage);
 struct StageOfRound {
   int round = 1;
   StageKind stage = StageKind::design;
-  auto operator<=>(const StageOfRound&) const =
-      default;  // NOLINT(modernize-use-nullptr): its own 0, taken for a pointer
+  // NOLINTNEXTLINE(modernize-use-nullptr): clang-tidy 14 takes the 0 in what the compiler writes here for a pointer
+  auto operator<=>(const StageOfRound&) const = default;
 };
 
 /// "round-01/design", or "report" for the whole loop's.

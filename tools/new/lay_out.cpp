@@ -100,12 +100,13 @@ std::string meters(double mm) { return fmt::format("{:.2f} m", std::ceil(mm / 10
   const TagSizes tags = tag_sizes(wanted.board_mm);
   const std::string where = fmt::format("a board of {:g} x {:g} mm, seen from {}", wanted.board_mm.x(),
                                         wanted.board_mm.y(), meters(stand_mm));
-  constexpr int kSteps = 60;  // from 34 mm on they reach the furthest
   double further = stand_mm;
-  for (int step = 0; step < kSteps && further < kFurthest_mm; ++step, further *= 1.1)
+  while (further < kFurthest_mm) {
     if (laid_out_at(further, tags.usual_mm, wanted))
       fail(where, "is too near: no grooves glint all over it for every picture",
            "stand at least " + meters(further) + " away (--stand), or show fewer pictures");
+    further *= 1.1;
+  }
   fail(where, "cannot show its pictures under that lamp: no grooves glint all over it for each of them",
        "hang the lamp further away and about 40 degrees to the side, as --lamp above does, or show fewer pictures");
 }

@@ -145,4 +145,15 @@ Lens plain_lens(double focal_px, int width, int height) {
   return lens;
 }
 
+std::vector<double> focal_scale(double step) {
+  constexpr double kShortest = 0.3, kLongest = 10;
+  std::vector<double> focals;
+  double focal = kShortest;
+  while (focal < kLongest) {
+    focals.push_back(focal);
+    focal *= step;
+  }
+  return focals;
+}
+
 }  // namespace burin

@@ -42,4 +42,8 @@ void drop_stray_tag(AgreeingCorners& corners, const Lens& lens, double tolerance
 /// A lens without distortion, of that focal length, centered on the picture.
 Lens plain_lens(double focal_px, int width, int height);
 
+/// Focal lengths that a camera may have, in widths of its photos: from 0.3 to 10, each `step` (above 1) times the one
+/// before.
+std::vector<double> focal_scale(double step);
+
 }  // namespace burin

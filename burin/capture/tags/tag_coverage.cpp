@@ -132,12 +132,9 @@ TagCoverage tag_coverage(std::span<const PhotoLook* const> looks, const TagSet& 
   if (!size_ratios.empty()) out.size_ratio = median_of(std::move(size_ratios));
 
   // One focal length for all: the one of a fine scale at which the median photo fits best.
-  constexpr double kShortest = 0.3, kStep = 1.06;
-  constexpr int kFocals = 61;  // up to 10 times the photo's width
-  std::vector<double> focals(kFocals, kShortest);
-  for (std::size_t k = 1; k < focals.size(); ++k) focals[k] = kStep * focals[k - 1];
+  constexpr double kStep = 1.06;
   double best_error = std::numeric_limits<double>::infinity();
-  for (const double f : focals) {
+  for (const double f : focal_scale(kStep)) {
     std::vector<double> errors;
     for (std::size_t v = 0; v < looks.size(); ++v) {
       const PhotoLook& look = *looks[v];

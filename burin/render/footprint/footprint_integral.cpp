@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/render/footprint/footprint_value.h"
+#include "burin/render/footprint/boundary_sums.h"
 
 namespace burin {
 namespace {
@@ -17,8 +17,8 @@ struct SharedGradient {
   double length_mm, depth_um, width_um;
 };
 
-SharedGradient shared_gradient(const GrooveSegment& groove, const ScaledFootprint<double>& f,
-                               const BoundarySums<double>& sums, double d_rim, double rim, double factor) {
+SharedGradient shared_gradient(const GrooveSegment& groove, const ScaledFootprint& f, const BoundarySums& sums,
+                               double d_rim, double rim, double factor) {
   SharedGradient g;
   const double per_mm = factor * 2000 / groove.width_um;
   // A wider groove: the unit wt/2 grows, so all coordinates in it shrink, and the rim moves as well.
@@ -41,7 +41,7 @@ FootprintValue footprint_integral(const GrooveSegment& groove, const Quad& corne
   FootprintValue result;
   if (is_empty(groove)) return result;
   const double rim = groove_rim(groove.width_um, groove.depth_um);
-  const auto f = scale_footprint<double>(groove, corners_mm, rim);
+  const auto f = scale_footprint(groove, corners_mm, rim);
   if (f.outside) return result;
   const double unit_mm2 = f.sign * std::pow(groove.width_um / 2000, 2);
   result.area_mm2 = std::max(0.0, unit_mm2 * area_sums(f, rim).value);
@@ -61,7 +61,7 @@ FootprintGradient footprint_integral_gradient(const GrooveSegment& groove, const
   result.darea_dcorner.fill(Eigen::Vector2d::Zero());
   if (is_empty(groove)) return result;
   const double rim = groove_rim(groove.width_um, groove.depth_um);
-  const auto f = scale_footprint<double>(groove, corners_mm, rim);
+  const auto f = scale_footprint(groove, corners_mm, rim);
   if (f.outside) return result;
   const double unit_mm2 = f.sign * std::pow(groove.width_um / 2000, 2);
 

@@ -92,10 +92,11 @@ std::vector<BallPicture> pictures_of_ball(const Session& session, std::span<cons
     const auto cone = tangent_cone(ball, places[b].eye_mm());
     if (!cone) return;
     std::vector<Eigen::Vector3d> rays;
-    rays.reserve(64);
-    for (int k = 0; k < 64; ++k)
+    constexpr int kRays = 64;
+    rays.reserve(kRays);
+    for (int k = 0; k < kRays; ++k)
       rays.push_back(picture.T_camera_board.linear() *
-                     cone->ray(kAroundBall * cone->half_angle, k * std::numbers::pi / 32));
+                     cone->ray(kAroundBall * cone->half_angle, k * 2 * std::numbers::pi / kRays));
     std::vector<Eigen::Vector2d> at(rays.size());
     project(picture.lens, rays, at);
     Eigen::Vector2d low = at[0], high = at[0];
