@@ -54,6 +54,12 @@ void print_result(const Refinement& r, const Board& board) {
   fmt::print("face     base_alpha {}\n",
              measured(b, parameter::kBaseAlpha, b.material.base_alpha, b.material_sigma.base_alpha, 4));
   for (const Light& light : b.lights) {
+    if (!light.is_near()) {
+      if (light.intensity_sigma)
+        fmt::print("around   {} is {:.4g} times as bright as its picture, +- {:.2g} %\n", light.id,
+                   light.intensity.mean(), 100 * light.intensity_sigma->mean() / light.intensity.mean());
+      continue;
+    }
     fmt::print("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
                light.position_mm.z());
     if (light.position_sigma_mm)

@@ -69,6 +69,10 @@ void set_up(Rounds& run, const Bench& calibrated, const CouponReadOptions& optio
   run.sent = scratches_of(problem.told, *problem.coupon, run.values);
   std::vector<Finding> told_before;
   run.views = make_light_views(run.photos, run.board, run.bench, told_before);
+  for (const LightView& view : run.views)
+    if (view.surroundings)
+      fail("photos under \"" + run.photos[view.merged].light + "\"", "show the coupon in the light of a room",
+           "photograph it in the dark, under its lamp alone");
   problem.data = make_problem(run.board, run.sent, run.bench);
   problem.data.merged_bin = run.photos.front().bin;
   for (const LightSample& sample : gather_light_samples(run.views, run.board, run.bench, run.sent))

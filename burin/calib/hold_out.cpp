@@ -225,12 +225,14 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
          "hold out others, so that this lamp is measured");
   Problem data = make_problem(board, sent, bench);
   data.merged_bin = photos.empty() ? 1 : photos.front().bin;  // the bench's blur is in pixels of the photos
+  if (!views.empty()) data.surroundings = views.front().surroundings;
   data.model.crossings = refined.bench.crossings;
   data.model.alpha_jitter = refined.alpha_jitter;
   data.model.depth_jitter = refined.depth_jitter;
   const State state = state_of(bench, data);
   // As fine as the fit looked at its photos.
   data.photos = photos_at(views, refined.bin, board, bench, bench.sensor.psf_sigma_px / data.merged_bin);
+  light_around(state, data);
   correct_binning(data, views, board, bench, state);
   const Carved carved = carved_at(data.model, state.of(0));
   std::vector<PhotoFit> out;

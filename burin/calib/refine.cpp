@@ -68,6 +68,7 @@ struct RefineRun {
   }
 
   void fit(int max_iterations, double tolerance, const std::string& name) {
+    light_around(state, data);
     weigh_photos(data, state);
     solve(data, stage, max_iterations, tolerance, state, progress, name);
   }
@@ -76,6 +77,7 @@ struct RefineRun {
   // solution and held while the fit goes on.
   void fit_corrected(const std::string& name) {
     require_pixels();
+    light_around(state, data);
     correct_binning(data, views, board, out.bench, state);
     weigh_photos_and_grooves(data, state);
     solve(data, stage, options.max_iterations, 3e-6, state, progress, name);
@@ -137,9 +139,11 @@ void RefineRun::find_lamp() {
   data = make_problem(board, sent, start);
   data.is_disk.assign(data.is_disk.size(), false);  // sought only later; one that is kept is as given
   data.merged_bin = merged.front().bin;
+  data.surroundings = views.front().surroundings;
   for (const LightSample& sample : samples)
     if (sample.kind != SampleKind::face && sample.value > 0) data.paper.push_back(sample);
   state = state_of(start, data);
+  if (data.surroundings) state.shared[unknown::ambient] = seed.found ? seed.ambient : 1;
 }
 
 // A grid of starts over alpha and depth: what is believed of them may be off by factors.
@@ -147,6 +151,7 @@ void RefineRun::try_grooves() {
   bins = bins_for(views, out.bench, options.finest_pixel_mm, options.max_pixels);
   out.bin = bins.finest;
   look_at_photos(bins.coarse);
+  light_around(state, data);
   require_pixels();
   for (PhotoData& photo : data.photos)
     for (std::size_t i = 0; i < photo.weight.size(); ++i)
@@ -237,7 +242,10 @@ void RefineRun::find_effects() {
   // Of a cross-section that a person saw, flanks are held, and burrs where they were seen.
   const GrooveProfile& seen = board.material.profile;
   const bool burrs_seen = seen.burr_left_um > 0 || seen.burr_right_um > 0;
-  const bool other_section = board.said.profile ? !burrs_seen : photos_ask_for(data, state, equations, Group::flank);
+  // Under surroundings the paper's grooves alone are rendered.
+  const bool other_section = data.surroundings    ? false
+                             : board.said.profile ? !burrs_seen
+                                                  : photos_ask_for(data, state, equations, Group::flank);
   if (more) fit(options.max_iterations, 1e-5, "fitting backlash and the face's direction");
   tell("asking whether the machine's screws are uneven", 0);
   if (start_screws(data, state)) {
@@ -350,6 +358,7 @@ void RefineRun::keep_what_is_believed() {
 
 void RefineRun::judge() {
   tell("judging the result", 0);
+  light_around(state, data);
   Uncertainty uncertainty = uncertainty_of(data, stage, state);
   uncertainty.shifts.insert(uncertainty.shifts.end(), size_shifts.begin(), size_shifts.end());
   const Carved carved = carved_at(data.model, state.of(0));

@@ -7,6 +7,7 @@
 
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
+#include "burin/render/far_light.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/groove.h"
 #include "tests/temporary_folder.h"
@@ -143,6 +144,27 @@ TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
 
   write_bench(back, 400, folder / "again.json");
   EXPECT_EQ(file_text(folder / "again.json"), file_text(folder / "bench.json"));
+}
+
+TEST(Bench, SurroundingsKeepTheirScaleAndItsSigma) {
+  const TemporaryFolder folder;
+  Image room(8, 4, 3);
+  std::fill(room.data.begin(), room.data.end(), 0.5F);
+  write_picture(room, folder / "room.exr");
+  Bench bench = full_bench(folder);
+  Light light = surroundings_light(make_panorama(room, {}, "room"), {1.3, 1.2, 1.1});
+  light.id = "room";
+  auto far = std::make_shared<FarLight>(*light.far);
+  far->picture = folder / "room.exr";
+  light.far = far;
+  light.intensity_sigma = Eigen::Vector3d(0.01, 0.02, 0.03);
+  bench.lights.push_back(light);
+  write_bench(bench, 400, folder / "bench.json");
+  const Light room_again = read_bench(folder / "bench.json").lights.back();
+  EXPECT_FALSE(room_again.is_near());
+  EXPECT_EQ(room_again.intensity, Eigen::Vector3d(1.3, 1.2, 1.1));
+  ASSERT_TRUE(room_again.intensity_sigma);
+  EXPECT_EQ(*room_again.intensity_sigma, Eigen::Vector3d(0.01, 0.02, 0.03));
 }
 
 TEST(Bench, HalfWidthIsDerivedFromTheToolAndTheCameraIsWrittenBesideOnly) {

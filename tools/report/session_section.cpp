@@ -97,6 +97,15 @@ struct Comparison {
 
 std::string percent(double part) { return std::isfinite(part) ? fixed(100 * part, 1) + " %" : "unknown"; }
 
+// Of the lights that a photo was taken under, those that the bench names: a room that it has no picture of is its
+// ambient light.
+std::string known_lights(const Bench& bench, const std::string& joined) {
+  std::vector<std::string> known;
+  for (const std::string& name : light_names(joined))
+    if (std::ranges::find(bench.lights, name, &Light::id) != bench.lights.end()) known.push_back(name);
+  return joined_lights(known);
+}
+
 Comparison comparison(const Loaded& in, const MergedView& merged, const View& view, const Light& light) {
   const std::string title = "View " + merged.view + (in.bench.lights.size() > 1 ? ", lamp “" + merged.light + "”" : "");
   const Surface surface = surface_of(in);
@@ -248,6 +257,13 @@ std::string numbers(const Loaded& in) {
   material_row("Roughness of the plain face", parameter::kBaseAlpha, material.base_alpha, sigma.base_alpha,
                believed.base_alpha, "", "0.05 (mirror-like) to 0.3 (brushed)");
   for (const Light& light : bench.lights) {
+    if (!light.is_near()) {
+      if (light.intensity_sigma)
+        row(fmt::format("“{}”: brightness", html(light.id)),
+            with_sigma(light.intensity.mean(), light.intensity_sigma->mean()) + " times its picture’s", "",
+            "near 1 for a room that was probed with this bench’s camera");
+      continue;
+    }
     row(fmt::format("Lamp “{}”: position", html(light.id)),
         is_determined(bench, parameter::light_position(light.id))
             ? position_cell(light.position_mm, light.position_sigma_mm)
@@ -522,8 +538,8 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
     if (progress) progress("drawing views", static_cast<double>(i) / static_cast<double>(in.merged.size()));
     const MergedView& merged = in.merged[i];
     const auto view = std::ranges::find(in.bench.views, merged.view, &View::name);
-    const auto light = std::ranges::find(in.bench.lights, merged.light, &Light::id);
-    if (view == in.bench.views.end() || light == in.bench.lights.end()) {
+    const std::string lights = known_lights(in.bench, merged.light);
+    if (view == in.bench.views.end() || lights.empty()) {
       out.findings.push_back({Finding::Severity::warning,
                               {},
                               fmt::format("view {} was left out of the calibration: it has no {} in bench.json",
@@ -531,7 +547,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
                               "what burin calibrate said of it tells why"});
       continue;
     }
-    comparisons.push_back(comparison(in, merged, *view, *light));
+    comparisons.push_back(comparison(in, merged, *view, find_light(in.bench, lights, "session.json")));
     const bool first_of_view = std::none_of(in.merged.begin(), in.merged.begin() + static_cast<std::ptrdiff_t>(i),
                                             [&](const MergedView& m) { return m.view == merged.view; });
     if (first_of_view) photos.push_back(residual_photo(in, merged, *view, factor));

@@ -534,6 +534,7 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   blocks.shared[0] = std::log(board.material.base_alpha);
   std::vector<bool> spot(bench.lights.size(), false), usable(bench.lights.size(), false);
   for (std::size_t light = 0; light < bench.lights.size(); ++light) {
+    if (!bench.lights[light].is_near()) continue;  // given, and known by their scale
     const Fit best = fit_from_starts(data, blocks, light, bench.lights[light].id, seed.findings);
     usable[light] = best.usable;
     if (best.usable) blocks = best.blocks;

@@ -61,17 +61,17 @@ T lamp_irradiance(const LampModel<T>& lamp, const Eigen::Vector3d& p_board, Eige
   return value;
 }
 
-/// Radiance of paper (Lambertian): albedo / pi cos I / d^2 + albedo * ambient.
+/// Radiance of paper (Lambertian): albedo / pi cos I / d^2 + albedo * ambient * sample.around.
 template <typename T>
 T paper_radiance(const LampModel<T>& lamp, const T& ambient, double albedo, const LightSample& sample) {
   Eigen::Matrix<T, 3, 1> wi;
   const T irradiance = lamp_irradiance(lamp, sample.p_board, wi);
   const T cosine = wi.dot(sample.normal.cast<T>());
-  return albedo * (ambient + (cosine > T(0) ? cosine : T(0)) * irradiance / std::numbers::pi);
+  return albedo * (ambient * sample.around + (cosine > T(0) ? cosine : T(0)) * irradiance / std::numbers::pi);
 }
 
-/// Radiance of the face between scratches: D G F / (4 wo.z) I / d^2 + F0 * ambient, all with base_alpha. `f0` is the
-/// mean of the channels; `grain` FaceGrain's c and s.
+/// Radiance of the face between scratches: D G F / (4 wo.z) I / d^2 + F0 * ambient * sample.around, all with
+/// base_alpha. `f0` is the mean of the channels; `grain` FaceGrain's c and s.
 template <typename T>
 T face_radiance(const LampModel<T>& lamp, const T& ambient, const T& base_alpha, const T* grain, double f0,
                 const LightSample& sample) {
@@ -83,14 +83,14 @@ T face_radiance(const LampModel<T>& lamp, const T& ambient, const T& base_alpha,
   const T around = schlick_F(T(h.dot(wo)), T(f0)) / (4. * cos_o);
   if (grain[0] == T(0) && grain[1] == T(0)) {
     const T lobe = ggx_D(T(h.dot(n)), base_alpha) * smith_G(T(wi.dot(n)), cos_o, base_alpha);
-    return lobe * around * irradiance + f0 * ambient;
+    return lobe * around * irradiance + f0 * sample.around * ambient;
   }
   const Eigen::Matrix<T, 3, 3> R = R_face_board(sample.normal).cast<T>();
   const Eigen::Matrix<T, 3, 1> h_face = R * h, i_face = R * wi, o_face = R * wo;
   const T lobe = grained_D(h_face.x(), h_face.y(), h_face.z(), base_alpha, grain[0], grain[1]) *
                  grained_G1(i_face.x(), i_face.y(), i_face.z(), base_alpha, grain[0], grain[1]) *
                  grained_G1(o_face.x(), o_face.y(), o_face.z(), base_alpha, grain[0], grain[1]);
-  return lobe * around * irradiance + f0 * ambient;
+  return lobe * around * irradiance + f0 * sample.around * ambient;
 }
 
 /// Prior of v1, v2, v3: lenses darken mostly as r^2, and photos hardly tell the higher orders from one another.
@@ -112,7 +112,7 @@ struct LampSeed {
   double base_alpha = 0;
   double base_alpha_sigma = 0;
   FaceGrain grain;     ///< where the face's shine asks for one
-  double ambient = 0;  ///< mean of the channels
+  double ambient = 0;  ///< mean of the channels; of photos under surroundings, their scale
   Eigen::Vector3d vignette{0, 0, 0};
   double residual_rms = 0;  ///< of log(photo / model), over the samples within the robust loss's core
   std::vector<Finding> findings;

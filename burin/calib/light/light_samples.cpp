@@ -12,10 +12,12 @@
 #include "burin/capture/tags/tag_family.h"
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"
+#include "burin/render/far_light.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
 #include "burin/render/median.h"
 #include "burin/render/pixel_shading.h"
+#include "burin/render/view_renderer.h"
 
 namespace burin {
 namespace {
@@ -98,6 +100,70 @@ bool finish_paper(PaperPixels& pixels, const Surface& surface, LightSample& samp
 
 }  // namespace
 
+namespace {
+
+// Of a photo, as indices into bench.lights.
+struct PhotoLights {
+  std::size_t lamp = 0;
+  std::optional<std::size_t> surroundings;
+};
+
+// Of the name that a photo's light has. Lamps that the bench does not name are appended.
+PhotoLights lights_of(const std::string& joined, Bench& bench, std::vector<Finding>& findings) {
+  const auto refuse = [&] {
+    fail("photos under \"" + joined + "\"",
+         "show the board under the sun or several lights, and a bench is measured under one near lamp, alone or with "
+         "surroundings that bench.json names",
+         "take photos under a lamp of its own, and leave these out of session.json");
+  };
+  PhotoLights out;
+  bool has_lamp = false;
+  for (const std::string& name : light_names(joined)) {
+    const auto found =
+        std::find_if(bench.lights.begin(), bench.lights.end(), [&](const Light& l) { return l.id == name; });
+    const auto at = static_cast<std::size_t>(found - bench.lights.begin());
+    if (found == bench.lights.end() && has_lamp) {
+      const Finding told = make_warning(
+          "photos under \"" + joined + "\": bench.json has no light called " + name +
+              ", so what comes from around is taken as even",
+          "put the surroundings that `burin probe` made of the room into bench.json's \"lights\" under that name");
+      if (std::none_of(findings.begin(), findings.end(), [&](const Finding& f) { return f.what == told.what; }))
+        findings.push_back(told);
+    } else if (found != bench.lights.end() && !found->is_near()) {
+      if (found->far->is_sun() || out.surroundings) refuse();
+      out.surroundings = at;
+    } else {
+      if (has_lamp) refuse();
+      has_lamp = true;
+      out.lamp = at;
+      if (found == bench.lights.end()) {
+        Light added;
+        added.id = name;
+        bench.lights.push_back(added);
+      }
+    }
+  }
+  if (!has_lamp) refuse();
+  return out;
+}
+
+// The scale of surroundings is one number, and a room is dark or it is not.
+void require_one_room(std::span<const LightView> views, std::span<const MergedView> merged, const Bench& bench) {
+  for (const LightView& v : views) {
+    if (v.surroundings == views.front().surroundings) continue;
+    const bool here = v.surroundings.has_value();
+    const MergedView &with = merged[here ? v.merged : views.front().merged],
+                     &other = merged[here ? views.front().merged : v.merged];
+    fail("photos under \"" + with.light + "\"",
+         "show " + bench.lights[here ? *v.surroundings : *views.front().surroundings].id + ", and view " + other.view +
+             " under \"" + other.light + "\" does not",
+         "measure from photos that were all taken in one room's light, or all in the dark: leave the others out of "
+         "session.json");
+  }
+}
+
+}  // namespace
+
 std::vector<LightView> make_light_views(std::span<const MergedView> merged, const Board& board, Bench& bench,
                                         std::vector<Finding>& findings) {
   std::vector<LightView> views;
@@ -109,21 +175,12 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
       findings.push_back(make_warning("view " + photo.view + " has no camera pose and is left out"));
       continue;
     }
-    auto light =
-        std::find_if(bench.lights.begin(), bench.lights.end(), [&](const Light& l) { return l.id == photo.light; });
-    if (photo.light.find(kBesides) != std::string::npos || (light != bench.lights.end() && !light->is_lamp()))
-      fail("photos under \"" + photo.light + "\"",
-           "show the board under the sun, surroundings or several lights, and a bench is measured under one near lamp",
-           "take photos under a lamp of its own in a dark room, and leave these out of session.json");
-    if (light == bench.lights.end()) {
-      Light added;
-      added.id = photo.light;
-      light = bench.lights.insert(bench.lights.end(), added);
-    }
+    const PhotoLights lights = lights_of(photo.light, bench, findings);
     LightView v;
     v.merged = m;
     v.view = static_cast<std::size_t>(view - bench.views.begin());
-    v.light = static_cast<std::size_t>(light - bench.lights.begin());
+    v.light = lights.lamp;
+    v.surroundings = lights.surroundings;
     v.lens = binned_lens(bench.lens, photo.bin);
     constexpr int kMarginPx = 4;
     v.window = window_of(v.lens, view->T_camera_board, surface_of(board, bench), Eigen::Vector2d::Zero(), board.size_mm,
@@ -151,6 +208,7 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
       }
     views.push_back(std::move(v));
   }
+  require_one_room(views, merged, bench);
   share_rays(views);
   return views;
 }
@@ -216,6 +274,7 @@ LightView binned(const LightView& view, int bin) {
   out.merged = view.merged;
   out.view = view.view;
   out.light = view.light;
+  out.surroundings = view.surroundings;
   out.bin = view.bin * bin;
   out.rays = view.rays;
   out.lens = binned_lens(view.lens, bin);
@@ -289,7 +348,14 @@ struct SampledView {
   Surface surface;
   FootprintGrid grid;
   Eigen::Vector3d camera;
+  const Light* surroundings;  // or null
+  Image around_face;          // what the plain face sends back of these / F0, with the roughness that is believed
 
+  double around_paper(const Eigen::Vector3d& normal) const {
+    if (surroundings == nullptr) return 1;
+    return irradiance(*surroundings->far->surroundings, normal).cwiseProduct(surroundings->intensity).mean() /
+           std::numbers::pi;
+  }
   int width() const { return view.window.width; }
   int height() const { return view.window.height; }
   double radius2_at(double x, double y) const {
@@ -329,7 +395,7 @@ std::vector<LightSample> face_blocks(const SampledView& v, const BoardMask& plai
   for (int y0 = 0; y0 + block <= v.height(); y0 += block)
     for (int x0 = 0; x0 + block <= v.width(); x0 += block) {
       values.clear();
-      double variance = 0, radius2 = 0;
+      double variance = 0, radius2 = 0, around = 0;
       Eigen::Vector3d p = Eigen::Vector3d::Zero();
       Eigen::Vector2d flat = Eigen::Vector2d::Zero();
       for (int y = y0; y < y0 + block; ++y)
@@ -341,6 +407,7 @@ std::vector<LightSample> face_blocks(const SampledView& v, const BoardMask& plai
           values.push_back(v.view.value.data[i]);
           variance += static_cast<double>(v.view.sigma.data[i]) * v.view.sigma.data[i];
           radius2 += v.radius2_at(x, y);
+          around += v.surroundings != nullptr ? v.around_face.data[i] : 1;
           p += q;
           flat += at;
         }
@@ -351,6 +418,7 @@ std::vector<LightSample> face_blocks(const SampledView& v, const BoardMask& plai
       sample.p_board = p / count;
       sample.normal = face_normal(v.surface, flat.x() / count, flat.y() / count);
       sample.radius2 = radius2 / count;
+      sample.around = around / count;
       sample.value = median_in_place(values);
       sample.sigma = 1.2533 * std::sqrt(variance) / count;
       sample.to_camera = (v.camera - sample.p_board).normalized();
@@ -423,8 +491,22 @@ void add_paper_samples(const SampledView& v, const std::vector<PlacedTag>& tags,
       sample.tag = tags[t].tag.id;
       if (!finish_paper(paper[t][color], v.surface, sample)) continue;
       sample.to_camera = (v.camera - sample.p_board).normalized();
+      sample.around = v.around_paper(sample.normal);
       samples.push_back(sample);
     }
+}
+
+// See SampledView::around_face.
+Image around_face(const SampledView& v, const Bench& bench) {
+  ViewScene scene = make_scene(bench, v.board, share(v.grid), v.camera, *v.surroundings);
+  scene.ambient.setZero();
+  scene.material.profile = {};  // no groove is seen
+  RenderOptions options;
+  options.material_gradients = false;
+  Image face;
+  ViewRenderer(std::move(scene), options).forward(Carved{}, face);
+  for (float& value : face.data) value /= static_cast<float>(v.board.material.f0.mean());
+  return face;
 }
 
 }  // namespace
@@ -437,13 +519,16 @@ std::vector<LightSample> gather_light_samples(std::span<const LightView> views, 
   std::vector<LightSample> samples;
   for (std::size_t k = 0; k < views.size(); ++k) {
     const Eigen::Isometry3d& T_camera_board = bench.views[views[k].view].T_camera_board;
-    const SampledView view{views[k],
-                           k,
-                           board,
-                           options,
-                           surface,
-                           grid_of(views[k], T_camera_board, surface),
-                           T_camera_board.inverse().translation()};
+    SampledView view{views[k],
+                     k,
+                     board,
+                     options,
+                     surface,
+                     grid_of(views[k], T_camera_board, surface),
+                     T_camera_board.inverse().translation(),
+                     views[k].surroundings ? &bench.lights[*views[k].surroundings] : nullptr,
+                     {}};
+    if (view.surroundings != nullptr) view.around_face = around_face(view, bench);
     add_face_samples(view, plain_face(view, bench, carved), samples);
     add_paper_samples(view, tags, samples);
   }

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,6 +26,9 @@ namespace burin {
 struct LightView {
   std::size_t merged = 0;           ///< index into the session's merged views, whose pixels these are
   std::size_t view = 0, light = 0;  ///< indices into bench.views and bench.lights
+  /// Index into bench.lights of the surroundings that shine beside the lamp; the same for all views. None: what comes
+  /// from around is even.
+  std::optional<std::size_t> surroundings;
   Lens lens;                        ///< of the pixels below (that of the bench, or of binned pixels)
   PixelWindow window;               ///< of the whole (binned) photo; the images below are this large
   Image value, sigma;               ///< one channel
@@ -54,7 +58,9 @@ int light_bin(int width, int height, double tag_side_px);
 LightView binned(const LightView& view, int bin);
 
 /// Pairs merged photos with the bench's views and lamps; lamps that the bench does not name are appended to
-/// `bench.lights`. Photos of views without a pose are left out and named in `findings`.
+/// `bench.lights`. Photos of views without a pose are left out and named in `findings`. A photo under one lamp and one
+/// of the bench's surroundings ("lamp + room") is one under that lamp; then all must be. Surroundings that the bench
+/// does not name are told, and taken as even. Throws Error for other lights at once.
 std::vector<LightView> make_light_views(std::span<const MergedView> merged, const Board& board, Bench& bench,
                                         std::vector<Finding>& findings);
 
@@ -70,6 +76,8 @@ struct LightSample {
   Eigen::Vector3d to_camera{0, 0, 1};  ///< unit
   double radius2 = 0;                  ///< vignetting's r^2 (see Sensor)
   double value = 0, sigma = 0;
+  /// Light from around, per unit of ambient light: on paper its irradiance / pi, on the face what it sends back / F0.
+  double around = 1;
   int tag = -1;  ///< id of the tag for paper
 };
 

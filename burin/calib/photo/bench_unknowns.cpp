@@ -109,8 +109,11 @@ constexpr auto kLinks = std::to_array<Link>({
     {unknown::log_across,
      [](const Bench& b, const Problem&, std::size_t, double* to) { *to = std::log(b.material.profile.across); },
      [](const double* from, const Problem&, std::size_t, Bench& b) { b.material.profile.across = std::exp(*from); }},
-    {unknown::ambient, [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.ambient.mean(); },
-     [](const double* from, const Problem&, std::size_t, Bench& b) { b.ambient.setConstant(*from); }},
+    {unknown::ambient,
+     [](const Bench& b, const Problem& p, std::size_t, double* to) { *to = p.surroundings ? 1 : b.ambient.mean(); },
+     [](const double* from, const Problem& p, std::size_t, Bench& b) {
+       b.ambient.setConstant(p.surroundings ? 0 : *from);  // a scale goes into the surroundings (put_state)
+     }},
     {unknown::vignette,
      [](const Bench& b, const Problem&, std::size_t, double* to) { std::copy_n(b.sensor.vignette.data(), 3, to); },
      [](const double* from, const Problem&, std::size_t, Bench& b) { std::copy_n(from, 3, b.sensor.vignette.data()); }},
@@ -190,6 +193,7 @@ void put_state(const State& state, const Problem& problem, Bench& bench) {
   for (const Link& link : kLinks)
     for (std::size_t light = 0; light < (link.first < kSharedUnknowns ? 1 : bench.lights.size()); ++light)
       link.write(state.block(link.first, light), problem, light, bench);
+  if (problem.surroundings) bench.lights[*problem.surroundings].intensity *= *state.block(unknown::ambient);
 }
 
 }  // namespace burin

@@ -140,6 +140,10 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
     if (!size.disk_sigma_mm) data.scene.light.size = data.lamp_size = size;
     data.scene.light.axis = bench.lights[binned_view.light].axis;
   }
+  if (binned_view.surroundings) {
+    data.surroundings = std::make_shared<const Light>(bench.lights[*binned_view.surroundings]);
+    data.around = Image(data.scene.grid->width(), data.scene.grid->height(), 1);  // until light_around()
+  }
   data.scene.tool_width_um = board.tool_width_um;
   const PixelWindow& window = data.scene.grid->window;
   data.radius2.resize(static_cast<std::size_t>(window.width) * window.height);
@@ -166,9 +170,9 @@ double corrected_by(const PhotoData& photo, const Unknowns& x, std::size_t i) {
 
 // The lamp's light with ambient light where the face is.
 Image with_ambient(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
-  const float ambient = static_cast<float>(x[unknown::ambient] * model.f0);
   for (std::size_t i = 0; i < light.data.size(); ++i)
-    if (std::isfinite(photo.scene.grid->center_mm[i].x())) light.data[i] += ambient;
+    if (std::isfinite(photo.scene.grid->center_mm[i].x()))
+      light.data[i] += static_cast<float>(x[unknown::ambient] * ambient_unit(model, photo, i));
   return light;
 }
 
@@ -212,6 +216,16 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
       data.weight[i] = 1 / binned_view.sigma.data[i];
     }
   return data;
+}
+
+void light_around(const Unknowns& x, const Carved& carved, PhotoData& photo) {
+  if (photo.surroundings == nullptr) return;
+  ViewScene scene = scene_at(photo, x);
+  scene.light = *photo.surroundings;
+  scene.hidden_from_light.clear();
+  RenderOptions options;
+  options.material_gradients = false;  // a third of the tables
+  ViewRenderer(std::move(scene), options, photo.room).forward(carved, photo.around);
 }
 
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved) {
@@ -298,7 +312,8 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
   while (divisor < photo.bin && !fits(divisor)) ++divisor;
   if (divisor >= photo.bin) return;
   const int parts = photo.bin / divisor;
-  const PhotoData fine = photo_without_weights(binned(whole, divisor), divisor, board, bench);
+  PhotoData fine = photo_without_weights(binned(whole, divisor), divisor, board, bench);
+  light_around(x, carved, fine);
   Image light;  // many pixels and no derivatives: the fast path, good to 1e-6 of the peak
   ViewRenderer(scene_at(fine, x)).forward(carved, light);
   const std::vector<float> falloff = falloff_image(fine, x);
@@ -609,6 +624,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   }
   for (int k = 0; k < 3 && !spot.falloff.empty(); ++k) columns.add(unknown::spot + k, spot.by[3 + k]);
   columns.add(unknown::log_intensity, light);
+  if (photo.surroundings != nullptr) columns.add(unknown::ambient, photo.around);
   if (wanted.machine >= 0) add_machine(model, x, &by[wanted.machine], columns);
   if (wanted.pose >= 0) {
     // Before the poses' own columns take these derivatives away.
@@ -631,7 +647,7 @@ bool slopes_hold(const ModelData& model, const PhotoData& photo, const PhotoSlop
   double missed = 0, changed = 0;
   for (std::size_t i = 0; i < light.data.size(); ++i) {
     if (!(photo.weight[i] > 0)) continue;
-    double foretold = model.f0 * step[unknown::ambient];
+    double foretold = photo.surroundings == nullptr ? model.f0 * step[unknown::ambient] : 0;
     for (std::size_t k = 0; k < slopes.columns.size(); ++k) {
       const bool of_the_light = slopes.index[k] != unknown::log_blur || photo.correction.empty();
       if (of_the_light) foretold += step[slopes.index[k]] * slopes.columns[k].data[i];
@@ -658,7 +674,8 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   const std::size_t rendered_columns = columns.size();
   const int width = photo.scene.grid->width(), height = photo.scene.grid->height();
   std::vector<int> index = slopes.index;
-  if (free[unknown::ambient]) index.push_back(unknown::ambient);
+  const bool even = free[unknown::ambient] && photo.surroundings == nullptr;
+  if (even) index.push_back(unknown::ambient);
   for (int k = 0; k < 3; ++k)
     if (free[unknown::vignette + k]) index.push_back(unknown::vignette + k);
   const bool glares = free[unknown::glare_share] && !photo.photo.scattered.data.empty();
@@ -688,7 +705,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
       std::size_t k = 0;
       for (; k < rendered_columns; ++k) rows(static_cast<Eigen::Index>(k), used) = scale * columns[k].data[i];
       auto row = static_cast<Eigen::Index>(k);
-      if (free[unknown::ambient]) rows(row++, used) = scale * model.f0;
+      if (even) rows(row++, used) = scale * model.f0;
       double radius_power = photo.radius2[i];
       for (int v = 0; v < 3; ++v, radius_power *= photo.radius2[i])
         if (free[unknown::vignette + v])

@@ -33,6 +33,10 @@ struct PhotoData {
   std::shared_ptr<RenderWorkspace> room;
   GrooveProfile profile;  ///< its kind; its numbers are unknowns
   CameraView camera;
+  /// Surroundings that shine beside the lamp, as the bench has them, and what the board sends back of them before blur:
+  /// taken at some state (light_around) and held until it is taken again. Null: ambient light is even.
+  std::shared_ptr<const Light> surroundings;
+  Image around;
   LampSize lamp_size;          ///< as the bench has it; a point's is the unknown disk2
   double disk_unit_mm = 0;     ///< of disk2
   std::vector<float> weight;   ///< 1 / expected error of each pixel; 0 where it is not used
@@ -49,6 +53,15 @@ class CarvedStates;  // burin/calib/photo/carved_states.h
 /// Prepares a photo. `margin_px`: distance (in binned pixels) that used pixels keep from tags and the board's edge.
 PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& board, const Bench& bench,
                           double margin_px);
+
+/// Sets `photo.around` at x, where the photo has surroundings. Of its derivatives only that by the scale of the
+/// surroundings (unknown::ambient) is told to a fit: grooves show a lamp far more sharply.
+void light_around(const Unknowns& x, const Carved& carved, PhotoData& photo);
+
+/// What one unit of ambient light adds to pixel i before blur.
+inline double ambient_unit(const ModelData& model, const PhotoData& photo, std::size_t i) {
+  return photo.surroundings == nullptr ? model.f0 : static_cast<double>(photo.around.data[i]);
+}
 
 /// The photo as predicted (linear value / exposure factor).
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved);

@@ -124,6 +124,13 @@ Bins bins_for(const std::vector<LightView>& views, const Bench& bench, double fi
   return out;
 }
 
+void light_around(const State& state, Problem& data) {
+  if (!data.surroundings) return;
+  const Carved carved = carved_at(data.model, state.of(0));
+  each_photo(data.photos.size(),
+             [&](std::size_t k) { light_around(state.of(data.photos[k].photo.light), carved, data.photos[k]); });
+}
+
 void each_photo(std::size_t count, const std::function<void(std::size_t)>& body) {
   // Isolated: a thread that waits for the rest of its own photo's rendering must not begin another photo.
   tbb::parallel_for(

@@ -53,6 +53,9 @@ struct Problem {
   std::vector<bool> is_spot;
   std::vector<bool> is_disk;  ///< whether a lamp's size is sought; else its area is held as the bench has it
   int merged_bin = 1;         ///< of the merged photos: how many of the camera's pixels, either way, are one of theirs
+  /// The bench's surroundings that shine beside every photo's lamp: unknown::ambient is their scale. None: it is even
+  /// light.
+  std::optional<std::size_t> surroundings;
   std::optional<GeometryPrior> geometry;  ///< none: poses and bow are exact
 };
 
@@ -92,6 +95,9 @@ Bins bins_for(const std::vector<LightView>& views, const Bench& bench, double fi
 /// Corrects all photos (which photos_at() made of `views`) for their binning, at `state`: see photo_equations.h.
 void correct_binning(Problem& data, const std::vector<LightView>& views, const Board& board, const Bench& bench,
                      const State& state);
+
+/// Takes what the board sends back of surroundings anew, at `state` (photo_equations.h).
+void light_around(const State& state, Problem& data);
 
 /// body(k) for the photos 0 .. count - 1, as many at a time as there are cores and no more: what a photo needs while it
 /// is worked on is not small.

@@ -516,8 +516,20 @@ void judge_size(LightJudge& j, std::size_t i) {
       judged(100 * *light.size.disk_sigma_mm / light.size.disk_mm, kRelative, Unit::percent, {by_halves(check)});
 }
 
+// Given but for their scale.
+void judge_surroundings(LightJudge& j, std::size_t i) {
+  Light& light = j.bench.lights[i];
+  const std::string intensity = parameter::light_intensity(light.id);
+  j.judge_one(intensity, j.unit(unknown::ambient), std::max(j.state.shared[unknown::ambient], 1e-300), kRelative);
+  constexpr double kTables = 0.2;  // percent: what tables of surroundings miss of their light, about (model.md 10.7)
+  double& percent = *j.bench.verdict[intensity].sigma;
+  percent = std::hypot(percent, kTables);
+  light.intensity_sigma = light.intensity * (percent / 100);
+}
+
 void judge_lamp(LightJudge& j, std::size_t i) {
   Light& light = j.bench.lights[i];
+  if (!light.is_near()) return;  // photos are measured under lamps
   const std::string position = parameter::light_position(light.id);
   const auto& photos = j.data.photos;
   if (std::none_of(photos.begin(), photos.end(), [&](const PhotoData& p) { return p.photo.light == i; })) {
@@ -535,7 +547,10 @@ void judge_lamp(LightJudge& j, std::size_t i) {
   if (!j.stage.frees(Group::intensity)) return;
   const std::string intensity = parameter::light_intensity(light.id);
   j.judge_one(intensity, j.unit(global_index(unknown::log_intensity, i)), 1, kRelative);
-  light.intensity_sigma = light.intensity * (*j.bench.verdict[intensity].sigma / 100);
+  constexpr double kTables = 0.2;  // percent: what tables of surroundings miss of their light, about (model.md 10.7)
+  double& percent = *j.bench.verdict[intensity].sigma;
+  percent = std::hypot(percent, kTables);
+  light.intensity_sigma = light.intensity * (percent / 100);
 }
 
 }  // namespace
@@ -548,7 +563,9 @@ Combinations judge_light(const Problem& data, const State& state, const Uncertai
     j.judge_material(parameter::kBaseAlpha, unknown::log_base_alpha, bench.material.base_alpha,
                      bench.material_sigma.base_alpha);
   if (stage.frees(Group::machine)) judge_machine(j);
-  if (stage.frees(Group::ambient))
+  if (stage.frees(Group::ambient) && data.surroundings)
+    judge_surroundings(j, *data.surroundings);
+  else if (stage.frees(Group::ambient))
     j.judge_one(parameter::kAmbient, j.unit(unknown::ambient), std::max(light_on_paper(j), 1e-300), kAmbient,
                 {{Cause::Kind::of_paper_light}});
   if (stage.frees(Group::vignette)) judge_vignette(j);

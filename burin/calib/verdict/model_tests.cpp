@@ -122,7 +122,8 @@ ClassSums class_sums(const Problem& data, std::size_t k, const State& state, con
     if (slopes.index[c] == unknown::log_alpha) by_alpha = &slopes.columns[c];
   }
   const std::size_t rendered = columns.size();
-  if (slopes.free[unknown::ambient]) index.push_back(unknown::ambient);
+  const bool even = slopes.free[unknown::ambient] && photo.surroundings == nullptr;
+  if (even) index.push_back(unknown::ambient);
   for (int v = 0; v < 3; ++v)
     if (slopes.free[unknown::vignette + v]) index.push_back(unknown::vignette + v);
   const bool glares = slopes.free[unknown::glare_share] && !photo.photo.scattered.data.empty();
@@ -147,7 +148,7 @@ ClassSums class_sums(const Problem& data, std::size_t k, const State& state, con
     const double scale = photo.weight[i] * pixel.factor;
     for (std::size_t c = 0; c < rendered; ++c) row[static_cast<Eigen::Index>(c)] = scale * columns[c]->data[i];
     auto at = static_cast<Eigen::Index>(rendered);
-    if (slopes.free[unknown::ambient]) row[at++] = scale * data.model.f0;
+    if (even) row[at++] = scale * data.model.f0;
     double power = photo.radius2[i];
     for (int v = 0; v < 3; ++v, power *= photo.radius2[i])
       if (slopes.free[unknown::vignette + v])

@@ -112,13 +112,15 @@ WiderBench wider_bench(const Problem& data, const State& state, const Uncertaint
   WiderBench out;
   out.bench = bench;
   out.own_lamps = bench.lights.size();
-  for (const Light& light : turned_lamps(bench.lights.front(), *data.model.board, {90, 180, 270}))
+  const Light& lamp_there = bench.lights[data.photos.front().photo.light];
+  for (const Light& light : turned_lamps(lamp_there, *data.model.board, {90, 180, 270}))
     out.bench.lights.push_back(light);
   out.problem = make_problem(*data.model.board, *data.model.sent, out.bench);
   out.problem.model = data.model;
   out.problem.merged_bin = data.merged_bin;
   const State all = state_of(out.bench, out.problem);
   out.state = state;
+  if (data.surroundings) out.state.shared[unknown::ambient] = 0;  // a candidate is judged by what its lamp sends
   out.free = u.free;
   for (std::size_t lamp = out.own_lamps; lamp < out.bench.lights.size(); ++lamp) {
     out.state.lamps.push_back(all.lamps[lamp]);
@@ -252,6 +254,7 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
       progress("looking for the photo that would help most",
                static_cast<double>(p) / static_cast<double>(places.size()));
     for (std::size_t light = 0; light < wider.bench.lights.size(); ++light) {
+      if (!wider.bench.lights[light].is_near()) continue;
       if (light >= wider.own_lamps && p % 2 == 1) continue;  // a moved lamp is tried from every other place
       if (in_the_way(places[p].center_mm(), wider.bench.lights[light].position_mm, board)) continue;
       const LightCandidate candidate =

@@ -67,8 +67,8 @@ std::set<std::size_t> fit_colors(const Problem& data, std::span<const MergedView
         const std::size_t i = static_cast<std::size_t>(y) * both.width + px;
         if (!(photo.weight[i] > 0)) continue;
         const double r = photo.weight[i] * (static_cast<double>(both.data[i]) - photo.photo.value.data[i]);
-        const double ambient =
-            vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i])) * data.model.f0;
+        const double ambient = vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i])) *
+                               ambient_unit(data.model, photo, i);
         const double lamp = both.data[i] - x[unknown::ambient] * ambient;
         const double weight = photo.weight[i] * photo.weight[i] / (1 + r * r / (data.model.cauchy * data.model.cauchy));
         for (int c = 0; c < 3; ++c) {
@@ -96,7 +96,7 @@ std::set<std::size_t> fit_colors(const Problem& data, std::span<const MergedView
         bench.lights[light].intensity[c] *= std::max(0.0, factor[static_cast<Eigen::Index>(light)]);  // a pure red lamp
         told.insert(light);
       }
-    bench.ambient[c] = std::max(0.0, factor[n - 1]);
+    if (!data.surroundings) bench.ambient[c] = std::max(0.0, factor[n - 1]);  // theirs are as given
   }
   return told;
 }

@@ -48,6 +48,7 @@ Light read_surroundings(JsonObject json, const std::filesystem::path& file) {
   const std::filesystem::path picture = resolve_path(file, json.text("picture"));
   Light out = surroundings_light(make_panorama(read_picture(picture), frame, picture.string()),
                                  light_color(json, "intensity", {1, 1, 1}));
+  if (json.has("intensity_sigma")) out.intensity_sigma = light_color(json, "intensity_sigma", {0, 0, 0});
   auto far = std::make_shared<FarLight>(*out.far);
   far->picture = picture;
   far->frame = frame;
@@ -96,6 +97,7 @@ void put_far_light(const Light& light, const std::filesystem::path& file, Json& 
     to["middle"] = to_json(far.frame.middle);
   }
   to["intensity"] = to_json(light.intensity);
+  if (light.intensity_sigma) to["intensity_sigma"] = to_json(*light.intensity_sigma);
 }
 
 }  // namespace burin

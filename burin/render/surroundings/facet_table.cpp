@@ -6,129 +6,19 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <xsimd/xsimd.hpp>
 
 #include "burin/render/brdf.h"
-#include "burin/render/lamp_size.h"
 #include "burin/render/pixel_shading.h"
 #include "burin/render/surroundings/fourier.h"
+#include "burin/render/surroundings/seen_sources.h"
 
 namespace burin {
 namespace {
 
 constexpr double kFine = 0.2;  // of the roughness: steps of half vectors and of normals that cubics are good for
-
-/// Light from one direction: radiance times solid angle, R G B. Of a lamp: its share of the light, and `to` is a place,
-/// mm.
-struct FarRay {
-  Eigen::Vector3d to;
-  Eigen::Vector3d power;
-};
-
-// The panorama's pixels, put together or cut up to the size that the roughness asks for: half vectors turn half as
-// much. Directions below the face of a flat board may still lie above a bowed one: all are kept that bring light.
-std::vector<FarRay> sources_of(const Panorama& panorama, double alpha) {
-  const Image& picture = panorama.radiance;
-  const double wanted = 1.5 * kFine * alpha, own = std::numbers::pi / picture.height;
-  const int cut = std::clamp(static_cast<int>(std::ceil(own / wanted)), 1, 64);
-  const int join = cut > 1 ? 1 : std::max(1, static_cast<int>(std::floor(wanted / own)));
-  std::vector<FarRay> out;
-  for (int y = 0; y < picture.height; y += join)
-    for (int x = 0; x < picture.width; x += join) {
-      Eigen::Vector3d power(0, 0, 0), middle(0, 0, 0);
-      for (int j = y; j < std::min(y + join, picture.height); ++j)
-        for (int i = x; i < std::min(x + join, picture.width); ++i) {
-          const Eigen::Vector3d one =
-              panorama.solid_angle(j) * Eigen::Vector3d(picture.at(i, j, 0), picture.at(i, j, 1), picture.at(i, j, 2));
-          if (join > 1) middle += one.sum() * panorama.direction(i + 0.5, j + 0.5);
-          power += one;
-        }
-      if (!(power.sum() > 0)) continue;
-      if (cut == 1) {
-        out.push_back({join > 1 ? middle.normalized() : panorama.direction(x + 0.5, y + 0.5), power});
-        continue;
-      }
-      double whole = 0;
-      const std::size_t first = out.size();
-      for (int j = 0; j < cut; ++j)
-        for (int i = 0; i < cut; ++i) {
-          const double row = y + (j + 0.5) / cut;
-          const double share = std::sin(std::numbers::pi * row / picture.height);
-          whole += share;
-          out.push_back({panorama.direction(x + (i + 0.5) / cut, row), share * power});
-        }
-      for (std::size_t k = first; k < out.size(); ++k) out[k].power /= whole;
-    }
-  return out;
-}
-
-// Points all over a lamp's area, as close together as the roughness asks for.
-std::vector<FarRay> points_of(const Light& lamp, double alpha) {
-  const auto across = across_axis(lamp.axis, lamp.size.turn_deg);
-  const bool disk = lamp.size.disk_mm > 0;
-  const double size = disk ? 2 * lamp.size.disk_mm : lamp.size.panel_mm.maxCoeff();
-  const double step = kFine * alpha * 2 * std::max(1.0, std::abs(lamp.position_mm.z()));  // h turns half as much
-  const int side = 2 * std::clamp(static_cast<int>(std::ceil(0.5 * size / step)) + 2, 2, 12), count = side * side;
-  std::vector<FarRay> out;
-  for (int k = 0; k < count; ++k) {
-    Eigen::Vector2d at;
-    if (disk) {  // four sunflowers, turned by right angles: about the middle
-      const int quarter = k / 4, each = count / 4;
-      const double r = lamp.size.disk_mm * std::sqrt((quarter + 0.5) / each),
-                   turn = quarter * std::numbers::pi * (3 - std::sqrt(5)) + k % 4 * std::numbers::pi / 2;
-      at = {r * std::cos(turn), r * std::sin(turn)};
-    } else {
-      const int row = k / side;
-      at = {(k % side + 0.5) / side - 0.5, (row + 0.5) / side - 0.5};
-      at = at.cwiseProduct(lamp.size.panel_mm);
-    }
-    out.push_back({lamp.position_mm + across * at, Eigen::Vector3d::Constant(1.0 / count)});
-  }
-  return out;
-}
-
-std::vector<FarRay> sources_of(const Light& light, double alpha) {
-  return light.far ? sources_of(*light.far->surroundings, alpha) : points_of(light, alpha);
-}
-
-/// A source as one place of the face sees it: half vector (face) and what D is to be multiplied with.
-struct Seen {
-  Eigen::Vector3d h;
-  std::array<double, 3> strength;
-};
-
-// visit(Seen, cos_i, cos_o) for the sources above the face at a pixel; shadowing is left to the visitor.
-template <typename Visit>
-void each_seen(const ViewScene& scene, const Light& light, int channels, std::size_t pixel,
-               const std::vector<FarRay>& sources, const Visit& visit) {
-  const Eigen::Vector3d& normal = scene.grid->normal[pixel];
-  const Eigen::Matrix3d R = R_face_board(normal);
-  const Eigen::Vector3d wo = R * (scene.camera_center_mm - scene.grid->center_mm[pixel]).normalized();
-  if (!(wo.z() > 0)) return;
-  const Eigen::Vector3d& f0 = scene.material.f0;
-  for (const FarRay& s : sources) {
-    Eigen::Vector3d to = s.to;
-    double falls = 1;
-    if (!light.far) {
-      to -= scene.grid->center_mm[pixel];
-      const double distance = to.norm(), beam = -light.axis.dot(to) / distance;
-      if (light.falloff_exponent > 0 && !(beam > 0)) continue;
-      falls = (light.falloff_exponent > 0 ? std::pow(beam, light.falloff_exponent) : 1) / (distance * distance);
-      to /= distance;
-    }
-    const Eigen::Vector3d wi = R * to;
-    if (!(wi.z() > 1e-6)) continue;
-    Seen seen;
-    seen.h = (wi + wo).normalized();
-    const double cos_ho = seen.h.dot(wo), part = schlick_F(cos_ho, 0.0);
-    for (int c = 0; c < 3; ++c)
-      seen.strength[c] = (f0[c] + (1 - f0[c]) * part) * light.intensity[c] * falls * s.power[c] / (4 * wo.z());
-    if (channels == 1) seen.strength[0] = (seen.strength[0] + seen.strength[1] + seen.strength[2]) / 3;
-    visit(seen, wi.z(), wo.z());
-  }
-}
 
 /// Rings of half vectors: lean (k + 1/2) step, `azimuths` places each.
 struct Rings {
@@ -136,33 +26,59 @@ struct Rings {
   double step = 0;
 };
 
+// Half vectors of a run, with what each has to put onto the rings.
+struct Places {
+  alignas(64) float lean[SeenSources::kMost];
+  alignas(64) float turn[SeenSources::kMost];  // azimuth / (2 pi), 0 .. 1
+  alignas(64) float shadowing[SeenSources::kMost];
+};
+
+void place(const SeenSources& seen, float alpha, Places& at) {
+  using Packet = xsimd::batch<float>;
+  const Packet one(1.0F), a2(alpha * alpha), per_turn(static_cast<float>(0.5 / std::numbers::pi));
+  const auto g1 = [&](const Packet& cosine) {
+    const Packet c2 = cosine * cosine;
+    return Packet(2.0F) / (one + xsimd::sqrt(one + a2 * (one - c2) / c2));
+  };
+  const Packet out = g1(Packet(seen.cos_o));
+  for (int k = 0; k < seen.count; k += static_cast<int>(Packet::size)) {
+    const Packet x = Packet::load_aligned(seen.x + k), y = Packet::load_aligned(seen.y + k),
+                 z = Packet::load_aligned(seen.z + k);
+    xsimd::atan2(xsimd::sqrt(x * x + y * y), z).store_aligned(at.lean + k);
+    const Packet turn = xsimd::atan2(y, x) * per_turn;
+    xsimd::select(turn < Packet(0.0F), turn + one, turn).store_aligned(at.turn + k);
+    (out * g1(Packet::load_aligned(seen.cos_i + k))).store_aligned(at.shadowing + k);
+  }
+}
+
 // Puts strength onto 4 x 4 places of the rings so that polynomials up to the third degree are summed as they are.
-void spread(const Rings& rings, const Seen& seen, double times, int channels, std::vector<float>& on) {
-  const double lean = std::atan2(std::hypot(seen.h.x(), seen.h.y()), seen.h.z());
-  double azimuth = std::atan2(seen.h.y(), seen.h.x()) / (2 * std::numbers::pi);
-  azimuth -= std::floor(azimuth);
-  const double at = lean / rings.step - 0.5, below = std::floor(at);
-  const CubicShares a = cubic_shares(azimuth * rings.azimuths, rings.azimuths, true);
-  const CubicShares r = cubic_shares(at - below + 1, 4, false);
-  for (int j = 0; j < 4; ++j) {
-    int ring = static_cast<int>(below) - 1 + j, turn = 0;
-    if (ring < 0) {  // over the pole
-      ring = -1 - ring;
-      turn = rings.azimuths / 2;
-    }
-    if (ring >= rings.count) continue;
-    for (int i = 0; i < 4; ++i) {
-      const int place = (a.first + i + turn + rings.azimuths) & (rings.azimuths - 1);
-      const double share = times * a.share[i] * r.share[j];
-      for (int c = 0; c < channels; ++c)
-        on[(static_cast<std::size_t>(c) * rings.count + ring) * rings.azimuths + place] +=
-            static_cast<float>(share * seen.strength[c]);
+void spread(const Rings& rings, const SeenSources& seen, const Places& places, int channels, std::vector<float>& on) {
+  const float per_step = static_cast<float>(1 / rings.step), azimuths = static_cast<float>(rings.azimuths);
+  for (int k = 0; k < seen.count; ++k) {
+    if (!seen.is_above(k)) continue;
+    const float at = places.lean[k] * per_step - 0.5F, below = std::floor(at);
+    const float around = places.turn[k] * azimuths, before = std::floor(around);
+    float by_ring[4], by_azimuth[4], slope[4];
+    lagrange_cubic(at - below, by_ring, slope);
+    lagrange_cubic(around - before, by_azimuth, slope);
+    for (int j = 0; j < 4; ++j) {
+      int ring = static_cast<int>(below) - 1 + j, first = static_cast<int>(before) - 1 + rings.azimuths;
+      if (ring < 0) {  // over the pole
+        ring = -1 - ring;
+        first += rings.azimuths / 2;
+      }
+      if (ring >= rings.count) continue;
+      for (int c = 0; c < channels; ++c) {
+        float* to = &on[(static_cast<std::size_t>(c) * rings.count + ring) * rings.azimuths];
+        const float share = places.shadowing[k] * by_ring[j] * seen.strength[c][k];
+        for (int i = 0; i < 4; ++i) to[(first + i) & (rings.azimuths - 1)] += share * by_azimuth[i];
+      }
     }
   }
 }
 
 // Fourier's transform of D over azimuth, for each lean of a normal and of a half vector: real, half of it.
-std::vector<float> lobe_spectra(const FacetTable& table, const Rings& rings, double alpha) {
+std::vector<float> lobe_spectra(const FacetTable& table, const Rings& rings, const FourierTurns& turns, double alpha) {
   const int half = rings.azimuths / 2 + 1;
   std::vector<float> out(static_cast<std::size_t>(table.t_count) * rings.count * half);
   tbb::parallel_for(0, table.t_count, [&](int n) {
@@ -175,15 +91,15 @@ std::vector<float> lobe_spectra(const FacetTable& table, const Rings& rings, dou
                               std::sin(lean) * std::sin(other) * std::cos(2 * std::numbers::pi * j / rings.azimuths);
         ring[j] = static_cast<float>(ggx_D(cosine, alpha));
       }
-      fourier(ring, false);
+      fourier(ring, turns, false);
       for (int m = 0; m < half; ++m) out[(static_cast<std::size_t>(n) * rings.count + k) * half + m] = ring[m].real();
     }
   });
   return out;
 }
 
-void convolve(const FacetTable& table, const Rings& rings, const std::vector<float>& lobes, std::vector<float>& on,
-              float* to) {
+void convolve(const FacetTable& table, const Rings& rings, const FourierTurns& turns, const std::vector<float>& lobes,
+              const std::vector<float>& on, float* to) {
   const int half = rings.azimuths / 2 + 1, n_az = rings.azimuths;
   std::vector<std::complex<float>> ring(n_az), spectra(static_cast<std::size_t>(rings.count) * half);
   std::vector<char> lit(rings.count);
@@ -193,7 +109,7 @@ void convolve(const FacetTable& table, const Rings& rings, const std::vector<flo
       lit[k] = std::any_of(from, from + n_az, [](float v) { return v != 0; }) ? 1 : 0;
       if (!lit[k]) continue;
       std::copy(from, from + n_az, ring.begin());
-      fourier(ring, false);
+      fourier(ring, turns, false);
       std::copy_n(ring.begin(), half, spectra.begin() + static_cast<std::ptrdiff_t>(k) * half);
     }
     for (int n = 0; n < table.t_count; ++n) {
@@ -205,7 +121,7 @@ void convolve(const FacetTable& table, const Rings& rings, const std::vector<flo
         for (int m = 0; m < half; ++m) ring[m] += lobe[m] * spectrum[m];
       }
       for (int m = 1; m < n_az - half + 1; ++m) ring[n_az - m] = std::conj(ring[m]);
-      fourier(ring, true);
+      fourier(ring, turns, true);
       for (int j = 0; j < n_az; ++j)
         to[static_cast<std::size_t>(j) * table.ring_size() + static_cast<std::size_t>(c) * table.t_count + n] =
             ring[j].real() / static_cast<float>(n_az);
@@ -299,14 +215,17 @@ FacetTable make_facet_table(const ViewScene& scene, const Light& light, int chan
   const std::size_t nodes = lattice.pixel.size();
   table.light.assign(static_cast<std::size_t>(table.columns) * table.rows * table.azimuths * table.ring_size(), 0);
   if (nodes == 0) return table;
-  const std::vector<FarRay> sources = sources_of(light, alpha);
-  const std::vector<float> lobes = lobe_spectra(table, rings, alpha);
+  const LightSources sources = light_sources(light, kFine * alpha);
+  const FourierTurns turns = fourier_turns(static_cast<std::size_t>(rings.azimuths));
+  const std::vector<float> lobes = lobe_spectra(table, rings, turns, alpha);
   tbb::parallel_for(std::size_t{0}, nodes, [&](std::size_t node) {
     std::vector<float> on(static_cast<std::size_t>(channels) * rings.count * rings.azimuths, 0.0F);
-    each_seen(scene, light, channels, lattice.pixel[node], sources, [&](const Seen& seen, double cos_i, double cos_o) {
-      spread(rings, seen, smith_G(cos_i, cos_o, alpha), channels, on);
+    Places places;
+    each_seen(scene, light, channels, lattice.pixel[node], sources, [&](const SeenSources& seen) {
+      place(seen, static_cast<float>(alpha), places);
+      spread(rings, seen, places, channels, on);
     });
-    convolve(table, rings, lobes, on, &table.light[node * table.azimuths * table.ring_size()]);
+    convolve(table, rings, turns, lobes, on, &table.light[node * table.azimuths * table.ring_size()]);
   });
   return table;
 }
@@ -317,28 +236,32 @@ FaceTable make_face_table(const ViewScene& scene, const Light& light, int channe
   const std::size_t size = static_cast<std::size_t>(lattice.columns) * lattice.rows * channels;
   table.light.assign(size, 0);
   table.by_log_alpha.assign(size, 0);
-  const std::vector<FarRay> sources = sources_of(light, m.base_alpha);
+  const LightSources sources = light_sources(light, kFine * m.base_alpha);
   tbb::parallel_for(std::size_t{0}, lattice.pixel.size(), [&](std::size_t node) {
     std::array<double, 3> sum{}, by_log{};
     const std::size_t pixel = lattice.pixel[node];
     const Eigen::Matrix3d R = R_face_board(scene.grid->normal[pixel]);
     const Eigen::Vector3d wo = R * (scene.camera_center_mm - scene.grid->center_mm[pixel]).normalized();
-    each_seen(scene, light, channels, pixel, sources, [&](const Seen& seen, double cos_i, double cos_o) {
-      double value = 0, slope = 0;
-      if (m.grain.none()) {
-        const BaseLobe lobe = base_lobe(seen.h.z(), m.base_alpha);
-        const Shadowing g = shadowing(cos_i, cos_o, m.base_alpha);
-        value = lobe.D * g.G;
-        slope = m.base_alpha * (lobe.dD_dalpha * g.G + lobe.D * g.dG_dalpha);
-      } else {
-        const Eigen::Vector3d wi = 2 * seen.h.dot(wo) * seen.h - wo;
-        const GrainedLobe lobe = grained_lobe(seen.h, wi, wo, m.base_alpha, m.grain);
-        value = lobe.value;
-        slope = lobe.by_log_alpha;
-      }
-      for (int c = 0; c < channels; ++c) {
-        sum[c] += value * seen.strength[c];
-        by_log[c] += slope * seen.strength[c];
+    each_seen(scene, light, channels, pixel, sources, [&](const SeenSources& seen) {
+      for (int k = 0; k < seen.count; ++k) {
+        if (!seen.is_above(k)) continue;
+        const Eigen::Vector3d h = Eigen::Vector3d(seen.x[k], seen.y[k], seen.z[k]).normalized();
+        double value = 0, slope = 0;
+        if (m.grain.none()) {
+          const BaseLobe lobe = base_lobe(h.z(), m.base_alpha);
+          const Shadowing g = shadowing(static_cast<double>(seen.cos_i[k]), wo.z(), m.base_alpha);
+          value = lobe.D * g.G;
+          slope = m.base_alpha * (lobe.dD_dalpha * g.G + lobe.D * g.dG_dalpha);
+        } else {
+          const Eigen::Vector3d wi = 2 * h.dot(wo) * h - wo;
+          const GrainedLobe lobe = grained_lobe(h, wi, wo, m.base_alpha, m.grain);
+          value = lobe.value;
+          slope = lobe.by_log_alpha;
+        }
+        for (int c = 0; c < channels; ++c) {
+          sum[c] += value * static_cast<double>(seen.strength[c][k]);
+          by_log[c] += slope * static_cast<double>(seen.strength[c][k]);
+        }
       }
     });
     for (int c = 0; c < channels; ++c) {
