@@ -9,6 +9,7 @@
 #include "burin/calib/light/lamp.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/bench_unknowns.h"
+#include "burin/calib/photo/crossing_choice.h"
 #include "burin/calib/photo/effect_choice.h"
 #include "burin/calib/photo/field_choice.h"
 #include "burin/calib/photo/glare_fit.h"
@@ -188,22 +189,19 @@ void RefineRun::fit_coarse() {
 // Where scratches cross: whichever explains the photos best, unless it was asked for.
 void RefineRun::choose_crossings() {
   data.model.crossings = options.crossings.value_or(Crossings::add);
-  if (!options.crossings) {
+  const bool crowded = expected_pieces(sent.scratches, (board.carve_max_mm - board.carve_min_mm).prod()) > kMostPieces;
+  if (crowded && data.model.crossings != Crossings::add)
+    fail("--crossings", "asks for grooves to be cut where they cross, which is too often here",
+         "leave it out, or measure metal and tool by a board with fewer scratches");
+  if (crowded && !options.crossings) {
+    out.findings.push_back(make_warning(
+        "scratches cross one another too often to be cut where they do, so their light was added there",
+        "depth may be 5 % off by that; a board with fewer scratches, or `burin coupon`, measures metal and tool"));
+  } else if (!options.crossings) {
     weigh_photos(data, state);
-    const State before = state;
-    Crossings best = Crossings::add;
-    double best_cost = 0;
-    for (const auto& [rule, name] : kCrossingsNames) {
-      data.model.crossings = rule;
-      State trial = before;
-      const double cost =
-          solve(data, stage, 2, 1e-4, trial, progress, "crossing scratches, " + std::string(in_words(rule)));
-      if (rule != best && !(cost < best_cost)) continue;
-      best = rule;
-      best_cost = cost;
-      state = trial;
-    }
-    data.model.crossings = best;
+    CrossingChoice choice = burin::choose_crossings(data, stage, state, progress);
+    data.model.crossings = choice.rule;
+    state = std::move(choice.state);
   }
   out.bench.crossings = data.model.crossings;
 }

@@ -4,12 +4,17 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <numbers>
 #include <numeric>
+#include <string>
 #include <tuple>
 #include <utility>
 
+#include "burin/render/error.h"
 #include "burin/render/groove.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -320,16 +325,35 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
                         Strips(carved, std::move(half_width_mm))};
   constexpr std::size_t kAtOnce = 512;  // pieces come in carving order, whoever cuts them
   std::vector<VisiblePieces> parts((carved.size() + kAtOnce - 1) / kAtOnce);
+  std::atomic<std::size_t> made{0};
+  const std::size_t most = carved.size() + limit::kCuts;
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
     std::vector<std::uint32_t> near;
     std::vector<Change> changes;
-    for (std::size_t i = part * kAtOnce; i < std::min(carved.size(), (part + 1) * kAtOnce); ++i) {
+    for (std::size_t i = part * kAtOnce; i < std::min(carved.size(), (part + 1) * kAtOnce) && made <= most; ++i) {
+      const std::size_t before = parts[part].source.size();
       cutting.find_changes(i, near, changes);
       cutting.add_pieces(i, changes, parts[part]);
+      made += parts[part].source.size() - before;
     }
   });
-  for (const VisiblePieces& part : parts) append_pieces(out, part);
+  if (made > most)
+    fail("crossings of " + std::to_string(carved.size()) + " scratches",
+         "cut grooves into more than " + std::to_string(most) + " pieces",
+         "let their light add there (\"crossings\": \"add\" in bench.json's material, burin refine --crossings add), "
+         "or carve "
+         "fewer or shorter scratches");
+  for (VisiblePieces& part : parts) append_pieces(out, std::exchange(part, {}));
   return out;
+}
+
+double expected_pieces(const Scratches& scratches, double area_mm2) {
+  constexpr double kPiecesACrossing = 2;  // of each of the two
+  double length = 0;
+  for (std::size_t i = 0; i < scratches.size(); ++i)
+    length += std::hypot(scratches.x1_mm[i] - scratches.x0_mm[i], scratches.y1_mm[i] - scratches.y0_mm[i]);
+  const double crossings = 2 / std::numbers::pi * length * length / std::max(area_mm2, 1e-9);
+  return static_cast<double>(scratches.size()) + kPiecesACrossing * crossings;
 }
 
 }  // namespace burin

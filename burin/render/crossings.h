@@ -53,8 +53,14 @@ struct VisiblePieces {
 };
 
 /// Cuts scratches by all later ones (Crossings::last), or by all others (Crossings::deepest). Widths and depths come
-/// from the scratches, else from the two numbers given.
+/// from the scratches, else from the two numbers given. Throws Error where that makes more than limit::kCuts pieces
+/// more than there are scratches.
 VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
                              const GrooveProfile& profile = {}, Crossings rule = Crossings::last);
+
+/// About how many pieces Crossings::deepest makes of grooves that lie in any direction all over an area, each crossing
+/// (2 / pi) (all their lengths)^2 / area others together: two a crossing, up to five where crossings are few and one
+/// where they crowd.
+double expected_pieces(const Scratches& scratches, double area_mm2);
 
 }  // namespace burin

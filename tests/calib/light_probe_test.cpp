@@ -146,71 +146,70 @@ TEST(LightProbe, DarkPhotosBelongToThePlaceBesideThem) {
   EXPECT_EQ(views, "v00 v00 v00 v03 v03 v04 ");
 }
 
-// The whole: three places, five exposures, a lens that bends, a person.
-class TracedRoom : public ::testing::Test {
- protected:
-  void SetUp() override {  // once: the first test makes what all look at
-    if (probe) return;
-    scene = std::make_unique<BallScene>();
-    const TemporaryFolder folder;
-    BallExposures how;
-    how.gain = 0.35;
-    LightProbeOptions options;
-    options.lens = scene->lens;
-    const Session session = photographed(*scene, {{250, 55}, {10, 40}, {150, 48}}, how, folder);
-    probe = std::make_unique<LightProbe>(light_probe(session, scene->board, options));
-    // In units of the room: what the camera's own gain makes of it is not the probe's business.
-    for (float& value : probe->radiance.data) value /= 0.35F;
-  }
-  static inline std::unique_ptr<BallScene> scene;
-  static inline std::unique_ptr<LightProbe> probe;
-};
-
-TEST_F(TracedRoom, BallIsFound) {
-  EXPECT_LT((probe->ball.center_mm - scene->center_mm).norm(), 0.1);
-  EXPECT_NEAR(probe->ball.radius_mm, scene->radius_mm, 0.08);
-  EXPECT_EQ(probe->places.size(), 3U);
-  for (const ProbePlace& place : probe->places) EXPECT_GT(place.outline_found, 0.6) << place.view;
+void expect_ball(const BallScene& scene, const LightProbe& probe) {
+  EXPECT_LT((probe.ball.center_mm - scene.center_mm).norm(), 0.1);
+  EXPECT_NEAR(probe.ball.radius_mm, scene.radius_mm, 0.08);
+  EXPECT_EQ(probe.places.size(), 3U);
+  for (const ProbePlace& place : probe.places) EXPECT_GT(place.outline_found, 0.6) << place.view;
 }
 
-TEST_F(TracedRoom, LampsStandWhereTheyAre) {
-  for (const RoomLamp& lamp : scene->room.lamps) {
-    const LampSeen seen = lamp_in(*probe, scene->room, lamp, 8);
+void expect_lamps(const BallScene& scene, const LightProbe& probe) {
+  for (const RoomLamp& lamp : scene.room.lamps) {
+    const LampSeen seen = lamp_in(probe, scene.room, lamp, 8);
     EXPECT_LT(std::acos(std::min(1.0, seen.direction.dot(lamp.direction))) * kDeg, 0.5);
-    const double flux = lamp.solid_angle() * (lamp.radiance - scene->room.without_lamps(lamp.direction)).sum();
+    const double flux = lamp.solid_angle() * (lamp.radiance - scene.room.without_lamps(lamp.direction)).sum();
     EXPECT_NEAR(seen.flux / flux, 1, 0.03);
   }
-  EXPECT_LT(std::acos(std::min(1.0, probe->brightest.direction.dot(scene->room.lamps[0].direction))) * kDeg, 0.5);
+  EXPECT_LT(std::acos(std::min(1.0, probe.brightest.direction.dot(scene.room.lamps[0].direction))) * kDeg, 0.5);
 }
 
-TEST_F(TracedRoom, IrradianceIsThatOfTheRoom) {
+void expect_irradiance(const BallScene& scene, const LightProbe& probe) {
   Panorama panorama;
-  panorama.radiance = probe->radiance;
+  panorama.radiance = probe.radiance;
   for (std::size_t y = panorama.radiance.height / 2; y < static_cast<std::size_t>(panorama.radiance.height); ++y)
     for (int x = 0; x < 3 * panorama.radiance.width; ++x)
       panorama.radiance.data[3 * y * panorama.radiance.width + x] = 0;
   for (const Eigen::Vector3d& normal :
        {direction_of(0, 90), direction_of(30, 65), direction_of(150, 65), direction_of(270, 60)}) {
-    const Eigen::Vector3d truth = scene->room.irradiance(normal), found = irradiance(panorama, normal);
+    const Eigen::Vector3d truth = scene.room.irradiance(normal), found = irradiance(panorama, normal);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c] / truth[c], 1, 0.03) << normal.transpose();
   }
 }
 
-TEST_F(TracedRoom, ReflectanceIsThatOfThePaper) {
-  EXPECT_TRUE(probe->reflectance_by_paper);
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(probe->reflectance[c] / scene->reflectance[c], 1, 0.03);
+void expect_reflectance(const BallScene& scene, const LightProbe& probe) {
+  EXPECT_TRUE(probe.reflectance_by_paper);
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(probe.reflectance[c] / scene.reflectance[c], 1, 0.03);
 }
 
-TEST_F(TracedRoom, PhotographerIsGone) {
-  EXPECT_GT(probe->seen_share, 0.97);
-  EXPECT_LT(probe->photographer_share, 0.001);
+void expect_nobody(const BallScene& scene, const LightProbe& probe) {
+  EXPECT_GT(probe.seen_share, 0.97);
+  EXPECT_LT(probe.photographer_share, 0.001);
   Panorama panorama;
-  panorama.radiance = probe->radiance;
+  panorama.radiance = probe.radiance;
   for (const auto& [azimuth, elevation] : {std::pair(250., 55.), std::pair(10., 40.), std::pair(150., 48.)}) {
-    const Eigen::Vector3d d = direction_of(azimuth, elevation), truth = scene->room.without_lamps(d);
+    const Eigen::Vector3d d = direction_of(azimuth, elevation), truth = scene.room.without_lamps(d);
     const std::size_t pixel = panorama.pixel(d);
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(panorama.radiance.data[3 * pixel + c] / truth[c], 1, 0.06);
   }
+}
+
+// The whole: three places, five exposures, a lens that bends, a person.
+TEST(TracedRoom, IsMeasured) {
+  const BallScene scene;
+  const TemporaryFolder folder;
+  BallExposures how;
+  how.gain = 0.35;
+  LightProbeOptions options;
+  options.lens = scene.lens;
+  LightProbe probe =
+      light_probe(photographed(scene, {{250, 55}, {10, 40}, {150, 48}}, how, folder), scene.board, options);
+  // In units of the room: what the camera's own gain makes of it is not the probe's business.
+  for (float& value : probe.radiance.data) value /= 0.35F;
+  expect_ball(scene, probe);
+  expect_lamps(scene, probe);
+  expect_irradiance(scene, probe);
+  expect_reflectance(scene, probe);
+  expect_nobody(scene, probe);
 }
 
 TEST(LightProbe, ABallOnANutBeforeShinyMetalIsFound) {

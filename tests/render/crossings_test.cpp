@@ -2,6 +2,7 @@
 // over a point owns it, or the lowest wall does), and the exact cases. Not proved: that real grooves cut each other so.
 #include "burin/render/crossings.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
@@ -11,6 +12,7 @@
 #include <optional>
 #include <random>
 
+#include "burin/render/error.h"
 #include "burin/render/groove.h"
 
 namespace burin {
@@ -150,6 +152,40 @@ TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
   EXPECT_LT(counted[2], 0.8 * whole);  // rims are taken away,
   EXPECT_GT(counted[0], 0.9 * whole);  // middles hardly are
   for (int strip = 0; strip < 3; ++strip) EXPECT_NEAR(left[strip] / counted[strip], 1, 0.015) << strip;
+}
+
+// What decides how much of a board is cut at a time.
+TEST(VisiblePieces, AreForetoldForGroovesInAnyDirection) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> place(0, 60), turn(0, 2 * std::numbers::pi), length(2, 12);
+  for (const int count : {600, 1500}) {
+    Scratches s;
+    for (int i = 0; i < count; ++i) {
+      const double x = place(random), y = place(random), a = turn(random), l = length(random);
+      s.x0_mm.push_back(x);
+      s.y0_mm.push_back(y);
+      s.x1_mm.push_back(x + l * std::cos(a));
+      s.y1_mm.push_back(y + l * std::sin(a));
+    }
+    const auto pieces =
+        static_cast<double>(visible_pieces(s, kWidthUm, kDepthUm, {}, Crossings::deepest).pieces.size());
+    EXPECT_GT(expected_pieces(s, 66 * 66), 0.4 * pieces) << count;
+    EXPECT_LT(expected_pieces(s, 66 * 66), 2 * pieces) << count;
+  }
+}
+
+TEST(VisiblePieces, MoreThanAMachineHoldsAreRefused) {
+  Scratches s;  // a grid: each crosses half of all
+  constexpr int kEachWay = 1200;
+  for (int i = 0; i < 2 * kEachWay; ++i) {
+    const double at = 0.25 * (i / 2), end = 0.25 * kEachWay;
+    s.x0_mm.push_back(i % 2 == 0 ? at : 0);
+    s.x1_mm.push_back(i % 2 == 0 ? at : end);
+    s.y0_mm.push_back(i % 2 == 0 ? 0 : at);
+    s.y1_mm.push_back(i % 2 == 0 ? end : at);
+  }
+  EXPECT_THAT([&] { visible_pieces(s, kWidthUm, kDepthUm, {}, Crossings::deepest); },
+              testing::ThrowsMessage<Error>(testing::HasSubstr("more than 5002400 pieces; let their light add there")));
 }
 
 }  // namespace

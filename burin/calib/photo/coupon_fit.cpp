@@ -107,7 +107,7 @@ double total_cost(FanProblem& problem, const State& state, const FanValues& valu
   const Carved carved = carved_of(problem, sent, state, values);
   std::vector<std::vector<double>> costs(problem.data.photos.size(),
                                          std::vector<double>(problem.coupon->fans.size() + 1, 0));
-  each_photo(costs.size(),
+  each_photo(costs.size(), photos_at_once(problem.data.model),
              [&](std::size_t k) { add_costs(problem, k, value_of(problem, k, state, carved), costs[k]); });
   double cost = prior_cost(problem, values) + other_cost(problem.data, state, free);
   for (const std::vector<double>& of_photo : costs)
@@ -303,7 +303,8 @@ FanEquations equations_of(FanProblem& problem, const Stage& stage, const State& 
   const std::size_t photos = problem.data.photos.size();
   const auto clusters = static_cast<Index>(photos * (problem.coupon->fans.size() + 1) * kSectors);
   std::vector<FanEquations> parts(photos, FanEquations(layout.size(), clusters));
-  each_photo(photos, [&](std::size_t k) { add_photo(problem, k, state, carved, grooves, stage, layout, parts[k]); });
+  each_photo(photos, photos_at_once(problem.data.model),
+             [&](std::size_t k) { add_photo(problem, k, state, carved, grooves, stage, layout, parts[k]); });
   FanEquations out(layout.size(), clusters);
   for (const FanEquations& part : parts) {
     out.H += part.H;
@@ -407,7 +408,7 @@ void try_fans(FanProblem& problem, const State& state, FanValues& values, const 
       const Carved carved = carved_of(problem, sent, state, moved);
       std::vector<std::vector<double>> costs(problem.data.photos.size(),
                                              std::vector<double>(coupon.fans.size() + 1, 0));
-      each_photo(costs.size(),
+      each_photo(costs.size(), photos_at_once(problem.data.model),
                  [&](std::size_t k) { add_costs(problem, k, value_of(problem, k, state, carved), costs[k]); });
       std::vector<double> of_cell(coupon.cells.size(), 0);
       for (const std::vector<double>& of_photo : costs)

@@ -116,7 +116,7 @@ Pulls pulls_of(const Problem& data, const State& state) {
   constexpr std::size_t kMany = 8;
   const std::size_t stride = data.photos.size() >= kMany ? 2 : 1;
   std::vector<GrooveGradients> of_photos((data.photos.size() + stride - 1) / stride);
-  each_photo(of_photos.size(), [&](std::size_t k) {
+  each_photo(of_photos.size(), photos_at_once(data.model), [&](std::size_t k) {
     const PhotoData& photo = data.photos[k * stride];
     const Unknowns x = cut.of(photo.photo.light);
     const Image value = predict(data.model, photo, x, pieces);
@@ -196,7 +196,7 @@ namespace {
 std::vector<double> costs_of_views(const Problem& data, const State& state) {
   std::vector<double> out(data.photos.size());
   const Carved carved = carved_at(data.model, state.of(0));
-  each_photo(data.photos.size(), [&](std::size_t k) {
+  each_photo(data.photos.size(), photos_at_once(data.model), [&](std::size_t k) {
     out[k] = photo_cost(data.model, data.photos[k], state.of(data.photos[k].photo.light), carved);
   });
   return out;

@@ -20,6 +20,10 @@
 namespace burin {
 namespace {
 
+std::shared_ptr<RenderWorkspace> workspace_of(const PhotoData& photo) {
+  return photo.workspaces->borrow(photo.scene.grid.get());
+}
+
 // Puts the unknowns into a photo's scene: a bare lamp; the spot's fall-off is multiplied later, being smooth.
 const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
   ViewScene& scene = photo.scene;
@@ -91,7 +95,7 @@ double scattered_to(const PhotoData& photo, const Unknowns& x, std::size_t i) {
 Image rendered_light(const PhotoData& photo, const Unknowns& x, const Carved& carved,
                      const std::vector<float>& falloff) {
   Image light;
-  ViewRenderer(scene_at(photo, x), {}, photo.room).forward(carved, light);
+  ViewRenderer(scene_at(photo, x), {}, workspace_of(photo)).forward(carved, light);
   if (!falloff.empty()) multiply(light, falloff);
   return light;
 }
@@ -117,7 +121,7 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   data.camera.T_camera_board = bench.views[binned_view.view].T_camera_board;
   data.camera.surface = surface_of(board, bench);
   data.camera.window = binned_view.window;
-  data.room = make_render_workspace();
+  data.workspaces = std::make_shared<WorkspacePool>();
   // Lamp, material and ambient light are unknowns.
   if (board.mesh.empty()) {
     data.scene.grid = share(grid_of(binned_view, data.camera.T_camera_board, data.camera.surface));
@@ -225,7 +229,7 @@ void light_around(const Unknowns& x, const Carved& carved, PhotoData& photo) {
   scene.hidden_from_light.clear();
   RenderOptions options;
   options.material_gradients = false;  // a third of the tables
-  ViewRenderer(std::move(scene), options, photo.room).forward(carved, photo.around);
+  ViewRenderer(std::move(scene), options, workspace_of(photo)).forward(carved, photo.around);
 }
 
 Image predict(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved) {
@@ -255,7 +259,7 @@ std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unkn
                                               std::span<const Image> dE_dvalue) {
   if (carved.scratches.depth_um.empty() || carved.scratches.alpha.empty())
     fail("groove_gradients", "scratches without depth and roughness of their own", "use carved_pieces()");
-  ViewRenderer renderer(scene_at(photo, x), {}, photo.room);
+  ViewRenderer renderer(scene_at(photo, x), {}, workspace_of(photo));
   Image radiance;
   renderer.forward_with_jacobian(carved, radiance);
   const std::vector<float> falloff = falloff_image(photo, x);
@@ -541,7 +545,7 @@ void add_flanks(const PhotoData& photo, const Unknowns& x, const Carved& carved,
   scene_at(photo, x);
   photo.scene.material.profile.kind = GrooveProfile::Kind::rounded_v;
   Image change;
-  ViewRenderer(photo.scene, {}, photo.room).forward(carved, change);
+  ViewRenderer(photo.scene, {}, workspace_of(photo)).forward(carved, change);
   if (!falloff.empty()) multiply(change, falloff);
   scene_at(photo, x);
   for (std::size_t i = 0; i < change.data.size(); ++i) change.data[i] -= light.data[i];

@@ -13,6 +13,7 @@
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/model_data.h"
 #include "burin/calib/photo/unknowns.h"
+#include "burin/calib/photo/workspace_pool.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
@@ -29,9 +30,8 @@ struct PhotoData {
   /// Grid and camera. Its lamp and material are overwritten with the unknowns by each function below, so that the grid
   /// is never copied: one thread at a time may work on one photo.
   mutable ViewScene scene;
-  /// What the renderer keeps of the grid, and the places of the last scratches; as for the scene, one thread at a time.
-  std::shared_ptr<RenderWorkspace> room;
-  GrooveProfile profile;  ///< its kind; its numbers are unknowns
+  std::shared_ptr<WorkspacePool> workspaces;  ///< shared with the other photos of a fit
+  GrooveProfile profile;                      ///< its kind; its numbers are unknowns
   CameraView camera;
   /// Surroundings that shine beside the lamp, as the bench has them, and what the board sends back of them before blur:
   /// taken at some state (light_around) and held until it is taken again. Null: ambient light is even.

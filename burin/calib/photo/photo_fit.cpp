@@ -1,12 +1,9 @@
 #include "burin/calib/photo/photo_fit.h"
 
 #include <ceres/ceres.h>
-#include <tbb/parallel_invoke.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <memory>
 #include <set>
@@ -120,15 +117,12 @@ class PhotosAtOnce : public ceres::EvaluationCallback {
  public:
   std::vector<PhotoCost*> photos;
   std::vector<FreeUnknowns> free;  // a photo
+  int at_once = 2;
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
     if (!evaluate_jacobians && !new_evaluation_point) return;
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-      for (std::size_t k = next++; k < photos.size(); k = next++)
-        tbb::this_task_arena::isolate([&] { photos[k]->look(evaluate_jacobians ? &free[k] : nullptr); });
-    };
-    tbb::parallel_invoke(work, work);
+    each_photo(photos.size(), std::min(2, at_once),
+               [&](std::size_t k) { photos[k]->look(evaluate_jacobians ? &free[k] : nullptr); });
   }
 };
 
@@ -207,6 +201,7 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
              const Progress& progress, const std::string& stage_name) {
   const CarvedStates grooves(data.model);
   PhotosAtOnce photos;
+  photos.at_once = photos_at_once(data.model);
   ceres::Problem::Options problem_options;
   problem_options.evaluation_callback = &photos;
   ceres::Problem problem(problem_options);

@@ -1,10 +1,10 @@
 #include "burin/calib/photo/photo_problem.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <tuple>
 
@@ -127,18 +127,23 @@ Bins bins_for(const std::vector<LightView>& views, const Bench& bench, double fi
 void light_around(const State& state, Problem& data) {
   if (!data.surroundings) return;
   const Carved carved = carved_at(data.model, state.of(0));
-  each_photo(data.photos.size(),
+  each_photo(data.photos.size(), photos_at_once(data.model),
              [&](std::size_t k) { light_around(state.of(data.photos[k].photo.light), carved, data.photos[k]); });
 }
 
-void each_photo(std::size_t count, const std::function<void(std::size_t)>& body) {
-  // Isolated: a thread that waits for the rest of its own photo's rendering must not begin another photo.
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, count, 1),
-      [&](const tbb::blocked_range<std::size_t>& range) {
-        for (std::size_t k = range.begin(); k < range.end(); ++k) tbb::this_task_arena::isolate([&] { body(k); });
-      },
-      tbb::simple_partitioner());
+int photos_at_once(const ModelData& model) {
+  constexpr double kMany = 800'000;
+  if (model.crossings == Crossings::add) return 4;
+  const double area_mm2 = (model.board->carve_max_mm - model.board->carve_min_mm).prod();
+  return expected_pieces(model.sent->scratches, area_mm2) > kMany ? 1 : 4;
+}
+
+void each_photo(std::size_t count, int at_once, const std::function<void(std::size_t)>& body) {
+  std::atomic<std::size_t> next{0};
+  tbb::parallel_for(0, std::max(1, at_once), [&](int) {
+    // Isolated: a thread that waits for the rest of its own photo's rendering must not begin another photo.
+    for (std::size_t k = next++; k < count; k = next++) tbb::this_task_arena::isolate([&] { body(k); });
+  });
 }
 
 double pixel_mm(const LightView& view, const Bench& bench) {
@@ -150,8 +155,11 @@ std::vector<PhotoData> photos_at(const std::vector<LightView>& views, int bin, c
                                  double blur_px) {
   std::vector<PhotoData> photos;
   photos.reserve(views.size());
-  for (const LightView& view : views)
-    photos.push_back(make_photo_data(binned(view, bin), bin, board, bench, 0.8 + 3 * blur_px / bin));
+  for (const LightView& view : views) {
+    PhotoData& photo =
+        photos.emplace_back(make_photo_data(binned(view, bin), bin, board, bench, 0.8 + 3 * blur_px / bin));
+    photo.workspaces = photos.front().workspaces;
+  }
   return photos;
 }
 
@@ -159,7 +167,7 @@ void correct_binning(Problem& data, const std::vector<LightView>& views, const B
                      const State& state) {
   constexpr std::size_t kMaxPixels = 4'000'000;  // of a photo: some 100 bytes each while it is worked on
   const Carved carved = carved_at(data.model, state.of(0));
-  each_photo(data.photos.size(), [&](std::size_t k) {
+  each_photo(data.photos.size(), photos_at_once(data.model), [&](std::size_t k) {
     const Unknowns x = state.of(views[k].light);
     correct_binning(data.model, views[k], board, bench, x, carved, kMaxPixels, data.photos[k]);
     shift_by_grooves(data.model, x, carved, data.photos[k]);

@@ -99,9 +99,12 @@ void correct_binning(Problem& data, const std::vector<LightView>& views, const B
 /// Takes what the board sends back of surroundings anew, at `state` (photo_equations.h).
 void light_around(const State& state, Problem& data);
 
-/// body(k) for the photos 0 .. count - 1, as many at a time as there are cores and no more: what a photo needs while it
-/// is worked on is not small.
-void each_photo(std::size_t count, const std::function<void(std::size_t)>& body);
+/// How many photos are worked on at the same time, each by all cores that are free: what a photo needs meanwhile is not
+/// small, and where grooves are cut into many pieces it is a gigabyte and more.
+int photos_at_once(const ModelData& model);
+
+/// body(k) for the photos 0 .. count - 1, `at_once` of them at a time.
+void each_photo(std::size_t count, int at_once, const std::function<void(std::size_t)>& body);
 
 /// Cost of every `stride`-th photo.
 double cost_of(const Problem& data, const State& state, std::size_t stride);
