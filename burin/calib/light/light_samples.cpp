@@ -123,9 +123,10 @@ PhotoLights lights_of(const std::string& joined, Bench& bench, std::vector<Findi
         std::find_if(bench.lights.begin(), bench.lights.end(), [&](const Light& l) { return l.id == name; });
     const auto at = static_cast<std::size_t>(found - bench.lights.begin());
     if (found == bench.lights.end() && has_lamp) {
+      std::string what = "photos under \"";
+      what.append(joined).append("\": bench.json has no light called ").append(name);
       const Finding told = make_warning(
-          "photos under \"" + joined + "\": bench.json has no light called " + name +
-              ", so what comes from around is taken as even",
+          what.append(", so what comes from around is taken as even"),
           "put the surroundings that `burin probe` made of the room into bench.json's \"lights\" under that name");
       if (std::none_of(findings.begin(), findings.end(), [&](const Finding& f) { return f.what == told.what; }))
         findings.push_back(told);

@@ -25,20 +25,17 @@ namespace burin {
 
 /// A photo at one resolution, and all of it that does not change while the fit runs.
 struct PhotoData {
-  LightView photo;
-  int bin = 1;
   /// Grid and camera. Its lamp and material are overwritten with the unknowns by each function below, so that the grid
   /// is never copied: one thread at a time may work on one photo.
   mutable ViewScene scene;
-  std::shared_ptr<WorkspacePool> workspaces;  ///< shared with the other photos of a fit
-  GrooveProfile profile;                      ///< its kind; its numbers are unknowns
   CameraView camera;
+  LampSize lamp_size;                         ///< as the bench has it; a point's is the unknown disk2
+  double disk_unit_mm = 0;                    ///< of disk2
+  std::shared_ptr<WorkspacePool> workspaces;  ///< shared with the other photos of a fit
   /// Surroundings that shine beside the lamp, as the bench has them, and what the board sends back of them before blur:
   /// taken at some state (light_around) and held until it is taken again. Null: ambient light is even.
   std::shared_ptr<const Light> surroundings;
   Image around;
-  LampSize lamp_size;          ///< as the bench has it; a point's is the unknown disk2
-  double disk_unit_mm = 0;     ///< of disk2
   std::vector<float> weight;   ///< 1 / expected error of each pixel; 0 where it is not used
   std::vector<float> radius2;  ///< vignetting's r^2
   /// What the photo's own pixels would add to the value predicted on binned ones (see correct_binning); empty: nothing.
@@ -46,6 +43,9 @@ struct PhotoData {
   std::vector<float> blur_slope;    ///< with a correction: the value's derivative by log_blur, from the same pixels
   double log_blur_at = 0;           ///< where both were taken; binned pixels are blurred by this much then
   std::vector<float> groove_shift;  ///< what grooves that differ add to the mean of the value (shift_by_grooves)
+  GrooveProfile profile;            ///< its kind; its numbers are unknowns
+  LightView photo;
+  int bin = 1;
 };
 
 class CarvedStates;  // burin/calib/photo/carved_states.h
