@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "burin/calib/calibrate.h"
 #include "burin/calib/geometry/bundle.h"
@@ -12,8 +11,8 @@
 #include "burin/capture/session.h"
 #include "burin/capture/simulator/simulated_camera.h"
 #include "burin/render/board_face.h"
-#include "burin/render/files/json_file.h"
 #include "burin/render/scratches.h"
+#include "tests/calib/photographed_board.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -24,62 +23,12 @@ using Eigen::Vector3d;
 
 constexpr double kRadius = 76.4;  // 90 degrees of a sheet of 120 mm
 
-Json pose_json(const Vector3d& eye, const Vector3d& aim) {
-  const Vector3d z = (aim - eye).normalized(), x = z.cross(Vector3d::UnitY()).normalized(), y = z.cross(x);
-  Json rows = Json::array();
-  for (const Vector3d& axis : {x, y, z}) rows.push_back({axis.x(), axis.y(), axis.z(), -axis.dot(eye)});
-  rows.push_back({0, 0, 0, 1});
-  return rows;
-}
-
 Json bent_truth() {
-  Json truth = Json::parse(R"({
-    "format": "burin/rig-truth", "version": 1, "name": "bent", "seed": 5, "samples": 81, "samples_plain": 9,
-    "board": { "size_mm": [120, 120], "carve_mm": [[20, 20], [100, 100]],
-               "tags": { "family": "tagStandard41h12", "z_mm": 0.1, "sigma_mm": 0.1, "white_albedo": 0.85,
-                         "black_albedo": 0.04, "quiet_mm": 0.5, "list": [] },
-               "tool": { "width_um": 400 } },
-    "believed": { "bend": { "radius_mm": 80, "axis_deg": 1 },
-                  "material": { "alpha": 0.05, "depth_um": 13, "base_alpha": 0.1, "f0": [0.91, 0.92, 0.92] } },
-    "material": { "alpha": 0.06, "depth_um": 15, "base_alpha": 0.12, "f0": [0.91, 0.92, 0.92] },
-    "scratches": { "random": { "count": 2500, "length_mm": [3, 5], "seed": 4211 } },
-    "camera": { "lensmodel": "LENSMODEL_OPENCV4", "imagersize": [800, 640],
-                "intrinsics": [2054, 2053, 401.3, 317.9, -0.07, 0.05, 0.0002, -0.0001] },
-    "sensor": { "channels": 1, "bits": 12, "encoding": "linear", "gain": 11500, "full_well_e": 18000, "read_noise_e": 9 },
-    "lights": [ { "id": "lamp", "position_mm": [69, -319, 452.5], "intensity": [320000, 320000, 320000] } ],
-    "psf_sigma_px": 0.45, "ambient": [0.004, 0.004, 0.004],
-    "background": { "albedo": [0.03, 0.03, 0.03], "noise": 0.4, "z_mm": -60 },
-    "exif": { "make": "Altair", "model": "M07", "focal_mm": 50 }, "session": true, "views": []
-  })");
+  Json truth = photographed_board("bent", 5, "lamp", {60, 60, -10}, 8);
+  truth["samples"] = 81;
+  truth["ambient"] = {0.004, 0.004, 0.004};
   truth["board"]["bend"] = {{"radius_mm", kRadius}, {"axis_deg", 0}};
-  int id = 0;
-  for (const double y : {10., 35., 60., 85., 110.})
-    for (const double x : {10., 35., 60., 85., 110.})
-      if (x == 10 || x == 110 || y == 10 || y == 110)
-        truth["board"]["tags"]["list"].push_back({{"id", id++}, {"center_mm", {x, y}}, {"size_mm", 10}});
-  const double degree = std::acos(-1.0) / 180;
-  int n = 0;
-  for (const auto& [across, along, distance] : {std::tuple(0., 2., 520.),
-                                                {28., 5., 530.},
-                                                {-28., 8., 540.},
-                                                {12., 25., 520.},
-                                                {-15., -22., 530.},
-                                                {35., -15., 540.},
-                                                {-35., 15., 535.},
-                                                {5., 32., 540.}}) {
-    const Vector3d aim(60, 60, -10);
-    const double a = across * degree, b = along * degree;
-    const Vector3d eye = aim + distance * Vector3d(std::sin(a), std::cos(a) * std::sin(b), std::cos(a) * std::cos(b));
-    Json view{{"view", "v" + std::to_string(n)}, {"T_camera_board", pose_json(eye, aim)}};
-    for (const auto& [letter, exposure] : {std::pair("a", 0.0125), {"b", 0.0015625}, {"c", 0.0002}})
-      view["photos"].push_back({{"file", "photos/v" + std::to_string(n) + letter + ".png"},
-                                {"light", "lamp"},
-                                {"exposure_s", exposure},
-                                {"iso", 100},
-                                {"f_number", 8}});
-    truth["views"].push_back(view);
-    ++n;
-  }
+  truth["believed"]["bend"] = {{"radius_mm", 80}, {"axis_deg", 1}};
   return truth;
 }
 

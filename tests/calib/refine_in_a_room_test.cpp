@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "burin/calib/calibrate.h"
@@ -14,9 +13,9 @@
 #include "burin/capture/simulator/simulated_camera.h"
 #include "burin/render/error.h"
 #include "burin/render/far_light.h"
-#include "burin/render/files/json_file.h"
 #include "burin/render/parameter_name.h"
 #include "burin/render/scratches.h"
+#include "tests/calib/photographed_board.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -43,60 +42,12 @@ Image room_picture() {
   return room;
 }
 
-Json pose_json(const Vector3d& eye, const Vector3d& aim) {
-  const Vector3d z = (aim - eye).normalized(), x = z.cross(Vector3d::UnitY()).normalized(), y = z.cross(x);
-  Json rows = Json::array();
-  for (const Vector3d& axis : {x, y, z}) rows.push_back({axis.x(), axis.y(), axis.z(), -axis.dot(eye)});
-  rows.push_back({0, 0, 0, 1});
-  return rows;
-}
-
 Json truth_of_room() {
-  Json truth = Json::parse(R"({
-    "format": "burin/rig-truth", "version": 1, "name": "room", "seed": 6, "samples": 64, "samples_plain": 9,
-    "board": { "size_mm": [120, 120], "carve_mm": [[20, 20], [100, 100]],
-               "tags": { "family": "tagStandard41h12", "z_mm": 0.1, "sigma_mm": 0.1, "white_albedo": 0.85,
-                         "black_albedo": 0.04, "quiet_mm": 0.5, "list": [] },
-               "tool": { "width_um": 400 } },
-    "believed": { "material": { "alpha": 0.05, "depth_um": 13, "base_alpha": 0.1, "f0": [0.91, 0.92, 0.92] } },
-    "material": { "alpha": 0.06, "depth_um": 15, "base_alpha": 0.12, "f0": [0.91, 0.92, 0.92] },
-    "scratches": { "random": { "count": 2500, "length_mm": [3, 5], "seed": 4211 } },
-    "camera": { "lensmodel": "LENSMODEL_OPENCV4", "imagersize": [800, 640],
-                "intrinsics": [2054, 2053, 401.3, 317.9, -0.07, 0.05, 0.0002, -0.0001] },
-    "sensor": { "channels": 1, "bits": 12, "encoding": "linear", "gain": 11500, "full_well_e": 18000, "read_noise_e": 9 },
-    "lights": [ { "id": "lamp", "position_mm": [69, -319, 452.5], "intensity": [320000, 320000, 320000] },
-                { "id": "room", "surroundings": { "picture": "room.exr", "frame": "board" } } ],
-    "psf_sigma_px": 0.45,
-    "background": { "albedo": [0.03, 0.03, 0.03], "noise": 0.4, "z_mm": -60 },
-    "exif": { "make": "Altair", "model": "M07", "focal_mm": 50 }, "session": true, "views": []
-  })");
-  truth["lights"][1]["surroundings"]["intensity"] = {kBrighter, kBrighter, kBrighter};
-  int id = 0;
-  for (const double y : {10., 35., 60., 85., 110.})
-    for (const double x : {10., 35., 60., 85., 110.})
-      if (x == 10 || x == 110 || y == 10 || y == 110)
-        truth["board"]["tags"]["list"].push_back({{"id", id++}, {"center_mm", {x, y}}, {"size_mm", 10}});
-  const double degree = std::numbers::pi / 180;
-  int n = 0;
-  for (const auto& [across, along, distance] : {std::tuple(0., 2., 520.),
-                                                {28., 5., 530.},
-                                                {-28., 8., 540.},
-                                                {12., 25., 520.},
-                                                {-15., -22., 530.},
-                                                {35., -15., 540.}}) {
-    const Vector3d aim(60, 60, 0);
-    const double a = across * degree, b = along * degree;
-    const Vector3d eye = aim + distance * Vector3d(std::sin(a), std::cos(a) * std::sin(b), std::cos(a) * std::cos(b));
-    Json view{{"view", "v" + std::to_string(n)}, {"T_camera_board", pose_json(eye, aim)}};
-    for (const auto& [letter, exposure] : {std::pair("a", 0.0125), {"b", 0.0015625}, {"c", 0.0002}})
-      view["photos"].push_back({{"file", "photos/v" + std::to_string(n) + letter + ".png"},
-                                {"light", "lamp + room"},
-                                {"exposure_s", exposure},
-                                {"iso", 100},
-                                {"f_number", 8}});
-    truth["views"].push_back(view);
-    ++n;
-  }
+  Json truth = photographed_board("room", 6, "lamp + room", {60, 60, 0}, 6);
+  truth["samples"] = 64;
+  Json room = {{"id", "room"}, {"surroundings", {{"picture", "room.exr"}, {"frame", "board"}}}};
+  room["surroundings"]["intensity"] = {kBrighter, kBrighter, kBrighter};
+  truth["lights"].push_back(room);
   return truth;
 }
 
