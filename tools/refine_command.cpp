@@ -56,8 +56,10 @@ void print_result(const Refinement& r, const Board& board) {
   for (const Light& light : b.lights) {
     if (!light.is_near()) {
       if (light.intensity_sigma)
-        fmt::print("around   {} is {:.4g} times as bright as its picture, +- {:.2g} %\n", light.id,
-                   light.intensity.mean(), 100 * light.intensity_sigma->mean() / light.intensity.mean());
+        fmt::print(
+            "around   {} {}\n", light.id,
+            measured(b, parameter::light_intensity(light.id), light.intensity.mean(), light.intensity_sigma->mean(),
+                     light.intensity.mean() < 100 ? 3 : 0, " times its picture's brightness"));
       continue;
     }
     fmt::print("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),

@@ -189,7 +189,7 @@ void RefineRun::fit_coarse() {
 // Where scratches cross: whichever explains the photos best, unless it was asked for.
 void RefineRun::choose_crossings() {
   data.model.crossings = options.crossings.value_or(Crossings::add);
-  const bool crowded = expected_pieces(sent.scratches, (board.carve_max_mm - board.carve_min_mm).prod()) > kMostPieces;
+  const bool crowded = expected_pieces(data.model) > kMostPieces;
   if (crowded && data.model.crossings != Crossings::add)
     fail("--crossings", "asks for grooves to be cut where they cross, which is too often here",
          "leave it out, or measure metal and tool by a board with fewer scratches");

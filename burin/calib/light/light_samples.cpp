@@ -98,10 +98,6 @@ bool finish_paper(PaperPixels& pixels, const Surface& surface, LightSample& samp
   return true;
 }
 
-}  // namespace
-
-namespace {
-
 // Of a photo, as indices into bench.lights.
 struct PhotoLights {
   std::size_t lamp = 0;

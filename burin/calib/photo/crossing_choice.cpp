@@ -40,34 +40,14 @@ std::vector<std::size_t> strokes_in(const Scratches& s, const Square& square) {
   return out;
 }
 
-// These rows alone, in their order.
-Sent only(const Sent& sent, const std::vector<std::size_t>& rows) {
-  Sent out;
-  const Scratches& from = sent.scratches;
-  Scratches& to = out.scratches;
-  const auto take = [&](const auto& column, auto& into) {
-    if (column.empty()) return;
-    into.reserve(rows.size());
-    for (const std::size_t row : rows) into.push_back(column[row]);
-  };
-  take(from.x0_mm, to.x0_mm);
-  take(from.y0_mm, to.y0_mm);
-  take(from.x1_mm, to.x1_mm);
-  take(from.y1_mm, to.y1_mm);
-  take(from.width_um, to.width_um);
-  take(from.depth_um, to.depth_um);
-  take(from.alpha, to.alpha);
-  take(from.carved, to.carved);
-  return out;
-}
-
 // The fullest square of the carve area that makes no more pieces than are cut in a few seconds; none if all of it does.
-std::optional<Square> part_to_look_at(const Sent& sent, const Board& board) {
+std::optional<Square> part_to_look_at(const ModelData& model) {
   constexpr double kMost = 450'000, kLeastMm = 10, kSmaller = 0.8;
   constexpr int kPlaces = 4;  // either way
-  const Scratches& s = sent.scratches;
+  const Scratches& s = model.sent->scratches;
+  const Board& board = *model.board;
   const Eigen::Vector2d size = board.carve_max_mm - board.carve_min_mm;
-  if (expected_pieces(s, size.prod()) <= kMost) return std::nullopt;
+  if (expected_pieces(model) <= kMost) return std::nullopt;
   Square best;
   for (double side = kSmaller * size.minCoeff();; side *= kSmaller) {
     double fullest = -1, pieces = 0;
@@ -83,7 +63,7 @@ std::optional<Square> part_to_look_at(const Sent& sent, const Board& board) {
         fullest = length;
         best = square;
         const double reach = side + length / std::max<double>(1, static_cast<double>(there.size()));
-        pieces = expected_pieces(only(sent, there).scratches, reach * reach);
+        pieces = expected_pieces(selected(s, there), reach * reach);
       }
     if (pieces <= kMost || side * kSmaller < kLeastMm) return best;
   }
@@ -95,10 +75,11 @@ CrossingChoice choose_crossings(const Problem& data, const Stage& stage, const S
   constexpr std::size_t kPhotos = 4;
   Problem part = data;
   part.photos.clear();
-  const std::optional<Square> square = part_to_look_at(*data.model.sent, *data.model.board);
+  const std::optional<Square> square = part_to_look_at(data.model);
   Sent strokes;
   if (square) {
-    strokes = only(*data.model.sent, strokes_in(data.model.sent->scratches, *square));
+    const Scratches& all = data.model.sent->scratches;
+    strokes = Sent(selected(all, strokes_in(all, *square)));
     part.model.sent = &strokes;
   }
   // All photos of a part have as many pixels as a few of the whole.

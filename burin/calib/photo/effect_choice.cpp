@@ -196,7 +196,7 @@ namespace {
 std::vector<double> costs_of_views(const Problem& data, const State& state) {
   std::vector<double> out(data.photos.size());
   const Carved carved = carved_at(data.model, state.of(0));
-  each_photo(data.photos.size(), photos_at_once(data.model), [&](std::size_t k) {
+  each_photo(data, [&](std::size_t k) {
     out[k] = photo_cost(data.model, data.photos[k], state.of(data.photos[k].photo.light), carved);
   });
   return out;

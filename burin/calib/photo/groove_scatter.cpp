@@ -60,7 +60,7 @@ GrooveScatter groove_scatter(const Problem& data, const State& state) {
   constexpr double kStep = 0.01;
   // Of each photo: scores and those that the known differences would cause, half by half.
   std::vector<std::vector<Pair>> of_photos(data.photos.size());
-  each_photo(data.photos.size(), photos_at_once(data.model), [&](std::size_t k) {
+  each_photo(data, [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];
     const Unknowns x = state.of(photo.photo.light);
     const Image value = predict(data.model, photo, x, pieces);

@@ -28,6 +28,10 @@ Bench bench_at(const ModelData& model, const Unknowns& x) {
   return bench;
 }
 
+double expected_pieces(const ModelData& model) {
+  return expected_pieces(model.sent->scratches, (model.board->carve_max_mm - model.board->carve_min_mm).prod());
+}
+
 Carved carved_at(const ModelData& model, const Unknowns& x) {
   return carve(*model.sent, bench_at(model, x), *model.board);
 }

@@ -30,6 +30,9 @@ struct ModelData {
   double alpha_jitter2_sigma = 0, depth_jitter2_sigma = 0;
 };
 
+/// expected_pieces() of all that was sent, over the carve area.
+double expected_pieces(const ModelData& model);
+
 /// The terms of the field of depth.
 std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x);
 

@@ -33,7 +33,7 @@ std::vector<std::vector<PhotoEquations>> equations_of_photos(
   const FreeUnknowns wanted = wanted_of(data, stage);
   const CarvedStates grooves(data.model);
   std::vector<std::vector<PhotoEquations>> out(models.size(), std::vector<PhotoEquations>(data.photos.size()));
-  each_photo(data.photos.size(), photos_at_once(data.model), [&](std::size_t k) {
+  each_photo(data, [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];
     const Unknowns x = state.of(photo.photo.light);
     const std::shared_ptr<const Carved> carved = grooves.at(x);

@@ -127,15 +127,13 @@ Bins bins_for(const std::vector<LightView>& views, const Bench& bench, double fi
 void light_around(const State& state, Problem& data) {
   if (!data.surroundings) return;
   const Carved carved = carved_at(data.model, state.of(0));
-  each_photo(data.photos.size(), photos_at_once(data.model),
-             [&](std::size_t k) { light_around(state.of(data.photos[k].photo.light), carved, data.photos[k]); });
+  each_photo(data, [&](std::size_t k) { light_around(state.of(data.photos[k].photo.light), carved, data.photos[k]); });
 }
 
 int photos_at_once(const ModelData& model) {
   constexpr double kMany = 800'000;
   if (model.crossings == Crossings::add) return 4;
-  const double area_mm2 = (model.board->carve_max_mm - model.board->carve_min_mm).prod();
-  return expected_pieces(model.sent->scratches, area_mm2) > kMany ? 1 : 4;
+  return expected_pieces(model) > kMany ? 1 : 4;
 }
 
 void each_photo(std::size_t count, int at_once, const std::function<void(std::size_t)>& body) {
@@ -144,6 +142,10 @@ void each_photo(std::size_t count, int at_once, const std::function<void(std::si
     // Isolated: a thread that waits for the rest of its own photo's rendering must not begin another photo.
     for (std::size_t k = next++; k < count; k = next++) tbb::this_task_arena::isolate([&] { body(k); });
   });
+}
+
+void each_photo(const Problem& data, const std::function<void(std::size_t)>& body) {
+  each_photo(data.photos.size(), photos_at_once(data.model), body);
 }
 
 double pixel_mm(const LightView& view, const Bench& bench) {
@@ -167,7 +169,7 @@ void correct_binning(Problem& data, const std::vector<LightView>& views, const B
                      const State& state) {
   constexpr std::size_t kMaxPixels = 4'000'000;  // of a photo: some 100 bytes each while it is worked on
   const Carved carved = carved_at(data.model, state.of(0));
-  each_photo(data.photos.size(), photos_at_once(data.model), [&](std::size_t k) {
+  each_photo(data, [&](std::size_t k) {
     const Unknowns x = state.of(views[k].light);
     correct_binning(data.model, views[k], board, bench, x, carved, kMaxPixels, data.photos[k]);
     shift_by_grooves(data.model, x, carved, data.photos[k]);

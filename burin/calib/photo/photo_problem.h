@@ -103,8 +103,9 @@ void light_around(const State& state, Problem& data);
 /// small, and where grooves are cut into many pieces it is a gigabyte and more.
 int photos_at_once(const ModelData& model);
 
-/// body(k) for the photos 0 .. count - 1, `at_once` of them at a time.
+/// body(k) for the photos 0 .. count - 1, `at_once` of them at a time; for all photos of a problem.
 void each_photo(std::size_t count, int at_once, const std::function<void(std::size_t)>& body);
+void each_photo(const Problem& data, const std::function<void(std::size_t)>& body);
 
 /// Cost of every `stride`-th photo.
 double cost_of(const Problem& data, const State& state, std::size_t stride);

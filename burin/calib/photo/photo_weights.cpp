@@ -65,7 +65,7 @@ void weigh(Problem& data, const State& state, bool grooves_differ) {
   data.photo_model_error.assign(data.photos.size(), 0);
   std::vector<GrooveSlopes> predicted(data.photos.size());
   std::vector<std::vector<PixelSquares>> squares(data.photos.size());
-  each_photo(data.photos.size(), photos_at_once(data.model), [&](std::size_t k) {
+  each_photo(data, [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];
     const Unknowns x = state.of(photo.photo.light);
     GrooveSlopes& p = predicted[k];
@@ -84,7 +84,7 @@ void weigh(Problem& data, const State& state, bool grooves_differ) {
   constexpr int kRounds = 8;
   for (int round = 0; round < (grooves_differ ? kRounds : 1); ++round) {
     if (round > 0) variances = groove_variances(squares, data.photo_model_error, variances);
-    each_photo(data.photos.size(), photos_at_once(data.model), [&](std::size_t k) {
+    each_photo(data, [&](std::size_t k) {
       data.photo_model_error[k] = relative_error(squares[k], std::sqrt(variances[0]), std::sqrt(variances[1]));
     });
   }
@@ -115,7 +115,7 @@ void weigh_photos_and_grooves(Problem& data, const State& state) {
   data.model.alpha_jitter2_sigma = scatter.sigma[0];
   data.model.depth_jitter2_sigma = scatter.sigma[1];
   const Carved carved = carved_at(data.model, state.of(0));
-  each_photo(data.photos.size(), photos_at_once(data.model), [&](std::size_t k) {
+  each_photo(data, [&](std::size_t k) {
     shift_by_grooves(data.model, state.of(data.photos[k].photo.light), carved, data.photos[k]);
   });
 }
