@@ -153,6 +153,8 @@ constexpr int kSteps = 3;
 // A groove's cross-section.
 struct Section {
   double width_um, depth_um, half_width_um;
+
+  bool operator==(const Section&) const = default;
 };
 
 // How far from the middle of one groove, um, another is hidden by it; and what that moves as the hidden one, or the
@@ -161,24 +163,43 @@ struct Reach {
   double um = 0, by_depth = 0, by_cutter_depth = 0;
 };
 
-// Of groove i at a share of its half-width: up to where the walls of both are equally low (docs/model.md 7.10).
-Reach reach_at(const GrooveProfile& profile, const Section& i, const Section& j, double share) {
-  const double inner_um = depth_at_half_width_um(profile, i.width_um, share * i.half_width_um),
-               below_um = inner_um + j.depth_um - i.depth_um;
-  if (!(below_um > 0)) return {};
-  const double slope = half_width_slope(profile, j.width_um, below_um),
-               inner_by_depth = share * half_width_slope(profile, i.width_um, i.depth_um) /
-                                half_width_slope(profile, i.width_um, inner_um);
-  return {half_width_um(profile, j.width_um, below_um), slope * (inner_by_depth - 1), slope};
+// The nodes at which groove i is asked how low it is: in each step of its half-width, Gauss and Legendre's two points.
+struct Walls {
+  struct Node {
+    double inner_um, by_depth;  // how deep it is there; what that moves as the groove becomes a um deeper
+  };
+  std::array<std::array<Node, 2>, kSteps> nodes;
+};
+
+Walls walls_of(const GrooveProfile& profile, const Section& i) {
+  constexpr double kNode = 0.21132486540518708;
+  const double by_whole_depth = half_width_slope(profile, i.width_um, i.depth_um);
+  Walls out;
+  for (int level = 0; level < kSteps; ++level)
+    for (int node = 0; node < 2; ++node) {
+      const double share = (level + (node == 0 ? kNode : 1 - kNode)) / kSteps,
+                   inner_um = depth_at_half_width_um(profile, i.width_um, share * i.half_width_um);
+      out.nodes[level][node] = {inner_um, share * by_whole_depth / half_width_slope(profile, i.width_um, inner_um)};
+    }
+  return out;
 }
 
-// Within that, groove i is left to `level` steps: the mean over the step beyond, by Gauss and Legendre's two points.
-Reach reach_of_step(const GrooveProfile& profile, const Section& i, const Section& j, int level) {
-  constexpr double kNode = 0.21132486540518708;
-  const Reach a = reach_at(profile, i, j, (level + kNode) / kSteps),
-              b = reach_at(profile, i, j, (level + 1 - kNode) / kSteps);
-  return {(a.um + b.um) / 2, (a.by_depth + b.by_depth) / 2, (a.by_cutter_depth + b.by_cutter_depth) / 2};
+// Groove i is left to `level` steps, no more, as far from the middle of j as the mean over the step beyond: up to where
+// the walls of both are equally low (docs/model.md 7.10).
+Reach reach_of_step(const GrooveProfile& profile, const Section& i, const Walls& walls, const Section& j, int level) {
+  Reach out;
+  for (const Walls::Node& node : walls.nodes[level]) {
+    const double below_um = node.inner_um + j.depth_um - i.depth_um;
+    if (!(below_um > 0)) continue;
+    const double slope = half_width_slope(profile, j.width_um, below_um);
+    out.um += half_width_um(profile, j.width_um, below_um) / 2;
+    out.by_depth += slope * (node.by_depth - 1) / 2;
+    out.by_cutter_depth += slope / 2;
+  }
+  return out;
 }
+
+using Reaches = std::array<Reach, kSteps>;  // by level
 
 // Where along a groove less of it begins or ends to be left.
 struct Change {
@@ -210,6 +231,10 @@ struct Cutting {
       changes.push_back({stretch.to_mm, true, level, stretch.to_boundary, j, reach});
       return true;
     };
+    Walls walls;
+    if (deepest) walls = walls_of(profile, sections[i]);
+    Reaches reaches;
+    const Section* reached = nullptr;  // whose reaches these are: many grooves in a row have one cross-section
     for (const std::uint32_t j : near) {
       if (j == i) continue;
       if (!deepest) {
@@ -220,8 +245,13 @@ struct Cutting {
       // Most that are near do not meet: their walls are not looked at.
       const Stretch whole = covered_stretch(strips, i, j, strips.half_width_mm[j]);
       if (!(whole.from_mm < whole.to_mm)) continue;
+      if (!reached || *reached != sections[j]) {
+        for (int level = 0; level < kSteps; ++level)
+          reaches[level] = reach_of_step(profile, sections[i], walls, sections[j], level);
+        reached = &sections[j];
+      }
       for (int level = kSteps - 1; level >= 0; --level)
-        if (!cover(j, level, reach_of_step(profile, sections[i], sections[j], level))) break;
+        if (!cover(j, level, reaches[level])) break;
     }
     // What begins comes before what ends there, so that nothing is left between the two.
     std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {

@@ -538,7 +538,8 @@ TEST(FootprintIntegral, FloatPacketsKeepTheirDigitsInLonePixelsOfAnyShape) {
       if (size < 0.2 || size > 5) continue;
       const ViewScene scene = lone_pixel(p);
       Carved carved;
-      carved.scratches.x0_mm = carved.scratches.x1_mm = carved.scratches.y0_mm = {50};
+      for (const auto column : {&Scratches::x0_mm, &Scratches::x1_mm, &Scratches::y0_mm})
+        (carved.scratches.*column).push_back(50);
       carved.scratches.y1_mm = {50 + p.groove.length_mm};
       RenderOptions in_double;
       in_double.use_double = true;
