@@ -60,6 +60,15 @@ std::vector<TagLook> look_for_tags(const Image& gray, std::span<const std::uint8
 
 }  // namespace
 
+std::uint16_t SmallPhoto::code_of(double value) {
+  return static_cast<std::uint16_t>(std::lround(kWhite * std::sqrt(std::clamp(value, 0.0, 1.0))));
+}
+
+double SmallPhoto::value_of(std::uint16_t code) {
+  const double root = static_cast<double>(code) / kWhite;
+  return root * root;
+}
+
 PhotoLook look_at(const Photo& photo, const TagSet* tags) {
   const LinearPhoto linear = read_photo(photo);
   const Image& value = linear.value;
@@ -82,7 +91,7 @@ PhotoLook look_at(const Photo& photo, const TagSet* tags) {
   look.width = value.width;
   look.height = value.height;
   if (tags) look.tags = look_for_tags(gray, linear.clipped, *tags);
-  look.scale = std::max(1.0, value.width / 800.0);
+  look.scale = std::max(1.0, std::max(value.width, value.height) / 800.0);
   const cv::Size size(std::max(1, static_cast<int>(value.width / look.scale)),
                       std::max(1, static_cast<int>(value.height / look.scale)));
   cv::Mat small, mask(value.height, value.width, CV_8U);
@@ -91,11 +100,10 @@ PhotoLook look_at(const Photo& photo, const TagSet* tags) {
   cv::resize(full, small, size, 0, 0, cv::INTER_AREA);
   cv::Mat small_mask;
   cv::resize(mask, small_mask, size, 0, 0, cv::INTER_AREA);
-  look.small = Image(size.width, size.height, 1);
-  small.copyTo(view_of(look.small));
-  look.clipped.resize(look.small.data.size());
-  std::transform(small_mask.begin<std::uint8_t>(), small_mask.end<std::uint8_t>(), look.clipped.begin(),
-                 [](std::uint8_t c) { return static_cast<std::uint8_t>(c > 0 ? 1 : 0); });
+  look.small = {size.width, size.height, {}};
+  look.small.codes.resize(static_cast<std::size_t>(size.width) * size.height);
+  std::transform(small.begin<float>(), small.end<float>(), small_mask.begin<std::uint8_t>(), look.small.codes.begin(),
+                 [](float v, std::uint8_t clips) { return clips ? SmallPhoto::kClipped : SmallPhoto::code_of(v); });
   return look;
 }
 
@@ -109,19 +117,21 @@ std::optional<Comparison> compare(const PhotoLook& a, double factor_a, const Pho
   if (low >= high) return std::nullopt;
   const auto logarithm = [&](const PhotoLook& look, double factor) {
     cv::Mat log(look.small.height, look.small.width, CV_32F);
-    for (std::size_t i = 0; i < look.small.data.size(); ++i)
-      log.ptr<float>()[i] = static_cast<float>(
-          std::log(look.clipped[i] ? high : std::clamp(static_cast<double>(look.small.data[i]) / factor, low, high)));
+    std::transform(look.small.codes.begin(), look.small.codes.end(), log.begin<float>(), [&](std::uint16_t code) {
+      return static_cast<float>(
+          std::log(code == SmallPhoto::kClipped ? high : std::clamp(SmallPhoto::value_of(code) / factor, low, high)));
+    });
     return log;
   };
   const cv::Mat log_a = logarithm(a, factor_a), log_b = logarithm(b, factor_b);
   std::vector<float> ratios;
-  for (std::size_t i = 0; i < a.small.data.size(); ++i) {
-    const double va = a.small.data[i] / factor_a, vb = b.small.data[i] / factor_b;
-    if (!a.clipped[i] && !b.clipped[i] && va > low && vb > low && va < high && vb < high)
-      ratios.push_back(static_cast<float>(vb / va));
+  for (std::size_t i = 0; i < a.small.codes.size(); ++i) {
+    const std::uint16_t code_a = a.small.codes[i], code_b = b.small.codes[i];
+    if (code_a == SmallPhoto::kClipped || code_b == SmallPhoto::kClipped) continue;
+    const double va = SmallPhoto::value_of(code_a) / factor_a, vb = SmallPhoto::value_of(code_b) / factor_b;
+    if (va > low && vb > low && va < high && vb < high) ratios.push_back(static_cast<float>(vb / va));
   }
-  if (ratios.size() * 20 < a.small.data.size()) return std::nullopt;
+  if (ratios.size() * 20 < a.small.codes.size()) return std::nullopt;
 
   // Details only: every photo of a board is bright in the middle and dark around.
   const auto details = [](const cv::Mat& log) {

@@ -9,18 +9,29 @@
 #include "burin/capture/session.h"
 #include "burin/capture/tags/seen_tag.h"
 #include "burin/render/board.h"
-#include "burin/render/image.h"
 
 namespace burin {
 
+/// A photo made small, two bytes a pixel: those of 2,000 photos are in memory together (limit::kPhotos).
+struct SmallPhoto {
+  static constexpr std::uint16_t kClipped = 65535, kWhite = 65534;
+
+  int width = 0, height = 0;
+  std::vector<std::uint16_t> codes;  ///< row by row: code_of() each pixel
+
+  /// Of a linear value, 1 the white level: kWhite times its square root, so that shadows keep their digits.
+  static std::uint16_t code_of(double value);
+  /// The value behind a code other than kClipped: within 1e-3 of what it was from 0.001 on.
+  static double value_of(std::uint16_t code);
+};
+
 /// What the pre-flight looks at in one photo.
 struct PhotoLook {
-  Image small;                          ///< mean of the channels, linear, 1 the white level; at most 800 pixels wide
-  std::vector<std::uint8_t> clipped;    ///< of `small`: 1 where a pixel behind it is clipped
-  double scale = 1;                     ///< photo pixels per pixel of `small`
-  double clipped_fraction = 0;          ///< of the photo's pixels
-  double bright = 0;                    ///< value that 0.5 % of the pixels exceed
-  double noise_floor = 0;               ///< the smallest value worth comparing
+  SmallPhoto small;             ///< mean of the channels, clipped where a pixel behind it is; at most 800 pixels a side
+  double scale = 1;             ///< photo pixels per pixel of `small`
+  double clipped_fraction = 0;  ///< of the photo's pixels
+  double bright = 0;            ///< value that 0.5 % of the pixels exceed
+  double noise_floor = 0;       ///< the smallest value worth comparing
   std::optional<double> edge_sigma_px;  ///< width of the sharpest edges as a Gaussian; none if there are too few edges
   int width = 0, height = 0;            ///< of the photo
   std::vector<TagLook> tags;            ///< the board's, sorted by id; of an id that is seen twice, none

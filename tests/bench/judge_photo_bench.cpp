@@ -31,7 +31,7 @@ void BM_JudgePhoto12Megapixels(benchmark::State& state, const std::string& endin
     return;
   }
   for (auto _ : state) {
-    const PhotoFacts facts = judge_photo(file, photo.board);
+    PhotoFacts facts = judge_photo(file, photo.board);
     if (facts.tags.size() != photo.board.tags.list.size()) state.SkipWithError("not all tags are found");
     benchmark::DoNotOptimize(facts.bright);
   }

@@ -12,7 +12,7 @@ namespace {
 // The same field of waves, seen from (dx, dy) further.
 PhotoLook look_of(int width, int height, double dx, double dy) {
   PhotoLook look;
-  look.small = Image(width, height, 1);
+  look.small = {width, height, {}};
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       double v = 0;
@@ -20,12 +20,22 @@ PhotoLook look_of(int width, int height, double dx, double dy) {
         const double a = 2.399963 * k, f = 0.15 + 0.08 * k;
         v += std::sin(f * ((x + dx) * std::cos(a) + (y + dy) * std::sin(a)) + k * k);
       }
-      look.small.at(x, y) = static_cast<float>(0.3 * std::exp(0.2 * v));
+      look.small.codes.push_back(SmallPhoto::code_of(0.3 * std::exp(0.2 * v)));
     }
-  look.clipped.assign(look.small.data.size(), 0);
   look.noise_floor = 1e-4;
   look.bright = 0.5;
   return look;
+}
+
+TEST(SmallPhoto, KeepsADigitMoreThanNoiseLeaves) {
+  for (double value = 0.001; value < 1; value *= 1.01) {
+    const std::uint16_t code = SmallPhoto::code_of(value);
+    EXPECT_NEAR(SmallPhoto::value_of(code), value, 1e-3 * value);
+    EXPECT_NE(code, SmallPhoto::kClipped);
+  }
+  EXPECT_EQ(SmallPhoto::value_of(SmallPhoto::code_of(1)), 1);
+  EXPECT_EQ(SmallPhoto::code_of(-1), 0);
+  EXPECT_EQ(SmallPhoto::code_of(7), SmallPhoto::kWhite) << "bright, and yet not clipped";
 }
 
 TEST(Compare, APhotoLiesOnItselfWhateverItsSize) {
