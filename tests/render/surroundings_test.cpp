@@ -15,6 +15,7 @@
 #include "burin/render/error.h"
 #include "burin/render/far_light.h"
 #include "burin/render/simd_width.h"
+#include "burin/render/surroundings/seen_sources.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {
@@ -309,6 +310,18 @@ TEST(Surroundings, APanoramaFromWithinIsItsMirrorImage) {
 }
 
 // The sun is a disk of half a degree. Widened roughness stands for it.
+TEST(Surroundings, SourcesBringAPlaneWhatThePicturesPixelsDo) {
+  const Light light = surroundings_light(make_panorama(room(1440), {}, "room"));
+  const LightSources sources = light_sources(light, 0.01);
+  ASSERT_LT(8 * sources.x.size(), 1440U * 720U) << "pixels are put together";
+  for (const Eigen::Vector3d& toward :
+       {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(0.3, -0.6, 0.5), Eigen::Vector3d(-1, 0.2, 0.1)}) {
+    const Eigen::Vector3d normal = toward.normalized();
+    const Eigen::Vector3d exact = irradiance(*light.far->surroundings, normal);
+    EXPECT_LT((irradiance(sources, normal) - exact).norm(), 1e-3 * exact.norm()) << normal.transpose();
+  }
+}
+
 TEST(Surroundings, TheSunIsADisk) {
   for (const double alpha : {0.02, 0.06}) {
     const Light sun = sun_light({0.1, -0.7, 0.9}, {3, 3, 2});

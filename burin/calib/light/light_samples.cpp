@@ -17,6 +17,7 @@
 #include "burin/render/keep_out.h"
 #include "burin/render/median.h"
 #include "burin/render/pixel_shading.h"
+#include "burin/render/surroundings/seen_sources.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {
@@ -336,6 +337,9 @@ BoardMask metal_mask(const Board& board, const Bench& bench, double margin_mm) {
 
 namespace {
 
+// Paper asks for the light of a whole hemisphere: sources a degree apart give what a panorama's pixels give.
+constexpr double kPaperFine_rad = 0.01;
+
 // One view as samples are taken from it.
 struct SampledView {
   const LightView& view;
@@ -345,13 +349,13 @@ struct SampledView {
   Surface surface;
   FootprintGrid grid;
   Eigen::Vector3d camera;
-  const Light* surroundings;  // or null
-  Image around_face;          // what the plain face sends back of these / F0, with the roughness that is believed
+  const Light* surroundings;    // or null
+  const LightSources& sources;  // of these
+  Image around_face;            // what the plain face sends back of these / F0, with the roughness that is believed
 
   double around_paper(const Eigen::Vector3d& normal) const {
     if (surroundings == nullptr) return 1;
-    return irradiance(*surroundings->far->surroundings, normal).cwiseProduct(surroundings->intensity).mean() /
-           std::numbers::pi;
+    return irradiance(sources, normal).cwiseProduct(surroundings->intensity).mean() / std::numbers::pi;
   }
   int width() const { return view.window.width; }
   int height() const { return view.window.height; }
@@ -513,6 +517,10 @@ std::vector<LightSample> gather_light_samples(std::span<const LightView> views, 
   const Surface surface = surface_of(board, bench);
   const std::vector<PlacedTag> tags = place_tags(board, bench);
   const Scratches carved = carve(sent, bench, board).scratches;
+  // All photos show one room (require_one_room).
+  LightSources sources;
+  if (!views.empty() && views.front().surroundings)
+    sources = light_sources(bench.lights[*views.front().surroundings], kPaperFine_rad);
   std::vector<LightSample> samples;
   for (std::size_t k = 0; k < views.size(); ++k) {
     const Eigen::Isometry3d& T_camera_board = bench.views[views[k].view].T_camera_board;
@@ -524,6 +532,7 @@ std::vector<LightSample> gather_light_samples(std::span<const LightView> views, 
                      grid_of(views[k], T_camera_board, surface),
                      T_camera_board.inverse().translation(),
                      views[k].surroundings ? &bench.lights[*views[k].surroundings] : nullptr,
+                     sources,
                      {}};
     if (view.surroundings != nullptr) view.around_face = around_face(view, bench);
     add_face_samples(view, plain_face(view, bench, carved), samples);

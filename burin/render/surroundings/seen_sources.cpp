@@ -114,6 +114,17 @@ LightSources light_sources(const Light& light, double fine) {
   return out;
 }
 
+Eigen::Vector3d irradiance(const LightSources& sources, const Eigen::Vector3d& normal) {
+  const Eigen::Vector3f n = normal.cast<float>();
+  Eigen::Vector3d sum(0, 0, 0);
+  for (std::size_t k = 0; k < sources.x.size(); ++k) {
+    const float cosine = n.x() * sources.x[k] + n.y() * sources.y[k] + n.z() * sources.z[k];
+    if (!(cosine > 0)) continue;
+    for (int c = 0; c < 3; ++c) sum[c] += cosine * sources.power[c][k];
+  }
+  return sum;
+}
+
 void each_seen(const ViewScene& scene, const Light& light, int channels, std::size_t pixel, const LightSources& sources,
                const std::function<void(const SeenSources&)>& visit) {
   const Eigen::Matrix3d R = R_face_board(scene.grid->normal[pixel]);

@@ -21,6 +21,10 @@ struct LightSources {
 /// Sources as close together as half vectors `fine` radians apart ask for.
 LightSources light_sources(const Light& light, double fine);
 
+/// What surroundings' sources bring to a plane (R G B), without the light's intensity: the sum of far_light.h over a
+/// picture's pixels, for those who ask for many normals. Sources 0.01 apart give it within 1e-3.
+Eigen::Vector3d irradiance(const LightSources& sources, const Eigen::Vector3d& normal);
+
 /// A run of sources as one place sees them.
 struct SeenSources {
   static constexpr int kMost = 256;
