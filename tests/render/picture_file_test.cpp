@@ -84,6 +84,13 @@ TEST(PictureFile, BombsAreRefusedByTheirHeaders) {
   };
   refused("wide.png", png_of(2'000'000'000, 1), "more than 100,000 on a side");
   refused("large.png", png_of(60'000, 60'000), "more than the 268,435,456");
+  // Made libpng ask for 2 GB: a note that says so long a text. Before the pixels, and behind them.
+  const auto chunk = [](const std::string& name, std::uint64_t length) {
+    return bytes_of(length, 4, true) + name + std::string(300, 'x');
+  };
+  refused("note.png", png_of(12, 8) + chunk("tEXt", 2'000'000'000), "a chunk is longer than the file");
+  refused("end.png", png_of(12, 8) + chunk("IDAT", 296) + chunk("eXIf", 1'800'000'000),
+          "a chunk is longer than the file");
   refused("cut.png", "\x89PNG\r\n\x1a\n", "ends within its header");
   // A TIFF of 60,000 x 60,000; one whose tile is of a gigabyte; one whose directory is longer than the file.
   const auto tiff = [](std::vector<std::pair<int, std::uint64_t>> tags, std::uint64_t count) {

@@ -296,8 +296,22 @@ struct Kind {
   void (*size)(FileBytes&, PictureHeader&);
 };
 
+// Chunks (PNG 1.2, 3.2): libpng takes memory for a whole note, however long it says that it is. Pixels come piece by
+// piece.
 void png_size(FileBytes& file, PictureHeader& header) {
   take(header, static_cast<std::int64_t>(file.big_endian(16, 4)), static_cast<std::int64_t>(file.big_endian(20, 4)));
+  constexpr std::uintmax_t kFrame = 12;  // length and name before, checksum behind
+  constexpr int kMostChunks = 2'000'000;
+  std::uintmax_t at = 8;
+  for (int chunk = 0; at + kFrame <= file.size(); ++chunk) {
+    if (chunk == kMostChunks) file.broken("it has more than 2,000,000 chunks");
+    const auto length = file.big_endian(at, 4);
+    const std::string name = file.at(at + 4, 4);
+    if (name == "IEND") return;
+    if (name != "IDAT" && length > file.size() - at - kFrame) file.broken("a chunk is longer than the file");
+    if (name != "IDAT" && length > limit::kPictureHeadBytes) file.broken("a chunk of notes is longer than 16 MiB");
+    at += kFrame + length;
+  }
 }
 
 void gif_size(FileBytes& file, PictureHeader& header) {
