@@ -518,9 +518,9 @@ std::vector<LightSample> gather_light_samples(std::span<const LightView> views, 
   const std::vector<PlacedTag> tags = place_tags(board, bench);
   const Scratches carved = carve(sent, bench, board).scratches;
   // All photos show one room (require_one_room).
-  LightSources sources;
-  if (!views.empty() && views.front().surroundings)
-    sources = light_sources(bench.lights[*views.front().surroundings], kPaperFine_rad);
+  const LightSources sources = !views.empty() && views.front().surroundings
+                                   ? light_sources(bench.lights[*views.front().surroundings], kPaperFine_rad)
+                                   : LightSources{};
   std::vector<LightSample> samples;
   for (std::size_t k = 0; k < views.size(); ++k) {
     const Eigen::Isometry3d& T_camera_board = bench.views[views[k].view].T_camera_board;
