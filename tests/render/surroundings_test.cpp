@@ -309,7 +309,6 @@ TEST(Surroundings, APanoramaFromWithinIsItsMirrorImage) {
   EXPECT_EQ(wall->pixel(wall->direction(36.5, 11.5)), 11U * 60 + 36);
 }
 
-// The sun is a disk of half a degree. Widened roughness stands for it.
 TEST(Surroundings, SourcesBringAPlaneWhatThePicturesPixelsDo) {
   const Light light = surroundings_light(make_panorama(room(1440), {}, "room"));
   const LightSources sources = light_sources(light, 0.01);
@@ -322,6 +321,7 @@ TEST(Surroundings, SourcesBringAPlaneWhatThePicturesPixelsDo) {
   }
 }
 
+// The sun is a disk of half a degree. Widened roughness stands for it.
 TEST(Surroundings, TheSunIsADisk) {
   for (const double alpha : {0.02, 0.06}) {
     const Light sun = sun_light({0.1, -0.7, 0.9}, {3, 3, 2});

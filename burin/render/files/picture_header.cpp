@@ -308,8 +308,10 @@ void png_size(FileBytes& file, PictureHeader& header) {
     const auto length = file.big_endian(at, 4);
     const std::string name = file.at(at + 4, 4);
     if (name == "IEND") return;
-    if (name != "IDAT" && length > file.size() - at - kFrame) file.broken("a chunk is longer than the file");
-    if (name != "IDAT" && length > limit::kPictureHeadBytes) file.broken("a chunk of notes is longer than 16 MiB");
+    if (name != "IDAT") {
+      if (length > file.size() - at - kFrame) file.broken("a chunk is longer than the file");
+      if (length > limit::kPictureHeadBytes) file.broken("a chunk of notes is longer than 16 MiB");
+    }
     at += kFrame + length;
   }
 }
