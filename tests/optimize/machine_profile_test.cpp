@@ -122,6 +122,7 @@ TEST(MachineProfile, WrongTomlIsNamedByItsLine) {
   expect("start = [\"G21\", 3]", "m.toml:3: start: has an entry that is not one line of text");
   expect("name = 2024-05-01", "m.toml:3:8: name: is a date or a time; write a number");
   expect("decimals = ", "m.toml:3:12: is not TOML: ");
+  expect("dwell_s = \xC3\xA9", "m.toml:3:11: is not TOML: ");
   expect("dwell_s = 0.1\ndwell_s = 0.2", "m.toml:4:11: is not TOML: ");
   const auto other = folder.write("bench.toml", "version = 1\nformat = \"burin/bench\"\n");
   EXPECT_THAT([&] { read_machine_profile(other); },
@@ -129,6 +130,19 @@ TEST(MachineProfile, WrongTomlIsNamedByItsLine) {
                                          HasSubstr("\"burin/machine\" is needed"))));
   EXPECT_THAT([&] { read_machine_profile(folder.write("old.toml", "format = \"burin/machine\"")); },
               ThrowsMessage<Error>(HasSubstr("old.toml: version: is missing")));
+}
+
+TEST(MachineProfile, LettersOfAllScriptsAndAtSignsStayInToml) {
+  const TemporaryFolder folder;
+  const auto name = [&](const std::string& toml) {
+    return read_machine_profile(
+               folder.write("m.toml", "format = \"burin/machine\"\nversion = 1 # Fr\xC3\xA4se @ home\nname = " + toml))
+        .name;
+  };
+  EXPECT_EQ(name("\"Fr\xC3\xA4se \xE5\x88\xBB\""), "Fr\xC3\xA4se \xE5\x88\xBB");
+  EXPECT_EQ(name("'mill@home, @@ @e9 @'"), "mill@home, @@ @e9 @");
+  EXPECT_EQ(name("\"\\u00e4 \\u0040 x@\""), "\xC3\xA4 @ x@");
+  EXPECT_THAT([&] { name("\"\xC3\""); }, ThrowsMessage<Error>(HasSubstr("name: holds a control character")));
 }
 
 TEST(MachineProfile, MovesTakeTheTimeOfATrapezoid) {

@@ -37,6 +37,42 @@ std::string at_line(const std::filesystem::path& file, const toml::source_region
   return file.string() + ":" + std::to_string(source.begin.line) + ":" + std::to_string(source.begin.column);
 }
 
+// toml++ 3 goes astray on letters beyond ASCII where it expects none, and what it takes for text is not always what it
+// should be. So it is given ASCII alone: each byte of such a letter as @ and two hexadecimal digits, @ itself as @@.
+// Outside of quotes and comments TOML has no @, which it says; in them as_json() takes the letters back.
+std::string in_ascii(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string out;
+  out.reserve(text.size());
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80) {
+      out += c;
+      if (c == '@') out += '@';
+    } else {
+      out += {'@', kDigits[byte >> 4], kDigits[byte & 15]};
+    }
+  }
+  return out;
+}
+
+// What in_ascii() was given. An @ that the file spelled otherwise (\u0040) stays what it is.
+std::string as_written(std::string_view text) {
+  const auto digit = [](char c) { return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1; };
+  std::string out;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    out += text[i];
+    if (text[i] != '@') continue;
+    if (text.substr(i + 1).starts_with('@')) {
+      ++i;
+    } else if (i + 2 < text.size() && digit(text[i + 1]) >= 8 && digit(text[i + 2]) >= 0) {
+      out.back() = static_cast<char>(16 * digit(text[i + 1]) + digit(text[i + 2]));
+      i += 2;
+    }
+  }
+  return out;
+}
+
 Json as_json(const toml::node& node, const std::string& key, const std::filesystem::path& file,
              std::map<std::string, int>& line) {
   if (!key.empty()) line[key] = static_cast<int>(node.source().begin.line);
@@ -44,10 +80,9 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
     case toml::node_type::table: {
       Json object = Json::object();
       for (const auto& [name, value] : *node.as_table()) {
-        std::string place = key;
-        if (!place.empty()) place += '.';
-        place += name.str();
-        object[std::string(name.str())] = as_json(value, place, file, line);
+        const std::string own = as_written(name.str());
+        const std::string place = key.empty() ? own : key + "." + own;
+        object[own] = as_json(value, place, file, line);
       }
       return object;
     }
@@ -57,11 +92,13 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
         array.push_back(as_json(value, key + "[" + std::to_string(array.size()) + "]", file, line));
       return array;
     }
-    case toml::node_type::string:
-      if (!is_printable(node.as_string()->get()))
+    case toml::node_type::string: {
+      const std::string text = as_written(node.as_string()->get());
+      if (!is_printable(text))
         fail(at_line(file, node.source()) + ": " + key, "holds a control character",
              "write text that can be read, on one line: no escapes, no zero bytes");
-      return node.as_string()->get();
+      return text;
+    }
     case toml::node_type::integer:
       return node.as_integer()->get();
     case toml::node_type::floating_point:
@@ -72,31 +109,6 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
       fail(at_line(file, node.source()) + ": " + key, "is a date or a time",
            "write a number, or text in double quotes");
   }
-}
-
-/// Where text that is not ASCII stands outside of quotes and comments, where TOML has none: toml++ 3 goes astray on
-/// some of it. std::string::npos if nowhere.
-std::size_t bare_foreign_letter(std::string_view text) {
-  constexpr std::string_view kBeforeText = " \t\r\n=[,{.";  // a quote elsewhere begins no text
-  std::string_view quotes;                                  // that end what was begun; empty outside
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (!quotes.empty()) {
-      if (text[i] == '\\' && quotes[0] == '"')
-        ++i;
-      else if (text.substr(i).starts_with(quotes) || (quotes.size() == 1 && text[i] == '\n'))
-        i += quotes.size() - 1, quotes = {};
-    } else if (text[i] == '#') {
-      i = std::min(text.find('\n', i), text.size());
-    } else if ((text[i] == '"' || text[i] == '\'') &&
-               (i == 0 || kBeforeText.find(text[i - 1]) != std::string_view::npos)) {
-      const std::string_view three = text.substr(i, 3);
-      quotes = three == "\"\"\"" || three == "'''" ? three : text.substr(i, 1);
-      i += quotes.size() - 1;
-    } else if (static_cast<unsigned char>(text[i]) >= 0x80) {
-      return i;
-    }
-  }
-  return std::string_view::npos;
 }
 
 std::string line_of(const std::filesystem::path& file, std::string_view text, std::size_t at) {
@@ -124,19 +136,16 @@ TomlFile read_toml(const std::filesystem::path& file, const std::string& format,
   if (const std::size_t zero = text.find('\0'); zero != std::string::npos)
     fail(line_of(file, text, zero), "holds a zero byte, so it is no TOML", "check that it is the right file");
   const std::string_view content = std::string_view(text).substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
-  if (const std::size_t letter = bare_foreign_letter(content); letter != std::string_view::npos)
-    fail(line_of(file, content, letter), "is not TOML: a letter that is not ASCII stands outside of quotes",
-         "put text in double quotes, or begin a comment with #");
   TomlFile toml;
   try {
-    const toml::table table = toml::parse(content);
+    const toml::table table = toml::parse(in_ascii(content));
     toml.content = as_json(table, "", file, toml.line);
   } catch (const Error& error) {
     if (std::string_view(error.what()).starts_with(file.string())) throw;
     fail(file.string(), std::string("is not TOML: ") + error.what(),
          "correct its brackets [ ] and what stands in them");
   } catch (const toml::parse_error& error) {
-    fail(at_line(file, error.source()), "is not TOML: " + std::string(error.description()),
+    fail(at_line(file, error.source()), "is not TOML: " + printable(as_written(error.description())),
          "correct it there (a key, =, and a number, text in double quotes, or an array in [ ])");
   }
   with_line(file, toml, [&] { check_format(JsonObject(toml.content, file.string()), format, version); });
