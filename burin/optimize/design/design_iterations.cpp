@@ -19,6 +19,7 @@ namespace burin {
 namespace {
 
 constexpr int kBudgetSteps = 6;  // in which scratches go, so that those that stay can make up for the others
+constexpr int kOthersEvery = 8;  // iterations between two looks at what hardly shows
 
 // The iterations kept for the contact sheet: dense at first, where most happens.
 std::vector<int> contact_iterations(int iterations, int frames) {
@@ -40,6 +41,9 @@ void DesignRun::iterate() {
   iterations_began_s_ = deadline_.seconds();
   // Weak scratches go before the end, so that the last iterations make up for them.
   drop_at_ = static_cast<int>(std::lround(options_.drop_at * options_.iterations));
+  bright_.assign(views_.size(), {});
+  for (std::size_t k = 0; k < views_.size(); ++k) bright_[k].apart = bright_part_shows(views_[k], bench_, board_);
+  others_seen_ = false;
   if (options_.carve_hours > 0)
     full_carving_s_ = carving_time_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
   // A design that starts where it should be is only set right; a random one has a way to go.
@@ -90,12 +94,15 @@ void DesignRun::look(bool last) {
   DesignIteration now;
   now.view_loss.assign(shown_, 0.0);
   result_.pairs = 0;
-  for (WorkView& v : views_) {
+  const bool anew = !others_seen_ || iteration_ % kOthersEvery == 0;
+  others_seen_ = true;
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    WorkView& v = views_[k];
     const double exposure = std::exp(log_exposure_[v.exposure_group]);
     if (last)
       v.renderer.forward(grooves, v.radiance);
     else
-      v.renderer.forward_with_jacobian(grooves, v.radiance);
+      render_view(v, bright_[k], bench_, grooves, anew, true);
     picture_from_radiance(v.radiance, exposure, v.picture);
     v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
     now.loss += v.value.total;
@@ -104,7 +111,7 @@ void DesignRun::look(bool last) {
     if (last) continue;
     d_log_exposure_[v.exposure_group] +=
         radiance_gradient(v.radiance, exposure, v.picture, v.dE_dpicture, v.dE_dradiance);
-    v.renderer.backward(v.dE_dradiance, by_carved_);
+    view_backward(v, bright_[k], by_carved_);
   }
   if (!last) {
     gradients_ = pull_back(grooves, designed_, bench_now(), board_, std::move(by_carved_));
@@ -200,6 +207,7 @@ void DesignRun::settle_order() {
   report("ordering scratches", 0);
   put_in_carving_order(true);
   in_last_order_ = true;
+  others_seen_ = false;
 }
 
 // Grooves as they will cut each other, from now on; the pictures lose light by it.
@@ -207,6 +215,7 @@ void DesignRun::count_rims() {
   if (rims_count_) return;
   report("cutting rims away where scratches cross", 0);
   rims_count_ = true;
+  others_seen_ = false;
   render_all(views_, in_the_metal());
   log_exposure_ = fitting_exposures(views_, log_exposure_);
 }
@@ -214,7 +223,8 @@ void DesignRun::count_rims() {
 void DesignRun::relocate_some() {
   if (options_.relocate_every <= 0 || iteration_ == 0 || iteration_ % options_.relocate_every != 0) return;
   // Looked at anew: strokes that are placed before Adam's step, by its picture, come out 0.3 dB worse.
-  render_all(views_, in_the_metal());
+  const Carved grooves = in_the_metal();
+  for (std::size_t k = 0; k < views_.size(); ++k) render_view(views_[k], bright_[k], bench_, grooves, false, false);
   balance_views(views_, log_exposure_, options_.balance);
   const std::vector<std::size_t> moved =
       relocate(scratches_, views_, log_exposure_, limits_, rules_, movable_, options_.relocate_share,
@@ -227,6 +237,7 @@ void DesignRun::keep_only(const std::vector<std::size_t>& kept) {  // new ones f
   if (kept.size() == count()) return;
   if (result_.loss_before_drop == 0) result_.loss_before_drop = result_.history.back().loss;
   movable_ -= count() - kept.size();
+  others_seen_ = false;
   scratches_ = selected(scratches_, kept);
   momenta_.each_end([&](Adam& adam) { adam.keep(kept); });
 }

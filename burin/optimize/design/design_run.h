@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/deadline.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/design/stroke_search.h"
@@ -143,7 +144,9 @@ class DesignRun {
   Momenta momenta_{Adam(0), Adam(0), Adam(0), Adam(0), Adam(0), Adam(0)};
   ScratchGradients gradients_, by_carved_;  // by the designed rows, and by the grooves in the metal
   std::vector<double> d_log_exposure_;
-  std::vector<int> contact_;  // iterations kept for the contact sheet
+  std::vector<BrightPart> bright_;  // one a view
+  bool others_seen_ = false;        // since grooves last went, or came to lie otherwise
+  std::vector<int> contact_;        // iterations kept for the contact sheet
   int iteration_ = 0, drop_at_ = 0;
   double first_rate_ = 0, last_rate_ = 0;
   double full_carving_s_ = 0;  // what it would take to carve all that the iterations began with

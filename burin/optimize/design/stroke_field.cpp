@@ -36,6 +36,28 @@ BURIN_MACHINE_CLONES void light_with(int n, const float* __restrict middle, cons
   }
 }
 
+// Squared errors of pixels that are too dark.
+BURIN_MACHINE_CLONES void missing_of_row(std::size_t n, const StrokePixel* __restrict pixels,
+                                         const float* __restrict matters, float* __restrict missing) {
+  for (std::size_t i = 0; i < n; ++i) {
+    const float d = std::max(0.0F, pixels[i].target - pixels[i].shown);
+    missing[i] = d * d;
+  }
+  if (matters == nullptr) return;
+  for (std::size_t i = 0; i < n; ++i) missing[i] *= matters[i];
+}
+
+BURIN_MACHINE_CLONES void block_sums(std::size_t blocks, const float* __restrict values, double* __restrict sums) {
+  static_assert(MissingLight::kBlock == 16);
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const float* v = values + 16 * b;
+    float part[8];
+    for (int i = 0; i < 8; ++i) part[i] = v[i] + v[i + 8];
+    for (int i = 0; i < 4; ++i) part[i] += part[i + 4];
+    sums[b] = static_cast<double>((part[0] + part[2]) + (part[1] + part[3]));
+  }
+}
+
 std::vector<float> squared(const Image& mask) {
   std::vector<float> out(mask.data.size());
   for (std::size_t i = 0; i < out.size(); ++i) out[i] = mask.data[i] * mask.data[i];
@@ -253,32 +275,36 @@ double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_m
   return fell;
 }
 
-void StrokeField::survey(const PixelBox& box, std::vector<double>& missing) const {
-  missing.resize(static_cast<std::size_t>(box.x1 - box.x0) * static_cast<std::size_t>(box.y1 - box.y0));
+std::size_t MissingLight::pixel_at(double part) const {
+  const double at = part * all();
+  const auto found = static_cast<std::size_t>(std::upper_bound(upto.begin(), upto.end(), at) - upto.begin());
+  const std::size_t block = std::min(found, upto.size() - 1), last = std::min((block + 1) * kBlock, pixels) - 1;
+  double left = at - (block > 0 ? upto[block - 1] : 0);
+  std::size_t i = block * kBlock;
+  for (; i < last && left >= static_cast<double>(of_pixel[i]); ++i) left -= static_cast<double>(of_pixel[i]);
+  return i;
+}
+
+void StrokeField::survey(const PixelBox& box, MissingLight& missing) const {
+  const auto columns = static_cast<std::size_t>(box.x1 - box.x0), rows = static_cast<std::size_t>(box.y1 - box.y0);
+  missing.pixels = columns * rows;
+  const std::size_t blocks = (missing.pixels + MissingLight::kBlock - 1) / MissingLight::kBlock;
+  missing.of_pixel.assign(blocks * MissingLight::kBlock, 0);
+  missing.upto.resize(blocks);
+  for (std::size_t row = 0; row < rows; ++row) {
+    const std::size_t first = (static_cast<std::size_t>(box.y0) + row) * width_ + box.x0;
+    missing_of_row(columns, &pixels_[0][first], matters_.empty() ? nullptr : &matters_[first],
+                   &missing.of_pixel[row * columns]);
+  }
+  block_sums(blocks, missing.of_pixel.data(), missing.upto.data());
   double sum = 0;
-  std::size_t n = 0;
-  for (int y = box.y0; y < box.y1; ++y)
-    for (int x = box.x0; x < box.x1; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width_ + x;
-      const StrokePixel& p = pixels_[0][i];
-      const float d = std::max(0.0F, p.target - p.shown);
-      missing[n++] = sum += static_cast<double>(d * d * (matters_.empty() ? 1 : matters_[i]));
-    }
+  for (double& upto : missing.upto) upto = sum += upto;
 }
 
 double StrokeField::missing_in(const PixelBox& box) const {
-  double sum = 0;
-  for (int y = box.y0; y < box.y1; ++y) {
-    float row = 0;
-    for (int x = box.x0; x < box.x1; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * width_ + x;
-      const StrokePixel& p = pixels_[0][i];
-      const float d = std::max(0.0F, p.target - p.shown);
-      row += d * d * (matters_.empty() ? 1 : matters_[i]);
-    }
-    sum += static_cast<double>(row);
-  }
-  return sum;
+  MissingLight missing;
+  survey(box, missing);
+  return missing.all();
 }
 
 StrokeWindow StrokeField::window(const PixelBox& box) const {

@@ -26,6 +26,18 @@ struct StrokePixelsBefore {
   void clear() { pixels.clear(); }
 };
 
+/// Squared errors of the pixels of a box that are too dark, row by row.
+struct MissingLight {
+  static constexpr std::size_t kBlock = 16;
+  std::vector<float> of_pixel;  ///< then zeros up to a whole block
+  std::vector<double> upto;     ///< running sums, a block of pixels each
+  std::size_t pixels = 0;       ///< in the box
+
+  double all() const { return upto.empty() ? 0 : upto.back(); }
+  /// The pixel up to which this part of all is missing: pixels drawn evenly over 0..1 are those that miss most.
+  std::size_t pixel_at(double part) const;
+};
+
 /// Work in boxes that do not overlap may go on at the same time.
 class StrokeField {
  public:
@@ -66,10 +78,9 @@ class StrokeField {
   /// By how much the error would fall, nothing being changed.
   double fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const;
 
-  /// What the picture lacks of light in a box: running sums, row by row, of the squared errors of pixels that are too
-  /// dark.
-  void survey(const PixelBox& box, std::vector<double>& missing) const;
-  /// The last of them.
+  /// What the picture lacks of light in a box: the squared errors of pixels that are too dark.
+  void survey(const PixelBox& box, MissingLight& missing) const;
+  /// Their sum.
   double missing_in(const PixelBox& box) const;
 
   /// A box as the kernel sees it.

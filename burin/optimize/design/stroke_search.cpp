@@ -11,7 +11,6 @@
 #include <cmath>
 #include <functional>
 #include <queue>
-#include <random>
 #include <set>
 #include <utility>
 
@@ -45,15 +44,10 @@ class Stopping {
   std::atomic<bool> over_{false};
 };
 
-// A number that is another one for every (seed, view, step, tile). (Steele, Lea, Flood, OOPSLA 2014.)
+// A number that is another one for every (seed, view, step, tile).
 std::uint64_t seed_of(std::uint64_t seed, std::size_t view, std::size_t step, std::size_t tile) {
   std::uint64_t z = seed;
-  for (const std::uint64_t part : {view, step, tile}) {
-    z += 0x9E3779B97F4A7C15ULL * (part + 1);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    z ^= z >> 31;
-  }
+  for (const std::uint64_t part : {view, step, tile}) z = SplitMix64::mixed(z + 0x9E3779B97F4A7C15ULL * (part + 1));
   return z;
 }
 
@@ -66,7 +60,7 @@ int tile_side(const StrokeField& field) {
 }
 
 // Tiles of a side, laid anywhere.
-Tiling tiling_of(const StrokeField& field, int side, std::mt19937_64& random) {
+Tiling tiling_of(const StrokeField& field, int side, SplitMix64& random) {
   const PixelBox whole = field.whole();
   Tiling tiling{side, 0, 0, whole.x1, whole.y1};
   if (side >= std::max(whole.x1, whole.y1)) return tiling;
@@ -80,7 +74,7 @@ Tiling tiling_of(const StrokeField& field, int side, std::mt19937_64& random) {
 std::vector<Tiling> tilings_of_sweep(const StrokeField& field, std::uint64_t seed) {
   const PixelBox whole = field.whole();
   const int size = std::max(whole.x1, whole.y1), most = kMostWindowPixels / std::max(1, whole.x1);
-  std::mt19937_64 random(seed);
+  SplitMix64 random(seed);
   std::vector<Tiling> tilings;
   int side = std::min(tile_side(field), std::max(1, most));
   tilings.push_back(tiling_of(field, side, random));
@@ -218,7 +212,7 @@ class ViewSweep {
 std::vector<Stroke> place_in_view(StrokeField& field, const StrokeRules& rules, std::size_t view, std::size_t count,
                                   std::uint64_t seed, Stopping& stop) {
   constexpr int kTries = 20;  // times that no candidate gains anything, after which a tile is full
-  std::mt19937_64 random(seed);
+  SplitMix64 random(seed);
   const int most = std::max(1, kMostWindowPixels / std::max(1, field.whole().x1));
   const Tiling tiling = tiling_of(field, std::min(tile_side(field), most), random);
   std::vector<double> missing(tiling.size());

@@ -53,9 +53,7 @@ double StrokeTrier::alpha_at_pixel(const Eigen::Vector2d& in_window) const {
 }
 
 void StrokeTrier::draw_anywhere(int lane) {
-  const double at = uniform(random_) * missing_.back();
-  const auto i = static_cast<std::size_t>(std::upper_bound(missing_.begin(), missing_.end(), at) - missing_.begin());
-  const auto k = static_cast<int>(std::min(i, missing_.size() - 1));
+  const auto k = static_cast<int>(missing_.pixel_at(uniform(random_)));
   const int columns = box_.x1 - box_.x0, column = k % columns, row = k / columns;
   const std::uint64_t bits = random_();
   const auto x = static_cast<float>(column), y = static_cast<float>(row);

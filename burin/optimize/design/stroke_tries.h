@@ -3,9 +3,9 @@
 #pragma once
 
 #include <cstdint>
-#include <random>
 #include <vector>
 
+#include "burin/optimize/design/random.h"
 #include "burin/optimize/design/stroke_field.h"
 #include "burin/optimize/design/stroke_kernel.h"
 #include "burin/optimize/design/stroke_tiles.h"
@@ -21,7 +21,7 @@ class StrokeTrier {
 
   /// Looks anew for what the picture misses in the box.
   void survey();
-  bool misses_anything() const { return !missing_.empty() && missing_.back() > 0; }
+  bool misses_anything() const { return missing_.all() > 0; }
 
   /// The best of `candidates` strokes anywhere in the box, mostly where it misses light; gain 0: none gains anything.
   Stroke best_anywhere(int candidates);
@@ -29,7 +29,7 @@ class StrokeTrier {
   /// is better.
   Stroke best_instead(const Stroke& old, int candidates);
 
-  std::mt19937_64& random() { return random_; }
+  SplitMix64& random() { return random_; }
   StrokePixelsBefore& before() { return before_; }  ///< for changes that may be undone
   const PixelBox& box() const { return box_; }
 
@@ -44,8 +44,8 @@ class StrokeTrier {
   PixelBox box_;
   StrokeWindow window_;
   TryStrokes kernel_;
-  std::mt19937_64 random_;
-  std::vector<double> missing_;  // running sums
+  SplitMix64 random_;
+  MissingLight missing_;
   StrokePixelsBefore before_;
   StrokeTries tries_;
   StrokesFound found_;

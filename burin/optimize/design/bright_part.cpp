@@ -1,0 +1,108 @@
+#include "burin/optimize/design/bright_part.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "burin/optimize/design/color_views.h"
+#include "burin/optimize/design/glint.h"
+#include "burin/render/groove.h"
+#include "burin/render/scratches.h"
+
+namespace burin {
+namespace {
+
+constexpr double kBright = 0.005;   // of the best direction's light
+constexpr double kDarkFace = 0.01;  // beside it
+
+void add_rows(const std::vector<double>& of_part, const std::vector<std::size_t>& rows, std::vector<double>& to) {
+  for (std::size_t k = 0; k < of_part.size(); ++k) to[rows[k]] += of_part[k];
+}
+
+}  // namespace
+
+bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& board) {
+  for (const std::string& id : lights_served(view.spec)) {
+    const Light light = find_light(bench, id, "design");
+    if (!light.is_lamp() || !light.size.is_point()) return false;
+  }
+  double sent =
+      0;  // by a groove of the best direction along a mm; what it takes of the face has to be little beside it
+  for (const WorkLamp& lamp : view.lamps) {
+    if (!lamp.glint.of_one_lamp_on_a_flat_face()) return false;
+    sent = std::max(sent, mean_value(lamp.unit));
+  }
+  const double width_mm = 2e-3 * half_width_um(bench.material.profile, board.tool_width_um, bench.material.depth_um);
+  const double brightest = *std::max_element(view.face.data.begin(), view.face.data.end());
+  return brightest * width_mm / (view.pitch_mm * view.pitch_mm) < kDarkFace * sent;
+}
+
+std::vector<std::size_t> bright_rows(const WorkView& view, const Bench& bench, const Scratches& grooves) {
+  const double q2_most = std::pow(kBright, -2.0 / 3) - 1;  // lobe() = (1 + q^2)^(-3/2)
+  std::vector<char> bright(grooves.size(), 0);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grooves.size(), 1024), [&](const auto& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const double dx = grooves.x1_mm[i] - grooves.x0_mm[i], dy = grooves.y1_mm[i] - grooves.y0_mm[i];
+      const double alpha = grooves.alpha.empty() ? bench.material.alpha : grooves.alpha[i];
+      const Eigen::Vector3d middle((grooves.x0_mm[i] + grooves.x1_mm[i]) / 2, (grooves.y0_mm[i] + grooves.y1_mm[i]) / 2,
+                                   0);
+      for (const WorkLamp& lamp : view.lamps) {
+        const Eigen::Vector3d h = half_vector_at(lamp.glint, middle);
+        const double along = h.x() * dx + h.y() * dy;
+        // Grooves without length have no direction, and no light.
+        if (along * along <= q2_most * alpha * alpha * h.squaredNorm() * (dx * dx + dy * dy)) bright[i] = 1;
+      }
+    }
+  });
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < bright.size(); ++i)
+    if (bright[i] != 0) rows.push_back(i);
+  return rows;
+}
+
+void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Carved& grooves, bool anew,
+                 bool with_jacobian) {
+  const auto render = [&](const Carved& shown) {
+    if (with_jacobian)
+      view.renderer.forward_with_jacobian(shown, view.radiance);
+    else
+      view.renderer.forward(shown, view.radiance);
+  };
+  if (!part.apart) {
+    render(grooves);
+    return;
+  }
+  part.rows = bright_rows(view, bench, grooves.scratches);
+  part.grooves.scratches = selected(grooves.scratches, part.rows);
+  anew = anew || part.others.data.empty();
+  if (anew) view.renderer.forward(grooves, part.others);
+  render(part.grooves);
+  if (anew)
+    for (std::size_t i = 0; i < part.others.data.size(); ++i) part.others.data[i] -= view.radiance.data[i];
+  for (std::size_t i = 0; i < part.others.data.size(); ++i) view.radiance.data[i] += part.others.data[i];
+}
+
+void view_backward(const WorkView& view, BrightPart& part, ScratchGradients& by_carved) {
+  if (!part.apart) {
+    view.renderer.backward(view.dE_dradiance, by_carved);
+    return;
+  }
+  ScratchGradients& own = part.gradients;
+  own.resize(part.rows.size());
+  view.renderer.backward(view.dE_dradiance, own);
+  add_rows(own.x0_mm, part.rows, by_carved.x0_mm);
+  add_rows(own.y0_mm, part.rows, by_carved.y0_mm);
+  add_rows(own.x1_mm, part.rows, by_carved.x1_mm);
+  add_rows(own.y1_mm, part.rows, by_carved.y1_mm);
+  add_rows(own.width_um, part.rows, by_carved.width_um);
+  add_rows(own.depth_um, part.rows, by_carved.depth_um);
+  add_rows(own.alpha, part.rows, by_carved.alpha);
+  by_carved.shared_width_um += own.shared_width_um;
+  by_carved.shared_depth_um += own.shared_depth_um;
+  by_carved.shared_alpha += own.shared_alpha;
+  by_carved.shared_base_alpha += own.shared_base_alpha;
+}
+
+}  // namespace burin
