@@ -7,9 +7,11 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <ctime>
 #include <map>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include "burin/render/error.h"
@@ -42,11 +44,32 @@ AllHeld& all_held() {
 fs::path lock_file(const fs::path& folder) { return folder / ".burin-lock"; }
 
 // What the holder wrote; it may be writing it just now.
-std::string holder(int file) {
+std::string said_by_holder(int file) {
   std::array<char, 400> text{};
   const ssize_t length = ::pread(file, text.data(), text.size(), 0);
   const std::string said = length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : "";
-  return said.empty() ? "another process" : said.substr(0, said.find('\n'));
+  return said.substr(0, said.find('\n'));
+}
+
+std::string holder(int file) {
+  const std::string said = said_by_holder(file);
+  return said.empty() ? "another process" : said;
+}
+
+// Locks a file unless somebody works there. Who has locked it but written nothing has only begun, or only asks who
+// works there (who_works_in): that is waited for, a little.
+bool lock_at_once(int file) {
+  constexpr int kTries = 50;
+  constexpr std::chrono::milliseconds kBetween(10);
+  for (int i = 0; ::flock(file, LOCK_EX | LOCK_NB) != 0; ++i) {
+    const int error = errno;
+    if (error != EWOULDBLOCK || i == kTries || !said_by_holder(file).empty()) {
+      errno = error;
+      return false;
+    }
+    std::this_thread::sleep_for(kBetween);
+  }
+  return true;
 }
 
 bool is_round(const std::string& name) {
@@ -64,7 +87,7 @@ bool is_project(const fs::path& folder) {
 Descriptor locked_file(const fs::path& name, const fs::path& folder) {
   Descriptor file(::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
   if (!file) fail_with(name, "cannot be written, and without it two commands could spoil each other's results", errno);
-  if (::flock(file.number(), LOCK_EX | LOCK_NB) != 0) {
+  if (!lock_at_once(file.number())) {
     const int error = errno;
     if (error == EWOULDBLOCK)
       fail(folder.string(), "is being worked on by " + holder(file.number()), "wait until that has ended, or stop it");

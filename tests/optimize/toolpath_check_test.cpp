@@ -171,6 +171,8 @@ TEST(Replay, EachDialectHasItsOwnRules) {
   refuses("g21\n", "cannot read \"g\"", "marlin");
   refuses("G20\n", "inches", "marlin");
   refuses("(LOGOPEN,/etc/passwd)\n", "LinuxCNC executes", "linuxcnc");
+  refuses("( p\tY ,x)\n", "LinuxCNC executes", "linuxcnc");
+  refuses("G28\n(a)\n%\n", "within the program", "linuxcnc");
   refuses(";py,print()\n", "LinuxCNC executes", "linuxcnc");
   refuses("%\nG21 G90\n%\nG0 Z1\n", "after its end", "linuxcnc");
   refuses("M5 S0\nG21 G90\nG0 Z1\nM3 S5\n", "laser on", "laser-z");

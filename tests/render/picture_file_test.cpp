@@ -102,6 +102,8 @@ TEST(PictureFile, BombsAreRefusedByTheirHeaders) {
   };
   refused("large.tif", tiff({{256, 60'000}, {257, 60'000}}, 2), "more than the 268,435,456");
   refused("tile.tif", tiff({{256, 100}, {257, 100}, {322, 32'768}, {323, 32'768}}, 4), "its tiles are of 32768");
+  // Strips higher than their picture: OpenImageIO asked for 50 GB.
+  refused("strip.tif", tiff({{256, 24}, {257, 24}, {278, 1'056'964'632}}, 3), "its strips are of 24 x 1056964632");
   refused("long.tif", tiff({{256, 100}}, 4000), "a directory is larger than the file");
   // 367 bytes that make OpenEXR ask for 1.95 GB: an attribute that says so long a value. And a window of 2^31 rows.
   const std::string exr = std::string("\x76\x2f\x31\x01\x02\0\0\0", 8);

@@ -4,7 +4,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <span>
+#include <string>
 
 #include "burin/render/error.h"
 
@@ -110,10 +112,11 @@ class Reader {
   }
 
   void comment(std::string_view text) const {
-    while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
     if (dialect_ != GcodeDialect::linuxcnc) return;
+    std::string words;  // LinuxCNC reads over blanks wherever they stand
+    std::copy_if(text.begin(), text.end(), std::back_inserter(words), [](char c) { return c != ' ' && c != '\t'; });
     for (const char* active : {"LOG", "PROBEOPEN", "PROBECLOSE", "PY,", "ABORT"})
-      if (same_letters(text, active))
+      if (same_letters(words, active))
         error("has a comment that LinuxCNC executes (" + std::string(active) + ")", "take it away");
   }
 

@@ -45,6 +45,7 @@ class Machine {
     const GcodeLine words = read_gcode_line(text, profile_, name_, replay_.lines);
     if (words.percent) return percent();
     if (words.empty()) return;
+    commanded_ = true;
     if (replay_.ended) error("goes on after its end (M2, M30 or %)", "take away what follows the end");
     if (words.home) return go_home();
     for (const int g : words.g) modal(g);
@@ -85,7 +86,7 @@ class Machine {
   /// Begins a program, if nothing was before it, or ends one.
   void percent() {
     if (replay_.ended && percent_ != 1) error("has a % too many", "keep one before the program and one behind it");
-    if (percent_ == 0 && (moving_ || unit_mm_ != 0 || absolute_))
+    if (percent_ == 0 && commanded_)
       error("has a % within the program, which ends it", "take it away, or put one before the first line");
     if (++percent_ > 2) error("has a % too many", "keep one before the program and one behind it");
     if (percent_ == 2) replay_.ended = true;
@@ -388,6 +389,7 @@ class Machine {
   double spindle_s_ = kUnknown, head_depth_mm_ = kUnknown;
   bool carved_since_ = false;  ///< since the tool went into the metal
   bool rapid_ = true, moving_ = false, absolute_ = false, moved_ = false;
+  bool commanded_ = false;               ///< there were other lines than comments
   int percent_ = 0;                      ///< how many there were
   std::array<int, 2> offset_{490, 540};  ///< of the tool's length, and of the work
   double unit_mm_ = 0, feed_mm_min_ = 0;

@@ -102,7 +102,7 @@ std::uint64_t tiff_directory(FileBytes& file, std::uint64_t at, bool big, bool l
   const std::uint64_t count = file.number(at, large ? 8 : 2, big), entry_bytes = large ? 20 : 12;
   const std::uint64_t first = at + (large ? 8 : 2);
   if (count > 4096 || first + count * entry_bytes > file.size()) file.broken("a directory is larger than the file");
-  std::int64_t width = 0, height = 0, tile_width = 0, tile_height = 0, samples = 1, bits = 8;
+  std::int64_t width = 0, height = 0, tile_width = 0, tile_height = 0, strip_height = 0, samples = 1, bits = 8;
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::uint64_t entry = first + i * entry_bytes, value_at = entry + 4 + static_cast<std::uint64_t>(word);
     const auto tag = file.number(entry, 2, big), type = file.number(entry + 2, 2, big),
@@ -115,6 +115,7 @@ std::uint64_t tiff_directory(FileBytes& file, std::uint64_t at, bool big, bool l
     if (tag == 257) height = value();
     if (tag == 258 && values == 1) bits = value();
     if (tag == 277) samples = value();
+    if (tag == 278) strip_height = value();
     if (tag == 322) tile_width = value();
     if (tag == 323) tile_height = value();
     if (tag == 330) {  // SubIFDs
@@ -131,6 +132,11 @@ std::uint64_t tiff_directory(FileBytes& file, std::uint64_t at, bool big, bool l
   if (tile_width > 0 && tile_height > 0 &&
       (tile_width > (1 << 16) || tile_height > (1 << 16) || tile_width * tile_height * samples * 8 > limit::kTileBytes))
     file.broken("its tiles are of " + std::to_string(tile_width) + " x " + std::to_string(tile_height) + " pixels");
+  // Strips may be higher than the picture, and 2^32 - 1 is what a writer says that thinks of none; OpenImageIO takes
+  // memory for whatever a signed number holds.
+  if (strip_height > height && strip_height <= std::numeric_limits<std::int32_t>::max() &&
+      strip_height > limit::kTileBytes / (8 * std::max<std::int64_t>(1, width * samples)))
+    file.broken("its strips are of " + std::to_string(width) + " x " + std::to_string(strip_height) + " pixels");
   return file.number(first + count * entry_bytes, word, big);
 }
 
