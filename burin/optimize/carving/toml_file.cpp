@@ -81,7 +81,9 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
       Json object = Json::object();
       for (const auto& [name, value] : *node.as_table()) {
         const std::string own = as_written(name.str());
-        const std::string place = key.empty() ? own : key + "." + own;
+        std::string place = key;
+        if (!place.empty()) place += '.';
+        place += own;
         object[own] = as_json(value, place, file, line);
       }
       return object;
