@@ -58,7 +58,7 @@ std::string holder(int file) {
 
 // Locks a file unless somebody works there. Who has locked it but written nothing has only begun, or only asks who
 // works there (who_works_in): that is waited for, a little.
-bool lock_at_once(int file) {
+bool lock_soon(int file) {
   constexpr int kTries = 50;
   constexpr std::chrono::milliseconds kBetween(10);
   for (int i = 0; ::flock(file, LOCK_EX | LOCK_NB) != 0; ++i) {
@@ -87,7 +87,7 @@ bool is_project(const fs::path& folder) {
 Descriptor locked_file(const fs::path& name, const fs::path& folder) {
   Descriptor file(::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
   if (!file) fail_with(name, "cannot be written, and without it two commands could spoil each other's results", errno);
-  if (!lock_at_once(file.number())) {
+  if (!lock_soon(file.number())) {
     const int error = errno;
     if (error == EWOULDBLOCK)
       fail(folder.string(), "is being worked on by " + holder(file.number()), "wait until that has ended, or stop it");

@@ -44,7 +44,7 @@ TEST_F(BrightPartTest, PictureAndGradientAreThoseOfAllGrooves) {
 
     BrightPart part;
     part.apart = true;
-    render_view(v, part, bench_, grooves, true, true);
+    render_view(v, part, bench_, grooves, true);
     EXPECT_GT(part.rows.size(), 100U);
     EXPECT_LT(part.rows.size(), 2000U) << "a lamp's own are bright, and few others";
     EXPECT_LT(rms_apart(v.radiance, whole), 1e-7 * peak(whole));
@@ -73,9 +73,9 @@ TEST_F(BrightPartTest, OthersLightHoldsWhileGroovesMoveALittle) {
   for (WorkView& v : work) {
     BrightPart part;
     part.apart = true;
-    render_view(v, part, bench_, in_metal(before), true, false);
+    render_view(v, part, bench_, in_metal(before), false);
     const Image was = v.radiance;
-    render_view(v, part, bench_, in_metal(after), false, false);
+    render_view(v, part, bench_, in_metal(after), false);
     const Image held = v.radiance;
     v.renderer.forward(in_metal(after), v.radiance);
     EXPECT_GT(rms_apart(was, v.radiance), 0.02 * peak(v.radiance)) << "what is bright did move";

@@ -123,6 +123,13 @@ TEST(MachineProfile, WrongTomlIsNamedByItsLine) {
   expect("name = 2024-05-01", "m.toml:3:8: name: is a date or a time; write a number");
   expect("decimals = ", "m.toml:3:12: is not TOML: ");
   expect("dwell_s = \xC3\xA9", "m.toml:3:11: is not TOML: ");
+  expect(
+      "gr\xC3\xB6\xC3\x9F"
+      "e = 3",
+      "m.toml:3:3: is not TOML: a letter that is not ASCII stands outside of quotes");
+  expect("name = \"\xC3\xB6\xC3\x9F\" x", "m.toml:3:13: is not TOML: ");
+  expect("name = 'a' @",
+         "m.toml:3:12: is not TOML: Error while parsing key-value pair: expected a comment or whitespace, saw '@'");
   expect("dwell_s = 0.1\ndwell_s = 0.2", "m.toml:4:11: is not TOML: ");
   const auto other = folder.write("bench.toml", "version = 1\nformat = \"burin/bench\"\n");
   EXPECT_THAT([&] { read_machine_profile(other); },

@@ -1,4 +1,5 @@
 #include "burin/capture/simulator/brushed_face.h"
+#include "burin/render/scattered.h"
 
 #include <cmath>
 #include <numbers>
@@ -10,11 +11,9 @@ using Eigen::Vector3d;
 
 // -1 to 1, of one cell's corner.
 double lattice(std::int64_t i, std::int64_t j, std::uint64_t seed) {
-  std::uint64_t v = static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15ULL ^
-                    (static_cast<std::uint64_t>(j) + 0x632be59bd9b4e019ULL) * 0xd1b54a32d192ed03ULL ^ seed;
-  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  v = (v ^ (v >> 27)) * 0x94d049bb133111ebULL;
-  return static_cast<double>((v ^ (v >> 31)) >> 11) * 0x1.0p-52 - 1;
+  const std::uint64_t v = static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15ULL ^
+                          (static_cast<std::uint64_t>(j) + 0x632be59bd9b4e019ULL) * 0xd1b54a32d192ed03ULL ^ seed;
+  return static_cast<double>(scattered(v) >> 11) * 0x1.0p-52 - 1;
 }
 
 double value_noise(double u, double v, std::uint64_t seed) {

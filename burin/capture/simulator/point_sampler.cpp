@@ -24,6 +24,7 @@
 #include "burin/render/far_light.h"
 #include "burin/render/groove.h"
 #include "burin/render/lamp_size.h"
+#include "burin/render/scattered.h"
 
 namespace burin {
 namespace {
@@ -32,13 +33,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-// A hash that scatters neighboring numbers (splitmix64's finaliser): random numbers by place, whatever the order.
-std::uint64_t scattered(std::uint64_t v) {
-  v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  v = (v ^ (v >> 27)) * 0x94d049bb133111ebULL;
-  return v ^ (v >> 31);
-}
 
 struct Groove {
   double x0, y0, ex, ey, length, half_width, t_per_mm;  // along the scratch: (ex, ey); across it: (ey, -ex)

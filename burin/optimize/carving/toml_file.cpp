@@ -33,10 +33,6 @@ namespace {
 namespace burin {
 namespace {
 
-std::string at_line(const std::filesystem::path& file, const toml::source_region& source) {
-  return file.string() + ":" + std::to_string(source.begin.line) + ":" + std::to_string(source.begin.column);
-}
-
 // toml++ 3 goes astray on letters beyond ASCII where it expects none, and what it takes for text is not always what it
 // should be. So it is given ASCII alone: each byte of such a letter as @ and two hexadecimal digits, @ itself as @@.
 // Outside of quotes and comments TOML has no @, which it says; in them as_json() takes the letters back.
@@ -73,8 +69,34 @@ std::string as_written(std::string_view text) {
   return out;
 }
 
-Json as_json(const toml::node& node, const std::string& key, const std::filesystem::path& file,
-             std::map<std::string, int>& line) {
+// What in_ascii() made of a file, for those who are told of a place in it.
+struct AsciiToml {
+  const std::filesystem::path& file;
+  std::string text;
+};
+
+// From a place in the text to the end of its line.
+std::string_view line_from(std::string_view text, const toml::source_position& at) {
+  for (toml::source_index line = 1; line < at.line; ++line)
+    text.remove_prefix(std::min(text.find('\n'), text.size() - 1) + 1);
+  return text.substr(0, text.find('\n'));
+}
+
+// FILE:LINE:COLUMN, as the file has them, letters counted.
+std::string at_line(const AsciiToml& toml, const toml::source_position& at) {
+  const std::string before = as_written(line_from(toml.text, at).substr(0, at.column - 1));
+  const auto letters = std::count_if(before.begin(), before.end(), [](char c) { return (c & 0xC0) != 0x80; });
+  return toml.file.string() + ":" + std::to_string(at.line) + ":" + std::to_string(letters + 1);
+}
+
+// Whether a letter beyond ASCII stands there.
+bool is_foreign_letter(const AsciiToml& toml, const toml::source_position& at) {
+  const std::string_view line = line_from(toml.text, at);
+  const std::string_view rest = line.substr(std::min<std::size_t>(at.column - 1, line.size()));
+  return rest.starts_with('@') && !rest.starts_with("@@");
+}
+
+Json as_json(const toml::node& node, const std::string& key, const AsciiToml& toml, std::map<std::string, int>& line) {
   if (!key.empty()) line[key] = static_cast<int>(node.source().begin.line);
   switch (node.type()) {
     case toml::node_type::table: {
@@ -84,20 +106,20 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
         std::string place = key;
         if (!place.empty()) place += '.';
         place += own;
-        object[own] = as_json(value, place, file, line);
+        object[own] = as_json(value, place, toml, line);
       }
       return object;
     }
     case toml::node_type::array: {
       Json array = Json::array();
       for (const toml::node& value : *node.as_array())
-        array.push_back(as_json(value, key + "[" + std::to_string(array.size()) + "]", file, line));
+        array.push_back(as_json(value, key + "[" + std::to_string(array.size()) + "]", toml, line));
       return array;
     }
     case toml::node_type::string: {
       const std::string text = as_written(node.as_string()->get());
       if (!is_printable(text))
-        fail(at_line(file, node.source()) + ": " + key, "holds a control character",
+        fail(at_line(toml, node.source().begin) + ": " + key, "holds a control character",
              "write text that can be read, on one line: no escapes, no zero bytes");
       return text;
     }
@@ -108,7 +130,7 @@ Json as_json(const toml::node& node, const std::string& key, const std::filesyst
     case toml::node_type::boolean:
       return node.as_boolean()->get();
     default:
-      fail(at_line(file, node.source()) + ": " + key, "is a date or a time",
+      fail(at_line(toml, node.source().begin) + ": " + key, "is a date or a time",
            "write a number, or text in double quotes");
   }
 }
@@ -138,16 +160,20 @@ TomlFile read_toml(const std::filesystem::path& file, const std::string& format,
   if (const std::size_t zero = text.find('\0'); zero != std::string::npos)
     fail(line_of(file, text, zero), "holds a zero byte, so it is no TOML", "check that it is the right file");
   const std::string_view content = std::string_view(text).substr(text.starts_with("\xEF\xBB\xBF") ? 3 : 0);
+  const AsciiToml ascii{file, in_ascii(content)};
   TomlFile toml;
   try {
-    const toml::table table = toml::parse(in_ascii(content));
-    toml.content = as_json(table, "", file, toml.line);
+    const toml::table table = toml::parse(ascii.text);
+    toml.content = as_json(table, "", ascii, toml.line);
   } catch (const Error& error) {
     if (std::string_view(error.what()).starts_with(file.string())) throw;
     fail(file.string(), std::string("is not TOML: ") + error.what(),
          "correct its brackets [ ] and what stands in them");
   } catch (const toml::parse_error& error) {
-    fail(at_line(file, error.source()), "is not TOML: " + printable(as_written(error.description())),
+    if (is_foreign_letter(ascii, error.source().begin))
+      fail(at_line(ascii, error.source().begin), "is not TOML: a letter that is not ASCII stands outside of quotes",
+           "put text in double quotes, or begin a comment with #");
+    fail(at_line(ascii, error.source().begin), "is not TOML: " + printable(as_written(error.description())),
          "correct it there (a key, =, and a number, text in double quotes, or an array in [ ])");
   }
   with_line(file, toml, [&] { check_format(JsonObject(toml.content, file.string()), format, version); });

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "burin/optimize/carving/ends.h"
 #include "burin/optimize/design/color_views.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/render/groove.h"
@@ -44,15 +45,12 @@ std::vector<std::size_t> bright_rows(const WorkView& view, const Bench& bench, c
   std::vector<char> bright(grooves.size(), 0);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grooves.size(), 1024), [&](const auto& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const double dx = grooves.x1_mm[i] - grooves.x0_mm[i], dy = grooves.y1_mm[i] - grooves.y0_mm[i];
+      const Ends e = ends_of(grooves, i);
+      const Eigen::Vector2d middle = (e.a + e.b) / 2, u = (e.b - e.a).normalized();
       const double alpha = grooves.alpha.empty() ? bench.material.alpha : grooves.alpha[i];
-      const Eigen::Vector3d middle((grooves.x0_mm[i] + grooves.x1_mm[i]) / 2, (grooves.y0_mm[i] + grooves.y1_mm[i]) / 2,
-                                   0);
       for (const WorkLamp& lamp : view.lamps) {
-        const Eigen::Vector3d h = half_vector_at(lamp.glint, middle);
-        const double along = h.x() * dx + h.y() * dy;
-        // Grooves without length have no direction, and no light.
-        if (along * along <= q2_most * alpha * alpha * h.squaredNorm() * (dx * dx + dy * dy)) bright[i] = 1;
+        const double q = lobe_place(lamp.glint, middle, u, alpha);
+        if (q * q <= q2_most) bright[i] = 1;
       }
     }
   });
@@ -62,8 +60,7 @@ std::vector<std::size_t> bright_rows(const WorkView& view, const Bench& bench, c
   return rows;
 }
 
-void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Carved& grooves, bool anew,
-                 bool with_jacobian) {
+void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Carved& grooves, bool with_jacobian) {
   const auto render = [&](const Carved& shown) {
     if (with_jacobian)
       view.renderer.forward_with_jacobian(shown, view.radiance);
@@ -76,7 +73,7 @@ void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Car
   }
   part.rows = bright_rows(view, bench, grooves.scratches);
   part.grooves.scratches = selected(grooves.scratches, part.rows);
-  anew = anew || part.others.data.empty();
+  const bool anew = part.others.data.empty();
   if (anew) view.renderer.forward(grooves, part.others);
   render(part.grooves);
   if (anew)

@@ -21,7 +21,7 @@ struct BrightPart {
   bool apart = false;             ///< whether the two are told apart; if not, all grooves are bright
   std::vector<std::size_t> rows;  ///< of the grooves in the metal, ascending
   Carved grooves;                 ///< those
-  Image others;                   ///< radiance that all other grooves add to these, as last seen
+  Image others;                   ///< radiance that all other grooves add to these, as last seen; no pixels: not yet
   ScratchGradients gradients;     ///< by `grooves`
 };
 
@@ -34,10 +34,9 @@ bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& bo
 /// (lobe() at their middles, for the lamp for which it is most). Where no light of the view is a lamp: none.
 std::vector<std::size_t> bright_rows(const WorkView& view, const Bench& bench, const Scratches& grooves);
 
-/// Renders a view into its radiance, the bright grooves alone and then what the others added when last seen. `anew`:
-/// these are seen now. With derivatives, view_backward() may follow.
-void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Carved& grooves, bool anew,
-                 bool with_jacobian);
+/// Renders a view into its radiance: the bright grooves alone, and what the others added when last seen, or now if they
+/// were not. With derivatives, view_backward() may follow.
+void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Carved& grooves, bool with_jacobian);
 
 /// Adds the gradient of view.dE_dradiance to that of all grooves, those that are not bright feeling nothing of it.
 void view_backward(const WorkView& view, BrightPart& part, ScratchGradients& by_carved);

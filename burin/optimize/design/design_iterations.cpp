@@ -43,7 +43,6 @@ void DesignRun::iterate() {
   drop_at_ = static_cast<int>(std::lround(options_.drop_at * options_.iterations));
   bright_.assign(views_.size(), {});
   for (std::size_t k = 0; k < views_.size(); ++k) bright_[k].apart = bright_part_shows(views_[k], bench_, board_);
-  others_seen_ = false;
   if (options_.carve_hours > 0)
     full_carving_s_ = carving_time_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
   // A design that starts where it should be is only set right; a random one has a way to go.
@@ -84,6 +83,11 @@ Scratches DesignRun::new_ones() const {
   return selected(scratches_, rows);
 }
 
+// Of the grooves that hardly show: they are looked at anew.
+void DesignRun::forget_others() {
+  for (BrightPart& part : bright_) part.others = {};
+}
+
 // Every view's picture and loss and, unless it is the last look, the gradient.
 void DesignRun::look(bool last) {
   const double began_s = deadline_.seconds();
@@ -94,15 +98,16 @@ void DesignRun::look(bool last) {
   DesignIteration now;
   now.view_loss.assign(shown_, 0.0);
   result_.pairs = 0;
-  const bool anew = !others_seen_ || iteration_ % kOthersEvery == 0;
-  others_seen_ = true;
+  if (iteration_ % kOthersEvery == 0) forget_others();
+  const bool all_seen =
+      std::all_of(bright_.begin(), bright_.end(), [](const BrightPart& p) { return p.others.data.empty(); });
   for (std::size_t k = 0; k < views_.size(); ++k) {
     WorkView& v = views_[k];
     const double exposure = std::exp(log_exposure_[v.exposure_group]);
     if (last)
       v.renderer.forward(grooves, v.radiance);
     else
-      render_view(v, bright_[k], bench_, grooves, anew, true);
+      render_view(v, bright_[k], bench_, grooves, true);
     picture_from_radiance(v.radiance, exposure, v.picture);
     v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
     now.loss += v.value.total;
@@ -118,7 +123,7 @@ void DesignRun::look(bool last) {
     for (auto* g : {&gradients_.x0_mm, &gradients_.y0_mm, &gradients_.x1_mm, &gradients_.y1_mm})
       std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable_), g->end(), 0.0);  // what is carved stays
   }
-  look_s_ = deadline_.seconds() - began_s;
+  if (all_seen) look_s_ = deadline_.seconds() - began_s;
   now.seconds = deadline_.seconds() - iterations_began_s_;
   result_.history.push_back(std::move(now));
   if (!std::isfinite(result_.history.back().loss))
@@ -207,7 +212,7 @@ void DesignRun::settle_order() {
   report("ordering scratches", 0);
   put_in_carving_order(true);
   in_last_order_ = true;
-  others_seen_ = false;
+  forget_others();
 }
 
 // Grooves as they will cut each other, from now on; the pictures lose light by it.
@@ -215,7 +220,7 @@ void DesignRun::count_rims() {
   if (rims_count_) return;
   report("cutting rims away where scratches cross", 0);
   rims_count_ = true;
-  others_seen_ = false;
+  forget_others();
   render_all(views_, in_the_metal());
   log_exposure_ = fitting_exposures(views_, log_exposure_);
 }
@@ -224,7 +229,7 @@ void DesignRun::relocate_some() {
   if (options_.relocate_every <= 0 || iteration_ == 0 || iteration_ % options_.relocate_every != 0) return;
   // Looked at anew: strokes that are placed before Adam's step, by its picture, come out 0.3 dB worse.
   const Carved grooves = in_the_metal();
-  for (std::size_t k = 0; k < views_.size(); ++k) render_view(views_[k], bright_[k], bench_, grooves, false, false);
+  for (std::size_t k = 0; k < views_.size(); ++k) render_view(views_[k], bright_[k], bench_, grooves, false);
   balance_views(views_, log_exposure_, options_.balance);
   const std::vector<std::size_t> moved =
       relocate(scratches_, views_, log_exposure_, limits_, rules_, movable_, options_.relocate_share,
@@ -237,7 +242,7 @@ void DesignRun::keep_only(const std::vector<std::size_t>& kept) {  // new ones f
   if (kept.size() == count()) return;
   if (result_.loss_before_drop == 0) result_.loss_before_drop = result_.history.back().loss;
   movable_ -= count() - kept.size();
-  others_seen_ = false;
+  forget_others();
   scratches_ = selected(scratches_, kept);
   momenta_.each_end([&](Adam& adam) { adam.keep(kept); });
 }

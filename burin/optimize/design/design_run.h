@@ -69,6 +69,7 @@ class DesignRun {
 
   // Parts of iterate().
   void look(bool last);
+  void forget_others();
   void record(bool last);
   void record_start();
   void show(int iteration, double loss, const std::vector<double>& view_loss);  // to those who watch
@@ -145,13 +146,12 @@ class DesignRun {
   ScratchGradients gradients_, by_carved_;  // by the designed rows, and by the grooves in the metal
   std::vector<double> d_log_exposure_;
   std::vector<BrightPart> bright_;  // one a view
-  bool others_seen_ = false;        // since grooves last went, or came to lie otherwise
   std::vector<int> contact_;        // iterations kept for the contact sheet
   int iteration_ = 0, drop_at_ = 0;
   double first_rate_ = 0, last_rate_ = 0;
   double full_carving_s_ = 0;  // what it would take to carve all that the iterations began with
   double iterations_began_s_ = 0;
-  double look_s_ = 0;  // what all views' pictures and gradients took last
+  double look_s_ = 0;  // what all views' pictures and gradients took when all grooves were last looked at
   bool weak_dropped_ = false;
   bool in_last_order_ = false;  // nothing is searched any more that would leave the carving order
 };

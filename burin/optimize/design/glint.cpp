@@ -58,6 +58,11 @@ double lobe(double lean, double turn, double alpha) {
   return std::pow(1 + q * q, -1.5);
 }
 
+double lobe_place(const GlintView& view, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u, double alpha) {
+  const Eigen::Vector3d h = half_vector_at(view, {p_mm.x(), p_mm.y(), 0});
+  return (h.x() * u.x() + h.y() * u.y()) / (h.norm() * alpha);
+}
+
 double turn_between(double a, double b) { return std::abs(std::remainder(a - b, std::numbers::pi)); }
 
 double ghost_of(const Lean& a, const Lean& b, double alpha) {

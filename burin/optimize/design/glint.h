@@ -60,6 +60,9 @@ Lean lean_at(const GlintView& view, const Eigen::Vector3d& p_mm);
 /// Light of a scratch turned by `turn` from the direction that glints best, relative to that best.
 double lobe(double lean, double turn, double alpha);
 
+/// h . u / alpha, where that lobe of a scratch of direction u (of length 1) stands at p: 0 where it glints best.
+double lobe_place(const GlintView& view, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u, double alpha);
+
 /// Difference of two scratches' orientations, which count modulo 180 degrees: 0 .. pi/2.
 double turn_between(double a, double b);
 

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "burin/render/scattered.h"
+
 namespace burin {
 
 /// 64 random bits at a time from any seed, at no cost to begin with: SplitMix (Steele, Lea, Flood, OOPSLA 2014). A
@@ -17,13 +19,7 @@ class SplitMix64 {
   static constexpr result_type min() { return 0; }
   static constexpr result_type max() { return std::numeric_limits<result_type>::max(); }
   /// The next 64 bits.
-  result_type operator()() { return mixed(state_ += 0x9E3779B97F4A7C15ULL); }
-  /// Every bit of a number spread over all 64.
-  static result_type mixed(std::uint64_t z) {
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9ULL;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBULL;
-    return z ^ (z >> 31);
-  }
+  result_type operator()() { return scattered(state_ += 0x9E3779B97F4A7C15ULL); }
 
  private:
   std::uint64_t state_;

@@ -180,11 +180,8 @@ void StrokeField::write_light(StrokeView& view) const {
   }
 }
 
-// h . u / alpha: where the lobe of a scratch of direction u stands at p.
 double StrokeField::lobe_place(const GlintView& glint, const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const {
-  const Eigen::Vector3d p(p_mm.x(), p_mm.y(), 0);
-  const Eigen::Vector3d h = half_vector_at(glint, p);
-  return (h.x() * u.x() + h.y() * u.y()) / (h.norm() * rules_.alpha_at(p_mm));
+  return burin::lobe_place(glint, p_mm, u, rules_.alpha_at(p_mm));
 }
 
 // visit(part) for parts of at most kPart pixels.
@@ -289,7 +286,8 @@ void StrokeField::survey(const PixelBox& box, MissingLight& missing) const {
   const auto columns = static_cast<std::size_t>(box.x1 - box.x0), rows = static_cast<std::size_t>(box.y1 - box.y0);
   missing.pixels = columns * rows;
   const std::size_t blocks = (missing.pixels + MissingLight::kBlock - 1) / MissingLight::kBlock;
-  missing.of_pixel.assign(blocks * MissingLight::kBlock, 0);
+  missing.of_pixel.resize(blocks * MissingLight::kBlock);
+  std::fill(missing.of_pixel.begin() + static_cast<std::ptrdiff_t>(missing.pixels), missing.of_pixel.end(), 0.0F);
   missing.upto.resize(blocks);
   for (std::size_t row = 0; row < rows; ++row) {
     const std::size_t first = (static_cast<std::size_t>(box.y0) + row) * width_ + box.x0;

@@ -23,6 +23,7 @@
 #include "burin/optimize/design/stroke_tiles.h"
 #include "burin/optimize/design/stroke_tries.h"
 #include "burin/render/error.h"
+#include "burin/render/scattered.h"
 
 namespace burin {
 namespace {
@@ -47,7 +48,7 @@ class Stopping {
 // A number that is another one for every (seed, view, step, tile).
 std::uint64_t seed_of(std::uint64_t seed, std::size_t view, std::size_t step, std::size_t tile) {
   std::uint64_t z = seed;
-  for (const std::uint64_t part : {view, step, tile}) z = SplitMix64::mixed(z + 0x9E3779B97F4A7C15ULL * (part + 1));
+  for (const std::uint64_t part : {view, step, tile}) z = scattered(z + 0x9E3779B97F4A7C15ULL * (part + 1));
   return z;
 }
 
