@@ -21,6 +21,9 @@ burin_needs(PkgConfig)
 if(NOT TARGET PkgConfig::apriltag)
   pkg_check_modules(apriltag REQUIRED IMPORTED_TARGET apriltag)
 endif()
+if(NOT TARGET PkgConfig::heif)
+  pkg_check_modules(heif REQUIRED IMPORTED_TARGET libheif)
+endif()
 
 # mrcal ships neither a CMake config nor a .pc file.
 if(NOT TARGET mrcal::mrcal)

@@ -10,7 +10,6 @@
 #include <ctime>
 #include <string_view>
 
-#include "burin/capture/opened_photo.h"
 #include "burin/render/error.h"
 #include "burin/render/files/file_names.h"
 #include "burin/render/files/input_file.h"
@@ -115,28 +114,17 @@ constexpr std::array<std::string_view, 18> kRaws{".dng", ".cr2", ".cr3", ".crw",
 
 }  // namespace
 
-Exif read_exif(const fs::path& file) { return exif_of(*open_noted(file), file); }
-
-std::unique_ptr<OIIO::ImageInput> open_noted(const fs::path& file) {
-  const std::string extension = lower_extension(file);
-  return open_picture(
-      file, {limit::kPhotoPixels, "a photo",
-             std::string("copy it from the camera again, or take it out of the folder") +
-                 (extension == ".heic" || extension == ".heif"
-                      ? "; if no HEIC can be read, its decoder is missing: on Debian 13, sudo apt-get install "
-                        "libheif-plugin-libde265"
-                      : ""),
-             is_raw_name(file)});
-}
-
-Exif exif_of(const OIIO::ImageInput& input, const fs::path& file) {
-  const OIIO::ImageSpec& spec = input.spec();
+Exif read_exif(const fs::path& file) {
+  const std::unique_ptr<OIIO::ImageInput> input =
+      open_picture(file, {limit::kPhotoPixels, "a photo", "copy it from the camera again, or take it out of the folder",
+                          is_raw_name(file)});
+  const OIIO::ImageSpec& spec = input->spec();
   Exif exif;
   exif.width = spec.width;
   exif.height = spec.height;
   exif.channels = spec.nchannels;
   exif.bits = static_cast<int>(spec.format.size() * 8);
-  exif.kind = input.format_name();
+  exif.kind = input->format_name();
   exif.exposure_s = positive(spec, {"ExposureTime"});
   if (!exif.exposure_s && spec.find_attribute("Exif:ShutterSpeedValue"))
     exif.exposure_s = std::exp2(-spec.get_float_attribute("Exif:ShutterSpeedValue"));

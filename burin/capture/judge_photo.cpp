@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "burin/capture/opened_photo.h"
+#include "burin/capture/exif.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_look.h"
 #include "burin/render/median.h"
@@ -256,17 +255,13 @@ PhotoFacts judge_photo(const std::filesystem::path& file, const Board& board, co
                        const PhotoFacts* before) {
   PhotoFacts facts;
   facts.file = file;
-  std::unique_ptr<OIIO::ImageInput> opened = open_noted(file);
-  facts.exif = exif_of(*opened, file);
+  facts.exif = read_exif(file);
   if (facts.exif.exposure_s && facts.exif.f_number)
     facts.exposure_factor = exposure_factor(*facts.exif.exposure_s, facts.exif.iso.value_or(100), *facts.exif.f_number);
   Photo photo;
   photo.file = file;
   photo.encoding = encoding_of(facts.exif).encoding;
-  // A HEIC is decoded by now; others are opened anew, raws with other settings.
-  if (facts.exif.kind != "heif") opened.reset();
-  LinearPhoto linear = opened ? linear_pixels_of(*opened, photo) : read_photo(photo);
-  opened.reset();
+  LinearPhoto linear = read_photo(photo);
   facts.width = linear.value.width;
   facts.height = linear.value.height;
   const Grays grays = grays_of(linear.value);

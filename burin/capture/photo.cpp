@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "burin/capture/exif.h"
-#include "burin/capture/opened_photo.h"
 #include "burin/capture/photo_memory.h"
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
@@ -159,9 +158,9 @@ double balance_of(const Photo& photo, int channels, std::size_t channel) {
 
 }  // namespace
 
-LinearPhoto read_photo(const Photo& photo) { return linear_pixels_of(*open_photo(photo), photo); }
-
-LinearPhoto linear_pixels_of(OIIO::ImageInput& input, const Photo& photo) {
+LinearPhoto read_photo(const Photo& photo) {
+  const std::unique_ptr<OIIO::ImageInput> opened = open_photo(photo);
+  OIIO::ImageInput& input = *opened;
   const OIIO::ImageSpec spec = input.spec();
   const std::string kind = input.format_name();
   if (kind == "jpeg" && !jpeg_is_complete(photo.file))

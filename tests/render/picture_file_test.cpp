@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <map>
 
 #include "burin/render/error.h"
@@ -29,6 +31,11 @@ std::string bytes_of(std::uint64_t value, int bytes, bool big) {
   return out;
 }
 
+std::string png_of(std::uint64_t width, std::uint64_t height) {
+  return "\x89PNG\r\n\x1a\n" + bytes_of(13, 4, true) + "IHDR" + bytes_of(width, 4, true) + bytes_of(height, 4, true) +
+         std::string("\x08\0\0\0\0", 5) + "crc.";
+}
+
 /// Writes waves through OpenImageIO; false where it has no writer for that kind.
 bool write_with_oiio(const std::filesystem::path& file, OIIO::ImageSpec spec) {
   const auto out = OIIO::ImageOutput::create(file.string());
@@ -45,21 +52,51 @@ TEST(PictureFile, SizeAndKindAreReadFromTheHeader) {
       {"a.bmp", "bmp"}, {"a.gif", "gif"},  {"a.webp", "webp"}, {"a.ppm", "pnm"}, {"a.heic", "heif"}};
   int written = 0;
   for (const auto& [name, kind] : kinds) {
-    // OpenImageIO 2.4 copies HEIF rows to a multiple of 16 bytes, from beyond the picture's end where they are others.
-    const int width = kind == "heif" ? 64 : 67;
-    if (!write_with_oiio(folder / name, OIIO::ImageSpec(width, 34, 3, OIIO::TypeDesc::UINT8))) continue;
+    if (!write_with_oiio(folder / name, OIIO::ImageSpec(67, 34, 3, OIIO::TypeDesc::UINT8))) continue;
     ++written;
     const PictureHeader header = read_picture_header(folder / name, false);
     EXPECT_EQ(header.kind, kind);
     if (kind != "heif") {  // tiles of a HEIC may be larger than the picture
-      EXPECT_EQ(header.width, width) << name;
+      EXPECT_EQ(header.width, 67) << name;
       EXPECT_EQ(header.height, 34) << name;
     }
     // Under another name it is the same picture.
     std::filesystem::copy_file(folder / name, folder / "other.txt", std::filesystem::copy_options::overwrite_existing);
-    EXPECT_EQ(read_picture(folder / "other.txt").width, width) << name;
+    EXPECT_EQ(read_picture(folder / "other.txt").width, 67) << name;
   }
   EXPECT_GE(written, 7);
+}
+
+// OpenImageIO 2.4 reads past a picture whose grid, or whose tile, is smaller than the container's word for it.
+TEST(PictureFile, AHeicSmallerThanItsContainerSaysIsRefused) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "a.heic").string();
+  if (!write_with_oiio(file, OIIO::ImageSpec(64, 64, 3, OIIO::TypeDesc::UINT8))) GTEST_SKIP() << "no encoder of HEIC";
+  EXPECT_EQ(read_picture(file).height, 64);
+  std::string bytes;
+  {
+    std::ifstream in(file, std::ios::binary);
+    bytes.assign(std::istreambuf_iterator<char>(in), {});
+  }
+  std::size_t said = 0;
+  for (std::size_t at = bytes.find("ispe"); at != std::string::npos; at = bytes.find("ispe", at + 4), ++said)
+    bytes.replace(at + 12, 4, bytes_of(255, 4, true));
+  ASSERT_GE(said, 1U);
+  std::ofstream(file, std::ios::binary) << bytes;
+  EXPECT_THAT([&] { read_picture(file); }, ThrowsMessage<Error>(HasSubstr("a.heic")));
+}
+
+// LibRaw writes past a Hasselblad's name, wherever the file has it.
+TEST(PictureFile, AHasselbladsRawFileIsRefused) {
+  const TemporaryFolder folder;
+  const std::string head = "P6\n8 8\n255\n";
+  for (const std::size_t at : {std::size_t{100}, std::size_t{(1 << 20) - 4}, std::size_t{1 << 20}}) {
+    const auto file = folder.write("a.dng", head + std::string(at, 'x') + "HasselBLAD" + std::string(9, 'x'));
+    EXPECT_THAT([&] { read_picture_header(file, true); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("a.dng"), HasSubstr("Hasselblad"), HasSubstr("export it"))));
+    EXPECT_NO_THROW(read_picture_header(file, false)) << "no raw file";
+  }
+  EXPECT_NO_THROW(read_picture_header(folder.write("b.dng", head + "Hasselbla"), true));
 }
 
 TEST(PictureFile, WhatIsNoneOfOursIsNamed) {
@@ -70,11 +107,6 @@ TEST(PictureFile, WhatIsNoneOfOursIsNamed) {
         << bytes;
   EXPECT_THAT([&] { read_picture_header(folder.write("a.png", ""), false); },
               ThrowsMessage<Error>(HasSubstr("is empty")));
-}
-
-std::string png_of(std::uint64_t width, std::uint64_t height) {
-  return "\x89PNG\r\n\x1a\n" + bytes_of(13, 4, true) + "IHDR" + bytes_of(width, 4, true) + bytes_of(height, 4, true) +
-         std::string("\x08\0\0\0\0", 5) + "crc.";
 }
 
 TEST(PictureFile, BombsAreRefusedByTheirHeaders) {

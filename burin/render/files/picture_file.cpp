@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "burin/render/error.h"
+#include "burin/render/files/heif_picture.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/limits.h"
 
@@ -29,7 +30,7 @@ void require_usable(const OIIO::ImageSpec& spec, const fs::path& file, const Pic
 
 std::unique_ptr<OIIO::ImageInput> opened(const std::string& kind, const fs::path& file, const OIIO::ImageSpec& config,
                                          std::string& why) {
-  std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::create(kind);
+  std::unique_ptr<OIIO::ImageInput> input = kind == "heif" ? make_heif_input() : OIIO::ImageInput::create(kind);
   OIIO::ImageSpec spec;
   if (input && input->open(file.string(), spec, config)) return input;
   why = input ? input->geterror() : OIIO::geterror();

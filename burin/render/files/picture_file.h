@@ -21,7 +21,7 @@ struct PictureHeader {
 
 /// Reads the header. Kinds: PNG, JPEG, TIFF, EXR, Radiance HDR, HEIF (HEIC, AVIF), WebP, BMP, GIF, PNM, and with
 /// `raw_name` (a name that cameras give to raw files) raw. Throws Error for anything else, and for a header that is
-/// broken or whose parts cannot fit into the file.
+/// broken or whose parts cannot fit into the file; and for a Hasselblad's raw file, by which LibRaw's memory is harmed.
 PictureHeader read_picture_header(const std::filesystem::path& file, bool raw_name);
 
 struct PictureLimits {

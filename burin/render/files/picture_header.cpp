@@ -2,6 +2,7 @@
 // held against the file's. Nothing is taken for granted, and nothing is decoded.
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cstdlib>
 #include <fstream>
 #include <string_view>
@@ -327,6 +328,20 @@ void gif_size(FileBytes& file, PictureHeader& header) {
        static_cast<std::int64_t>(file.little_endian(8, 2)));
 }
 
+/// LibRaw 0.20 and 0.21 put a Hasselblad's model together from several notes, and write past its place where these are
+/// long or have no end. A camera is a Hasselblad to them if its maker's note has that word, in whatever case.
+void refuse_hasselblad(FileBytes& file, const std::string& name) {
+  constexpr std::string_view kMaker = "hasselblad";
+  constexpr std::uintmax_t kPiece = limit::kMiB;
+  const auto in_lower_case = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
+  for (std::uintmax_t at = 0; at + kMaker.size() <= file.size(); at += kPiece) {
+    const std::string piece = file.up_to(at, kPiece + kMaker.size() - 1);
+    if (std::search(piece.begin(), piece.end(), kMaker.begin(), kMaker.end(), in_lower_case) != piece.end())
+      fail(name, "is a Hasselblad's raw file, for which the library that reads raw files cannot be trusted",
+           "export it as a TIFF of 16 bits, linear, with the program that came with the camera");
+  }
+}
+
 /// What a file's first bytes say that it is; nothing for what is none of ours.
 Kind kind_of(std::string_view head) {
   using namespace std::string_view_literals;
@@ -358,6 +373,7 @@ PictureHeader read_picture_header(const fs::path& file, bool raw_name) {
   const Kind kind = kind_of(head);
   header.kind = raw_name ? "raw" : kind.name;
   if (kind.size != nullptr) kind.size(bytes, header);
+  if (raw_name) refuse_hasselblad(bytes, file.string());
   if (header.kind.empty())
     fail(file.string(), "is no picture of a kind that Burin reads",
          "use PNG, JPEG, TIFF, EXR, HDR, HEIC, WebP, BMP, GIF or PNM, or a camera's raw file under its own name");

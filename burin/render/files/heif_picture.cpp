@@ -1,0 +1,137 @@
+#include "burin/render/files/heif_picture.h"
+
+#include <OpenImageIO/tiffutils.h>
+#include <libheif/heif.h>
+
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace burin {
+namespace {
+
+struct Free {
+  void operator()(heif_context* context) const { heif_context_free(context); }
+  void operator()(heif_image_handle* handle) const { heif_image_handle_release(handle); }
+  void operator()(heif_image* image) const { heif_image_release(image); }
+};
+
+/// EXIF as HEIF holds it, from its TIFF header on: four bytes say how many come before that (ISO 23008-12, annex
+/// A.2.1), and where they say nothing sensible, as libheif 1.15 writes them for OpenImageIO's EXIF, it stands behind
+/// "Exif\0\0".
+std::string exif_of(const heif_image_handle* handle) {
+  constexpr std::size_t kPlaceBytes = 4, kNameBytes = 6;
+  heif_item_id id = 0;
+  if (heif_image_handle_get_list_of_metadata_block_IDs(handle, "Exif", &id, 1) != 1) return {};
+  std::string bytes(heif_image_handle_get_metadata_size(handle, id), '\0');
+  if (bytes.size() < kPlaceBytes || heif_image_handle_get_metadata(handle, id, bytes.data()).code != heif_error_Ok)
+    return {};
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < kPlaceBytes; ++i) before = before << 8U | static_cast<unsigned char>(bytes[i]);
+  for (const std::size_t at : {kPlaceBytes + before, kPlaceBytes + kNameBytes}) {
+    if (at >= bytes.size()) continue;
+    const std::string_view rest = std::string_view(bytes).substr(at);
+    if (rest.starts_with("II") || rest.starts_with("MM")) return std::string(rest);
+  }
+  return {};
+}
+
+class HeifInput final : public OIIO::ImageInput {
+ public:
+  HeifInput() {
+    static const heif_error ready = heif_init(nullptr);  // decoders that are plug-ins are loaded by it
+    (void)ready;
+  }
+  const char* format_name() const override { return "heif"; }
+
+  bool open(const std::string& name, OIIO::ImageSpec& spec) override {
+    const lock_guard lock(*this);
+    close();
+    context_.reset(heif_context_alloc());
+    heif_image_handle* handle = nullptr;
+    if (!succeeded(heif_context_read_from_file(context_.get(), name.c_str(), nullptr)) ||
+        !succeeded(heif_context_get_primary_image_handle(context_.get(), &handle)))
+      return false;
+    handle_.reset(handle);
+    const bool has_alpha = heif_image_handle_has_alpha_channel(handle) != 0;
+    m_spec = OIIO::ImageSpec(heif_image_handle_get_width(handle), heif_image_handle_get_height(handle),
+                             has_alpha ? 4 : 3, OIIO::TypeDesc::UINT8);
+    m_spec.attribute("oiio:ColorSpace", "sRGB");
+    if (has_alpha && heif_image_handle_is_premultiplied_alpha(handle) == 0)
+      m_spec.attribute("oiio:UnassociatedAlpha", 1);
+    if (const std::string exif = exif_of(handle); !exif.empty())
+      OIIO::decode_exif(OIIO::string_view(exif.data(), exif.size()), m_spec);
+    m_spec.attribute("Orientation", 1);  // whatever the camera noted, what is read is turned
+    spec = m_spec;
+    return true;
+  }
+
+  bool close() override {
+    image_.reset();
+    handle_.reset();
+    context_.reset();
+    return true;
+  }
+
+  int current_subimage() const override { return 0; }
+  bool seek_subimage(int subimage, int miplevel) override { return subimage == 0 && miplevel == 0; }
+
+  bool read_native_scanline(int subimage, int miplevel, int y, int /*z*/, void* data) override {
+    const lock_guard lock(*this);
+    if (!seek_subimage(subimage, miplevel) || y < 0 || y >= m_spec.height || !decoded()) return false;
+    int stride = 0;
+    const std::uint8_t* pixels = heif_image_get_plane_readonly(image_.get(), heif_channel_interleaved, &stride);
+    const std::size_t row_bytes = m_spec.scanline_bytes(true);
+    if (pixels == nullptr || stride < 0 || static_cast<std::size_t>(stride) < row_bytes) {
+      errorfmt("it was decoded to pixels of another kind");
+      return false;
+    }
+    std::memcpy(data, pixels + static_cast<std::size_t>(y) * static_cast<std::size_t>(stride), row_bytes);
+    return true;
+  }
+
+ private:
+  bool succeeded(const heif_error& error) {
+    if (error.code == heif_error_Ok) return true;
+    errorfmt("{}", error.message);
+    return false;
+  }
+
+  bool decoded() {
+    if (image_) return true;
+    heif_image* image = nullptr;
+    const bool has_alpha = m_spec.nchannels == 4;
+    const heif_chroma layout = has_alpha ? heif_chroma_interleaved_RGBA : heif_chroma_interleaved_RGB;
+    if (!handle_) return false;
+    const heif_error error = heif_decode_image(handle_.get(), &image, heif_colorspace_RGB, layout, nullptr);
+    if (error.code != heif_error_Ok && heif_have_decoder_for_format(heif_compression_HEVC) == 0) {
+      errorfmt("{}; no decoder of HEIC is installed: on Debian 13, sudo apt-get install libheif-plugin-libde265",
+               error.message);
+      return false;
+    }
+    if (!succeeded(error)) return false;
+    std::unique_ptr<heif_image, Free> kept(image);
+    const int width = heif_image_get_width(image, heif_channel_interleaved),
+              height = heif_image_get_height(image, heif_channel_interleaved);
+    if (width < m_spec.width || height < m_spec.height) {
+      errorfmt("its container says that it is of {} x {} pixels, but {} x {} are coded in it", m_spec.width,
+               m_spec.height, width, height);
+      return false;
+    }
+    image_ = std::move(kept);
+    return true;
+  }
+
+  std::unique_ptr<heif_context, Free> context_;
+  std::unique_ptr<heif_image_handle, Free> handle_;
+  std::unique_ptr<heif_image, Free> image_;  // empty until a row is read
+};
+
+}  // namespace
+
+std::unique_ptr<OIIO::ImageInput> make_heif_input() { return std::make_unique<HeifInput>(); }
+
+}  // namespace burin
