@@ -35,8 +35,8 @@ using Pair = std::pair<std::uint32_t, std::uint32_t>;
 
 double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-std::vector<Strip> all_strips(const ViewScene& scene) {
-  return strips_of(paper_scratches(kScratches), scene.tool_width_um, scene.material);
+std::vector<Strip> all_strips(const ViewScene& scene, int count = kScratches) {
+  return strips_of(paper_scratches(count), scene.tool_width_um, scene.material);
 }
 
 /// Every fortieth.
@@ -209,11 +209,11 @@ class Ribbons {
 };
 
 /// `complete`: or the paper's recipe.
-void FindPairsByEmbree(benchmark::State& state, bool complete) {
+void FindPairsByEmbree(benchmark::State& state, bool complete, int count) {
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   RTCDevice device = rtcNewDevice("threads=1");
   const ViewScene scene = paper_scene(paper_grid(kPixels));
-  const std::vector<Strip> strips = all_strips(scene);
+  const std::vector<Strip> strips = all_strips(scene, count);
   // A millionth more for float.
   const double radius = (1 + 1e-6) * footprint_radius_mm(*scene.grid) + 1e-6 * kPaperBoard_mm;
   const auto ribbons_of = [&](const std::vector<Strip>& s) {
@@ -238,8 +238,9 @@ void FindPairsByEmbree(benchmark::State& state, bool complete) {
   report_pairs(state, found, true_pairs(*scene.grid, some));
   rtcReleaseDevice(device);
 }
-BENCHMARK_CAPTURE(FindPairsByEmbree, complete, true)->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(FindPairsByEmbree, as_in_the_paper, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(FindPairsByEmbree, complete, true, kScratches)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(FindPairsByEmbree, as_in_the_paper, false, kScratches)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(FindPairsByEmbree, for_peers, false, 40000)->Unit(benchmark::kMillisecond);  // peers/drjit_pairs.py
 
 }  // namespace
 }  // namespace burin
