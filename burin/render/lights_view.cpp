@@ -127,20 +127,26 @@ Scratches LightsView::under(const Lamp& lamp) const {
 void LightsView::forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
   last_ = scratches;
   last_has_jacobian_ = keep_jacobian;
-  Image sum(width_, height_, options_.channels), one;
+  bool is_first = true;  // of several, the first is rendered where the sum will be
   std::unique_ptr<LampView> made;
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
     LampView& view = view_of(lamps_[k], made);
+    Image& to = is_first ? radiance : one_;
     // One workspace holds one Jacobian: that of what comes last.
-    view.forward(under(lamps_[k]), keep_jacobian && k + 1 == lamps_.size() && surroundings_.empty(), one);
-    for (std::size_t i = 0; i < sum.data.size(); ++i) sum.data[i] += one.data[i];
+    view.forward(under(lamps_[k]), keep_jacobian && k + 1 == lamps_.size() && surroundings_.empty(), to);
+    if (!is_first)
+      for (std::size_t i = 0; i < radiance.data.size(); ++i) radiance.data[i] += one_.data[i];
+    is_first = false;
     pair_count_ = view.pair_count();
   }
+  if (is_first && (radiance.width != width_ || radiance.height != height_ || radiance.channels != options_.channels))
+    radiance = Image(width_, height_, options_.channels);
   for (const auto& around : surroundings_) {
-    around->add_radiance(scratches, keep_jacobian && around == surroundings_.back(), sum);
+    around->add_radiance(last_, keep_jacobian && around == surroundings_.back(), is_first, radiance);
+    is_first = false;
     pair_count_ = around->pair_count();
   }
-  radiance = std::move(sum);
+  if (is_first) std::fill(radiance.data.begin(), radiance.data.end(), 0.0F);
 }
 
 void LightsView::narrow(const Lamp& lamp, const ScratchGradients& before, ScratchGradients& gradients) const {
@@ -155,7 +161,7 @@ void LightsView::narrow(const Lamp& lamp, const ScratchGradients& before, Scratc
 
 void LightsView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
   for (std::size_t k = surroundings_.size(); k-- > 0;)  // the last one's Jacobian is there still
-    surroundings_[k]->backward(dE_dradiance, gradients);
+    surroundings_[k]->backward(last_, dE_dradiance, gradients);
   std::unique_ptr<LampView> made;
   for (std::size_t k = lamps_.size(); k-- > 0;) {
     const LampView& view = with_jacobian(k, made);
@@ -172,7 +178,7 @@ void LightsView::backward(const Image& dE_dradiance, ScratchGradients& gradients
 void LightsView::add_contributions(std::vector<double>& contribution) const {
   std::unique_ptr<LampView> made;
   last_has_jacobian_ = false;  // what follows is rendered in its place
-  for (const auto& one : surroundings_) one->add_contributions(contribution);
+  for (const auto& one : surroundings_) one->add_contributions(last_, contribution);
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
     LampView& view = view_of(lamps_[k], made);
     Image again;

@@ -20,7 +20,7 @@ struct SurroundingsView::Data {
   PlaceLattice lattice;
   TableRange range;
   std::vector<std::unique_ptr<FastView>> channels;
-  Scratches last;
+  Image one;                                 // of a channel; kept for the next time
   std::unique_ptr<ExactSurroundings> exact;  // with use_double: then no channels
 
   Data(const ViewScene& s, const Light& l, const RenderOptions& o) : scene(s), light(l), options(o) {}
@@ -75,40 +75,53 @@ std::size_t SurroundingsView::pair_count() const {
   return data_->exact ? data_->exact->pair_count() : data_->channels.front()->pair_count();
 }
 
-void SurroundingsView::add_radiance(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
+void SurroundingsView::add_radiance(const Scratches& scratches, bool keep_jacobian, bool instead, Image& radiance) {
   Data& d = *data_;
   if (d.exact) {
+    if (instead) std::fill(radiance.data.begin(), radiance.data.end(), 0.0F);
     d.exact->add_radiance(scratches, radiance);
     return;
   }
-  d.last = scratches;
   d.make_tables(scratches);
   const std::size_t n = d.channels.size();
-  Image one;
   for (std::size_t c = 0; c < n; ++c) {
     // Channels share a workspace: the last one's Jacobian stays.
-    d.channels[c]->forward(scratches, keep_jacobian && c + 1 == n ? d.with_jacobian() : KernelMode::value, one);
-    for (std::size_t i = 0; i < one.data.size(); ++i) radiance.data[i * n + c] += one.data[i];
+    const KernelMode mode = keep_jacobian && c + 1 == n ? d.with_jacobian() : KernelMode::value;
+    if (instead && n == 1) {
+      d.channels[c]->forward(scratches, mode, radiance);
+      return;
+    }
+    d.channels[c]->forward(scratches, mode, d.one);
+    for (std::size_t i = 0; i < d.one.data.size(); ++i) {
+      float& to = radiance.data[i * n + c];
+      to = instead ? d.one.data[i] : to + d.one.data[i];
+    }
   }
 }
 
-void SurroundingsView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
+void SurroundingsView::backward(const Scratches& scratches, const Image& dE_dradiance,
+                                ScratchGradients& gradients) const {
   const Data& d = *data_;
   if (d.exact) {
     d.exact->backward(dE_dradiance, gradients);
     return;
   }
   const std::size_t n = d.channels.size();
-  Image by(dE_dradiance.width, dE_dradiance.height, 1), again;
+  Image by, again;
   for (std::size_t c = n; c-- > 0;) {
     FastView& view = *d.channels[c];
-    if (!view.has_jacobian()) view.forward(d.last, d.with_jacobian(), again);
+    if (!view.has_jacobian()) view.forward(scratches, d.with_jacobian(), again);
+    if (n == 1) {
+      view.backward(dE_dradiance, gradients);
+      return;
+    }
+    if (by.data.empty()) by = Image(dE_dradiance.width, dE_dradiance.height, 1);
     for (std::size_t i = 0; i < by.data.size(); ++i) by.data[i] = dE_dradiance.data[i * n + c];
     view.backward(by, gradients);
   }
 }
 
-void SurroundingsView::add_contributions(std::vector<double>& contribution) const {
+void SurroundingsView::add_contributions(const Scratches& scratches, std::vector<double>& contribution) const {
   const Data& d = *data_;
   if (d.exact) {
     d.exact->add_contributions(contribution);
@@ -117,7 +130,7 @@ void SurroundingsView::add_contributions(std::vector<double>& contribution) cons
   Image again;
   std::vector<double> own(contribution.size(), 0);
   for (const auto& view : d.channels) {
-    view->forward(d.last, KernelMode::value, again);
+    view->forward(scratches, KernelMode::value, again);
     view->add_contributions(own);
   }
   for (std::size_t i = 0; i < own.size(); ++i) contribution[i] += own[i] / static_cast<double>(d.channels.size());

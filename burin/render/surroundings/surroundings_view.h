@@ -23,11 +23,12 @@ class SurroundingsView {
                    const std::shared_ptr<RenderWorkspace>& workspace);
   ~SurroundingsView();
 
-  /// Adds the radiance to `radiance`, which has the view's size. Deterministic, for any number of threads.
-  void add_radiance(const Scratches& scratches, bool keep_jacobian, Image& radiance);
-  /// For the scratches of the last add_radiance(). What other views have taken of the workspace is rendered once more.
-  void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
-  void add_contributions(std::vector<double>& contribution) const;
+  /// Adds the radiance to `radiance`, which has the view's size; with `instead`, puts it in the place of what is there.
+  /// Deterministic, for any number of threads.
+  void add_radiance(const Scratches& scratches, bool keep_jacobian, bool instead, Image& radiance);
+  /// `scratches`: those of the last add_radiance(). What other views have taken of the workspace is rendered once more.
+  void backward(const Scratches& scratches, const Image& dE_dradiance, ScratchGradients& gradients) const;
+  void add_contributions(const Scratches& scratches, std::vector<double>& contribution) const;
   std::size_t pair_count() const;
 
  private:
