@@ -52,17 +52,20 @@ TEST(PictureFile, SizeAndKindAreReadFromTheHeader) {
       {"a.bmp", "bmp"}, {"a.gif", "gif"},  {"a.webp", "webp"}, {"a.ppm", "pnm"}, {"a.heic", "heif"}};
   int written = 0;
   for (const auto& [name, kind] : kinds) {
-    if (!write_with_oiio(folder / name, OIIO::ImageSpec(67, 34, 3, OIIO::TypeDesc::UINT8))) continue;
+    // OpenImageIO 2.4 writes HEIF by rows of a multiple of 16 bytes, from beyond the picture's end where they are
+    // others.
+    const int width = kind == "heif" ? 64 : 67;
+    if (!write_with_oiio(folder / name, OIIO::ImageSpec(width, 34, 3, OIIO::TypeDesc::UINT8))) continue;
     ++written;
     const PictureHeader header = read_picture_header(folder / name, false);
     EXPECT_EQ(header.kind, kind);
     if (kind != "heif") {  // tiles of a HEIC may be larger than the picture
-      EXPECT_EQ(header.width, 67) << name;
+      EXPECT_EQ(header.width, width) << name;
       EXPECT_EQ(header.height, 34) << name;
     }
     // Under another name it is the same picture.
     std::filesystem::copy_file(folder / name, folder / "other.txt", std::filesystem::copy_options::overwrite_existing);
-    EXPECT_EQ(read_picture(folder / "other.txt").width, 67) << name;
+    EXPECT_EQ(read_picture(folder / "other.txt").width, width) << name;
   }
   EXPECT_GE(written, 7);
 }
