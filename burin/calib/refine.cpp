@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -50,6 +51,8 @@ struct RefineRun {
   State state{};
   Stage stage{};
   std::vector<Eigen::VectorXd> size_shifts{};  // by sizes of lamps that the photos do not ask for
+  Eigen::VectorXd burr_trade{};                // ProfileChoice::trade
+  std::optional<Uncertainty> uncertainty{};    // of the state that the run ends with, if known
 
   void tell(const char* what, double fraction) const {
     if (progress) progress(what, fraction);
@@ -100,6 +103,7 @@ struct RefineRun {
   void fit_middle();
   void drop_spots();
   void find_effects();
+  bool may_have_another_section() const;
   void find_profile();
   void fit_finest();
   void leave_out_what_lies_on_the_board();
@@ -107,6 +111,7 @@ struct RefineRun {
   void free_depth_field();
   void glare_at(const Glare& glare);
   void shape_glare();
+  void doubt_profile();
   void keep_what_is_believed();
   void judge();
 };
@@ -237,13 +242,8 @@ void RefineRun::find_effects() {
     stage.free(group);
     more = true;
   }
-  // Of a cross-section that a person saw, flanks are held, and burrs where they were seen.
-  const GrooveProfile& seen = board.material.profile;
-  const bool burrs_seen = seen.burr_left_um > 0 || seen.burr_right_um > 0;
-  // Under surroundings the paper's grooves alone are rendered.
-  const bool other_section = data.surroundings    ? false
-                             : board.said.profile ? !burrs_seen
-                                                  : photos_ask_for(data, state, equations, Group::flank);
+  const bool other_section =
+      may_have_another_section() && (board.said.profile || photos_ask_for(data, state, equations, Group::flank));
   if (more) fit(options.max_iterations, 1e-5, "fitting backlash and the face's direction");
   tell("asking whether the machine's screws are uneven", 0);
   if (start_screws(data, state)) {
@@ -256,6 +256,13 @@ void RefineRun::find_effects() {
   if (other_section) find_profile();
 }
 
+// Of a cross-section that a person saw, flanks are held, and burrs where they were seen. Under surroundings the paper's
+// grooves alone are rendered.
+bool RefineRun::may_have_another_section() const {
+  const GrooveProfile& seen = board.material.profile;
+  return !data.surroundings && !(seen.burr_left_um > 0 || seen.burr_right_um > 0);
+}
+
 // Photos ask for another cross-section than the paper's: which. (Of one that board.json gives: its burrs.)
 void RefineRun::find_profile() {
   const auto tried = [&](const char* what, double share) { tell(what, share); };
@@ -264,6 +271,7 @@ void RefineRun::find_profile() {
   for (PhotoData& photo : data.photos) photo.profile = choice.profile;
   data.model.profile = out.bench.material.profile = choice.profile;
   state = choice.state;
+  burr_trade = choice.trade;
   for (const Group group : choice.free) stage.free(group);
   choose_crossings();  // anew: rims that are cut away and rims that never were look alike
   fit(options.max_iterations, 1e-5, "fitting the grooves' cross-section");
@@ -341,6 +349,22 @@ void RefineRun::shape_glare() {
   take_glare_from_paper(views, state.shared[unknown::glare_share], out.bench, data.paper);
 }
 
+// Burrs do not show by flanks, which is how photos are asked first: they do where pixels contradict each other by how
+// near half vectors are to the steepest wall.
+void RefineRun::doubt_profile() {
+  if (!options.fit_effects || !may_have_another_section() || !data.model.profile.is_paper()) return;
+  tell("asking whether the model is enough", 0);
+  light_around(state, data);
+  uncertainty = uncertainty_of(data, stage, state);
+  const std::vector<Misfit>& misfits = uncertainty->misfits;
+  if (std::none_of(misfits.begin(), misfits.end(), [](const Misfit& m) { return m.test == "across"; })) return;
+  find_profile();
+  if (data.model.profile.is_paper()) return;
+  uncertainty.reset();
+  fit_corrected("fitting photos and the grooves' cross-section");
+  if (options.fit_geometry) move_geometry();
+}
+
 // A depth that the photos do not tell may still be refuted by them: grooves that glint beyond its cut-off.
 void RefineRun::keep_what_is_believed() {
   const double fitted_um = out.bench.material.depth_um, cost_fitted = cost_of(data, state, 1);
@@ -357,13 +381,15 @@ void RefineRun::keep_what_is_believed() {
 void RefineRun::judge() {
   tell("judging the result", 0);
   light_around(state, data);
-  Uncertainty uncertainty = uncertainty_of(data, stage, state);
-  uncertainty.shifts.insert(uncertainty.shifts.end(), size_shifts.begin(), size_shifts.end());
+  if (!uncertainty) uncertainty = uncertainty_of(data, stage, state);
+  Uncertainty& judged_by = *uncertainty;
+  judged_by.shifts.insert(judged_by.shifts.end(), size_shifts.begin(), size_shifts.end());
+  if (burr_trade.size() > 0) judged_by.shifts.push_back(burr_trade);
   const Carved carved = carved_at(data.model, state.of(0));
   for (std::size_t k = 0; k < data.photos.size(); ++k)
     out.photos.push_back(photo_fit(data, k, state, carved, out.bench));
-  add_odd_photos(out.photos, uncertainty);
-  const Combinations judged = fill_bench(data, state, uncertainty, stage, out);
+  add_odd_photos(out.photos, judged_by);
+  const Combinations judged = fill_bench(data, state, judged_by, stage, out);
   constexpr double kWorthTelling = 4;  // twice the weight
   if (data.geometry && data.geometry->weight > kWorthTelling)
     out.findings.push_back(make_warning(
@@ -374,7 +400,7 @@ void RefineRun::judge() {
   append(out.findings, judge_bounds(data, stage, state, out.bench));
   keep_what_is_believed();
   append(out.findings, effect_findings(out.bench));
-  advise_light(data, state, uncertainty, judged, out.bench, progress);
+  advise_light(data, state, judged_by, judged, out.bench, progress);
   append(out.findings, keep_colors(given, fit_colors(data, merged, state, out.bench), out.bench));
   out.alpha_jitter = data.model.alpha_jitter;
   out.depth_jitter = data.model.depth_jitter;
@@ -389,11 +415,19 @@ void RefineRun::judge() {
 }
 
 // From rough and quick to fine: each stage starts where the one before ended.
-constexpr std::array kStages{
-    &RefineRun::find_lamp,        &RefineRun::try_grooves,      &RefineRun::fit_coarse,
-    &RefineRun::choose_crossings, &RefineRun::fit_middle,       &RefineRun::drop_spots,
-    &RefineRun::find_effects,     &RefineRun::fit_finest,       &RefineRun::leave_out_what_lies_on_the_board,
-    &RefineRun::free_geometry,    &RefineRun::free_depth_field, &RefineRun::judge};
+constexpr std::array kStages{&RefineRun::find_lamp,
+                             &RefineRun::try_grooves,
+                             &RefineRun::fit_coarse,
+                             &RefineRun::choose_crossings,
+                             &RefineRun::fit_middle,
+                             &RefineRun::drop_spots,
+                             &RefineRun::find_effects,
+                             &RefineRun::fit_finest,
+                             &RefineRun::leave_out_what_lies_on_the_board,
+                             &RefineRun::free_geometry,
+                             &RefineRun::free_depth_field,
+                             &RefineRun::doubt_profile,
+                             &RefineRun::judge};
 
 }  // namespace
 

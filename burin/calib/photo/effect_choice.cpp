@@ -272,7 +272,7 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
   const GrooveProfile paper = data.model.profile;
   Trial best = tried(data, stage, state, paper, {}, 0);
   constexpr std::size_t kFewestViews = 3;
-  if (data.photos.size() < kFewestViews) return {paper, state, {}};
+  if (data.photos.size() < kFewestViews) return {paper, state, {}, {}};
   // Flanks from steep (an arc) to shallow, each fitted a little; then the best of them to its end.
   if (paper.kind == GrooveProfile::Kind::paper) try_flanks(data, stage, told, best);
 
@@ -288,7 +288,15 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
   };
   GrooveProfile with = best.profile;
   with.burr_left_um = with.burr_right_um = 1;
+  const auto without_burrs = best.state.shared;
+  const std::size_t told_without = best.free.size();
   add(with, Group::burrs, 0.7);
+  Eigen::VectorXd trade;
+  if (best.free.size() > told_without) {
+    trade.setZero(global_count(state.lamps.size()));
+    for (const int i : {unknown::log_alpha, unknown::log_depth})
+      trade[i] = 0.5 * (best.state.shared[i] - without_burrs[i]);
+  }
   with = best.profile;
   with.burr_left_um = best.state.shared[unknown::burrs];
   with.burr_right_um = best.state.shared[unknown::burrs + 1];
@@ -302,7 +310,7 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
   chosen.burr_width_um = std::exp(best.state.shared[unknown::burr_width]);
   chosen.across = std::exp(best.state.shared[unknown::log_across]);
   set_profile(data, chosen, best.state);
-  return {chosen, best.state, best.free};
+  return {chosen, best.state, best.free, trade};
 }
 
 }  // namespace burin
