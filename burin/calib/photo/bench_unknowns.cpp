@@ -93,13 +93,14 @@ constexpr auto kLinks = std::to_array<Link>({
        b.material.profile.flank_deg = *from;
      }},
     {unknown::burrs,
-     [](const Bench& b, const Problem&, std::size_t, double* to) {
-       to[0] = b.material.profile.burr_left_um;
-       to[1] = b.material.profile.burr_right_um;
-     },
+     [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.material.profile.burr_left_um; },
      [](const double* from, const Problem&, std::size_t, Bench& b) {
-       b.material.profile.burr_left_um = std::max(0.0, from[0]);
-       b.material.profile.burr_right_um = std::max(0.0, from[1]);
+       b.material.profile.burr_left_um = std::max(0.0, *from);
+     }},
+    {unknown::burrs + 1,
+     [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.material.profile.burr_right_um; },
+     [](const double* from, const Problem&, std::size_t, Bench& b) {
+       b.material.profile.burr_right_um = std::max(0.0, *from);
      }},
     {unknown::burr_width,
      [](const Bench& b, const Problem&, std::size_t, double* to) { *to = std::log(b.material.profile.burr_width_um); },

@@ -284,7 +284,10 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
     std::vector<Group> free = from.free;
     free.push_back(group);
     Trial more = tried(data, stage, from.state, profile, free, kThen);
-    if (clearly_better(more, best)) best = std::move(more);
+    // No burr stands higher than its groove is deep: what asks for one is something else.
+    const double depth_um = std::exp(more.state.shared[unknown::log_depth]);
+    const bool can_be = std::max(more.state.shared[unknown::burrs], more.state.shared[unknown::burrs + 1]) < depth_um;
+    if (can_be && clearly_better(more, best)) best = std::move(more);
   };
   GrooveProfile with = best.profile;
   with.burr_left_um = with.burr_right_um = 1;
@@ -294,8 +297,7 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
   Eigen::VectorXd trade;
   if (best.free.size() > told_without) {
     trade.setZero(global_count(state.lamps.size()));
-    for (const int i : {unknown::log_alpha, unknown::log_depth})
-      trade[i] = 0.5 * (best.state.shared[i] - without_burrs[i]);
+    for (const int i : {unknown::log_alpha, unknown::log_depth}) trade[i] = best.state.shared[i] - without_burrs[i];
   }
   with = best.profile;
   with.burr_left_um = best.state.shared[unknown::burrs];

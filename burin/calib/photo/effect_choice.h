@@ -42,7 +42,7 @@ struct ProfileChoice {
   GrooveProfile profile;
   State state;
   std::vector<Group> free;  ///< what of it the photos tell
-  /// Of burrs that were found: half of what they moved roughness and depth by, over all unknowns (global_index()). All
+  /// Of burrs that were found: what they moved roughness and depth by, over all unknowns (global_index()). All
   /// three trade with each other, and what else the photos' light misses decides how far. Else empty.
   Eigen::VectorXd trade;
 };

@@ -106,7 +106,8 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"grain", 2, Scope::shared, Group::grain},
     // The profile's: flanks' slope (degrees); burrs left and right, and their width (um); logarithm of across.
     {"flank", 1, Scope::shared, Group::flank, Enters::light, {Bounds::Kind::plain, 5, 75}},
-    {"burrs", 2, Scope::shared, Group::burrs},
+    {"burr_left", 1, Scope::shared, Group::burrs, Enters::light, {Bounds::Kind::plain, 0, 50}},
+    {"burr_right", 1, Scope::shared, Group::burrs, Enters::light, {Bounds::Kind::plain, 0, 50}},
     {"burr_width", 1, Scope::shared, Group::burrs, Enters::light, {Bounds::Kind::of_log, 1, 200}},
     {"log_across", 1, Scope::shared, Group::across, Enters::light, {Bounds::Kind::of_log, 0.2, 5}},
     // Radiance, mean of the channels.
@@ -166,7 +167,7 @@ inline constexpr int screw = first_of("screw");
 inline constexpr int screw_period = first_of("log_screw_period");
 inline constexpr int grain = first_of("grain");
 inline constexpr int flank = first_of("flank");
-inline constexpr int burrs = first_of("burrs");
+inline constexpr int burrs = first_of("burr_left");  // and the right one
 inline constexpr int burr_width = first_of("burr_width");
 inline constexpr int log_across = first_of("log_across");
 inline constexpr int ambient = first_of("ambient");
