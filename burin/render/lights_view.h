@@ -48,7 +48,7 @@ class LightsView {
   RenderOptions options_;
   std::shared_ptr<RenderWorkspace> workspace_;
   Scratches last_;
-  Image one_;  // of what is added to others; kept for the next time
+  Image one_;                               // of what is added to others; kept for the next time
   mutable bool last_has_jacobian_ = false;  // whether the last lamp's, of forward(), is in the workspace still
   Material material_;
   int width_ = 0, height_ = 0;
