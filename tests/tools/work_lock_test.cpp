@@ -1,6 +1,6 @@
 // Proves: who begins in the moment in which another has locked a project but not yet said who it is waits for its
-// words, and works if it was only asked who works there; a folder that is held is
-// refused with the holder's words, and free when the holder is gone.
+// words, and works if it was only asked who works there; a folder that is held is refused with the holder's words, and
+// one process may hold it twice.
 #include "tools/work_lock.h"
 
 #include <fcntl.h>
