@@ -1,0 +1,50 @@
+// A board whose grooves have burrs that nobody told of, photographed by the point sampler. They hide: the photos ask
+// for no other cross-section until everything else has been freed, and then contradict each other where the steepest
+// walls glint. refine asks once more there, finds them, and with them the depth that they had changed.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "burin/calib/calibrate.h"
+#include "burin/calib/refine.h"
+#include "burin/capture/session.h"
+#include "burin/capture/simulator/simulated_camera.h"
+#include "burin/render/parameter_name.h"
+#include "burin/render/scratches.h"
+#include "tests/calib/photographed_board.h"
+#include "tests/temporary_folder.h"
+
+namespace burin {
+namespace {
+
+// Without the second question: no burrs, and depth 8 % too large.
+TEST(RefineBurrs, ThatHideAreFoundAndTheDepthBesideThem) {
+  const TemporaryFolder folder;
+  Json truth = photographed_board("burrs", 6, "lamp", {60, 60, 0}, 8);
+  constexpr double kSmaller = 500. / 800;  // photos
+  truth["samples"] = 36;
+  for (Json& size : truth["camera"]["imagersize"]) size = static_cast<int>(kSmaller * size.get<int>());
+  for (int k = 0; k < 4; ++k)
+    truth["camera"]["intrinsics"][k] = kSmaller * truth["camera"]["intrinsics"][k].get<double>();
+  truth["material"]["profile"] = {
+      {"kind", "paper"}, {"tip_radius_um", 100}, {"burr_height_um", {1.3, 1.1}}, {"burr_width_um", 10}};
+  simulate(folder.write("truth.json", truth.dump(1)), folder / "photos-of-it");
+  const Session session = read_session(folder / "photos-of-it" / "session.json");
+  Board board = read_board(session.board);
+  board.material.profile = {};  // nobody told
+  const Calibration calibrated = calibrate(session, board);
+
+  const Bench bench = refine(session, board, Sent(read_scratches(board.scratches)), calibrated.bench, {}).bench;
+  EXPECT_NEAR(bench.material.profile.burr_left_um, 1.3, 0.8);
+  EXPECT_NEAR(bench.material.profile.burr_right_um, 1.1, 0.8);
+  EXPECT_GT(bench.material.profile.burr_left_um, 0.3);
+  EXPECT_GT(bench.material.profile.burr_right_um, 0.3);
+  EXPECT_NEAR(bench.material.depth_um / 15, 1, 0.03);
+  const auto depth = bench.verdict.find(parameter::kDepth);
+  ASSERT_NE(depth, bench.verdict.end());
+  ASSERT_TRUE(depth->second.sigma);
+  EXPECT_LT(100 * std::abs(bench.material.depth_um / 15 - 1), 3 * *depth->second.sigma);  // %
+}
+
+}  // namespace
+}  // namespace burin
