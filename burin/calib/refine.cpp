@@ -350,14 +350,15 @@ void RefineRun::shape_glare() {
 }
 
 // Burrs do not show by flanks, which is how photos are asked first: they do where pixels contradict each other by how
-// near half vectors are to the steepest wall.
+// far half vectors lean, beside the steepest wall or beside the face's highlight.
 void RefineRun::doubt_profile() {
   if (!options.fit_effects || !may_have_another_section() || !data.model.profile.is_paper()) return;
   tell("asking whether the model is enough", 0);
   light_around(state, data);
   uncertainty = uncertainty_of(data, stage, state);
   const std::vector<Misfit>& misfits = uncertainty->misfits;
-  if (std::none_of(misfits.begin(), misfits.end(), [](const Misfit& m) { return m.test == "across"; })) return;
+  const auto by_lean = [](const Misfit& m) { return m.test == "across" || m.test == "highlight"; };
+  if (std::none_of(misfits.begin(), misfits.end(), by_lean)) return;
   find_profile();
   if (data.model.profile.is_paper()) return;
   uncertainty.reset();

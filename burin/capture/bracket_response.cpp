@@ -3,14 +3,17 @@
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Dense>
+#include <Eigen/Sparse>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "burin/capture/photo.h"
 #include "burin/render/error.h"
@@ -184,14 +187,63 @@ Response response_of(const Eigen::VectorXd& curve) {
   return r;
 }
 
+// Normal equations of the curve's numbers and of three for each photo that is compared. A photo meets the curve and the
+// photos of its own bracket alone, so thousands of them cost little more than a few each.
+class PhotoEquations {
+ public:
+  explicit PhotoEquations(std::span<const BlockComparison> comparisons) {
+    for (const BlockComparison& c : comparisons) place_[c.longer] = place_[c.shorter] = 0;
+    Eigen::Index next = 0;
+    for (auto& [photo, place] : place_) place = next++;
+  }
+
+  /// Of the photos that are compared, ascending: their place among the numbers.
+  const std::map<int, Eigen::Index>& places() const { return place_; }
+  Eigen::Index at(int photo) const { return kMostCurve + 3 * place_.at(photo); }
+  Eigen::Index size() const { return kMostCurve + 3 * static_cast<Eigen::Index>(place_.size()); }
+
+  void clear() { blocks_.clear(); }
+  /// weight row row^T; `row` has the curve's slopes, then three of the longer exposure and three of the shorter.
+  using Row = Eigen::Matrix<double, kMostCurve + 6, 1>;
+  void add(int longer, int shorter, const Row& row, double weight) {
+    const auto found = blocks_.try_emplace({longer, shorter}, Block::Zero()).first;
+    found->second.noalias() += weight * row * row.transpose();
+  }
+  /// With `prior` on the diagonal.
+  Eigen::SparseMatrix<double> matrix(const Eigen::VectorXd& prior) const {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (Eigen::Index i = 0; i < size(); ++i) entries.emplace_back(i, i, prior[i]);
+    for (const auto& [pair, block] : blocks_) {
+      std::array<Eigen::Index, kMostCurve + 6> to{};
+      std::iota(to.begin(), to.begin() + kMostCurve, Eigen::Index{0});
+      for (int k = 0; k < 3; ++k) {
+        to[kMostCurve + k] = at(pair.first) + k;
+        to[kMostCurve + 3 + k] = at(pair.second) + k;
+      }
+      for (std::size_t i = 0; i < to.size(); ++i)
+        for (std::size_t j = 0; j < to.size(); ++j)
+          if (to[i] >= to[j])
+            entries.emplace_back(to[i], to[j], block(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+    }
+    Eigen::SparseMatrix<double> A(size(), size());
+    A.setFromTriplets(entries.begin(), entries.end());
+    return A;
+  }
+
+ private:
+  using Block = Eigen::Matrix<double, kMostCurve + 6, kMostCurve + 6>;
+  std::map<int, Eigen::Index> place_;
+  std::map<std::pair<int, int>, Block> blocks_;
+};
+
 // Number of e, w_R or w_B that a channel of a photo takes beside e; -1: none.
 int balance_number(int channel) { return channel == 0 ? 1 : channel == 2 ? 2 : -1; }
 
 // Least squares with Cauchy's loss, `curve_numbers` of the curve free, started at `start`.
 Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& session, int curve_numbers,
                const Response& start, double scatter) {
-  const auto n = static_cast<Eigen::Index>(session.photos.size());
-  const Eigen::Index size = kMostCurve + 3 * n;
+  PhotoEquations equations(comparisons);
+  const Eigen::Index size = equations.size();
   Eigen::VectorXd x = Eigen::VectorXd::Zero(size);
   x[0] = start.offset;
   x[1] = start.slope;
@@ -201,7 +253,7 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
   constexpr double kCauchy = 3;
   for (int round = 0; round <= kRounds; ++round) {
     const Response response = response_of(x);
-    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(size, size);
+    equations.clear();
     Eigen::VectorXd b = Eigen::VectorXd::Zero(size);
     fit.residual.clear();
     fit.cost = 0;
@@ -210,17 +262,15 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
       const Encoding encoding = session.photos[c.longer].encoding;
       const LogLight p = log_light(response, c.s_longer, encoding), q = log_light(response, c.s_shorter, encoding);
       double r = p.value - q.value - c.log_ratio;
-      std::array<std::pair<Eigen::Index, double>, kMostCurve + 4> row;
-      std::size_t used = 0;
-      for (int k = 0; k < curve_numbers; ++k) row[used++] = {k, p.by_curve[k] - q.by_curve[k]};
-      for (const auto& [photo, sign] : {std::pair(c.longer, -1.0), std::pair(c.shorter, 1.0)}) {
-        const Eigen::Index at = kMostCurve + 3 * static_cast<Eigen::Index>(photo);
-        row[used++] = {at, sign};
-        r += sign * x[at];
-        const int own = session.photos.empty() ? -1 : balance_number(c.channel);
-        if (own < 0) continue;
-        row[used++] = {at + own, sign};
-        r += sign * x[at + own];
+      PhotoEquations::Row row = PhotoEquations::Row::Zero();
+      for (int k = 0; k < curve_numbers; ++k) row[k] = p.by_curve[k] - q.by_curve[k];
+      const Eigen::Index of_longer = equations.at(c.longer), of_shorter = equations.at(c.shorter);
+      const int own = balance_number(c.channel);
+      for (const int k : {0, own}) {
+        if (k < 0) continue;
+        row[kMostCurve + k] = -1;
+        row[kMostCurve + 3 + k] = 1;
+        r += x[of_shorter + k] - x[of_longer + k];
       }
       const double sigma = scatter * c.sigma;
       absolute.push_back(std::abs(r));
@@ -229,34 +279,33 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
       const double z2 = r * r / (sigma * sigma * kCauchy * kCauchy);
       fit.cost += 0.5 * kCauchy * kCauchy * std::log1p(z2);
       const double weight = 1 / (1 + z2) / (sigma * sigma);
-      for (std::size_t i = 0; i < used; ++i) {
-        b[row[i].first] -= weight * row[i].second * r;
-        for (std::size_t j = 0; j < used; ++j) A(row[i].first, row[j].first) += weight * row[i].second * row[j].second;
-      }
+      equations.add(c.longer, c.shorter, row, weight);
+      b.head(kMostCurve) -= weight * r * row.head(kMostCurve);
+      b.segment<3>(of_longer) -= weight * r * row.segment<3>(kMostCurve);
+      b.segment<3>(of_shorter) -= weight * r * row.segment<3>(kMostCurve + 3);
     }
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (int k = 0; k < 3; ++k) {
-        const Eigen::Index at = kMostCurve + 3 * i + k;
-        const double weight = 1 / std::pow(k == 0 ? kExposureSigma : kBalanceSigma, 2);
-        A(at, at) += weight;
-        b[at] -= weight * x[at];
-        fit.cost += 0.5 * weight * x[at] * x[at];
-      }
+    Eigen::VectorXd prior = Eigen::VectorXd::Zero(size);
+    for (Eigen::Index i = kMostCurve; i < size; ++i)
+      prior[i] = 1 / std::pow((i - kMostCurve) % 3 == 0 ? kExposureSigma : kBalanceSigma, 2);
     for (int k = 0; k < kMostCurve; ++k) {
       // Bumps are small where they are real: a prior keeps those that no pair of levels sees.
-      if (k >= 2 && k < curve_numbers) {
-        A(k, k) += 1 / (0.3 * 0.3);
-        b[k] -= x[k] / (0.3 * 0.3);
-      }
-      if (k >= curve_numbers) A(k, k) = 1;
+      if (k >= 2 && k < curve_numbers) prior[k] = 1 / (0.3 * 0.3);
+      if (k >= curve_numbers) prior[k] = 1;  // and stay where they are
     }
-    const Eigen::LDLT<Eigen::MatrixXd> solver(A);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      if (i >= curve_numbers && i < kMostCurve) continue;
+      b[i] -= prior[i] * x[i];
+      if (i >= kMostCurve) fit.cost += 0.5 * prior[i] * x[i] * x[i];
+    }
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(equations.matrix(prior));
     fit.response = response;
-    fit.photos = x.tail(3 * n);
+    fit.photos = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(session.photos.size()));
+    for (const auto& [photo, place] : equations.places())
+      fit.photos.segment<3>(3 * static_cast<Eigen::Index>(photo)) = x.segment<3>(equations.at(photo));
     fit.scatter = scatter * median_of(relative) / 0.6745;
     fit.error = 1.4826 * median_of(absolute);
     if (round == kRounds) {
-      fit.covariance = solver.solve(Eigen::MatrixXd::Identity(size, size)).topLeftCorner(kMostCurve, kMostCurve);
+      fit.covariance = solver.solve(Eigen::MatrixXd::Identity(size, kMostCurve)).topRows(kMostCurve);
       break;
     }
     Eigen::VectorXd step = solver.solve(b);
