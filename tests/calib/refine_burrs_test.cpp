@@ -35,10 +35,16 @@ TEST(RefineBurrs, ThatHideAreFoundAndTheDepthBesideThem) {
   const Calibration calibrated = calibrate(session, board);
 
   const Bench bench = refine(session, board, Sent(read_scratches(board.scratches)), calibrated.bench, {}).bench;
-  EXPECT_NEAR(bench.material.profile.burr_left_um, 1.3, 0.8);
-  EXPECT_NEAR(bench.material.profile.burr_right_um, 1.1, 0.8);
-  EXPECT_GT(bench.material.profile.burr_left_um, 0.3);
-  EXPECT_GT(bench.material.profile.burr_right_um, 0.3);
+  const GrooveProfile& found = bench.material.profile;
+  const MaterialSigma& sigma = bench.material_sigma;
+  ASSERT_TRUE(sigma.burr_left_um && sigma.burr_right_um);
+  EXPECT_GT(found.burr_left_um, 0.3);
+  EXPECT_GT(found.burr_right_um, 0.3);
+  // Burrs trade with roughness and depth, and say so.
+  EXPECT_NEAR(found.burr_left_um, 1.3, 3 * *sigma.burr_left_um);
+  EXPECT_NEAR(found.burr_right_um, 1.1, 3 * *sigma.burr_right_um);
+  EXPECT_GT(*sigma.burr_left_um, 0.25 * found.burr_left_um);
+  EXPECT_LT(*sigma.burr_left_um, 0.5 * found.burr_left_um);
   EXPECT_NEAR(bench.material.depth_um / 15, 1, 0.03);
   const auto depth = bench.verdict.find(parameter::kDepth);
   ASSERT_NE(depth, bench.verdict.end());
