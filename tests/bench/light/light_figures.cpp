@@ -2,10 +2,10 @@
 // lamp, under sun and sky, and in a room with a window; and boards designed for these. Each is judged by the simulated
 // camera, which draws points and directions and knows none of the renderer's tables.
 //
-//   burin_light_figures FOLDER OUT [POINTS [CASE ...]]
+//   burin_light_figures FOLDER OUT [POINTS [SCRATCHES [CASE ...]]]
 //
-// FOLDER holds the two pictures, camera.png and astronaut.png; POINTS a pixel, 2048 unless given; cases: sun,
-// sun-aside, room, room-aside, all of them unless given.
+// FOLDER holds the two pictures, camera.png and astronaut.png; POINTS a pixel, 2048 unless given; SCRATCHES of a board,
+// 4000 unless given; cases: sun, sun-aside, room, room-aside, all of them unless given.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -139,10 +139,10 @@ Bench bench_under(const Rig& rig, const Light& light) {
   return bench;
 }
 
-DesignResult designed_for(const Rig& rig, const Light& light) {
+DesignResult designed_for(const Rig& rig, const Light& light, int scratches) {
   const Bench bench = bench_under(rig, light);
   DesignSpec spec;
-  spec.scratches = 4000;
+  spec.scratches = scratches;
   std::vector<std::string> names;
   for (const Light& l : bench.lights) names.push_back(l.id);
   for (std::size_t k = 0; k < rig.eyes.size(); ++k) {
@@ -231,7 +231,7 @@ Judged judge(const std::string& what, const Rig& rig, const DesignResult& design
   return out;
 }
 
-void run(const std::filesystem::path& pictures, const std::filesystem::path& out, int points,
+void run(const std::filesystem::path& pictures, const std::filesystem::path& out, int points, int scratches,
          const std::vector<std::string>& wanted) {
   std::filesystem::create_directories(out);
   const Rig rig = the_rig(pictures);
@@ -259,7 +259,7 @@ void run(const std::filesystem::path& pictures, const std::filesystem::path& out
                     1.0, there.normalized().dot(
                              (c.light.position_mm - (c.light.is_near() ? kMiddle : Vector3d(0, 0, 0))).normalized()))) *
                     180 / std::numbers::pi);
-  const DesignResult of_lamp = designed_for(rig, lamp);
+  const DesignResult of_lamp = designed_for(rig, lamp, scratches);
   for (const DesignedView& v : of_lamp.views) std::printf("    promised %s %.1f dB\n", v.view.c_str(), v.psnr_db);
   std::vector<std::vector<Image>> shown(2), again(2);
   std::printf("| the board of the lamp under | PSNR | SSIM | corr. | contrast | PSNR | SSIM | corr. | contrast |\n");
@@ -269,7 +269,7 @@ void run(const std::filesystem::path& pictures, const std::filesystem::path& out
   }
   std::printf("| a board of its own for |\n");
   for (std::size_t i = 1; i < cases.size(); ++i) {
-    const DesignResult own = designed_for(rig, cases[i].light);
+    const DesignResult own = designed_for(rig, cases[i].light, scratches);
     for (const DesignedView& v : own.views)
       std::printf("    promised %s %.1f dB, the face allows %.1f dB\n", v.view.c_str(), v.psnr_db,
                   v.achievable_psnr_db);
@@ -290,8 +290,8 @@ int main(int count, char** words) {
     return 2;
   }
   try {
-    run(words[1], words[2], count > 3 ? std::atoi(words[3]) : 2048,
-        std::vector<std::string>(words + std::min(count, 4), words + count));
+    run(words[1], words[2], count > 3 ? std::atoi(words[3]) : 2048, count > 4 ? std::atoi(words[4]) : 4000,
+        std::vector<std::string>(words + std::min(count, 5), words + count));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 1;
