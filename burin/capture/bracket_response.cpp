@@ -288,8 +288,9 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
     for (Eigen::Index i = kMostCurve; i < size; ++i)
       prior[i] = 1 / std::pow((i - kMostCurve) % 3 == 0 ? kExposureSigma : kBalanceSigma, 2);
     for (int k = 0; k < kMostCurve; ++k) {
-      // Bumps are small where they are real: a prior keeps those that no pair of levels sees.
-      if (k >= 2 && k < curve_numbers) prior[k] = 1 / (0.3 * 0.3);
+      // Bumps are small where they are real: a prior keeps those that no pair of levels sees. (A trace of one for the
+      // rest: where nothing is compared any more there still is an answer.)
+      if (k < curve_numbers) prior[k] = k < 2 ? 1e-6 : 1 / (0.3 * 0.3);
       if (k >= curve_numbers) prior[k] = 1;  // and stay where they are
     }
     for (Eigen::Index i = 0; i < size; ++i) {
