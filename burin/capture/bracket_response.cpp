@@ -239,6 +239,17 @@ class PhotoEquations {
 // Number of e, w_R or w_B that a channel of a photo takes beside e; -1: none.
 int balance_number(int channel) { return channel == 0 ? 1 : channel == 2 ? 2 : -1; }
 
+// What holds the numbers of PhotoEquations where no comparison does.
+Eigen::VectorXd prior_weights(Eigen::Index size, int curve_numbers) {
+  Eigen::VectorXd prior = Eigen::VectorXd::Ones(size);
+  // Bumps are small where they are real: a prior keeps those that no pair of levels sees. (A trace of one for the rest:
+  // where nothing is compared any more there still is an answer.)
+  for (int k = 0; k < curve_numbers; ++k) prior[k] = k < 2 ? 1e-6 : 1 / (0.3 * 0.3);
+  for (Eigen::Index i = kMostCurve; i < size; ++i)
+    prior[i] = 1 / std::pow((i - kMostCurve) % 3 == 0 ? kExposureSigma : kBalanceSigma, 2);
+  return prior;
+}
+
 // Least squares with Cauchy's loss, `curve_numbers` of the curve free, started at `start`.
 Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& session, int curve_numbers,
                const Response& start, double scatter) {
@@ -248,6 +259,7 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
   x[0] = start.offset;
   x[1] = start.slope;
   for (std::size_t k = 0; k < Response::kBumps; ++k) x[2 + static_cast<Eigen::Index>(k)] = start.bumps[k];
+  const Eigen::VectorXd prior = prior_weights(size, curve_numbers);
   Fit fit;
   constexpr int kRounds = 12;
   constexpr double kCauchy = 3;
@@ -284,28 +296,19 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
       b.segment<3>(of_longer) -= weight * r * row.segment<3>(kMostCurve);
       b.segment<3>(of_shorter) -= weight * r * row.segment<3>(kMostCurve + 3);
     }
-    Eigen::VectorXd prior = Eigen::VectorXd::Zero(size);
-    for (Eigen::Index i = kMostCurve; i < size; ++i)
-      prior[i] = 1 / std::pow((i - kMostCurve) % 3 == 0 ? kExposureSigma : kBalanceSigma, 2);
-    for (int k = 0; k < kMostCurve; ++k) {
-      // Bumps are small where they are real: a prior keeps those that no pair of levels sees. (A trace of one for the
-      // rest: where nothing is compared any more there still is an answer.)
-      if (k < curve_numbers) prior[k] = k < 2 ? 1e-6 : 1 / (0.3 * 0.3);
-      if (k >= curve_numbers) prior[k] = 1;  // and stay where they are
-    }
     for (Eigen::Index i = 0; i < size; ++i) {
-      if (i >= curve_numbers && i < kMostCurve) continue;
+      if (i >= curve_numbers && i < kMostCurve) continue;  // stays where it is
       b[i] -= prior[i] * x[i];
       if (i >= kMostCurve) fit.cost += 0.5 * prior[i] * x[i] * x[i];
     }
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(equations.matrix(prior));
-    fit.response = response;
-    fit.photos = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(session.photos.size()));
-    for (const auto& [photo, place] : equations.places())
-      fit.photos.segment<3>(3 * static_cast<Eigen::Index>(photo)) = x.segment<3>(equations.at(photo));
-    fit.scatter = scatter * median_of(relative) / 0.6745;
-    fit.error = 1.4826 * median_of(absolute);
     if (round == kRounds) {
+      fit.response = response;
+      fit.photos = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(session.photos.size()));
+      for (const auto& [photo, place] : equations.places())
+        fit.photos.segment<3>(3 * static_cast<Eigen::Index>(photo)) = x.segment<3>(equations.at(photo));
+      fit.scatter = scatter * median_of(relative) / 0.6745;
+      fit.error = 1.4826 * median_of(absolute);
       fit.covariance = solver.solve(Eigen::MatrixXd::Identity(size, kMostCurve)).topRows(kMostCurve);
       break;
     }

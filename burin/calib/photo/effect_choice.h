@@ -42,9 +42,9 @@ struct ProfileChoice {
   GrooveProfile profile;
   State state;
   std::vector<Group> free;  ///< what of it the photos tell
-  /// Of burrs that were found: what they moved roughness and depth by, and what they are worth themselves, over all
-  /// unknowns (global_index()). All of them trade with each other, and what else the photos' light misses decides how
-  /// far. Else empty.
+  /// Of burrs that were found: what they moved roughness and depth by, and how far heights and width may be off
+  /// themselves, over all unknowns (global_index()). All of them trade with each other, and what else the photos' light
+  /// misses decides how far. Else empty.
   Eigen::VectorXd trade;
 };
 ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state,
