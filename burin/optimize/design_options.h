@@ -34,19 +34,19 @@ struct DesignFrame {
 
 struct DesignOptions {
   int pixels = 512;  ///< of the grid along the carve area's longer side
-  int iterations = 100;
+  int iterations = 160;
   std::uint64_t seed = 1;
   double rate = 0;        ///< Adam's, in uv (fractions of the board's width and height) an iteration; 0: 1e-3 from a
-                          ///< random start, else 0.15 pixels
+                          ///< random start, else 0.2 pixels
   double final_rate = 0;  ///< the rate falls along a half cosine to this; 0: chosen
   LossWeights loss{.perceptual = 0, .l2 = 1, .gram = 0};  ///< what PSNR measures; the paper's are 1, 0, 0.01
   Start start = Start::guided;
-  int start_sweeps = 4;          ///< guided start: times that each scratch is searched a better place
+  int start_sweeps = 1;          ///< guided start: times that each scratch is searched a better place
   double start_length_mm = 0;    ///< random start: mean length; searched scratches are a tenth to ten times as long; 0:
                                  ///< chosen from the number of scratches
   double start_light = 0.5;      ///< guided start: light of a pixel that a scratch of the best direction crosses along
                                  ///< one pixel's length, of white; sets the exposures
-  int relocate_every = 1;        ///< iterations between such searches; 0: never
+  int relocate_every = 2;        ///< iterations between such searches; 0: never
   int candidates = 16;           ///< places tried for each scratch in a search
   double relocate_until = 0.95;  ///< part of the iterations (or of the time limit) after which there are none
   double relocate_share = 0.02;  ///< of the scratches, the least worthy, that may change their view each time

@@ -1,6 +1,7 @@
 #include "burin/calib/verdict/effect_findings.h"
 
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "burin/render/files/decimals.h"
@@ -12,8 +13,29 @@ Finding note(const std::string& what, const std::string& remedy = "") {
   return {Finding::Severity::note, {}, what, remedy};
 }
 
-std::string pair(const Eigen::Vector2d& v, int decimals) {
-  return fixed(v.x(), decimals) + " and " + fixed(v.y(), decimals);
+// A measured number and its standard deviation; the number alone where it was told, not measured.
+std::string measured(double value, const std::optional<double>& sigma, int decimals) {
+  return fixed(value, decimals) + (sigma ? " +- " + significant(*sigma) : "");
+}
+
+std::string measured(const Eigen::Vector2d& v, const std::optional<Eigen::Vector2d>& sigma, int decimals) {
+  using Sigma = std::optional<double>;
+  return measured(v.x(), sigma ? Sigma(sigma->x()) : Sigma(), decimals) + " and " +
+         measured(v.y(), sigma ? Sigma(sigma->y()) : Sigma(), decimals);
+}
+
+// The streaks' roughnesses come of base_alpha and of half the logarithm of their ratio, whose errors are held apart.
+std::string tell_grain(const Material& m, const MaterialSigma& sigma) {
+  const double root = std::sqrt(m.grain.ratio());
+  std::string along, across;
+  if (sigma.base_alpha && sigma.grain) {
+    const double share = std::hypot(*sigma.base_alpha / m.base_alpha, sigma.grain->maxCoeff());
+    along = " +- " + significant(share * m.base_alpha / root, 2);
+    across = " +- " + significant(share * m.base_alpha * root, 2);
+  }
+  return "the plain face is brushed: roughness " + significant(m.base_alpha / root, 3) + along + " along " +
+         fixed(m.grain.along_deg(), 1) + " degrees from the board's x, " + significant(m.base_alpha * root, 3) +
+         across + " across";
 }
 
 void tell_profile(const Bench& bench, std::vector<Finding>& out) {
@@ -21,10 +43,11 @@ void tell_profile(const Bench& bench, std::vector<Finding>& out) {
   const MaterialSigma& sigma = bench.material_sigma;
   std::string what = "the grooves are not the paper's:";
   if (p.kind == GrooveProfile::Kind::rounded_v)
-    what += " flanks of " + fixed(p.flank_deg, 1) + " degrees behind a rounded tip;";
+    what += " flanks of " + measured(p.flank_deg, sigma.flank_deg, 1) + " degrees behind a rounded tip;";
   if (p.burr_left_um > 0 || p.burr_right_um > 0)
-    what += " burrs of " + fixed(p.burr_left_um, 2) + " (left) and " + fixed(p.burr_right_um, 2) + " um;";
-  if (p.across != 1) what += " " + fixed(p.across, 2) + " times as rough across as along;";
+    what += " burrs of " + measured(p.burr_left_um, sigma.burr_left_um, 2) + " (left) and " +
+            measured(p.burr_right_um, sigma.burr_right_um, 2) + " um (right);";
+  if (p.across != 1) what += " " + measured(p.across, sigma.across, 2) + " times as rough across as along;";
   what.back() = ',';
   const bool told = !sigma.flank_deg && !sigma.across && !sigma.burr_left_um;
   out.push_back(
@@ -38,19 +61,15 @@ void tell_profile(const Bench& bench, std::vector<Finding>& out) {
 std::vector<Finding> effect_findings(const Bench& bench) {
   std::vector<Finding> out;
   const Material& m = bench.material;
-  if (!m.grain.none()) {
-    const double root = std::sqrt(m.grain.ratio());
-    out.push_back(note("the plain face is brushed: roughness " + significant(m.base_alpha / root, 3) + " along " +
-                       fixed(m.grain.along_deg(), 1) + " degrees from the board's x, " +
-                       significant(m.base_alpha * root, 3) + " across"));
-  }
+  if (!m.grain.none()) out.push_back(note(tell_grain(m, bench.material_sigma)));
   const MachineErrors& errors = bench.machine_errors;
   if (!errors.backlash_mm.isZero(0))
-    out.push_back(note("the machine has backlash of " + pair(errors.backlash_mm, 3) + " mm in x and y",
-                       "tool paths written with this bench undo it"));
+    out.push_back(note(
+        "the machine has backlash of " + measured(errors.backlash_mm, errors.backlash_sigma_mm, 3) + " mm in x and y",
+        "tool paths written with this bench undo it"));
   if (errors.uneven())
-    out.push_back(note("the machine's screws add a sine of " + pair(errors.screw_mm(), 3) + " mm every " +
-                           pair(errors.screw_period_mm, 2) + " mm to x and y",
+    out.push_back(note("the machine's screws add a sine of " + measured(errors.screw_mm(), errors.screw_sigma_mm, 3) +
+                           " mm every " + measured(errors.screw_period_mm, {}, 2) + " mm to x and y",
                        "tool paths written with this bench undo it at the ends of scratches"));
   if (!m.profile.is_paper()) tell_profile(bench, out);
   return out;

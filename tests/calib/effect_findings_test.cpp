@@ -1,0 +1,52 @@
+// Proves: what refine says of a bench that departs from the paper's model carries the sigmas that bench.json holds, and
+// none where board.json told it.
+#include "burin/calib/verdict/effect_findings.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace burin {
+namespace {
+
+std::string told(const Bench& bench) {
+  std::string all;
+  for (const Finding& f : effect_findings(bench)) all += sentence(f) + "\n";
+  return all;
+}
+
+TEST(EffectFindings, SayHowSureTheyAre) {
+  Bench bench;
+  GrooveProfile& p = bench.material.profile;
+  p.kind = GrooveProfile::Kind::rounded_v;
+  p.flank_deg = 22.4;
+  p.burr_left_um = 0.99;
+  p.burr_right_um = 0.54;
+  p.across = 1.2;
+  bench.material_sigma.flank_deg = 0.7;
+  bench.material_sigma.burr_left_um = 0.3;
+  bench.material_sigma.burr_right_um = 0.16;
+  bench.material_sigma.across = 0.05;
+  bench.machine_errors.backlash_mm = {0.041, 0.06};
+  bench.machine_errors.backlash_sigma_mm = Eigen::Vector2d(0.002, 0.003);
+  bench.material.base_alpha = 0.155;
+  bench.material.grain = FaceGrain::of(30, 0.12, 0.2);
+  bench.material_sigma.base_alpha = 0.00155;
+  bench.material_sigma.grain = Eigen::Vector2d(0, 0);
+  const std::string said = told(bench);
+  for (const char* part : {"flanks of 22.4 +- 0.7 degrees", "burrs of 0.99 +- 0.3 (left) and 0.54 +- 0.16 um (right)",
+                           "1.20 +- 0.05 times as rough across", "backlash of 0.041 +- 0.002 and 0.060 +- 0.003 mm",
+                           "roughness 0.12 +- 0.0012 along 30.0 degrees", "0.2 +- 0.002 across"})
+    EXPECT_NE(said.find(part), std::string::npos) << part << " in:\n" << said;
+}
+
+TEST(EffectFindings, ToldNumbersHaveNoSigma) {
+  Bench bench;
+  bench.material.profile.burr_left_um = 1.5;
+  const std::string said = told(bench);
+  EXPECT_NE(said.find("burrs of 1.50 (left) and 0.00 um (right), as board.json says"), std::string::npos) << said;
+  EXPECT_EQ(said.find("+-"), std::string::npos) << said;
+}
+
+}  // namespace
+}  // namespace burin
