@@ -50,7 +50,7 @@ struct DesignIteration {
   double seconds = 0;  ///< since the first iteration began
 };
 
-/// Frames of the contact sheet: one picture a view.
+/// Frames of the contact sheet: one picture a view, small (for_contact_sheet()).
 struct ContactFrame {
   int iteration = 0;
   std::vector<Image> pictures;

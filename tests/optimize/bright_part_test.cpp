@@ -38,9 +38,9 @@ TEST_F(BrightPartTest, PictureAndGradientAreThoseOfAllGrooves) {
   for (WorkView& v : work) {
     Image whole;
     v.renderer.forward_with_jacobian(grooves, whole);
-    v.dE_dradiance = Image(whole.width, whole.height, 1);
-    for (float& d : v.dE_dradiance.data) d = std::uniform_real_distribution<float>(-1, 1)(random);
-    const ScratchGradients all = v.renderer.backward(v.dE_dradiance);
+    Image dE_dradiance(whole.width, whole.height, 1);
+    for (float& d : dE_dradiance.data) d = std::uniform_real_distribution<float>(-1, 1)(random);
+    const ScratchGradients all = v.renderer.backward(dE_dradiance);
 
     BrightPart part;
     part.apart = true;
@@ -50,7 +50,7 @@ TEST_F(BrightPartTest, PictureAndGradientAreThoseOfAllGrooves) {
     EXPECT_LT(rms_apart(v.radiance, whole), 1e-7 * peak(whole));
     ScratchGradients own;
     own.resize(grooves.size());
-    view_backward(v, part, own);
+    view_backward(v, part, dE_dradiance, own);
     double off = 0, size = 0;
     for (std::size_t i = 0; i < grooves.size(); ++i) {
       off += std::pow(own.x0_mm[i] - all.x0_mm[i], 2) + std::pow(own.y1_mm[i] - all.y1_mm[i], 2);

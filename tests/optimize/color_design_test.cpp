@@ -106,13 +106,14 @@ TEST_F(ColorDesign, GradientOfTheLossOverAllChannels) {
   const auto loss = [&](const Scratches& s, ScratchGradients* by) {
     const Carved grooves = carve(Designed(s), bench_, board_);
     double sum = 0;
+    Image dE_dpicture, dE_dradiance;
     for (WorkView& v : all) {
       v.renderer.forward_with_jacobian(grooves, v.radiance);
       picture_from_radiance(v.radiance, exposure, v.picture);
-      sum += v.loss.evaluate(v.picture, v.dE_dpicture).total;
+      sum += v.loss.evaluate(v.picture, dE_dpicture).total;
       if (by == nullptr) continue;
-      radiance_gradient(v.radiance, exposure, v.picture, v.dE_dpicture, v.dE_dradiance);
-      v.renderer.backward(v.dE_dradiance, *by);
+      radiance_gradient(v.radiance, exposure, v.picture, dE_dpicture, dE_dradiance);
+      v.renderer.backward(dE_dradiance, *by);
     }
     return sum;
   };

@@ -81,14 +81,14 @@ void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Car
   for (std::size_t i = 0; i < part.others.data.size(); ++i) view.radiance.data[i] += part.others.data[i];
 }
 
-void view_backward(const WorkView& view, BrightPart& part, ScratchGradients& by_carved) {
+void view_backward(const WorkView& view, BrightPart& part, const Image& dE_dradiance, ScratchGradients& by_carved) {
   if (!part.apart) {
-    view.renderer.backward(view.dE_dradiance, by_carved);
+    view.renderer.backward(dE_dradiance, by_carved);
     return;
   }
   ScratchGradients& own = part.gradients;
   own.resize(part.rows.size());
-  view.renderer.backward(view.dE_dradiance, own);
+  view.renderer.backward(dE_dradiance, own);
   add_rows(own.x0_mm, part.rows, by_carved.x0_mm);
   add_rows(own.y0_mm, part.rows, by_carved.y0_mm);
   add_rows(own.x1_mm, part.rows, by_carved.x1_mm);

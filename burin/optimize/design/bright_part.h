@@ -38,7 +38,8 @@ std::vector<std::size_t> bright_rows(const WorkView& view, const Bench& bench, c
 /// were not. With derivatives, view_backward() may follow.
 void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Carved& grooves, bool with_jacobian);
 
-/// Adds the gradient of view.dE_dradiance to that of all grooves, those that are not bright feeling nothing of it.
-void view_backward(const WorkView& view, BrightPart& part, ScratchGradients& by_carved);
+/// Adds the gradient of a loss by the view's radiance to that of all grooves, those that are not bright feeling nothing
+/// of it.
+void view_backward(const WorkView& view, BrightPart& part, const Image& dE_dradiance, ScratchGradients& by_carved);
 
 }  // namespace burin

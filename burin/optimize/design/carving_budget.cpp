@@ -24,17 +24,18 @@ std::vector<double> carving_costs_s(const Scratches& scratches, double depth_um,
   return cost;
 }
 
-std::vector<std::size_t> spare_for_time(const std::vector<StrokeView>& views, const StrokeRules& rules,
+std::vector<std::size_t> spare_for_time(std::vector<StrokeView> views, const StrokeRules& rules,
                                         const Scratches& scratches, std::size_t movable,
                                         const std::vector<double>& cost_s, double save_s) {
   double saved = 0;
   std::size_t gone = 0;
-  std::vector<std::size_t> spared = spare_order(views, rules, scratches, movable, cost_s, [&](std::size_t i, double) {
-    if (saved >= save_s || gone + 1 >= scratches.size()) return false;
-    saved += cost_s[i];
-    ++gone;
-    return true;
-  });
+  std::vector<std::size_t> spared =
+      spare_order(std::move(views), rules, scratches, movable, cost_s, [&](std::size_t i, double) {
+        if (saved >= save_s || gone + 1 >= scratches.size()) return false;
+        saved += cost_s[i];
+        ++gone;
+        return true;
+      });
   std::sort(spared.begin(), spared.end());
   return spared;
 }

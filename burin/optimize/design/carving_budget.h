@@ -21,7 +21,7 @@ std::vector<double> carving_costs_s(const Scratches& scratches, double depth_um,
 
 /// The scratches among the first `movable` whose absence saves at least `save_s` and costs the pictures least,
 /// ascending; one is always left.
-std::vector<std::size_t> spare_for_time(const std::vector<StrokeView>& views, const StrokeRules& rules,
+std::vector<std::size_t> spare_for_time(std::vector<StrokeView> views, const StrokeRules& rules,
                                         const Scratches& scratches, std::size_t movable,
                                         const std::vector<double>& cost_s, double save_s);
 

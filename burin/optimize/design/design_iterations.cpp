@@ -8,6 +8,7 @@
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/carving/ends.h"
 #include "burin/optimize/design/carving_budget.h"
+#include "burin/optimize/design/design_output.h"
 #include "burin/optimize/design/design_run.h"
 #include "burin/optimize/design/relocate.h"
 #include "burin/optimize/design/weak_scratches.h"
@@ -109,14 +110,14 @@ void DesignRun::look(bool last) {
     else
       render_view(v, bright_[k], bench_, grooves, true);
     picture_from_radiance(v.radiance, exposure, v.picture);
-    v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
+    v.value = v.loss.evaluate(v.picture, dE_dpicture_);
     now.loss += v.value.total;
     now.view_loss[v.of] += v.value.total;
     result_.pairs += v.renderer.pair_count();
     if (last) continue;
     d_log_exposure_[v.exposure_group] +=
-        radiance_gradient(v.radiance, exposure, v.picture, v.dE_dpicture, v.dE_dradiance);
-    view_backward(v, bright_[k], by_carved_);
+        radiance_gradient(v.radiance, exposure, v.picture, dE_dpicture_, dE_dradiance_);
+    view_backward(v, bright_[k], dE_dradiance_, by_carved_);
   }
   if (!last) {
     gradients_ = pull_back(grooves, designed_, bench_now(), board_, std::move(by_carved_));
@@ -137,8 +138,9 @@ void DesignRun::record(bool last) {
   if (last || std::find(contact_.begin(), contact_.end(), iteration_) != contact_.end()) {
     ContactFrame frame{iteration_, {}};
     for (const std::span<WorkView> channels : shown_views()) {
-      frame.pictures.push_back(picture_of(channels));
-      for (float& p : frame.pictures.back().data) p = std::min(1.0F, p);
+      Image picture = picture_of(channels);
+      for (float& p : picture.data) p = std::min(1.0F, p);
+      frame.pictures.push_back(for_contact_sheet(picture));  // whole ones of large designs would take a gigabyte
     }
     result_.frames.push_back(std::move(frame));
   }

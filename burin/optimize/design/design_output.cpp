@@ -133,14 +133,17 @@ std::vector<Image> contact_row(const DesignResult& result, std::size_t k) {
   std::vector<Image> row;
   for (const ContactFrame& frame : result.frames) row.push_back(frame.pictures[k]);
   row.push_back(v.target);
-  const double scale = std::min(1.0, 192.0 / std::max(v.target.width, v.target.height));
-  for (Image& image : row)
-    image = resized(image, std::max(1, static_cast<int>(std::lround(image.width * scale))),
-                    std::max(1, static_cast<int>(std::lround(image.height * scale))));
+  for (Image& image : row) image = for_contact_sheet(image);
   return row;
 }
 
 }  // namespace
+
+Image for_contact_sheet(const Image& picture) {
+  const double scale = std::min(1.0, 192.0 / std::max(picture.width, picture.height));
+  return resized(picture, std::max(1, static_cast<int>(std::lround(picture.width * scale))),
+                 std::max(1, static_cast<int>(std::lround(picture.height * scale))));
+}
 
 Image tiled(const std::vector<std::vector<Image>>& rows, int gap_px) {
   int w = 0, h = 0, channels = 1;

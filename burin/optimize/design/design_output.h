@@ -41,6 +41,9 @@ namespace burin {
 void write_design_result(const DesignResult& result, const DesignSpec& spec, const Board& board, const Bench& bench,
                          const std::filesystem::path& folder);
 
+/// A picture as large as the contact sheet shows it: 192 pixels along its longer side, or as it is if smaller.
+Image for_contact_sheet(const Image& picture);
+
 /// Pictures side by side, row by row, with a gap; all of one size, in color if one of them is. Missing ones (no pixels)
 /// stay dark.
 Image tiled(const std::vector<std::vector<Image>>& rows, int gap_px);

@@ -302,7 +302,7 @@ void DesignRun::measure_pictures() {
   for (WorkView& v : views_) {
     v.renderer.forward(grooves, v.radiance);
     picture_from_radiance(v.radiance, std::exp(log_exposure_[v.exposure_group]), v.picture);
-    v.value = v.loss.evaluate(v.picture, v.dE_dpicture);
+    v.value = v.loss.evaluate(v.picture, dE_dpicture_);
     result_.final_loss += v.value.total;
   }
   const auto shown = shown_views();

@@ -143,6 +143,7 @@ class DesignRun {
   };
   std::vector<double> log_shared_;  // width, depth, alpha
   Momenta momenta_{Adam(0), Adam(0), Adam(0), Adam(0), Adam(0), Adam(0)};
+  Image dE_dpicture_, dE_dradiance_;        // of the view that is looked at
   ScratchGradients gradients_, by_carved_;  // by the designed rows, and by the grooves in the metal
   std::vector<double> d_log_exposure_;
   std::vector<BrightPart> bright_;  // one a view

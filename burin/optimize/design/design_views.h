@@ -59,7 +59,7 @@ struct WorkView {
   int exposed_by = 0;  ///< the channel whose brightness it is shown with, where each has its own (White::Kind::each)
   ViewRenderer renderer;
   PictureLoss loss;
-  Image radiance{}, picture{}, dE_dpicture{}, dE_dradiance{};
+  Image radiance{}, picture{};
   LossValue value{};
   double balance = 1;              ///< of its errors where views compete for scratches (balance_views)
   Image face{};                    ///< radiance of the face without scratches

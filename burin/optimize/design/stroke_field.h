@@ -41,7 +41,7 @@ struct MissingLight {
 /// Work in boxes that do not overlap may go on at the same time.
 class StrokeField {
  public:
-  /// Both must outlive it. Throws Error for a view with too many asides.
+  /// `rules` must outlive it. Throws Error for a view with too many asides.
   StrokeField(const StrokeView& view, const StrokeRules& rules);
 
   /// From now on what one of both changes in a picture that they share (StrokeView::picture) changes in the other. They

@@ -280,12 +280,32 @@ Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen:
   return unit;
 }
 
+namespace {
+
+void share_pictures(std::vector<StrokeField>& fields) {
+  for (std::size_t a = 0; a < fields.size(); ++a)
+    for (std::size_t b = a + 1; b < fields.size(); ++b) fields[a].share_pictures_with(fields[b]);
+}
+
+}  // namespace
+
 std::vector<StrokeField> stroke_fields(const std::vector<StrokeView>& views, const StrokeRules& rules) {
   std::vector<StrokeField> fields;
   fields.reserve(views.size());
   for (const StrokeView& view : views) fields.emplace_back(view, rules);
-  for (std::size_t a = 0; a < fields.size(); ++a)
-    for (std::size_t b = a + 1; b < fields.size(); ++b) fields[a].share_pictures_with(fields[b]);
+  share_pictures(fields);
+  return fields;
+}
+
+std::vector<StrokeField> stroke_fields(std::vector<StrokeView>&& views, const StrokeRules& rules) {
+  std::vector<StrokeField> fields;
+  fields.reserve(views.size());
+  for (StrokeView& view : views) {
+    fields.emplace_back(view, rules);
+    view = {};
+  }
+  views.clear();
+  share_pictures(fields);
   return fields;
 }
 
@@ -444,16 +464,15 @@ double squared_error(const std::vector<StrokeView>& views) {
   return sum;
 }
 
-std::vector<double> worth_of(const std::vector<StrokeView>& views, const StrokeRules& rules,
-                             const Scratches& scratches) {
-  const std::vector<StrokeField> fields = stroke_fields(views, rules);
+std::vector<double> worth_of(std::vector<StrokeView> views, const StrokeRules& rules, const Scratches& scratches) {
+  const std::vector<StrokeField> fields = stroke_fields(std::move(views), rules);
   return worth_in(fields, scratches, views_of(fields, scratches));
 }
 
-std::vector<std::size_t> spare_order(const std::vector<StrokeView>& views, const StrokeRules& rules,
+std::vector<std::size_t> spare_order(std::vector<StrokeView> views, const StrokeRules& rules,
                                      const Scratches& scratches, std::size_t movable, const std::vector<double>& cost,
                                      const std::function<bool(std::size_t, double)>& spare) {
-  std::vector<StrokeField> fields = stroke_fields(views, rules);
+  std::vector<StrokeField> fields = stroke_fields(std::move(views), rules);
   const std::vector<std::size_t> view = views_of(fields, scratches);
   const std::vector<double> first = worth_in(fields, scratches, view);
   const auto price = [&](std::size_t i, double w) { return cost.empty() ? w : w / cost[i]; };

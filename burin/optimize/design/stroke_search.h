@@ -69,13 +69,12 @@ double squared_error(const StrokeView& view);
 double squared_error(const std::vector<StrokeView>& views);
 
 /// By how much the squared error would grow without each scratch in the view it is meant for; negative: it does harm.
-std::vector<double> worth_of(const std::vector<StrokeView>& views, const StrokeRules& rules,
-                             const Scratches& scratches);
+std::vector<double> worth_of(std::vector<StrokeView> views, const StrokeRules& rules, const Scratches& scratches);
 
 /// The order in which the first `movable` scratches are best spared: each time the one whose worth, without those that
 /// went before, is least for what it costs (`cost`: one each, above 0, or empty: all alike). `spare(scratch, worth)` is
 /// asked before each; false ends the order before it.
-std::vector<std::size_t> spare_order(const std::vector<StrokeView>& views, const StrokeRules& rules,
+std::vector<std::size_t> spare_order(std::vector<StrokeView> views, const StrokeRules& rules,
                                      const Scratches& scratches, std::size_t movable, const std::vector<double>& cost,
                                      const std::function<bool(std::size_t, double)>& spare);
 

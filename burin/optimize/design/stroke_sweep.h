@@ -16,6 +16,8 @@ namespace burin {
 
 /// The views' pictures, shared where views show the same one; `rules` must outlive them.
 std::vector<StrokeField> stroke_fields(const std::vector<StrokeView>& views, const StrokeRules& rules);
+/// The same, each view's images being given up once its field has them: both of a large design take a gigabyte.
+std::vector<StrokeField> stroke_fields(std::vector<StrokeView>&& views, const StrokeRules& rules);
 
 /// The fields that may be worked on at the same time: those that share pictures stand in one group, and are worked on
 /// one after the other.

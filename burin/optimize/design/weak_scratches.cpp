@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace burin {
 
-std::vector<std::size_t> weak_scratches(const std::vector<StrokeView>& views, const StrokeRules& rules,
+std::vector<std::size_t> weak_scratches(std::vector<StrokeView> views, const StrokeRules& rules,
                                         const Scratches& scratches, std::size_t movable,
                                         const std::vector<double>& light_sum, const DesignOptions& options) {
   const double total_light =
@@ -14,7 +15,7 @@ std::vector<std::size_t> weak_scratches(const std::vector<StrokeView>& views, co
   const auto most = static_cast<std::size_t>(options.drop_share * static_cast<double>(movable));
   std::size_t gone = 0;
   double rise = 0, light = 0;
-  return spare_order(views, rules, scratches, movable, {}, [&](std::size_t i, double worth) {
+  return spare_order(std::move(views), rules, scratches, movable, {}, [&](std::size_t i, double worth) {
     if (++gone == movable) return false;  // one stays, whatever is asked
     rise += std::max(0.0, worth);
     light += light_sum[i];
