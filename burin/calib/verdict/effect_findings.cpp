@@ -13,9 +13,11 @@ Finding note(const std::string& what, const std::string& remedy = "") {
   return {Finding::Severity::note, {}, what, remedy};
 }
 
-// A measured number and its standard deviation; the number alone where it was told, not measured.
+// Nothing where a number was told, not measured.
+std::string plus_minus(const std::optional<double>& sigma) { return sigma ? " +- " + significant(*sigma) : ""; }
+
 std::string measured(double value, const std::optional<double>& sigma, int decimals) {
-  return fixed(value, decimals) + (sigma ? " +- " + significant(*sigma) : "");
+  return fixed(value, decimals) + plus_minus(sigma);
 }
 
 std::string measured(const Eigen::Vector2d& v, const std::optional<Eigen::Vector2d>& sigma, int decimals) {
@@ -27,15 +29,13 @@ std::string measured(const Eigen::Vector2d& v, const std::optional<Eigen::Vector
 // The streaks' roughnesses come of base_alpha and of half the logarithm of their ratio, whose errors are held apart.
 std::string tell_grain(const Material& m, const MaterialSigma& sigma) {
   const double root = std::sqrt(m.grain.ratio());
-  std::string along, across;
-  if (sigma.base_alpha && sigma.grain) {
-    const double share = std::hypot(*sigma.base_alpha / m.base_alpha, sigma.grain->maxCoeff());
-    along = " +- " + significant(share * m.base_alpha / root, 2);
-    across = " +- " + significant(share * m.base_alpha * root, 2);
-  }
-  return "the plain face is brushed: roughness " + significant(m.base_alpha / root, 3) + along + " along " +
-         fixed(m.grain.along_deg(), 1) + " degrees from the board's x, " + significant(m.base_alpha * root, 3) +
-         across + " across";
+  std::optional<double> share;  // of each
+  if (sigma.base_alpha && sigma.grain) share = std::hypot(*sigma.base_alpha / m.base_alpha, sigma.grain->maxCoeff());
+  const auto roughness = [&](double alpha) {
+    return significant(alpha, 3) + plus_minus(share ? std::optional(*share * alpha) : std::nullopt);
+  };
+  return "the plain face is brushed: roughness " + roughness(m.base_alpha / root) + " along " +
+         fixed(m.grain.along_deg(), 1) + " degrees from the board's x, " + roughness(m.base_alpha * root) + " across";
 }
 
 void tell_profile(const Bench& bench, std::vector<Finding>& out) {

@@ -304,7 +304,6 @@ std::vector<StrokeField> stroke_fields(std::vector<StrokeView>&& views, const St
     fields.emplace_back(view, rules);
     view = {};
   }
-  views.clear();
   share_pictures(fields);
   return fields;
 }
