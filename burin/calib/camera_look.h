@@ -1,5 +1,5 @@
-// burin/calib/camera_look.h - what a session's photos tell of the camera that took them: its curve, its sharpening, and
-// each photo's own white balance. docs/model.md 9.22 to 9.24.
+// burin/calib/camera_look.h - what a session's photos tell of the camera that took them: its curve, its sharpening, its
+// mosaic, and each photo's own white balance. docs/model.md 9.22 to 9.24a.
 //
 // What is told (session.json) is believed; what is not told is taken from brackets (burin/capture/bracket_response.h),
 // from the tags' edges (burin/capture/tags/edge_sharpening.h), and from the color of the tags' white paper, which is
@@ -23,10 +23,11 @@ namespace burin {
 enum class CurveFrom {
   as_told,   ///< session.json, or else brackets that ask for one
   brackets,  ///< brackets, whatever session.json says; an error where there are none
-  none       ///< the plain encoding: no curve, no sharpening, no balance is looked for
+  none       ///< the plain encoding: no curve, no sharpening, no mosaic, no balance is looked for
 };
 
-/// Response, sharpening and balance from what is told, and from brackets, into `sensor`. Throws Error where a curve
+/// Response, sharpening and balance from what is told and from brackets, and which pixels measured green, into
+/// `sensor`. Throws Error where a curve
 /// from brackets is asked for and no view has two exposures, or their curve is not monotonic.
 void look_at_brackets(const Session& session, CurveFrom from, Sensor& sensor, std::vector<Finding>& findings);
 

@@ -201,6 +201,7 @@ LinearPhoto read_photo(const Photo& photo) {
     }
   if (photo.balance != Eigen::Vector3d::Ones())
     for (std::size_t i = 0; i < v.size(); ++i) v[i] /= static_cast<float>(balance_of(photo, channels, i % channels));
+  if (channels == 3) keep_green_sites(photo.green_sites, result.value);
   return result;
 }
 

@@ -99,6 +99,7 @@ Session with_camera(Session session, const Sensor& sensor) {
   for (Photo& photo : session.photos) {
     photo.response = sensor.response;
     photo.sharpening = sensor.sharpening;
+    photo.green_sites = sensor.green_sites;
     const auto balance = sensor.balance.find(photo_name(session, photo));
     photo.balance = balance == sensor.balance.end() ? Eigen::Vector3d::Ones().eval() : balance->second;
   }

@@ -25,6 +25,7 @@ struct Photo {
   Response response;
   Sharpening sharpening;
   Eigen::Vector3d balance{1, 1, 1};  ///< factors on R, G, B that are divided out
+  GreenSites green_sites = GreenSites::unknown;
 };
 
 /// Photos of one bench (`session.json`).

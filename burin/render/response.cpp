@@ -1,5 +1,7 @@
 #include "burin/render/response.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -79,6 +81,25 @@ void unsharpened(const Sharpening& sharpening, Image& stored) {
       float& v = stored.data[i * n + c];
       v = std::clamp(v + plain.data[i] - given.data[i], 0.0F, 1.0F);
     }
+}
+
+void keep_green_sites(GreenSites sites, Image& linear) {
+  if (sites == GreenSites::unknown) return;
+  const int w = linear.width, h = linear.height, n = linear.channels, kept = sites == GreenSites::even ? 0 : 1;
+  // Only other sites change and only these sites are read, so that rows can be done in any order.
+  tbb::parallel_for(0, h, [&](int y) {
+    for (int x = (y + kept + 1) % 2; x < w; x += 2)
+      for (int c = 0; c < n; ++c) {
+        float sum = 0, count = 0;
+        const auto add = [&](int xx, int yy) {
+          if (xx < 0 || yy < 0 || xx >= w || yy >= h) return;
+          sum += linear.at(xx, yy, c);
+          ++count;
+        };
+        add(x - 1, y), add(x + 1, y), add(x, y - 1), add(x, y + 1);
+        if (count > 0) linear.at(x, y, c) = sum / count;
+      }
+  });
 }
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// burin/render/response.h - what a camera does to its pictures after the sensor: its curve, and its sharpening; and
-// both undone. docs/model.md 5.11, 5.12.
+// burin/render/response.h - what a camera does to its pictures after the sensor: its curve, and its sharpening, both
+// undone; and what it made up of colors. docs/model.md 5.11, 5.12.
 //
 // Stored values s (0 to 1) are those of the sRGB curve bent once more. Undone, with v the value that sRGB alone stores,
 //
@@ -40,6 +40,9 @@ bool is_monotonic(const Response& response);
 /// The response that makes an S-curve of that contrast about a pivot from 0 to 1 (both of encoded values).
 Response s_curve(double contrast, double pivot);
 
+/// Which pixels of a mosaic of one color a pixel measured green: those whose x + y is even, or odd.
+enum class GreenSites { unknown, even, odd };
+
 /// An unsharp mask in stored values: s + amount (Y - G Y), Y the mean of the channels and G a Gaussian. Amount 0: none.
 struct Sharpening {
   double amount = 0;
@@ -49,5 +52,9 @@ struct Sharpening {
 /// Takes an unsharp mask back: solves s + amount (s - G s) = stored for the mean of the channels and moves all channels
 /// alike. Exact but for what was clipped after sharpening. `stored` has 1 or 3 channels and is changed in place.
 void unsharpened(const Sharpening& sharpening, Image& stored);
+
+/// Every pixel that did not measure green becomes the mean of the two to four beside it that did, in all channels
+/// (docs/model.md 9.24a). Linear values, changed in place. Nothing happens where the sites are unknown.
+void keep_green_sites(GreenSites sites, Image& linear);
 
 }  // namespace burin

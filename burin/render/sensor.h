@@ -29,6 +29,7 @@ struct Sensor {
   // How its files are read; nothing of it is predicted.
   Response response;
   Sharpening sharpening;
+  GreenSites green_sites = GreenSites::unknown;
   /// By a photo's file, relative to its session: factors on R, G and B that this photo was stored with beside those of
   /// all photos (white balance chosen anew, a shutter that errs). Not named: 1.
   std::map<std::string, Eigen::Vector3d> balance;

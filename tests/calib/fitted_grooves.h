@@ -9,6 +9,7 @@
 #include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/photo/photo_weights.h"
+#include "burin/render/glare.h"
 #include "tests/calib/small_grooves.h"
 
 namespace burin {
@@ -19,10 +20,21 @@ struct FittedGrooves {
   State state;
 };
 
+/// Into each photo, glare of that share, and what glare of share 1 would show.
+inline void add_glare(double share, SmallGrooves& s) {
+  const Glare glare{share, 4, 60};
+  for (PhotoData& photo : s.data.photos) {
+    Image& value = photo.photo.value;
+    photo.photo.scattered = glare_of(value, glare);
+    for (std::size_t i = 0; i < value.data.size(); ++i)
+      value.data[i] += static_cast<float>(share) * (photo.photo.scattered.data[i] - value.data[i]);
+  }
+}
+
 /// Into `out`: six photos of a lamp with that radius (0: a point) by a camera that shows value^bend, fitted with a
-/// point and a straight camera; into the last photo another lamp shines, `stray` times as bright. `out` must stay where
-/// it is: its problem points into it.
-inline void fit_small_grooves(double disk_mm, double bend, FittedGrooves& out, double stray = 0) {
+/// point and a straight camera; into the last photo another lamp shines, `stray` times as bright; a share `glare` of
+/// the light is scattered. `out` must stay where it is: its problem points into it.
+inline void fit_small_grooves(double disk_mm, double bend, FittedGrooves& out, double stray = 0, double glare = 0) {
   SmallGrooves& s = out.s;
   fill_small_grooves(s, 11);
   s.data.is_disk = {true};
@@ -40,6 +52,9 @@ inline void fit_small_grooves(double disk_mm, double bend, FittedGrooves& out, d
       const Image more = predict(s.data.model, photo, other, carved_at(s.data.model, other));
       for (std::size_t i = 0; i < more.data.size(); ++i) photo.photo.value.data[i] += more.data[i];
     }
+  }
+  if (glare > 0) add_glare(glare, s);
+  for (PhotoData& photo : s.data.photos) {
     float brightest = 0;
     for (const float v : photo.photo.value.data) brightest = std::max(brightest, v);
     for (std::size_t i = 0; i < photo.weight.size(); ++i) {

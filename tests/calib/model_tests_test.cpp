@@ -87,6 +87,18 @@ TEST(LampSize, ADiskIsChosenWhereThereIsOneAndNotWhereThereIsNone) {
   }
 }
 
+// Each hides the other: asked for alone, neither is believed.
+TEST(LampSize, ADiskIsChosenBesideGlareThatHidesIt) {
+  constexpr double kSmallDisk_mm = 7, kGlare = 0.01;
+  FittedGrooves f;
+  fit_small_grooves(kSmallDisk_mm, 1, f, 0, kGlare);
+  const FreeField choice = choose_depth_field(f.s.data, f.stage, f.state);
+  EXPECT_TRUE(choice.size);
+  f.stage.free(choice);
+  solve(f.s.data, f.stage, 12, 1e-8, f.state, {}, "");
+  EXPECT_NEAR(f.state.shared[unknown::log_alpha], f.s.truth.shared[unknown::log_alpha], 0.01);
+}
+
 TEST(Bounds, AStepBeyondThemEndsOnThem) {
   FittedGrooves f;
   fit_small_grooves(0, 1, f);

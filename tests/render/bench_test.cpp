@@ -58,6 +58,7 @@ Bench full_bench(const TemporaryFolder& folder) {
   bench.sensor.gain = 3.5;
   bench.sensor.vignette = {-0.1, 0.02, -0.003};
   bench.sensor.psf_sigma_px = 0.6;
+  bench.sensor.green_sites = GreenSites::odd;
   bench.ambient = {0.01, 0.02, 0.03};
   bench.bow_mm = {0.1, -0.02, 0.03};
   bench.tags = {{0, {15.02, 14.97}, 0, 0}, {4, {100, 14.5}, 16.01, 90.5}};
@@ -116,6 +117,7 @@ TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
   EXPECT_EQ(back.sensor.gain, 3.5);
   EXPECT_EQ(back.sensor.vignette, bench.sensor.vignette);
   EXPECT_EQ(back.sensor.psf_sigma_px, 0.6);
+  EXPECT_EQ(back.sensor.green_sites, GreenSites::odd);
   EXPECT_EQ(back.ambient, bench.ambient);
   EXPECT_EQ(back.bow_mm, bench.bow_mm);
   ASSERT_EQ(back.tags.size(), 2u);
@@ -249,6 +251,7 @@ TEST_F(BenchErrors, WrongValuesAreNamed) {
   expect(R"("material": {"alpha_sigma": -2})", "material.alpha_sigma", "0 or greater");
   expect(R"("sensor": {"gain": 0})", "sensor.gain", "greater than 0");
   expect(R"("sensor": {"psf_sigma_px": -1})", "sensor.psf_sigma_px", "negative");
+  expect(R"("sensor": {"green_sites": "both"})", "sensor.green_sites", "even");
   expect(R"("ambient": [0, 0, -1])", "ambient", "0 or greater");
   expect(R"("machine": {"affine": [[1, 2, 0], [2, 4, 0]]})", "machine.affine", "determinant is 0");
   expect(R"("machine": {"affine": [[1, 2], [2, 4]]})", "machine.affine[0]", "rows of 3");

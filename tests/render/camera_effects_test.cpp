@@ -1,6 +1,6 @@
 // Proves: a response takes back an S-curve that is written another way, and is refused where it is not monotonic; an
-// unsharp mask is taken back; glare's two-part convolution is the sum over all pixels. Not proved: that photos have
-// these (tests/capture/bracket_response_test.cpp).
+// unsharp mask is taken back; pixels that measured green stay and fill the others; glare's two-part convolution is the
+// sum over all pixels. Not proved: that photos have these (tests/capture/bracket_response_test.cpp).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,6 +55,25 @@ TEST(CameraEffects, AnUnsharpMaskIsTakenBack) {
     stored.data[i] += static_cast<float>(mask.amount) * (mean.data[i / 3] - smooth.data[i / 3]);
   unsharpened(mask, stored);
   for (std::size_t i = 0; i < stored.data.size(); ++i) EXPECT_NEAR(stored.data[i], plain.data[i], 1e-3);
+}
+
+TEST(CameraEffects, WhatDidNotMeasureGreenBecomesTheMeanOfWhatDidBesideIt) {
+  Image image(3, 2, 3);
+  for (int i = 0; i < 6; ++i)
+    for (int c = 0; c < 3; ++c) image.at(i % 3, i / 3, c) = static_cast<float>(i + 10 * c);
+  keep_green_sites(GreenSites::odd, image);  // (1, 0), (0, 1) and (2, 1) stay
+  for (int c = 0; c < 3; ++c) {
+    const auto base = static_cast<float>(10 * c);
+    EXPECT_FLOAT_EQ(image.at(1, 0, c), base + 1);
+    EXPECT_FLOAT_EQ(image.at(0, 1, c), base + 3);
+    EXPECT_FLOAT_EQ(image.at(0, 0, c), base + 2);  // of 1 and 3
+    EXPECT_FLOAT_EQ(image.at(1, 1, c), base + (1 + 3 + 5) / 3.F);
+    EXPECT_FLOAT_EQ(image.at(2, 0, c), base + 3);  // of 1 and 5
+  }
+  Image lone(1, 1, 3);
+  lone.at(0, 0, 1) = 0.5F;
+  keep_green_sites(GreenSites::odd, lone);
+  EXPECT_FLOAT_EQ(lone.at(0, 0, 1), 0.5F);
 }
 
 TEST(CameraEffects, GlareIsTheSumOverAllPixels) {

@@ -44,6 +44,7 @@ double chi_squared(const Eigen::VectorXd& step, const Eigen::MatrixXd& covarianc
 // is distributed as F, and F's cube root nearly as a normal ratio (Paulson, Annals of Mathematical Statistics 13,
 // 1942).
 constexpr double kOnceInTenThousand = 3.719, kOnceInAMillion = 4.753;  // sigmas of a normal distribution
+constexpr double kLeastShare = 0.001;  // of glare; less is none, and what is below none is something else
 // Whatever makes dark places brighter than the model has them looks like glare: fingerprints and dust of an amateur's
 // bench without any made up 0.8 % of it, at 7.2 sigmas by places and 4.8 by views. So little is asked for sternly.
 constexpr double kMadeUpGlare = 0.015, kLittleGlareByPlace = 8, kLittleGlareByView = 6;
@@ -99,6 +100,13 @@ Asked significance(const Problem& data, const Stage& all, const State& state, co
   return little_glare ? Asked::no : Asked::by_places_only;
 }
 
+// The equations a step away: no rendering.
+ViewEquations moved(ViewEquations e, const Eigen::VectorXd& step) {
+  for (std::size_t k = 0; k < e.H.size(); ++k) e.g[k] += e.H[k] * step;
+  e.prior_g += e.prior_information * step;
+  return e;
+}
+
 FreeField both(const FreeField& a, const FreeField& b) {
   return {a.linear || b.linear, a.quadratic || b.quadratic, a.wear || b.wear, a.glare || b.glare, a.size || b.size};
 }
@@ -138,7 +146,15 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     set_free(field, lights, free);
     return free;
   };
-  std::vector<bool> free = free_with(choice);
+  // A lamp's size and glare hide each other: a disk dims what is near a glint's middle, glare brightens what is dark.
+  // So a size is asked for beside the glare that photos would have with it, whether that is asked for itself or not.
+  const auto beside_a_size = [&](const FreeField& field) {
+    FreeField with_glare = field;
+    with_glare.glare = true;
+    const std::vector<bool> free = free_with(both(with_glare, {false, false, false, false, true}));
+    const bool has_glare = (-safe_inverse(H, free) * g)[unknown::glare_share] > kLeastShare;
+    return has_glare ? with_glare : field;
+  };
   FreeField pointed_to;  // in the last round, all terms together: by held-out photos and by places, though photos
                          // scatter too much to be asked
   for (bool stepped = true; stepped;) {
@@ -151,19 +167,20 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
           FreeField{false, false, false, true}, FreeField{false, false, false, false, true}}) {
       const FreeField trial = both(choice, more);
       if (terms_of(trial) == terms_of(choice)) continue;
-      const std::vector<bool> trial_free = free_with(trial);
+      const FreeField beside = more.size ? beside_a_size(choice) : choice;
+      const std::vector<bool> others = free_with(beside), trial_free = free_with(both(trial, beside));
       std::vector<Eigen::Index> added;
       for (std::size_t i = 0; i < trial_free.size(); ++i)
-        if (trial_free[i] && !free[i]) added.push_back(static_cast<Eigen::Index>(i));
+        if (trial_free[i] && !others[i]) added.push_back(static_cast<Eigen::Index>(i));
       if (added.empty()) continue;  // no lamp whose size is sought
       if (more.size && !grows(state, -safe_inverse(H, trial_free) * g)) continue;
-      const std::vector<double> gains = held_out_gains(equations, H, g, free, added);
+      const Eigen::VectorXd step = -safe_inverse(H, others) * g;
+      const std::vector<double> gains = held_out_gains(moved(equations, step), H, g + H * step, others, added);
       const auto n = static_cast<double>(views);
       const double gain = std::accumulate(gains.begin(), gains.end(), 0.0), mean = gain / n;
       double scatter = 0;
       for (const double one : gains) scatter += std::pow(one - mean, 2);
       if (!(mean > std::sqrt(scatter / (n * (n - 1)))) || !(gain > best_gain)) continue;
-      constexpr double kLeastShare = 0.001;  // less is no glare, and what is below none is something else
       if (trial.glare && !((-safe_inverse(H, trial_free) * g)[unknown::glare_share] > kLeastShare)) continue;
       const Asked asked = significance(data, all, state, equations, H, g, trial_free, added);
       if (asked == Asked::by_places_only) pointed_to = both(pointed_to, trial);
@@ -173,18 +190,17 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
       stepped = true;
     }
     choice = best;
-    free = free_with(choice);
   }
   if (shifts == nullptr) return choice;
-  // Of what is not chosen: where the answer would be with it.
-  const auto add_shift = [&](const FreeField& more) {
-    const std::vector<bool> with_free = free_with(both(choice, more));
-    const Eigen::VectorXd step = -safe_inverse(H, with_free) * g;
-    if (with_free != free && (!more.size || grows(state, step))) shifts->push_back(step + safe_inverse(H, free) * g);
+  // Of what is not chosen: how far the answer would move with it.
+  const auto add_shift = [&](const FreeField& from, const FreeField& more) {
+    const std::vector<bool> without = free_with(from), with = free_with(both(from, more));
+    const Eigen::VectorXd step = -safe_inverse(H, with) * g;
+    if (with != without && (!more.size || grows(state, step))) shifts->push_back(step + safe_inverse(H, without) * g);
   };
-  if (!choice.size) add_shift({false, false, false, false, true});
+  if (!choice.size) add_shift(beside_a_size(choice), {false, false, false, false, true});
   pointed_to.size = false;  // counted just now
-  if (terms_of(pointed_to) > 0) add_shift(pointed_to);
+  if (terms_of(pointed_to) > 0) add_shift(choice, pointed_to);
   return choice;
 }
 

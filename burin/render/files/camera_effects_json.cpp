@@ -69,10 +69,23 @@ Json sharpening_json(const Sharpening& sharpening) {
   return json;
 }
 
+namespace {
+
+GreenSites read_green_sites(JsonObject& json) {
+  const std::string said = json.text("green_sites");
+  if (said == "even") return GreenSites::even;
+  if (said == "odd") return GreenSites::odd;
+  json.fail_field("green_sites", "is \"" + said + "\"",
+                  "write \"even\" or \"odd\" (x + y of the pixels that measured green), or leave it out");
+}
+
+}  // namespace
+
 void read_camera_effects(JsonObject& json, Sensor& sensor) {
   if (json.has("glare")) sensor.glare = read_glare(json.object("glare"), sensor);
   if (json.has("response")) sensor.response = read_response(json.object("response"));
   if (json.has("sharpening")) sensor.sharpening = read_sharpening(json.object("sharpening"));
+  if (json.has("green_sites")) sensor.green_sites = read_green_sites(json);
   if (json.has("balance"))
     for (JsonObject& item : json.objects("balance")) {
       const std::string file = item.text("file");
@@ -92,6 +105,8 @@ void put_camera_effects(const Sensor& sensor, Json& json) {
   }
   if (!sensor.response.is_none()) json["response"] = response_json(sensor.response);
   if (sensor.sharpening.amount > 0) json["sharpening"] = sharpening_json(sensor.sharpening);
+  if (sensor.green_sites != GreenSites::unknown)
+    json["green_sites"] = sensor.green_sites == GreenSites::even ? "even" : "odd";
   for (const auto& [file, rgb] : sensor.balance) {
     Json item;
     item["file"] = file;

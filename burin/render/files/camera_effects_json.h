@@ -15,7 +15,8 @@ Json response_json(const Response& response);
 Sharpening read_sharpening(JsonObject json);
 Json sharpening_json(const Sharpening& sharpening);
 
-/// `glare` {share, core_px, reach_px, share_sigma}, `response`, `sharpening` and `balance` of bench.json's sensor.
+/// `glare` {share, core_px, reach_px, share_sigma}, `response`, `sharpening`, `green_sites` and `balance` of
+/// bench.json's sensor.
 void read_camera_effects(JsonObject& sensor_json, Sensor& sensor);
 void put_camera_effects(const Sensor& sensor, Json& sensor_json);
 
