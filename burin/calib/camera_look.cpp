@@ -148,11 +148,11 @@ bool look_at_paper_colors(const Session& session, std::span<const Bracket> brack
       if (brackets[b].light != light || colors[b].size() < kFewestTags) continue;
       Eigen::Vector2d middle;
       for (int k = 0; k < 2; ++k) {
-        std::vector<double> values, deviations;
+        std::vector<double> values;
         for (const PaperColor& color : colors[b]) values.push_back(color.log_ratio[k] - usual[color.tag][k]);
-        middle[k] = median_of(values);
-        for (const double v : values) deviations.push_back(std::abs(v - middle[k]));
-        error2 += std::pow(1.86 * median_of(deviations), 2) / static_cast<double>(values.size());
+        const MedianAndError of_view = median_and_error(std::move(values));
+        middle[k] = of_view.median;
+        error2 += of_view.sigma * of_view.sigma;
       }
       off[b] = middle;
       sum2 += middle.squaredNorm();

@@ -27,8 +27,8 @@ enum class CurveFrom {
 };
 
 /// Response, sharpening and balance from what is told and from brackets, and which pixels measured green, into
-/// `sensor`. Throws Error where a curve
-/// from brackets is asked for and no view has two exposures, or their curve is not monotonic.
+/// `sensor`. Throws Error where a curve from brackets is asked for and no view has two exposures, or their curve is not
+/// monotonic.
 void look_at_brackets(const Session& session, CurveFrom from, Sensor& sensor, std::vector<Finding>& findings);
 
 /// Looks for sharpening at tags that were found in `session`'s photos, a bracket's in one entry, and names it. Linear

@@ -14,6 +14,7 @@
 #include "burin/calib/photo/effect_choice.h"
 #include "burin/calib/photo/field_choice.h"
 #include "burin/calib/photo/glare_fit.h"
+#include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
@@ -50,9 +51,9 @@ struct RefineRun {
   Problem data{};
   State state{};
   Stage stage{};
-  std::vector<Eigen::VectorXd> size_shifts{};  // by sizes of lamps that the photos do not ask for
-  Eigen::VectorXd burr_trade{};                // ProfileChoice::trade
-  std::optional<Uncertainty> uncertainty{};    // of the state that the run ends with, if known
+  std::vector<Eigen::VectorXd> pointed_to{};  // by what photos neither ask for nor exclude: a lamp's size, a reach
+  Eigen::VectorXd burr_trade{};               // ProfileChoice::trade
+  std::optional<Uncertainty> uncertainty{};   // of the state that the run ends with, if known
 
   void tell(const char* what, double fraction) const {
     if (progress) progress(what, fraction);
@@ -307,7 +308,7 @@ void RefineRun::free_depth_field() {
   glare_at(usual_glare(out.bench.lens));
   if (options.fit_lamp)
     for (std::size_t i = 0; i < data.is_disk.size(); ++i) data.is_disk[i] = out.bench.lights[i].size.is_point();
-  const FreeField field = choose_depth_field(data, stage, state, &size_shifts);
+  const FreeField field = choose_depth_field(data, stage, state, &pointed_to);
   stage.free(field);
   if (!field.size) data.is_disk.assign(data.is_disk.size(), false);
   if (field.glare) shape_glare();
@@ -330,22 +331,33 @@ void RefineRun::glare_at(const Glare& glare) {
     data.photos[k].photo.scattered = binned(views[k], data.photos[k].bin).scattered;
 }
 
-// The reach that explains the photos best; then paper, which the lamp is held by, without its glare.
+// The reach that explains the photos best, and how far the answer would move with one that views do not speak against
+// more than they scatter; then paper, which the lamp is held by, without its glare.
 void RefineRun::shape_glare() {
-  State best = state;
-  Glare chosen = out.bench.sensor.glare;
-  double best_cost = -1;
+  struct Trial {
+    Glare glare;
+    State state;
+    double cost = 0;
+    std::vector<double> of_photos;
+  };
+  std::vector<Trial> trials;
   for (const Glare& glare : possible_glares(out.bench.lens)) {
     glare_at(glare);
-    State trial = state;
-    const double cost = solve(data, stage, 2, 1e-4, trial, progress, "how far glare reaches");
-    if (best_cost >= 0 && !(cost < best_cost)) continue;
-    best_cost = cost;
-    best = trial;
-    chosen = glare;
+    Trial trial{glare, state, 0, {}};
+    trial.cost = solve(data, stage, 2, 1e-4, trial.state, progress, "how far glare reaches");
+    trial.of_photos = costs_of_photos(data, trial.state);
+    trials.push_back(std::move(trial));
   }
-  state = best;
-  glare_at(chosen);
+  const auto best =
+      std::min_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
+  constexpr double kAgainst = 2;  // standard errors
+  for (auto other = trials.begin(); other != trials.end(); ++other) {
+    const Gain gain = gain_between(other->of_photos, best->of_photos);
+    if (other != best && !(gain.sum > kAgainst * gain.standard_error))
+      pointed_to.push_back(step_between(best->state, other->state));
+  }
+  state = best->state;
+  glare_at(best->glare);
   take_glare_from_paper(views, state.shared[unknown::glare_share], out.bench, data.paper);
 }
 
@@ -359,9 +371,21 @@ void RefineRun::doubt_profile() {
   const std::vector<Misfit>& misfits = uncertainty->misfits;
   const auto by_lean = [](const Misfit& m) { return m.test == "across" || m.test == "highlight"; };
   if (std::none_of(misfits.begin(), misfits.end(), by_lean)) return;
+  // Photos as they were when effects were asked for: a cross-section of its own takes many renderings without a fast
+  // path, under a lamp with a size several times as many.
+  std::vector<PhotoData> finest = std::exchange(data.photos, {});
+  Problem at_finest = data;
+  look_at_photos(bins.middle);
+  light_around(state, data);
+  weigh_photos(data, state);
   find_profile();
-  if (data.model.profile.is_paper()) return;
+  if (data.model.profile.is_paper()) {
+    data = std::move(at_finest);
+    data.photos = std::move(finest);
+    return;
+  }
   uncertainty.reset();
+  look_at_photos(bins.finest);
   fit_corrected("fitting photos and the grooves' cross-section");
   if (options.fit_geometry) move_geometry();
 }
@@ -384,7 +408,7 @@ void RefineRun::judge() {
   light_around(state, data);
   if (!uncertainty) uncertainty = uncertainty_of(data, stage, state);
   Uncertainty& judged_by = *uncertainty;
-  judged_by.shifts.insert(judged_by.shifts.end(), size_shifts.begin(), size_shifts.end());
+  judged_by.shifts.insert(judged_by.shifts.end(), pointed_to.begin(), pointed_to.end());
   if (burr_trade.size() > 0) judged_by.shifts.push_back(burr_trade);
   const Carved carved = carved_at(data.model, state.of(0));
   for (std::size_t k = 0; k < data.photos.size(); ++k)

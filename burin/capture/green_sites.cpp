@@ -17,14 +17,13 @@ namespace {
 constexpr int kBlock_px = 64;
 
 // What a pixel has that the mean of its four neighbors does not, squared and summed over the pixels whose x + y is even
-// and over the others; the logarithm of their ratio. Empty where the block is as smooth as its file's levels.
+// and over the others: adds the logarithm of their ratio. Nothing where the block is as smooth as its file's levels.
 void add_block(const Image& stored, int x0, int y0, std::vector<double>& log_ratios) {
   std::array<double, 2> sum{};
   for (int y = y0; y < y0 + kBlock_px; ++y)
     for (int x = x0; x < x0 + kBlock_px; ++x) {
-      const double around =
-          stored.at(x - 1, y, 0) + stored.at(x + 1, y, 0) + stored.at(x, y - 1, 0) + stored.at(x, y + 1, 0);
-      const double detail = stored.at(x, y, 0) - around / 4;
+      const double around = stored.at(x - 1, y) + stored.at(x + 1, y) + stored.at(x, y - 1) + stored.at(x, y + 1);
+      const double detail = stored.at(x, y) - around / 4;
       sum[(x + y) % 2] += detail * detail;
     }
   constexpr double kLeast = 1.5 / 255 / 255;  // a pixel: more than rounding makes
@@ -42,7 +41,7 @@ bool add_photo(const Photo& photo, std::vector<double>& log_ratios) {
   Image stored(v.width, v.height, 1);
   tbb::parallel_for(0, v.height, [&](int y) {
     for (int x = 0; x < v.width; ++x)
-      stored.at(x, y, 0) =
+      stored.at(x, y) =
           (linear_to_srgb(v.at(x, y, 0)) + linear_to_srgb(v.at(x, y, 1)) + linear_to_srgb(v.at(x, y, 2))) / 3;
   });
   for (int y = 1; y + kBlock_px < v.height; y += kBlock_px)
@@ -56,15 +55,11 @@ GreenSitesFound judged(const std::vector<double>& log_ratios) {
   constexpr std::size_t kFewestBlocks = 16;
   GreenSitesFound found;
   if (log_ratios.size() < kFewestBlocks) return found;
-  const double middle = median_of(log_ratios);
-  std::vector<double> off;
-  off.reserve(log_ratios.size());
-  for (const double r : log_ratios) off.push_back(std::abs(r - middle));
-  found.detail = std::abs(middle);
-  // A median's standard error, of scatter told by the median deviation: 1.4826 sqrt(pi / 2).
-  found.detail_sigma = 1.86 * median_of(off) / std::sqrt(static_cast<double>(log_ratios.size()));
+  const MedianAndError ratio = median_and_error(log_ratios);
+  found.detail = std::abs(ratio.median);
+  found.detail_sigma = ratio.sigma;
   if (found.detail > kLeastDetail && found.detail > kSigmas * found.detail_sigma)
-    found.sites = middle > 0 ? GreenSites::even : GreenSites::odd;
+    found.sites = ratio.median > 0 ? GreenSites::even : GreenSites::odd;
   return found;
 }
 

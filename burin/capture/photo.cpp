@@ -201,7 +201,6 @@ LinearPhoto read_photo(const Photo& photo) {
     }
   if (photo.balance != Eigen::Vector3d::Ones())
     for (std::size_t i = 0; i < v.size(); ++i) v[i] /= static_cast<float>(balance_of(photo, channels, i % channels));
-  if (channels == 3) keep_green_sites(photo.green_sites, result.value);
   return result;
 }
 
@@ -311,11 +310,13 @@ bool merge_pixel(const Exposures& e, const NoiseModel& noise, std::size_t i, flo
 }
 
 /// A row of bins, and the pixels that are left below the last.
-void merge_row(const Exposures& e, const NoiseModel& noise, int row, GrayView* gray, MergedView& merged) {
+void merge_row(const Exposures& e, const NoiseModel& noise, GreenSites sites, int row, GrayView* gray,
+               MergedView& merged) {
   const Image& like = e.photos.front().value;
   const int channels = like.channels, bin = merged.bin, width = merged.value.width, height = merged.value.height;
   std::vector<double> value(static_cast<std::size_t>(width) * channels, 0), variance(value.size(), 0);
   std::vector<std::uint8_t> valid(width, 1);
+  std::vector<int> parts(width, 0);
   std::array<float, 3> v{}, sigma{};
   const int end = row + 1 < height ? (row + 1) * bin : like.height;
   for (int y = row * bin; y < end; ++y)
@@ -331,17 +332,19 @@ void merge_row(const Exposures& e, const NoiseModel& noise, int row, GrayView* g
       const int column = x / bin;
       if (column >= width || y >= (row + 1) * bin) continue;
       valid[column] = valid[column] && is_valid;
+      if (bin > 1 && !measured_green(sites, x, y)) continue;
+      ++parts[column];
       for (int c = 0; c < channels; ++c) {
         value[static_cast<std::size_t>(column) * channels + c] += v[c];
         variance[static_cast<std::size_t>(column) * channels + c] += static_cast<double>(sigma[c]) * sigma[c];
       }
     }
   const std::size_t at = static_cast<std::size_t>(row) * width;
-  const double parts = static_cast<double>(bin) * bin;
   std::copy(valid.begin(), valid.end(), merged.valid.begin() + static_cast<std::ptrdiff_t>(at));
   for (std::size_t i = 0; i < value.size(); ++i) {
-    merged.value.data[at * channels + i] = static_cast<float>(value[i] / parts);
-    merged.sigma.data[at * channels + i] = static_cast<float>(std::sqrt(variance[i]) / parts);
+    const double count = parts[i / channels];
+    merged.value.data[at * channels + i] = static_cast<float>(value[i] / count);
+    merged.sigma.data[at * channels + i] = static_cast<float>(std::sqrt(variance[i]) / count);
   }
 }
 
@@ -362,8 +365,11 @@ MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise,
     options.gray->value = Image(like.width, like.height, 1);
     options.gray->valid.assign(exposures.usable.front().size(), 0);
   }
-  tbb::this_task_arena::isolate(
-      [&] { tbb::parallel_for(0, height, [&](int row) { merge_row(exposures, noise, row, options.gray, merged); }); });
+  const GreenSites sites = like.channels == 3 ? photos[0].green_sites : GreenSites::unknown;
+  tbb::this_task_arena::isolate([&] {
+    tbb::parallel_for(0, height, [&](int row) { merge_row(exposures, noise, sites, row, options.gray, merged); });
+    if (bin == 1) keep_green_sites(sites, merged.value);
+  });
   return merged;
 }
 

@@ -41,7 +41,7 @@ struct GrayView {
 
 /// How merge_bracket() merges.
 struct MergeOptions {
-  int bin = 1;               ///< a binned pixel is valid if all its parts are
+  int bin = 1;               ///< a binned pixel is valid if all its parts are; those that measured green alone count
   GrayView* gray = nullptr;  ///< filled if given: what finds tags needs every pixel, but no color and no sigma
 };
 
@@ -49,6 +49,8 @@ struct MergeOptions {
 /// for it (from the value of the longest exposure that holds the pixel, then from the merged value, so that a pixel's
 /// own noise hardly moves its weights). Pixels within two of a clipped one are taken from shorter exposures too:
 /// sensors bloom and JPEG rings there. Where none is left, `value` is the shortest exposure's, a lower bound.
+/// Where photos say which pixels measured green (Photo::green_sites), `value` rests on these (keep_green_sites()); gray
+/// does not: glints lose light where colors were made up, paper's edges do not, and corners need every pixel.
 /// Throws Error when sizes or channels differ, or when no photo is given.
 MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise, const MergeOptions& options = {});
 

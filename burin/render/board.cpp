@@ -201,18 +201,23 @@ KeepOut tag_paper(const Tag& tag, const std::string& family) {
   return {"tag " + std::to_string(tag.id), {corners.begin(), corners.end()}, {0, 0}, 0};
 }
 
+Eigen::Vector2d read_board_size(JsonObject& json) {
+  const Eigen::Vector2d size_mm = json.vec2("size_mm");
+  if (!(size_mm.array() > 0).all())
+    json.fail_field("size_mm", "is " + to_json(size_mm).dump(), "write width and height in mm, both above 0");
+  if (size_mm.maxCoeff() > limit::kBoard_mm)
+    json.fail_field("size_mm", "is " + to_json(size_mm).dump(),
+                    "write width and height in mm, at most " +
+                        with_commas(static_cast<std::uintmax_t>(limit::kBoard_mm)) + " (docs/limits.md)");
+  return size_mm;
+}
+
 Board read_board(const std::filesystem::path& file) {
   const Json content = read_json(file, "burin/board", 1);
   JsonObject json(content, file.string());
 
   Board board;
-  board.size_mm = json.vec2("size_mm");
-  if (!(board.size_mm.array() > 0).all())
-    json.fail_field("size_mm", "is " + to_json(board.size_mm).dump(), "write width and height in mm, both above 0");
-  if (board.size_mm.maxCoeff() > limit::kBoard_mm)
-    json.fail_field("size_mm", "is " + to_json(board.size_mm).dump(),
-                    "write width and height in mm, at most " +
-                        with_commas(static_cast<std::uintmax_t>(limit::kBoard_mm)) + " (docs/limits.md)");
+  board.size_mm = read_board_size(json);
   board.carve_max_mm = board.size_mm;
   if (json.has("carve_mm")) {
     const Eigen::MatrixXd carve = json.matrix("carve_mm", 2, 2);

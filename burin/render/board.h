@@ -15,6 +15,8 @@
 
 namespace burin {
 
+class JsonObject;
+
 /// One AprilTag on the face. Its corners, as AprilTag reports them, form a square of side `size_mm`.
 struct Tag {
   int id = 0;
@@ -66,6 +68,10 @@ std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag);
 /// The square of paper that a tag of a family needs, its white border (quiet zone) included, as a keep-out named after
 /// it. Throws Error for a family that AprilTag does not have.
 KeepOut tag_paper(const Tag& tag, const std::string& family);
+
+/// The field `size_mm` of a board, width and height in mm. Throws Error where one is not above 0 or beyond
+/// docs/limits.md.
+Eigen::Vector2d read_board_size(JsonObject& json);
 
 /// Reads `board.json`. Throws Error on a missing or broken file, an unknown key, or a value out of range.
 Board read_board(const std::filesystem::path& file);

@@ -1,7 +1,8 @@
-// burin/render/median.h - the one median and the one quantile of all rooms.
+// burin/render/median.h - the one median, how sure it is, and the one quantile of all rooms.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -20,6 +21,20 @@ T median_in_place(std::vector<T>& values) {
 template <typename T>
 T median_of(std::vector<T> values) {
   return median_in_place(values);
+}
+
+/// A median and its standard error.
+struct MedianAndError {
+  double median = 0, sigma = 0;
+};
+
+/// The error is that of normal values whose scatter the median deviation tells: 1.4826 sqrt(pi / 2) = 1.86 times that,
+/// over the root of their number. Zeros for none.
+inline MedianAndError median_and_error(std::vector<double> values) {
+  if (values.empty()) return {};
+  const double median = median_in_place(values);
+  for (double& v : values) v = std::abs(v - median);
+  return {median, 1.86 * median_in_place(values) / std::sqrt(static_cast<double>(values.size()))};
 }
 
 /// The value that a share `q` (0 to 1) of some values lies below. Reorders them; there has to be one at least.

@@ -85,10 +85,10 @@ void unsharpened(const Sharpening& sharpening, Image& stored) {
 
 void keep_green_sites(GreenSites sites, Image& linear) {
   if (sites == GreenSites::unknown) return;
-  const int w = linear.width, h = linear.height, n = linear.channels, kept = sites == GreenSites::even ? 0 : 1;
+  const int w = linear.width, h = linear.height, n = linear.channels;
   // Only other sites change and only these sites are read, so that rows can be done in any order.
   tbb::parallel_for(0, h, [&](int y) {
-    for (int x = (y + kept + 1) % 2; x < w; x += 2)
+    for (int x = measured_green(sites, 0, y) ? 1 : 0; x < w; x += 2)
       for (int c = 0; c < n; ++c) {
         float sum = 0, count = 0;
         const auto add = [&](int xx, int yy) {

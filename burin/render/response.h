@@ -43,6 +43,11 @@ Response s_curve(double contrast, double pivot);
 /// Which pixels of a mosaic of one color a pixel measured green: those whose x + y is even, or odd.
 enum class GreenSites { unknown, even, odd };
 
+/// Whether that pixel measured green; every one does where the sites are unknown.
+inline bool measured_green(GreenSites sites, int x, int y) {
+  return sites == GreenSites::unknown || (x + y) % 2 == (sites == GreenSites::even ? 0 : 1);
+}
+
 /// An unsharp mask in stored values: s + amount (Y - G Y), Y the mean of the channels and G a Gaussian. Amount 0: none.
 struct Sharpening {
   double amount = 0;

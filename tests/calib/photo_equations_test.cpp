@@ -115,7 +115,8 @@ void check_gradient(const Scene& s) {
   FreeUnknowns free{};
   for (int i = 0; i < unknown::count; ++i) free[i] = true;
   const bool spot = s.start[unknown::spot + 2] > 0;
-  const PhotoEquations e = photo_equations(s.model, s.photo, s.start, CarvedStates(s.model), free, 10);
+  const CellGrid tiles = cell_grid(s.model.board->size_mm, 10);
+  const PhotoEquations e = photo_equations(s.model, s.photo, s.start, CarvedStates(s.model), free, &tiles);
   EXPECT_NEAR(e.cost, photo_cost(s.model, s.photo, s.start, carved_at(s.model, s.start)), 1e-4 * e.cost);
   EXPECT_GT(e.cost, 100);
   EXPECT_LT((e.tile_scores.rowwise().sum() - e.Jtr).norm(), 1e-9 * e.Jtr.norm());

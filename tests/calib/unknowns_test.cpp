@@ -7,6 +7,7 @@
 
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
+#include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
 namespace {
@@ -27,6 +28,22 @@ TEST(Unknowns, IndicesFollowFromTheTable) {
     EXPECT_LT(row.bounds.at, row.size);
     last = row.scope;
   });
+}
+
+TEST(Unknowns, AStepBetweenTwoStatesMovesTheOneToTheOther) {
+  State from, to;
+  from.lamps.resize(2);
+  to.lamps.resize(2);
+  for (int i = 0; i < kSharedUnknowns; ++i) to.shared[i] = 1 + i;
+  to.log_paper[0] = -7;
+  for (std::size_t light = 0; light < 2; ++light)
+    for (int i = 0; i < kLampUnknowns; ++i) to.lamps[light][i] = 100 * (1.0 + light) + i;
+  from.shared[3] = 0.5;
+  from.lamps[1][0] = 9;
+  const State moved = moved_state(from, step_between(from, to));
+  EXPECT_EQ(moved.shared, to.shared);
+  EXPECT_EQ(moved.log_paper[0], to.log_paper[0]);
+  EXPECT_EQ(moved.lamps, to.lamps);
 }
 
 TEST(Unknowns, AStageFreesItsGroups) {

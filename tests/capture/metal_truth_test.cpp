@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "burin/capture/simulator/bench_truth.h"
+#include "burin/render/cell_grid.h"
 #include "burin/capture/simulator/point_sampler.h"
 #include "burin/render/error.h"
 #include "burin/render/view_renderer.h"
@@ -112,6 +113,20 @@ TEST(MetalTruth, WhatCannotBeIsNamed) {
   EXPECT_THAT([&] { read_bench_truth(write_truth(folder, json)); }, ThrowsMessage<Error>(HasSubstr("up to 75")));
   json["material"]["profile"] = {{"kind", "u"}};
   EXPECT_THAT([&] { read_bench_truth(write_truth(folder, json)); }, ThrowsMessage<Error>(HasSubstr("rounded-v")));
+  json = small_truth();
+  json["board"]["size_mm"] = {1e9, 80};
+  EXPECT_THAT([&] { read_bench_truth(write_truth(folder, json)); }, ThrowsMessage<Error>(HasSubstr("at most 100,000")));
+}
+
+TEST(MetalTruth, ALargeBoardTakesNoMoreMemoryThanItsScratches) {
+  const CellGrid usual = cell_grid({120, 80.5}, 1), long_strip = cell_grid({1e5, 2}, 1),
+                 largest = cell_grid({1e5, 1e5}, 1);
+  EXPECT_EQ(usual.cell_mm, 1);
+  EXPECT_EQ(usual.cells(), 120U * 81U);
+  EXPECT_EQ(long_strip.cells(), 200'000U);
+  EXPECT_LT(largest.cells(), 4'100'000U);
+  EXPECT_EQ(largest.column(1e5), largest.columns - 1);
+  EXPECT_EQ(largest.row(-1e300), 0);
 }
 
 }  // namespace

@@ -15,23 +15,6 @@
 #include "burin/render/groove.h"
 
 namespace burin {
-namespace {
-
-struct Gain {
-  double sum = 0, standard_error = 0;  // of the views' gains together
-};
-
-Gain gain_of(const std::vector<double>& of_views) {
-  const auto n = static_cast<double>(of_views.size());
-  Gain out;
-  out.sum = std::accumulate(of_views.begin(), of_views.end(), 0.0);
-  double scatter = 0;
-  for (const double one : of_views) scatter += std::pow(one - out.sum / n, 2);
-  out.standard_error = std::sqrt(n / (n - 1) * scatter);
-  return out;
-}
-
-}  // namespace
 
 EffectEquations effect_equations(const Problem& data, const Stage& stage, const State& state) {
   EffectEquations out{stage, stage, {}, {}, {}};
@@ -192,16 +175,6 @@ bool start_screws(const Problem& data, State& state) {
 
 namespace {
 
-// Views' costs at a state.
-std::vector<double> costs_of_views(const Problem& data, const State& state) {
-  std::vector<double> out(data.photos.size());
-  const Carved carved = carved_at(data.model, state.of(0));
-  each_photo(data, [&](std::size_t k) {
-    out[k] = photo_cost(data.model, data.photos[k], state.of(data.photos[k].photo.light), carved);
-  });
-  return out;
-}
-
 void set_profile(Problem& data, const GrooveProfile& profile, State& state) {
   data.model.profile = profile;
   for (PhotoData& photo : data.photos) photo.profile = profile;
@@ -230,7 +203,7 @@ Trial tried(Problem& data, Stage stage, const State& from, const GrooveProfile& 
   // Known already, and dear: each is a rendering more.
   stage.free(Group::backlash, false).free(Group::screw, false).free(Group::screw_period, false);
   if (iterations > 0) solve(data, stage, iterations, 1e-4, out.state, {}, "");
-  out.costs = costs_of_views(data, out.state);
+  out.costs = costs_of_photos(data, out.state);
   out.cost = std::accumulate(out.costs.begin(), out.costs.end(), 0.0);
   return out;
 }
@@ -238,9 +211,7 @@ Trial tried(Problem& data, Stage stage, const State& from, const GrooveProfile& 
 // Whether `more` is better than `less` by far more than the views scatter, and by a share that a few more numbers do
 // not make.
 bool clearly_better(const Trial& more, const Trial& less) {
-  std::vector<double> gains;
-  for (std::size_t k = 0; k < more.costs.size(); ++k) gains.push_back(less.costs[k] - more.costs[k]);
-  const Gain gain = gain_of(gains);
+  const Gain gain = gain_between(less.costs, more.costs);
   constexpr double kShare = 0.03;
   return gain.sum > kShare * less.cost && gain.sum > gain.standard_error;
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 #include "burin/calib/geometry/information.h"
@@ -42,8 +41,9 @@ double chi_squared(const Eigen::VectorXd& step, const Eigen::MatrixXd& covarianc
 // enough: once in ten thousand times for a slope or wear, once in a million for more terms, which are rarer on real
 // boards and were made up on one random bench in ten (a field made up does more harm than one missed). Hotelling's T^2
 // is distributed as F, and F's cube root nearly as a normal ratio (Paulson, Annals of Mathematical Statistics 13,
-// 1942).
+// 1942). A lamp's size and glare cannot be below 0, so that of what chance makes only one half looks like them.
 constexpr double kOnceInTenThousand = 3.719, kOnceInAMillion = 4.753;  // sigmas of a normal distribution
+constexpr double kTwiceInTenThousand = 3.540;
 constexpr double kLeastShare = 0.001;  // of glare; less is none, and what is below none is something else
 // Whatever makes dark places brighter than the model has them looks like glare: fingerprints and dust of an amateur's
 // bench without any made up 0.8 % of it, at 7.2 sigmas by places and 4.8 by views. So little is asked for sternly.
@@ -77,9 +77,11 @@ Asked significance(const Problem& data, const Stage& all, const State& state, co
                    const std::vector<Eigen::Index>& added) {
   const Eigen::MatrixXd inverse = safe_inverse(H, free);
   const Eigen::VectorXd step = -inverse * g;
-  const bool little_glare =
-      added.size() == 1 && added.front() == unknown::glare_share && step[unknown::glare_share] < kMadeUpGlare;
-  const double sigmas = added.size() > 2 ? kOnceInAMillion : kOnceInTenThousand;
+  const bool size = added.front() > kPaperIndex, glare = added.front() == unknown::glare_share;
+  const bool little_glare = added.size() == 1 && glare && step[unknown::glare_share] < kMadeUpGlare;
+  const double sigmas = added.size() > 2                       ? kOnceInAMillion
+                        : added.size() == 1 && (size || glare) ? kTwiceInTenThousand
+                                                               : kOnceInTenThousand;
   const auto beyond = [&](const Eigen::MatrixXd& scatter, std::size_t samples, double bar) {
     return beyond_chance(chi_squared(step, inverse * (scatter + e.prior_scatter) * inverse, added), added.size(),
                          samples, bar);
@@ -87,7 +89,6 @@ Asked significance(const Problem& data, const Stage& all, const State& state, co
   // Photos are few: their scatter could not say so much of several terms, but it may contradict.
   constexpr std::size_t kKnown = 1000;
   // Photos of a lamp with an area take many times as long to render: only where photos do not contradict already.
-  const bool size = added.front() > kPaperIndex;
   if (size && !beyond(scatter_by_view(e, step), kKnown, sigmas)) return Asked::no;
   const ViewEquations at_optimum = view_equations(data, all, moved_state(state, step));
   std::size_t places = 0;
@@ -100,12 +101,13 @@ Asked significance(const Problem& data, const Stage& all, const State& state, co
   return little_glare ? Asked::no : Asked::by_places_only;
 }
 
-// The equations a step away: no rendering.
+// The views' scores a step away: no rendering.
 ViewEquations moved(ViewEquations e, const Eigen::VectorXd& step) {
   for (std::size_t k = 0; k < e.H.size(); ++k) e.g[k] += e.H[k] * step;
-  e.prior_g += e.prior_information * step;
   return e;
 }
+
+constexpr FreeField kGlare{false, false, false, true}, kSize{false, false, false, false, true};
 
 FreeField both(const FreeField& a, const FreeField& b) {
   return {a.linear || b.linear, a.quadratic || b.quadratic, a.wear || b.wear, a.glare || b.glare, a.size || b.size};
@@ -146,14 +148,15 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     set_free(field, lights, free);
     return free;
   };
+  // Where the answer would be with that field, to first order.
+  const auto optimum = [&](const FreeField& field) -> Eigen::VectorXd {
+    return -safe_inverse(H, free_with(field)) * g;
+  };
   // A lamp's size and glare hide each other: a disk dims what is near a glint's middle, glare brightens what is dark.
   // So a size is asked for beside the glare that photos would have with it, whether that is asked for itself or not.
   const auto beside_a_size = [&](const FreeField& field) {
-    FreeField with_glare = field;
-    with_glare.glare = true;
-    const std::vector<bool> free = free_with(both(with_glare, {false, false, false, false, true}));
-    const bool has_glare = (-safe_inverse(H, free) * g)[unknown::glare_share] > kLeastShare;
-    return has_glare ? with_glare : field;
+    const FreeField with_glare = both(field, kGlare);
+    return optimum(both(with_glare, kSize))[unknown::glare_share] > kLeastShare ? with_glare : field;
   };
   FreeField pointed_to;  // in the last round, all terms together: by held-out photos and by places, though photos
                          // scatter too much to be asked
@@ -163,8 +166,7 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     FreeField best = choice;
     double best_gain = 0;
     for (const FreeField& more :
-         {FreeField{true, false, false}, FreeField{true, true, false}, FreeField{false, false, true},
-          FreeField{false, false, false, true}, FreeField{false, false, false, false, true}}) {
+         {FreeField{true, false, false}, FreeField{true, true, false}, FreeField{false, false, true}, kGlare, kSize}) {
       const FreeField trial = both(choice, more);
       if (terms_of(trial) == terms_of(choice)) continue;
       const FreeField beside = more.size ? beside_a_size(choice) : choice;
@@ -173,20 +175,16 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
       for (std::size_t i = 0; i < trial_free.size(); ++i)
         if (trial_free[i] && !others[i]) added.push_back(static_cast<Eigen::Index>(i));
       if (added.empty()) continue;  // no lamp whose size is sought
-      if (more.size && !grows(state, -safe_inverse(H, trial_free) * g)) continue;
-      const Eigen::VectorXd step = -safe_inverse(H, others) * g;
-      const std::vector<double> gains = held_out_gains(moved(equations, step), H, g + H * step, others, added);
-      const auto n = static_cast<double>(views);
-      const double gain = std::accumulate(gains.begin(), gains.end(), 0.0), mean = gain / n;
-      double scatter = 0;
-      for (const double one : gains) scatter += std::pow(one - mean, 2);
-      if (!(mean > std::sqrt(scatter / (n * (n - 1)))) || !(gain > best_gain)) continue;
-      if (trial.glare && !((-safe_inverse(H, trial_free) * g)[unknown::glare_share] > kLeastShare)) continue;
+      const Eigen::VectorXd answer = optimum(both(trial, beside)), from = optimum(beside);
+      if (more.size && !grows(state, answer)) continue;
+      const Gain gain = gain_of(held_out_gains(moved(equations, from), H, g + H * from, others, added));
+      if (!(gain.sum > gain.standard_error) || !(gain.sum > best_gain)) continue;
+      if (trial.glare && !(answer[unknown::glare_share] > kLeastShare)) continue;
       const Asked asked = significance(data, all, state, equations, H, g, trial_free, added);
       if (asked == Asked::by_places_only) pointed_to = both(pointed_to, trial);
       if (asked != Asked::yes) continue;
       best = trial;
-      best_gain = gain;
+      best_gain = gain.sum;
       stepped = true;
     }
     choice = best;
@@ -194,11 +192,11 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
   if (shifts == nullptr) return choice;
   // Of what is not chosen: how far the answer would move with it.
   const auto add_shift = [&](const FreeField& from, const FreeField& more) {
-    const std::vector<bool> without = free_with(from), with = free_with(both(from, more));
-    const Eigen::VectorXd step = -safe_inverse(H, with) * g;
-    if (with != without && (!more.size || grows(state, step))) shifts->push_back(step + safe_inverse(H, without) * g);
+    if (free_with(both(from, more)) == free_with(from)) return;
+    const Eigen::VectorXd answer = optimum(both(from, more));
+    if (!more.size || grows(state, answer)) shifts->push_back(answer - optimum(from));
   };
-  if (!choice.size) add_shift(beside_a_size(choice), {false, false, false, false, true});
+  if (!choice.size) add_shift(beside_a_size(choice), kSize);
   pointed_to.size = false;  // counted just now
   if (terms_of(pointed_to) > 0) add_shift(choice, pointed_to);
   return choice;

@@ -1,5 +1,8 @@
 #include "burin/calib/photo/held_out_gains.h"
 
+#include <cmath>
+#include <numeric>
+
 #include "burin/calib/geometry/information.h"
 
 namespace burin {
@@ -20,6 +23,22 @@ std::vector<double> held_out_gains(const ViewEquations& e, const Eigen::MatrixXd
     out.push_back(-own_score.dot(terms) - 0.5 * terms.dot(own * terms));
   }
   return out;
+}
+
+Gain gain_of(const std::vector<double>& of_views) {
+  const auto n = static_cast<double>(of_views.size());
+  Gain out;
+  out.sum = std::accumulate(of_views.begin(), of_views.end(), 0.0);
+  double scatter = 0;
+  for (const double one : of_views) scatter += std::pow(one - out.sum / n, 2);
+  out.standard_error = std::sqrt(n / (n - 1) * scatter);
+  return out;
+}
+
+Gain gain_between(const std::vector<double>& less, const std::vector<double>& more) {
+  std::vector<double> gains(less);
+  for (std::size_t k = 0; k < gains.size(); ++k) gains[k] -= more[k];
+  return gain_of(gains);
 }
 
 }  // namespace burin

@@ -14,4 +14,12 @@ namespace burin {
 std::vector<double> held_out_gains(const ViewEquations& e, const Eigen::MatrixXd& H, const Eigen::VectorXd& g,
                                    const std::vector<bool>& free, const std::vector<Eigen::Index>& added);
 
+/// The views' gains together.
+struct Gain {
+  double sum = 0, standard_error = 0;
+};
+Gain gain_of(const std::vector<double>& of_views);
+/// Of views' costs with less and with more.
+Gain gain_between(const std::vector<double>& less, const std::vector<double>& more);
+
 }  // namespace burin

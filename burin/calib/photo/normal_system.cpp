@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "burin/calib/geometry/information.h"
+#include "burin/calib/photo/board_tiles.h"
 #include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/geometry_agreement.h"
 #include "burin/calib/photo/paper_equation.h"
@@ -32,6 +33,7 @@ std::vector<std::vector<PhotoEquations>> equations_of_photos(
     const std::function<void(std::size_t, const PhotoSlopes&)>& look) {
   const FreeUnknowns wanted = wanted_of(data, stage);
   const CarvedStates grooves(data.model);
+  const CellGrid tiles = board_tiles(*data.model.board);
   std::vector<std::vector<PhotoEquations>> out(models.size(), std::vector<PhotoEquations>(data.photos.size()));
   each_photo(data, [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];
@@ -42,11 +44,11 @@ std::vector<std::vector<PhotoEquations>> equations_of_photos(
     for (std::size_t m = 0; m < models.size(); ++m) {
       const ModelData& model = models[m];
       if (model.alpha_jitter == data.model.alpha_jitter && model.depth_jitter == data.model.depth_jitter) {
-        out[m][k] = photo_equations(model, photo, x, slopes.light, slopes, kTileMm);
+        out[m][k] = photo_equations(model, photo, x, slopes.light, slopes, &tiles);
       } else {
         PhotoData shifted = photo;
         shift_by_grooves(model, x, *carved, shifted);
-        out[m][k] = photo_equations(model, shifted, x, slopes.light, slopes, kTileMm);
+        out[m][k] = photo_equations(model, shifted, x, slopes.light, slopes, &tiles);
       }
     }
   });

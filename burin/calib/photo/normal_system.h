@@ -14,8 +14,6 @@
 
 namespace burin {
 
-constexpr double kTileMm = 20;  ///< side of the squares of the board that scores are summed over
-
 /// What stands in H for the robust loss: Gauss and Newton's weights, which lead to the optimum, or the loss' own
 /// curvature there, which says how far scores move the optimum. That is less by a fifth for normal errors, by a half
 /// where errors have long tails, as those of grooves near their cut-off have.

@@ -666,13 +666,13 @@ bool slopes_hold(const ModelData& model, const PhotoData& photo, const PhotoSlop
 }
 
 PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
-                               const CarvedStates& grooves, const FreeUnknowns& free, double tile_mm) {
+                               const CarvedStates& grooves, const FreeUnknowns& free, const CellGrid* tiles) {
   const PhotoSlopes slopes = photo_slopes(model, photo, x, *grooves.at(x), grooves, free);
-  return photo_equations(model, photo, x, slopes.light, slopes, tile_mm);
+  return photo_equations(model, photo, x, slopes.light, slopes, tiles);
 }
 
 PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
-                               const PhotoSlopes& slopes, double tile_mm) {
+                               const PhotoSlopes& slopes, const CellGrid* tiles) {
   const FreeUnknowns& free = slopes.free;
   const std::vector<Image>& columns = slopes.columns;
   const std::size_t rendered_columns = columns.size();
@@ -689,9 +689,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   const auto n = static_cast<Eigen::Index>(index.size());
   Eigen::MatrixXd JtJ = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd Jtr = Eigen::VectorXd::Zero(n);
-  const int tile_columns = tile_mm > 0 ? static_cast<int>(std::ceil(model.board->size_mm.x() / tile_mm)) : 0;
-  const int tile_rows = tile_mm > 0 ? static_cast<int>(std::ceil(model.board->size_mm.y() / tile_mm)) : 0;
-  Eigen::MatrixXd tiles = Eigen::MatrixXd::Zero(n, tile_columns * tile_rows);
+  Eigen::MatrixXd tile_scores = Eigen::MatrixXd::Zero(n, tiles ? static_cast<Eigen::Index>(tiles->cells()) : 0);
   Eigen::MatrixXd rows(n, width);  // one row of the photo at a time: a column a pixel
   Eigen::VectorXd r(width), to_noise(width), to_curvature(width);
   Eigen::MatrixXd noise_JtJ = Eigen::MatrixXd::Zero(n, n), curvature_JtJ = noise_JtJ, other_rows;
@@ -715,20 +713,19 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
         if (free[unknown::vignette + v])
           rows(row++, used) = (1 - x[unknown::glare_share]) * root * photo.weight[i] * radius_power * light.data[i];
       if (glares) rows(row++, used) = root * photo.weight[i] * seen.by_glare;
-      if (tile_mm > 0) {
+      if (tiles) {
         to_noise[used] = 1 / (root * photo.weight[i] * photo.photo.sigma.data[i]);
         to_curvature[used] = std::sqrt(loss.curvature / loss.weight);
         const Eigen::Vector2d p = footprint_middle_mm(*photo.scene.grid, i);
-        const int tx = std::clamp(static_cast<int>(p.x() / tile_mm), 0, tile_columns - 1);
-        const int ty = std::clamp(static_cast<int>(p.y() / tile_mm), 0, tile_rows - 1);
-        tiles.col(ty * tile_columns + tx) += r[used] * rows.col(used);
+        const std::size_t tile = tiles->cell(tiles->column(p.x()), tiles->row(p.y()));
+        tile_scores.col(static_cast<Eigen::Index>(tile)) += r[used] * rows.col(used);
       }
       ++used;
     }
     if (used == 0) continue;
     JtJ.selfadjointView<Eigen::Lower>().rankUpdate(rows.leftCols(used));
     Jtr.noalias() += rows.leftCols(used) * r.head(used);
-    if (tile_mm > 0) {
+    if (tiles) {
       other_rows = rows.leftCols(used) * to_noise.head(used).asDiagonal();
       noise_JtJ.selfadjointView<Eigen::Lower>().rankUpdate(other_rows);
       other_rows = rows.leftCols(used) * to_curvature.head(used).asDiagonal();
@@ -741,17 +738,17 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
 
   out.JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
   out.Jtr = Eigen::VectorXd::Zero(unknown::count);
-  if (tile_mm > 0) {
-    out.tile_scores = Eigen::MatrixXd::Zero(unknown::count, tiles.cols());
+  if (tiles) {
+    out.tile_scores = Eigen::MatrixXd::Zero(unknown::count, tile_scores.cols());
     out.noise_JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
     out.curvature_JtJ = Eigen::MatrixXd::Zero(unknown::count, unknown::count);
   }
   for (Eigen::Index a = 0; a < n; ++a) {
     out.Jtr[index[a]] = Jtr[a];
-    if (tile_mm > 0) out.tile_scores.row(index[a]) = tiles.row(a);
+    if (tiles) out.tile_scores.row(index[a]) = tile_scores.row(a);
     for (Eigen::Index b = 0; b < n; ++b) {
       out.JtJ(index[a], index[b]) = JtJ(a, b);
-      if (tile_mm > 0) {
+      if (tiles) {
         out.noise_JtJ(index[a], index[b]) = noise_JtJ(a, b);
         out.curvature_JtJ(index[a], index[b]) = curvature_JtJ(a, b);
       }

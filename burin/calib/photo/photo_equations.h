@@ -17,6 +17,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
+#include "burin/render/cell_grid.h"
 #include "burin/render/groove_field.h"
 #include "burin/render/scratches.h"
 #include "burin/render/view_renderer.h"
@@ -129,7 +130,7 @@ struct PhotoEquations {
   double cost = 0;
   Eigen::MatrixXd JtJ;  ///< count x count, weighted
   Eigen::VectorXd Jtr;
-  /// Scores summed over squares of the board, tile_columns x tile_rows, one column a square: count x tiles.
+  /// Scores summed over squares of the board, one column a square: count x tiles.
   Eigen::MatrixXd tile_scores;
   Eigen::MatrixXd noise_JtJ;      ///< with tile_scores: weighted by the photo's noise alone, without loss
   Eigen::MatrixXd curvature_JtJ;  ///< with tile_scores: weighted by the loss' curvature, where it is not negative
@@ -139,11 +140,11 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
 /// The same where `light` is seen.
 double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light);
 
-/// `tile_mm` > 0 asks for tile_scores, noise_JtJ and curvature_JtJ.
+/// `tiles` ask for tile_scores, noise_JtJ and curvature_JtJ.
 PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x,
-                               const CarvedStates& grooves, const FreeUnknowns& free, double tile_mm = 0);
+                               const CarvedStates& grooves, const FreeUnknowns& free, const CellGrid* tiles = nullptr);
 /// The same where `light` is seen, with slopes that hold there.
 PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Image& light,
-                               const PhotoSlopes& slopes, double tile_mm = 0);
+                               const PhotoSlopes& slopes, const CellGrid* tiles = nullptr);
 
 }  // namespace burin

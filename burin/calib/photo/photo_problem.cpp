@@ -80,6 +80,16 @@ State moved_state(const State& state, const Eigen::VectorXd& step) {
   return out;
 }
 
+Eigen::VectorXd step_between(const State& from, const State& to) {
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(global_count(from.lamps.size()));
+  for (int i = 0; i < kSharedUnknowns; ++i) step[i] = to.shared[i] - from.shared[i];
+  step[kPaperIndex] = to.log_paper[0] - from.log_paper[0];
+  for (std::size_t light = 0; light < from.lamps.size(); ++light)
+    for (int i = 0; i < kLampUnknowns; ++i)
+      step[global_index(kSharedUnknowns + i, light)] = to.lamps[light][i] - from.lamps[light][i];
+  return step;
+}
+
 std::pair<double, double> log_blur_range(const Problem& data) {
   for (const PhotoData& photo : data.photos) {
     constexpr double kHolds = 0.3;
@@ -182,6 +192,15 @@ double cost_of(const Problem& data, const State& state, std::size_t stride) {
   for (std::size_t k = 0; k < data.photos.size(); k += stride)
     cost += photo_cost(data.model, data.photos[k], state.of(data.photos[k].photo.light), carved);
   return cost;
+}
+
+std::vector<double> costs_of_photos(const Problem& data, const State& state) {
+  std::vector<double> out(data.photos.size());
+  const Carved carved = carved_at(data.model, state.of(0));
+  each_photo(data, [&](std::size_t k) {
+    out[k] = photo_cost(data.model, data.photos[k], state.of(data.photos[k].photo.light), carved);
+  });
+  return out;
 }
 
 }  // namespace burin

@@ -41,6 +41,8 @@ struct State {
 
 /// The state moved by a step of all unknowns, in the order of global_index().
 State moved_state(const State& state, const Eigen::VectorXd& step);
+/// The step that moved_state() would come from one to the other by.
+Eigen::VectorXd step_between(const State& from, const State& to);
 
 /// The photos at one resolution, with their weights.
 struct Problem {
@@ -109,6 +111,8 @@ void each_photo(const Problem& data, const std::function<void(std::size_t)>& bod
 
 /// Cost of every `stride`-th photo.
 double cost_of(const Problem& data, const State& state, std::size_t stride);
+/// Each photo's.
+std::vector<double> costs_of_photos(const Problem& data, const State& state);
 
 /// The photos binned, their weights from noise alone. Pixels near tags and edges, within the blur's reach, are left
 /// out.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "burin/render/cell_grid.h"
 #include "burin/render/files/decimals.h"
 
 namespace burin {
@@ -11,25 +12,17 @@ namespace {
 
 // Counts by square of the board.
 struct BoardSquares {
-  int columns, rows;
+  CellGrid grid;
   std::vector<int> seen, strange;  // photos
 
   explicit BoardSquares(const Board& board)
-      : columns(static_cast<int>(std::ceil(board.size_mm.x() / kStrangeSquareMm))),
-        rows(static_cast<int>(std::ceil(board.size_mm.y() / kStrangeSquareMm))),
-        seen(static_cast<std::size_t>(columns) * rows, 0),
-        strange(seen) {}
-  std::size_t at(const Eigen::Vector2d& p_mm) const {
-    const int column = std::clamp(static_cast<int>(p_mm.x() / kStrangeSquareMm), 0, columns - 1);
-    const int row = std::clamp(static_cast<int>(p_mm.y() / kStrangeSquareMm), 0, rows - 1);
-    return static_cast<std::size_t>(row) * columns + column;
-  }
+      : grid(cell_grid(board.size_mm, kStrangeSquareMm)), seen(grid.cells(), 0), strange(seen) {}
+  std::size_t at(const Eigen::Vector2d& p_mm) const { return grid.cell(grid.column(p_mm.x()), grid.row(p_mm.y())); }
   // visit(index) for a square and those that touch it.
   template <typename Visit>
   void each_around(int column, int row, const Visit& visit) const {
-    for (int r = std::max(0, row - 1); r <= std::min(rows - 1, row + 1); ++r)
-      for (int c = std::max(0, column - 1); c <= std::min(columns - 1, column + 1); ++c)
-        visit(static_cast<std::size_t>(r) * columns + c);
+    for (int r = std::max(0, row - 1); r <= std::min(grid.rows - 1, row + 1); ++r)
+      for (int c = std::max(0, column - 1); c <= std::min(grid.columns - 1, column + 1); ++c) visit(grid.cell(c, r));
   }
 };
 
@@ -70,7 +63,7 @@ std::vector<StrangeRegion> strange_regions(const Problem& data, const State& sta
     while (!next.empty()) {
       const std::size_t s = next.back();
       next.pop_back();
-      const int column = static_cast<int>(s) % squares.columns, row = static_cast<int>(s) / squares.columns;
+      const int column = static_cast<int>(s) % squares.grid.columns, row = static_cast<int>(s) / squares.grid.columns;
       region.squares.emplace_back(column, row);
       region.strange_in = std::max(region.strange_in, static_cast<std::size_t>(squares.strange[s]));
       region.seen_in = std::max(region.seen_in, static_cast<std::size_t>(squares.seen[s]));
@@ -87,9 +80,9 @@ std::vector<StrangeRegion> strange_regions(const Problem& data, const State& sta
       low = low.cwiseMin(square);
       high = high.cwiseMax(square);
     }
-    region.min_mm = kStrangeSquareMm * low.cast<double>();
+    region.min_mm = squares.grid.cell_mm * low.cast<double>();
     region.max_mm =
-        (kStrangeSquareMm * (high.cast<double>() + Eigen::Vector2d::Ones())).cwiseMin(data.model.board->size_mm);
+        (squares.grid.cell_mm * (high.cast<double>() + Eigen::Vector2d::Ones())).cwiseMin(data.model.board->size_mm);
     regions.push_back(std::move(region));
   }
   if (3 * strange >= seen) return {};

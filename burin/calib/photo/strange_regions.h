@@ -22,7 +22,7 @@ namespace burin {
 
 struct StrangeRegion {
   Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};  ///< of its squares
-  std::vector<Eigen::Vector2i> squares;        ///< column, row, in units of kStrangeSquareMm
+  std::vector<Eigen::Vector2i> squares;        ///< column, row: of 2 mm, larger on a board of meters
   std::size_t strange_in = 0, seen_in = 0;     ///< photos, at most over its squares
 };
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "burin/calib/geometry/information.h"
+#include "burin/calib/photo/board_tiles.h"
 #include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/paper_equation.h"
@@ -19,23 +20,10 @@ enum Quantity { kAlong, kAcross, kAzimuth, kHighlight, kBrightness, kFrame };
 
 // Squares of the board that scores are summed over: of kTileMm, and on small boards less, as few of them could not tell
 // chance from anything.
-struct Tiles {
-  double side_mm = kTileMm;
-  int columns = 1, rows = 1;
-
-  explicit Tiles(const Board& board) {
-    constexpr double kFewestAcross = 6;
-    side_mm = std::min(kTileMm, board.size_mm.minCoeff() / kFewestAcross);
-    columns = static_cast<int>(std::ceil(board.size_mm.x() / side_mm));
-    rows = static_cast<int>(std::ceil(board.size_mm.y() / side_mm));
-  }
-  int count() const { return columns * rows; }
-  int at(const Eigen::Vector3d& p) const {
-    const int x = std::clamp(static_cast<int>(p.x() / side_mm), 0, columns - 1);
-    const int y = std::clamp(static_cast<int>(p.y() / side_mm), 0, rows - 1);
-    return y * columns + x;
-  }
-};
+CellGrid tiles_of(const Board& board) {
+  constexpr double kFewestAcross = 6;
+  return board_tiles(board, std::min(kTileMm, board.size_mm.minCoeff() / kFewestAcross));
+}
 
 // What sets pixels apart but for the light they show. Angles' tangents are those of the half vector against the face.
 struct PixelGeometry {
@@ -110,7 +98,8 @@ ClassSums class_sums(const Problem& data, std::size_t k, const State& state, con
                      const BinEdges& edges) {
   const PhotoData& photo = data.photos[k];
   const Unknowns x = state.of(photo.photo.light);
-  const Tiles tiles(*data.model.board);
+  const CellGrid tiles = tiles_of(*data.model.board);
+  const auto tile_count = static_cast<Eigen::Index>(tiles.cells());
   // Over the unknowns that this photo has a column for.
   std::vector<int> index;
   std::vector<const Image*> columns;
@@ -133,9 +122,9 @@ ClassSums class_sums(const Problem& data, std::size_t k, const State& state, con
   ClassSums small;
   for (int q = 0; q < kPixelQuantities; ++q) {
     for (ClassSums::OfClass& c : small.classes[q])
-      c = {Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, tiles.count())};
+      c = {Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, tile_count)};
     for (ClassSums::OfBin& b : small.bins[q])
-      b = {Eigen::VectorXd::Zero(tiles.count()), Eigen::VectorXd::Zero(tiles.count())};
+      b = {Eigen::VectorXd::Zero(tile_count), Eigen::VectorXd::Zero(tile_count)};
   }
   Eigen::VectorXd row(n);
   const int width = slopes.light.width;
@@ -159,7 +148,8 @@ ClassSums class_sums(const Problem& data, std::size_t k, const State& state, con
     const double elasticity = by_alpha != nullptr && light > 0 ? by_alpha->data[i] / light : 0;
     const std::array<double, kPixelQuantities> values{elasticity,  g.across,  g.azimuth_deg,
                                                       g.highlight, predicted, g.frame};
-    const int tile = tiles.at(photo.scene.grid->center_mm[i]);
+    const Eigen::Vector3d& place = photo.scene.grid->center_mm[i];
+    const auto tile = static_cast<Eigen::Index>(tiles.cell(tiles.column(place.x()), tiles.row(place.y())));
     const double seen = photo.weight[i] * predicted;
     for (int q = 0; q < kPixelQuantities; ++q) {
       const int bin = bin_of(values[q], edges[q]);
@@ -180,7 +170,7 @@ ClassSums class_sums(const Problem& data, std::size_t k, const State& state, con
       const ClassSums::OfClass& from = small.classes[q][c];
       ClassSums::OfClass& to = out.classes[q][c];
       to = {Eigen::MatrixXd::Zero(kFitUnknowns, kFitUnknowns), Eigen::VectorXd::Zero(kFitUnknowns),
-            Eigen::MatrixXd::Zero(kFitUnknowns, tiles.count())};
+            Eigen::MatrixXd::Zero(kFitUnknowns, tile_count)};
       for (Eigen::Index a = 0; a < n; ++a) {
         to.gradient[index[a]] = from.gradient[a];
         to.tile_scores.row(index[a]) = from.tile_scores.row(a);
@@ -202,7 +192,7 @@ struct Whole {
 std::vector<Whole> whole_classes(const Problem& data, std::size_t lights, int quantity,
                                  const std::vector<ClassSums>& photos) {
   const Eigen::Index n = global_count(lights);
-  const Eigen::Index tiles = Tiles(*data.model.board).count();
+  const auto tiles = static_cast<Eigen::Index>(tiles_of(*data.model.board).cells());
   std::vector<Whole> out(kQuantityClasses,
                          {Eigen::MatrixXd::Zero(n, n), Eigen::MatrixXd::Zero(n, tiles), Eigen::VectorXd::Zero(n)});
   for (std::size_t k = 0; k < photos.size(); ++k)

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "burin/calib/geometry/information.h"
+#include "burin/calib/photo/board_tiles.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/verdict/model_tests.h"
 
@@ -72,10 +73,9 @@ Clusters squares_and_tags(const NormalSystem& system) {
 
 Eigen::MatrixXd quadrants_of(const Problem& data, const NormalSystem& system) {
   Eigen::MatrixXd quadrants = Eigen::MatrixXd::Zero(system.tiles.rows(), 4);
-  const auto columns = static_cast<Eigen::Index>(std::ceil(data.model.board->size_mm.x() / kTileMm));
-  const Eigen::Index rows = system.tiles.cols() / columns;
+  const CellGrid grid = board_tiles(*data.model.board);
   for (Eigen::Index tile = 0; tile < system.tiles.cols(); ++tile) {
-    const bool right = 2 * (tile % columns) >= columns, upper = 2 * (tile / columns) >= rows;
+    const bool right = 2 * (tile % grid.columns) >= grid.columns, upper = 2 * (tile / grid.columns) >= grid.rows;
     quadrants.col((right ? 1 : 0) + (upper ? 2 : 0)) += system.tiles.col(tile);
   }
   return quadrants;

@@ -75,8 +75,7 @@ void read_brushed(JsonObject json, BenchTruth& truth) {
 
 void read_board_truth(JsonObject json, BenchTruth& truth) {
   Board& board = truth.board;
-  board.size_mm = json.vec2("size_mm");
-  if (!(board.size_mm.array() > 0).all()) json.fail_field("size_mm", "is not positive", "write width and height in mm");
+  board.size_mm = read_board_size(json);
   const Eigen::MatrixXd carve = json.matrix("carve_mm", 2, 2);
   board.carve_min_mm = carve.row(0).transpose();
   board.carve_max_mm = carve.row(1).transpose();

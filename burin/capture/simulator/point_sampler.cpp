@@ -17,6 +17,7 @@
 #include "burin/capture/simulator/around_sampler.h"
 #include "burin/capture/simulator/bent_sheet.h"
 #include "burin/capture/simulator/brushed_face.h"
+#include "burin/render/cell_grid.h"
 #include "burin/capture/simulator/groove_section.h"
 #include "burin/capture/simulator/things_on_board.h"
 #include "burin/render/brdf.h"
@@ -40,14 +41,10 @@ struct Groove {
   GrooveSection section;
 };
 
-// Grooves by place: those that reach into each cell of a square grid over the board, lowest index first.
+// Grooves by place: those that reach into each cell, lowest index first.
 struct GrooveBins {
-  static constexpr double kCell_mm = 1;
-  int nx = 1, ny = 1;
+  CellGrid grid;
   std::vector<int> begin, list;
-
-  int column(double x_mm) const { return std::clamp(static_cast<int>(std::floor(x_mm / kCell_mm)), 0, nx - 1); }
-  int row(double y_mm) const { return std::clamp(static_cast<int>(std::floor(y_mm / kCell_mm)), 0, ny - 1); }
 };
 
 // How far a groove reaches to either side of its middle, burrs included.
@@ -62,16 +59,15 @@ double distance_to(const Groove& g, double x, double y) {
 
 GrooveBins bins_of(const std::vector<Groove>& grooves, const Vector2d& size_mm) {
   GrooveBins bins;
-  bins.nx = std::max(1, static_cast<int>(std::ceil(size_mm.x() / GrooveBins::kCell_mm)));
-  bins.ny = std::max(1, static_cast<int>(std::ceil(size_mm.y() / GrooveBins::kCell_mm)));
-  const std::size_t cells = static_cast<std::size_t>(bins.nx) * bins.ny;
-  const double reach = GrooveBins::kCell_mm * std::sqrt(0.5);
+  bins.grid = cell_grid(size_mm, 1);
+  const CellGrid& grid = bins.grid;
+  const std::size_t cells = grid.cells();
+  const double reach = grid.cell_mm * std::sqrt(0.5);
   const auto for_cells = [&](const Groove& g, const auto& visit) {
     const double x1 = g.x0 + g.length * g.ex, y1 = g.y0 + g.length * g.ey, w = reach_of(g);
-    for (int r = bins.row(std::min(g.y0, y1) - w); r <= bins.row(std::max(g.y0, y1) + w); ++r)
-      for (int c = bins.column(std::min(g.x0, x1) - w); c <= bins.column(std::max(g.x0, x1) + w); ++c)
-        if (distance_to(g, (c + 0.5) * GrooveBins::kCell_mm, (r + 0.5) * GrooveBins::kCell_mm) <= w + reach)
-          visit(static_cast<std::size_t>(r) * bins.nx + c);
+    for (int r = grid.row(std::min(g.y0, y1) - w); r <= grid.row(std::max(g.y0, y1) + w); ++r)
+      for (int c = grid.column(std::min(g.x0, x1) - w); c <= grid.column(std::max(g.x0, x1) + w); ++c)
+        if (distance_to(g, (c + 0.5) * grid.cell_mm, (r + 0.5) * grid.cell_mm) <= w + reach) visit(grid.cell(c, r));
   };
   bins.begin.assign(cells + 1, 0);
   for (const Groove& g : grooves) for_cells(g, [&](std::size_t cell) { ++bins.begin[cell + 1]; });
@@ -393,12 +389,13 @@ void PointSampler::State::fill_bent_corner(const Vector3d& camera, const Vector3
 
 void PointSampler::State::near_grooves(const Vector2d& low, const Vector2d& high, std::vector<int>& found) const {
   found.clear();
-  const int c0 = bins.column(low.x()), c1 = bins.column(high.x()), r0 = bins.row(low.y()), r1 = bins.row(high.y());
+  const CellGrid& grid = bins.grid;
+  const int c0 = grid.column(low.x()), c1 = grid.column(high.x()), r0 = grid.row(low.y()), r1 = grid.row(high.y());
   const Vector2d middle = (low + high) / 2;
   const double radius = (high - low).norm() / 2;
   for (int r = r0; r <= r1; ++r)
     for (int c = c0; c <= c1; ++c) {
-      const std::size_t cell = static_cast<std::size_t>(r) * bins.nx + c;
+      const std::size_t cell = grid.cell(c, r);
       for (int k = bins.begin[cell]; k < bins.begin[cell + 1]; ++k) {
         const Groove& g = grooves[bins.list[k]];
         if (distance_to(g, middle.x(), middle.y()) <= reach_of(g) + radius) found.push_back(bins.list[k]);

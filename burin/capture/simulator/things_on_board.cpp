@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "burin/render/cell_grid.h"
 #include "burin/capture/tags/tag_family.h"
 
 namespace burin {
@@ -26,13 +27,9 @@ struct ThingsOnBoard::Thing {
 };
 
 struct ThingsOnBoard::Bins {
-  static constexpr double kBin_mm = 4;
-  int nx = 1, ny = 1;
+  CellGrid grid;
   std::vector<std::vector<int>> lists;
   double margin_mm = 0;  // how far a thing may seem to be moved by its height
-
-  int x_of(double x_mm) const { return std::clamp(static_cast<int>(std::floor(x_mm / kBin_mm)), 0, nx - 1); }
-  int y_of(double y_mm) const { return std::clamp(static_cast<int>(std::floor(y_mm / kBin_mm)), 0, ny - 1); }
 };
 
 ThingsOnBoard::ThingsOnBoard(const BenchTruth& truth) : bins_(std::make_unique<Bins>()) {
@@ -113,17 +110,16 @@ ThingsOnBoard::ThingsOnBoard(const BenchTruth& truth) : bins_(std::make_unique<B
     }
   }
 
-  bins_->nx = std::max(1, static_cast<int>(std::ceil(truth.board.size_mm.x() / Bins::kBin_mm)));
-  bins_->ny = std::max(1, static_cast<int>(std::ceil(truth.board.size_mm.y() / Bins::kBin_mm)));
-  bins_->lists.resize(static_cast<std::size_t>(bins_->nx) * bins_->ny);
+  const CellGrid grid = bins_->grid = cell_grid(truth.board.size_mm, 4);
+  bins_->lists.resize(grid.cells());
   double highest = 0;
   for (int i = static_cast<int>(things_.size()) - 1; i >= 0; --i) {  // top first
     const Thing& thing = things_[i];
     highest = std::max(highest, std::abs(thing.z_mm));
     const double reach = thing.half.norm();
-    for (int y = bins_->y_of(thing.center.y() - reach); y <= bins_->y_of(thing.center.y() + reach); ++y)
-      for (int x = bins_->x_of(thing.center.x() - reach); x <= bins_->x_of(thing.center.x() + reach); ++x)
-        bins_->lists[static_cast<std::size_t>(y) * bins_->nx + x].push_back(i);
+    for (int y = grid.row(thing.center.y() - reach); y <= grid.row(thing.center.y() + reach); ++y)
+      for (int x = grid.column(thing.center.x() - reach); x <= grid.column(thing.center.x() + reach); ++x)
+        bins_->lists[grid.cell(x, y)].push_back(i);
   }
   bins_->margin_mm = 4 * highest;  // a view flatter than 14 degrees would see further under
 }
@@ -133,11 +129,12 @@ ThingsOnBoard::~ThingsOnBoard() = default;
 void ThingsOnBoard::near(const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm, std::vector<int>& found) const {
   found.clear();
   const Eigen::Vector2d low = min_mm.array() - bins_->margin_mm, high = max_mm.array() + bins_->margin_mm;
-  const int x0 = bins_->x_of(low.x()), x1 = bins_->x_of(high.x());
-  const int y0 = bins_->y_of(low.y()), y1 = bins_->y_of(high.y());
+  const CellGrid& grid = bins_->grid;
+  const int x0 = grid.column(low.x()), x1 = grid.column(high.x());
+  const int y0 = grid.row(low.y()), y1 = grid.row(high.y());
   for (int y = y0; y <= y1; ++y)
     for (int x = x0; x <= x1; ++x)
-      for (const int i : bins_->lists[static_cast<std::size_t>(y) * bins_->nx + x]) {
+      for (const int i : bins_->lists[grid.cell(x, y)]) {
         const Thing& thing = things_[i];
         const double reach = thing.half.norm();
         if (thing.center.x() + reach >= low.x() && thing.center.x() - reach <= high.x() &&

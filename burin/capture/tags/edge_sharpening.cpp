@@ -134,11 +134,9 @@ EdgeSharpening edge_sharpening(std::span<const EdgePhoto> photos, int border_cel
   out.photos = static_cast<int>(overshoots.size());
   constexpr int kFewestPhotos = 3;
   if (out.photos < kFewestPhotos) return out;
-  out.overshoot = median_of(overshoots);
-  std::vector<double> off;
-  off.reserve(overshoots.size());
-  for (const double o : overshoots) off.push_back(std::abs(o - out.overshoot));
-  out.overshoot_sigma = 1.86 * median_of(off) / std::sqrt(static_cast<double>(out.photos));
+  const MedianAndError usual = median_and_error(overshoots);
+  out.overshoot = usual.median;
+  out.overshoot_sigma = usual.sigma;
   constexpr double kLeast = 0.006, kSigmas = 3;
   out.is_seen = out.overshoot > kLeast && out.overshoot > kSigmas * out.overshoot_sigma;
   return out;
