@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "burin/capture/simulator/bench_truth.h"
-#include "burin/render/cell_grid.h"
 #include "burin/capture/simulator/point_sampler.h"
+#include "burin/render/cell_grid.h"
 #include "burin/render/error.h"
 #include "burin/render/view_renderer.h"
 #include "tests/capture/small_truth.h"
