@@ -7,11 +7,12 @@
 
 namespace burin::places {
 
-std::string source();   ///< the checkout
-std::string binary();   ///< its build folder
-std::string program();  ///< the burin program
-std::string data();     ///< tests/data: known values, photos and small rigs that every checkout has
-std::string shared();   ///< more rigs, and the same at full size (BURIN_SHARED_DIR); may not exist
+std::string source();    ///< the checkout
+std::string binary();    ///< its build folder
+std::string program();   ///< the burin program
+std::string compiler();  ///< the C++ compiler and its flags (sanitizers), as CMake's options
+std::string data();      ///< tests/data: known values, photos and small rigs that every checkout has
+std::string shared();    ///< more rigs, and the same at full size (BURIN_SHARED_DIR); may not exist
 
 /// The folder of a photographed bench: of tests/data if it is there ("b-small", "bench-loop"), else of
 /// shared ("a", "b": full size).

@@ -371,11 +371,14 @@ void RefineRun::doubt_profile() {
   const std::vector<Misfit>& misfits = uncertainty->misfits;
   const auto by_lean = [](const Misfit& m) { return m.test == "across" || m.test == "highlight"; };
   if (std::none_of(misfits.begin(), misfits.end(), by_lean)) return;
-  // Photos as they were when effects were asked for: a cross-section of its own takes many renderings without a fast
-  // path, under a lamp with a size several times as many.
+  // In coarser pixels: a cross-section of its own takes many renderings without a fast path, under a lamp with a size
+  // several times as many. It shows by directions, not by details.
   std::vector<PhotoData> finest = std::exchange(data.photos, {});
   Problem at_finest = data;
-  look_at_photos(bins.middle);
+  const bool with_size = std::find(data.is_disk.begin(), data.is_disk.end(), true) != data.is_disk.end() ||
+                         std::any_of(out.bench.lights.begin(), out.bench.lights.end(),
+                                     [](const Light& light) { return !light.size.is_point(); });
+  look_at_photos(with_size ? bins.coarse : bins.middle);
   light_around(state, data);
   weigh_photos(data, state);
   find_profile();

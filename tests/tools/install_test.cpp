@@ -14,9 +14,10 @@ TEST(Install, AnotherProjectFindsBurinAndUsesIt) {
   const Outcome install =
       run_shell(folder, "cmake --install " + quoted(places::binary()) + " --prefix " + quoted(prefix));
   ASSERT_EQ(install.exit_code, 0) << install.out << install.err;
+  // With the same sanitizers, if any: what they instrumented links with nothing else.
   const Outcome configure =
       run_shell(folder, "cmake -G Ninja -S " + quoted(places::source() + "/tests/tools/consumer") + " -B " +
-                            quoted(build) + " -DCMAKE_PREFIX_PATH=" + quoted(prefix));
+                            quoted(build) + " -DCMAKE_PREFIX_PATH=" + quoted(prefix) + " " + places::compiler());
   ASSERT_EQ(configure.exit_code, 0) << configure.out << configure.err;
   const Outcome compile = run_shell(folder, "cmake --build " + quoted(build));
   ASSERT_EQ(compile.exit_code, 0) << compile.out << compile.err;

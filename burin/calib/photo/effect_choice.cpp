@@ -185,7 +185,7 @@ void set_profile(Problem& data, const GrooveProfile& profile, State& state) {
   state.shared[unknown::log_across] = std::log(profile.across);
 }
 
-constexpr int kThen = 8;  // iterations
+constexpr int kFirst = 3, kThen = 5;  // iterations
 
 struct Trial {
   GrooveProfile profile;
@@ -195,16 +195,24 @@ struct Trial {
   double cost = 0;
 };
 
+void add_costs(const Problem& data, Trial& trial) {
+  trial.costs = costs_of_photos(data, trial.state);
+  trial.cost = std::accumulate(trial.costs.begin(), trial.costs.end(), 0.0);
+}
+
+// Fitted a little; and further if it costs less than `less` by then: what photos ask for pays from the start.
 Trial tried(Problem& data, Stage stage, const State& from, const GrooveProfile& profile, std::vector<Group> free,
-            int iterations) {
+            const Trial* less = nullptr) {
   Trial out{profile, from, std::move(free), {}, 0};
   set_profile(data, profile, out.state);
   for (const Group group : out.free) stage.free(group);
-  // Known already, and dear: each is a rendering more.
-  stage.free(Group::backlash, false).free(Group::screw, false).free(Group::screw_period, false);
-  if (iterations > 0) solve(data, stage, iterations, 1e-4, out.state, {}, "");
-  out.costs = costs_of_photos(data, out.state);
-  out.cost = std::accumulate(out.costs.begin(), out.costs.end(), 0.0);
+  // Known already, and dear: each is a rendering more. The blur is not seen in coarse pixels.
+  stage.hold({Group::backlash, Group::screw, Group::screw_period, Group::lamp_size, Group::blur});
+  solve(data, stage, kFirst, 1e-4, out.state, {}, "");
+  add_costs(data, out);
+  if (less == nullptr || !(out.cost < less->cost)) return out;
+  solve(data, stage, kThen, 1e-4, out.state, {}, "");
+  add_costs(data, out);
   return out;
 }
 
@@ -218,7 +226,6 @@ bool clearly_better(const Trial& more, const Trial& less) {
 
 // A rounded V in place of the paper's section, where that is clearly better.
 void try_flanks(Problem& data, const Stage& stage, const std::function<void(const char*, double)>& told, Trial& best) {
-  constexpr int kFirst = 3;
   std::vector<Trial> shapes;
   const std::array<double, 4> flanks{20, 26, 34, 45};
   for (std::size_t i = 0; i < flanks.size(); ++i) {
@@ -226,12 +233,12 @@ void try_flanks(Problem& data, const Stage& stage, const std::function<void(cons
     GrooveProfile v = best.profile;
     v.kind = GrooveProfile::Kind::rounded_v;
     v.flank_deg = flanks[i];
-    shapes.push_back(tried(data, stage, best.state, v, {}, kFirst));
+    shapes.push_back(tried(data, stage, best.state, v, {}));
   }
   const auto first =
       std::min_element(shapes.begin(), shapes.end(), [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
   told("trying other cross-sections", 0.5);
-  Trial v = tried(data, stage, first->state, first->profile, {Group::flank}, kThen);
+  Trial v = tried(data, stage, first->state, first->profile, {Group::flank}, &best);
   v.profile = data.model.profile;
   if (clearly_better(v, best)) best = std::move(v);
 }
@@ -241,7 +248,9 @@ void try_flanks(Problem& data, const Stage& stage, const std::function<void(cons
 ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state,
                              const std::function<void(const char*, double)>& told) {
   const GrooveProfile paper = data.model.profile;
-  Trial best = tried(data, stage, state, paper, {}, 0);
+  Trial best{paper, state, {}, {}, 0};
+  set_profile(data, paper, best.state);
+  add_costs(data, best);
   constexpr std::size_t kFewestViews = 3;
   if (data.photos.size() < kFewestViews) return {paper, state, {}, {}};
   // Flanks from steep (an arc) to shallow, each fitted a little; then the best of them to its end.
@@ -254,7 +263,7 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
     profile.flank_deg = from.state.shared[unknown::flank];
     std::vector<Group> free = from.free;
     free.push_back(group);
-    Trial more = tried(data, stage, from.state, profile, free, kThen);
+    Trial more = tried(data, stage, from.state, profile, free, &best);
     // No burr stands higher than its groove is deep: what asks for one is something else.
     const double depth_um = std::exp(more.state.shared[unknown::log_depth]);
     const bool can_be = std::max(more.state.shared[unknown::burrs], more.state.shared[unknown::burrs + 1]) < depth_um;
