@@ -1,5 +1,5 @@
 // burin/calib/photo/board_tiles.h - the squares of the board that scores are summed over, so that their scatter tells
-// errors of neighboring pixels that are alike. docs/model.md 9, "Uncertainty".
+// errors of neighboring pixels that are alike. docs/model.md 9, "Sigmas".
 #pragma once
 
 #include "burin/render/board.h"
