@@ -133,7 +133,7 @@ namespace {
 
 // A command that kept what it had when it was asked to stop has said so.
 int said_stopped() {
-  wait_if_ending();
+  take_last_word();
   fmt::print(stderr, "burin: {}\n", stop_sentence());
   return stop_exit_code();
 }
@@ -149,29 +149,32 @@ int run_in_words(const std::vector<std::string>& arguments) {
   } catch (const Stopped&) {
     return said_stopped();
   } catch (const CLI::ParseError& error) {
+    take_last_word();
     return app->exit(error) == 0 ? kDone : kWrongCommandLine;
   } catch (const Error& error) {
-    wait_if_ending();
+    take_last_word();
+    const int exit_code = StopOnSignal::asked() ? stop_exit_code() : kNotDone;
     fmt::print(stderr, "burin: {}\n", error.what());
-    return StopOnSignal::asked() ? stop_exit_code() : kNotDone;
+    return exit_code;
   } catch (const std::filesystem::filesystem_error& error) {
-    wait_if_ending();
+    take_last_word();
     // What nobody looked at before: a folder that may not be read, links in a circle, a name that is too long.
     fmt::print(stderr, "burin: {}: cannot be used: {}; {}\n",
                error.path1().empty() ? "a file or folder" : printable(error.path1().string()),
                error_text(error.code().value()), error_remedy(error.code().value()));
     return kNotDone;
   } catch (const std::system_error& error) {
-    wait_if_ending();
+    take_last_word();
     // Standard output's is told when all is over; this is what fmt::print throws for it.
     if (std::ferror(stdout) == 0)
       fmt::print(stderr, "burin: {}; {}\n", error.what(), error_remedy(error.code().value()));
     return kNotDone;
   } catch (const std::bad_alloc&) {
+    take_last_word();
     fmt::print(stderr, "burin: memory ran out; {}\n", kMoreMemory);
     return kNotDone;
   } catch (const std::exception& error) {
-    wait_if_ending();
+    take_last_word();
     if (std::string_view(error.what()).find("Failed to allocate") != std::string_view::npos) {  // OpenCV's own words
       fmt::print(stderr, "burin: memory ran out; {}\n", kMoreMemory);
       return kNotDone;

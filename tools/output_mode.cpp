@@ -12,6 +12,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "tools/stop_signal.h"
 
 namespace burin {
 namespace {
@@ -145,6 +146,7 @@ int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, cons
     out = caught_out.text();
     err = caught_err.text();
   }
+  take_last_word();
   if (mode == OutputMode::quiet)
     fmt::print(stderr, "{}", err);
   else

@@ -25,13 +25,22 @@ constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 // group. Whoever asks once more after this time means it.
 constexpr auto kOneWish = std::chrono::milliseconds(500);
 
-// Removing what is unfinished takes milliseconds; on a disk that does not answer the process ends all the same.
+// Removing what is unfinished takes milliseconds, and so do a command's last words; on a disk or a terminal that does
+// not answer the process ends all the same.
 constexpr auto kLongestEnd = std::chrono::seconds(3);
+
+enum class Speaker { nobody, command, signal };
+
+// Whether `speaker` has the last word: nobody had it, or it itself.
+bool takes(std::atomic<Speaker>& last_word, Speaker speaker) {
+  Speaker before = Speaker::nobody;
+  return last_word.compare_exchange_strong(before, speaker) || before == speaker;
+}
 
 // Never destroyed: a signal may come while the process ends by itself.
 struct Wish {
   std::atomic<int> number = 0;
-  std::atomic<bool> ending = false;
+  std::atomic<Speaker> last_word = Speaker::nobody;
   std::mutex mutex;  // of `keepers`, and of who decides what a signal does
   int keepers = 0;
   int pipe[2] = {-1, -1};
@@ -67,8 +76,11 @@ const char* words_of(int number) {
 
 [[noreturn]] void end_at_once() {
   Wish& w = wish();
-  w.ending = true;
   const int code = stop_exit_code();
+  if (!takes(w.last_word, Speaker::signal)) {  // it has ended by itself, and is just saying so
+    std::this_thread::sleep_for(kLongestEnd);
+    ::_exit(code);
+  }
   std::thread([code] {
     std::this_thread::sleep_for(kLongestEnd);
     ::_exit(code);
@@ -134,8 +146,8 @@ std::string stop_sentence() {
          wish().command_line;
 }
 
-void wait_if_ending() {
-  while (wish().ending) ::pause();
+void take_last_word() {
+  while (!takes(wish().last_word, Speaker::command)) ::pause();
 }
 
 void stop_if_asked() {

@@ -26,9 +26,10 @@ int stop_exit_code();
 /// What is said of it: "stopped by Ctrl-C (SIGINT); ...".
 std::string stop_sentence();
 
-/// Waits for the end, if the process is being ended by a signal; else returns at once. For whoever is about to report
-/// something else, such as a file that was taken away.
-void wait_if_ending();
+/// For whoever is about to say the last that a command says, such as an error: a signal that comes later lets it be
+/// said to its end, with its exit code, and says nothing itself. Where a signal came first and the process is being
+/// ended by it, this does not return.
+void take_last_word();
 
 /// What stop_if_asked() throws: no error, and caught by run_program() alone.
 struct Stopped {};

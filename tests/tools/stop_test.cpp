@@ -90,6 +90,15 @@ TEST_F(Stop, ASecondSignalEndsAtOnce) {
   EXPECT_FALSE(left());
 }
 
+// Who is already saying why it failed, to a reader that has not caught up, says that and nothing of the signal.
+TEST_F(Stop, ASignalDuringTheLastWordsAddsNone) {
+  const Outcome ended =
+      run("mkfifo slow && exec 3<>slow && head -c 65536 /dev/zero >&3 && { " + burin() +
+          " status nowhere 2>&3 3>&- & pid=$!; sleep 1; kill -INT $pid; sleep 0.5; head -c 65536 <&3 >/dev/null; wait "
+          "$pid; echo exit code $?; timeout 1 cat <&3; }");
+  EXPECT_THAT(ended.out, AllOf(HasSubstr("exit code 1\n"), HasSubstr("nowhere"), Not(HasSubstr("stopped by"))));
+}
+
 // The short form of `tests/reliability/stops signals --minutes M`: every command once, at a random moment. Kills of a
 // loop, and two at once: tests/tools/loop_mishaps_test.cpp.
 TEST(Stops, AtRandomMomentsLoseNothing) {
