@@ -264,7 +264,7 @@ void run(NewArguments o) {
   for (const Finding& finding : project.bench.findings) note(finding);
   const std::string preview = write_project(project);
   const std::string folder = shell_word(project.folder.string());
-  fmt::print("Preview: {}: {}; the whole design will show finer detail\n",
+  fmt::print("Preview: {}: {}; the whole design shows finer pixels, where dB come out lower\n",
              shell_word((project.folder / "preview.png").string()), preview);
   fmt::print(
       "         burin view {} shows it in the hand, burin print {} prints the tags, burin sheet {} draws where to "

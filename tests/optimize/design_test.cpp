@@ -92,6 +92,18 @@ TEST_F(DesignTest, ConvergesOnTwoViews) {
   for (std::size_t k = 0; k < 2; ++k) EXPECT_GT(result.views[k].ghost[k], 0.8);
 }
 
+TEST_F(DesignTest, FewScratchesForManyPixelsAreNamedWithWhatWouldSuit) {
+  options_.iterations = 0;
+  const auto named = testing::Contains(testing::Field(&Finding::what, HasSubstr("pixels to a stroke")));
+  EXPECT_THAT(design(spec_, board_, bench_, options_, {}).findings, testing::Not(named));
+  spec_.scratches = 200;  // 64 * 64 * 2 / 200 = 41; 64 * sqrt(16 / 41) = 40; 50 mm / 40 at 1.5 minutes of arc: 2.9 m
+  const auto few = design(spec_, board_, bench_, options_, {}).findings;
+  EXPECT_THAT(few, named);
+  EXPECT_THAT(few, testing::Contains(
+                       testing::Field(&Finding::remedy, testing::AllOf(HasSubstr("2.9 m"), HasSubstr("--pixels 40 "),
+                                                                       HasSubstr("some 510 scratches")))));
+}
+
 TEST_F(DesignTest, GuidedStartAndRelocationEachLowerTheLoss) {
   options_.iterations = 20;
   const auto loss = [&](Start start, int relocate_every) {

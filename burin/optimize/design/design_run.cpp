@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 #include <string>
 #include <tuple>
@@ -38,6 +39,30 @@ std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, con
   return {from, joined(carved, options.carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha)};
 }
 
+// Strokes that have to fill many pixels each are drawn long, and show where they should not (docs/design.md, "How many
+// pixels"): with larger pixels the pictures gain for all who stand where they do not see these apart.
+void note_few_strokes(const std::vector<WorkView>& views, int scratches, std::vector<Finding>& findings) {
+  constexpr double kFew = 32, kUsual = 16;  // pixels to a stroke
+  constexpr double kAcuity_rad = 1.5 / 60 * std::numbers::pi / 180;
+  const Image& pixels = views.front().target.picture;
+  const double all =
+      static_cast<double>(pixels.width) * pixels.height * static_cast<double>(views_served(views).size());
+  const double each = all / scratches;
+  if (!(each > kFew)) return;
+  const int longer = std::max(pixels.width, pixels.height);
+  const double larger = std::sqrt(each / kUsual);
+  const int fewer = std::max(16, static_cast<int>(std::lround(longer / larger)));
+  const double from_m = 1e-3 * views.front().pitch_mm * longer / fewer / kAcuity_rad;
+  const double tens = std::pow(10, std::floor(std::log10(all / kUsual)) - 1);
+  const long rounded = std::lround(tens * std::round(all / kUsual / tens));
+  findings.push_back({Finding::Severity::note, "design",
+                      std::to_string(scratches) + " scratches are few for these pictures, " +
+                          std::to_string(std::lround(each)) +
+                          " pixels to a stroke: they will be drawn long, and the pictures coarse",
+                      "for eyes that are more than " + fixed(from_m, 1) + " m away --pixels " + std::to_string(fewer) +
+                          " shows more; or take some " + std::to_string(rounded) + " scratches"});
+}
+
 }  // namespace
 
 DesignRun::DesignRun(const DesignSpec& spec, const Board& board, const Bench& bench, const DesignOptions& options,
@@ -72,6 +97,7 @@ void DesignRun::read_targets() {
   report("reading targets", 0);
   limits_ = design_limits(board_, bench_, options_);
   views_ = prepare_views(spec_, board_, bench_, options_, limits_, result_.findings);
+  if (!options_.from) note_few_strokes(views_, spec_.scratches, result_.findings);
   if (options_.found) options_.found(result_.findings);
   shown_ = spec_.views.size();
   const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
