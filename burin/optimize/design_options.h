@@ -70,6 +70,7 @@ struct DesignOptions {
   ExposureOf exposure_of = ExposureOf::view;
   bool optimize_width = false, optimize_depth = false, optimize_alpha = false;  ///< one number for all scratches
   int contact_frames = 8;         ///< iterations kept for the contact sheet
+  bool note_few_strokes = true;   ///< say so where strokes are few for the pixels (docs/design.md, "How many pixels")
   MachineProfile carve_machine;   ///< whose time it is
   double time_limit_s = 0;        ///< stop iterating so that everything ends about then; 0: no limit
   std::optional<Scratches> from;  ///< go on from these instead of starting anew (their number replaces the spec's);

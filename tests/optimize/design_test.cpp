@@ -96,12 +96,16 @@ TEST_F(DesignTest, FewScratchesForManyPixelsAreNamedWithWhatWouldSuit) {
   options_.iterations = 0;
   const auto named = testing::Contains(testing::Field(&Finding::what, HasSubstr("pixels to a stroke")));
   EXPECT_THAT(design(spec_, board_, bench_, options_, {}).findings, testing::Not(named));
-  spec_.scratches = 200;  // 64 * 64 * 2 / 200 = 41; 64 * sqrt(16 / 41) = 40; 50 mm / 40 at 1.5 minutes of arc: 2.9 m
+  options_.pixels = 160;
+  spec_.scratches = 1250;  // 160 * 160 * 2 / 1250 = 41; 160 / sqrt(41 / 16) = 100; 0.5 mm at 1.5 minutes of arc: 1.1 m
   const auto few = design(spec_, board_, bench_, options_, {}).findings;
   EXPECT_THAT(few, named);
   EXPECT_THAT(few, testing::Contains(
-                       testing::Field(&Finding::remedy, testing::AllOf(HasSubstr("2.9 m"), HasSubstr("--pixels 40 "),
-                                                                       HasSubstr("some 510 scratches")))));
+                       testing::Field(&Finding::remedy, testing::AllOf(HasSubstr("1.1 m"), HasSubstr("--pixels 100 "),
+                                                                       HasSubstr("some 3200 scratches")))));
+  spec_.scratches = 1;  // in so few pixels nothing would be a picture
+  EXPECT_THAT(design(spec_, board_, bench_, options_, {}).findings,
+              testing::Contains(testing::Field(&Finding::remedy, testing::Eq("take some 3200 scratches"))));
 }
 
 TEST_F(DesignTest, GuidedStartAndRelocationEachLowerTheLoss) {

@@ -236,6 +236,15 @@ TEST_F(NewProjectTest, DefaultsNeedPicturesOnly) {
   EXPECT_THAT(file_text(folder_ / "p" / "loop.toml"), HasSubstr("machine = \"grbl-spring\""));
 }
 
+TEST_F(NewProjectTest, NotesNameFilesWhereTheyAreInTheEnd) {
+  Image night(60, 40, 1, 0.0F);
+  night.at(20, 20) = 1;
+  write_picture(night, folder_ / "night.png");
+  const Outcome made = make({"p", "--pictures", "night.png", "--scratches", "300"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("note: p/targets/night.png: is nearly black"));
+}
+
 TEST_F(NewProjectTest, InAPipeWithoutArgumentsSaysWhatIsMissing) {
   const Outcome made = make({});
   EXPECT_EQ(made.exit_code, 2);

@@ -110,8 +110,9 @@ Image to_look_at(const Image& image, int pictures) {
                  std::max(1, static_cast<int>(std::lround(image.height * scale))));
 }
 
-// A quick design of what is written there, `spent_s` after the work began. Says each view's PSNR in words.
-std::string preview_project(const fs::path& folder, double spent_s) {
+// A quick design of what is written in `folder`, which is to be `project`, `spent_s` after the work began. Says each
+// view's PSNR in words.
+std::string preview_project(const fs::path& folder, const fs::path& project, double spent_s) {
   const DesignSpec written = read_design(folder / "design.json");
   const Board board = read_board(written.board);
   const Bench bench = read_bench_of(board, written.board, written.bench);
@@ -123,6 +124,7 @@ std::string preview_project(const fs::path& folder, double spent_s) {
   options.pixels = preview_pixels(board);
   options.iterations = 40;
   options.contact_frames = 0;
+  options.note_few_strokes = false;                            // of a first look
   constexpr double kWhole_s = 11, kUsual_s = 7, kLeast_s = 2;  // of fifteen, on two slower cores
   options.time_limit_s = std::clamp(kWhole_s - spent_s, kLeast_s, kUsual_s);
   ProgressBar bar;
@@ -137,7 +139,10 @@ std::string preview_project(const fs::path& folder, double spent_s) {
   write_scratches(result.scratches, folder / "scratches.csv");
   write_picture(tiled({shown, targets}, 4), folder / "preview.png");
   bar.clear();
-  for (const Finding& finding : result.findings) note(finding);
+  for (Finding finding : result.findings) {
+    if (finding.file.is_absolute()) finding.file = project / finding.file.lexically_relative(folder);
+    note(finding);
+  }
   return fmt::format("{} ({} x {} pixels, {} scratches of {}, {:.0f} s)", numbers, result.views.front().shown.width,
                      result.views.front().shown.height, result.scratches.size(), written.scratches,
                      result.total_seconds);
@@ -196,7 +201,7 @@ std::string write_project(const NewProject& project) {
   try {
     write_into(project, staging);
     const std::chrono::duration<double> writing = std::chrono::steady_clock::now() - began;
-    std::string preview = preview_project(staging, project.spent_s + writing.count());
+    std::string preview = preview_project(staging, project.folder, project.spent_s + writing.count());
     const auto whole = finishing();
     put_in_place(staging, folder);
     return preview;

@@ -55,12 +55,16 @@ void note_few_strokes(const std::vector<WorkView>& views, int scratches, std::ve
   const double from_m = 1e-3 * views.front().pitch_mm * longer / fewer / kAcuity_rad;
   const double tens = std::pow(10, std::floor(std::log10(all / kUsual)) - 1);
   const long rounded = std::lround(tens * std::round(all / kUsual / tens));
+  constexpr int kStillAPicture = 64;
+  std::string remedy = "take some " + std::to_string(rounded) + " scratches";
+  if (fewer >= kStillAPicture)
+    remedy = "for eyes that are more than " + fixed(from_m, 1) + " m away --pixels " + std::to_string(fewer) +
+             " shows more; or " + remedy;
   findings.push_back({Finding::Severity::note, "design",
-                      std::to_string(scratches) + " scratches are few for these pictures, " +
-                          std::to_string(std::lround(each)) +
+                      std::to_string(scratches) + (scratches == 1 ? " scratch is" : " scratches are") +
+                          " few for these pictures, " + std::to_string(std::lround(each)) +
                           " pixels to a stroke: they will be drawn long, and the pictures coarse",
-                      "for eyes that are more than " + fixed(from_m, 1) + " m away --pixels " + std::to_string(fewer) +
-                          " shows more; or take some " + std::to_string(rounded) + " scratches"});
+                      remedy});
 }
 
 }  // namespace
@@ -97,7 +101,7 @@ void DesignRun::read_targets() {
   report("reading targets", 0);
   limits_ = design_limits(board_, bench_, options_);
   views_ = prepare_views(spec_, board_, bench_, options_, limits_, result_.findings);
-  if (!options_.from) note_few_strokes(views_, spec_.scratches, result_.findings);
+  if (options_.note_few_strokes && !options_.from) note_few_strokes(views_, spec_.scratches, result_.findings);
   if (options_.found) options_.found(result_.findings);
   shown_ = spec_.views.size();
   const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
