@@ -95,8 +95,7 @@ Image lay_on_area(const Image& picture, double rotation_deg, const TargetSpec& s
 }
 
 // What of a picture lies outside of the carve area, in words; empty where it is next to nothing.
-std::string cropped(const std::string& where, const Image& picture, const TargetSpec& spec, double rotation_deg,
-                    const Eigen::Vector2d& area_mm) {
+std::string cropped(const Image& picture, const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm) {
   if (spec.fit != Fit::cover || spec.keep) return "";
   const double c = std::abs(std::cos(rotation_deg * kDegree_rad)), s = std::abs(std::sin(rotation_deg * kDegree_rad));
   const LaidPicture laid =
@@ -107,7 +106,7 @@ std::string cropped(const std::string& where, const Image& picture, const Target
   if (lost < kHardly) return "";
   const bool upright = std::min(c, s) < 1e-6;
   const auto percent = [](double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; };
-  return where + ": " + percent(lost) + " of its " + (width_lost > height_lost ? "width" : "height") +
+  return percent(lost) + " of its " + (width_lost > height_lost ? "width" : "height") +
          " are cropped, half on either side, " + (upright ? "" : "and its corners, ") +
          "since the carve area has another shape (\"keep\": \"top\" and the like say what stays, \"fit\": \"contain\" "
          "shows all of it)";
@@ -149,12 +148,13 @@ std::vector<Target> laid_targets(const std::vector<Image>& channels, const Targe
   const Image& picture = channels.front();
   for (std::size_t c = 0; c < all.size(); ++c)
     all[c].picture = lay_on_area(channels[c], rotation_deg, spec, area_mm, width, height, 0.0F, scale);
-  if (const std::string lost = cropped(where, picture, spec, rotation_deg, area_mm); !lost.empty())
-    target.findings.push_back(make_warning(lost));
+  const auto warn = [&](std::string what, std::string remedy) {
+    target.findings.push_back({Finding::Severity::warning, where, std::move(what), std::move(remedy)});
+  };
+  if (std::string lost = cropped(picture, spec, rotation_deg, area_mm); !lost.empty()) warn(std::move(lost), "");
   if (scale > 4)
-    target.findings.push_back(make_warning(
-        where + ": one of its pixels covers " + std::to_string(static_cast<int>(scale)) + " of the design's",
-        "give a larger picture"));
+    warn("one of its pixels covers " + std::to_string(static_cast<int>(scale)) + " of the design's",
+         "give a larger picture");
   float most = 0;  // contrast of a channel
   double mean = 0;
   for (Target& one : all) {
@@ -173,9 +173,7 @@ std::vector<Target> laid_targets(const std::vector<Image>& channels, const Targe
   if (most < 0.02F)
     fail(where, "is of one tone on the carve area, so there is nothing to show",
          "choose another picture, crop or \"levels\"");
-  if (mean < 0.08)
-    target.findings.push_back(
-        make_warning(where + ": is nearly black", "the plain face will outshine it (\"levels\" can lift it)"));
+  if (mean < 0.08) warn("is nearly black", "the plain face will outshine it (\"levels\" can lift it)");
   if (!spec.mask.empty() || spec.mask_image.width > 0) {
     const std::string mask = spec.mask_image.width > 0 ? "the mask in memory of " + where : spec.mask.string();
     double unused = 1;
