@@ -208,6 +208,12 @@ void add_options(CLI::App& command, DesignArguments& o) {
                   "Guided start: light that a scratch brings to a pixel that it crosses, of white")
       ->capture_default_str();
   command
+      .add_option(
+          "--lift-blacks", o.design.lift_blacks,
+          "Where nothing is dark, as in a room: how far a picture's black is taken for a gray that there is, from 0 "
+          "(not at all) to 1")
+      ->capture_default_str();
+  command
       .add_option("--start-sweeps", o.design.start_sweeps, "Guided start: times that each scratch seeks a better place")
       ->capture_default_str();
   command.add_option("--relocate-every", o.design.relocate_every, "Iterations between such searches (0: never)")

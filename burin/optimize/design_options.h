@@ -68,6 +68,8 @@ struct DesignOptions {
   bool carve_curve = false;  ///< measure quality over carving time (always with carve_hours)
   bool report_tolerance = false;  ///< measure how far eye and lamp may stand aside (burin/optimize/design/tolerance.h)
   ExposureOf exposure_of = ExposureOf::view;
+  double lift_blacks =
+      1;  ///< times the lift of blacks where no scratch is dark (burin/optimize/design/lift_blacks.h); 0: none
   bool optimize_width = false, optimize_depth = false, optimize_alpha = false;  ///< one number for all scratches
   int contact_frames = 8;         ///< iterations kept for the contact sheet
   bool note_few_strokes = true;   ///< say so where strokes are few for the pixels (docs/design.md, "How many pixels")

@@ -367,7 +367,7 @@ void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView
     Image face = channels[c].face;
     for (float& f : face.data) f *= static_cast<float>(exposures[c]);
     const Image& mixable = channels[c].mixable;
-    achievable.push_back(within_contrast(mixable.data.empty() ? channels[c].target.picture : mixable, face));
+    achievable.push_back(within_contrast(mixable.data.empty() ? asked_for(channels[c]) : mixable, face));
   }
   out.achievable = channels.size() == 1 ? achievable[0] : in_color(achievable[0], achievable[1], achievable[2]);
   out.achievable_psnr_db = color_psnr_db(out.achievable, out.target, v.target.mask);

@@ -40,6 +40,7 @@ void check_options(const DesignOptions& o, const Board& board) {
   need(o.max_length_mm == 0 || o.max_length_mm > shortest, "max_length_mm", "is below the smallest length",
        "give more, or 0 for any length");
   need(o.carve_hours >= 0 && o.carve_hours < 1e5, "carve_hours", "is out of range", "5 to 10 is usual");
+  need(o.lift_blacks >= 0 && o.lift_blacks <= 1, "lift_blacks", "is out of range", "a share from 0 to 1: 1 is usual");
   need(o.start_light > 0 && o.start_light < 1e3, "start_light", "is out of range", "0.5 is usual");
   need(o.candidates >= 1 && o.candidates <= 10000, "candidates", "is out of range", "16 is usual");
   need(o.balance >= 0 && o.balance <= 10, "balance", "is out of range", "0 is for the mean of the views, 1 is strong");

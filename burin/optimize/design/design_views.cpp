@@ -14,6 +14,7 @@
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/glint_check.h"
 #include "burin/optimize/design/lamp_places.h"
+#include "burin/optimize/design/lift_blacks.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
@@ -123,6 +124,7 @@ void measure_lights(std::vector<WorkView>& views, LampRenderers& renderers, cons
             v.spec.view, lights_served(v.spec)[lamp.light],
             measure_directions(renderer, board.carve_min_mm, board.carve_max_mm, bench.material.alpha, carve),
             v.channels > 1 && one_lamp};
+        if (!one_lamp && v.lamps.size() == 1) v.contrast = one.directions.contrast();
         if (!one_lamp) lamp.glint.field = std::make_shared<const GlintField>(one.directions.field);
         if (first) measured.push_back(std::move(one));
       }
@@ -400,6 +402,7 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
     }
   LampRenderers renderers(spec, board, bench, grid, render, workspace);
   measure_lights(views, renderers, board, bench, findings);
+  append(findings, lift_blacks(views, options.lift_blacks, options.loss));
   mix_colors(views, findings);
   find_ghosts(views, groove_of(board, bench, middle).alpha, middle);
   return views;

@@ -61,9 +61,11 @@ struct WorkView {
   PictureLoss loss;
   Image radiance{}, picture{};
   LossValue value{};
-  double balance = 1;              ///< of its errors where views compete for scratches (balance_views)
-  Image face{};                    ///< radiance of the face without scratches
-  Image mixable{};                 ///< the target as near as the view's lights can mix its colors; no pixels: as it is
+  double balance = 1;   ///< of its errors where views compete for scratches (balance_views)
+  Image face{};         ///< radiance of the face without scratches
+  double contrast = 0;  ///< of its light by a scratch's direction (DirectionLight); 0: not measured, one lamp
+  Image wanted{};       ///< the picture as asked for, where `target` is lifted (lift_blacks); else no pixels
+  Image mixable{};      ///< the target as near as the view's lights can mix its colors; no pixels: as it is
   Eigen::Vector3d gains{1, 1, 1};  ///< white_gains(); the channel's stands in the light of its scene
 };
 
@@ -110,14 +112,17 @@ std::vector<double> starting_exposures(const std::vector<WorkView>& views, std::
 /// As fitting_exposures() for one view's pictures, starting from `guess`.
 double fitting_exposure(std::span<const WorkView> channels, double guess);
 
+/// The picture by which a view is judged.
+const Image& asked_for(const WorkView& view);
+
 /// What a view shows, and is to show, as one picture, in gray or in color: as optimized; at these exposures, one a
 /// channel, clipped at white; its target.
 Image picture_of(std::span<const WorkView> channels);
 Image shown_of(std::span<const WorkView> channels, std::span<const double> exposures);
 Image target_of(std::span<const WorkView> channels);
 
-/// The exposures of a view's channels with which they come closest to their targets, as rendered last: one for all, or
-/// one each (White::Kind::each).
+/// The exposures of a view's channels with which they come closest to what was asked for, as rendered last: one for
+/// all, or one each (White::Kind::each).
 std::vector<double> best_exposures(std::span<const WorkView> channels, const std::vector<double>& log_exposure);
 
 /// Sets every view's balance for the search: (its weighted squared error, as rendered last, over the views' geometric

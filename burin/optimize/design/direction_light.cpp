@@ -113,7 +113,7 @@ std::vector<Finding> check_directions(const std::vector<MeasuredView>& views) {
     if (!(d.best > 0))
       fail("view " + v.name, "no groove can glint there under " + v.light,
            "bring light and eye closer to the mirror direction, or carve deeper");
-    const double contrast = d.best / std::max(d.least, 1e-3 * d.best);
+    const double contrast = d.contrast();
     const std::string what = "view " + v.name + ": under " + v.light + " a scratch of the best direction sends " +
                              coarse(contrast) + " times the light of one of the worst";
     if (contrast < kLittle)

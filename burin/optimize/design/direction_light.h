@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <functional>
 #include <string>
 #include <vector>
@@ -22,8 +23,10 @@ struct DirectionLight {
   std::vector<double>
       light;  ///< of scratches that run at k * 180 / size degrees: radiance times pixels, a mm of length
   GlintField field;
-  double best = 0, least = 0;     ///< of them
-  double face = 0;                ///< mean radiance of the plain face
+  double best = 0, least = 0;  ///< of them
+  double face = 0;             ///< mean radiance of the plain face
+  /// How many times the light of the worst direction the best one sends; at most a thousand.
+  double contrast() const { return best / std::max(least, 1e-3 * best); }
   double at(double angle) const;  ///< light of a scratch of that direction (radians)
 };
 

@@ -54,8 +54,10 @@ Image shown_of(std::span<const WorkView> channels, std::span<const double> expos
   return joined_channels(channels, [&](std::size_t c) { return shown_picture(channels[c].radiance, exposures[c]); });
 }
 
+const Image& asked_for(const WorkView& view) { return view.wanted.data.empty() ? view.target.picture : view.wanted; }
+
 Image target_of(std::span<const WorkView> channels) {
-  return joined_channels(channels, [&](std::size_t c) { return channels[c].target.picture; });
+  return joined_channels(channels, [&](std::size_t c) { return asked_for(channels[c]); });
 }
 
 std::vector<double> best_exposures(std::span<const WorkView> channels, const std::vector<double>& log_exposure) {
@@ -65,7 +67,10 @@ std::vector<double> best_exposures(std::span<const WorkView> channels, const std
       out.push_back(fitting_exposure({&exposing(v), 1}, std::exp(log_exposure[v.exposure_group])));
     return out;
   }
-  out.assign(channels.size(), fitting_exposure(channels, std::exp(log_exposure[channels[0].exposure_group])));
+  const double guess = std::exp(log_exposure[channels[0].exposure_group]);
+  if (channels.size() == 1)
+    return {best_exposure(channels[0].radiance, asked_for(channels[0]), guess, channels[0].target.mask)};
+  out.assign(channels.size(), fitting_exposure(channels, guess));
   return out;
 }
 

@@ -1,0 +1,39 @@
+#include "burin/optimize/design/lift_blacks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "burin/render/files/decimals.h"
+
+namespace burin {
+
+double black_for(double contrast) {
+  constexpr double kBlackEnough = 0.22;  // its light is a 28th of white's
+  constexpr double kShare = 0.8;         // docs/light.md: more costs PSNR, less brings less
+  return kShare * std::max(0.0, std::pow(std::max(1.0, contrast), -1 / 2.2) - kBlackEnough);
+}
+
+std::vector<Finding> lift_blacks(std::vector<WorkView>& views, double share, const LossWeights& weights) {
+  std::vector<Finding> out;
+  std::vector<double> blacks;  // of the spec's views: eyes that stand aside, which come behind, see the same picture
+  for (WorkView& v : views) {
+    if (blacks.size() <= v.of) blacks.resize(v.of + 1, 0.0);
+    double& black = blacks[v.of];
+    if (!v.aside) black = v.channels == 1 && v.contrast > 0 ? share * black_for(v.contrast) : 0;
+    if (!(black > 0)) continue;
+    v.wanted = v.target.picture;
+    for (float& tone : v.target.picture.data) tone = static_cast<float>(black + (1 - black) * tone);
+    LossWeights of_view = weights;
+    for (double* weight : {&of_view.perceptual, &of_view.l2, &of_view.gram}) *weight *= v.spec.weight * v.share;
+    v.loss = PictureLoss(with_gamma_offset(v.target.picture), v.target.mask, of_view);
+    if (v.aside) continue;
+    out.push_back({Finding::Severity::note, "design",
+                   "view " + v.spec.view + ": nothing is dark under its light, so the picture's black was taken for " +
+                       fixed(100 * black, 0) + " % of white's tone, and the tones above it to scale",
+                   "--lift-blacks 0 asks for black"});
+  }
+  return out;
+}
+
+}  // namespace burin
