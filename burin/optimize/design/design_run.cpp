@@ -12,6 +12,7 @@
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/design/carving_budget.h"
 #include "burin/optimize/design/design_start.h"
+#include "burin/optimize/design/lift_blacks.h"
 #include "burin/optimize/design/obey.h"
 #include "burin/optimize/design/relocate.h"
 #include "burin/optimize/loss/color_metrics.h"
@@ -101,6 +102,7 @@ void DesignRun::read_targets() {
   report("reading targets", 0);
   limits_ = design_limits(board_, bench_, options_);
   views_ = prepare_views(spec_, board_, bench_, options_, limits_, result_.findings);
+  append(result_.findings, lift_blacks(views_, options_.lift_blacks, options_.loss));
   if (options_.note_few_strokes && !options_.from) note_few_strokes(views_, spec_.scratches, result_.findings);
   if (options_.found) options_.found(result_.findings);
   shown_ = spec_.views.size();

@@ -14,7 +14,6 @@
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/glint_check.h"
 #include "burin/optimize/design/lamp_places.h"
-#include "burin/optimize/design/lift_blacks.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
@@ -402,7 +401,6 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
     }
   LampRenderers renderers(spec, board, bench, grid, render, workspace);
   measure_lights(views, renderers, board, bench, findings);
-  append(findings, lift_blacks(views, options.lift_blacks, options.loss));
   mix_colors(views, findings);
   find_ghosts(views, groove_of(board, bench, middle).alpha, middle);
   return views;

@@ -1,4 +1,4 @@
-// burin/optimize/design/lift_blacks.h - pictures whose blacks a room does not allow. docs/model.md 6.10.
+// burin/optimize/design/lift_blacks.h - pictures whose blacks a room does not allow. docs/model.md 6 (6.8).
 //
 // Under walls and a sky no scratch is dark in all directions, and the plain face is not either. A picture that asks for
 // black there makes every scratch count too much that throws a little light into a dark part, and too little what sets
