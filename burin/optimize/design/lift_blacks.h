@@ -14,7 +14,7 @@
 namespace burin {
 
 /// What black is taken for, in tones of white's, where the best direction of a scratch sends `contrast` times the light
-/// of the worst: 0 from 28 times on.
+/// of the worst: 0 from 20 times on.
 double black_for(double contrast);
 
 /// Lifts the blacks of gray pictures under other light than one lamp: a tone t becomes black + (1 - black) t, where

@@ -154,7 +154,6 @@ DesignResult designed_for(const Rig& rig, const Light& light, int scratches) {
   }
   DesignOptions options;
   options.pixels = kPixels;
-  options.iterations = 100;
   DesignResult out = design(spec, rig.board, bench, options, {});
   for (const Finding& finding : out.findings) std::printf("    %s\n", sentence(finding).c_str());
   return out;
