@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <string>
 #include <tuple>
@@ -18,6 +17,7 @@
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/optimize/target.h"
+#include "burin/render/degrees.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 
@@ -44,23 +44,20 @@ std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, con
 // pixels"): with larger pixels the pictures gain for all who stand where they do not see these apart.
 void note_few_strokes(const std::vector<WorkView>& views, int scratches, std::vector<Finding>& findings) {
   constexpr double kFew = 32, kUsual = 16;  // pixels to a stroke
-  constexpr double kAcuity_rad = 1.5 / 60 * std::numbers::pi / 180;
+  constexpr double kAcuity_rad = 1.5 / 60 * kDegree_rad;
   const Image& pixels = views.front().target.picture;
   const double all =
       static_cast<double>(pixels.width) * pixels.height * static_cast<double>(views_served(views).size());
   const double each = all / scratches;
   if (!(each > kFew)) return;
-  const int longer = std::max(pixels.width, pixels.height);
-  const double larger = std::sqrt(each / kUsual);
-  const int fewer = std::max(16, static_cast<int>(std::lround(longer / larger)));
-  const double from_m = 1e-3 * views.front().pitch_mm * longer / fewer / kAcuity_rad;
-  const double tens = std::pow(10, std::floor(std::log10(all / kUsual)) - 1);
-  const long rounded = std::lround(tens * std::round(all / kUsual / tens));
+  const double enough = all / kUsual, tens = std::pow(10, std::floor(std::log10(enough)) - 1);
+  std::string remedy = "take some " + std::to_string(std::lround(tens * std::round(enough / tens))) + " scratches";
   constexpr int kStillAPicture = 64;
-  std::string remedy = "take some " + std::to_string(rounded) + " scratches";
+  const double larger = std::sqrt(each / kUsual);
+  const int fewer = static_cast<int>(std::lround(std::max(pixels.width, pixels.height) / larger));
   if (fewer >= kStillAPicture)
-    remedy = "for eyes that are more than " + fixed(from_m, 1) + " m away --pixels " + std::to_string(fewer) +
-             " shows more; or " + remedy;
+    remedy = "for eyes that are more than " + fixed(1e-3 * larger * views.front().pitch_mm / kAcuity_rad, 1) +
+             " m away --pixels " + std::to_string(fewer) + " shows more; or " + remedy;
   findings.push_back({Finding::Severity::note, "design",
                       std::to_string(scratches) + (scratches == 1 ? " scratch is" : " scratches are") +
                           " few for these pictures, " + std::to_string(std::lround(each)) +

@@ -369,10 +369,7 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
       const Eigen::Vector3d moved =
           side * options.tolerance_mm / std::numbers::sqrt2 * Eigen::Vector3d(std::cos(along), std::sin(along), 0);
       const double share = 1 / static_cast<double>(sides.size() * laid[k].targets.size());
-      LossWeights weights = options.loss;
-      weights.perceptual *= v.weight * share;
-      weights.l2 *= v.weight * share;
-      weights.gram *= v.weight * share;
+      const LossWeights weights = times(v.weight * share, options.loss);
       for (int c = 0; c < channels; ++c) {
         std::string group = options.exposure_of == ExposureOf::light ? v.light : v.view + " under " + v.light;
         if (v.color && v.white.kind == White::Kind::each)

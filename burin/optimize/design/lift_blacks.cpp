@@ -26,9 +26,7 @@ std::vector<Finding> lift_blacks(std::vector<WorkView>& views, double share, con
     if (!(black > 0)) continue;
     v.wanted = v.target.picture;
     for (float& tone : v.target.picture.data) tone = static_cast<float>(black + (1 - black) * tone);
-    LossWeights of_view = weights;
-    for (double* weight : {&of_view.perceptual, &of_view.l2, &of_view.gram}) *weight *= v.spec.weight * v.share;
-    v.loss = PictureLoss(with_gamma_offset(v.target.picture), v.target.mask, of_view);
+    v.loss = PictureLoss(with_gamma_offset(v.target.picture), v.target.mask, times(v.spec.weight * v.share, weights));
     if (v.aside) continue;
     out.push_back({Finding::Severity::note, "design",
                    "view " + v.spec.view + ": nothing is dark under its light, so the picture's black was taken for " +

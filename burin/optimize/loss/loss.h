@@ -30,6 +30,10 @@ struct LossWeights {
   double l2 = 0;          ///< plain squared differences
   double gram = 0.01;     ///< the paper's lambda_g, in units of kGramUnit (gram_term.h)
 };
+/// All of them `factor` times.
+inline LossWeights times(double factor, const LossWeights& weights) {
+  return {factor * weights.perceptual, factor * weights.l2, factor * weights.gram};
+}
 
 /// The terms before weighting, and their weighted sum.
 struct LossValue {
