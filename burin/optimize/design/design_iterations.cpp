@@ -8,6 +8,7 @@
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/carving/ends.h"
 #include "burin/optimize/design/carving_budget.h"
+#include "burin/optimize/design/crossing_loss.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/design/design_run.h"
 #include "burin/optimize/design/relocate.h"
@@ -52,6 +53,7 @@ void DesignRun::iterate() {
   for (iteration_ = 0;; ++iteration_) {
     const bool last = iteration_ == options_.iterations || result_.stopped_early;
     if (last || searches_are_over()) count_rims();
+    look_at_crossings();
     look(last);
     record(last);
     if (last) break;
@@ -109,6 +111,7 @@ void DesignRun::look(bool last) {
       v.renderer.forward(grooves, v.radiance);
     else
       render_view(v, bright_[k], bench_, grooves, true);
+    leave_what_crossings_do(v, v.radiance);
     picture_from_radiance(v.radiance, exposure, v.picture);
     v.value = v.loss.evaluate(v.picture, dE_dpicture_);
     now.loss += v.value.total;
@@ -117,6 +120,7 @@ void DesignRun::look(bool last) {
     if (last) continue;
     d_log_exposure_[v.exposure_group] +=
         radiance_gradient(v.radiance, exposure, v.picture, dE_dpicture_, dE_dradiance_);
+    leave_what_crossings_do(v, dE_dradiance_);
     view_backward(v, bright_[k], dE_dradiance_, by_carved_);
   }
   if (!last) {
@@ -200,10 +204,11 @@ void DesignRun::move_ends() {
 
 bool DesignRun::searches_are_over() const {
   // A new order changes which groove rules where two cross. The second half of the iterations makes up for that: less
-  // is not enough (measured: 0.5 dB), and strokes searched after it would stand in an order that is no short way.
-  constexpr double kSettledFrom = 0.5;
-  const double until =
-      order_matters(bench_) ? std::min(options_.relocate_until, kSettledFrom) : options_.relocate_until;
+  // is not enough (measured: 0.5 dB), and strokes searched after it would stand in an order that is no short way. Rims
+  // are counted exactly from three quarters of them on.
+  constexpr double kSettledFrom = 0.5, kRimsFrom = 0.75;
+  const double latest = order_matters(bench_) ? kSettledFrom : bench_.crossings == Crossings::deepest ? kRimsFrom : 1;
+  const double until = std::min(options_.relocate_until, latest);
   const double t = static_cast<double>(iteration_) / std::max(1, options_.iterations - 1);
   return t >= until || deadline_.used(until);
 }
@@ -222,8 +227,25 @@ void DesignRun::count_rims() {
   if (rims_count_) return;
   report("cutting rims away where scratches cross", 0);
   rims_count_ = true;
+  forget_crossings(views_);
   forget_others();
   render_all(views_, in_the_metal());
+  log_exposure_ = fitting_exposures(views_, log_exposure_);
+}
+
+// Before rims count, what they leave is seen now and then.
+void DesignRun::look_at_crossings() {
+  constexpr int kEvery = 5;
+  if (rims_count_ || iteration_ % kEvery != 0) return;
+  const Carved whole = in_the_metal();
+  const Scratches& s = scratches_;
+  double length_mm = 0;
+  for (std::size_t i = 0; i < count(); ++i) length_mm += std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
+  const double width_mm = length_mm > 0 ? area_mm2(whole, bench_, board_) / length_mm : 0;
+  see_crossings(views_, log_exposure_, carve(designed_, bench_, board_), whole, width_mm / views_.front().pitch_mm);
+  if (iteration_ > 0) return;
+  render_all(views_, whole);
+  for (WorkView& v : views_) leave_what_crossings_do(v, v.radiance);
   log_exposure_ = fitting_exposures(views_, log_exposure_);
 }
 
@@ -231,7 +253,10 @@ void DesignRun::relocate_some() {
   if (options_.relocate_every <= 0 || iteration_ == 0 || iteration_ % options_.relocate_every != 0) return;
   // Looked at anew: strokes that are placed before Adam's step, by its picture, come out 0.3 dB worse.
   const Carved grooves = in_the_metal();
-  for (std::size_t k = 0; k < views_.size(); ++k) render_view(views_[k], bright_[k], bench_, grooves, false);
+  for (std::size_t k = 0; k < views_.size(); ++k) {
+    render_view(views_[k], bright_[k], bench_, grooves, false);
+    leave_what_crossings_do(views_[k], views_[k].radiance);
+  }
   balance_views(views_, log_exposure_, options_.balance);
   const std::vector<std::size_t> moved =
       relocate(scratches_, views_, log_exposure_, limits_, rules_, movable_, options_.relocate_share,

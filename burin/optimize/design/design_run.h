@@ -78,6 +78,7 @@ class DesignRun {
   bool searches_are_over() const;
   void settle_order();
   void count_rims();
+  void look_at_crossings();
   void relocate_some();
   void drop_weak();
   void keep_to_budget(double allowed_s);

@@ -45,6 +45,12 @@ struct WorkLamp {
   bool outshone = false;            ///< there, a ghost stands for it
 };
 
+/// What crossings take from a view's grooves (crossing_loss.h).
+struct CrossingLoss {
+  Image kept{};      ///< the share of light that they leave; no pixels: all of it
+  double cover = 0;  ///< of a pixel, by a groove that crosses it along one pixel's length
+};
+
 struct WorkView {
   DesignView spec;
   std::vector<WorkLamp> lamps;
@@ -61,11 +67,12 @@ struct WorkView {
   PictureLoss loss;
   Image radiance{}, picture{};
   LossValue value{};
-  double balance = 1;   ///< of its errors where views compete for scratches (balance_views)
-  Image face{};         ///< radiance of the face without scratches
-  double contrast = 0;  ///< of its light by a scratch's direction (DirectionLight); 0: not measured, one lamp
-  Image wanted{};       ///< the picture as asked for, where `target` is lifted (lift_blacks); else no pixels
-  Image mixable{};      ///< the target as near as the view's lights can mix its colors; no pixels: as it is
+  double balance = 1;        ///< of its errors where views compete for scratches (balance_views)
+  Image face{};              ///< radiance of the face without scratches
+  double contrast = 0;       ///< of its light by a scratch's direction (DirectionLight); 0: not measured, one lamp
+  CrossingLoss crossings{};  ///< nothing where grooves are rendered as they are cut
+  Image wanted{};            ///< the picture as asked for, where `target` is lifted (lift_blacks); else no pixels
+  Image mixable{};           ///< the target as near as the view's lights can mix its colors; no pixels: as it is
   Eigen::Vector3d gains{1, 1, 1};  ///< white_gains(); the channel's stands in the light of its scene
 };
 

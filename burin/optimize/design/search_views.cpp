@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "burin/optimize/design/crossing_loss.h"
 #include "burin/optimize/design/design_views.h"
 
 namespace burin {
@@ -19,6 +20,7 @@ StrokeAside seen_under(const WorkView& v, const WorkLamp& lamp, double log_expos
   const auto e = static_cast<float>(std::exp(log_exposure));
   for (float& l : out.light.data) l *= e;
   for (float& u : out.unit.data) u *= e * static_cast<float>(v.pitch_mm);
+  leave_what_crossings_do(v, out.unit);
   return out;
 }
 
@@ -118,6 +120,8 @@ std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const s
                        {},
                        one.picture});
       }
+  if (const Image cost = crossing_cost(views, log_exposure); !cost.data.empty())
+    for (StrokeView& v : out) v.cost = cost;
   if (ghosts == Ghosts::leave_out) return out;
   for (const WorkView& v : views)
     for (const WorkLamp& lamp : v.lamps)

@@ -122,6 +122,7 @@ StrokeField::StrokeField(const StrokeView& view, const StrokeRules& rules)
   pixels_.resize(lights.size());
   for (auto& pixels : pixels_) pixels.resize(view.light.data.size());
   matters_ = squared(view.mask);
+  cost_ = view.cost.data;
   if (std::any_of(view.asides.begin(), view.asides.end(), [](const StrokeAside& a) { return a.mask.has_value(); })) {
     matters_of_.push_back(matters_);
     for (const StrokeAside& aside : view.asides) matters_of_.push_back(aside.mask ? squared(*aside.mask) : matters_);
@@ -231,6 +232,8 @@ double StrokeField::add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm
                         StrokePixelsBefore* before) {
   double fell = 0;
   each_part(a_mm, b_mm, times, box, [&](const StrokePart& part, const Lobe* lobes) {
+    if (!cost_.empty())
+      for (int i = 0; i < part.count; ++i) fell -= cost_[part.at[i]] * part.length[i];
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
       PartPixels out;
       with_part(part, k, lobes[k], out);
@@ -262,6 +265,8 @@ void StrokeField::put_back(StrokePixelsBefore& before) {
 double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const {
   double fell = 0;
   each_part(a_mm, b_mm, times, whole(), [&](const StrokePart& part, const Lobe* lobes) {
+    if (!cost_.empty())
+      for (int i = 0; i < part.count; ++i) fell -= cost_[part.at[i]] * part.length[i];
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
       PartPixels out;
       with_part(part, k, lobes[k], out);
@@ -322,6 +327,7 @@ StrokeWindow StrokeField::window(const PixelBox& box) const {
     }
   }
   w.matters = matters_.empty() || !matters_of_.empty() ? nullptr : &matters_[corner];
+  w.cost = cost_.empty() ? nullptr : &cost_[corner];
   w.stride = width_;
   w.column = box.x0;
   w.row = box.y0;

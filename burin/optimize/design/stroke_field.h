@@ -128,6 +128,7 @@ class StrokeField {
   std::vector<std::vector<StrokePixel*>> twins_;  // of each place: the same picture's pixels in other fields
   bool has_twins_ = false;
   std::vector<std::vector<StrokeHalfVector>> half_vectors_;  // none where eye and lamp say them
+  std::vector<float> cost_;                                  // StrokeView::cost
   std::vector<float> matters_;                               // the mask squared; empty: all alike
   std::vector<std::vector<float>> matters_of_;               // each place's, where a mask is not the view's; else none
 };

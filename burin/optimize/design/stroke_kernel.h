@@ -46,11 +46,13 @@ struct StrokeWindow {
   StrokePlace place[kMostPlaces];
   int places = 1;
   const float* matters = nullptr;  ///< of the window's corner: the mask squared; null: all pixels count alike
-  int stride = 0;                  ///< pixels from one row to the next
-  int width = 0, height = 0;       ///< stride * height <= kMostWindowPixels
-  int column = 0, row = 0;         ///< of the window's corner in the picture
-  int picture_height = 0;          ///< `stride` is its width
-  float left_mm = 0, top_mm = 0;   ///< the window's corner on the board
+  /// Of the window's corner: what a pixel of length costs of the gain, whatever light it brings. Null: nothing.
+  const float* cost = nullptr;
+  int stride = 0;                 ///< pixels from one row to the next
+  int width = 0, height = 0;      ///< stride * height <= kMostWindowPixels
+  int column = 0, row = 0;        ///< of the window's corner in the picture
+  int picture_height = 0;         ///< `stride` is its width
+  float left_mm = 0, top_mm = 0;  ///< the window's corner on the board
   float pitch_x_mm = 1, pitch_y_mm = 1;
   float shortest = 0, longest = 0;  ///< of a stroke, in pixels
   float dimmest = 0;                ///< least part of the lobe that a stroke is turned to

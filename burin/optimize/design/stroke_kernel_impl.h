@@ -215,6 +215,7 @@ struct StrokeKernel {
       } else if (window.matters != nullptr) {
         gain = gain * matters_at(window.matters, index);
       }
+      if (!kPlain && window.cost != nullptr) gain = gain - length * matters_at(window.cost, index);
       sum = xsimd::select(active, sum + gain, sum);
       const Mask better = active & (sum > best.sum);
       best.sum = xsimd::select(better, sum, best.sum);
@@ -328,7 +329,7 @@ struct StrokeKernel {
     }
     const Mask wanted = (packet::lane_numbers<P>() + P(static_cast<float>(first))) < P(static_cast<float>(tries.count));
     P behind, ahead, gain;
-    if (window.places == 1 && window.matters == nullptr)
+    if (window.places == 1 && window.matters == nullptr && window.cost == nullptr)
       best_ends<true>(window, line, wanted, behind, ahead, gain);
     else
       best_ends<false>(window, line, wanted, behind, ahead, gain);

@@ -40,6 +40,7 @@ struct StrokeView {
   /// Views (and asides) of the same number from 0 on are the same picture under several lamps: a stroke of one of them
   /// changes the light of all, and its errors count once. -1: a picture of its own.
   int picture = -1;
+  Image cost{};  ///< of a pixel crossed along one pixel's length, off the gain; no pixels: nothing
 };
 
 inline constexpr std::size_t kMostAsides = 8;

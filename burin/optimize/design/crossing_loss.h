@@ -1,0 +1,33 @@
+// burin/optimize/design/crossing_loss.h - what a search knows of grooves that cut each other's rims away
+// (Crossings::deepest). Strokes are searched whole, and rendered so: cut into pieces they take twenty times as long. So
+// how much of their light crossings leave is rendered now and then, place by place, and in between held; and a stroke
+// pays for what it takes from those that it crosses. docs/model.md 6.9, 6.10, docs/design.md.
+#pragma once
+
+#include <vector>
+
+#include "burin/optimize/design/design_views.h"
+#include "burin/render/carve.h"
+#include "burin/render/image.h"
+
+namespace burin {
+
+/// Renders what crossings leave into the views' CrossingLoss: `cut` as the grooves will lie, `whole` as the search has
+/// them. `cover`: as CrossingLoss has it.
+void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, const Carved& cut,
+                   const Carved& whole, double cover);
+
+/// Nothing is lost any more: what is rendered is cut already.
+void forget_crossings(std::vector<WorkView>& views);
+
+/// A view's radiance, or the gradient by it, times what crossings leave.
+inline void leave_what_crossings_do(const WorkView& view, Image& image) {
+  for (std::size_t i = 0; i < view.crossings.kept.data.size(); ++i) image.data[i] *= view.crossings.kept.data[i];
+}
+
+/// By how much the squared errors of all views grow where a stroke crosses a pixel along one pixel's length, for the
+/// light that it takes from others there (views as rendered last); negative where they show too much. No pixels where
+/// nothing is lost.
+Image crossing_cost(const std::vector<WorkView>& views, const std::vector<double>& log_exposure);
+
+}  // namespace burin
