@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "burin/calib/photo/groove_scatter.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -38,6 +41,56 @@ double relative_error(const std::vector<PixelSquares>& pixels, double alpha_jitt
   return high;
 }
 
+// How the variance of a photo's noise follows brightness, from what its pixels came with. A pixel's own goes with how
+// its noise fell: those that came out too dark would weigh more than those too bright, and a dark view would be taken
+// for darker than it is, by a photon a pixel.
+class NoiseByValue {
+ public:
+  // Of a photo in which some pixel counts.
+  explicit NoiseByValue(const PhotoData& photo) {
+    constexpr std::size_t kMost = 200'000, kGroups = 128;
+    const auto counts = [](float weight) { return weight > 0; };
+    const auto count = static_cast<std::size_t>(std::count_if(photo.weight.begin(), photo.weight.end(), counts));
+    const std::size_t stride = 1 + count / kMost;
+    std::vector<std::pair<double, double>> pixels;
+    std::size_t seen = 0;
+    for (std::size_t i = 0; i < photo.weight.size(); ++i) {
+      if (!counts(photo.weight[i]) || seen++ % stride != 0) continue;
+      const double sigma = photo.photo.sigma.data[i];
+      pixels.emplace_back(photo.photo.value.data[i], sigma * sigma);
+    }
+    std::sort(pixels.begin(), pixels.end());
+    std::vector<double> values, variances;  // of a group
+    for (std::size_t g = 0; g < kGroups; ++g) {
+      values.clear();
+      variances.clear();
+      for (std::size_t i = g * pixels.size() / kGroups; i < (g + 1) * pixels.size() / kGroups; ++i) {
+        values.push_back(pixels[i].first);
+        variances.push_back(pixels[i].second);
+      }
+      if (values.empty() || (!value_.empty() && !(median_in_place(values) > value_.back()))) continue;
+      value_.push_back(median_in_place(values));
+      variance_.push_back(median_in_place(variances));
+    }
+  }
+
+  // To be expected of a pixel of that own variance if it were as bright as predicted: from a shorter exposure than
+  // others of its brightness it is noisier, and stays so.
+  double expected(double variance, double own, double predicted) const { return variance * at(predicted) / at(own); }
+
+ private:
+  // Beyond the darkest and the brightest group as there.
+  double at(double value) const {
+    const auto after = static_cast<std::size_t>(std::upper_bound(value_.begin(), value_.end(), value) - value_.begin());
+    if (after == 0) return variance_.front();
+    if (after == value_.size()) return variance_.back();
+    const double share = (value - value_[after - 1]) / (value_[after] - value_[after - 1]);
+    return (1 - share) * variance_[after - 1] + share * variance_[after];
+  }
+
+  std::vector<double> value_, variance_;
+};
+
 // Variances of log alpha and log depth (not negative) that explain what noise and m leave, by weighted least squares. A
 // residual counts up to 1.5 sigmas: dust, fingerprints and tool marks are no scatter of grooves.
 Eigen::Vector2d groove_variances(const std::vector<std::vector<PixelSquares>>& photos, const std::vector<double>& m,
@@ -65,6 +118,7 @@ void weigh(Problem& data, const State& state, bool grooves_differ) {
   data.photo_model_error.assign(data.photos.size(), 0);
   std::vector<GrooveSlopes> predicted(data.photos.size());
   std::vector<std::vector<PixelSquares>> squares(data.photos.size());
+  std::vector<std::optional<NoiseByValue>> noise(data.photos.size());
   each_photo(data, [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];
     const Unknowns x = state.of(photo.photo.light);
@@ -72,13 +126,16 @@ void weigh(Problem& data, const State& state, bool grooves_differ) {
     p = grooves_differ ? predict_with_slopes(data.model, photo, x, carved)
                        : GrooveSlopes{predict(data.model, photo, x, carved), {}, {}};
     const auto square = [](double v) { return v * v; };
+    if (std::none_of(photo.weight.begin(), photo.weight.end(), [](float w) { return w > 0; })) return;
+    noise[k].emplace(photo);
     const std::size_t stride = 1 + p.value.data.size() / 200'000;
     for (std::size_t i = 0; i < p.value.data.size(); i += stride)
       if (photo.weight[i] > 0)
-        squares[k].push_back({square(static_cast<double>(p.value.data[i]) - photo.photo.value.data[i]),
-                              square(photo.photo.sigma.data[i]), square(p.value.data[i]),
-                              grooves_differ ? square(p.by_log_alpha.data[i]) : 0,
-                              grooves_differ ? square(p.by_log_depth.data[i]) : 0});
+        squares[k].push_back(
+            {square(static_cast<double>(p.value.data[i]) - photo.photo.value.data[i]),
+             noise[k]->expected(square(photo.photo.sigma.data[i]), photo.photo.value.data[i], p.value.data[i]),
+             square(p.value.data[i]), grooves_differ ? square(p.by_log_alpha.data[i]) : 0,
+             grooves_differ ? square(p.by_log_depth.data[i]) : 0});
   });
   Eigen::Vector2d variances = Eigen::Vector2d::Zero();
   constexpr int kRounds = 8;
@@ -94,11 +151,12 @@ void weigh(Problem& data, const State& state, bool grooves_differ) {
     const GrooveSlopes& p = predicted[k];
     for (std::size_t i = 0; i < p.value.data.size(); ++i) {
       if (!(photo.weight[i] > 0)) continue;
-      const double noise = photo.photo.sigma.data[i], miss = data.photo_model_error[k] * p.value.data[i];
+      const double sigma = photo.photo.sigma.data[i], miss = data.photo_model_error[k] * p.value.data[i];
+      const double own = noise[k]->expected(sigma * sigma, photo.photo.value.data[i], p.value.data[i]);
       const double grooves = grooves_differ ? std::hypot(data.slope_error[0] * p.by_log_alpha.data[i],
                                                          data.slope_error[1] * p.by_log_depth.data[i])
                                             : 0;
-      photo.weight[i] = static_cast<float>(1 / std::sqrt(noise * noise + miss * miss + grooves * grooves));
+      photo.weight[i] = static_cast<float>(1 / std::sqrt(own + miss * miss + grooves * grooves));
     }
   }
 }

@@ -6,9 +6,9 @@
 
 namespace burin {
 
-/// Weighs each photo by its noise and by what its residuals say the model misses: the relative error m for which the
-/// median of |residual| / sqrt(noise^2 + (m prediction)^2) is that of a normal distribution. A photo that the model
-/// cannot explain (moved, out of focus) so weighs little by itself.
+/// Weighs each photo by its noise, as it follows the predicted brightness, and by what its residuals say the model
+/// misses: the relative error m for which the median of |residual| / sqrt(noise^2 + (m prediction)^2) is that of a
+/// normal distribution. A photo that the model cannot explain (moved, out of focus) so weighs little by itself.
 void weigh_photos(Problem& data, const State& state);
 
 /// The same with grooves that differ: how residuals' squares follow the squares of the prediction's slopes by log alpha
