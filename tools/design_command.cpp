@@ -237,7 +237,9 @@ void add_options(CLI::App& command, DesignArguments& o) {
       .add_option("--balance", o.design.balance,
                   "How much views worse than others draw scratches (0: not; 1: strongly)")
       ->capture_default_str();
-  command.add_option("--relocate-until", o.design.relocate_until, "Part of the run after which there are none")
+  command
+      .add_option("--relocate-until", o.design.relocate_until,
+                  "Part of the run after which there are none; less where crossings show")
       ->capture_default_str();
   command
       .add_option("--start-exposure", o.design.start_exposure,

@@ -74,9 +74,11 @@ class NoiseByValue {
     }
   }
 
-  // To be expected of a pixel of that own variance if it were as bright as predicted: from a shorter exposure than
-  // others of its brightness it is noisier, and stays so.
-  double expected(double variance, double own, double predicted) const { return variance * at(predicted) / at(own); }
+  // The variance to be expected of a pixel that came with this value and variance, as bright as it is predicted. From
+  // a shorter exposure than others of its brightness it is noisier, and stays so.
+  double expected(double variance, double value, double predicted) const {
+    return variance * at(predicted) / at(value);
+  }
 
  private:
   // Beyond the darkest and the brightest group as there.
@@ -152,11 +154,11 @@ void weigh(Problem& data, const State& state, bool grooves_differ) {
     for (std::size_t i = 0; i < p.value.data.size(); ++i) {
       if (!(photo.weight[i] > 0)) continue;
       const double sigma = photo.photo.sigma.data[i], miss = data.photo_model_error[k] * p.value.data[i];
-      const double own = noise[k]->expected(sigma * sigma, photo.photo.value.data[i], p.value.data[i]);
+      const double noise2 = noise[k]->expected(sigma * sigma, photo.photo.value.data[i], p.value.data[i]);
       const double grooves = grooves_differ ? std::hypot(data.slope_error[0] * p.by_log_alpha.data[i],
                                                          data.slope_error[1] * p.by_log_depth.data[i])
                                             : 0;
-      photo.weight[i] = static_cast<float>(1 / std::sqrt(own + miss * miss + grooves * grooves));
+      photo.weight[i] = static_cast<float>(1 / std::sqrt(noise2 + miss * miss + grooves * grooves));
     }
   }
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "burin/optimize/design/shown_light.h"
 #include "burin/render/blur.h"
 
 namespace burin {
@@ -70,7 +71,6 @@ Image crossing_cost(const std::vector<WorkView>& views, const std::vector<double
   constexpr float kUneven = 0.2F;
   if (views.front().crossings.kept.data.empty()) return {};
   const auto cover = static_cast<float>(views.front().crossings.cover);
-  constexpr float kGamma = 2.2F;
   Image cost(views.front().radiance.width, views.front().radiance.height, 1);
   for (const WorkView& v : views) {
     const float exposure = exposure_of(v, log_exposure),
@@ -78,8 +78,8 @@ Image crossing_cost(const std::vector<WorkView>& views, const std::vector<double
     for (std::size_t i = 0; i < cost.data.size(); ++i) {
       const float light = exposure * v.radiance.data[i];
       if (!(light > 0) || light >= 1) continue;  // what is white stays so
-      const float shown = std::pow(light, 1 / kGamma), of_face = exposure * v.face.data[i];
-      const float by_log = shown / kGamma * std::clamp((light - of_face) / light, 0.0F, 1.0F);
+      const float shown = shown_light(light), of_face = exposure * v.face.data[i];
+      const float by_log = kShownPower * shown * std::clamp((light - of_face) / light, 0.0F, 1.0F);
       const float matters = v.target.mask.data.empty() ? 1 : v.target.mask.data[i];
       cost.data[i] += cover * weight * matters * matters * by_log *
                       (kUneven * by_log - 2 * kTaken * (shown - v.target.picture.data[i]));

@@ -110,8 +110,8 @@ class DesignRun {
   const DesignOptions& options_;
   const Progress& progress_;
   const Metal metal_{bench_, board_};
-  // While places are searched, grooves that cut each other's rims away are taken to add: their many pieces take twenty
-  // times as long, and a search knows strokes whole.
+  // While places are searched, grooves that cut each other's rims away are taken whole: their many pieces take twenty
+  // times as long. What they take from each other is seen now and then (crossing_loss).
   const Bench search_bench_ = adding_rims(bench_);
   bool rims_count_ = bench_.crossings != Crossings::deepest;
   Deadline deadline_;

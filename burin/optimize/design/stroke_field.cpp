@@ -228,12 +228,18 @@ void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& l
              out.light, out.after, out.fall);
 }
 
+double StrokeField::cost_of(const StrokePart& part) const {
+  double cost = 0;
+  if (!cost_.empty())
+    for (int i = 0; i < part.count; ++i) cost += cost_[part.at[i]] * part.length[i];
+  return cost;
+}
+
 double StrokeField::add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
                         StrokePixelsBefore* before) {
   double fell = 0;
   each_part(a_mm, b_mm, times, box, [&](const StrokePart& part, const Lobe* lobes) {
-    if (!cost_.empty())
-      for (int i = 0; i < part.count; ++i) fell -= cost_[part.at[i]] * part.length[i];
+    fell -= cost_of(part);
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
       PartPixels out;
       with_part(part, k, lobes[k], out);
@@ -265,8 +271,7 @@ void StrokeField::put_back(StrokePixelsBefore& before) {
 double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const {
   double fell = 0;
   each_part(a_mm, b_mm, times, whole(), [&](const StrokePart& part, const Lobe* lobes) {
-    if (!cost_.empty())
-      for (int i = 0; i < part.count; ++i) fell -= cost_[part.at[i]] * part.length[i];
+    fell -= cost_of(part);
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
       PartPixels out;
       with_part(part, k, lobes[k], out);

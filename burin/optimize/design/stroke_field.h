@@ -108,6 +108,7 @@ class StrokeField {
   }
   std::vector<StrokeHalfVector> listed_half_vectors(const GlintView& glint) const;
   void with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, PartPixels& out) const;
+  double cost_of(const StrokePart& part) const;  // below 0 for a part that is taken away
   void tell_twins(std::size_t k, std::size_t at) const {
     for (StrokePixel* twin : twins_[k]) {
       twin[at].light = pixels_[k][at].light;
