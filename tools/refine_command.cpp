@@ -41,6 +41,15 @@ void print_field(const std::string& name, const GrooveField& field) {
   if (field.wear() != 0) fmt::print("         {} falls by {} from the first scratch to the last\n", name, term(5));
 }
 
+void print_panel(const LampSize& size) {
+  if (size.panel_sigma_mm && size.turn_sigma_deg)
+    fmt::print("; a panel of {:.0f} +- {:.0f} x {:.0f} +- {:.0f} mm, turned by {:.0f} +- {:.0f} degrees",
+               size.panel_mm.x(), size.panel_sigma_mm->x(), size.panel_mm.y(), size.panel_sigma_mm->y(), size.turn_deg,
+               *size.turn_sigma_deg);
+  else
+    fmt::print("; a panel of {:.0f} x {:.0f} mm, as told,", size.panel_mm.x(), size.panel_mm.y());
+}
+
 void print_result(const Refinement& r, const Board& board) {
   const Bench& b = r.bench;
   fmt::print("alpha    {}\n", measured(b, parameter::kAlpha, b.material.alpha, b.material_sigma.alpha, 4));
@@ -71,6 +80,8 @@ void print_result(const Refinement& r, const Board& board) {
     if (light.size.disk_mm > 0)
       fmt::print("; a disk of {:.1f}{} mm radius", light.size.disk_mm,
                  light.size.disk_sigma_mm ? fmt::format(" +- {:.1f}", *light.size.disk_sigma_mm) : ", as told,");
+    else if (!light.size.is_point())
+      print_panel(light.size);
     fmt::print("\n");
   }
   double worst = 0;

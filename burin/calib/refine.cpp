@@ -15,6 +15,7 @@
 #include "burin/calib/photo/field_choice.h"
 #include "burin/calib/photo/glare_fit.h"
 #include "burin/calib/photo/held_out_gains.h"
+#include "burin/calib/photo/lamp_size_choice.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
@@ -62,6 +63,12 @@ struct RefineRun {
 
   void look_at_photos(int bin) { data.photos = photos_at(views, bin, board, out.bench, blur_px()); }
 
+  // Of lamps that bench.json has as points, or as large as photos told before.
+  void seek_sizes() {
+    for (std::size_t i = 0; i < data.size_sought.size(); ++i)
+      data.size_sought[i] = stage.frees(Group::lamp_size) ? data.size_sought[i] : out.bench.lights[i].size.is_point();
+  }
+
   void require_pixels() const {
     std::size_t used = 0;
     for (const PhotoData& photo : data.photos)
@@ -100,6 +107,7 @@ struct RefineRun {
   void find_lamp();
   void try_grooves();
   void fit_coarse();
+  void find_large_lamps();
   void choose_crossings();
   void fit_middle();
   void drop_spots();
@@ -110,6 +118,7 @@ struct RefineRun {
   void leave_out_what_lies_on_the_board();
   void free_geometry();
   void free_depth_field();
+  bool find_sides_of_lamps();
   void glare_at(const Glare& glare);
   void shape_glare();
   void doubt_profile();
@@ -123,7 +132,7 @@ void RefineRun::find_lamp() {
   tell("finding the lamp", 0);
   if (options.fit_lamp && options.fit_fields)
     for (Light& light : out.bench.lights)  // what photos told before, they shall tell again
-      if (light.size.disk_sigma_mm) light.size = {};
+      if (light.size.is_measured()) light.size = {};
   const std::vector<LightSample> samples = gather_light_samples(views, board, out.bench, sent);
   const LampSeed seed = fit_lamps(samples, board, out.bench);
   append(out.findings, seed.findings);
@@ -144,7 +153,7 @@ void RefineRun::find_lamp() {
     for (std::size_t i = 0; i < start.lights.size(); ++i) start.lights[i].intensity = seed.lights[i].intensity;
   }
   data = make_problem(board, sent, start);
-  data.is_disk.assign(data.is_disk.size(), false);  // sought only later; one that is kept is as given
+  data.size_sought.assign(data.size_sought.size(), false);  // sought only later; one that is kept is as given
   data.merged_bin = merged.front().bin;
   data.surroundings = views.front().surroundings;
   for (const LightSample& sample : samples)
@@ -192,6 +201,34 @@ void RefineRun::fit_coarse() {
   fit(options.max_iterations, 1e-4, "fitting coarse photos and the machine");
 }
 
+// Asked for before all else: under a panel or a softbox that is taken for a point, roughnesses and the lamp's place are
+// others, and its highlight is drawn out like a brushed face's.
+void RefineRun::find_large_lamps() {
+  if (!options.fit_lamp || !options.fit_fields) return;
+  tell("asking for the lamp's size", 0);
+  seek_sizes();
+  weigh_photos(data, state);
+  if (!choose_large_lamps(data, stage, state, progress)) {
+    data.size_sought.assign(data.size_sought.size(), false);
+    return;
+  }
+  // Large lamps send less to the side. Which part of them shines brightest on a place shifts with that as with their
+  // distance: held where paper did not tell it, and all that another fall-off would move is in the sigmas.
+  for (std::size_t light = 0; light < state.lamps.size(); ++light) {
+    if (data.is_spot[light]) continue;
+    data.is_spot[light] = data.spot_held[light] = true;
+    state.block(unknown::spot, light)[2] = kPlaneExponent;
+  }
+  fit(options.max_iterations, 1e-4, "fitting coarse photos and the lamp's size");
+  if (std::find(data.spot_held.begin(), data.spot_held.end(), true) == data.spot_held.end()) return;
+  constexpr int kIterations = 6;
+  State other = state;
+  for (std::size_t light = 0; light < state.lamps.size(); ++light)
+    if (data.spot_held[light]) other.block(unknown::spot, light)[2] += kPlaneExponentSigma;
+  solve(data, stage, kIterations, 1e-4, other, progress, "how far the lamp's fall-off moves the answer");
+  pointed_to.push_back(step_between(state, other));
+}
+
 // Where scratches cross: whichever explains the photos best, unless it was asked for.
 void RefineRun::choose_crossings() {
   data.model.crossings = options.crossings.value_or(Crossings::add);
@@ -219,7 +256,9 @@ void RefineRun::fit_middle() {
 }
 
 // A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other.
+// A large lamp's matters however small it is.
 void RefineRun::drop_spots() {
+  if (any_large_lamp(data, state)) return;
   for (std::size_t light = 0; light < state.lamps.size(); ++light) {
     double& exponent = state.block(unknown::spot, light)[2];
     constexpr double kLeastExponent = 0.3;
@@ -236,7 +275,7 @@ void RefineRun::find_effects() {
   if (!options.fit_effects) return;
   tell("asking whether machine, face and grooves are as believed", 0);
   set_flanks_to_ask_for(data, state);
-  const EffectEquations equations = effect_equations(data, stage, state);
+  const EffectEquations equations = effect_equations(data, stage, state, {Group::backlash, Group::grain, Group::flank});
   bool more = false;
   for (const Group group : {Group::backlash, Group::grain}) {
     if (!photos_ask_for(data, state, equations, group)) continue;
@@ -306,11 +345,11 @@ void RefineRun::free_depth_field() {
   if (!options.fit_fields) return;
   tell("asking whether depth varies, for glare and the lamp's size", 0);
   glare_at(usual_glare(out.bench.lens));
-  if (options.fit_lamp)
-    for (std::size_t i = 0; i < data.is_disk.size(); ++i) data.is_disk[i] = out.bench.lights[i].size.is_point();
+  if (options.fit_lamp) seek_sizes();
+  const FreeField before{.size = stage.frees(Group::lamp_size)};
   const FreeField field = choose_depth_field(data, stage, state, &pointed_to);
   stage.free(field);
-  if (!field.size) data.is_disk.assign(data.is_disk.size(), false);
+  if (!field.size) data.size_sought.assign(data.size_sought.size(), false);
   if (field.glare) shape_glare();
   out.bench.verdict[parameter::kDepthField] = {
       Source::measured,
@@ -318,9 +357,18 @@ void RefineRun::free_depth_field() {
       {},
       Unit::none,
       {{Cause::Kind::field_chosen, {field.linear ? 1.0 : 0.0, field.quadratic ? 1.0 : 0.0, field.wear ? 1.0 : 0.0}}}};
-  if (terms_of(field) == 0) return;
-  fit_corrected("fitting photos and how grooves vary");
+  const bool more = terms_of(field) != terms_of(before);
+  if (more) fit_corrected("fitting photos and how grooves vary");
+  if (!find_sides_of_lamps() && !more) return;
   if (options.fit_geometry) move_geometry();
+}
+
+// A lamp whose size was found as a disk's may be longer one way than the other. Whether one is.
+bool RefineRun::find_sides_of_lamps() {
+  if (!stage.frees(Group::lamp_size) || stage.frees(Group::lamp_sides)) return false;
+  if (!choose_sides(data, stage, state, progress)) return false;
+  fit_corrected("fitting photos and the lamp's sides");
+  return true;
 }
 
 // All photos' light as glare of that shape would scatter it.
@@ -362,9 +410,11 @@ void RefineRun::shape_glare() {
 }
 
 // Burrs do not show by flanks, which is how photos are asked first: they do where pixels contradict each other by how
-// far half vectors lean, beside the steepest wall or beside the face's highlight.
+// far half vectors lean, beside the steepest wall or beside the face's highlight. A large lamp blurs what would tell
+// one cross-section from another, and takes dozens of renderings for one: what contradicts is then left to the sigmas.
 void RefineRun::doubt_profile() {
   if (!options.fit_effects || !may_have_another_section() || !data.model.profile.is_paper()) return;
+  if (any_large_lamp(data, state)) return;
   tell("asking whether the model is enough", 0);
   light_around(state, data);
   uncertainty = uncertainty_of(data, stage, state);
@@ -375,7 +425,7 @@ void RefineRun::doubt_profile() {
   // several times as many. It shows by directions, not by details.
   std::vector<PhotoData> finest = std::exchange(data.photos, {});
   Problem at_finest = data;
-  const bool with_size = std::find(data.is_disk.begin(), data.is_disk.end(), true) != data.is_disk.end() ||
+  const bool with_size = std::find(data.size_sought.begin(), data.size_sought.end(), true) != data.size_sought.end() ||
                          std::any_of(out.bench.lights.begin(), out.bench.lights.end(),
                                      [](const Light& light) { return !light.size.is_point(); });
   look_at_photos(with_size ? bins.coarse : bins.middle);
@@ -443,19 +493,13 @@ void RefineRun::judge() {
 }
 
 // From rough and quick to fine: each stage starts where the one before ended.
-constexpr std::array kStages{&RefineRun::find_lamp,
-                             &RefineRun::try_grooves,
-                             &RefineRun::fit_coarse,
-                             &RefineRun::choose_crossings,
-                             &RefineRun::fit_middle,
-                             &RefineRun::drop_spots,
-                             &RefineRun::find_effects,
-                             &RefineRun::fit_finest,
-                             &RefineRun::leave_out_what_lies_on_the_board,
-                             &RefineRun::free_geometry,
-                             &RefineRun::free_depth_field,
-                             &RefineRun::doubt_profile,
-                             &RefineRun::judge};
+constexpr std::array kStages{&RefineRun::find_lamp,        &RefineRun::try_grooves,
+                             &RefineRun::fit_coarse,       &RefineRun::find_large_lamps,
+                             &RefineRun::choose_crossings, &RefineRun::fit_middle,
+                             &RefineRun::drop_spots,       &RefineRun::find_effects,
+                             &RefineRun::fit_finest,       &RefineRun::leave_out_what_lies_on_the_board,
+                             &RefineRun::free_geometry,    &RefineRun::free_depth_field,
+                             &RefineRun::doubt_profile,    &RefineRun::judge};
 
 }  // namespace
 

@@ -23,9 +23,11 @@ struct LampPoint {
 /// axis runs along x), turned by `turn_deg` about the axis.
 Eigen::Matrix<double, 3, 2> across_axis(const Eigen::Vector3d& axis, double turn_deg);
 
-/// The points that stand for a lamp, of equal shares where there are four. Below a 25th of the distance that its axis
-/// runs to the plane of the board: one for a point lamp, four for a disk (right for polynomials of the third degree),
-/// Gauss and Legendre's two for each half side of a panel. Above: seven (Radon's, of the fifth degree), and three.
-std::vector<LampPoint> lamp_points(const Light& light);
+/// The points that stand for a lamp: the more, the larger a disk's radius or a panel's half side is beside the distance
+/// that its axis runs to the plane of the board. Below a 25th of it one for a point lamp, four for a disk (right for
+/// polynomials of the third degree), Gauss and Legendre's two for each side of a panel. Above: seven (Radon's, of the
+/// fifth degree), and three; from 0.075 on 24 (three rings, of the seventh degree), and four; six from 0.15 on. `few`:
+/// seven and three at most.
+std::vector<LampPoint> lamp_points(const Light& light, bool few = false);
 
 }  // namespace burin

@@ -17,8 +17,12 @@ struct LampSize {
   /// The panel's two sides, the first along the board's x before it is turned by `turn_deg` about the lamp's axis.
   Eigen::Vector2d panel_mm{0, 0};
   double turn_deg = 0;
-  std::optional<double> disk_sigma_mm;  ///< where the radius was measured from photos
+  std::optional<double> disk_sigma_mm;            ///< where the radius was measured from photos
+  std::optional<Eigen::Vector2d> panel_sigma_mm;  ///< where the sides were
+  std::optional<double> turn_sigma_deg;           ///< and their direction
 
+  /// Whether photos told it, not a person.
+  bool is_measured() const { return disk_sigma_mm.has_value() || panel_sigma_mm.has_value(); }
   bool is_point() const { return !(disk_mm > 0) && !(panel_mm.maxCoeff() > 0); }
 };
 

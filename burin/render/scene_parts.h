@@ -8,11 +8,11 @@
 
 namespace burin {
 
-/// The scenes of a lamp's points, and their shares: light is the mean over them.
+/// The scenes of a lamp's points (lamp_points()), and their shares: light is the mean over them. `few` as there.
 struct ScenePart {
   ViewScene scene;
   double share = 1;
 };
-std::vector<ScenePart> scene_parts(const ViewScene& scene);
+std::vector<ScenePart> scene_parts(const ViewScene& scene, bool few = false);
 
 }  // namespace burin

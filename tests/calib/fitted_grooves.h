@@ -37,10 +37,10 @@ inline void add_glare(double share, SmallGrooves& s) {
 inline void fit_small_grooves(double disk_mm, double bend, FittedGrooves& out, double stray = 0, double glare = 0) {
   SmallGrooves& s = out.s;
   fill_small_grooves(s, 11);
-  s.data.is_disk = {true};
+  s.data.size_sought = {true};
   for (int k = 0; k < 6; ++k) s.data.photos.push_back(make_photo_data(add_view(s, k), 1, s.board, s.bench, 2));
   State truth = s.truth;
-  truth.block(unknown::disk2)[0] = std::pow(disk_mm / disk_unit_mm(s.board), 2);
+  truth.block(unknown::size2)[0] = std::pow(disk_mm / size_unit_mm(s.board), 2);
   std::mt19937_64 random(5);
   std::normal_distribution<float> normal;
   for (PhotoData& photo : s.data.photos) {

@@ -19,7 +19,7 @@ namespace burin {
 namespace {
 
 Uncertainty uncertainty_of(FittedGrooves& f) {
-  f.s.data.is_disk = {false};
+  f.s.data.size_sought = {false};
   return uncertainty_of(f.s.data, f.stage, f.state);
 }
 
@@ -82,7 +82,7 @@ TEST(LampSize, ADiskIsChosenWhereThereIsOneAndNotWhereThereIsNone) {
     if (!choice.size) continue;
     f.stage.free(choice);
     solve(f.s.data, f.stage, 12, 1e-8, f.state, {}, "");
-    EXPECT_NEAR(disk_unit_mm(f.s.board) * std::sqrt(f.state.block(unknown::disk2)[0]), kRadiusMm, 1.5);
+    EXPECT_NEAR(size_unit_mm(f.s.board) * std::sqrt(f.state.block(unknown::size2)[0]), kRadiusMm, 1.5);
     EXPECT_NEAR(f.state.shared[unknown::log_alpha], f.s.truth.shared[unknown::log_alpha], 0.01);
   }
 }

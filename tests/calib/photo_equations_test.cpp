@@ -107,7 +107,7 @@ void fill(Scene& s, bool spot) {
 
 // What only some benches have is no derivative but a difference (difference_step()): EffectsAreDifferences has it.
 bool is_difference(int i) {
-  return i == unknown::disk2 ||
+  return (i >= unknown::size2 && i < unknown::pose) ||
          (i >= unknown::backlash && i <= unknown::log_across && i != unknown::grain && i != unknown::grain + 1);
 }
 
@@ -198,6 +198,33 @@ TEST(PhotoEquations, GradientIsTheCostsDerivativeSpot) {
   check_gradient(s);
 }
 
+// A panel that is a spot, turned: the cost changes with its place, its axis and fall-off, which each of its points has
+// of its own, its size and its sides as the gradient says.
+TEST(PhotoEquations, LampsWithAnAreaKnowTheirSidesAndTheirSpot) {
+  Scene s;
+  fill(s, true);
+  Unknowns x = s.start;
+  x[unknown::size2] = 12;
+  x.segment<2>(unknown::sides2) << 5, 3;
+  x[unknown::spot + 2] = 4;
+  FreeUnknowns free{};
+  for (int i = 0; i < unknown::pose; ++i) free[i] = true;
+  const PhotoEquations e = photo_equations(s.model, s.photo, x, CarvedStates(s.model), free);
+  const Carved carved = carved_at(s.model, x);
+  for (int i = unknown::lamp_position; i < unknown::pose; ++i) {
+    const double step = i < unknown::log_intensity || i == unknown::spot || i == unknown::spot + 1 ? 0.1 : 0.02;
+    const auto cost_at = [&](double by) {
+      Unknowns moved = x;
+      moved[i] += by;
+      return photo_cost(s.model, s.photo, moved, carved);
+    };
+    const double difference = (cost_at(step) - cost_at(-step)) / (2 * step);
+    const double scale = std::sqrt(2 * e.cost * e.JtJ(i, i));
+    EXPECT_NEAR(e.Jtr[i], difference, 0.02 * std::abs(difference) + 1e-3 * scale) << "unknown " << i;
+    EXPECT_GT(e.JtJ(i, i), 0) << "unknown " << i;
+  }
+}
+
 // The scores by backlash, screws, burrs, roughness across grooves and a lamp's size are what predictions a step away
 // say.
 TEST(PhotoEquations, EffectsAreDifferences) {
@@ -214,7 +241,7 @@ TEST(PhotoEquations, EffectsAreDifferences) {
   const PhotoEquations e = photo_equations(s.model, s.photo, x, CarvedStates(s.model), free);
   const Image here = predict(s.model, s.photo, x, carved_at(s.model, x));
   for (int i = unknown::backlash; i < unknown::pose; ++i) {
-    if (!is_difference(i) || i == unknown::flank) continue;
+    if (!is_difference(i) || i == unknown::flank || i >= unknown::sides2) continue;
     const double step = difference_step(i, x[i]);
     Unknowns moved = x;
     moved[i] += step;

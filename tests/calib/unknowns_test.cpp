@@ -20,7 +20,7 @@ TEST(Unknowns, IndicesFollowFromTheTable) {
   EXPECT_EQ(unknown::log_paper, unknown::count);
   EXPECT_EQ(first_of("no such unknown"), -1);
   EXPECT_EQ(global_index(unknown::lamp_position, 0), kPaperIndex + 1);
-  EXPECT_EQ(global_index(unknown::disk2, 1), global_count(2) - 1);
+  EXPECT_EQ(global_index(unknown::sides2 + 1, 1), global_count(2) - 1);
   Scope last = Scope::shared;
   for_each_unknown([&](const UnknownRow& row, int first) {
     EXPECT_EQ(first, first_of(row.name));

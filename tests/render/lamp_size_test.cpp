@@ -74,18 +74,23 @@ void expect_rule_is_good(const LampSize& size, double alpha, double tolerance) {
 }
 
 TEST(LampSize, FewPointsStandForManyInAGlint) {
-  LampSize disk, large, panel;
+  LampSize disk, large, panel, very_large, softbox;
   disk.disk_mm = 20;
   large.disk_mm = 50;
   panel.panel_mm << 120, 60;
   panel.turn_deg = 30;
   expect_rule_is_good(disk, 0.05, 0.01);
   expect_rule_is_good(large, 0.08, 0.01);
-  expect_rule_is_good(panel, 0.08, 0.02);
+  expect_rule_is_good(panel, 0.08, 0.01);
+  very_large.disk_mm = 120;
+  softbox.panel_mm << 300, 200;
+  softbox.turn_deg = 15;
+  expect_rule_is_good(very_large, 0.08, 0.01);
+  expect_rule_is_good(softbox, 0.08, 0.02);
 }
 
 TEST(LampSize, SharesAddUpAndThePointsLieAboutTheMiddleAcrossTheAxis) {
-  for (const double disk_mm : {0., 10., 60.})
+  for (const double disk_mm : {0., 10., 40., 60.})
     for (const Eigen::Vector2d& panel : {Eigen::Vector2d(0, 0), Eigen::Vector2d(100, 30)}) {
       LampSize size;
       size.disk_mm = disk_mm;

@@ -224,6 +224,12 @@ std::string position_cell(const Eigen::Vector3d& p, const std::optional<Eigen::V
                      with_sigma(p.z(), sigma->z()));
 }
 
+std::string panel_cell(const LampSize& size) {
+  if (!size.panel_sigma_mm) return fmt::format("{:.0f} x {:.0f} mm", size.panel_mm.x(), size.panel_mm.y());
+  return fmt::format("{} x {} mm", with_sigma(size.panel_mm.x(), size.panel_sigma_mm->x()),
+                     with_sigma(size.panel_mm.y(), size.panel_sigma_mm->y()));
+}
+
 std::string numbers(const Loaded& in) {
   const Bench& bench = in.bench;
   const Material& material = bench.material;
@@ -275,8 +281,14 @@ std::string numbers(const Loaded& in) {
                                        : number(light.falloff_exponent),
           "", "0 is a bare lamp; a spot has 2 to 40");
     if (light.size.disk_mm > 0)
-      row(fmt::format("Lamp “{}”: radius of its area", html(light.id)), number(light.size.disk_mm) + " mm", "",
-          "as told; a bulb has 20 to 50 mm");
+      row(fmt::format("Lamp “{}”: radius of its area", html(light.id)),
+          (light.size.disk_sigma_mm ? with_sigma(light.size.disk_mm, *light.size.disk_sigma_mm)
+                                    : number(light.size.disk_mm)) +
+              " mm",
+          light.size.disk_sigma_mm ? "" : "as told", "a bulb has 20 to 50 mm");
+    else if (!light.size.is_point())
+      row(fmt::format("Lamp “{}”: sides of its area", html(light.id)), panel_cell(light.size),
+          light.size.panel_sigma_mm ? "" : "as told", "a panel has 50 to 300 mm");
   }
   row("Bow of the board",
       fmt::format("{}, {}, {} mm", fixed(bench.bow_mm[0], 3), fixed(bench.bow_mm[1], 3), fixed(bench.bow_mm[2], 3)),

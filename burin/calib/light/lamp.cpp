@@ -316,10 +316,12 @@ Fit fit_from_starts(const Data& data, const Blocks& blocks, std::size_t light, c
   return best;
 }
 
-// Takes lamps for spots one after the other, where that explains much more.
-void try_spots(const Data& data, const std::vector<bool>& usable, std::vector<bool>& spot, Fit& fit) {
+// Takes lamps that are none for spots one after the other, where that explains much more. Where it explains a little
+// more, `moved_mm` tells how far the lamp would be from where it is: photos then do not say which it is.
+void try_spots(const Data& data, const std::vector<bool>& usable, std::vector<bool>& spot, Fit& fit,
+               std::vector<Eigen::Vector3d>& moved_mm) {
   for (std::size_t light = 0; light < usable.size(); ++light) {
-    if (!usable[light]) continue;
+    if (!usable[light] || spot[light]) continue;
     std::vector<bool> with_spot = spot;
     with_spot[light] = true;
     // A tenth of the samples says from which exponent to start.
@@ -338,15 +340,21 @@ void try_spots(const Data& data, const std::vector<bool>& usable, std::vector<bo
     // A spot has three parameters more. Errors of paper and face are not independent, so ask for far more than a test
     // of white noise would.
     constexpr double kWorthIt = 0.9;
-    if (!best.usable || !(best.cost < kWorthIt * fit.cost)) continue;
+    moved_mm[light].setZero();
+    if (!best.usable || !(best.cost < fit.cost)) continue;
+    if (!(best.cost < kWorthIt * fit.cost)) {
+      moved_mm[light] = Eigen::Vector3d::Map(best.blocks.lamps[light].position) -
+                        Eigen::Vector3d::Map(fit.blocks.lamps[light].position);
+      continue;
+    }
     fit = std::move(best);
     spot = with_spot;
   }
 }
 
 // Takes the face for a brushed one, where that explains much more: from several directions, since a lamp that was found
-// without them may be far off.
-void try_grain(const Data& data, const std::vector<bool>& spot, Fit& fit) {
+// without them may be far off. Whether it did.
+bool try_grain(const Data& data, const std::vector<bool>& spot, Fit& fit) {
   constexpr std::size_t kThin = 6;
   constexpr double kStart = 0.3, kLeastGrain = 0.02;
   Fit thin;
@@ -358,16 +366,17 @@ void try_grain(const Data& data, const std::vector<bool>& spot, Fit& fit) {
     Fit candidate = run_fit(data, from, spot, -1, kThin, true, 60, false);
     if (candidate.usable && (!thin.usable || candidate.cost < thin.cost)) thin = std::move(candidate);
   }
-  if (!thin.usable) return;
+  if (!thin.usable) return false;
   // All samples are asked only where a sixth of them comes near to what they must say.
   constexpr double kWorthIt = 0.85, kNear = 0.93;
   const Fit plain = run_fit(data, fit.blocks, spot, -1, kThin, true, 60, false);
-  if (plain.usable && !(thin.cost < kNear * plain.cost)) return;
+  if (plain.usable && !(thin.cost < kNear * plain.cost)) return false;
   Fit best = run_fit(data, thin.blocks, spot, -1, 1, true, 60, false);
   // As for spots: far more than a test of white noise would ask.
-  if (!best.usable || !(best.cost < kWorthIt * fit.cost)) return;
-  if (std::hypot(best.blocks.grain[0], best.blocks.grain[1]) < kLeastGrain) return;
+  if (!best.usable || !(best.cost < kWorthIt * fit.cost)) return false;
+  if (std::hypot(best.blocks.grain[0], best.blocks.grain[1]) < kLeastGrain) return false;
   fit = std::move(best);
+  return true;
 }
 
 // Residuals in the robust loss's core: their RMS, and the factor by which they exceed what was expected of them.
@@ -504,10 +513,8 @@ void widen_by_groups(const Data& data, const Fit& fit, const std::vector<bool>& 
     if (s.kind != SampleKind::face) return -1;
     return static_cast<int>(std::upper_bound(edges.begin(), edges.end(), lean_of(s, fit)) - edges.begin());
   };
-  seed.base_alpha_sigma =
-      std::max(seed.base_alpha_sigma,
-               seed.base_alpha * scatter_by_groups(data, fit, spot, 4, 2 * kThin, lean_group_of).log_base_alpha);
-  for (const GroupScatter& by : {scatter_by_groups(data, fit, spot, photos, kThin, photo_of),
+  for (const GroupScatter& by : {scatter_by_groups(data, fit, spot, 4, 2 * kThin, lean_group_of),
+                                 scatter_by_groups(data, fit, spot, photos, kThin, photo_of),
                                  scatter_by_groups(data, fit, spot, kAcross * kAcross, kThin, place_of)}) {
     for (std::size_t i = 0; i < seed.lights.size(); ++i)
       if (auto& sigma = seed.lights[i].position_sigma_mm) *sigma = sigma->cwiseMax(by.position_mm[i]);
@@ -542,11 +549,16 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   if (std::none_of(usable.begin(), usable.end(), [](bool u) { return u; })) return seed;
   Fit fit = run_fit(data, blocks, spot, -1, 1, true, 60, false);
   if (!fit.usable) return seed;
-  if (options.fit_spot) try_spots(data, usable, spot, fit);
-  try_grain(data, spot, fit);
+  std::vector<Eigen::Vector3d> moved_mm(usable.size(), Eigen::Vector3d::Zero());
+  if (options.fit_spot) try_spots(data, usable, spot, fit, moved_mm);
+  // A face that is brushed, or whose highlight a large lamp draws out, hides a spot's fall-off as long as it is not.
+  if (try_grain(data, spot, fit) && options.fit_spot) try_spots(data, usable, spot, fit, moved_mm);
   fit = run_fit(data, fit.blocks, spot, -1, 1, true, 60, true);
   if (fit.usable) fill_seed(data, usable, spot, fit, seed);
   if (fit.usable && options.jackknife) widen_by_groups(data, fit, spot, seed);
+  for (std::size_t light = 0; light < usable.size(); ++light)
+    if (auto& sigma = seed.lights[light].position_sigma_mm)
+      *sigma = (sigma->cwiseAbs2() + moved_mm[light].cwiseAbs2()).cwiseSqrt();
   return seed;
 }
 

@@ -23,6 +23,7 @@
 #include "burin/render/carve.h"
 #include "burin/render/face_grain.h"
 #include "burin/render/finding.h"
+#include "burin/render/lamp_size.h"
 #include "burin/render/pixel_shading.h"
 
 namespace burin {
@@ -35,6 +36,8 @@ struct LampModel {
   T log_intensity;
   Eigen::Matrix<T, 2, 1> aim_mm;
   T exponent;
+  /// Of a point of a lamp with an area from its middle, which the axis begins at.
+  Eigen::Vector3d offset_mm{0, 0, 0};
 };
 
 /// Albedo of a tag's white or black paper, as board.json gives it.
@@ -48,7 +51,7 @@ template <typename T>
 T lamp_irradiance(const LampModel<T>& lamp, const Eigen::Vector3d& p_board, Eigen::Matrix<T, 3, 1>& wi) {
   using std::exp;
   using std::pow;
-  const Eigen::Matrix<T, 3, 1> to_lamp = lamp.position_mm - p_board.cast<T>();
+  const Eigen::Matrix<T, 3, 1> to_lamp = lamp.position_mm - (p_board - lamp.offset_mm).template cast<T>();
   const T distance2 = to_lamp.squaredNorm();
   wi = to_lamp / sqrt(distance2);
   T value = exp(lamp.log_intensity) / distance2;
@@ -61,13 +64,25 @@ T lamp_irradiance(const LampModel<T>& lamp, const Eigen::Vector3d& p_board, Eige
   return value;
 }
 
-/// Radiance of paper (Lambertian): albedo / pi cos I / d^2 + albedo * ambient * sample.around.
+/// Radiance of paper (Lambertian): albedo / pi cos I / d^2 + albedo * ambient * sample.around. Of a lamp with an area
+/// the mean over `points` (lamp_points()); without them it is a point.
 template <typename T>
-T paper_radiance(const LampModel<T>& lamp, const T& ambient, double albedo, const LightSample& sample) {
-  Eigen::Matrix<T, 3, 1> wi;
-  const T irradiance = lamp_irradiance(lamp, sample.p_board, wi);
-  const T cosine = wi.dot(sample.normal.cast<T>());
-  return albedo * (ambient * sample.around + (cosine > T(0) ? cosine : T(0)) * irradiance / std::numbers::pi);
+T paper_radiance(const LampModel<T>& lamp, const T& ambient, double albedo, const LightSample& sample,
+                 std::span<const LampPoint> points = {}) {
+  const auto lit_by = [&](const LampModel<T>& point) {
+    Eigen::Matrix<T, 3, 1> wi;
+    const T irradiance = lamp_irradiance(point, sample.p_board, wi);
+    const T cosine = wi.dot(sample.normal.cast<T>());
+    return T((cosine > T(0) ? cosine : T(0)) * irradiance);
+  };
+  T lit(0);
+  for (const LampPoint& point : points) {
+    LampModel<T> at = lamp;
+    at.offset_mm = point.offset_mm;
+    lit += point.share * lit_by(at);
+  }
+  if (points.empty()) lit = lit_by(lamp);
+  return albedo * (ambient * sample.around + lit / std::numbers::pi);
 }
 
 /// Radiance of the face between scratches: D G F / (4 wo.z) I / d^2 + F0 * ambient * sample.around, all with

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "burin/calib/photo/lamp_area.h"
 #include "burin/calib/photo/machine_map.h"
 
 namespace burin {
@@ -157,13 +158,21 @@ constexpr auto kLinks = std::to_array<Link>({
        l.falloff_exponent = p.is_spot[light] ? from[2] : 0;
        l.axis = (Eigen::Vector3d(from[0], from[1], 0) - l.position_mm).normalized();
      }},
-    {unknown::disk2,
+    {unknown::size2,
      [](const Bench& b, const Problem& p, std::size_t light, double* to) {
-       *to = std::pow(b.lights[light].size.disk_mm / disk_unit_mm(*p.model.board), 2);
+       *to = lamp_area(b.lights[light].size, size_unit_mm(*p.model.board)).size2;
+     },
+     [](const double*, const Problem&, std::size_t, Bench&) {}},  // written with the sides, which follow
+    {unknown::sides2,
+     [](const Bench& b, const Problem& p, std::size_t light, double* to) {
+       const LampArea area = lamp_area(b.lights[light].size, size_unit_mm(*p.model.board));
+       std::copy_n(area.sides2.begin(), 2, to);
      },
      [](const double* from, const Problem& p, std::size_t light, Bench& b) {
+       Light& l = b.lights[light];
        if (seeks_size(p, light))  // else as it was given, to the last bit
-         b.lights[light].size.disk_mm = disk_unit_mm(*p.model.board) * std::sqrt(std::max(0.0, *from));
+         l.size = lamp_size({from[unknown::size2 - unknown::sides2], {from[0], from[1]}}, size_unit_mm(*p.model.board),
+                            l.position_mm.norm());
      }},
 });
 

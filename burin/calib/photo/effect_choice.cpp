@@ -16,9 +16,10 @@
 
 namespace burin {
 
-EffectEquations effect_equations(const Problem& data, const Stage& stage, const State& state) {
+EffectEquations effect_equations(const Problem& data, const Stage& stage, const State& state,
+                                 std::initializer_list<Group> asked) {
   EffectEquations out{stage, stage, {}, {}, {}};
-  out.all.free(Group::backlash).free(Group::grain).free(Group::flank);
+  for (const Group group : asked) out.all.free(group);
   out.views = view_equations(data, out.all, state);
   out.H = out.views.prior_information;
   out.g = out.views.prior_g;
@@ -35,7 +36,8 @@ void set_flanks_to_ask_for(const Problem& data, State& state) {
   state.shared[unknown::flank] = kLessSteep * 2 * std::atan(rim) * 180 / std::numbers::pi;
 }
 
-bool photos_ask_for(const Problem& data, const State& state, const EffectEquations& equations, Group group) {
+bool photos_ask_for(const Problem& data, const State& state, const EffectEquations& equations, Group group,
+                    double least) {
   const ViewEquations& e = equations.views;
   constexpr std::size_t kFewestViews = 3;
   if (e.H.size() < kFewestViews || equations.stage.frees(group)) return false;
@@ -64,8 +66,7 @@ bool photos_ask_for(const Problem& data, const State& state, const EffectEquatio
     for (Eigen::Index b = 0; b < n; ++b)
       C(a, b) = covariance(added[static_cast<std::size_t>(a)], added[static_cast<std::size_t>(b)]);
   }
-  constexpr double kBeyondChance = 30;  // chi^2 of two numbers: once in three million times
-  return terms.dot(inverse_times(C, terms).col(0)) > kBeyondChance;
+  return terms.dot(inverse_times(C, terms).col(0)) > least;
 }
 
 namespace {
@@ -207,7 +208,7 @@ Trial tried(Problem& data, Stage stage, const State& from, const GrooveProfile& 
   set_profile(data, profile, out.state);
   for (const Group group : out.free) stage.free(group);
   // Known already, and dear: each is a rendering more. The blur is not seen in coarse pixels.
-  stage.hold({Group::backlash, Group::screw, Group::screw_period, Group::lamp_size, Group::blur});
+  stage.hold({Group::backlash, Group::screw, Group::screw_period, Group::lamp_size, Group::lamp_sides, Group::blur});
   solve(data, stage, kFirst, 1e-4, out.state, {}, "");
   add_costs(data, out);
   if (less == nullptr || !(out.cost < less->cost)) return out;

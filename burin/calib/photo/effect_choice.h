@@ -8,6 +8,7 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <vector>
 
 #include "burin/calib/photo/normal_system.h"
@@ -15,21 +16,24 @@
 
 namespace burin {
 
-/// The photos' equations near the optimum of a stage, of what it frees and of backlash, grain and cross-sections too:
-/// one look serves all their tests.
+/// The photos' equations near the optimum of a stage, of what it frees and of what is asked for too: one look serves
+/// all their tests.
 struct EffectEquations {
   Stage stage, all;
   ViewEquations views;
   Eigen::MatrixXd H;
   Eigen::VectorXd g;
 };
-EffectEquations effect_equations(const Problem& data, const Stage& stage, const State& state);
+EffectEquations effect_equations(const Problem& data, const Stage& stage, const State& state,
+                                 std::initializer_list<Group> asked);
 
-/// Whether unknowns of `group`, which the stage holds, explain views that they were not fitted to. For flanks, where
-/// grooves have the paper's cross-section: whether flanks of state's slope would.
-bool photos_ask_for(const Problem& data, const State& state, const EffectEquations& equations, Group group);
+/// Whether unknowns of `group`, which the stage holds, explain views that they were not fitted to, and are beyond what
+/// places of the board make up: chi^2 above `least` (the default: what two numbers have by chance once in three million
+/// times). For flanks, where grooves have the paper's cross-section: whether flanks of state's slope would.
+bool photos_ask_for(const Problem& data, const State& state, const EffectEquations& equations, Group group,
+                    double least = 30);
 
-/// Puts into `state` the flanks that effect_equations() asks for as a whole: less steep than the grooves' walls.
+/// Puts into `state` the flanks that Group::flank asks for as a whole: less steep than the grooves' walls.
 void set_flanks_to_ask_for(const Problem& data, State& state);
 
 /// Whether something pulls grooves to and fro with their place along x or y, as an uneven screw does. If so puts its

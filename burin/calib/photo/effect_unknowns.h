@@ -49,7 +49,7 @@ GrooveProfile profile_of(const GrooveProfile& kind, const Vector& x) {
 constexpr double difference_step(int index, double value) {
   if (index >= unknown::backlash && index < unknown::screw_period) return 0.002;
   if (index >= unknown::screw_period && index < unknown::grain) return 0.001;
-  if (index == unknown::disk2) return 0.05;
+  if (index == unknown::size2) return 0.05 + 0.02 * value;
   if (index == unknown::flank) return 0.2;
   if (index >= unknown::burrs && index < unknown::burr_width) return value < 0.2 ? 1 : 0.05;
   return index == unknown::log_across ? 0.1 : 0.02;

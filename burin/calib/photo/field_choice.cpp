@@ -116,7 +116,7 @@ FreeField both(const FreeField& a, const FreeField& b) {
 // Whether a step gives any lamp a size: what is smaller than a point is none.
 bool grows(const State& state, const Eigen::VectorXd& step) {
   for (std::size_t light = 0; light < state.lamps.size(); ++light)
-    if (state.block(unknown::disk2, light)[0] + step[global_index(unknown::disk2, light)] > 0) return true;
+    if (state.block(unknown::size2, light)[0] + step[global_index(unknown::size2, light)] > 0) return true;
   return false;
 }
 
@@ -129,11 +129,13 @@ int terms_of(const FreeField& f) {
 FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state,
                              std::vector<Eigen::VectorXd>* shifts) {
   Stage all = stage;
-  const bool any_size = std::any_of(data.is_disk.begin(), data.is_disk.end(), [](bool sought) { return sought; });
+  const bool any_size =
+      std::any_of(data.size_sought.begin(), data.size_sought.end(), [](bool sought) { return sought; });
   all.free({true, true, true, true, any_size});
   const std::size_t lights = state.lamps.size();
   const ViewEquations equations = view_equations(data, all, state);
   FreeField choice;
+  choice.size = stage.frees(Group::lamp_size);  // found before
   const std::size_t views = equations.H.size();
   constexpr std::size_t kFewest = 4;
   if (views < kFewest) return choice;

@@ -12,7 +12,7 @@
 // Held-out photos alone would not do: they show the same grooves as the others, with the same accidents.
 //
 // Glare is chosen by the same two reasons, among the same steps: it fills what grooves leave dark, as less depth would.
-// So is the size of lamps (of those that Problem::is_disk seeks it of). A lamp with an area blurs all glints by the
+// So is the size of lamps (of those that Problem::size_sought seeks it of). A lamp with an area blurs all glints by the
 // same angle, a rough groove by a share of its own: what tells one from the other is how a glint's wings fall, and the
 // plain face. Size and glare hide one another, so a size is asked for beside the glare that photos have with it. A size
 // that photos point to but do not ask for may still be there, with roughness taking it up.

@@ -6,15 +6,18 @@
 
 namespace burin {
 
-PaperResidual paper_residual(const Problem& problem, const LightSample& sample) {
+PaperResidual paper_residual(const Problem& problem, const State& state, const LightSample& sample) {
   const double error = std::hypot(sample.sigma, kPaperError * sample.value);
-  return {&sample, paper_albedo(*problem.model.board, sample.kind), 1 / error};
+  PaperResidual out{&sample, paper_albedo(*problem.model.board, sample.kind), 1 / error, {}};
+  const Light lamp = lamp_with_area(problem, state, sample.light);
+  if (!lamp.size.is_point()) out.points = lamp_points(lamp);
+  return out;
 }
 
 PaperEquation paper_equation(const Problem& data, const State& state, const LightSample& sample,
                              const std::vector<bool>& free) {
   using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 3, 1>;
-  const PaperCost cost_function(new PaperResidual(paper_residual(data, sample)));
+  const PaperCost cost_function(new PaperResidual(paper_residual(data, state, sample)));
   // The unknowns of PaperResidual, in its order; the last is the paper's own.
   constexpr std::array<int, 6> kFirst{unknown::ambient,       unknown::vignette, unknown::lamp_position,
                                       unknown::log_intensity, unknown::spot,     unknown::log_paper};

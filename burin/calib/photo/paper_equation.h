@@ -15,6 +15,7 @@ namespace burin {
 struct PaperResidual {
   const LightSample* sample;
   double albedo, weight;
+  std::vector<LampPoint> points;  ///< of a lamp with an area, as large as it was when the fit began
 
   template <typename T>
   bool operator()(const T* ambient, const T* vignette, const T* position, const T* log_intensity, const T* spot,
@@ -25,7 +26,7 @@ struct PaperResidual {
     lamp.log_intensity = log_intensity[0];
     lamp.aim_mm = Eigen::Matrix<T, 2, 1>(spot[0], spot[1]);
     lamp.exponent = spot[2];
-    const T radiance = exp(log_paper[0]) * paper_radiance(lamp, ambient[0], albedo, *sample);
+    const T radiance = exp(log_paper[0]) * paper_radiance(lamp, ambient[0], albedo, *sample, points);
     residual[0] = weight * (vignette_at(vignette, sample->radius2) * radiance - sample->value);
     return true;
   }
@@ -34,7 +35,7 @@ struct PaperResidual {
 inline constexpr double kPaperError = 0.005;  // relative: unevenness of paper beyond noise
 inline constexpr double kPaperLoss = 3;       // Cauchy scale, in expected errors
 
-PaperResidual paper_residual(const Problem& problem, const LightSample& sample);
+PaperResidual paper_residual(const Problem& problem, const State& state, const LightSample& sample);
 
 struct PaperEquation {
   double residual = 0;

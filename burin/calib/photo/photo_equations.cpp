@@ -7,15 +7,19 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "burin/calib/light/lamp.h"
 #include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/effect_unknowns.h"
+#include "burin/calib/photo/lamp_area.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"
+#include "burin/render/lamp_size.h"
+#include "burin/render/scene_parts.h"
 
 namespace burin {
 namespace {
@@ -24,7 +28,8 @@ std::shared_ptr<RenderWorkspace> workspace_of(const PhotoData& photo) {
   return photo.workspaces->borrow(photo.scene.grid.get());
 }
 
-// Puts the unknowns into a photo's scene: a bare lamp; the spot's fall-off is multiplied later, being smooth.
+// Puts the unknowns into a photo's scene. A point that is a spot is bare there: its fall-off is multiplied later, being
+// smooth. Of a lamp with an area each point has its own.
 const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
   ViewScene& scene = photo.scene;
   scene.material.alpha = std::exp(x[unknown::log_alpha]);
@@ -36,13 +41,20 @@ const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
   scene.light.intensity.setConstant(std::exp(x[unknown::log_intensity]));
   scene.light.falloff_exponent = 0;
   if (photo.lamp_size.is_point()) {
-    scene.light.size.disk_mm = photo.disk_unit_mm * std::sqrt(std::max(0.0, x[unknown::disk2]));
-    if (scene.light.size.disk_mm > 0)
-      scene.light.axis =
-          (Eigen::Vector3d(x[unknown::spot], x[unknown::spot + 1], 0) - scene.light.position_mm).normalized();
+    scene.light.size = lamp_size({x[unknown::size2], {x[unknown::sides2], x[unknown::sides2 + 1]}}, photo.size_unit_mm,
+                                 scene.light.position_mm.norm());
+  }
+  if (!scene.light.size.is_point()) {
+    scene.light.axis =
+        (Eigen::Vector3d(x[unknown::spot], x[unknown::spot + 1], 0) - scene.light.position_mm).normalized();
+    scene.light.falloff_exponent = std::max(0.0, x[unknown::spot + 2]);
   }
   scene.ambient.setZero();
   return scene;
+}
+
+bool has_area(const PhotoData& photo, const Unknowns& x) {
+  return !photo.lamp_size.is_point() || x[unknown::size2] > 0;
 }
 
 // log of the spot's fall-off at a point, by lamp position (3) and spot (3).
@@ -68,9 +80,9 @@ void multiply(Image& image, const std::vector<float>& by) {
   for (std::size_t i = 0; i < by.size(); ++i) image.data[i] *= by[i];
 }
 
-// Fall-off of each pixel's place; empty for a bare lamp.
+// Fall-off of each pixel's place; empty for a bare lamp, and for one with an area, which is rendered with it.
 std::vector<float> falloff_image(const PhotoData& photo, const Unknowns& x) {
-  if (!(x[unknown::spot + 2] > 0)) return {};
+  if (!(x[unknown::spot + 2] > 0) || has_area(photo, x)) return {};
   std::vector<float> out(photo.weight.size(), 0);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
@@ -135,13 +147,13 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   }
   data.scene.material.f0 = board.material.f0;
   data.profile = bench.material.profile;
-  data.disk_unit_mm = disk_unit_mm(board);
-  if (binned_view.light < bench.lights.size()) {  // of a lamp with an area: as it was given, or sought (disk2)
+  data.size_unit_mm = size_unit_mm(board);
+  if (binned_view.light < bench.lights.size()) {  // of a lamp with an area: as it was given, or sought (size2)
     if (!bench.lights[binned_view.light].is_lamp())
       fail("light " + bench.lights[binned_view.light].id, "is no near lamp, and photos are fitted under one alone",
            "take photos under a lamp of its own in a dark room, and leave these out of session.json");
     const LampSize& size = bench.lights[binned_view.light].size;
-    if (!size.disk_sigma_mm) data.scene.light.size = data.lamp_size = size;
+    if (!size.is_measured()) data.scene.light.size = data.lamp_size = size;
     data.scene.light.axis = bench.lights[binned_view.light].axis;
   }
   if (binned_view.surroundings) {
@@ -426,12 +438,46 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
 
 namespace {
 
+void add_share(const Image& image, double share, Image& to) {
+  if (to.data.empty()) to = Image(image.width, image.height, image.channels);
+  for (std::size_t i = 0; i < image.data.size(); ++i) to.data[i] += static_cast<float>(share) * image.data[i];
+}
+
+// What slopes are taken from says which way and how far to go: of a large lamp by fewer points than its light.
+RadianceDerivatives light_with_slopes(const ViewScene& scene, const CameraView& camera, const Carved& carved,
+                                      std::span<const SceneParameter> parameters) {
+  if (scene.light.size.is_point()) return render_with_derivatives(scene, camera, carved, parameters);
+  RadianceDerivatives sum;
+  sum.d_radiance.resize(parameters.size());
+  for (const ScenePart& part : scene_parts(scene, true)) {
+    const RadianceDerivatives one = render_with_derivatives(part.scene, camera, carved, parameters);
+    add_share(one.radiance, part.share, sum.radiance);
+    for (std::size_t k = 0; k < parameters.size(); ++k) add_share(one.d_radiance[k], part.share, sum.d_radiance[k]);
+  }
+  return sum;
+}
+
+// The light of the other end of a difference that stands for a slope.
+Image light_for_slope(const PhotoData& photo, const Unknowns& x, const ViewScene& scene, const Carved& carved) {
+  Image sum;
+  for (const ScenePart& part : scene_parts(scene, true)) {
+    Image light;
+    ViewRenderer(part.scene, {}, workspace_of(photo)).forward(carved, light);
+    add_share(light, part.share, sum);
+  }
+  const std::vector<float> falloff = falloff_image(photo, x);
+  if (!falloff.empty()) multiply(sum, falloff);
+  return sum;
+}
+
 // What the renderer must differentiate by for some free unknowns, and where each derivative lies in its answer.
 struct Wanted {
   std::vector<SceneParameter> parameters;
-  int alpha = -1, depth = -1, base = -1, grain = -1, lamp = -1, machine = -1, bow = -1, pose = -1;  // -1: not asked for
+  // -1: not asked for
+  int alpha = -1, depth = -1, base = -1, grain = -1, lamp = -1, spot = -1, machine = -1, bow = -1, pose = -1;
 
-  explicit Wanted(const FreeUnknowns& free) {
+  // `area_spot`: of a lamp with an area, each of whose points has the spot's fall-off.
+  Wanted(const FreeUnknowns& free, bool area_spot) {
     using P = SceneParameter;
     const auto any = [&](int first, int count) {
       return std::any_of(free.begin() + first, free.begin() + first + count, [](bool f) { return f; });
@@ -449,6 +495,8 @@ struct Wanted {
     base = ask(free[unknown::log_base_alpha], {P::base_alpha});
     grain = ask(any(unknown::grain, 2), {P::grain_c, P::grain_s});
     lamp = ask(any(unknown::lamp_position, 3), {P::light_x_mm, P::light_y_mm, P::light_z_mm});
+    spot = ask(area_spot && any(unknown::lamp_position, unknown::spot + 3 - unknown::lamp_position),
+               {P::light_axis_x, P::light_axis_y, P::light_axis_z, P::falloff_exponent});
     machine = ask(any(unknown::machine, 6),
                   {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
     bow = ask(any(unknown::bow, 3), {P::bow_0_mm, P::bow_1_mm, P::bow_2_mm});
@@ -458,9 +506,10 @@ struct Wanted {
   }
 };
 
-// The spot's fall-off, which multiplies everything that the lamp sends: of each pixel (empty for a bare lamp), and the
-// light's derivatives by it, by lamp position (3) and spot (3).
+// The spot's fall-off, which multiplies everything that the lamp sends: of each pixel (as falloff_image()), and the
+// light's derivatives by it, by lamp position (3; of a lamp with an area as far as that turns the axis) and spot (3).
 struct SpotSlopes {
+  bool is_spot = false;
   std::vector<float> falloff;
   std::array<Image, 6> by;
 };
@@ -468,6 +517,7 @@ struct SpotSlopes {
 SpotSlopes apply_spot(const PhotoData& photo, const Unknowns& x, RadianceDerivatives& rendered) {
   SpotSlopes out;
   if (!(x[unknown::spot + 2] > 0)) return out;
+  out.is_spot = true;
   const std::size_t pixels = photo.weight.size();
   out.falloff.assign(pixels, 0);
   for (Image& image : out.by) image = Image(photo.scene.grid->width(), photo.scene.grid->height(), 1);
@@ -481,6 +531,24 @@ SpotSlopes apply_spot(const PhotoData& photo, const Unknowns& x, RadianceDerivat
   }
   multiply(rendered.radiance, out.falloff);
   for (Image& image : rendered.d_radiance) multiply(image, out.falloff);
+  return out;
+}
+
+// The renderer's derivatives by the axis (3) and the exponent, of an axis from the lamp to its aim:
+// axis = (aim - position) / |aim - position|.
+SpotSlopes spot_of_area(const Unknowns& x, const Image* by_axis) {
+  const Eigen::Vector3d to_aim =
+      Eigen::Vector3d(x[unknown::spot], x[unknown::spot + 1], 0) - x.segment<3>(unknown::lamp_position);
+  const Eigen::Vector3d axis = to_aim.normalized();
+  const Eigen::Matrix3d by_aim = (Eigen::Matrix3d::Identity() - axis * axis.transpose()) / to_aim.norm();
+  SpotSlopes out;
+  out.is_spot = true;
+  for (int k = 0; k < 3; ++k)
+    for (int row = 0; row < 3; ++row) {
+      add_share(by_axis[row], -by_aim(row, k), out.by[k]);
+      if (k < 2) add_share(by_axis[row], by_aim(row, k), out.by[3 + k]);
+    }
+  out.by[5] = by_axis[3];
   return out;
 }
 
@@ -525,28 +593,46 @@ void add_depth(const ModelData& model, const PhotoData& photo, const Unknowns& x
 
 // By one more rendering: what no derivative of the renderer tells, as wear, which goes with the carving order.
 void add_by_difference(int at, const PhotoData& photo, const Unknowns& x, const Image& light,
-                       const std::vector<float>& falloff, const CarvedStates& grooves, ColumnWriter& columns) {
+                       const CarvedStates& grooves, ColumnWriter& columns) {
   if (!columns.wants(at)) return;
   const double step = difference_step(at, x[at]);
   Unknowns moved = x;
   moved[at] += step;
-  Image change = rendered_light(photo, moved, *grooves.at(moved), falloff);
+  Image change = light_for_slope(photo, moved, scene_at(photo, moved), *grooves.at(moved));
   scene_at(photo, x);
   for (std::size_t i = 0; i < change.data.size(); ++i)
     change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(step);
   columns.add(at, change);
 }
 
+// By how a lamp's sides differ, from both sides: of a disk, which is none of a panel, the difference to panels stays
+// out of it.
+void add_sides(const PhotoData& photo, const Unknowns& x, const Carved& carved, ColumnWriter& columns) {
+  for (int at = unknown::sides2; at < unknown::sides2 + 2; ++at) {
+    if (!columns.wants(at)) continue;
+    const double step = 0.1 * std::max(x[unknown::size2], 1e-3);
+    const auto light_at = [&](double by) {
+      Unknowns moved = x;
+      moved[at] += by;
+      return light_for_slope(photo, moved, scene_at(photo, moved), carved);
+    };
+    Image change = light_at(step);
+    const Image below = light_at(-step);
+    scene_at(photo, x);
+    for (std::size_t i = 0; i < change.data.size(); ++i)
+      change.data[i] = (change.data[i] - below.data[i]) / static_cast<float>(2 * step);
+    columns.add(at, change);
+  }
+}
+
 // Where grooves have the paper's cross-section, flanks of x[flank] degrees are asked for as a whole: what photos would
 // show with them less what they show, for effect_choice.h.
 void add_flanks(const PhotoData& photo, const Unknowns& x, const Carved& carved, const Image& light,
-                const std::vector<float>& falloff, ColumnWriter& columns) {
+                ColumnWriter& columns) {
   if (!columns.wants(unknown::flank)) return;
   scene_at(photo, x);
   photo.scene.material.profile.kind = GrooveProfile::Kind::rounded_v;
-  Image change;
-  ViewRenderer(photo.scene, {}, workspace_of(photo)).forward(carved, change);
-  if (!falloff.empty()) multiply(change, falloff);
+  Image change = light_for_slope(photo, x, photo.scene, carved);
   scene_at(photo, x);
   for (std::size_t i = 0; i < change.data.size(); ++i) change.data[i] -= light.data[i];
   columns.add(unknown::flank, change);
@@ -596,12 +682,18 @@ void add_blur(const PhotoData& photo, const Unknowns& x, const Image& total, Col
 
 PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved,
                          const CarvedStates& grooves, const FreeUnknowns& free) {
-  const Wanted wanted(free);
   const ViewScene& scene = scene_at(photo, x);
-  RadianceDerivatives rendered = render_with_derivatives(scene, photo.camera, carved, wanted.parameters);
-  SpotSlopes spot = apply_spot(photo, x, rendered);
+  const bool area_spot = has_area(photo, x) && x[unknown::spot + 2] > 0;
+  const Wanted wanted(free, area_spot);
+  RadianceDerivatives rendered = light_with_slopes(scene, photo.camera, carved, wanted.parameters);
+  SpotSlopes spot = area_spot && wanted.spot >= 0 ? spot_of_area(x, &rendered.d_radiance[wanted.spot])
+                    : area_spot                   ? SpotSlopes{}
+                                                  : apply_spot(photo, x, rendered);
   const std::vector<float> kernel = blur_taps(blur_sigma_px(photo, x), photo.bin);
   const Image light = std::move(rendered.radiance), total = with_ambient(model, photo, x, light);
+  std::optional<Image> whole_lamp;
+  if (lamp_points(scene.light).size() > lamp_points(scene.light, true).size())
+    whole_lamp = rendered_light(photo, x, carved, spot.falloff);
   std::vector<Image>& by = rendered.d_radiance;
 
   PhotoSlopes out;
@@ -610,23 +702,24 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   ColumnWriter columns{out, kernel};
   if (wanted.alpha >= 0) columns.add(unknown::log_alpha, scaled(by[wanted.alpha], scene.material.alpha));
   if (wanted.depth >= 0) add_depth(model, photo, x, by[wanted.depth], columns);
-  add_by_difference(unknown::disk2, photo, x, light, spot.falloff, grooves, columns);
-  add_by_difference(unknown::depth_wear, photo, x, light, spot.falloff, grooves, columns);
+  add_by_difference(unknown::size2, photo, x, light, grooves, columns);
+  add_sides(photo, x, carved, columns);
+  add_by_difference(unknown::depth_wear, photo, x, light, grooves, columns);
   if (wanted.base >= 0) columns.add(unknown::log_base_alpha, scaled(by[wanted.base], scene.material.base_alpha));
   for (int k = 0; k < 2 && wanted.grain >= 0; ++k) columns.add(unknown::grain + k, by[wanted.grain + k]);
   const bool flanks_as_a_whole = model.profile.kind == GrooveProfile::Kind::paper;
-  if (flanks_as_a_whole) add_flanks(photo, x, carved, light, spot.falloff, columns);
+  if (flanks_as_a_whole) add_flanks(photo, x, carved, light, columns);
   for (int at = unknown::backlash; at <= unknown::log_across; ++at) {
     if (at == unknown::grain || at == unknown::grain + 1 || (at == unknown::flank && flanks_as_a_whole)) continue;
-    add_by_difference(at, photo, x, light, spot.falloff, grooves, columns);
+    add_by_difference(at, photo, x, light, grooves, columns);
   }
   for (int k = 0; k < 3 && wanted.lamp >= 0; ++k) {
     Image image = std::move(by[wanted.lamp + k]);
-    if (!spot.falloff.empty())
+    if (spot.is_spot)
       for (std::size_t i = 0; i < image.data.size(); ++i) image.data[i] += spot.by[k].data[i];
     columns.add(unknown::lamp_position + k, image);
   }
-  for (int k = 0; k < 3 && !spot.falloff.empty(); ++k) columns.add(unknown::spot + k, spot.by[3 + k]);
+  for (int k = 0; k < 3 && spot.is_spot; ++k) columns.add(unknown::spot + k, spot.by[3 + k]);
   columns.add(unknown::log_intensity, light);
   if (photo.surroundings != nullptr) columns.add(unknown::ambient, photo.around);
   if (wanted.machine >= 0) add_machine(model, x, &by[wanted.machine], columns);
@@ -641,7 +734,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   }
   for (int k = 0; k < 3 && wanted.bow >= 0; ++k) columns.add(unknown::bow + k, by[wanted.bow + k]);
   add_blur(photo, x, total, columns);
-  out.light = blurred(total, kernel);
+  out.light = blurred(whole_lamp ? with_ambient(model, photo, x, *whole_lamp) : total, kernel);
   return out;
 }
 

@@ -30,8 +30,8 @@ struct PhotoData {
   /// is never copied: one thread at a time may work on one photo.
   mutable ViewScene scene;
   CameraView camera;
-  LampSize lamp_size;                         ///< as the bench has it; a point's is the unknown disk2
-  double disk_unit_mm = 0;                    ///< of disk2
+  LampSize lamp_size;                         ///< as the bench has it; a point's is unknown::size2, sides2
+  double size_unit_mm = 0;                    ///< of both
   std::shared_ptr<WorkspacePool> workspaces;  ///< shared with the other photos of a fit
   /// Surroundings that shine beside the lamp, as the bench has them, and what the board sends back of them before blur:
   /// taken at some state (light_around) and held until it is taken again. Null: ambient light is even.

@@ -163,7 +163,7 @@ std::set<std::size_t> add_residuals(const Problem& data, const CarvedStates& gro
   }
   for (const LightSample& sample : data.paper) {
     if (!lights.count(sample.light)) continue;
-    problem.AddResidualBlock(new PaperCost(new PaperResidual(paper_residual(data, sample))),
+    problem.AddResidualBlock(new PaperCost(new PaperResidual(paper_residual(data, state, sample))),
                              new ceres::CauchyLoss(kPaperLoss), state.block(unknown::ambient),
                              state.block(unknown::vignette), state.block(unknown::lamp_position, sample.light),
                              state.block(unknown::log_intensity, sample.light),

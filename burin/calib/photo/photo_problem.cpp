@@ -8,6 +8,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "burin/calib/photo/lamp_area.h"
 #include "burin/render/median.h"
 
 namespace burin {
@@ -21,17 +22,32 @@ Problem make_problem(const Board& board, const Sent& sent, const Bench& bench) {
   out.model.profile = bench.material.profile;
   for (const Light& light : bench.lights) {
     out.is_spot.push_back(light.falloff_exponent > 0);
-    out.is_disk.push_back(light.size.disk_mm > 0 && light.size.disk_sigma_mm.has_value());
+    out.spot_held.push_back(false);
+    out.given_size.push_back(light.size.is_measured() ? LampSize() : light.size);
+    out.size_sought.push_back(!light.size.is_point() && light.size.is_measured());
   }
   return out;
 }
 
 bool seeks_size(const Problem& problem, std::size_t light) {
-  return light < problem.is_disk.size() && problem.is_disk[light];
+  return light < problem.size_sought.size() && problem.size_sought[light];
+}
+
+Light lamp_with_area(const Problem& problem, const State& state, std::size_t light) {
+  Light out;
+  out.position_mm = Eigen::Vector3d::Map(state.block(unknown::lamp_position, light));
+  const double* aim = state.block(unknown::spot, light);
+  out.axis = (Eigen::Vector3d(aim[0], aim[1], 0) - out.position_mm).normalized();
+  const double* area = state.block(unknown::size2, light);
+  out.size = light < problem.given_size.size() && !problem.given_size[light].is_point()
+                 ? problem.given_size[light]
+                 : lamp_size({area[0], {area[1], area[2]}}, size_unit_mm(*problem.model.board), out.position_mm.norm());
+  return out;
 }
 
 bool has_unknown(const Problem& problem, const UnknownRow& row, std::size_t light) {
-  return (!row.of_spot || problem.is_spot[light]) && (!row.of_disk || seeks_size(problem, light));
+  const bool spot_held = light < problem.spot_held.size() && problem.spot_held[light];
+  return (!row.of_spot || (problem.is_spot[light] && !spot_held)) && (!row.of_size || seeks_size(problem, light));
 }
 
 std::vector<bool> free_unknowns(const Problem& data, const Stage& stage, std::size_t lights) {

@@ -53,8 +53,12 @@ struct Problem {
   /// What pixels scatter along their slopes by log alpha and log depth, from whatever cause: standard deviations.
   Eigen::Vector2d slope_error{0, 0};
   std::vector<bool> is_spot;
-  std::vector<bool> is_disk;  ///< whether a lamp's size is sought; else its area is held as the bench has it
-  int merged_bin = 1;         ///< of the merged photos: how many of the camera's pixels, either way, are one of theirs
+  /// Whether a lamp's axis and fall-off are held where they are: a large lamp's that paper did not tell. Its sigma is
+  /// then what else they might be (RefineRun::find_large_lamps).
+  std::vector<bool> spot_held;
+  std::vector<LampSize> given_size;  ///< of lamps whose area a person told: it is held
+  std::vector<bool> size_sought;     ///< whether a lamp's size is sought; else its area is held as the bench has it
+  int merged_bin = 1;  ///< of the merged photos: how many of the camera's pixels, either way, are one of theirs
   /// The bench's surroundings that shine beside every photo's lamp: unknown::ambient is their scale. None: it is even
   /// light.
   std::optional<std::size_t> surroundings;
@@ -64,6 +68,9 @@ struct Problem {
 /// The one set-up of every problem (refine, held-out photos, plans, the next photo): what board, sent scratches and
 /// bench say, without a photo yet. `board` and `sent` must outlive it.
 Problem make_problem(const Board& board, const Sent& sent, const Bench& bench);
+
+/// The place, axis and area that a lamp has at a state: as given where it is held, else as the state has it.
+Light lamp_with_area(const Problem& problem, const State& state, std::size_t light);
 
 /// Whether a lamp has this unknown: a bare one has no axis.
 bool has_unknown(const Problem& problem, const UnknownRow& row, std::size_t light);

@@ -48,6 +48,7 @@ enum class Group {
   lamp,
   intensity,
   lamp_size,
+  lamp_sides,
   geometry,
   paper,
   count
@@ -81,7 +82,7 @@ struct UnknownRow {
   Bounds bounds{};
   std::array<double, 3> prior_sigma{};  ///< of each number, about 0; 0: no prior
   bool of_spot = false;                 ///< exists for spots only
-  bool of_disk = false;                 ///< exists for lamps whose size is sought only; else it is held
+  bool of_size = false;                 ///< exists for lamps whose size is sought only; else it is held
 };
 
 inline constexpr double kPaperFactorSigma = 0.02;  // how well albedos in board.json are known, as a common factor
@@ -122,8 +123,9 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"log_intensity", 1, Scope::lamp, Group::intensity},
     // Aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp.
     {"spot", 3, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::plain, 1e-3, 200, 2}, {}, true},
-    // Square of the disk's radius, in squares of disk_unit_mm(); photos follow it nearly linearly from 0 on.
-    {"disk2", 1, Scope::lamp, Group::lamp_size, Enters::light, {Bounds::Kind::plain, 0, 4}, {}, false, true},
+    // LampArea's numbers in squares of size_unit_mm(); photos follow them nearly linearly from 0 on.
+    {"size2", 1, Scope::lamp, Group::lamp_size, Enters::light, {Bounds::Kind::plain, 0, 400}, {}, false, true},
+    {"sides2", 2, Scope::lamp, Group::lamp_sides, Enters::light, {}, {}, false, true},
     // Rotation vector on the left of T_camera_board; then translation, mm.
     {"pose", 6, Scope::geometry, Group::geometry},
     {"bow", 3, Scope::geometry, Group::geometry},
@@ -151,8 +153,8 @@ constexpr int first_of(std::string_view name) {
   return -1;
 }
 
-/// What the radius of a lamp is in units of, mm: a tenth of the board's diagonal.
-inline double disk_unit_mm(const Board& board) { return 0.1 * board.size_mm.norm(); }
+/// What the size of a lamp is in units of, mm: a tenth of the board's diagonal.
+inline double size_unit_mm(const Board& board) { return 0.1 * board.size_mm.norm(); }
 
 /// The unknowns of a photo under one lamp, as one vector: where each lies.
 namespace unknown {
@@ -177,7 +179,8 @@ inline constexpr int glare_share = first_of("glare_share");
 inline constexpr int lamp_position = first_of("lamp_position");
 inline constexpr int log_intensity = first_of("log_intensity");
 inline constexpr int spot = first_of("spot");
-inline constexpr int disk2 = first_of("disk2");
+inline constexpr int size2 = first_of("size2");
+inline constexpr int sides2 = first_of("sides2");
 inline constexpr int pose = first_of("pose");
 inline constexpr int bow = first_of("bow");
 inline constexpr int lens = first_of("lens");
@@ -216,7 +219,8 @@ class Stage {
   Stage() {
     free_.fill(true);
     hold({Group::depth_linear, Group::depth_quadratic, Group::depth_wear, Group::blur, Group::glare, Group::lamp_size,
-          Group::backlash, Group::screw, Group::screw_period, Group::grain, Group::flank, Group::burrs, Group::across});
+          Group::lamp_sides, Group::backlash, Group::screw, Group::screw_period, Group::grain, Group::flank,
+          Group::burrs, Group::across});
   }
   bool frees(Group group) const { return free_[static_cast<std::size_t>(group)]; }
   Stage& free(Group group, bool free = true) {

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "burin/calib/photo/effect_unknowns.h"
+#include "burin/calib/photo/lamp_size_choice.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/render/groove.h"
@@ -488,6 +489,12 @@ void judge_spot(LightJudge& j, std::size_t i) {
       j.bench.verdict[name] = {Source::measured, Degree::determined, {}, Unit::none, {{Cause::Kind::bare_lamp}}};
     return;
   }
+  if (j.data.spot_held[i]) {
+    light.falloff_exponent_sigma = kPlaneExponentSigma;
+    for (const std::string& name : {falloff, axis})
+      j.bench.verdict[name] = {Source::assumed, Degree::weakly, {}, Unit::none, {}};
+    return;
+  }
   const int spot = global_index(unknown::spot, i);
   const HalvesVerdict exponent = j.check(falloff, {j.unit(spot + 2)});
   light.falloff_exponent_sigma = widening(exponent) * j.u.sigma(spot + 2);
@@ -509,11 +516,20 @@ void judge_size(LightJudge& j, std::size_t i) {
     if (!light.size.is_point()) j.bench.verdict[size] = given_verdict();
     return;
   }
-  if (!(light.size.disk_mm > 0) || !light.size.disk_sigma_mm) return;
-  const HalvesVerdict check = j.check(size, {j.unit(global_index(unknown::disk2, i))});
-  *light.size.disk_sigma_mm *= widening(check);
-  j.bench.verdict[size] =
-      judged(100 * *light.size.disk_sigma_mm / light.size.disk_mm, kRelative, Unit::percent, {by_halves(check)});
+  if (!light.size.is_measured()) return;
+  const int first = global_index(unknown::size2, i);
+  if (light.size.disk_mm > 0) {
+    const HalvesVerdict check = j.check(size, {j.unit(first)});
+    *light.size.disk_sigma_mm *= widening(check);
+    j.bench.verdict[size] =
+        judged(100 * *light.size.disk_sigma_mm / light.size.disk_mm, kRelative, Unit::percent, {by_halves(check)});
+    return;
+  }
+  const HalvesVerdict check = j.check(size, {j.unit(first), j.unit(first + 1), j.unit(first + 2)});
+  *light.size.panel_sigma_mm *= widening(check);
+  *light.size.turn_sigma_deg *= widening(check);
+  j.bench.verdict[size] = judged(100 * light.size.panel_sigma_mm->cwiseQuotient(light.size.panel_mm).maxCoeff(),
+                                 kRelative, Unit::percent, {by_halves(check)});
 }
 
 // Given but for their scale.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "burin/calib/photo/bench_unknowns.h"
+#include "burin/calib/photo/lamp_area.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/median.h"
@@ -173,8 +174,31 @@ void fill_effect_sigmas(const Uncertainty& uncertainty, const Stage& stage, Benc
   if (stage.frees(Group::across)) sigma.across = profile.across * uncertainty.sigma(unknown::log_across);
 }
 
+// Of an area that photos told: its radius, or its sides and their direction.
+void put_size_sigmas(const Problem& data, const State& state, const Uncertainty& uncertainty, std::size_t light,
+                     LampSize& size) {
+  if (size.is_point()) return;
+  const double unit = size_unit_mm(*data.model.board);
+  const auto at = [&](int k) { return global_index(unknown::size2 + k, light); };
+  if (size.disk_mm > 0) {
+    size.disk_sigma_mm = uncertainty.sigma(at(0)) * unit * unit / (2 * size.disk_mm);
+    return;
+  }
+  const double* numbers = state.block(unknown::size2, light);
+  const auto slopes = panel_slopes({numbers[0], {numbers[1], numbers[2]}}, unit);
+  std::array<double, 3> sigma{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    Eigen::VectorXd a = Eigen::VectorXd::Zero(global_count(state.lamps.size()));
+    for (int k = 0; k < 3; ++k) a[at(k)] = slopes[row][static_cast<std::size_t>(k)];
+    sigma[row] = uncertainty.sigma(a);
+  }
+  size.panel_sigma_mm = Eigen::Vector2d(sigma[0], sigma[1]);
+  size.turn_sigma_deg = sigma[2];
+}
+
 // Of the numbers that put_state() wrote; judge_light() makes larger what halves of the photos contradict.
-void fill_sigmas(const Problem& data, const Uncertainty& uncertainty, const Stage& stage, Bench& bench) {
+void fill_sigmas(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
+                 Bench& bench) {
   bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
   bench.material_sigma.depth_um = bench.material.depth_um * uncertainty.sigma(unknown::log_depth);
   bench.material_sigma.base_alpha = bench.material.base_alpha * uncertainty.sigma(unknown::log_base_alpha);
@@ -198,10 +222,7 @@ void fill_sigmas(const Problem& data, const Uncertainty& uncertainty, const Stag
       Eigen::Vector3d position_sigma;
       for (int i = 0; i < 3; ++i) position_sigma[i] = uncertainty.sigma(at(unknown::lamp_position + i));
       l.position_sigma_mm = position_sigma;
-      if (seeks_size(data, light) && l.size.disk_mm > 0) {
-        const double unit = disk_unit_mm(*data.model.board);
-        l.size.disk_sigma_mm = uncertainty.sigma(at(unknown::disk2)) * unit * unit / (2 * l.size.disk_mm);
-      }
+      if (seeks_size(data, light)) put_size_sigmas(data, state, uncertainty, light, l.size);
       if (data.is_spot[light]) l.falloff_exponent_sigma = uncertainty.sigma(at(unknown::spot + 2));
     }
     l.intensity_sigma = l.intensity * uncertainty.sigma(at(unknown::log_intensity));
@@ -275,7 +296,7 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
   bench.material.f0 = data.model.board->material.f0;
   bench.sensor.gain = 1;
   bench.alpha_field = {};
-  fill_sigmas(data, uncertainty, stage, bench);
+  fill_sigmas(data, state, uncertainty, stage, bench);
   Combinations judged = judge_light(data, state, uncertainty, stage, bench);
   compare_with_noise(uncertainty, stage, out);
   tell_misfits(uncertainty, out);

@@ -629,20 +629,26 @@ struct PointOfLamp {
   double share = 1;
 };
 
-// Points of a lamp with an area, evenly spread: a sunflower's on a disk, a lattice on a panel.
+// Points of a lamp with an area, evenly spread: a sunflower's on a disk, a lattice on a quarter of a panel, mirrored to
+// the others (a lattice of all of it would be a panel turned by a degree).
 std::vector<Vector3d> spread_over(const Light& light, int count) {
   if (light.size.is_point()) return {light.position_mm};
   const double golden = (std::sqrt(5.0) - 1) / 2;
   const Eigen::Matrix<double, 3, 2> across = across_axis(light.axis, light.size.turn_deg);
   std::vector<Vector3d> out;
-  for (int i = 0; i < count; ++i) {
-    const double part = (i + 0.5) / count, other = std::fmod((i + 0.5) * golden, 1.0);
+  const auto add = [&](const Vector2d& at) { out.emplace_back(light.position_mm + across * at); };
+  const bool disk = light.size.disk_mm > 0;
+  const int steps = disk ? count : (count + 3) / 4;
+  for (int i = 0; i < steps; ++i) {
+    const double part = (i + 0.5) / steps, other = std::fmod((i + 0.5) * golden, 1.0);
     const double angle = 2 * std::numbers::pi * other;
-    const Vector2d at =
-        light.size.disk_mm > 0
-            ? Vector2d(light.size.disk_mm * std::sqrt(part) * Vector2d(std::cos(angle), std::sin(angle)))
-            : Vector2d(light.size.panel_mm.cwiseProduct(Vector2d(part - 0.5, other - 0.5)));
-    out.emplace_back(light.position_mm + across * at);
+    if (disk) {
+      add(light.size.disk_mm * std::sqrt(part) * Vector2d(std::cos(angle), std::sin(angle)));
+      continue;
+    }
+    const Vector2d at = 0.5 * light.size.panel_mm.cwiseProduct(Vector2d(part, other));
+    for (const double x : {-at.x(), at.x()})
+      for (const double y : {-at.y(), at.y()}) add({x, y});
   }
   return out;
 }

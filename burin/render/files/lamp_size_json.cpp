@@ -40,6 +40,16 @@ LampSize read_lamp_size(JsonObject& light, const Eigen::Vector3d& position_mm) {
       light.fail_field("panel_mm", "has a side that is not positive", "write the panel's two sides in mm");
     fail_if_too_large(light, "panel_mm", size.panel_mm.maxCoeff(), distance_mm);
     size.turn_deg = light.number("turn_deg", 0);
+    if (light.has("panel_sigma_mm")) {
+      size.panel_sigma_mm = light.vec2("panel_sigma_mm");
+      if (size.panel_sigma_mm->minCoeff() < 0)
+        light.fail_field("panel_sigma_mm", "is negative", "a standard deviation is 0 or greater");
+    }
+    if (light.has("turn_sigma_deg")) {
+      size.turn_sigma_deg = light.number("turn_sigma_deg");
+      if (*size.turn_sigma_deg < 0)
+        light.fail_field("turn_sigma_deg", "is negative", "a standard deviation is 0 or greater");
+    }
   }
   return size;
 }
@@ -50,6 +60,8 @@ void put_lamp_size(const LampSize& size, Json& light) {
   if (!(size.panel_mm.maxCoeff() > 0)) return;
   light["panel_mm"] = {size.panel_mm.x(), size.panel_mm.y()};
   if (size.turn_deg != 0) light["turn_deg"] = size.turn_deg;
+  if (size.panel_sigma_mm) light["panel_sigma_mm"] = {size.panel_sigma_mm->x(), size.panel_sigma_mm->y()};
+  if (size.turn_sigma_deg) light["turn_sigma_deg"] = *size.turn_sigma_deg;
 }
 
 }  // namespace burin
