@@ -176,7 +176,27 @@ TEST(LampSize, SizesThatMakeNoSenseAreErrorsWithWords) {
   EXPECT_THAT(refusal_of(R"({"disk_mm": -1})"), testing::HasSubstr("negative"));
   EXPECT_THAT(refusal_of(R"({"panel_mm": [0, 20]})"), testing::HasSubstr("not positive"));
   EXPECT_THAT(refusal_of(R"({"panel_mm": [30, 20], "disk_mm": 5})"), testing::HasSubstr("keep one"));
+  EXPECT_THAT(refusal_of(R"({"panel_mm": [30, 20], "panel_sigma_mm": [-1, 2]})"), testing::HasSubstr("negative"));
+  EXPECT_THAT(refusal_of(R"({"panel_mm": [30, 20], "turn_sigma_deg": -1})"), testing::HasSubstr("negative"));
   EXPECT_EQ(refusal_of(R"({"panel_mm": [60, 20], "turn_deg": 12})"), "");
+}
+
+TEST(LampSize, WhatPhotosToldOfAPanelIsReadAsItWasWritten) {
+  LampSize told;
+  told.panel_mm << 120, 60;
+  told.turn_deg = -15;
+  EXPECT_FALSE(told.is_measured());
+  told.panel_sigma_mm = Eigen::Vector2d(2, 3);
+  told.turn_sigma_deg = 1.5;
+  Json content = Json::object();
+  put_lamp_size(told, content);
+  JsonObject json(content, "bench.json: lights[0]");
+  const LampSize read = read_lamp_size(json, {0, 0, 500});
+  EXPECT_EQ(read.panel_mm, told.panel_mm);
+  EXPECT_EQ(read.turn_deg, told.turn_deg);
+  ASSERT_TRUE(read.is_measured() && read.panel_sigma_mm && read.turn_sigma_deg);
+  EXPECT_EQ(*read.panel_sigma_mm, *told.panel_sigma_mm);
+  EXPECT_EQ(*read.turn_sigma_deg, *told.turn_sigma_deg);
 }
 
 }  // namespace
