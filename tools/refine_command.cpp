@@ -43,7 +43,7 @@ void print_field(const std::string& name, const GrooveField& field) {
 
 void print_panel(const LampSize& size) {
   if (size.panel_sigma_mm && size.turn_sigma_deg)
-    fmt::print("; a panel of {:.0f} +- {:.0f} x {:.0f} +- {:.0f} mm, turned by {:.0f} +- {:.0f} degrees",
+    fmt::print("; a panel of {:.1f} +- {:.1f} x {:.1f} +- {:.1f} mm, turned by {:.1f} +- {:.1f} degrees",
                size.panel_mm.x(), size.panel_sigma_mm->x(), size.panel_mm.y(), size.panel_sigma_mm->y(), size.turn_deg,
                *size.turn_sigma_deg);
   else

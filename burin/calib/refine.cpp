@@ -63,10 +63,10 @@ struct RefineRun {
 
   void look_at_photos(int bin) { data.photos = photos_at(views, bin, board, out.bench, blur_px()); }
 
-  // Of lamps that bench.json has as points, or as large as photos told before.
+  // Of lamps that no person told it of; where it was found before, it is sought on.
   void seek_sizes() {
-    for (std::size_t i = 0; i < data.size_sought.size(); ++i)
-      data.size_sought[i] = stage.frees(Group::lamp_size) ? data.size_sought[i] : out.bench.lights[i].size.is_point();
+    if (stage.frees(Group::lamp_size)) return;
+    for (std::size_t i = 0; i < data.size_sought.size(); ++i) data.size_sought[i] = out.bench.lights[i].size.is_point();
   }
 
   void require_pixels() const {

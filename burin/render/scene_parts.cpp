@@ -14,4 +14,9 @@ std::vector<ScenePart> scene_parts(const ViewScene& scene, bool few) {
   return out;
 }
 
+void add_share(const Image& image, double share, Image& sum) {
+  if (sum.data.empty()) sum = Image(image.width, image.height, image.channels);
+  for (std::size_t i = 0; i < image.data.size(); ++i) sum.data[i] += static_cast<float>(share) * image.data[i];
+}
+
 }  // namespace burin

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "burin/render/image.h"
 #include "burin/render/view_scene.h"
 
 namespace burin {
@@ -14,5 +15,8 @@ struct ScenePart {
   double share = 1;
 };
 std::vector<ScenePart> scene_parts(const ViewScene& scene, bool few = false);
+
+/// Adds a share of an image to a sum, which is empty at first.
+void add_share(const Image& image, double share, Image& sum);
 
 }  // namespace burin

@@ -79,4 +79,14 @@ inline Json photographed_board(const std::string& name, int seed, const std::str
   return truth;
 }
 
+/// Photos of 500 x 400 pixels in place of its 800 x 640, by 36 points a pixel: quick, and sharp enough for what grooves
+/// share.
+inline void make_photos_smaller(Json& truth) {
+  constexpr double kSmaller = 500. / 800;
+  truth["samples"] = 36;
+  for (Json& size : truth["camera"]["imagersize"]) size = static_cast<int>(kSmaller * size.get<int>());
+  for (int k = 0; k < 4; ++k)
+    truth["camera"]["intrinsics"][k] = kSmaller * truth["camera"]["intrinsics"][k].get<double>();
+}
+
 }  // namespace burin

@@ -21,11 +21,7 @@ namespace {
 TEST(RefineBurrs, ThatHideAreFoundAndTheDepthBesideThem) {
   const TemporaryFolder folder;
   Json truth = photographed_board("burrs", 6, "lamp", {60, 60, 0}, 8);
-  constexpr double kSmaller = 500. / 800;  // photos
-  truth["samples"] = 36;
-  for (Json& size : truth["camera"]["imagersize"]) size = static_cast<int>(kSmaller * size.get<int>());
-  for (int k = 0; k < 4; ++k)
-    truth["camera"]["intrinsics"][k] = kSmaller * truth["camera"]["intrinsics"][k].get<double>();
+  make_photos_smaller(truth);
   truth["material"]["profile"] = {
       {"kind", "paper"}, {"tip_radius_um", 100}, {"burr_height_um", {1.3, 1.1}}, {"burr_width_um", 10}};
   simulate(folder.write("truth.json", truth.dump(1)), folder / "photos-of-it");

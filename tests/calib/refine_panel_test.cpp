@@ -20,11 +20,7 @@ namespace {
 TEST(RefinePanel, ItsSidesAreFoundAndAllElseBesideThem) {
   const TemporaryFolder folder;
   Json truth = photographed_board("panel", 9, "lamp", {60, 60, 0}, 6);
-  constexpr double kSmaller = 500. / 800;  // photos
-  truth["samples"] = 36;
-  for (Json& size : truth["camera"]["imagersize"]) size = static_cast<int>(kSmaller * size.get<int>());
-  for (int k = 0; k < 4; ++k)
-    truth["camera"]["intrinsics"][k] = kSmaller * truth["camera"]["intrinsics"][k].get<double>();
+  make_photos_smaller(truth);
   const Eigen::Vector3d position(69, -319, 452.5), axis = (Eigen::Vector3d(60, 60, 0) - position).normalized();
   Json& lamp = truth["lights"][0];
   lamp["axis"] = {axis.x(), axis.y(), axis.z()};

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "burin/calib/photo/unknowns.h"
 #include "burin/render/light.h"
 
 namespace burin {
@@ -21,6 +22,10 @@ LampArea lamp_area(const LampSize& size, double unit_mm);
 /// A point, a disk, or (with sides2) a panel, whose sides are at least a twentieth of each other; no larger than 0.45
 /// of the distance either way from its middle, which is what a bench takes. Without sigmas.
 LampSize lamp_size(const LampArea& area, double unit_mm, double distance_mm);
+
+/// Puts a lamp's place, area, axis and fall-off into `light` as a fit's unknowns have them; its area as `given`, where
+/// a person told it.
+void put_lamp(const Unknowns& x, const LampSize& given, double unit_mm, Light& light);
 
 /// How a panel's numbers follow the area's: rows longer side, shorter side (mm), turn (degrees); columns size2, sides2.
 /// For areas that are panels.

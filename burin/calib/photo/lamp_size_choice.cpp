@@ -22,7 +22,7 @@ double large_size2(const Problem& data, const State& state, std::size_t light) {
   return std::pow(kLarge * distance_mm / size_unit_mm(*data.model.board), 2);
 }
 
-// Where the answer would be with sizes, to first order.
+// Whether a step to where the answer would be with sizes, to first order, has a large lamp.
 bool would_be_large(const Problem& data, const State& state, const Eigen::VectorXd& step) {
   for (std::size_t light = 0; light < state.lamps.size(); ++light)
     if (seeks_size(data, light) && step[global_index(unknown::size2, light)] > large_size2(data, state, light))
@@ -30,7 +30,7 @@ bool would_be_large(const Problem& data, const State& state, const Eigen::Vector
   return false;
 }
 
-// A question that a fit answers is asked of photos more easily than one that they answer by themselves.
+// Sides, which a fit decides, are asked for more easily than what photos must answer by themselves.
 constexpr double kWorthATry = 10;  // chi^2: once in a hundred and fifty times by chance, of two numbers
 
 // Whether a fit of what `more` frees beside the stage explains photos better by more than they scatter, and by more

@@ -20,7 +20,8 @@ bool any_large_lamp(const Problem& data, const State& state);
 
 /// Where photos clearly ask for such lamps (of those that Problem::size_sought seeks the size of): puts their size, and
 /// the sides where photos ask for these too, into state and stage, and says true. Else leaves both as they are. Takes
-/// one look at the photos' equations where they do not ask. Photos are weighed by the caller.
+/// one look at the photos' equations, and a fit or two where these foretell a large lamp. Photos are weighed by the
+/// caller.
 bool choose_large_lamps(const Problem& data, Stage& stage, State& state, const Progress& progress);
 
 /// Whether lamps whose size is known are longer one way than the other, by a fit with sides: puts them into state and

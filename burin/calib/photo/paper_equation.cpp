@@ -4,12 +4,16 @@
 
 #include <array>
 
+#include "burin/calib/photo/lamp_area.h"
+
 namespace burin {
 
 PaperResidual paper_residual(const Problem& problem, const State& state, const LightSample& sample) {
   const double error = std::hypot(sample.sigma, kPaperError * sample.value);
   PaperResidual out{&sample, paper_albedo(*problem.model.board, sample.kind), 1 / error, {}};
-  const Light lamp = lamp_with_area(problem, state, sample.light);
+  Light lamp;
+  put_lamp(state.of(sample.light), problem.given_size.empty() ? LampSize() : problem.given_size[sample.light],
+           size_unit_mm(*problem.model.board), lamp);
   if (!lamp.size.is_point()) out.points = lamp_points(lamp);
   return out;
 }

@@ -19,7 +19,7 @@
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/lamp_size.h"
-#include "burin/render/scene_parts.h"
+#include "burin/render/parts_derivatives.h"
 
 namespace burin {
 namespace {
@@ -37,18 +37,9 @@ const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
   scene.material.base_alpha = std::exp(x[unknown::log_base_alpha]);
   scene.material.grain = grain_of(x);
   scene.material.profile = profile_of(photo.profile, x);
-  scene.light.position_mm = x.segment<3>(unknown::lamp_position);
   scene.light.intensity.setConstant(std::exp(x[unknown::log_intensity]));
-  scene.light.falloff_exponent = 0;
-  if (photo.lamp_size.is_point()) {
-    scene.light.size = lamp_size({x[unknown::size2], {x[unknown::sides2], x[unknown::sides2 + 1]}}, photo.size_unit_mm,
-                                 scene.light.position_mm.norm());
-  }
-  if (!scene.light.size.is_point()) {
-    scene.light.axis =
-        (Eigen::Vector3d(x[unknown::spot], x[unknown::spot + 1], 0) - scene.light.position_mm).normalized();
-    scene.light.falloff_exponent = std::max(0.0, x[unknown::spot + 2]);
-  }
+  put_lamp(x, photo.lamp_size, photo.size_unit_mm, scene.light);
+  if (scene.light.size.is_point()) scene.light.falloff_exponent = 0;
   scene.ambient.setZero();
   return scene;
 }
@@ -438,25 +429,6 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
 
 namespace {
 
-void add_share(const Image& image, double share, Image& to) {
-  if (to.data.empty()) to = Image(image.width, image.height, image.channels);
-  for (std::size_t i = 0; i < image.data.size(); ++i) to.data[i] += static_cast<float>(share) * image.data[i];
-}
-
-// What slopes are taken from says which way and how far to go: of a large lamp by fewer points than its light.
-RadianceDerivatives light_with_slopes(const ViewScene& scene, const CameraView& camera, const Carved& carved,
-                                      std::span<const SceneParameter> parameters) {
-  if (scene.light.size.is_point()) return render_with_derivatives(scene, camera, carved, parameters);
-  RadianceDerivatives sum;
-  sum.d_radiance.resize(parameters.size());
-  for (const ScenePart& part : scene_parts(scene, true)) {
-    const RadianceDerivatives one = render_with_derivatives(part.scene, camera, carved, parameters);
-    add_share(one.radiance, part.share, sum.radiance);
-    for (std::size_t k = 0; k < parameters.size(); ++k) add_share(one.d_radiance[k], part.share, sum.d_radiance[k]);
-  }
-  return sum;
-}
-
 // The light of the other end of a difference that stands for a slope.
 Image light_for_slope(const PhotoData& photo, const Unknowns& x, const ViewScene& scene, const Carved& carved) {
   Image sum;
@@ -685,7 +657,11 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   const ViewScene& scene = scene_at(photo, x);
   const bool area_spot = has_area(photo, x) && x[unknown::spot + 2] > 0;
   const Wanted wanted(free, area_spot);
-  RadianceDerivatives rendered = light_with_slopes(scene, photo.camera, carved, wanted.parameters);
+  // They say which way and how far to go: of a large lamp by fewer points than its light.
+  RadianceDerivatives rendered =
+      scene.light.size.is_point()
+          ? render_with_derivatives(scene, photo.camera, carved, wanted.parameters)
+          : mean_with_derivatives(scene_parts(scene, true), photo.camera, carved, wanted.parameters);
   SpotSlopes spot = area_spot && wanted.spot >= 0 ? spot_of_area(x, &rendered.d_radiance[wanted.spot])
                     : area_spot                   ? SpotSlopes{}
                                                   : apply_spot(photo, x, rendered);

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <tuple>
 
-#include "burin/calib/photo/lamp_area.h"
 #include "burin/render/median.h"
 
 namespace burin {
@@ -31,18 +30,6 @@ Problem make_problem(const Board& board, const Sent& sent, const Bench& bench) {
 
 bool seeks_size(const Problem& problem, std::size_t light) {
   return light < problem.size_sought.size() && problem.size_sought[light];
-}
-
-Light lamp_with_area(const Problem& problem, const State& state, std::size_t light) {
-  Light out;
-  out.position_mm = Eigen::Vector3d::Map(state.block(unknown::lamp_position, light));
-  const double* aim = state.block(unknown::spot, light);
-  out.axis = (Eigen::Vector3d(aim[0], aim[1], 0) - out.position_mm).normalized();
-  const double* area = state.block(unknown::size2, light);
-  out.size = light < problem.given_size.size() && !problem.given_size[light].is_point()
-                 ? problem.given_size[light]
-                 : lamp_size({area[0], {area[1], area[2]}}, size_unit_mm(*problem.model.board), out.position_mm.norm());
-  return out;
 }
 
 bool has_unknown(const Problem& problem, const UnknownRow& row, std::size_t light) {

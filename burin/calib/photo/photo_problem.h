@@ -69,9 +69,6 @@ struct Problem {
 /// bench say, without a photo yet. `board` and `sent` must outlive it.
 Problem make_problem(const Board& board, const Sent& sent, const Bench& bench);
 
-/// The place, axis and area that a lamp has at a state: as given where it is held, else as the state has it.
-Light lamp_with_area(const Problem& problem, const State& state, std::size_t light);
-
 /// Whether a lamp has this unknown: a bare one has no axis.
 bool has_unknown(const Problem& problem, const UnknownRow& row, std::size_t light);
 

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "burin/calib/photo/effect_unknowns.h"
-#include "burin/calib/photo/lamp_size_choice.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/render/groove.h"
@@ -490,7 +489,6 @@ void judge_spot(LightJudge& j, std::size_t i) {
     return;
   }
   if (j.data.spot_held[i]) {
-    light.falloff_exponent_sigma = kPlaneExponentSigma;
     for (const std::string& name : {falloff, axis})
       j.bench.verdict[name] = {Source::assumed, Degree::weakly, {}, Unit::none, {}};
     return;

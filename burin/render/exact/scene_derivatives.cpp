@@ -16,8 +16,8 @@
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/exact/scratch_pair.h"
 #include "burin/render/fast/pairs.h"
+#include "burin/render/parts_derivatives.h"
 #include "burin/render/pixel_shading.h"
-#include "burin/render/scene_parts.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {
@@ -282,30 +282,10 @@ void Chain::set_pose_and_bow(const GeometryGradient& g, const Eigen::Vector3d& p
 
 }  // namespace
 
-namespace {
-
-// The mean over the points that stand for a lamp with an area.
-RadianceDerivatives of_area_lamp(const ViewScene& scene, const CameraView& camera, const Carved& carved,
-                                 std::span<const SceneParameter> parameters, const RenderOptions& options) {
-  RadianceDerivatives sum;
-  const auto add = [](const Image& image, double by, Image& to) {
-    if (to.data.empty()) to = Image(image.width, image.height, image.channels);
-    for (std::size_t i = 0; i < image.data.size(); ++i) to.data[i] += static_cast<float>(by) * image.data[i];
-  };
-  sum.d_radiance.resize(parameters.size());
-  for (const ScenePart& part : scene_parts(scene)) {
-    const RadianceDerivatives one = render_with_derivatives(part.scene, camera, carved, parameters, options);
-    add(one.radiance, part.share, sum.radiance);
-    for (std::size_t k = 0; k < parameters.size(); ++k) add(one.d_radiance[k], part.share, sum.d_radiance[k]);
-  }
-  return sum;
-}
-
-}  // namespace
-
 RadianceDerivatives render_with_derivatives(const ViewScene& scene, const CameraView& camera, const Carved& carved,
                                             std::span<const SceneParameter> parameters, const RenderOptions& options) {
-  if (!scene.light.size.is_point()) return of_area_lamp(scene, camera, carved, parameters, options);
+  if (!scene.light.size.is_point())
+    return mean_with_derivatives(scene_parts(scene), camera, carved, parameters, options);
   const Scratches& scratches = carved.scratches;
   check_scratches(scratches);
   const int channels = options.channels;

@@ -1,0 +1,17 @@
+// burin/render/parts_derivatives.h - light and derivatives of a lamp with an area, from those of its points.
+// docs/model.md 5.5.
+#pragma once
+
+#include <span>
+
+#include "burin/render/scene_parts.h"
+#include "burin/render/view_renderer.h"
+
+namespace burin {
+
+/// render_with_derivatives() of all parts, and the mean over them.
+RadianceDerivatives mean_with_derivatives(std::span<const ScenePart> parts, const CameraView& camera,
+                                          const Carved& carved, std::span<const SceneParameter> parameters,
+                                          const RenderOptions& options = {});
+
+}  // namespace burin
