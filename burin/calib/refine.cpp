@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "burin/calib/light/lamp.h"
+#include "burin/calib/light/lamp_model.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/crossing_choice.h"
@@ -136,6 +137,7 @@ void RefineRun::find_lamp() {
   const std::vector<LightSample> samples = gather_light_samples(views, board, out.bench, sent);
   const LampSeed seed = fit_lamps(samples, board, out.bench);
   append(out.findings, seed.findings);
+  append(out.findings, paper_findings(seed.paper));
   Bench start = out.bench;
   start.material = board.material;
   start.depth_field = start.alpha_field = {};
@@ -147,6 +149,7 @@ void RefineRun::find_lamp() {
     start.material.base_alpha = seed.base_alpha;
     start.material.grain = seed.grain;
     if (!seed.grain.none()) stage.free(Group::grain);
+    start.paper = out.bench.paper = seed.paper;
     start.ambient.setConstant(seed.ambient);
     start.sensor.vignette = seed.vignette;
     if (options.fit_lamp) start.lights = seed.lights;

@@ -11,6 +11,7 @@
 #include "burin/render/files/bend_json.h"
 #include "burin/render/files/camera_effects_json.h"
 #include "burin/render/files/camera_json.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/far_light_json.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/input_file.h"
@@ -101,6 +102,16 @@ Sensor read_sensor(JsonObject json) {
   read_camera_effects(json, sensor);
   json.finish();
   return sensor;
+}
+
+PaperCoat read_paper(JsonObject json) {
+  PaperCoat out;
+  out.f0 = json.positive("f0", 0);
+  out.alpha = json.positive("alpha", out.alpha);
+  for (const auto& [name, value] : {std::pair("f0", out.f0), std::pair("alpha", out.alpha)})
+    if (!(value <= 1)) json.fail_field(name, "is " + significant(value), "it must be above 0 and at most 1");
+  json.finish();
+  return out;
 }
 
 std::vector<Tag> read_measured_tags(JsonObject& json) {
@@ -352,6 +363,7 @@ Bench read_bench(const std::filesystem::path& file) {
       if (board.has("bend_sigma")) bench.bend_sigma = read_bend_sigma(board.object("bend_sigma"));
     }
     if (board.has("tags")) bench.tags = read_measured_tags(board);
+    if (board.has("paper")) bench.paper = read_paper(board.object("paper"));
     board.finish();
   }
   if (json.has("machine")) {
@@ -415,6 +427,7 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   json["board"]["bow_mm"] = to_json(bench.bow_mm);
   if (bench.bend) json["board"]["bend"] = bend_json(*bench.bend);
   if (bench.bend && bench.bend_sigma) json["board"]["bend_sigma"] = bend_json(*bench.bend_sigma);
+  if (bench.paper.f0 > 0) json["board"]["paper"] = {{"f0", bench.paper.f0}, {"alpha", bench.paper.alpha}};
   if (!bench.tags.empty()) {
     Json& tags = json["board"]["tags"] = Json::array();
     for (const Tag& tag : bench.tags) {

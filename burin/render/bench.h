@@ -57,6 +57,12 @@ struct Scatter {
 
 using Affine2 = Eigen::Matrix<double, 2, 3>;  ///< [A | b], mm
 
+/// A coat on the tags' paper that shines, as satin and glossy papers have: a GGX lobe beside what paper scatters
+/// (model.md 5.14). f0 0: none.
+struct PaperCoat {
+  double f0 = 0, alpha = 0.3;
+};
+
 /// A bench, believed or measured: everything but the board and the scratches that decides what a photo shows.
 struct Bench {
   Lens lens;
@@ -78,6 +84,7 @@ struct Bench {
   /// How a bent sheet was measured to be bent; nothing: as board.json says. Its bow changes the bend (surface.h).
   std::optional<Bend> bend;
   std::optional<Bend> bend_sigma;
+  PaperCoat paper;
   std::vector<Tag> tags;  ///< measured positions; empty where board.json's are believed
   Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();  ///< board coordinates, from sent to carved, mm
   std::optional<Affine2> machine_affine_sigma;

@@ -91,6 +91,10 @@ std::string in_words(const Cause& cause) {
       return field_in_words(n[0] != 0, n[1] != 0, n[2] != 0);
     case Cause::Kind::bare_lamp:
       return "a bare lamp: taking it for a spot explains paper and face no better";
+    case Cause::Kind::shines_as_a_plane:
+      return "assumed to shine to the side as a plane does, since paper and face tell no better: a fall-off exponent "
+             "of " +
+             significant(n[0], 2) + "; what " + significant(n[1], 2) + " more would move is in the sigmas";
     case Cause::Kind::no_photo_under_lamp:
       return "no photo shows the board under this lamp";
     case Cause::Kind::no_paper:

@@ -40,6 +40,7 @@ struct Cause {
     cutoff_not_seen,      ///< the same, where one of them is too small
     field_chosen,         ///< linear, quadratic, wear: 1 where depth varies so
     bare_lamp,            ///< a spot explains paper and face no better
+    shines_as_a_plane,    ///< assumed: the exponent, and what was tried as much as it may be off by
     no_photo_under_lamp,  ///< no photo was taken under this lamp
     no_paper,             ///< no paper or plain face tells where the lamp is
     paper_and_face,       ///< from these alone, without scratches

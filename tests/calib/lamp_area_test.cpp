@@ -1,14 +1,14 @@
 // Proves: a lamp's area and the numbers that fits move are the same thing (their second moments, by brute force; there
 // and back; slopes against differences), and what is no lamp's size is kept from being one. Paper under a panel is lit
 // by the mean of its points. Not proved: that photos tell sides (refine_panel_test.cpp).
-#include "burin/calib/photo/lamp_area.h"
+#include "burin/calib/light/lamp_area.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "burin/calib/light/lamp.h"
+#include "burin/calib/light/lamp_model.h"
 #include "burin/render/lamp_size.h"
 
 namespace burin {

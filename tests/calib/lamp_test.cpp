@@ -14,6 +14,7 @@
 #include <numbers>
 #include <vector>
 
+#include "burin/calib/light/lamp_model.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_family.h"

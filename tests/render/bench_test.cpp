@@ -61,6 +61,7 @@ Bench full_bench(const TemporaryFolder& folder) {
   bench.sensor.green_sites = GreenSites::odd;
   bench.ambient = {0.01, 0.02, 0.03};
   bench.bow_mm = {0.1, -0.02, 0.03};
+  bench.paper = {0.04, 0.31};
   bench.tags = {{0, {15.02, 14.97}, 0, 0}, {4, {100, 14.5}, 16.01, 90.5}};
   bench.machine_affine << 1.001, 0.002, -0.3, -0.0015, 0.999, 0.4;
   bench.machine_affine_sigma = Affine2::Constant(1e-5);
@@ -120,6 +121,8 @@ TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
   EXPECT_EQ(back.sensor.green_sites, GreenSites::odd);
   EXPECT_EQ(back.ambient, bench.ambient);
   EXPECT_EQ(back.bow_mm, bench.bow_mm);
+  EXPECT_EQ(back.paper.f0, 0.04);
+  EXPECT_EQ(back.paper.alpha, 0.31);
   ASSERT_EQ(back.tags.size(), 2u);
   EXPECT_EQ(back.tags[0].center_mm, bench.tags[0].center_mm);
   EXPECT_EQ(back.tags[1].size_mm, 16.01);
@@ -255,6 +258,7 @@ TEST_F(BenchErrors, WrongValuesAreNamed) {
   expect(R"("ambient": [0, 0, -1])", "ambient", "0 or greater");
   expect(R"("machine": {"affine": [[1, 2, 0], [2, 4, 0]]})", "machine.affine", "determinant is 0");
   expect(R"("machine": {"affine": [[1, 2], [2, 4]]})", "machine.affine[0]", "rows of 3");
+  expect(R"("board": {"paper": {"f0": 4}})", "board.paper.f0", "it must be above 0 and at most 1");
   expect(R"("board": {"bow": [0, 0, 0]})", "board.bow", "did you mean \"bow_mm\"?");
   expect(R"("verdict": {"depth_um": {"source": "measured", "degree": "certainly"}})", "verdict.depth_um.degree",
          "\"weakly\"");

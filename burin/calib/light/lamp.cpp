@@ -1,6 +1,5 @@
 #include "burin/calib/light/lamp.h"
 
-#include <ceres/ceres.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -12,189 +11,18 @@
 #include <string>
 #include <utility>
 
+#include "burin/calib/light/lamp_area.h"
+#include "burin/calib/light/lamp_fit.h"
+#include "burin/calib/light/lamp_shapes.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/median.h"
 #include "burin/render/parameter_name.h"
 
 namespace burin {
 namespace {
 
-constexpr int kPosition = 3, kSpot = 3, kShared = 5;  // shared: log base_alpha, ambient, v1, v2, v3
-
-// The fit's parameters, in the arrays that Ceres moves.
-struct LampBlocks {
-  double position[kPosition] = {0, 0, 1};
-  double log_intensity[1] = {0};
-  double spot[kSpot] = {0, 0, 0};  // aim x, aim y, exponent
-};
-
-struct Blocks {
-  std::vector<LampBlocks> lamps;
-  double shared[kShared] = {0, 0, 0, 0, 0};
-  double grain[2] = {0, 0};  // FaceGrain's c and s
-};
-
-template <typename T>
-LampModel<T> lamp_of(const T* position, const T* log_intensity, const T* spot) {
-  LampModel<T> lamp;
-  lamp.position_mm = Eigen::Matrix<T, 3, 1>(position[0], position[1], position[2]);
-  lamp.log_intensity = log_intensity[0];
-  lamp.aim_mm = Eigen::Matrix<T, 2, 1>(spot[0], spot[1]);
-  lamp.exponent = spot[2];
-  return lamp;
-}
-
-bool is_finite(double v) { return std::isfinite(v); }
-template <int N>
-bool is_finite(const ceres::Jet<double, N>& v) {
-  return std::isfinite(v.a) && v.v.allFinite();
-}
-
-// log(model / photo) over its expected error: brightness runs over three decades between highlight and shade.
-struct LogResidual {
-  const LightSample* sample;
-  double albedo, f0, weight;
-
-  template <typename T>
-  bool operator()(const T* position, const T* log_intensity, const T* spot, const T* shared, const T* grain,
-                  T* residual) const {
-    using std::exp;
-    using std::log;
-    const LampModel<T> lamp = lamp_of(position, log_intensity, spot);
-    const T radiance = sample->kind == SampleKind::face
-                           ? face_radiance(lamp, shared[1], T(exp(shared[0])), grain, f0, *sample)
-                           : paper_radiance(lamp, shared[1], albedo, *sample);
-    const T value = vignette_at(shared + 2, sample->radius2) * radiance;
-    if (!(value > T(0))) return false;  // a step too far: Ceres takes a shorter one
-    residual[0] = weight * log(value / sample->value);
-    return is_finite(residual[0]);
-  }
-};
-
-struct SharedPrior {
-  double log_base_alpha;
-
-  template <typename T>
-  bool operator()(const T* shared, T* residual) const {
-    constexpr double kSigmaBaseAlpha = 1.0;  // wide: it matters only where photos say nothing
-    residual[0] = (shared[0] - log_base_alpha) / kSigmaBaseAlpha;
-    for (int i = 0; i < 3; ++i) residual[1 + i] = shared[2 + i] / kVignettePriorSigma[i];
-    return true;
-  }
-};
-
-struct SpotPrior {
-  Eigen::Vector2d center_mm;
-  double reach_mm;
-
-  template <typename T>
-  bool operator()(const T* spot, T* residual) const {
-    residual[0] = (spot[0] - center_mm.x()) / reach_mm;
-    residual[1] = (spot[1] - center_mm.y()) / reach_mm;
-    return true;
-  }
-};
-
-struct Fit {
-  Blocks blocks;
-  double cost = 0;
-  bool usable = false;
-  std::vector<Eigen::Matrix3d> position_covariance;
-  double log_base_alpha_sigma = 0;
-};
-
-struct Data {
-  std::span<const LightSample> samples;
-  const Board* board;
-  double f0 = 1, reach_mm = 1;
-  Eigen::Vector2d center_mm{0, 0};
-  double model_error = 0.02;
-};
-
-// Fits from `start`. With `only_light` >= 0 only that lamp's samples count; `stride` thins them. `spot[i]`: lamp i is
-// one.
-Fit run_fit(const Data& data, const Blocks& start, const std::vector<bool>& spot, int only_light, std::size_t stride,
-            bool fit_vignette, int iterations, bool with_covariance) {
-  Fit fit;
-  fit.blocks = start;
-  ceres::Problem::Options problem_options;
-  ceres::Problem problem(problem_options);
-  std::vector<bool> used(start.lamps.size(), false);
-  std::size_t face_seen = 0;
-  for (const LightSample& sample : data.samples) {
-    if (only_light >= 0 && sample.light != static_cast<std::size_t>(only_light)) continue;
-    if (!(sample.value > 0)) continue;
-    if (sample.kind == SampleKind::face && face_seen++ % stride != 0) continue;
-    const double relative = sample.sigma / sample.value;
-    const double weight = 1 / std::sqrt(relative * relative + data.model_error * data.model_error);
-    LampBlocks& lamp = fit.blocks.lamps[sample.light];
-    used[sample.light] = true;
-    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<LogResidual, 1, kPosition, 1, kSpot, kShared, 2>(
-                                 new LogResidual{&sample, paper_albedo(*data.board, sample.kind), data.f0, weight}),
-                             new ceres::HuberLoss(2.0), lamp.position, lamp.log_intensity, lamp.spot, fit.blocks.shared,
-                             fit.blocks.grain);
-  }
-  if (std::none_of(used.begin(), used.end(), [](bool u) { return u; })) return fit;
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SharedPrior, 4, kShared>(new SharedPrior{start.shared[0]}),
-                           nullptr, fit.blocks.shared);
-  constexpr double kMostGrain = 1.2;  // one roughness ten times the other
-  for (int i = 0; i < 2; ++i) {
-    problem.SetParameterLowerBound(fit.blocks.grain, i, -kMostGrain);
-    problem.SetParameterUpperBound(fit.blocks.grain, i, kMostGrain);
-  }
-  if (start.grain[0] == 0 && start.grain[1] == 0) problem.SetParameterBlockConstant(fit.blocks.grain);
-  problem.SetParameterLowerBound(fit.blocks.shared, 0, std::log(0.01));
-  problem.SetParameterUpperBound(fit.blocks.shared, 0, 0);
-  problem.SetParameterLowerBound(fit.blocks.shared, 1, 0);
-  if (!fit_vignette) problem.SetManifold(fit.blocks.shared, new ceres::SubsetManifold(kShared, {2, 3, 4}));
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (!used[i]) continue;
-    LampBlocks& lamp = fit.blocks.lamps[i];
-    problem.SetParameterLowerBound(lamp.position, 2, 0.05 * data.reach_mm);
-    if (spot[i]) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<SpotPrior, 2, kSpot>(new SpotPrior{data.center_mm, data.reach_mm}), nullptr,
-          lamp.spot);
-      problem.SetParameterLowerBound(lamp.spot, 2, 1e-3);
-      problem.SetParameterUpperBound(lamp.spot, 2, 200);
-    } else {
-      problem.SetParameterBlockConstant(lamp.spot);
-    }
-  }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = iterations;
-  options.logging_type = ceres::SILENT;
-  options.num_threads = 1;  // sums in one order: the same bits in every run
-  ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
-  fit.usable = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
-  fit.cost = summary.final_cost;
-  if (with_covariance && fit.usable) {
-    fit.position_covariance.assign(used.size(), Eigen::Matrix3d::Constant(-1));
-    ceres::Covariance::Options covariance_options;
-    covariance_options.algorithm_type = ceres::DENSE_SVD;
-    covariance_options.null_space_rank = -1;
-    ceres::Covariance covariance(covariance_options);
-    std::vector<std::pair<const double*, const double*>> wanted{{fit.blocks.shared, fit.blocks.shared}};
-    for (std::size_t i = 0; i < used.size(); ++i)
-      if (used[i]) wanted.emplace_back(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position);
-    if (covariance.Compute(wanted, &problem)) {
-      Eigen::Matrix<double, kShared, kShared, Eigen::RowMajor> shared;
-      covariance.GetCovarianceBlock(fit.blocks.shared, fit.blocks.shared, shared.data());
-      fit.log_base_alpha_sigma = std::sqrt(shared(0, 0));
-      for (std::size_t i = 0; i < used.size(); ++i) {
-        if (!used[i]) continue;
-        Eigen::Matrix<double, 3, 3, Eigen::RowMajor> block;
-        covariance.GetCovarianceBlock(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position, block.data());
-        fit.position_covariance[i] = block;
-      }
-    }
-  }
-  return fit;
-}
-
 // The intensity that a lamp at `position` must have for the white paper to be as bright as it is: the samples' median.
-double log_intensity_for(const Data& data, std::size_t light, const Eigen::Vector3d& position, double& log_spread) {
+double log_intensity_for(const LampData& data, std::size_t light, const Eigen::Vector3d& position, double& log_spread) {
   std::vector<double> ratios;
   LampModel<double> lamp{position, 0, {0, 0}, 0};
   for (const LightSample& sample : data.samples) {
@@ -212,7 +40,7 @@ double log_intensity_for(const Data& data, std::size_t light, const Eigen::Vecto
 }
 
 // Where lamps may be: shading's closed form, and a ring around the board at two heights and distances.
-std::vector<Eigen::Vector3d> starts_for(const Data& data, std::size_t light) {
+std::vector<Eigen::Vector3d> starts_for(const LampData& data, std::size_t light) {
   std::map<int, std::vector<double>> white, black;
   std::map<int, Eigen::Vector3d> where;
   for (const LightSample& sample : data.samples) {
@@ -268,7 +96,7 @@ std::optional<Eigen::Vector3d> lamp_from_shading(std::span<const Eigen::Vector3d
 namespace {
 
 // Places of a bent board may turn away from a start, where only ambient light explains that they are not black.
-double ambient_to_start(const Data& data, std::size_t light, const Eigen::Vector3d& start) {
+double ambient_to_start(const LampData& data, std::size_t light, const Eigen::Vector3d& start) {
   constexpr double kLittle = 0.02;  // of what paper and face show
   std::vector<double> values;
   bool turns_away = false;
@@ -282,15 +110,15 @@ double ambient_to_start(const Data& data, std::size_t light, const Eigen::Vector
 
 // A bare lamp from each start, by that lamp's own samples; the best. Not usable where there are too few samples, or no
 // lamp explains them, which is told.
-Fit fit_from_starts(const Data& data, const Blocks& blocks, std::size_t light, const std::string& id,
-                    std::vector<Finding>& findings) {
+LampFit fit_from_starts(const LampData& data, const LampParameters& blocks, std::size_t light, const std::string& id,
+                        std::vector<Finding>& findings) {
   constexpr std::size_t kFewestSamples = 8, kMostSamples = 1500;
   std::size_t count = 0, white = 0;
   for (const LightSample& s : data.samples) {
     count += s.light == light;
     white += s.light == light && s.kind == SampleKind::white_paper;
   }
-  Fit best;
+  LampFit best;
   if (white < kFewestSamples) {
     findings.push_back(
         make_warning("light " + id + ": only " + std::to_string(white) + " unclipped pieces of white tag paper",
@@ -298,9 +126,12 @@ Fit fit_from_starts(const Data& data, const Blocks& blocks, std::size_t light, c
     if (count < kFewestSamples) return best;
   }
   const std::vector<bool> no_spot(blocks.lamps.size(), false);
-  const std::size_t stride = 1 + count / kMostSamples;
+  const LampFitOptions options{.only_light = static_cast<int>(light),
+                               .stride = 1 + count / kMostSamples,
+                               .fit_vignette = false,
+                               .iterations = 40};
   for (const Eigen::Vector3d& start : starts_for(data, light)) {
-    Blocks from = blocks;
+    LampParameters from = blocks;
     LampBlocks& lamp = from.lamps[light];
     Eigen::Vector3d::Map(lamp.position) = start;
     double spread = 0;
@@ -308,92 +139,42 @@ Fit fit_from_starts(const Data& data, const Blocks& blocks, std::size_t light, c
     lamp.spot[0] = data.center_mm.x();
     lamp.spot[1] = data.center_mm.y();
     from.shared[1] = ambient_to_start(data, light, start);
-    Fit fit = run_fit(data, from, no_spot, static_cast<int>(light), stride, false, 40, false);
-    if (fit.usable && (!best.usable || fit.cost < best.cost)) best = std::move(fit);
+    LampFit fit = fit_lamp_parameters(data, from, no_spot, options);
+    if (fit.usable && fit.cost < best.cost) best = std::move(fit);
   }
   if (!best.usable)
     findings.push_back(make_warning("light " + id + ": no lamp explains the brightness of paper and face"));
   return best;
 }
 
-// Takes lamps that are none for spots one after the other, where that explains much more. Where it explains a little
-// more, `moved_mm` tells how far the lamp would be from where it is: photos then do not say which it is.
-void try_spots(const Data& data, const std::vector<bool>& usable, std::vector<bool>& spot, Fit& fit,
-               std::vector<Eigen::Vector3d>& moved_mm) {
-  for (std::size_t light = 0; light < usable.size(); ++light) {
-    if (!usable[light] || spot[light]) continue;
-    std::vector<bool> with_spot = spot;
-    with_spot[light] = true;
-    // A tenth of the samples says from which exponent to start.
-    constexpr std::size_t kThin = 10;
-    Fit thin;
-    for (const double exponent : {2., 8., 25.}) {
-      Blocks from = fit.blocks;
-      from.lamps[light].spot[0] = data.center_mm.x();
-      from.lamps[light].spot[1] = data.center_mm.y();
-      from.lamps[light].spot[2] = exponent;
-      Fit candidate = run_fit(data, from, with_spot, -1, kThin, true, 60, false);
-      if (candidate.usable && (!thin.usable || candidate.cost < thin.cost)) thin = std::move(candidate);
-    }
-    if (!thin.usable) continue;
-    Fit best = run_fit(data, thin.blocks, with_spot, -1, 1, true, 60, false);
-    // A spot has three parameters more. Errors of paper and face are not independent, so ask for far more than a test
-    // of white noise would.
-    constexpr double kWorthIt = 0.9;
-    moved_mm[light].setZero();
-    if (!best.usable || !(best.cost < fit.cost)) continue;
-    if (!(best.cost < kWorthIt * fit.cost)) {
-      moved_mm[light] = Eigen::Vector3d::Map(best.blocks.lamps[light].position) -
-                        Eigen::Vector3d::Map(fit.blocks.lamps[light].position);
-      continue;
-    }
-    fit = std::move(best);
-    spot = with_spot;
-  }
+// The ellipse with the second moments of a given area (9.15b): the root of their matrix.
+void put_area(const LampSize& size, LampBlocks& lamp) {
+  const LampArea area = lamp_area(size, 1);
+  const double xx = area.size2 + area.sides2[0], yy = area.size2 - area.sides2[0], xy = area.sides2[1];
+  const double root = std::sqrt(std::max(0.0, xx * yy - xy * xy)), by = 1 / std::sqrt(xx + yy + 2 * root);
+  lamp.area[0] = by * (xx + root);
+  lamp.area[1] = by * xy;
+  lamp.area[2] = by * (yy + root);
 }
 
-// Takes the face for a brushed one, where that explains much more: from several directions, since a lamp that was found
-// without them may be far off. Whether it did.
-bool try_grain(const Data& data, const std::vector<bool>& spot, Fit& fit) {
-  constexpr std::size_t kThin = 6;
-  constexpr double kStart = 0.3, kLeastGrain = 0.02;
-  Fit thin;
-  for (int i = 0; i < 4; ++i) {
-    Blocks from = fit.blocks;
-    const double twice = 2 * std::numbers::pi * i / 4;
-    from.grain[0] = kStart * std::cos(twice);
-    from.grain[1] = kStart * std::sin(twice);
-    Fit candidate = run_fit(data, from, spot, -1, kThin, true, 60, false);
-    if (candidate.usable && (!thin.usable || candidate.cost < thin.cost)) thin = std::move(candidate);
-  }
-  if (!thin.usable) return false;
-  // All samples are asked only where a sixth of them comes near to what they must say.
-  constexpr double kWorthIt = 0.85, kNear = 0.93;
-  const Fit plain = run_fit(data, fit.blocks, spot, -1, kThin, true, 60, false);
-  if (plain.usable && !(thin.cost < kNear * plain.cost)) return false;
-  Fit best = run_fit(data, thin.blocks, spot, -1, 1, true, 60, false);
-  // As for spots: far more than a test of white noise would ask.
-  if (!best.usable || !(best.cost < kWorthIt * fit.cost)) return false;
-  if (std::hypot(best.blocks.grain[0], best.blocks.grain[1]) < kLeastGrain) return false;
-  fit = std::move(best);
-  return true;
+LampArea moments_of_area(const LampBlocks& lamp) {
+  const auto& [xx, xy, yy] = lamp.area;
+  return {0.5 * (xx * xx + 2 * xy * xy + yy * yy), {0.5 * (xx * xx - yy * yy), xy * (xx + yy)}};
 }
 
 // Residuals in the robust loss's core: their RMS, and the factor by which they exceed what was expected of them.
-std::pair<double, double> core_residuals(const Data& data, const std::vector<bool>& usable, const Fit& fit) {
+std::pair<double, double> core_residuals(const LampData& data, const std::vector<bool>& usable, const LampFit& fit) {
   double sum = 0, sum_weighted = 0;
   std::size_t core = 0;
   for (const LightSample& sample : data.samples) {
     if (!usable[sample.light] || !(sample.value > 0)) continue;
-    const LampBlocks& b = fit.blocks.lamps[sample.light];
     const double relative = sample.sigma / sample.value;
-    const LogResidual residual{&sample, paper_albedo(*data.board, sample.kind), data.f0, 1};
-    double r = 0;
-    if (!residual(b.position, b.log_intensity, b.spot, fit.blocks.shared, fit.blocks.grain, &r)) continue;
-    const double expected2 = relative * relative + data.model_error * data.model_error;
-    if (r * r > 9 * expected2) continue;
-    sum += r * r;
-    sum_weighted += r * r / expected2;
+    const std::optional<double> r = log_residual(data, fit.blocks, sample);
+    if (!r) continue;
+    const double expected2 = relative * relative + data.model_error * data.model_error, r2 = *r * *r;
+    if (r2 > 9 * expected2) continue;
+    sum += r2;
+    sum_weighted += r2 / expected2;
     ++core;
   }
   if (core == 0) return {0, 1};
@@ -401,7 +182,7 @@ std::pair<double, double> core_residuals(const Data& data, const std::vector<boo
           std::max(1.0, std::sqrt(sum_weighted / static_cast<double>(core)))};
 }
 
-void fill_seed(const Data& data, const std::vector<bool>& usable, const std::vector<bool>& spot, const Fit& fit,
+void fill_seed(const LampData& data, const std::vector<bool>& usable, const std::vector<bool>& spot, const LampFit& fit,
                LampSeed& seed) {
   const auto [rms, inflation] = core_residuals(data, usable, fit);
   seed.found = true;
@@ -409,9 +190,11 @@ void fill_seed(const Data& data, const std::vector<bool>& usable, const std::vec
   seed.base_alpha = std::exp(fit.blocks.shared[0]);
   seed.base_alpha_sigma = inflation * fit.log_base_alpha_sigma * seed.base_alpha;
   seed.grain = {fit.blocks.grain[0], fit.blocks.grain[1]};
+  if (fit.blocks.gloss[0] > 0) seed.paper = {fit.blocks.gloss[0], fit.blocks.gloss[1]};
   seed.ambient = fit.blocks.shared[1];
   seed.vignette = Eigen::Vector3d::Map(fit.blocks.shared + 2);
   seed.aim_mm.assign(usable.size(), data.center_mm);
+  seed.sizes.assign(usable.size(), {});
   for (std::size_t light = 0; light < usable.size(); ++light) {
     if (!usable[light]) continue;
     const LampBlocks& b = fit.blocks.lamps[light];
@@ -419,6 +202,9 @@ void fill_seed(const Data& data, const std::vector<bool>& usable, const std::vec
     l.position_mm = Eigen::Vector3d::Map(b.position);
     l.intensity.setConstant(std::exp(b.log_intensity[0]));
     l.falloff_exponent = spot[light] ? b.spot[2] : 0;
+    if (b.has_area() && !data.given_area[light])
+      seed.sizes[light] = lamp_size(
+          moments_of_area(b), 1, (l.position_mm - Eigen::Vector3d(data.center_mm.x(), data.center_mm.y(), 0)).norm());
     if (spot[light]) seed.aim_mm[light] = Eigen::Vector2d(b.spot[0], b.spot[1]);
     l.axis = (Eigen::Vector3d(seed.aim_mm[light].x(), seed.aim_mm[light].y(), 0) - l.position_mm).normalized();
     if (!fit.position_covariance.empty() && fit.position_covariance[light](0, 0) >= 0)
@@ -443,23 +229,24 @@ Eigen::VectorXd jackknife_sigma(const Eigen::MatrixXd& answers) {
 // What is left out decides nothing, so a group of which a lamp is not seen adds nothing to its scatter. `group_of`:
 // from 0 to `groups` - 1, or -1 for what is never left out. One sample of the face in `thin` counts: it has enough.
 template <typename GroupOf>
-GroupScatter scatter_by_groups(const Data& data, const Fit& fit, const std::vector<bool>& spot, int groups,
+GroupScatter scatter_by_groups(const LampData& data, const LampFit& fit, const std::vector<bool>& spot, int groups,
                                std::size_t thin, GroupOf group_of) {
   const std::size_t lamps = fit.blocks.lamps.size();
-  std::vector<std::optional<Fit>> without(static_cast<std::size_t>(groups));
+  std::vector<std::optional<LampFit>> without(static_cast<std::size_t>(groups));
   tbb::parallel_for(0, groups, [&](int g) {
     std::vector<LightSample> kept;
     for (const LightSample& sample : data.samples)
       if (group_of(sample) != g) kept.push_back(sample);
     if (kept.size() == data.samples.size() || kept.empty()) return;
-    Data part = data;
+    LampData part = data;
     part.samples = std::move(kept);
-    without[static_cast<std::size_t>(g)] = run_fit(part, fit.blocks, spot, -1, thin, true, 30, false);
+    without[static_cast<std::size_t>(g)] =
+        fit_lamp_parameters(part, fit.blocks, spot, {.stride = thin, .iterations = 30});
   });
   const auto rows = static_cast<Eigen::Index>(3 * lamps + 1);
   Eigen::MatrixXd answers(rows, groups);
   Eigen::Index count = 0;
-  for (const std::optional<Fit>& f : without) {
+  for (const std::optional<LampFit>& f : without) {
     if (!f || !f->usable) continue;
     for (std::size_t i = 0; i < lamps; ++i)
       answers.block<3, 1>(static_cast<Eigen::Index>(3 * i), count) = Eigen::Vector3d::Map(f->blocks.lamps[i].position);
@@ -473,14 +260,14 @@ GroupScatter scatter_by_groups(const Data& data, const Fit& fit, const std::vect
 }
 
 // How far a sample of the face is from the lamp's mirror image: the tangent of the half vector's lean.
-double lean_of(const LightSample& sample, const Fit& fit) {
+double lean_of(const LightSample& sample, const LampFit& fit) {
   const Eigen::Vector3d lamp = Eigen::Vector3d::Map(fit.blocks.lamps[sample.light].position);
   const Eigen::Vector3d h = (lamp - sample.p_board).normalized() + sample.to_camera;
   return h.cross(sample.normal).norm() / std::max(1e-9, h.dot(sample.normal));
 }
 
 // Three edges between four groups of the face's samples, alike in number, by their lean.
-std::array<double, 3> lean_edges(const Data& data, const Fit& fit) {
+std::array<double, 3> lean_edges(const LampData& data, const LampFit& fit) {
   std::vector<double> leans;
   for (const LightSample& sample : data.samples)
     if (sample.kind == SampleKind::face) leans.push_back(lean_of(sample, fit));
@@ -492,7 +279,7 @@ std::array<double, 3> lean_edges(const Data& data, const Fit& fit) {
 
 // Makes sigmas larger where photos, places on the board, or the highlight's middle and its wings contradict each other
 // more than independent errors would: streaks of a brushed face, or a lobe that is not the model's, are no noise.
-void widen_by_groups(const Data& data, const Fit& fit, const std::vector<bool>& spot, LampSeed& seed) {
+void widen_by_groups(const LampData& data, const LampFit& fit, const std::vector<bool>& spot, LampSeed& seed) {
   constexpr int kGroups = 8, kAcross = 3;
   constexpr std::size_t kThin = 4;
   std::map<std::size_t, int> rank;  // of the photos
@@ -526,7 +313,7 @@ void widen_by_groups(const Data& data, const Fit& fit, const std::vector<bool>& 
 
 LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, const Bench& bench,
                    const LampOptions& options) {
-  Data data;
+  LampData data;
   data.samples = samples;
   data.board = &board;
   data.f0 = board.material.f0.mean();
@@ -536,30 +323,45 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
 
   LampSeed seed;
   seed.lights = bench.lights;
-  Blocks blocks;
+  LampParameters blocks;
   blocks.lamps.resize(bench.lights.size());
   blocks.shared[0] = std::log(board.material.base_alpha);
-  std::vector<bool> spot(bench.lights.size(), false), usable(bench.lights.size(), false);
+  std::vector<bool> usable(bench.lights.size(), false), point(bench.lights.size(), false);
   for (std::size_t light = 0; light < bench.lights.size(); ++light) {
     if (!bench.lights[light].is_near()) continue;  // given, and known by their scale
-    const Fit best = fit_from_starts(data, blocks, light, bench.lights[light].id, seed.findings);
+    data.given_area.resize(bench.lights.size(), false);
+    data.given_area[light] = !bench.lights[light].size.is_point();
+    if (data.given_area[light]) put_area(bench.lights[light].size, blocks.lamps[light]);
+    const LampFit best = fit_from_starts(data, blocks, light, bench.lights[light].id, seed.findings);
     usable[light] = best.usable;
+    point[light] = best.usable && !data.given_area[light];
     if (best.usable) blocks = best.blocks;
   }
   if (std::none_of(usable.begin(), usable.end(), [](bool u) { return u; })) return seed;
-  Fit fit = run_fit(data, blocks, spot, -1, 1, true, 60, false);
-  if (!fit.usable) return seed;
-  std::vector<Eigen::Vector3d> moved_mm(usable.size(), Eigen::Vector3d::Zero());
-  if (options.fit_spot) try_spots(data, usable, spot, fit, moved_mm);
+  LampShapes shapes;
+  shapes.spot.resize(usable.size(), false);
+  shapes.moved_mm.resize(usable.size(), Eigen::Vector3d::Zero());
+  shapes.fit = fit_lamp_parameters(data, blocks, shapes.spot);
+  if (!shapes.fit.usable) return seed;
+  if (options.fit_spot) try_spots(data, usable, shapes);
   // A face that is brushed, or whose highlight a large lamp draws out, hides a spot's fall-off as long as it is not.
-  if (try_grain(data, spot, fit) && options.fit_spot) try_spots(data, usable, spot, fit, moved_mm);
-  fit = run_fit(data, fit.blocks, spot, -1, 1, true, 60, true);
-  if (fit.usable) fill_seed(data, usable, spot, fit, seed);
-  if (fit.usable && options.jackknife) widen_by_groups(data, fit, spot, seed);
+  if (try_areas_and_coats(data, point, shapes) && options.fit_spot) try_spots(data, usable, shapes);
+  const LampFit fit = fit_lamp_parameters(data, shapes.fit.blocks, shapes.spot, {.covariance = true});
+  if (fit.usable) fill_seed(data, usable, shapes.spot, fit, seed);
+  if (fit.usable && options.jackknife) widen_by_groups(data, fit, shapes.spot, seed);
   for (std::size_t light = 0; light < usable.size(); ++light)
     if (auto& sigma = seed.lights[light].position_sigma_mm)
-      *sigma = (sigma->cwiseAbs2() + moved_mm[light].cwiseAbs2()).cwiseSqrt();
+      *sigma = (sigma->cwiseAbs2() + shapes.moved_mm[light].cwiseAbs2()).cwiseSqrt();
   return seed;
+}
+
+std::vector<Finding> paper_findings(const PaperCoat& paper) {
+  if (!(paper.f0 > 0)) return {};
+  return {{Finding::Severity::note,
+           {},
+           "the tags' paper shines: a coat that sends back " + significant(100 * paper.f0, 2) +
+               " % straight on, of roughness " + significant(paper.alpha, 2) + ", is counted in what paper tells",
+           "matte paper needs no such guess"}};
 }
 
 Bench with_lamps(std::span<const MergedView> photos, const Board& board, const Sent& sent, const Bench& measured,
@@ -583,6 +385,16 @@ Bench with_lamps(std::span<const LightSample> samples, const Board& board, const
   bench.lights = seed.lights;
   bench.material.base_alpha = seed.base_alpha;
   bench.material.grain = seed.grain;
+  bench.paper = seed.paper;
+  append(findings, paper_findings(bench.paper));
+  for (std::size_t i = 0; i < bench.lights.size(); ++i)
+    if (!seed.sizes[i].is_point())
+      findings.push_back({Finding::Severity::note,
+                          {},
+                          "light " + bench.lights[i].id + " is no point: it looks some " +
+                              significant(seed.sizes[i].panel_mm.x(), 2) + " x " +
+                              significant(seed.sizes[i].panel_mm.y(), 2) + " mm large from the board",
+                          "burin refine measures it"});
   bench.material_sigma.base_alpha = seed.base_alpha_sigma;
   bench.ambient.setConstant(seed.ambient);
   bench.sensor.vignette = seed.vignette;

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "burin/calib/photo/lamp_area.h"
+#include "burin/calib/light/lamp_area.h"
 #include "burin/calib/photo/machine_map.h"
 
 namespace burin {
@@ -151,12 +151,15 @@ constexpr auto kLinks = std::to_array<Link>({
                           : p.model.center_mm;
        to[0] = aim.x();
        to[1] = aim.y();
-       to[2] = l.falloff_exponent;
      },
-     [](const double* from, const Problem& p, std::size_t light, Bench& b) {
+     [](const double* from, const Problem&, std::size_t light, Bench& b) {
        Light& l = b.lights[light];
-       l.falloff_exponent = p.is_spot[light] ? from[2] : 0;
        l.axis = (Eigen::Vector3d(from[0], from[1], 0) - l.position_mm).normalized();
+     }},
+    {unknown::spot + 2,
+     [](const Bench& b, const Problem&, std::size_t light, double* to) { *to = b.lights[light].falloff_exponent; },
+     [](const double* from, const Problem& p, std::size_t light, Bench& b) {
+       b.lights[light].falloff_exponent = p.is_spot[light] ? *from : 0;
      }},
     {unknown::size2,
      [](const Bench& b, const Problem& p, std::size_t light, double* to) {

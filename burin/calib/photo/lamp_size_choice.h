@@ -11,10 +11,6 @@
 
 namespace burin {
 
-/// Fall-off of an evenly lit plane, which a large lamp is taken for where paper does not tell its own, and how far off
-/// that may be.
-inline constexpr double kPlaneExponent = 1, kPlaneExponentSigma = 0.5;
-
 /// Whether a lamp, as large as it is believed or found to be, is larger than a 25th of its distance.
 bool any_large_lamp(const Problem& data, const State& state);
 

@@ -4,13 +4,13 @@
 
 #include <array>
 
-#include "burin/calib/photo/lamp_area.h"
+#include "burin/calib/photo/lamp_unknowns.h"
 
 namespace burin {
 
 PaperResidual paper_residual(const Problem& problem, const State& state, const LightSample& sample) {
   const double error = std::hypot(sample.sigma, kPaperError * sample.value);
-  PaperResidual out{&sample, paper_albedo(*problem.model.board, sample.kind), 1 / error, {}};
+  PaperResidual out{&sample, paper_albedo(*problem.model.board, sample.kind), 1 / error, problem.coat, {}};
   Light lamp;
   put_lamp(state.of(sample.light), problem.given_size.empty() ? LampSize() : problem.given_size[sample.light],
            size_unit_mm(*problem.model.board), lamp);
@@ -20,14 +20,15 @@ PaperResidual paper_residual(const Problem& problem, const State& state, const L
 
 PaperEquation paper_equation(const Problem& data, const State& state, const LightSample& sample,
                              const std::vector<bool>& free) {
-  using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 3, 1>;
+  using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 2, 1, 1>;
   const PaperCost cost_function(new PaperResidual(paper_residual(data, state, sample)));
   // The unknowns of PaperResidual, in its order; the last is the paper's own.
-  constexpr std::array<int, 6> kFirst{unknown::ambient,       unknown::vignette, unknown::lamp_position,
-                                      unknown::log_intensity, unknown::spot,     unknown::log_paper};
-  std::array<const double*, 6> blocks{};
-  std::array<std::array<double, 3>, 6> jacobian{};
-  std::array<double*, 6> jacobians{};
+  constexpr std::array<int, 7> kFirst{unknown::ambient,       unknown::vignette, unknown::lamp_position,
+                                      unknown::log_intensity, unknown::spot,     unknown::spot + 2,
+                                      unknown::log_paper};
+  std::array<const double*, 7> blocks{};
+  std::array<std::array<double, 3>, 7> jacobian{};
+  std::array<double*, 7> jacobians{};
   for (std::size_t b = 0; b < kFirst.size(); ++b) {
     blocks[b] = state.block(kFirst[b], sample.light);
     jacobians[b] = jacobian[b].data();

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "burin/calib/light/lamp.h"
+#include "burin/calib/light/lamp_model.h"
 #include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
@@ -15,18 +15,20 @@ namespace burin {
 struct PaperResidual {
   const LightSample* sample;
   double albedo, weight;
+  PaperCoat coat;
   std::vector<LampPoint> points;  ///< of a lamp with an area, as large as it was when the fit began
 
   template <typename T>
-  bool operator()(const T* ambient, const T* vignette, const T* position, const T* log_intensity, const T* spot,
-                  const T* log_paper, T* residual) const {
+  bool operator()(const T* ambient, const T* vignette, const T* position, const T* log_intensity, const T* aim,
+                  const T* falloff, const T* log_paper, T* residual) const {
     using std::exp;
     LampModel<T> lamp;
     lamp.position_mm = Eigen::Matrix<T, 3, 1>(position[0], position[1], position[2]);
     lamp.log_intensity = log_intensity[0];
-    lamp.aim_mm = Eigen::Matrix<T, 2, 1>(spot[0], spot[1]);
-    lamp.exponent = spot[2];
-    const T radiance = exp(log_paper[0]) * paper_radiance(lamp, ambient[0], albedo, *sample, points);
+    lamp.aim_mm = Eigen::Matrix<T, 2, 1>(aim[0], aim[1]);
+    lamp.exponent = falloff[0];
+    const T radiance =
+        exp(log_paper[0]) * paper_radiance(lamp, ambient[0], albedo, *sample, points, {T(coat.f0), T(coat.alpha)});
     residual[0] = weight * (vignette_at(vignette, sample->radius2) * radiance - sample->value);
     return true;
   }

@@ -10,11 +10,11 @@
 #include <optional>
 #include <utility>
 
-#include "burin/calib/light/lamp.h"
+#include "burin/calib/light/lamp_model.h"
 #include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/effect_unknowns.h"
-#include "burin/calib/photo/lamp_area.h"
+#include "burin/calib/photo/lamp_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"

@@ -126,7 +126,7 @@ class PhotosAtOnce : public ceres::EvaluationCallback {
   }
 };
 
-using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 3, 1>;
+using PaperCost = ceres::AutoDiffCostFunction<PaperResidual, 1, 1, 3, 3, 1, 2, 1, 1>;
 
 struct GaussPrior {
   std::vector<double> sigma;
@@ -167,7 +167,8 @@ std::set<std::size_t> add_residuals(const Problem& data, const CarvedStates& gro
                              new ceres::CauchyLoss(kPaperLoss), state.block(unknown::ambient),
                              state.block(unknown::vignette), state.block(unknown::lamp_position, sample.light),
                              state.block(unknown::log_intensity, sample.light),
-                             state.block(unknown::spot, sample.light), state.block(unknown::log_paper));
+                             state.block(unknown::spot, sample.light), state.block(unknown::spot + 2, sample.light),
+                             state.block(unknown::log_paper));
   }
   for_each_unknown([&](const UnknownRow& row, int first) {
     if (row.scope == Scope::shared || row.scope == Scope::paper) add_prior(problem, row, state.block(first));
@@ -188,10 +189,11 @@ void hold_and_bound(const Problem& data, const Stage& stage, const std::set<std:
       double low = 0, high = 0;
       if (!exists || !bounds_of(data, row, low, high)) continue;
       if (row.group == Group::blur) std::tie(low, high) = log_blur_range(data);
-      double& value = values[row.bounds.at];
-      value = std::clamp(value, low, high);
-      problem.SetParameterLowerBound(values, row.bounds.at, low);
-      problem.SetParameterUpperBound(values, row.bounds.at, high);
+      for (int i = row.bounds.at; i < row.bounds.at + row.bounds.count; ++i) {
+        values[i] = std::clamp(values[i], low, high);
+        problem.SetParameterLowerBound(values, i, low);
+        problem.SetParameterUpperBound(values, i, high);
+      }
     }
 }
 

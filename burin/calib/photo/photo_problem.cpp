@@ -19,6 +19,7 @@ Problem make_problem(const Board& board, const Sent& sent, const Bench& bench) {
   out.model.f0 = board.material.f0.mean();
   out.model.alpha_field = bench.alpha_field.terms;
   out.model.profile = bench.material.profile;
+  out.coat = bench.paper;
   for (const Light& light : bench.lights) {
     out.is_spot.push_back(light.falloff_exponent > 0);
     out.spot_held.push_back(false);
@@ -111,9 +112,11 @@ void keep_within_bounds(const Problem& problem, State& state) {
     if (row.group == Group::blur) std::tie(low, high) = log_blur_range(problem);
     for (std::size_t light = 0; light < (row.scope == Scope::lamp ? state.lamps.size() : 1); ++light) {
       if (!has_unknown(problem, row, light)) continue;
-      double& value = state.block(first, light)[row.bounds.at];
-      // What is no number says nothing: the least that is possible, until photos say more.
-      value = std::isfinite(value) ? std::clamp(value, low, high) : low;
+      for (int i = row.bounds.at; i < row.bounds.at + row.bounds.count; ++i) {
+        double& value = state.block(first, light)[i];
+        // What is no number says nothing: the least that is possible, until photos say more.
+        value = std::isfinite(value) ? std::clamp(value, low, high) : low;
+      }
     }
   });
 }

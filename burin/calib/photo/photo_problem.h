@@ -49,6 +49,7 @@ struct Problem {
   ModelData model;
   std::vector<PhotoData> photos;
   std::vector<LightSample> paper;
+  PaperCoat coat;  ///< of that paper: held
   std::vector<double> photo_model_error;
   /// What pixels scatter along their slopes by log alpha and log depth, from whatever cause: standard deviations.
   Eigen::Vector2d slope_error{0, 0};

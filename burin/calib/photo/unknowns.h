@@ -14,7 +14,7 @@
 #include <string_view>
 
 #include "burin/calib/geometry/geometry_prior.h"
-#include "burin/calib/light/lamp.h"
+#include "burin/calib/light/lamp_model.h"
 
 namespace burin {
 
@@ -63,14 +63,15 @@ enum class Enters {
   paper     ///< not at all: the brightness of paper
 };
 
-/// Bounds of one number of an unknown.
+/// Bounds of one number of an unknown, or of several in a row.
 struct Bounds {
   /// What `low` and `high` are: the numbers themselves, logarithms' arguments, the same in units of the tool's width,
   /// or lengths in units of the board's diagonal.
   enum class Kind { none, plain, of_log, of_log_per_tool_width, per_board_diagonal };
   Kind kind = Kind::none;
   double low = 0, high = 0;
-  int at = 0;  ///< which number
+  int at = 0;  ///< which number, the first
+  int count = 1;
 };
 
 struct UnknownRow {
@@ -120,9 +121,10 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     // Share of the light that the lens scatters; core and reach are the bench's (glare_fit.h).
     {"glare_share", 1, Scope::shared, Group::glare, Enters::glare, {Bounds::Kind::plain, 0, 0.3}},
     {"lamp_position", 3, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::per_board_diagonal, 0.02, 1e4, 2}},
-    {"log_intensity", 1, Scope::lamp, Group::intensity},
-    // Aim x, aim y (mm), exponent; exponent 0 (held): a bare lamp.
-    {"spot", 3, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::plain, 1e-3, 200, 2}, {}, true},
+    {"log_intensity", 1, Scope::lamp, Group::intensity, Enters::light, {Bounds::Kind::of_log, 1e-20, 1e20}},
+    // A spot's: where on the plane of the board its axis points (mm), and its exponent; 0 (held): a bare lamp.
+    {"aim", 2, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::per_board_diagonal, -3, 4, 0, 2}, {}, true},
+    {"falloff", 1, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::plain, 1e-3, 200}, {}, true},
     // LampArea's numbers in squares of size_unit_mm(); photos follow them nearly linearly from 0 on.
     {"size2", 1, Scope::lamp, Group::lamp_size, Enters::light, {Bounds::Kind::plain, 0, 400}, {}, false, true},
     {"sides2", 2, Scope::lamp, Group::lamp_sides, Enters::light, {}, {}, false, true},
@@ -178,7 +180,7 @@ inline constexpr int log_blur = first_of("log_blur");
 inline constexpr int glare_share = first_of("glare_share");
 inline constexpr int lamp_position = first_of("lamp_position");
 inline constexpr int log_intensity = first_of("log_intensity");
-inline constexpr int spot = first_of("spot");
+inline constexpr int spot = first_of("aim");  // and the exponent behind it
 inline constexpr int size2 = first_of("size2");
 inline constexpr int sides2 = first_of("sides2");
 inline constexpr int pose = first_of("pose");

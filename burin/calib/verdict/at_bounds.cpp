@@ -29,6 +29,30 @@ constexpr std::array<Held, 3> kHeld{
       "mirror-polished "
       "face no photo may"}}};
 
+// A spot whose axis looks past the board by diagonals, or which is narrower than any lamp.
+void judge_spots(const Problem& data, const State& state, Bench& bench, std::vector<Finding>& out) {
+  for (std::size_t light = 0; light < state.lamps.size(); ++light) {
+    if (!data.is_spot[light] || data.spot_held[light]) continue;
+    bool on_it = false;
+    for_each_unknown([&](const UnknownRow& row, int first) {
+      double low = 0, high = 0;
+      if (!row.of_spot || !bounds_of(data, row, low, high)) return;
+      const double near = 1e-3 * (high - low);
+      for (int i = 0; i < row.size; ++i) {
+        const double value = state.block(first, light)[i];
+        on_it = on_it || value > high - near || (first == unknown::spot && value < low + near);
+      }
+    });
+    if (!on_it) continue;
+    const std::string& id = bench.lights[light].id;
+    out.push_back(make_warning(
+        "axis and fall-off of light " + id + " ran to the end of what is possible: these photos do not hold them",
+        "tags all around the board hold them, if their white paper is not clipped in a photo"));
+    for (const std::string& name : {parameter::light_axis(id), parameter::light_falloff(id)})
+      bench.verdict[name].degree = Degree::not_determined;
+  }
+}
+
 }  // namespace
 
 std::vector<Finding> judge_bounds(const Problem& data, const Stage& stage, const State& state, Bench& bench) {
@@ -46,6 +70,7 @@ std::vector<Finding> judge_bounds(const Problem& data, const Stage& stage, const
     Verdict& verdict = bench.verdict[held->name];
     verdict.degree = Degree::not_determined;
   });
+  if (stage.frees(Group::lamp)) judge_spots(data, state, bench, out);
   return out;
 }
 

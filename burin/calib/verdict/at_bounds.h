@@ -10,8 +10,8 @@
 
 namespace burin {
 
-/// Names roughness, depth and the face's roughness that ended on a bound, with what would hold them, and has `bench`'s
-/// verdict say that the photos do not tell them: what an optimizer ran into is no measurement.
+/// Names roughness, depth, the face's roughness and spots that ended on a bound, with what would hold them, and has
+/// `bench`'s verdict say that the photos do not tell them: what an optimizer ran into is no measurement.
 std::vector<Finding> judge_bounds(const Problem& data, const Stage& stage, const State& state, Bench& bench);
 
 }  // namespace burin

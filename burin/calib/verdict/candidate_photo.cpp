@@ -6,7 +6,7 @@
 #include <numbers>
 #include <set>
 
-#include "burin/calib/light/lamp.h"
+#include "burin/calib/light/lamp_model.h"
 #include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/paper_equation.h"

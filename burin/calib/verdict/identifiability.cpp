@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "burin/calib/light/lamp_model.h"
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/half_samples.h"
@@ -490,7 +491,11 @@ void judge_spot(LightJudge& j, std::size_t i) {
   }
   if (j.data.spot_held[i]) {
     for (const std::string& name : {falloff, axis})
-      j.bench.verdict[name] = {Source::assumed, Degree::weakly, {}, Unit::none, {}};
+      j.bench.verdict[name] = {Source::assumed,
+                               Degree::weakly,
+                               {},
+                               Unit::none,
+                               {{Cause::Kind::shines_as_a_plane, {kPlaneExponent, kPlaneExponentSigma}}}};
     return;
   }
   const int spot = global_index(unknown::spot, i);

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "burin/calib/light/lamp_area.h"
 #include "burin/calib/photo/bench_unknowns.h"
-#include "burin/calib/photo/lamp_area.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/median.h"

@@ -32,7 +32,7 @@ struct CauseForm {
   const char* text = nullptr;
 };
 using K = Cause::Kind;
-constexpr std::array<CauseForm, 22> kCauses{{
+constexpr std::array<CauseForm, 23> kCauses{{
     {K::of_focal_length,
      "of_focal_length",
      {"focal_px", "focal_sigma_px", "center_sigma_px", "corners_rms_px"},
@@ -52,6 +52,7 @@ constexpr std::array<CauseForm, 22> kCauses{{
     {K::cutoff_not_seen, "cutoff_not_seen", {"inside", "outside"}},
     {K::field_chosen, "field_chosen", {"linear", "quadratic", "wear"}},
     {K::bare_lamp, "bare_lamp"},
+    {K::shines_as_a_plane, "shines_as_a_plane", {"exponent", "uncertainty"}},
     {K::no_photo_under_lamp, "no_photo_under_lamp"},
     {K::no_paper, "no_paper"},
     {K::paper_and_face, "paper_and_face"},

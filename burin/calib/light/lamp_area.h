@@ -1,10 +1,9 @@
-// burin/calib/photo/lamp_area.h - a lamp's area as fits move it: three numbers that photos follow nearly linearly, from
+// burin/calib/light/lamp_area.h - a lamp's area as fits move it: three numbers that photos follow nearly linearly, from
 // a point on. docs/model.md 9, 'Effects'.
 #pragma once
 
 #include <array>
 
-#include "burin/calib/photo/unknowns.h"
 #include "burin/render/light.h"
 
 namespace burin {
@@ -22,10 +21,6 @@ LampArea lamp_area(const LampSize& size, double unit_mm);
 /// A point, a disk, or (with sides2) a panel, whose sides are at least a twentieth of each other; no larger than 0.45
 /// of the distance either way from its middle, which is what a bench takes. Without sigmas.
 LampSize lamp_size(const LampArea& area, double unit_mm, double distance_mm);
-
-/// Puts a lamp's place, area, axis and fall-off into `light` as a fit's unknowns have them; its area as `given`, where
-/// a person told it.
-void put_lamp(const Unknowns& x, const LampSize& given, double unit_mm, Light& light);
 
 /// How a panel's numbers follow the area's: rows longer side, shorter side (mm), turn (degrees); columns size2, sides2.
 /// For areas that are panels.

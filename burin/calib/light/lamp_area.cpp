@@ -1,4 +1,4 @@
-#include "burin/calib/photo/lamp_area.h"
+#include "burin/calib/light/lamp_area.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,15 +34,6 @@ LampSize lamp_size(const LampArea& area, double unit_mm, double distance_mm) {
   out.panel_mm = (unit_mm * out.panel_mm).cwiseMin(2 * largest_mm);
   out.turn_deg = 0.5 * std::atan2(area.sides2[1], area.sides2[0]) / kDegree;
   return out;
-}
-
-void put_lamp(const Unknowns& x, const LampSize& given, double unit_mm, Light& light) {
-  light.position_mm = x.segment<3>(unknown::lamp_position);
-  light.size = !given.is_point() ? given
-                                 : lamp_size({x[unknown::size2], {x[unknown::sides2], x[unknown::sides2 + 1]}}, unit_mm,
-                                             light.position_mm.norm());
-  light.axis = (Eigen::Vector3d(x[unknown::spot], x[unknown::spot + 1], 0) - light.position_mm).normalized();
-  light.falloff_exponent = std::max(0.0, x[unknown::spot + 2]);
 }
 
 std::array<std::array<double, 3>, 3> panel_slopes(const LampArea& area, double unit_mm) {

@@ -1,0 +1,232 @@
+#include "burin/calib/light/lamp_fit.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "burin/render/lamp_size.h"
+
+namespace burin {
+namespace {
+
+constexpr int kShared = 5;
+
+template <typename T>
+LampModel<T> lamp_of(const T* position, const T* log_intensity, const T* spot) {
+  LampModel<T> lamp;
+  lamp.position_mm = Eigen::Matrix<T, 3, 1>(position[0], position[1], position[2]);
+  lamp.log_intensity = log_intensity[0];
+  lamp.aim_mm = Eigen::Matrix<T, 2, 1>(spot[0], spot[1]);
+  lamp.exponent = spot[2];
+  return lamp;
+}
+
+bool is_finite(double v) { return std::isfinite(v); }
+template <int N>
+bool is_finite(const ceres::Jet<double, N>& v) {
+  return std::isfinite(v.a) && v.v.allFinite();
+}
+
+// log(model / photo) over its expected error: brightness runs over three decades between highlight and shade.
+struct LogResidual {
+  const LightSample* sample;
+  double albedo, f0, weight;
+
+  // `coat`: the face's grain, or the paper's gloss.
+  template <typename T>
+  T radiance_under(const LampModel<T>& lamp, const T* shared, const T* coat) const {
+    using std::exp;
+    if (sample->kind == SampleKind::face) return face_radiance(lamp, shared[1], T(exp(shared[0])), coat, f0, *sample);
+    return paper_radiance(lamp, shared[1], albedo, *sample, {}, PaperGloss<T>{coat[0], coat[1]});
+  }
+
+  template <typename T>
+  bool operator()(const T* position, const T* log_intensity, const T* spot, const T* shared, const T* coat,
+                  T* residual) const {
+    using std::log;
+    const T radiance = radiance_under(lamp_of(position, log_intensity, spot), shared, coat);
+    const T value = vignette_at(shared + 2, sample->radius2) * radiance;
+    if (!(value > T(0))) return false;  // a step too far: Ceres takes a shorter one
+    residual[0] = weight * log(value / sample->value);
+    return is_finite(residual[0]);
+  }
+};
+
+// The same under a lamp with an area: by seven points of an ellipse (Radon's, of the fifth degree).
+struct AreaResidual {
+  LogResidual of_point;
+  Eigen::Matrix<double, 3, 2> across;  // across_axis()
+
+  template <typename T>
+  bool operator()(const T* position, const T* log_intensity, const T* spot, const T* shared, const T* coat,
+                  const T* area, T* residual) const {
+    using std::log;
+    LampModel<T> lamp = lamp_of(position, log_intensity, spot);
+    const LightSample& sample = *of_point.sample;
+    T radiance(0);
+    for (int k = 0; k < 7; ++k) {
+      const double radius = k == 0 ? 0 : std::sqrt(2. / 3), angle = k * std::numbers::pi / 3;
+      const double u = radius * std::cos(angle), v = radius * std::sin(angle);
+      const T x = area[0] * u + area[1] * v, y = area[1] * u + area[2] * v;
+      for (int i = 0; i < 3; ++i) lamp.offset_mm[i] = x * across(i, 0) + y * across(i, 1);
+      const double share = k == 0 ? 0.25 : 0.125;
+      radiance += share * of_point.radiance_under(lamp, shared, coat);
+    }
+    const T value = vignette_at(shared + 2, sample.radius2) * radiance;
+    if (!(value > T(0))) return false;
+    residual[0] = of_point.weight * log(value / sample.value);
+    return is_finite(residual[0]);
+  }
+};
+
+struct SharedPrior {
+  double log_base_alpha;
+
+  template <typename T>
+  bool operator()(const T* shared, T* residual) const {
+    constexpr double kSigmaBaseAlpha = 1.0;  // wide: it matters only where photos say nothing
+    residual[0] = (shared[0] - log_base_alpha) / kSigmaBaseAlpha;
+    for (int i = 0; i < 3; ++i) residual[1 + i] = shared[2 + i] / kVignettePriorSigma[i];
+    return true;
+  }
+};
+
+struct SpotPrior {
+  Eigen::Vector2d center_mm;
+  double reach_mm;
+
+  template <typename T>
+  bool operator()(const T* spot, T* residual) const {
+    residual[0] = (spot[0] - center_mm.x()) / reach_mm;
+    residual[1] = (spot[1] - center_mm.y()) / reach_mm;
+    return true;
+  }
+};
+
+Eigen::Matrix<double, 3, 2> across_axis_of(const LampBlocks& lamp) {
+  return across_axis((Eigen::Vector3d(lamp.spot[0], lamp.spot[1], 0) - lamp.place()).normalized(), 0);
+}
+
+}  // namespace
+
+LampFit fit_lamp_parameters(const LampData& data, const LampParameters& start, const std::vector<bool>& spot,
+                            const LampFitOptions& wanted) {
+  LampFit fit;
+  fit.blocks = start;
+  fit.cost = 0;
+  ceres::Problem::Options problem_options;
+  ceres::Problem problem(problem_options);
+  std::vector<bool> used(start.lamps.size(), false);
+  std::vector<Eigen::Matrix<double, 3, 2>> across;  // held: it turns little while a lamp moves
+  for (const LampBlocks& lamp : start.lamps) across.push_back(across_axis_of(lamp));
+  std::size_t face_seen = 0;
+  for (const LightSample& sample : data.samples) {
+    if (wanted.only_light >= 0 && sample.light != static_cast<std::size_t>(wanted.only_light)) continue;
+    if (!(sample.value > 0)) continue;
+    if (sample.kind == SampleKind::face && face_seen++ % wanted.stride != 0) continue;
+    const double relative = sample.sigma / sample.value;
+    const double weight = 1 / std::sqrt(relative * relative + data.model_error * data.model_error);
+    LampBlocks& lamp = fit.blocks.lamps[sample.light];
+    used[sample.light] = true;
+    const LogResidual residual{&sample, paper_albedo(*data.board, sample.kind), data.f0, weight};
+    double* const coat = sample.kind == SampleKind::face ? fit.blocks.grain : fit.blocks.gloss;
+    auto* const loss = new ceres::HuberLoss(2.0);
+    if (lamp.has_area()) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<AreaResidual, 1, 3, 1, 3, kShared, 2, 3>(
+                                   new AreaResidual{residual, across[sample.light]}),
+                               loss, lamp.position, lamp.log_intensity, lamp.spot, fit.blocks.shared, coat, lamp.area);
+    } else {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<LogResidual, 1, 3, 1, 3, kShared, 2>(new LogResidual(residual)), loss,
+          lamp.position, lamp.log_intensity, lamp.spot, fit.blocks.shared, coat);
+    }
+  }
+  if (std::none_of(used.begin(), used.end(), [](bool u) { return u; })) return fit;
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SharedPrior, 4, kShared>(new SharedPrior{start.shared[0]}),
+                           nullptr, fit.blocks.shared);
+  if (problem.HasParameterBlock(fit.blocks.grain)) {
+    constexpr double kMostGrain = 1.2;  // one roughness ten times the other
+    for (int i = 0; i < 2; ++i) {
+      problem.SetParameterLowerBound(fit.blocks.grain, i, -kMostGrain);
+      problem.SetParameterUpperBound(fit.blocks.grain, i, kMostGrain);
+    }
+    if (start.grain[0] == 0 && start.grain[1] == 0) problem.SetParameterBlockConstant(fit.blocks.grain);
+  }
+  if (problem.HasParameterBlock(fit.blocks.gloss)) {
+    if (start.gloss[0] == 0) {
+      problem.SetParameterBlockConstant(fit.blocks.gloss);
+    } else {
+      constexpr double kMostGloss = 0.2, kLeastAlpha = 0.05, kMostAlpha = 0.8;
+      problem.SetParameterLowerBound(fit.blocks.gloss, 0, 1e-6);
+      problem.SetParameterUpperBound(fit.blocks.gloss, 0, kMostGloss);
+      problem.SetParameterLowerBound(fit.blocks.gloss, 1, kLeastAlpha);
+      problem.SetParameterUpperBound(fit.blocks.gloss, 1, kMostAlpha);
+    }
+  }
+  problem.SetParameterLowerBound(fit.blocks.shared, 0, std::log(0.01));
+  problem.SetParameterUpperBound(fit.blocks.shared, 0, 0);
+  problem.SetParameterLowerBound(fit.blocks.shared, 1, 0);
+  if (!wanted.fit_vignette) problem.SetManifold(fit.blocks.shared, new ceres::SubsetManifold(kShared, {2, 3, 4}));
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) continue;
+    LampBlocks& lamp = fit.blocks.lamps[i];
+    problem.SetParameterLowerBound(lamp.position, 2, 0.05 * data.reach_mm);
+    if (lamp.has_area() && !data.given_area.empty() && data.given_area[i]) problem.SetParameterBlockConstant(lamp.area);
+    if (spot[i]) {
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<SpotPrior, 2, 3>(new SpotPrior{data.center_mm, data.reach_mm}), nullptr,
+          lamp.spot);
+      problem.SetParameterLowerBound(lamp.spot, 2, 1e-3);
+      problem.SetParameterUpperBound(lamp.spot, 2, 200);
+    } else {
+      problem.SetParameterBlockConstant(lamp.spot);
+    }
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  options.max_num_iterations = wanted.iterations;
+  options.logging_type = ceres::SILENT;
+  options.num_threads = 1;  // sums in one order: the same bits in every run
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  fit.usable = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
+  fit.cost = summary.final_cost;
+  if (wanted.covariance && fit.usable) {
+    fit.position_covariance.assign(used.size(), Eigen::Matrix3d::Constant(-1));
+    ceres::Covariance::Options covariance_options;
+    covariance_options.algorithm_type = ceres::DENSE_SVD;
+    covariance_options.null_space_rank = -1;
+    ceres::Covariance covariance(covariance_options);
+    std::vector<std::pair<const double*, const double*>> wanted{{fit.blocks.shared, fit.blocks.shared}};
+    for (std::size_t i = 0; i < used.size(); ++i)
+      if (used[i]) wanted.emplace_back(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position);
+    if (covariance.Compute(wanted, &problem)) {
+      Eigen::Matrix<double, kShared, kShared, Eigen::RowMajor> shared;
+      covariance.GetCovarianceBlock(fit.blocks.shared, fit.blocks.shared, shared.data());
+      fit.log_base_alpha_sigma = std::sqrt(shared(0, 0));
+      for (std::size_t i = 0; i < used.size(); ++i) {
+        if (!used[i]) continue;
+        Eigen::Matrix<double, 3, 3, Eigen::RowMajor> block;
+        covariance.GetCovarianceBlock(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position, block.data());
+        fit.position_covariance[i] = block;
+      }
+    }
+  }
+  return fit;
+}
+
+std::optional<double> log_residual(const LampData& data, const LampParameters& at, const LightSample& sample) {
+  const LampBlocks& b = at.lamps[sample.light];
+  const LogResidual residual{&sample, paper_albedo(*data.board, sample.kind), data.f0, 1};
+  double r = 0;
+  const double* coat = sample.kind == SampleKind::face ? at.grain : at.gloss;
+  const bool lit = b.has_area() ? AreaResidual{residual, across_axis_of(b)}(b.position, b.log_intensity, b.spot,
+                                                                            at.shared, coat, b.area, &r)
+                                : residual(b.position, b.log_intensity, b.spot, at.shared, coat, &r);
+  return lit ? std::optional(r) : std::nullopt;
+}
+
+}  // namespace burin

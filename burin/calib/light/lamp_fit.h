@@ -1,0 +1,73 @@
+// burin/calib/light/lamp_fit.h - one least-squares fit of lamps, face, ambient light and vignetting to the brightness
+// of paper and plain face; lamp.h begins it from several places, lamp_shapes.h asks what else they may be.
+// docs/model.md 9 'Lamp'. Frame: board, mm.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "burin/calib/light/lamp_model.h"
+#include "burin/calib/light/light_samples.h"
+#include "burin/render/board.h"
+
+namespace burin {
+
+/// What is fitted, and by how much it may differ from the model.
+struct LampData {
+  std::span<const LightSample> samples;
+  const Board* board;
+  double f0 = 1, reach_mm = 1;  ///< the face's, mean of the channels; the board's diagonal
+  Eigen::Vector2d center_mm{0, 0};
+  double model_error = 0.02;     ///< LampOptions::model_error
+  std::vector<bool> given_area;  ///< of each lamp: whether a person told its area, which is held
+};
+
+/// A lamp's parameters, in the arrays that Ceres moves.
+struct LampBlocks {
+  double position[3] = {0, 0, 1};
+  double log_intensity[1] = {0};
+  double spot[3] = {0, 0, 0};  ///< aim x, aim y (LampModel::aim_mm), exponent
+  /// The ellipse that stands for a lamp's area, mm: the symmetric matrix xx, xy, yy that takes the unit disk to it,
+  /// across the axis. All 0: a point.
+  double area[3] = {0, 0, 0};
+
+  bool has_area() const { return area[0] != 0 || area[1] != 0 || area[2] != 0; }
+  Eigen::Vector3d place() const { return Eigen::Vector3d::Map(position); }
+};
+
+/// All that is fitted.
+struct LampParameters {
+  std::vector<LampBlocks> lamps;
+  double shared[5] = {0, 0, 0, 0, 0};  ///< log base_alpha, ambient, v1, v2, v3
+  double grain[2] = {0, 0};            ///< FaceGrain's c and s; both 0: held there
+  double gloss[2] = {0, 0.3};          ///< PaperGloss; f0 0: held there
+};
+
+struct LampFit {
+  LampParameters blocks;
+  double cost = std::numeric_limits<double>::infinity();
+  bool usable = false;
+  std::vector<Eigen::Matrix3d> position_covariance;  ///< of each lamp, where asked for; all -1: not known
+  double log_base_alpha_sigma = 0;
+};
+
+struct LampFitOptions {
+  int only_light = -1;     ///< from 0: by that lamp's samples alone
+  std::size_t stride = 1;  ///< of the face's samples one in so many
+  bool fit_vignette = true;
+  int iterations = 60;
+  bool covariance = false;
+};
+
+/// Fits from `start`. `spot[i]`: whether lamp i's aim and exponent move, or are held. An area moves where it is one.
+LampFit fit_lamp_parameters(const LampData& data, const LampParameters& start, const std::vector<bool>& spot,
+                            const LampFitOptions& options = {});
+
+/// log(photo / model) of one sample at these parameters; none where the model has no light there.
+std::optional<double> log_residual(const LampData& data, const LampParameters& at, const LightSample& sample);
+
+}  // namespace burin

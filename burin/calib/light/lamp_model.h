@@ -1,0 +1,122 @@
+// burin/calib/light/lamp_model.h - what paper and plain face send under a lamp, over any scalar type: Ceres' and
+// double. docs/model.md 5. Frame: board, mm.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "burin/calib/light/light_samples.h"
+#include "burin/render/board.h"
+#include "burin/render/brdf.h"
+#include "burin/render/face_grain.h"
+#include "burin/render/lamp_size.h"
+#include "burin/render/pixel_shading.h"
+
+namespace burin {
+
+/// A lamp as the fits move it. A spot's axis points from the lamp at `aim` on the plane z = 0 of the board, so that it
+/// always points at the board's side; exponent 0 is a bare lamp, for which `aim` means nothing.
+template <typename T>
+struct LampModel {
+  Eigen::Matrix<T, 3, 1> position_mm;
+  T log_intensity;
+  Eigen::Matrix<T, 2, 1> aim_mm;
+  T exponent;
+  /// Of a point of a lamp with an area from its middle, which the axis begins at.
+  Eigen::Matrix<T, 3, 1> offset_mm = Eigen::Matrix<T, 3, 1>::Zero();
+};
+
+/// Of a lamp with an area whose fall-off nothing tells: a plane's that shines alike into all directions; and what it
+/// may be off by.
+inline constexpr double kPlaneExponent = 1, kPlaneExponentSigma = 0.5;
+
+/// Albedo of a tag's white or black paper, as board.json gives it.
+inline double paper_albedo(const Board& board, SampleKind kind) {
+  return kind == SampleKind::white_paper ? board.tags.white_albedo : board.tags.black_albedo;
+}
+
+/// Light that reaches a point, per solid angle and distance: (axis . -wi)^k / d^2, times exp(log_intensity). Gives wi,
+/// the unit vector from the point towards the lamp.
+template <typename T>
+T lamp_irradiance(const LampModel<T>& lamp, const Eigen::Vector3d& p_board, Eigen::Matrix<T, 3, 1>& wi) {
+  using std::exp;
+  using std::pow;
+  const Eigen::Matrix<T, 3, 1> to_lamp = lamp.position_mm - (p_board.template cast<T>() - lamp.offset_mm);
+  const T distance2 = to_lamp.squaredNorm();
+  wi = to_lamp / sqrt(distance2);
+  T value = exp(lamp.log_intensity) / distance2;
+  if (lamp.exponent > T(0)) {
+    const Eigen::Matrix<T, 3, 1> axis =
+        (Eigen::Matrix<T, 3, 1>(lamp.aim_mm.x(), lamp.aim_mm.y(), T(0)) - lamp.position_mm).normalized();
+    const T cosine = -axis.dot(wi);
+    value *= cosine > T(1e-6) ? T(pow(cosine, lamp.exponent)) : T(pow(T(1e-6), lamp.exponent));
+  }
+  return value;
+}
+
+/// PaperCoat as the fits move it.
+template <typename T>
+struct PaperGloss {
+  T f0 = T(0), alpha = T(0.3);
+};
+
+/// Radiance of paper: albedo / pi cos I / d^2 + albedo * ambient * sample.around (Lambertian), and what its coat sends
+/// (model.md 5.14). Of a lamp with an area the mean over `points` (lamp_points()); without them it is a point.
+template <typename T>
+T paper_radiance(const LampModel<T>& lamp, const T& ambient, double albedo, const LightSample& sample,
+                 std::span<const LampPoint> points = {}, const PaperGloss<T>& gloss = {}) {
+  const auto lit_by = [&](const LampModel<T>& point) {
+    Eigen::Matrix<T, 3, 1> wi;
+    const T irradiance = lamp_irradiance(point, sample.p_board, wi);
+    const Eigen::Matrix<T, 3, 1> n = sample.normal.cast<T>();
+    const T cosine = wi.dot(n);
+    if (!(cosine > T(0))) return T(0);
+    T sent = albedo / std::numbers::pi * cosine;
+    if (gloss.f0 > T(0)) {
+      const Eigen::Matrix<T, 3, 1> wo = sample.to_camera.cast<T>(), h = (wi + wo).normalized();
+      const T cos_o = wo.dot(n);
+      sent += ggx_D(T(h.dot(n)), gloss.alpha) * smith_G(cosine, cos_o, gloss.alpha) *
+              schlick_F(T(h.dot(wo)), gloss.f0) / (4. * cos_o);
+    }
+    return T(sent * irradiance);
+  };
+  T lit(0);
+  for (const LampPoint& point : points) {
+    LampModel<T> at = lamp;
+    at.offset_mm = point.offset_mm.template cast<T>();
+    lit += point.share * lit_by(at);
+  }
+  if (points.empty()) lit = lit_by(lamp);
+  return (albedo + gloss.f0) * ambient * sample.around + lit;
+}
+
+/// Radiance of the face between scratches: D G F / (4 wo.z) I / d^2 + F0 * ambient * sample.around, all with
+/// base_alpha. `f0` is the mean of the channels; `grain` FaceGrain's c and s.
+template <typename T>
+T face_radiance(const LampModel<T>& lamp, const T& ambient, const T& base_alpha, const T* grain, double f0,
+                const LightSample& sample) {
+  Eigen::Matrix<T, 3, 1> wi;
+  const T irradiance = lamp_irradiance(lamp, sample.p_board, wi);
+  const Eigen::Matrix<T, 3, 1> wo = sample.to_camera.cast<T>(), n = sample.normal.cast<T>();
+  const Eigen::Matrix<T, 3, 1> h = (wi + wo).normalized();
+  const T cos_o = wo.dot(n);
+  const T around = schlick_F(T(h.dot(wo)), T(f0)) / (4. * cos_o);
+  if (grain[0] == T(0) && grain[1] == T(0)) {
+    const T lobe = ggx_D(T(h.dot(n)), base_alpha) * smith_G(T(wi.dot(n)), cos_o, base_alpha);
+    return lobe * around * irradiance + f0 * sample.around * ambient;
+  }
+  const Eigen::Matrix<T, 3, 3> R = R_face_board(sample.normal).cast<T>();
+  const Eigen::Matrix<T, 3, 1> h_face = R * h, i_face = R * wi, o_face = R * wo;
+  const T lobe = grained_D(h_face.x(), h_face.y(), h_face.z(), base_alpha, grain[0], grain[1]) *
+                 grained_G1(i_face.x(), i_face.y(), i_face.z(), base_alpha, grain[0], grain[1]) *
+                 grained_G1(o_face.x(), o_face.y(), o_face.z(), base_alpha, grain[0], grain[1]);
+  return lobe * around * irradiance + f0 * sample.around * ambient;
+}
+
+/// Prior of v1, v2, v3: lenses darken mostly as r^2, and photos hardly tell the higher orders from one another.
+inline constexpr std::array<double, 3> kVignettePriorSigma{0.5, 0.25, 0.1};
+
+}  // namespace burin

@@ -1,0 +1,141 @@
+#include "burin/calib/light/lamp_shapes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace burin {
+namespace {
+
+// A share of the face's samples chooses where to start, and tells what all of them need not be asked.
+constexpr LampFitOptions thinned(std::size_t stride) { return {.stride = stride}; }
+
+// What is not there would be looked for along a valley for long: areas of points, coats of matte paper.
+constexpr int kFewIterations = 20;
+
+void add_move(const LampFit& with, const LampFit& without, std::size_t light, LampShapes& shapes) {
+  Eigen::Vector3d& moved = shapes.moved_mm[light];
+  moved = moved.cwiseMax((with.blocks.lamps[light].place() - without.blocks.lamps[light].place()).cwiseAbs());
+}
+
+// A lamp with an area: a plane, which shines less to the side, unless it is a spot of its own.
+LampFit with_area(const LampData& data, const LampShapes& shapes, std::size_t light, const LampFitOptions& options) {
+  constexpr double kStart = 0.15;  // of its distance
+  LampParameters from = shapes.fit.blocks;
+  LampBlocks& lamp = from.lamps[light];
+  const Eigen::Vector3d center(data.center_mm.x(), data.center_mm.y(), 0);
+  lamp.area[0] = lamp.area[2] = kStart * (lamp.place() - center).norm();
+  if (!shapes.spot[light]) {
+    lamp.spot[0] = data.center_mm.x();
+    lamp.spot[1] = data.center_mm.y();
+    lamp.spot[2] = kPlaneExponent;
+  }
+  LampFitOptions few = options;
+  few.iterations = kFewIterations;
+  return fit_lamp_parameters(data, from, shapes.spot, few);
+}
+
+// A brushed face, from several directions: a lamp that was found without them may be far off.
+LampFit with_grain(const LampData& data, const LampShapes& shapes, const LampFitOptions& options) {
+  constexpr double kStart = 0.3;
+  LampFit best;
+  for (int i = 0; i < 4; ++i) {
+    LampParameters from = shapes.fit.blocks;
+    const double twice = 2 * std::numbers::pi * i / 4;
+    from.grain[0] = kStart * std::cos(twice);
+    from.grain[1] = kStart * std::sin(twice);
+    LampFit fit = fit_lamp_parameters(data, from, shapes.spot, options);
+    if (fit.usable && fit.cost < best.cost) best = std::move(fit);
+  }
+  return best;
+}
+
+// Satin paper, which shines.
+LampFit with_gloss(const LampData& data, const LampShapes& shapes, const LampFitOptions& options) {
+  LampParameters from = shapes.fit.blocks;
+  from.gloss[0] = 0.04;  // of a refractive index of 1.5
+  from.gloss[1] = 0.3;
+  LampFitOptions few = options;
+  few.iterations = kFewIterations;
+  return fit_lamp_parameters(data, from, shapes.spot, few);
+}
+
+}  // namespace
+
+void try_spots(const LampData& data, const std::vector<bool>& usable, LampShapes& shapes) {
+  for (std::size_t light = 0; light < usable.size(); ++light) {
+    if (!usable[light] || shapes.spot[light]) continue;
+    std::vector<bool> with_spot = shapes.spot;
+    with_spot[light] = true;
+    constexpr std::size_t kThin = 10;
+    LampFit thin;
+    for (const double exponent : {2., 8., 25.}) {
+      LampParameters from = shapes.fit.blocks;
+      from.lamps[light].spot[0] = data.center_mm.x();
+      from.lamps[light].spot[1] = data.center_mm.y();
+      from.lamps[light].spot[2] = exponent;
+      LampFit candidate = fit_lamp_parameters(data, from, with_spot, thinned(kThin));
+      if (candidate.usable && candidate.cost < thin.cost) thin = std::move(candidate);
+    }
+    if (!thin.usable) continue;
+    LampFit best = fit_lamp_parameters(data, thin.blocks, with_spot);
+    // A spot has three parameters more. Errors of paper and face are not independent, so ask for far more than a test
+    // of white noise would.
+    constexpr double kWorthIt = 0.9;
+    if (!best.usable || !(best.cost < shapes.fit.cost)) continue;
+    if (!(best.cost < kWorthIt * shapes.fit.cost)) {
+      add_move(best, shapes.fit, light, shapes);
+      continue;
+    }
+    shapes.fit = std::move(best);
+    shapes.spot = with_spot;
+  }
+}
+
+bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, LampShapes& shapes) {
+  constexpr std::size_t kThin = 8;
+  constexpr double kNear = 0.93;
+  const std::size_t lamps = usable.size(), grain = lamps, gloss = lamps + 1;  // what may be taken, by number
+  std::vector<bool> open = usable, refused(lamps + 2, false);
+  open.resize(lamps + 2, true);
+  // As for spots: far more than a test of white noise would ask.
+  const auto worth_it = [&](std::size_t k) { return k == gloss ? 0.75 : k == grain ? 0.85 : 0.9; };
+  const auto is_nothing = [&](std::size_t k, const LampParameters& found) {
+    constexpr double kLeastGrain = 0.02, kLeastGloss = 0.012;  // glare looks like less
+    return (k == grain && std::hypot(found.grain[0], found.grain[1]) < kLeastGrain) ||
+           (k == gloss && found.gloss[0] < kLeastGloss);
+  };
+  bool took = false;
+  while (true) {
+    const LampFit plain = fit_lamp_parameters(data, shapes.fit.blocks, shapes.spot, thinned(kThin));
+    LampFit thin;
+    std::size_t which = grain;
+    for (std::size_t k = 0; k <= gloss; ++k) {
+      if (!open[k] || refused[k]) continue;
+      const LampFitOptions few = thinned(kThin);
+      LampFit fit = k == grain   ? with_grain(data, shapes, few)
+                    : k == gloss ? with_gloss(data, shapes, few)
+                                 : with_area(data, shapes, k, few);
+      if (fit.usable && fit.cost < plain.cost && k < lamps) add_move(fit, plain, k, shapes);
+      // All samples are asked only where few of them come near to what they must say.
+      if (!fit.usable || !(fit.cost < kNear * plain.cost) || !(fit.cost < thin.cost)) continue;
+      thin = std::move(fit);
+      which = k;
+    }
+    if (!thin.usable) return took;
+    LampFit best = fit_lamp_parameters(data, thin.blocks, shapes.spot);
+    if (!best.usable || !(best.cost < worth_it(which) * shapes.fit.cost) || is_nothing(which, best.blocks)) {
+      refused[which] = true;
+      continue;
+    }
+    shapes.fit = std::move(best);
+    open[which] = false;
+    refused.assign(lamps + 2, false);  // what is taken may have hidden others
+    shapes.moved_mm.assign(lamps, Eigen::Vector3d::Zero());
+    took = true;
+  }
+}
+
+}  // namespace burin
