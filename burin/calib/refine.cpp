@@ -137,7 +137,6 @@ void RefineRun::find_lamp() {
   const std::vector<LightSample> samples = gather_light_samples(views, board, out.bench, sent);
   const LampSeed seed = fit_lamps(samples, board, out.bench);
   append(out.findings, seed.findings);
-  append(out.findings, paper_findings(seed.paper));
   Bench start = out.bench;
   start.material = board.material;
   start.depth_field = start.alpha_field = {};

@@ -203,8 +203,7 @@ void fill_seed(const LampData& data, const std::vector<bool>& usable, const std:
     l.intensity.setConstant(std::exp(b.log_intensity[0]));
     l.falloff_exponent = spot[light] ? b.spot[2] : 0;
     if (b.has_area() && !data.given_area[light])
-      seed.sizes[light] = lamp_size(
-          moments_of_area(b), 1, (l.position_mm - Eigen::Vector3d(data.center_mm.x(), data.center_mm.y(), 0)).norm());
+      seed.sizes[light] = lamp_size(moments_of_area(b), 1, distance_mm(data, b));
     if (spot[light]) seed.aim_mm[light] = Eigen::Vector2d(b.spot[0], b.spot[1]);
     l.axis = (Eigen::Vector3d(seed.aim_mm[light].x(), seed.aim_mm[light].y(), 0) - l.position_mm).normalized();
     if (!fit.position_covariance.empty() && fit.position_covariance[light](0, 0) >= 0)
@@ -320,6 +319,7 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   data.reach_mm = board.size_mm.norm();
   data.center_mm = 0.5 * board.size_mm;
   data.model_error = options.model_error;
+  data.given_area.assign(bench.lights.size(), false);
 
   LampSeed seed;
   seed.lights = bench.lights;
@@ -329,7 +329,6 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   std::vector<bool> usable(bench.lights.size(), false), point(bench.lights.size(), false);
   for (std::size_t light = 0; light < bench.lights.size(); ++light) {
     if (!bench.lights[light].is_near()) continue;  // given, and known by their scale
-    data.given_area.resize(bench.lights.size(), false);
     data.given_area[light] = !bench.lights[light].size.is_point();
     if (data.given_area[light]) put_area(bench.lights[light].size, blocks.lamps[light]);
     const LampFit best = fit_from_starts(data, blocks, light, bench.lights[light].id, seed.findings);

@@ -46,8 +46,12 @@ struct LogResidual {
   template <typename T>
   bool operator()(const T* position, const T* log_intensity, const T* spot, const T* shared, const T* coat,
                   T* residual) const {
+    return of_radiance(radiance_under(lamp_of(position, log_intensity, spot), shared, coat), shared, residual);
+  }
+
+  template <typename T>
+  bool of_radiance(const T& radiance, const T* shared, T* residual) const {
     using std::log;
-    const T radiance = radiance_under(lamp_of(position, log_intensity, spot), shared, coat);
     const T value = vignette_at(shared + 2, sample->radius2) * radiance;
     if (!(value > T(0))) return false;  // a step too far: Ceres takes a shorter one
     residual[0] = weight * log(value / sample->value);
@@ -63,9 +67,7 @@ struct AreaResidual {
   template <typename T>
   bool operator()(const T* position, const T* log_intensity, const T* spot, const T* shared, const T* coat,
                   const T* area, T* residual) const {
-    using std::log;
     LampModel<T> lamp = lamp_of(position, log_intensity, spot);
-    const LightSample& sample = *of_point.sample;
     T radiance(0);
     for (int k = 0; k < 7; ++k) {
       const double radius = k == 0 ? 0 : std::sqrt(2. / 3), angle = k * std::numbers::pi / 3;
@@ -75,10 +77,7 @@ struct AreaResidual {
       const double share = k == 0 ? 0.25 : 0.125;
       radiance += share * of_point.radiance_under(lamp, shared, coat);
     }
-    const T value = vignette_at(shared + 2, sample.radius2) * radiance;
-    if (!(value > T(0))) return false;
-    residual[0] = of_point.weight * log(value / sample.value);
-    return is_finite(residual[0]);
+    return of_point.of_radiance(radiance, shared, residual);
   }
 };
 
@@ -110,111 +109,125 @@ Eigen::Matrix<double, 3, 2> across_axis_of(const LampBlocks& lamp) {
   return across_axis((Eigen::Vector3d(lamp.spot[0], lamp.spot[1], 0) - lamp.place()).normalized(), 0);
 }
 
-}  // namespace
-
-LampFit fit_lamp_parameters(const LampData& data, const LampParameters& start, const std::vector<bool>& spot,
-                            const LampFitOptions& wanted) {
-  LampFit fit;
-  fit.blocks = start;
-  fit.cost = 0;
-  ceres::Problem::Options problem_options;
-  ceres::Problem problem(problem_options);
-  std::vector<bool> used(start.lamps.size(), false);
+// Paper and face as Ceres' residual blocks on `at`. Returns which lamps have any.
+std::vector<bool> add_samples(const LampData& data, const LampFitOptions& options, LampParameters& at,
+                              ceres::Problem& problem) {
+  std::vector<bool> used(at.lamps.size(), false);
   std::vector<Eigen::Matrix<double, 3, 2>> across;  // held: it turns little while a lamp moves
-  for (const LampBlocks& lamp : start.lamps) across.push_back(across_axis_of(lamp));
+  for (const LampBlocks& lamp : at.lamps) across.push_back(across_axis_of(lamp));
   std::size_t face_seen = 0;
   for (const LightSample& sample : data.samples) {
-    if (wanted.only_light >= 0 && sample.light != static_cast<std::size_t>(wanted.only_light)) continue;
+    if (options.only_light >= 0 && sample.light != static_cast<std::size_t>(options.only_light)) continue;
     if (!(sample.value > 0)) continue;
-    if (sample.kind == SampleKind::face && face_seen++ % wanted.stride != 0) continue;
+    if (sample.kind == SampleKind::face && face_seen++ % options.stride != 0) continue;
     const double relative = sample.sigma / sample.value;
     const double weight = 1 / std::sqrt(relative * relative + data.model_error * data.model_error);
-    LampBlocks& lamp = fit.blocks.lamps[sample.light];
+    LampBlocks& lamp = at.lamps[sample.light];
     used[sample.light] = true;
     const LogResidual residual{&sample, paper_albedo(*data.board, sample.kind), data.f0, weight};
-    double* const coat = sample.kind == SampleKind::face ? fit.blocks.grain : fit.blocks.gloss;
+    double* const coat = sample.kind == SampleKind::face ? at.grain : at.gloss;
     auto* const loss = new ceres::HuberLoss(2.0);
     if (lamp.has_area()) {
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<AreaResidual, 1, 3, 1, 3, kShared, 2, 3>(
                                    new AreaResidual{residual, across[sample.light]}),
-                               loss, lamp.position, lamp.log_intensity, lamp.spot, fit.blocks.shared, coat, lamp.area);
+                               loss, lamp.position, lamp.log_intensity, lamp.spot, at.shared, coat, lamp.area);
     } else {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<LogResidual, 1, 3, 1, 3, kShared, 2>(new LogResidual(residual)), loss,
-          lamp.position, lamp.log_intensity, lamp.spot, fit.blocks.shared, coat);
+          lamp.position, lamp.log_intensity, lamp.spot, at.shared, coat);
     }
   }
-  if (std::none_of(used.begin(), used.end(), [](bool u) { return u; })) return fit;
-  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SharedPrior, 4, kShared>(new SharedPrior{start.shared[0]}),
-                           nullptr, fit.blocks.shared);
-  if (problem.HasParameterBlock(fit.blocks.grain)) {
+  return used;
+}
+
+// Priors and bounds of what paper, face and photos share; what is not asked for is held.
+void hold_shared(const LampFitOptions& options, LampParameters& at, ceres::Problem& problem) {
+  problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SharedPrior, 4, kShared>(new SharedPrior{at.shared[0]}),
+                           nullptr, at.shared);
+  if (problem.HasParameterBlock(at.grain)) {
     constexpr double kMostGrain = 1.2;  // one roughness ten times the other
     for (int i = 0; i < 2; ++i) {
-      problem.SetParameterLowerBound(fit.blocks.grain, i, -kMostGrain);
-      problem.SetParameterUpperBound(fit.blocks.grain, i, kMostGrain);
+      problem.SetParameterLowerBound(at.grain, i, -kMostGrain);
+      problem.SetParameterUpperBound(at.grain, i, kMostGrain);
     }
-    if (start.grain[0] == 0 && start.grain[1] == 0) problem.SetParameterBlockConstant(fit.blocks.grain);
+    if (at.grain[0] == 0 && at.grain[1] == 0) problem.SetParameterBlockConstant(at.grain);
   }
-  if (problem.HasParameterBlock(fit.blocks.gloss)) {
-    if (start.gloss[0] == 0) {
-      problem.SetParameterBlockConstant(fit.blocks.gloss);
+  if (problem.HasParameterBlock(at.gloss)) {
+    if (at.gloss[0] == 0) {
+      problem.SetParameterBlockConstant(at.gloss);
     } else {
       constexpr double kMostGloss = 0.2, kLeastAlpha = 0.05, kMostAlpha = 0.8;
-      problem.SetParameterLowerBound(fit.blocks.gloss, 0, 1e-6);
-      problem.SetParameterUpperBound(fit.blocks.gloss, 0, kMostGloss);
-      problem.SetParameterLowerBound(fit.blocks.gloss, 1, kLeastAlpha);
-      problem.SetParameterUpperBound(fit.blocks.gloss, 1, kMostAlpha);
+      problem.SetParameterLowerBound(at.gloss, 0, 1e-6);
+      problem.SetParameterUpperBound(at.gloss, 0, kMostGloss);
+      problem.SetParameterLowerBound(at.gloss, 1, kLeastAlpha);
+      problem.SetParameterUpperBound(at.gloss, 1, kMostAlpha);
     }
   }
-  problem.SetParameterLowerBound(fit.blocks.shared, 0, std::log(0.01));
-  problem.SetParameterUpperBound(fit.blocks.shared, 0, 0);
-  problem.SetParameterLowerBound(fit.blocks.shared, 1, 0);
-  if (!wanted.fit_vignette) problem.SetManifold(fit.blocks.shared, new ceres::SubsetManifold(kShared, {2, 3, 4}));
+  problem.SetParameterLowerBound(at.shared, 0, std::log(0.01));
+  problem.SetParameterUpperBound(at.shared, 0, 0);
+  problem.SetParameterLowerBound(at.shared, 1, 0);
+  if (!options.fit_vignette) problem.SetManifold(at.shared, new ceres::SubsetManifold(kShared, {2, 3, 4}));
+}
+
+// The same of one lamp.
+void hold_lamp(const LampData& data, bool given_area, bool is_spot, LampBlocks& lamp, ceres::Problem& problem) {
+  problem.SetParameterLowerBound(lamp.position, 2, 0.05 * data.reach_mm);
+  if (lamp.has_area() && given_area) problem.SetParameterBlockConstant(lamp.area);
+  if (!is_spot) {
+    problem.SetParameterBlockConstant(lamp.spot);
+    return;
+  }
+  problem.AddResidualBlock(
+      new ceres::AutoDiffCostFunction<SpotPrior, 2, 3>(new SpotPrior{data.center_mm, data.reach_mm}), nullptr,
+      lamp.spot);
+  problem.SetParameterLowerBound(lamp.spot, 2, 1e-3);
+  problem.SetParameterUpperBound(lamp.spot, 2, 200);
+}
+
+void fill_covariance(const std::vector<bool>& used, ceres::Problem& problem, LampFit& fit) {
+  fit.position_covariance.assign(used.size(), Eigen::Matrix3d::Constant(-1));
+  ceres::Covariance::Options options;
+  options.algorithm_type = ceres::DENSE_SVD;
+  options.null_space_rank = -1;
+  ceres::Covariance covariance(options);
+  const double* const shared = fit.blocks.shared;
+  std::vector<std::pair<const double*, const double*>> wanted{{shared, shared}};
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i]) wanted.emplace_back(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position);
+  if (!covariance.Compute(wanted, &problem)) return;
+  Eigen::Matrix<double, kShared, kShared, Eigen::RowMajor> of_shared;
+  covariance.GetCovarianceBlock(shared, shared, of_shared.data());
+  fit.log_base_alpha_sigma = std::sqrt(of_shared(0, 0));
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
-    LampBlocks& lamp = fit.blocks.lamps[i];
-    problem.SetParameterLowerBound(lamp.position, 2, 0.05 * data.reach_mm);
-    if (lamp.has_area() && !data.given_area.empty() && data.given_area[i]) problem.SetParameterBlockConstant(lamp.area);
-    if (spot[i]) {
-      problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<SpotPrior, 2, 3>(new SpotPrior{data.center_mm, data.reach_mm}), nullptr,
-          lamp.spot);
-      problem.SetParameterLowerBound(lamp.spot, 2, 1e-3);
-      problem.SetParameterUpperBound(lamp.spot, 2, 200);
-    } else {
-      problem.SetParameterBlockConstant(lamp.spot);
-    }
+    Eigen::Matrix<double, 3, 3, Eigen::RowMajor> block;
+    covariance.GetCovarianceBlock(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position, block.data());
+    fit.position_covariance[i] = block;
   }
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = wanted.iterations;
-  options.logging_type = ceres::SILENT;
-  options.num_threads = 1;  // sums in one order: the same bits in every run
+}
+
+}  // namespace
+
+LampFit fit_lamp_parameters(const LampData& data, const LampParameters& start, const std::vector<bool>& spot,
+                            const LampFitOptions& options) {
+  LampFit fit;
+  fit.blocks = start;
+  ceres::Problem problem;
+  const std::vector<bool> used = add_samples(data, options, fit.blocks, problem);
+  if (std::none_of(used.begin(), used.end(), [](bool u) { return u; })) return fit;
+  hold_shared(options, fit.blocks, problem);
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i]) hold_lamp(data, data.given_area[i], spot[i], fit.blocks.lamps[i], problem);
+  ceres::Solver::Options solver;
+  solver.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+  solver.max_num_iterations = options.iterations;
+  solver.logging_type = ceres::SILENT;
+  solver.num_threads = 1;  // sums in one order: the same bits in every run
   ceres::Solver::Summary summary;
-  ceres::Solve(options, &problem, &summary);
+  ceres::Solve(solver, &problem, &summary);
   fit.usable = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
   fit.cost = summary.final_cost;
-  if (wanted.covariance && fit.usable) {
-    fit.position_covariance.assign(used.size(), Eigen::Matrix3d::Constant(-1));
-    ceres::Covariance::Options covariance_options;
-    covariance_options.algorithm_type = ceres::DENSE_SVD;
-    covariance_options.null_space_rank = -1;
-    ceres::Covariance covariance(covariance_options);
-    std::vector<std::pair<const double*, const double*>> wanted{{fit.blocks.shared, fit.blocks.shared}};
-    for (std::size_t i = 0; i < used.size(); ++i)
-      if (used[i]) wanted.emplace_back(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position);
-    if (covariance.Compute(wanted, &problem)) {
-      Eigen::Matrix<double, kShared, kShared, Eigen::RowMajor> shared;
-      covariance.GetCovarianceBlock(fit.blocks.shared, fit.blocks.shared, shared.data());
-      fit.log_base_alpha_sigma = std::sqrt(shared(0, 0));
-      for (std::size_t i = 0; i < used.size(); ++i) {
-        if (!used[i]) continue;
-        Eigen::Matrix<double, 3, 3, Eigen::RowMajor> block;
-        covariance.GetCovarianceBlock(fit.blocks.lamps[i].position, fit.blocks.lamps[i].position, block.data());
-        fit.position_covariance[i] = block;
-      }
-    }
-  }
+  if (options.covariance && fit.usable) fill_covariance(used, problem, fit);
   return fit;
 }
 

@@ -39,6 +39,11 @@ struct LampBlocks {
   Eigen::Vector3d place() const { return Eigen::Vector3d::Map(position); }
 };
 
+/// Of a lamp from the board's middle.
+inline double distance_mm(const LampData& data, const LampBlocks& lamp) {
+  return (lamp.place() - Eigen::Vector3d(data.center_mm.x(), data.center_mm.y(), 0)).norm();
+}
+
 /// All that is fitted.
 struct LampParameters {
   std::vector<LampBlocks> lamps;

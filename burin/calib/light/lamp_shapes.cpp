@@ -9,12 +9,6 @@
 namespace burin {
 namespace {
 
-// A share of the face's samples chooses where to start, and tells what all of them need not be asked.
-constexpr LampFitOptions thinned(std::size_t stride) { return {.stride = stride}; }
-
-// What is not there would be looked for along a valley for long: areas of points, coats of matte paper.
-constexpr int kFewIterations = 20;
-
 void add_move(const LampFit& with, const LampFit& without, std::size_t light, LampShapes& shapes) {
   Eigen::Vector3d& moved = shapes.moved_mm[light];
   moved = moved.cwiseMax((with.blocks.lamps[light].place() - without.blocks.lamps[light].place()).cwiseAbs());
@@ -25,16 +19,13 @@ LampFit with_area(const LampData& data, const LampShapes& shapes, std::size_t li
   constexpr double kStart = 0.15;  // of its distance
   LampParameters from = shapes.fit.blocks;
   LampBlocks& lamp = from.lamps[light];
-  const Eigen::Vector3d center(data.center_mm.x(), data.center_mm.y(), 0);
-  lamp.area[0] = lamp.area[2] = kStart * (lamp.place() - center).norm();
+  lamp.area[0] = lamp.area[2] = kStart * distance_mm(data, lamp);
   if (!shapes.spot[light]) {
     lamp.spot[0] = data.center_mm.x();
     lamp.spot[1] = data.center_mm.y();
     lamp.spot[2] = kPlaneExponent;
   }
-  LampFitOptions few = options;
-  few.iterations = kFewIterations;
-  return fit_lamp_parameters(data, from, shapes.spot, few);
+  return fit_lamp_parameters(data, from, shapes.spot, options);
 }
 
 // A brushed face, from several directions: a lamp that was found without them may be far off.
@@ -57,9 +48,7 @@ LampFit with_gloss(const LampData& data, const LampShapes& shapes, const LampFit
   LampParameters from = shapes.fit.blocks;
   from.gloss[0] = 0.04;  // of a refractive index of 1.5
   from.gloss[1] = 0.3;
-  LampFitOptions few = options;
-  few.iterations = kFewIterations;
-  return fit_lamp_parameters(data, from, shapes.spot, few);
+  return fit_lamp_parameters(data, from, shapes.spot, options);
 }
 
 }  // namespace
@@ -69,14 +58,14 @@ void try_spots(const LampData& data, const std::vector<bool>& usable, LampShapes
     if (!usable[light] || shapes.spot[light]) continue;
     std::vector<bool> with_spot = shapes.spot;
     with_spot[light] = true;
-    constexpr std::size_t kThin = 10;
+    constexpr LampFitOptions kThinned{.stride = 10};  // a tenth of the samples says where to start
     LampFit thin;
     for (const double exponent : {2., 8., 25.}) {
       LampParameters from = shapes.fit.blocks;
       from.lamps[light].spot[0] = data.center_mm.x();
       from.lamps[light].spot[1] = data.center_mm.y();
       from.lamps[light].spot[2] = exponent;
-      LampFit candidate = fit_lamp_parameters(data, from, with_spot, thinned(kThin));
+      LampFit candidate = fit_lamp_parameters(data, from, with_spot, kThinned);
       if (candidate.usable && candidate.cost < thin.cost) thin = std::move(candidate);
     }
     if (!thin.usable) continue;
@@ -95,7 +84,9 @@ void try_spots(const LampData& data, const std::vector<bool>& usable, LampShapes
 }
 
 bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, LampShapes& shapes) {
-  constexpr std::size_t kThin = 8;
+  // A share of the face's samples tells what all of them need not be asked. What is not there would be looked for along
+  // a valley for long: areas of points, coats of matte paper.
+  constexpr LampFitOptions kThinned{.stride = 8}, kBrief{.stride = 8, .iterations = 20};
   constexpr double kNear = 0.93;
   const std::size_t lamps = usable.size(), grain = lamps, gloss = lamps + 1;  // what may be taken, by number
   std::vector<bool> open = usable, refused(lamps + 2, false);
@@ -109,15 +100,14 @@ bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, 
   };
   bool took = false;
   while (true) {
-    const LampFit plain = fit_lamp_parameters(data, shapes.fit.blocks, shapes.spot, thinned(kThin));
+    const LampFit plain = fit_lamp_parameters(data, shapes.fit.blocks, shapes.spot, kThinned);
     LampFit thin;
     std::size_t which = grain;
     for (std::size_t k = 0; k <= gloss; ++k) {
       if (!open[k] || refused[k]) continue;
-      const LampFitOptions few = thinned(kThin);
-      LampFit fit = k == grain   ? with_grain(data, shapes, few)
-                    : k == gloss ? with_gloss(data, shapes, few)
-                                 : with_area(data, shapes, k, few);
+      LampFit fit = k == grain   ? with_grain(data, shapes, kThinned)
+                    : k == gloss ? with_gloss(data, shapes, kBrief)
+                                 : with_area(data, shapes, k, kBrief);
       if (fit.usable && fit.cost < plain.cost && k < lamps) add_move(fit, plain, k, shapes);
       // All samples are asked only where few of them come near to what they must say.
       if (!fit.usable || !(fit.cost < kNear * plain.cost) || !(fit.cost < thin.cost)) continue;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "burin/calib/light/lamp.h"
 #include "burin/render/files/decimals.h"
 
 namespace burin {
@@ -72,6 +73,7 @@ std::vector<Finding> effect_findings(const Bench& bench) {
                            " mm every " + measured(errors.screw_period_mm, {}, 2) + " mm to x and y",
                        "tool paths written with this bench undo it at the ends of scratches"));
   if (!m.profile.is_paper()) tell_profile(bench, out);
+  append(out, paper_findings(bench.paper));
   return out;
 }
 
