@@ -91,7 +91,7 @@ void run(const RenderArguments& o) {
     return;
   }
   const View& view = find_view(bench, o.views.front(), "--view");
-  const Light light = o.lights.empty() ? bench.lights.front() : find_light(bench, joined_lights(o.lights), "--light");
+  const Light light = find_lit(bench, o.lights.empty() ? bench.lights.front().id : joined_lights(o.lights), "--light");
 
   bar.progress()("rendering", 0.2);
   const CameraView camera = make_camera_view(bench, board, view, {0, 0, bench.lens.width, bench.lens.height});

@@ -22,6 +22,7 @@
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/photo/photo_weights.h"
 #include "burin/calib/photo/strange_regions.h"
+#include "burin/calib/photo/stray_light_choice.h"
 #include "burin/calib/verdict/at_bounds.h"
 #include "burin/calib/verdict/effect_findings.h"
 #include "burin/calib/verdict/next_photo.h"
@@ -122,6 +123,8 @@ struct RefineRun {
   bool find_sides_of_lamps();
   void glare_at(const Glare& glare);
   void shape_glare();
+  Problem look_coarser(int bin);
+  void find_stray();
   void doubt_profile();
   void keep_what_is_believed();
   void judge();
@@ -144,10 +147,12 @@ void RefineRun::find_lamp() {
   out.bench.material.profile = board.material.profile;  // what a person has seen decides
   start.sensor.vignette.setZero();
   start.sensor.glare = {};  // found anew
+  start.stray = seed.stray;
   if (seed.found) {
     start.material.base_alpha = seed.base_alpha;
     start.material.grain = seed.grain;
     if (!seed.grain.none()) stage.free(Group::grain);
+    if (seed.stray) stage.free(Group::stray);
     start.paper = out.bench.paper = seed.paper;
     start.ambient.setConstant(seed.ambient);
     start.sensor.vignette = seed.vignette;
@@ -411,6 +416,27 @@ void RefineRun::shape_glare() {
   take_glare_from_paper(views, state.shared[unknown::glare_share], out.bench, data.paper);
 }
 
+// Coarser pixels, weighed; gives back what was known in the finest.
+Problem RefineRun::look_coarser(int bin) {
+  std::vector<PhotoData> photos = std::exchange(data.photos, {});
+  Problem finest = data;
+  finest.photos = std::move(photos);
+  look_at_photos(bin);
+  light_around(state, data);
+  weigh_photos(data, state);
+  return finest;
+}
+
+// Light that nobody named. Asked for early: what it adds to grooves of some directions would else be taken for other
+// roughness, for crossings, for a fall-off of the lamp.
+void RefineRun::find_stray() {
+  if (!options.fit_effects || data.surroundings || data.has_stray) return;
+  glare_at(usual_glare(out.bench.lens));
+  weigh_photos(data, state);
+  if (!find_stray_light(data, stage, state, progress)) return;
+  fit(options.max_iterations, 1e-4, "fitting coarse photos and light that nobody named");
+}
+
 // Burrs do not show by flanks, which is how photos are asked first: they do where pixels contradict each other by how
 // far half vectors lean, beside the steepest wall or beside the face's highlight. A large lamp blurs what would tell
 // one cross-section from another, and takes dozens of renderings for one: what contradicts is then left to the sigmas.
@@ -425,18 +451,13 @@ void RefineRun::doubt_profile() {
   if (std::none_of(misfits.begin(), misfits.end(), by_lean)) return;
   // In coarser pixels: a cross-section of its own takes many renderings without a fast path, under a lamp with a size
   // several times as many. It shows by directions, not by details.
-  std::vector<PhotoData> finest = std::exchange(data.photos, {});
-  Problem at_finest = data;
   const bool with_size = std::find(data.size_sought.begin(), data.size_sought.end(), true) != data.size_sought.end() ||
                          std::any_of(out.bench.lights.begin(), out.bench.lights.end(),
                                      [](const Light& light) { return !light.size.is_point(); });
-  look_at_photos(with_size ? bins.coarse : bins.middle);
-  light_around(state, data);
-  weigh_photos(data, state);
+  Problem at_finest = look_coarser(with_size ? bins.coarse : bins.middle);
   find_profile();
   if (data.model.profile.is_paper()) {
     data = std::move(at_finest);
-    data.photos = std::move(finest);
     return;
   }
   uncertainty.reset();
@@ -479,7 +500,7 @@ void RefineRun::judge() {
         "what the model misses is told by the other findings"));
   append(out.findings, judge_bounds(data, stage, state, out.bench));
   keep_what_is_believed();
-  append(out.findings, effect_findings(out.bench));
+  append(out.findings, effect_findings(out.bench, board.size_mm));
   advise_light(data, state, judged_by, judged, out.bench, progress);
   append(out.findings, keep_colors(given, fit_colors(data, merged, state, out.bench), out.bench));
   out.alpha_jitter = data.model.alpha_jitter;
@@ -495,13 +516,21 @@ void RefineRun::judge() {
 }
 
 // From rough and quick to fine: each stage starts where the one before ended.
-constexpr std::array kStages{&RefineRun::find_lamp,        &RefineRun::try_grooves,
-                             &RefineRun::fit_coarse,       &RefineRun::find_large_lamps,
-                             &RefineRun::choose_crossings, &RefineRun::fit_middle,
-                             &RefineRun::drop_spots,       &RefineRun::find_effects,
-                             &RefineRun::fit_finest,       &RefineRun::leave_out_what_lies_on_the_board,
-                             &RefineRun::free_geometry,    &RefineRun::free_depth_field,
-                             &RefineRun::doubt_profile,    &RefineRun::judge};
+constexpr std::array kStages{&RefineRun::find_lamp,
+                             &RefineRun::try_grooves,
+                             &RefineRun::fit_coarse,
+                             &RefineRun::find_large_lamps,
+                             &RefineRun::find_stray,
+                             &RefineRun::choose_crossings,
+                             &RefineRun::fit_middle,
+                             &RefineRun::drop_spots,
+                             &RefineRun::find_effects,
+                             &RefineRun::fit_finest,
+                             &RefineRun::leave_out_what_lies_on_the_board,
+                             &RefineRun::free_geometry,
+                             &RefineRun::free_depth_field,
+                             &RefineRun::doubt_profile,
+                             &RefineRun::judge};
 
 }  // namespace
 

@@ -31,6 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kVersion = 2;  // of bench.json: verdicts as facts
+constexpr const char* kStrayId = "stray";
 
 std::optional<double> optional_sigma(JsonObject& json, const std::string& key) {
   if (!json.has(key)) return std::nullopt;
@@ -329,6 +330,13 @@ Bench read_bench(const std::filesystem::path& file) {
     for (JsonObject& item : json.objects("views")) bench.views.push_back(read_view(item));
   if (json.has("lights"))
     for (JsonObject& item : json.objects("lights")) bench.lights.push_back(read_light(item, file));
+  if (json.has("stray_light")) {
+    JsonObject stray = json.object("stray_light");
+    bench.stray = read_light(stray, file);
+    bench.stray->id = kStrayId;
+    if (!bench.stray->is_near())
+      json.fail_field("stray_light", "is no near lamp", "write its position_mm, and how large it is as disk_mm");
+  }
   require_at_most(bench.views.size(), limit::kViews, file.string() + ": views", "views", "keep those that are used");
   require_at_most(bench.lights.size(), limit::kLights, file.string() + ": lights", "lamps", "keep those that are used");
   fail_unless_unique(
@@ -418,6 +426,7 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   }
   json["lights"] = Json::array();
   for (const Light& light : bench.lights) json["lights"].push_back(light_json(light, file));
+  if (bench.stray) json["stray_light"] = light_json(*bench.stray, file);
   json["material"] = material_json(bench, tool_width_um);
   json["sensor"] = {{"gain", bench.sensor.gain},
                     {"vignette", to_json(bench.sensor.vignette)},
@@ -484,6 +493,14 @@ Light find_light(const Bench& bench, std::string_view id, std::string_view where
   }
   out->id = id;
   return *out;
+}
+
+Light find_lit(const Bench& bench, std::string_view id, std::string_view where) {
+  Light out = find_light(bench, id, where);
+  const auto is_near = [](const Light& light) { return light.is_near(); };
+  if (bench.stray && is_near(out) && std::all_of(out.also.begin(), out.also.end(), is_near))
+    out.also.push_back(*bench.stray);
+  return out;
 }
 
 std::string joined_lights(const std::vector<std::string>& ids) {

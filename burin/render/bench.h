@@ -69,6 +69,8 @@ struct Bench {
   std::filesystem::path camera;  ///< where the lens is kept; empty if bench.json says it in words
   std::vector<View> views;
   std::vector<Light> lights;
+  /// A lamp or window that shone into the photos beside each of their lamps, and that nobody named: find_lit() has it.
+  std::optional<Light> stray;
   Material material;
   MaterialSigma material_sigma;
   SaidMaterial said;                     ///< by the file that this was read from
@@ -112,6 +114,8 @@ const View& find_view(const Bench& bench, std::string_view name, std::string_vie
 /// The light of that name; for names joined by kBesides ("sun + room") those lights at once, the first with the others
 /// as its `also`. Throws Error listing the names there are.
 Light find_light(const Bench& bench, std::string_view id, std::string_view where);
+/// The same with all that shines where it does: beside near lamps alone bench.stray, too.
+Light find_lit(const Bench& bench, std::string_view id, std::string_view where);
 inline constexpr std::string_view kBesides = " + ";
 
 /// The names of lights that shine at once as one name, and the other way.

@@ -14,7 +14,7 @@ constexpr std::pair<const char*, const char*> kPosition{"position_mm", "position
     kSize{"size", "size"};
 constexpr std::array kOfLight{kPosition, kIntensity, kAxis, kFalloff, kSize};
 
-constexpr std::array<std::pair<const char*, const char*>, 16> kWords{{{kLens, "the lens"},
+constexpr std::array<std::pair<const char*, const char*>, 17> kWords{{{kLens, "the lens"},
                                                                       {kLensFocal, "the lens' focal length"},
                                                                       {kLensCenter, "the lens' center"},
                                                                       {kPoses, "the cameras' places"},
@@ -29,7 +29,8 @@ constexpr std::array<std::pair<const char*, const char*>, 16> kWords{{{kLens, "t
                                                                       {kAmbient, "the ambient light"},
                                                                       {kVignette, "the vignetting"},
                                                                       {kBlur, "the blur"},
-                                                                      {kGlare, "the glare"}}};
+                                                                      {kGlare, "the glare"},
+                                                                      {kStray, "the light that nobody named"}}};
 
 std::string of_light(const std::string& id, const std::pair<const char*, const char*>& field) {
   return kLightPrefix + id + "." + field.first;

@@ -22,6 +22,7 @@ inline constexpr const char* kMachine = "machine.affine";
 inline constexpr const char* kAmbient = "ambient";
 inline constexpr const char* kVignette = "sensor.vignette";
 inline constexpr const char* kBlur = "sensor.psf_sigma_px";
+inline constexpr const char* kStray = "stray_light";   ///< the direction of a light that nobody named
 inline constexpr const char* kGlare = "sensor.glare";  ///< the share of the light that the lens scatters
 
 /// The pose of one view: "pose.VIEW".

@@ -11,7 +11,7 @@ namespace {
 
 std::string told(const Bench& bench) {
   std::string all;
-  for (const Finding& f : effect_findings(bench)) all += sentence(f) + "\n";
+  for (const Finding& f : effect_findings(bench, {100, 100})) all += sentence(f) + "\n";
   return all;
 }
 
@@ -37,6 +37,20 @@ TEST(EffectFindings, SayHowSureTheyAre) {
   for (const char* part : {"flanks of 22.4 +- 0.7 degrees", "burrs of 0.99 +- 0.3 (left) and 0.54 +- 0.16 um (right)",
                            "1.20 +- 0.05 times as rough across", "backlash of 0.041 +- 0.002 and 0.060 +- 0.003 mm",
                            "roughness 0.12 +- 0.0012 along 30.0 degrees", "0.2 +- 0.002 across"})
+    EXPECT_NE(said.find(part), std::string::npos) << part << " in:\n" << said;
+}
+
+// Where the light that nobody named stands, as seen from the board's middle, and how bright it is beside the lamp.
+TEST(EffectFindings, AStrayLightIsSaidByItsPlace) {
+  Bench bench;
+  Light& lamp = bench.lights.emplace_back();
+  lamp.position_mm = {50, 50, 500};
+  lamp.intensity.setConstant(1000);
+  bench.stray = lamp;
+  bench.stray->position_mm = {50, 550, 500};  // as far up as out of the face: 45 degrees, twice the distance squared
+  bench.stray->intensity.setConstant(200);
+  const std::string said = told(bench);
+  for (const char* part : {"45 degrees from straight above", "towards 90 degrees", "with 7.1 % of the lamp's light"})
     EXPECT_NE(said.find(part), std::string::npos) << part << " in:\n" << said;
 }
 

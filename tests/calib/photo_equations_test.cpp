@@ -12,10 +12,12 @@
 #include <numbers>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "burin/calib/geometry/geometry_prior.h"
 #include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/effect_unknowns.h"
+#include "burin/calib/photo/stray_light.h"
 
 namespace burin {
 namespace {
@@ -107,7 +109,7 @@ void fill(Scene& s, bool spot) {
 
 // What only some benches have is no derivative but a difference (difference_step()): EffectsAreDifferences has it.
 bool is_difference(int i) {
-  return (i >= unknown::size2 && i < unknown::pose) ||
+  return (i >= unknown::size2 && i < unknown::pose) || (i >= unknown::stray && i <= unknown::stray_spread2) ||
          (i >= unknown::backlash && i <= unknown::log_across && i != unknown::grain && i != unknown::grain + 1);
 }
 
@@ -225,6 +227,39 @@ TEST(PhotoEquations, LampsWithAnAreaKnowTheirSidesAndTheirSpot) {
   }
 }
 
+// A lamp and a window that nobody named: the cost changes with the window's place, light and size as the gradient says,
+// and so it does with roughness and with the machine's map, which move both.
+TEST(PhotoEquations, AStrayLightKnowsItsPlace) {
+  Scene s;
+  fill(s, true);
+  Unknowns x = s.start;
+  const double lamp_light = std::exp(x[unknown::log_intensity]) / x.segment<3>(unknown::lamp_position).squaredNorm();
+  x.segment<kStrayNumbers>(unknown::stray) << 0.2, -0.4, 0.25, 0.5 * lamp_light, 0.003;
+  FreeUnknowns free{};
+  for (int i = 0; i < unknown::pose; ++i) free[i] = true;
+  const PhotoEquations e = photo_equations(s.model, s.photo, x, CarvedStates(s.model), free);
+  const std::array<std::pair<int, double>, 9> steps{{{unknown::log_alpha, 2e-3},
+                                                     {unknown::log_base_alpha, 2e-3},
+                                                     {unknown::machine + 4, 2e-3},
+                                                     {unknown::lamp_position, 0.1},
+                                                     {unknown::stray, 0.002},
+                                                     {unknown::stray + 1, 0.002},
+                                                     {unknown::stray_nearness, 0.005},
+                                                     {unknown::stray_light, 0.01 * lamp_light},
+                                                     {unknown::stray_spread2, 2e-4}}};
+  for (const auto& [i, step] : steps) {
+    const auto cost_at = [&, at = i](double by) {
+      Unknowns moved = x;
+      moved[at] += by;
+      return photo_cost(s.model, s.photo, moved, carved_at(s.model, moved));
+    };
+    const double difference = (cost_at(step) - cost_at(-step)) / (2 * step);
+    const double scale = std::sqrt(2 * e.cost * e.JtJ(i, i));
+    EXPECT_GT(e.JtJ(i, i), 0) << "unknown " << i;
+    EXPECT_NEAR(e.Jtr[i], difference, 0.03 * std::abs(difference) + 2e-3 * scale) << "unknown " << i;
+  }
+}
+
 // The scores by backlash, screws, burrs, roughness across grooves and a lamp's size are what predictions a step away
 // say.
 TEST(PhotoEquations, EffectsAreDifferences) {
@@ -241,7 +276,9 @@ TEST(PhotoEquations, EffectsAreDifferences) {
   const PhotoEquations e = photo_equations(s.model, s.photo, x, CarvedStates(s.model), free);
   const Image here = predict(s.model, s.photo, x, carved_at(s.model, x));
   for (int i = unknown::backlash; i < unknown::pose; ++i) {
-    if (!is_difference(i) || i == unknown::flank || i >= unknown::sides2) continue;
+    if (!is_difference(i) || i == unknown::flank || i >= unknown::sides2 ||
+        (i >= unknown::stray && i <= unknown::stray_spread2))
+      continue;
     const double step = difference_step(i, x[i]);
     Unknowns moved = x;
     moved[i] += step;

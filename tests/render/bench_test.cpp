@@ -62,6 +62,12 @@ Bench full_bench(const TemporaryFolder& folder) {
   bench.ambient = {0.01, 0.02, 0.03};
   bench.bow_mm = {0.1, -0.02, 0.03};
   bench.paper = {0.04, 0.31};
+  Light& stray = bench.stray.emplace();
+  stray.id = "stray";
+  stray.position_mm = {-200, 300, 500};
+  stray.position_sigma_mm = Eigen::Vector3d(3, 4, 5);
+  stray.intensity.setConstant(9e4);
+  stray.size.disk_mm = 20;
   bench.tags = {{0, {15.02, 14.97}, 0, 0}, {4, {100, 14.5}, 16.01, 90.5}};
   bench.machine_affine << 1.001, 0.002, -0.3, -0.0015, 0.999, 0.4;
   bench.machine_affine_sigma = Affine2::Constant(1e-5);
@@ -123,6 +129,11 @@ TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
   EXPECT_EQ(back.bow_mm, bench.bow_mm);
   EXPECT_EQ(back.paper.f0, 0.04);
   EXPECT_EQ(back.paper.alpha, 0.31);
+  ASSERT_TRUE(back.stray && back.stray->position_sigma_mm);
+  EXPECT_EQ(back.stray->position_mm, bench.stray->position_mm);
+  EXPECT_EQ(*back.stray->position_sigma_mm, *bench.stray->position_sigma_mm);
+  EXPECT_EQ(back.stray->intensity, bench.stray->intensity);
+  EXPECT_EQ(back.stray->size.disk_mm, 20);
   ASSERT_EQ(back.tags.size(), 2u);
   EXPECT_EQ(back.tags[0].center_mm, bench.tags[0].center_mm);
   EXPECT_EQ(back.tags[1].size_mm, 16.01);
@@ -149,6 +160,22 @@ TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
 
   write_bench(back, 400, folder / "again.json");
   EXPECT_EQ(file_text(folder / "again.json"), file_text(folder / "bench.json"));
+}
+
+// What photos under a lamp alone showed beside it; a room that was photographed whole has it already.
+TEST(Bench, ALightThatNobodyNamedShinesBesideNearLampsAlone) {
+  const TemporaryFolder folder;
+  Bench bench = full_bench(folder);
+  bench.lights.resize(2);
+  bench.lights[0].id = "lamp";
+  bench.lights[1].id = "room";
+  bench.lights[1].far = std::make_shared<FarLight>();
+  EXPECT_TRUE(find_light(bench, "lamp", "test").also.empty());
+  const Light lit = find_lit(bench, "lamp", "test");
+  ASSERT_EQ(lit.also.size(), 1u);
+  EXPECT_EQ(lit.also[0].position_mm, bench.stray->position_mm);
+  EXPECT_TRUE(find_lit(bench, "room", "test").also.empty());
+  EXPECT_EQ(find_lit(bench, "lamp + room", "test").also.size(), 1u);
 }
 
 TEST(Bench, SurroundingsKeepTheirScaleAndItsSigma) {
@@ -259,6 +286,8 @@ TEST_F(BenchErrors, WrongValuesAreNamed) {
   expect(R"("machine": {"affine": [[1, 2, 0], [2, 4, 0]]})", "machine.affine", "determinant is 0");
   expect(R"("machine": {"affine": [[1, 2], [2, 4]]})", "machine.affine[0]", "rows of 3");
   expect(R"("board": {"paper": {"f0": 4}})", "board.paper.f0", "it must be above 0 and at most 1");
+  expect(R"("stray_light": {"position_mm": [0, 0, 500], "disk_mm": 600})", "stray_light.disk_mm", "");
+  expect(R"("stray_light": {"sun": {"direction": [0, 0, 1], "irradiance": [1, 1, 1]}})", "stray_light", "no near lamp");
   expect(R"("board": {"bow": [0, 0, 0]})", "board.bow", "did you mean \"bow_mm\"?");
   expect(R"("verdict": {"depth_um": {"source": "measured", "degree": "certainly"}})", "verdict.depth_um.degree",
          "\"weakly\"");

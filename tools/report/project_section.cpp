@@ -169,7 +169,7 @@ Shown promised(const fs::path& scratches, const Board& board, const Bench& bench
   options.window = window;
   options.channels = target.compared.channels;
   const Image photo =
-      predicted_photo(bench, board, view, find_light(bench, joined_lights(seen.lights), scratches.string()),
+      predicted_photo(bench, board, view, find_lit(bench, joined_lights(seen.lights), scratches.string()),
                       carve(Designed(read_scratches(scratches)), bench, board), options);
   return nearest_exposure(target, seen, board, [&](const BoardFrame& frame) {
     return rectified(photo, window.x0, window.y0, bench.lens, view.T_camera_board, surface_of(board, bench), frame);

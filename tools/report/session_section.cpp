@@ -559,7 +559,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
                               "what burin calibrate said of it tells why"});
       continue;
     }
-    comparisons.push_back(comparison(in, merged, *view, find_light(in.bench, lights, "session.json")));
+    comparisons.push_back(comparison(in, merged, *view, find_lit(in.bench, lights, "session.json")));
     const bool first_of_view = std::none_of(in.merged.begin(), in.merged.begin() + static_cast<std::ptrdiff_t>(i),
                                             [&](const MergedView& m) { return m.view == merged.view; });
     if (first_of_view) photos.push_back(residual_photo(in, merged, *view, factor));

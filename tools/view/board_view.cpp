@@ -34,7 +34,7 @@ FlatPicture flat_picture(const Board& board, const ViewedBoard& viewed, const Vi
   ViewScene scene =
       make_board_scene(bench, board, frame.width, frame.height,
                        find_view(bench, picture.view, "the viewer").T_camera_board.inverse().translation(),
-                       find_light(bench, picture.light, "the viewer"));
+                       find_lit(bench, picture.light, "the viewer"));
   RenderOptions options;
   const bool colored = picture.target.channels == 3;
   options.channels = colored ? 3 : 1;

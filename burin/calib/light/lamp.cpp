@@ -147,6 +147,26 @@ LampFit fit_from_starts(const LampData& data, const LampParameters& blocks, std:
   return best;
 }
 
+// Bare lamps that paper alone tells.
+LampParameters lamps_by_paper(const LampData& data, const std::vector<bool>& usable, const Board& board) {
+  std::vector<LightSample> paper;
+  for (const LightSample& sample : data.samples)
+    if (sample.kind != SampleKind::face) paper.push_back(sample);
+  LampData of_paper = data;
+  of_paper.samples = paper;
+  LampParameters out;
+  out.lamps.resize(usable.size());
+  out.shared[0] = std::log(board.material.base_alpha);
+  std::vector<Finding> told;  // before
+  for (std::size_t light = 0; light < usable.size(); ++light) {
+    if (!usable[light]) continue;
+    const LampFit fit = fit_from_starts(of_paper, out, light, "", told);
+    if (fit.usable) out = fit.blocks;
+  }
+  out.shared[0] = std::log(board.material.base_alpha);
+  return out;
+}
+
 // The ellipse with the second moments of a given area (9.15b): the root of their matrix.
 void put_area(const LampSize& size, LampBlocks& lamp) {
   const LampArea area = lamp_area(size, 1);
@@ -193,6 +213,14 @@ void fill_seed(const LampData& data, const std::vector<bool>& usable, const std:
   if (fit.blocks.gloss[0] > 0) seed.paper = {fit.blocks.gloss[0], fit.blocks.gloss[1]};
   seed.ambient = fit.blocks.shared[1];
   seed.vignette = Eigen::Vector3d::Map(fit.blocks.shared + 2);
+  if (fit.blocks.stray_distance_mm > 0) {
+    const LampModel<double> stray = stray_of(fit.blocks.stray, fit.blocks.stray_distance_mm, data.center_mm);
+    Light& light = seed.stray.emplace();
+    light.id = "stray";
+    light.position_mm = stray.position_mm;
+    light.axis = (Eigen::Vector3d(data.center_mm.x(), data.center_mm.y(), 0) - stray.position_mm).normalized();
+    light.intensity.setConstant(std::exp(stray.log_intensity));
+  }
   seed.aim_mm.assign(usable.size(), data.center_mm);
   seed.sizes.assign(usable.size(), {});
   for (std::size_t light = 0; light < usable.size(); ++light) {
@@ -345,6 +373,13 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   if (options.fit_spot) try_spots(data, usable, shapes);
   // A face that is brushed, or whose highlight a large lamp draws out, hides a spot's fall-off as long as it is not.
   if (try_areas_and_coats(data, point, shapes) && options.fit_spot) try_spots(data, usable, shapes);
+  // Paper and face that are explained to within some expected errors leave nothing to another lamp.
+  constexpr double kWellExplained = 0.2;
+  const bool doubtful = shapes.fit.cost > kWellExplained * static_cast<double>(samples.size());
+  if (doubtful && usable == point && try_stray(data, lamps_by_paper(data, usable, board), shapes)) {
+    if (options.fit_spot) try_spots(data, usable, shapes);
+    try_areas_and_coats(data, point, shapes);
+  }
   const LampFit fit = fit_lamp_parameters(data, shapes.fit.blocks, shapes.spot, {.covariance = true});
   if (fit.usable) fill_seed(data, usable, shapes.spot, fit, seed);
   if (fit.usable && options.jackknife) widen_by_groups(data, fit, shapes.spot, seed);
@@ -385,6 +420,13 @@ Bench with_lamps(std::span<const LightSample> samples, const Board& board, const
   bench.material.base_alpha = seed.base_alpha;
   bench.material.grain = seed.grain;
   bench.paper = seed.paper;
+  bench.stray = seed.stray;
+  if (bench.stray)
+    findings.push_back(
+        {Finding::Severity::note,
+         {},
+         "beside the lamp another light shines that nobody named",
+         "burin refine measures it; better switch it off, or close the curtain, and take the photos again"});
   append(findings, paper_findings(bench.paper));
   for (std::size_t i = 0; i < bench.lights.size(); ++i)
     if (!seed.sizes[i].is_point())

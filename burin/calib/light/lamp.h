@@ -41,6 +41,7 @@ struct LampSeed {
   double base_alpha_sigma = 0;
   FaceGrain grain;              ///< where the face's shine asks for one
   PaperCoat paper;              ///< where paper's does
+  std::optional<Light> stray;   ///< a lamp that nobody named, where paper and face ask for one, some way off
   std::vector<LampSize> sizes;  ///< of each lamp, as a panel's sides, where paper and face ask for one; else a point's
   double ambient = 0;           ///< mean of the channels; of photos under surroundings, their scale
   Eigen::Vector3d vignette{0, 0, 0};

@@ -59,6 +59,22 @@ struct LogResidual {
   }
 };
 
+// The same beside a lamp that nobody named.
+struct StrayResidual {
+  LogResidual of_point;
+  double distance_mm;
+  Eigen::Vector2d center_mm;
+
+  template <typename T>
+  bool operator()(const T* position, const T* log_intensity, const T* spot, const T* shared, const T* coat,
+                  const T* stray, T* residual) const {
+    const T dark[2] = {shared[0], T(0)};  // ambient light counts once
+    const T radiance = of_point.radiance_under(lamp_of(position, log_intensity, spot), shared, coat) +
+                       of_point.radiance_under(stray_of(stray, distance_mm, center_mm), dark, coat);
+    return of_point.of_radiance(radiance, shared, residual);
+  }
+};
+
 // The same under a lamp with an area: by seven points of an ellipse (Radon's, of the fifth degree).
 struct AreaResidual {
   LogResidual of_point;
@@ -131,6 +147,10 @@ std::vector<bool> add_samples(const LampData& data, const LampFitOptions& option
       problem.AddResidualBlock(new ceres::AutoDiffCostFunction<AreaResidual, 1, 3, 1, 3, kShared, 2, 3>(
                                    new AreaResidual{residual, across[sample.light]}),
                                loss, lamp.position, lamp.log_intensity, lamp.spot, at.shared, coat, lamp.area);
+    } else if (at.stray_distance_mm > 0) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<StrayResidual, 1, 3, 1, 3, kShared, 2, 3>(
+                                   new StrayResidual{residual, at.stray_distance_mm, data.center_mm}),
+                               loss, lamp.position, lamp.log_intensity, lamp.spot, at.shared, coat, at.stray);
     } else {
       problem.AddResidualBlock(
           new ceres::AutoDiffCostFunction<LogResidual, 1, 3, 1, 3, kShared, 2>(new LogResidual(residual)), loss,
@@ -161,6 +181,13 @@ void hold_shared(const LampFitOptions& options, LampParameters& at, ceres::Probl
       problem.SetParameterUpperBound(at.gloss, 0, kMostGloss);
       problem.SetParameterLowerBound(at.gloss, 1, kLeastAlpha);
       problem.SetParameterUpperBound(at.gloss, 1, kMostAlpha);
+    }
+  }
+  if (problem.HasParameterBlock(at.stray)) {
+    constexpr double kMostSlope = 6, kMostLogarithm = 46;
+    for (int i = 0; i < 3; ++i) {
+      problem.SetParameterLowerBound(at.stray, i, i < 2 ? -kMostSlope : -kMostLogarithm);
+      problem.SetParameterUpperBound(at.stray, i, i < 2 ? kMostSlope : kMostLogarithm);
     }
   }
   problem.SetParameterLowerBound(at.shared, 0, std::log(0.01));
@@ -238,7 +265,9 @@ std::optional<double> log_residual(const LampData& data, const LampParameters& a
   const double* coat = sample.kind == SampleKind::face ? at.grain : at.gloss;
   const bool lit = b.has_area() ? AreaResidual{residual, across_axis_of(b)}(b.position, b.log_intensity, b.spot,
                                                                             at.shared, coat, b.area, &r)
-                                : residual(b.position, b.log_intensity, b.spot, at.shared, coat, &r);
+                   : at.stray_distance_mm > 0 ? StrayResidual{residual, at.stray_distance_mm, data.center_mm}(
+                                                    b.position, b.log_intensity, b.spot, at.shared, coat, at.stray, &r)
+                                              : residual(b.position, b.log_intensity, b.spot, at.shared, coat, &r);
   return lit ? std::optional(r) : std::nullopt;
 }
 

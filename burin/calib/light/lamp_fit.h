@@ -50,7 +50,25 @@ struct LampParameters {
   double shared[5] = {0, 0, 0, 0, 0};  ///< log base_alpha, ambient, v1, v2, v3
   double grain[2] = {0, 0};            ///< FaceGrain's c and s; both 0: held there
   double gloss[2] = {0, 0.3};          ///< PaperGloss; f0 0: held there
+  /// A bare lamp that nobody named, beside each of the others: where it is seen from the board's middle (x / z and y /
+  /// z), and the logarithm of its radiant intensity over the square of its distance, which is held. Beside points only.
+  double stray[3] = {0, 0, 0};
+  double stray_distance_mm = 0;  ///< 0: none
 };
+
+/// The lamp that `stray` says.
+template <typename T>
+LampModel<T> stray_of(const T* stray, double distance_mm, const Eigen::Vector2d& center_mm) {
+  LampModel<T> out;
+  const Eigen::Matrix<T, 3, 1> towards = Eigen::Matrix<T, 3, 1>(stray[0], stray[1], T(1)).normalized();
+  out.position_mm = T(distance_mm) * towards;
+  out.position_mm[0] += center_mm.x();
+  out.position_mm[1] += center_mm.y();
+  out.log_intensity = stray[2] + 2 * std::log(distance_mm);
+  out.aim_mm = Eigen::Matrix<T, 2, 1>::Zero();
+  out.exponent = T(0);
+  return out;
+}
 
 struct LampFit {
   LampParameters blocks;

@@ -90,6 +90,7 @@ bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, 
   constexpr double kNear = 0.93;
   const std::size_t lamps = usable.size(), grain = lamps, gloss = lamps + 1;  // what may be taken, by number
   std::vector<bool> open = usable, refused(lamps + 2, false);
+  if (shapes.fit.blocks.stray_distance_mm > 0) open.assign(lamps, false);
   open.resize(lamps + 2, true);
   // As for spots: far more than a test of white noise would ask.
   const auto worth_it = [&](std::size_t k) { return k == gloss ? 0.75 : k == grain ? 0.85 : 0.9; };
@@ -126,6 +127,33 @@ bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, 
     shapes.moved_mm.assign(lamps, Eigen::Vector3d::Zero());
     took = true;
   }
+}
+
+bool try_stray(const LampData& data, const LampParameters& by_paper, LampShapes& shapes) {
+  constexpr LampFitOptions kThinned{.stride = 10, .iterations = 15};
+  constexpr double kShare = 0.1, kWorthIt = 0.6;  // of the lamp's light, at first; of the cost
+  const LampBlocks& lamp = by_paper.lamps.front();
+  const std::vector<bool> no_spot(shapes.spot.size(), false);
+  const double distance = distance_mm(data, lamp);
+  LampFit thin;
+  for (const double lean_deg : {20., 40., 60.})
+    for (int i = 0; i < 8; ++i) {
+      const double tangent = std::tan(lean_deg * std::numbers::pi / 180), azimuth = 2 * std::numbers::pi * i / 8;
+      LampParameters from = by_paper;
+      from.stray_distance_mm = distance;
+      from.stray[0] = tangent * std::cos(azimuth);
+      from.stray[1] = tangent * std::sin(azimuth);
+      from.stray[2] = lamp.log_intensity[0] - 2 * std::log(distance) + std::log(kShare);
+      LampFit fit = fit_lamp_parameters(data, from, no_spot, kThinned);
+      if (fit.usable && fit.cost < thin.cost) thin = std::move(fit);
+    }
+  if (!thin.usable) return false;
+  LampFit best = fit_lamp_parameters(data, thin.blocks, no_spot);
+  if (!best.usable || !(best.cost < kWorthIt * shapes.fit.cost)) return false;
+  shapes.fit = std::move(best);
+  shapes.spot = no_spot;
+  shapes.moved_mm.assign(no_spot.size(), Eigen::Vector3d::Zero());
+  return true;
 }
 
 }  // namespace burin

@@ -1,6 +1,6 @@
 // burin/calib/light/lamp_shapes.h - what lamps may be beside bare points, and the face beside plain: spots, lamps with
-// an area, a brushed face, paper that shines. Each is taken where it explains paper and face much better. docs/model.md
-// 9 'Lamp'. Frame: board, mm.
+// an area, a brushed face, paper that shines, a lamp beside them that nobody named. Each is taken where it explains
+// paper and face much better. docs/model.md 9 'Lamp'. Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,5 +25,10 @@ void try_spots(const LampData& data, const std::vector<bool>& usable, LampShapes
 /// Takes lamps for ones with an area, the face for a brushed one and the tags' paper for one that shines, whichever
 /// explains more first: a long lamp draws a highlight out as brushing does. Whether it took any.
 bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, LampShapes& shapes);
+
+/// Bare lamps and one more that nobody named, from `by_paper` (bare lamps that paper alone tells: a second highlight on
+/// the face leads away from where the lamp is) and from directions all over the sky; taken in place of what `shapes`
+/// has where it explains paper and face much better. Whether it was.
+bool try_stray(const LampData& data, const LampParameters& by_paper, LampShapes& shapes);
 
 }  // namespace burin

@@ -6,6 +6,7 @@
 
 #include "burin/calib/light/lamp_area.h"
 #include "burin/calib/photo/machine_map.h"
+#include "burin/calib/photo/stray_light.h"
 
 namespace burin {
 namespace {
@@ -33,6 +34,18 @@ constexpr Link of_depth_field() {
           [](const double* from, const Problem&, std::size_t, Bench& b) {
             std::copy_n(from, Count, b.depth_field.terms.begin() + First);
           }};
+}
+
+// A light that nobody named: where there is none its numbers are 0 but for a nearness, so that none is infinite.
+template <int First, int Count>
+void read_stray(const Bench& b, const Problem& p, std::size_t, double* to) {
+  const StrayNumbers numbers = b.stray ? stray_numbers(*b.stray, p.model.board->size_mm) : StrayNumbers{0, 0, 1, 0, 0};
+  std::copy_n(numbers.begin() + First, Count, to);
+}
+template <int First, int Count>
+constexpr Link of_stray() {
+  return {unknown::stray + First, read_stray<First, Count>,
+          [](const double*, const Problem&, std::size_t, Bench&) {}};  // written with the last, which follows
 }
 
 // The lamp's position stands before its axis, which is written from both.
@@ -129,6 +142,16 @@ constexpr auto kLinks = std::to_array<Link>({
      }},
     {unknown::glare_share, [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.sensor.glare.share; },
      [](const double* from, const Problem&, std::size_t, Bench& b) { b.sensor.glare.share = *from; }},
+    of_stray<0, 2>(),
+    of_stray<2, 1>(),
+    of_stray<3, 1>(),
+    {unknown::stray_spread2, read_stray<4, 1>,
+     [](const double* from, const Problem& p, std::size_t, Bench& b) {  // and the others, which stand before it
+       StrayNumbers numbers;
+       std::copy_n(from - (kStrayNumbers - 1), kStrayNumbers, numbers.begin());
+       b.stray.reset();
+       if (numbers[unknown::stray_light - unknown::stray] > 0) b.stray = stray_light(numbers, p.model.board->size_mm);
+     }},
     {unknown::lamp_position,
      [](const Bench& b, const Problem&, std::size_t light, double* to) {
        std::copy_n(b.lights[light].position_mm.data(), 3, to);

@@ -44,12 +44,15 @@ GrooveProfile profile_of(const GrooveProfile& kind, const Vector& x) {
 }
 
 /// Step of the difference that stands for a derivative at `value`: a hundredth or two of a logarithm, a micrometer or
-/// two of the machine, a fifth of a degree, a twentieth of a micrometer of a burr; a whole one where there is none,
+/// two of the machine, a fifth of a degree, two thousandths of a stray light's direction, a twentieth of a micrometer
+/// of a burr; a whole one where there is none,
 /// since light is not linear in a burr that begins.
 constexpr double difference_step(int index, double value) {
   if (index >= unknown::backlash && index < unknown::screw_period) return 0.002;
   if (index >= unknown::screw_period && index < unknown::grain) return 0.001;
   if (index == unknown::size2) return 0.05 + 0.02 * value;
+  if (index >= unknown::stray && index < unknown::stray_light) return 0.002;
+  if (index == unknown::stray_spread2) return 5e-4 + 0.05 * value;
   if (index == unknown::flank) return 0.2;
   if (index >= unknown::burrs && index < unknown::burr_width) return value < 0.2 ? 1 : 0.05;
   return index == unknown::log_across ? 0.1 : 0.02;

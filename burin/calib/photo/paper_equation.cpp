@@ -5,12 +5,27 @@
 #include <array>
 
 #include "burin/calib/photo/lamp_unknowns.h"
+#include "burin/calib/photo/stray_light.h"
 
 namespace burin {
+
+namespace {
+
+// What paper sends back of a light that nobody named.
+double stray_on_paper(const Problem& problem, const Unknowns& x, const LightSample& sample, double albedo) {
+  if (!has_stray(x)) return 0;
+  const Light light = stray_light(x, problem.model.board->size_mm);
+  const LampModel<double> lamp{light.position_mm, std::log(light.intensity.mean()), {0, 0}, 0};
+  const std::vector<LampPoint> points = lamp_points(light);
+  return paper_radiance(lamp, 0.0, albedo, sample, points, {problem.coat.f0, problem.coat.alpha});
+}
+
+}  // namespace
 
 PaperResidual paper_residual(const Problem& problem, const State& state, const LightSample& sample) {
   const double error = std::hypot(sample.sigma, kPaperError * sample.value);
   PaperResidual out{&sample, paper_albedo(*problem.model.board, sample.kind), 1 / error, problem.coat, {}};
+  out.stray = stray_on_paper(problem, state.of(sample.light), sample, out.albedo);
   Light lamp;
   put_lamp(state.of(sample.light), problem.given_size.empty() ? LampSize() : problem.given_size[sample.light],
            size_unit_mm(*problem.model.board), lamp);

@@ -17,6 +17,7 @@ struct PaperResidual {
   double albedo, weight;
   PaperCoat coat;
   std::vector<LampPoint> points;  ///< of a lamp with an area, as large as it was when the fit began
+  double stray = 0;               ///< radiance under a light that nobody named, as that was then
 
   template <typename T>
   bool operator()(const T* ambient, const T* vignette, const T* position, const T* log_intensity, const T* aim,
@@ -27,8 +28,8 @@ struct PaperResidual {
     lamp.log_intensity = log_intensity[0];
     lamp.aim_mm = Eigen::Matrix<T, 2, 1>(aim[0], aim[1]);
     lamp.exponent = falloff[0];
-    const T radiance =
-        exp(log_paper[0]) * paper_radiance(lamp, ambient[0], albedo, *sample, points, {T(coat.f0), T(coat.alpha)});
+    const T radiance = exp(log_paper[0]) *
+                       (paper_radiance(lamp, ambient[0], albedo, *sample, points, {T(coat.f0), T(coat.alpha)}) + stray);
     residual[0] = weight * (vignette_at(vignette, sample->radius2) * radiance - sample->value);
     return true;
   }

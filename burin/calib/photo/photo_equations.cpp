@@ -16,6 +16,7 @@
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/lamp_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
+#include "burin/calib/photo/stray_light.h"
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/lamp_size.h"
@@ -93,13 +94,28 @@ double scattered_to(const PhotoData& photo, const Unknowns& x, std::size_t i) {
   return photo.photo.scattered.data.empty() ? 0 : x[unknown::glare_share] * photo.photo.scattered.data[i];
 }
 
-// Lamp light before blur: rendered radiance times the spot's fall-off. Without derivatives it is the fast path's, good
-// to 1e-6 of the peak.
+// The same board under the light that nobody named.
+ViewScene stray_scene(const PhotoData& photo, const Unknowns& x) {
+  ViewScene scene = scene_at(photo, x);
+  scene.light = stray_light(x, photo.camera.surface.size_mm);
+  scene.hidden_from_light.clear();
+  return scene;
+}
+
+Image rendered_stray(const PhotoData& photo, const Unknowns& x, const Carved& carved) {
+  Image light;
+  ViewRenderer(stray_scene(photo, x), {}, workspace_of(photo)).forward(carved, light);
+  return light;
+}
+
+// Light before blur: the lamp's, rendered radiance times the spot's fall-off, and a stray one's. Without derivatives it
+// is the fast path's, good to 1e-6 of the peak.
 Image rendered_light(const PhotoData& photo, const Unknowns& x, const Carved& carved,
                      const std::vector<float>& falloff) {
   Image light;
   ViewRenderer(scene_at(photo, x), {}, workspace_of(photo)).forward(carved, light);
   if (!falloff.empty()) multiply(light, falloff);
+  if (has_stray(x)) add_share(rendered_stray(photo, x, carved), 1, light);
   return light;
 }
 
@@ -262,20 +278,25 @@ std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unkn
                                               std::span<const Image> dE_dvalue) {
   if (carved.scratches.depth_um.empty() || carved.scratches.alpha.empty())
     fail("groove_gradients", "scratches without depth and roughness of their own", "use carved_pieces()");
-  ViewRenderer renderer(scene_at(photo, x), {}, workspace_of(photo));
-  Image radiance;
-  renderer.forward_with_jacobian(carved, radiance);
-  const std::vector<float> falloff = falloff_image(photo, x);
   const std::vector<float> kernel = blur_taps(blur_sigma_px(photo, x), photo.bin);
+  std::vector<ScratchGradients> sums(dE_dvalue.size());
+  for (ScratchGradients& sum : sums) sum.resize(carved.size());
+  const auto add = [&](const ViewScene& scene, const std::vector<float>& falloff) {
+    ViewRenderer renderer(scene, {}, workspace_of(photo));
+    Image radiance;
+    renderer.forward_with_jacobian(carved, radiance);
+    for (std::size_t e = 0; e < dE_dvalue.size(); ++e) {
+      Image back = dE_dvalue[e];
+      for (std::size_t i = 0; i < back.data.size(); ++i) back.data[i] *= static_cast<float>(vignette_of(photo, x, i));
+      back = blurred(back, kernel);  // a symmetric kernel is its own adjoint, but for the rim, which is unused
+      if (!falloff.empty()) multiply(back, falloff);
+      renderer.backward(back, sums[e]);
+    }
+  };
+  add(scene_at(photo, x), falloff_image(photo, x));
+  if (has_stray(x)) add(stray_scene(photo, x), {});
   std::vector<GrooveGradients> out;
-  for (const Image& given : dE_dvalue) {
-    Image back = given;
-    for (std::size_t i = 0; i < back.data.size(); ++i) back.data[i] *= static_cast<float>(vignette_of(photo, x, i));
-    back = blurred(back, kernel);  // a symmetric kernel is its own adjoint, but for the rim, which is unused
-    if (!falloff.empty()) multiply(back, falloff);
-    ScratchGradients gradients;
-    gradients.resize(carved.size());
-    renderer.backward(back, gradients);
+  for (ScratchGradients& gradients : sums) {
     for (std::size_t i = 0; i < carved.size(); ++i) {
       gradients.alpha[i] *= carved.scratches.alpha[i];
       gradients.depth_um[i] *= carved.scratches.depth_um[i];
@@ -321,10 +342,7 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
   const int parts = photo.bin / divisor;
   PhotoData fine = photo_without_weights(binned(whole, divisor), divisor, board, bench);
   light_around(x, carved, fine);
-  Image light;  // many pixels and no derivatives: the fast path, good to 1e-6 of the peak
-  ViewRenderer(scene_at(fine, x)).forward(carved, light);
-  const std::vector<float> falloff = falloff_image(fine, x);
-  if (!falloff.empty()) multiply(light, falloff);
+  const Image light = rendered_light(fine, x, carved, falloff_image(fine, x));
   const Image on_binned = value_of_light(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
   constexpr double kStep = 0.02;
   Unknowns wider = x, narrower = x;
@@ -402,6 +420,11 @@ std::vector<Image> lens_slopes(const PhotoData& photo, const Image& by_rx, const
 
 }  // namespace
 
+Image stray_seen(const PhotoData& photo, const Unknowns& x, const Carved& carved) {
+  if (!has_stray(x)) return {photo.scene.grid->width(), photo.scene.grid->height(), 1};
+  return blurred(rendered_stray(photo, x, carved), blur_taps(blur_sigma_px(photo, x), photo.bin));
+}
+
 Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved) {
   return at_sensor(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));
 }
@@ -429,16 +452,28 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
 
 namespace {
 
-// The light of the other end of a difference that stands for a slope.
-Image light_for_slope(const PhotoData& photo, const Unknowns& x, const ViewScene& scene, const Carved& carved) {
+// A lamp with an area by few points.
+Image light_by_few(const PhotoData& photo, const ViewScene& scene, const Carved& carved) {
   Image sum;
   for (const ScenePart& part : scene_parts(scene, true)) {
     Image light;
     ViewRenderer(part.scene, {}, workspace_of(photo)).forward(carved, light);
     add_share(light, part.share, sum);
   }
+  return sum;
+}
+
+// The light of the other end of a difference that stands for a slope.
+Image light_for_slope(const PhotoData& photo, const Unknowns& x, const ViewScene& scene, const Carved& carved) {
+  Image sum = light_by_few(photo, scene, carved);
   const std::vector<float> falloff = falloff_image(photo, x);
   if (!falloff.empty()) multiply(sum, falloff);
+  if (has_stray(x)) {
+    ViewScene beside = scene;
+    beside.light = stray_light(x, photo.camera.surface.size_mm);
+    beside.hidden_from_light.clear();
+    add_share(light_by_few(photo, beside, carved), 1, sum);
+  }
   return sum;
 }
 
@@ -529,6 +564,23 @@ Image scaled(Image image, double by) {
   return image;
 }
 
+// Adds a stray light's light and derivatives to the lamp's, by all that both depend on.
+Image add_stray(const PhotoData& photo, const Unknowns& x, const Carved& carved, const FreeUnknowns& free,
+                const Wanted& of_lamp, RadianceDerivatives& rendered) {
+  FreeUnknowns shared = free;
+  std::fill(shared.begin() + unknown::lamp_position, shared.begin() + unknown::pose, false);
+  const Wanted wanted(shared, false);
+  RadianceDerivatives stray =
+      mean_with_derivatives(scene_parts(stray_scene(photo, x), true), photo.camera, carved, wanted.parameters);
+  scene_at(photo, x);
+  add_share(stray.radiance, 1, rendered.radiance);
+  for (std::size_t i = 0; i < wanted.parameters.size(); ++i) {
+    const auto at = std::find(of_lamp.parameters.begin(), of_lamp.parameters.end(), wanted.parameters[i]);
+    add_share(stray.d_radiance[i], 1, rendered.d_radiance[static_cast<std::size_t>(at - of_lamp.parameters.begin())]);
+  }
+  return std::move(stray.radiance);
+}
+
 // Gathers columns, blurred as the photo is.
 struct ColumnWriter {
   PhotoSlopes& out;
@@ -575,6 +627,26 @@ void add_by_difference(int at, const PhotoData& photo, const Unknowns& x, const 
   for (std::size_t i = 0; i < change.data.size(); ++i)
     change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(step);
   columns.add(at, change);
+}
+
+// By the numbers of a light that nobody named, whose own `light` it is. Its place and size by differences.
+void add_stray_slopes(const PhotoData& photo, const Unknowns& x, const Carved& carved, const Image& light,
+                      ColumnWriter& columns) {
+  for (int at = unknown::stray; at < unknown::stray + kStrayNumbers; ++at) {
+    if (!columns.wants(at)) continue;
+    if (at == unknown::stray_light) {
+      columns.add(at, scaled(light, 1 / x[unknown::stray_light]));
+      continue;
+    }
+    const double step = difference_step(at, x[at]);
+    Unknowns moved = x;
+    moved[at] += step;
+    Image change = light_by_few(photo, stray_scene(photo, moved), carved);
+    for (std::size_t i = 0; i < change.data.size(); ++i)
+      change.data[i] = (change.data[i] - light.data[i]) / static_cast<float>(step);
+    columns.add(at, change);
+  }
+  scene_at(photo, x);
 }
 
 // By how a lamp's sides differ, from both sides: of a disk, which is none of a panel, the difference to panels stays
@@ -665,10 +737,13 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   SpotSlopes spot = area_spot && wanted.spot >= 0 ? spot_of_area(x, &rendered.d_radiance[wanted.spot])
                     : area_spot                   ? SpotSlopes{}
                                                   : apply_spot(photo, x, rendered);
+  const Image of_lamp = rendered.radiance,
+              of_stray = has_stray(x) ? add_stray(photo, x, carved, free, wanted, rendered) : Image();
   const std::vector<float> kernel = blur_taps(blur_sigma_px(photo, x), photo.bin);
   const Image light = std::move(rendered.radiance), total = with_ambient(model, photo, x, light);
   std::optional<Image> whole_lamp;
-  if (lamp_points(scene.light).size() > lamp_points(scene.light, true).size())
+  const auto by_more = [](const Light& lamp) { return lamp_points(lamp).size() > lamp_points(lamp, true).size(); };
+  if (by_more(scene.light) || (has_stray(x) && by_more(stray_light(x, photo.camera.surface.size_mm))))
     whole_lamp = rendered_light(photo, x, carved, spot.falloff);
   std::vector<Image>& by = rendered.d_radiance;
 
@@ -696,7 +771,8 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
     columns.add(unknown::lamp_position + k, image);
   }
   for (int k = 0; k < 3 && spot.is_spot; ++k) columns.add(unknown::spot + k, spot.by[3 + k]);
-  columns.add(unknown::log_intensity, light);
+  columns.add(unknown::log_intensity, of_lamp);
+  if (has_stray(x)) add_stray_slopes(photo, x, carved, of_stray, columns);
   if (photo.surroundings != nullptr) columns.add(unknown::ambient, photo.around);
   if (wanted.machine >= 0) add_machine(model, x, &by[wanted.machine], columns);
   if (wanted.pose >= 0) {

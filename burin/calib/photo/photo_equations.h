@@ -101,6 +101,9 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
 /// What the photo shows at x before vignetting and corrections, lamp and ambient light blurred: what takes rendering.
 Image seen_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, const Carved& carved);
 
+/// What a light that nobody named (stray_light.h) adds to it at x; nothing where there is none.
+Image stray_seen(const PhotoData& photo, const Unknowns& x, const Carved& carved);
+
 /// The photo's value at pixel i where `light` is seen, darkened towards the corners, with all corrections; the factor
 /// that light comes with; and the value's derivative by the share of glare.
 struct PixelSeen {

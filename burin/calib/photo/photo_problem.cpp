@@ -20,6 +20,7 @@ Problem make_problem(const Board& board, const Sent& sent, const Bench& bench) {
   out.model.alpha_field = bench.alpha_field.terms;
   out.model.profile = bench.material.profile;
   out.coat = bench.paper;
+  out.has_stray = bench.stray.has_value();
   for (const Light& light : bench.lights) {
     out.is_spot.push_back(light.falloff_exponent > 0);
     out.spot_held.push_back(false);
@@ -35,7 +36,8 @@ bool seeks_size(const Problem& problem, std::size_t light) {
 
 bool has_unknown(const Problem& problem, const UnknownRow& row, std::size_t light) {
   const bool spot_held = light < problem.spot_held.size() && problem.spot_held[light];
-  return (!row.of_spot || (problem.is_spot[light] && !spot_held)) && (!row.of_size || seeks_size(problem, light));
+  return (!row.of_spot || (problem.is_spot[light] && !spot_held)) && (!row.of_size || seeks_size(problem, light)) &&
+         (!row.of_stray || problem.has_stray);
 }
 
 std::vector<bool> free_unknowns(const Problem& data, const Stage& stage, std::size_t lights) {

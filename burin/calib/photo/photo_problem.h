@@ -58,6 +58,7 @@ struct Problem {
   /// then what else they might be (RefineRun::find_large_lamps).
   std::vector<bool> spot_held;
   std::vector<LampSize> given_size;  ///< of lamps whose area a person told: it is held
+  bool has_stray = false;            ///< whether a light that nobody named is among the unknowns (stray_light.h)
   std::vector<bool> size_sought;     ///< whether a lamp's size is sought; else its area is held as the bench has it
   int merged_bin = 1;  ///< of the merged photos: how many of the camera's pixels, either way, are one of theirs
   /// The bench's surroundings that shine beside every photo's lamp: unknown::ambient is their scale. None: it is even

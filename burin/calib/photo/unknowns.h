@@ -45,6 +45,8 @@ enum class Group {
   vignette,
   blur,
   glare,
+  stray,
+  stray_size,
   lamp,
   intensity,
   lamp_size,
@@ -84,7 +86,12 @@ struct UnknownRow {
   std::array<double, 3> prior_sigma{};  ///< of each number, about 0; 0: no prior
   bool of_spot = false;                 ///< exists for spots only
   bool of_size = false;                 ///< exists for lamps whose size is sought only; else it is held
+  bool of_stray = false;                ///< exists where there is a light that nobody named only
 };
+
+/// The board's diagonal over the distance of a light that nobody named. With the most that its size may be, this keeps
+/// what bench.json may hold: a lamp less wide than it is far from the board's corner.
+inline constexpr double kMostStrayNearness = 0.7;
 
 inline constexpr double kPaperFactorSigma = 0.02;  // how well albedos in board.json are known, as a common factor
 
@@ -120,6 +127,47 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"log_blur", 1, Scope::shared, Group::blur, Enters::light, {Bounds::Kind::of_log, 0.05, 6.0}},
     // Share of the light that the lens scatters; core and reach are the bench's (glare_fit.h).
     {"glare_share", 1, Scope::shared, Group::glare, Enters::glare, {Bounds::Kind::plain, 0, 0.3}},
+    // A light that nobody named (stray_light.h): its direction, nearness, light on the middle, and its size.
+    {"stray_slope",
+     2,
+     Scope::shared,
+     Group::stray,
+     Enters::light,
+     {Bounds::Kind::plain, -6, 6, 0, 2},
+     {},
+     false,
+     false,
+     true},
+    {"stray_nearness",
+     1,
+     Scope::shared,
+     Group::stray,
+     Enters::light,
+     {Bounds::Kind::plain, 0.01, kMostStrayNearness},
+     {},
+     false,
+     false,
+     true},
+    {"stray_light",
+     1,
+     Scope::shared,
+     Group::stray,
+     Enters::light,
+     {Bounds::Kind::plain, 1e-9, 1e12},
+     {},
+     false,
+     false,
+     true},
+    {"stray_spread2",
+     1,
+     Scope::shared,
+     Group::stray_size,
+     Enters::light,
+     {Bounds::Kind::plain, 0, 0.1},
+     {},
+     false,
+     false,
+     true},
     {"lamp_position", 3, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::per_board_diagonal, 0.02, 1e4, 2}},
     {"log_intensity", 1, Scope::lamp, Group::intensity, Enters::light, {Bounds::Kind::of_log, 1e-20, 1e20}},
     // A spot's: where on the plane of the board its axis points (mm), and its exponent; 0 (held): a bare lamp.
@@ -178,6 +226,10 @@ inline constexpr int ambient = first_of("ambient");
 inline constexpr int vignette = first_of("vignette");
 inline constexpr int log_blur = first_of("log_blur");
 inline constexpr int glare_share = first_of("glare_share");
+inline constexpr int stray = first_of("stray_slope");  // all of its numbers
+inline constexpr int stray_nearness = first_of("stray_nearness");
+inline constexpr int stray_light = first_of("stray_light");
+inline constexpr int stray_spread2 = first_of("stray_spread2");
 inline constexpr int lamp_position = first_of("lamp_position");
 inline constexpr int log_intensity = first_of("log_intensity");
 inline constexpr int spot = first_of("aim");  // and the exponent behind it
@@ -215,14 +267,14 @@ struct FreeField {
 };
 
 /// The groups of unknowns that are free while one fit runs. At first all but the field of depth, the blur, the glare,
-/// lamps' sizes, and what only some benches have (effect_choice.h).
+/// lamps' sizes, a light that nobody named, and what only some benches have (effect_choice.h).
 class Stage {
  public:
   Stage() {
     free_.fill(true);
     hold({Group::depth_linear, Group::depth_quadratic, Group::depth_wear, Group::blur, Group::glare, Group::lamp_size,
-          Group::lamp_sides, Group::backlash, Group::screw, Group::screw_period, Group::grain, Group::flank,
-          Group::burrs, Group::across});
+          Group::lamp_sides, Group::stray, Group::stray_size, Group::backlash, Group::screw, Group::screw_period,
+          Group::grain, Group::flank, Group::burrs, Group::across});
   }
   bool frees(Group group) const { return free_[static_cast<std::size_t>(group)]; }
   Stage& free(Group group, bool free = true) {

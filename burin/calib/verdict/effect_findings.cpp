@@ -1,6 +1,8 @@
 #include "burin/calib/verdict/effect_findings.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <string>
 
@@ -57,9 +59,31 @@ void tell_profile(const Bench& bench, std::vector<Finding>& out) {
                   "a look through a microscope decides: write what it shows into board.json, material.profile"));
 }
 
+// Where it stands as seen from the board's middle, and how bright it is there beside the lamp.
+Finding tell_stray(const Bench& bench, const Eigen::Vector2d& board_size_mm) {
+  const Eigen::Vector3d middle(0.5 * board_size_mm.x(), 0.5 * board_size_mm.y(), 0);
+  const auto light_on_middle = [&](const Light& light) {
+    const Eigen::Vector3d to = light.position_mm - middle;
+    return light.intensity.mean() * to.normalized().z() / to.squaredNorm();
+  };
+  const Eigen::Vector3d towards = (bench.stray->position_mm - middle).normalized();
+  const double azimuth = std::atan2(towards.y(), towards.x()) * 180 / std::numbers::pi;
+  const double degrees = std::acos(towards.z()) * 180 / std::numbers::pi;
+  double brightest = 0;
+  for (const Light& light : bench.lights)
+    if (light.is_near()) brightest = std::max(brightest, light_on_middle(light));
+  return note(
+      "beside the lamp another light shines that nobody named: " + fixed(degrees, 0) +
+          " degrees from straight above the board's middle, towards " +
+          fixed(azimuth < 0 ? azimuth + 360 : azimuth, 0) + " degrees from x counter-clockwise, with " +
+          significant(100 * light_on_middle(*bench.stray) / brightest, 2) + " % of the lamp's light there",
+      "it is measured, and designs with this bench.json count on it (stray_light); if it will not shine, switch "
+      "it off or close the curtain, and take the photos again");
+}
+
 }  // namespace
 
-std::vector<Finding> effect_findings(const Bench& bench) {
+std::vector<Finding> effect_findings(const Bench& bench, const Eigen::Vector2d& board_size_mm) {
   std::vector<Finding> out;
   const Material& m = bench.material;
   if (!m.grain.none()) out.push_back(note(tell_grain(m, bench.material_sigma)));
@@ -74,6 +98,7 @@ std::vector<Finding> effect_findings(const Bench& bench) {
                        "tool paths written with this bench undo it at the ends of scratches"));
   if (!m.profile.is_paper()) tell_profile(bench, out);
   append(out, paper_findings(bench.paper));
+  if (bench.stray) out.push_back(tell_stray(bench, board_size_mm));
   return out;
 }
 

@@ -1,6 +1,7 @@
 // burin/calib/verdict/effect_findings.h - what of a measured bench departs from the paper's model, in words.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "burin/render/bench.h"
@@ -8,7 +9,8 @@
 
 namespace burin {
 
-/// A brushed face, backlash, uneven screws, another cross-section, each with what holds it; empty for a bench without.
-std::vector<Finding> effect_findings(const Bench& bench);
+/// A brushed face, backlash, uneven screws, another cross-section, paper's coat, a light that nobody named, each with
+/// what holds it; empty for a bench without.
+std::vector<Finding> effect_findings(const Bench& bench, const Eigen::Vector2d& board_size_mm);
 
 }  // namespace burin

@@ -535,6 +535,16 @@ void judge_size(LightJudge& j, std::size_t i) {
                                  kRelative, Unit::percent, {by_halves(check)});
 }
 
+// A light that nobody named: by its direction.
+void judge_stray(LightJudge& j) {
+  j.bench.verdict.erase(parameter::kStray);
+  if (!j.bench.stray) return;
+  const HalvesVerdict check = j.check(parameter::kStray, {j.unit(unknown::stray), j.unit(unknown::stray + 1)});
+  const double across = widening(check) * std::hypot(j.u.sigma(unknown::stray), j.u.sigma(unknown::stray + 1));
+  j.bench.verdict[parameter::kStray] =
+      judged(std::atan(across) * 180 / std::numbers::pi, kAxis, Unit::degrees, {by_halves(check)});
+}
+
 // Given but for their scale.
 void judge_surroundings(LightJudge& j, std::size_t i) {
   Light& light = j.bench.lights[i];
@@ -593,6 +603,7 @@ Combinations judge_light(const Problem& data, const State& state, const Uncertai
                 {{Cause::Kind::of_blur, {bench.sensor.psf_sigma_px}}});
   if (stage.frees(Group::glare))
     j.judge_one(parameter::kGlare, j.unit(unknown::glare_share), std::max(bench.sensor.glare.share, 1e-6), kRelative);
+  judge_stray(j);
   for (std::size_t i = 0; i < bench.lights.size(); ++i) judge_lamp(j, i);
   return std::move(j.judged_here);
 }

@@ -10,6 +10,7 @@
 #include "burin/calib/light/lamp_area.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
+#include "burin/calib/photo/stray_light.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/median.h"
 #include "burin/render/parameter_name.h"
@@ -196,6 +197,21 @@ void put_size_sigmas(const Problem& data, const State& state, const Uncertainty&
   size.turn_sigma_deg = sigma[2];
 }
 
+// Of a light that nobody named. How far away it is may be known hardly at all; then both are large.
+void put_stray_sigmas(const Problem& data, const State& state, const Uncertainty& uncertainty, Light& stray) {
+  StrayNumbers numbers;
+  std::copy_n(state.block(unknown::stray), kStrayNumbers, numbers.begin());
+  const auto slopes = stray_slopes(numbers, data.model.board->size_mm);
+  std::array<double, 4> sigma{};
+  for (int row = 0; row < 4; ++row) {
+    Eigen::VectorXd a = Eigen::VectorXd::Zero(global_count(state.lamps.size()));
+    a.segment<kStrayNumbers>(unknown::stray) = slopes.row(row);
+    sigma[static_cast<std::size_t>(row)] = uncertainty.sigma(a);
+  }
+  stray.position_sigma_mm = Eigen::Vector3d(sigma[0], sigma[1], sigma[2]);
+  stray.intensity_sigma = stray.intensity * sigma[3];
+}
+
 // Of the numbers that put_state() wrote; judge_light() makes larger what halves of the photos contradict.
 void fill_sigmas(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                  Bench& bench) {
@@ -205,6 +221,7 @@ void fill_sigmas(const Problem& data, const State& state, const Uncertainty& unc
   fill_effect_sigmas(uncertainty, stage, bench);
   bench.sensor.glare_share_sigma.reset();
   if (stage.frees(Group::glare)) bench.sensor.glare_share_sigma = uncertainty.sigma(unknown::glare_share);
+  if (bench.stray) put_stray_sigmas(data, state, uncertainty, *bench.stray);
   bench.depth_field.sigma.reset();
   if (!bench.depth_field.is_constant()) {
     bench.depth_field.sigma.emplace();

@@ -26,7 +26,7 @@ void add_rows(const std::vector<double>& of_part, const std::vector<std::size_t>
 
 bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& board) {
   for (const std::string& id : lights_served(view.spec)) {
-    const Light light = find_light(bench, id, "design");
+    const Light light = find_lit(bench, id, "design");
     if (!light.is_lamp() || !light.size.is_point()) return false;
   }
   double sent =

@@ -50,7 +50,7 @@ Image carvable(const CarvingLimits& limits, double clearance_mm, int width, int 
 
 // Whether what is served is one lamp, whose half vectors need not be measured.
 bool is_one_lamp(const WorkView& v, const WorkLamp& lamp, const Bench& bench) {
-  return find_light(bench, lights_served(v.spec)[lamp.light], "design").is_lamp();
+  return find_lit(bench, lights_served(v.spec)[lamp.light], "design").is_lamp();
 }
 
 // The views under one of their lights alone.
@@ -294,7 +294,8 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
                        const Eigen::Vector3d& lamp_moved_mm, const LightPart& part) {
   const DesignView& v = spec.views[index];
   ViewScene scene = make_scene(bench, board, std::move(grid), glint_of(v, bench).camera_mm + eye_moved_mm, {});
-  scene.light = part_of(find_light(bench, v.light, "design"), part, scene.ambient);
+  // In color each lamp makes a picture by itself, and what shines beside them would count with each.
+  scene.light = part_of((v.color ? find_light : find_lit)(bench, v.light, "design"), part, scene.ambient);
   scene.light.position_mm += lamp_moved_mm;
   for (Light& beside : scene.light.also) beside.position_mm += lamp_moved_mm;
   if (const auto face = curved_face(board, bench)) {

@@ -1,0 +1,35 @@
+// burin/calib/photo/stray_light.h - a lamp or window that shines beside every photo's lamp and that nobody named, as
+// unknowns of a fit. Frame: board, mm. docs/model.md 9, "Effects".
+//
+// Its numbers are those that photos follow nearly linearly from as far away as a window: where it is seen from the
+// board's middle (x / z and y / z), the board's diagonal over its distance, what irradiates the middle (radiant
+// intensity over the square of the distance), and the square of its radius over its distance, as a disk that faces the
+// middle.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "burin/calib/photo/unknowns.h"
+#include "burin/render/light.h"
+
+namespace burin {
+
+inline constexpr int kStrayNumbers = 5;
+using StrayNumbers = std::array<double, kStrayNumbers>;  ///< in the order of the table of unknowns
+
+/// Whether there is one.
+inline bool has_stray(const Unknowns& x) { return x[unknown::stray_light] > 0; }
+
+/// The lamp that these numbers make; its id is "stray".
+Light stray_light(const StrayNumbers& numbers, const Eigen::Vector2d& board_size_mm);
+Light stray_light(const Unknowns& x, const Eigen::Vector2d& board_size_mm);
+
+/// And back.
+StrayNumbers stray_numbers(const Light& light, const Eigen::Vector2d& board_size_mm);
+
+/// Derivatives of its position (mm) and of the logarithm of its intensity by the numbers.
+Eigen::Matrix<double, 4, kStrayNumbers> stray_slopes(const StrayNumbers& numbers, const Eigen::Vector2d& board_size_mm);
+
+}  // namespace burin
