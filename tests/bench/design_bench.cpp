@@ -78,6 +78,7 @@ void PaperDesign(benchmark::State& state) {
     view.exposure = 0.3 * std::pow(mean_of(target), 2.2) / mean_of(view.radiance);
   }
   ScratchGradients gradients;
+  Carved carved = in_metal(scratches);
   Adam adam_x0(count), adam_y0(count), adam_x1(count), adam_y1(count);
 
   double first_loss = 0, last_loss = 0;
@@ -87,8 +88,9 @@ void PaperDesign(benchmark::State& state) {
     const std::size_t before = allocations();
     gradients.resize(scratches.size());
     double loss = 0;
+    carved.scratches = scratches;
     for (DesignedView& v : views) {
-      v.renderer.forward_with_jacobian(in_metal(scratches), v.radiance);
+      v.renderer.forward_with_jacobian(carved, v.radiance);
       picture_from_radiance(v.radiance, v.exposure, v.picture);
       loss += v.loss.evaluate(v.picture, v.dE_dpicture).total;
       radiance_gradient(v.radiance, v.exposure, v.picture, v.dE_dpicture, v.dE_dradiance);

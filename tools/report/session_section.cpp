@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/calib/verdict/effect_findings.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
 #include "burin/render/bench.h"
@@ -296,6 +297,15 @@ std::string numbers(const Loaded& in) {
   return table(out);
 }
 
+// What the photos showed of metal, machine, paper and light beside the paper's model.
+std::string effects(const Loaded& in) {
+  const std::vector<Finding> findings = effect_findings(in.bench, in.board.size_mm);
+  if (findings.empty()) return "";
+  std::string out = "<p>Beside that, designs and tool paths made with this bench count on:</p>\n<ul>\n";
+  for (const Finding& finding : findings) out += "<li>" + html(sentence(finding)) + "</li>\n";
+  return out + "</ul>\n";
+}
+
 // Every parameter that was judged, why, and what to photograph next for those that the photos left open.
 std::string verdicts(const Loaded& in) {
   if (in.bench.verdict.empty()) return "";
@@ -569,8 +579,8 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   out.has_scene = true;
   const double rms = in.residuals.rms_px();
   out.parts =
-      folded("What was measured", known_in_words(in), numbers(in)) + misfits_in_pictures(in.bench) + verdicts(in) +
-      machine_numbers(in) + held_out(in) +
+      folded("What was measured", known_in_words(in), numbers(in) + effects(in)) + misfits_in_pictures(in.bench) +
+      verdicts(in) + machine_numbers(in) + held_out(in) +
       folded("Tags and residuals", rms > 0 ? fmt::format("{:.3f} px RMS per axis", rms) : "over the photos",
              "<p>" + residual_words(in, factor) + "</p>\n" + figure_row(photos, FigureSize::large) + view_numbers(in));
   return out;
