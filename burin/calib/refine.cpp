@@ -484,6 +484,7 @@ void RefineRun::judge() {
   light_around(state, data);
   if (!uncertainty) uncertainty = uncertainty_of(data, stage, state);
   Uncertainty& judged_by = *uncertainty;
+  if (const auto shift = shift_by_stray_size(data, stage, state)) pointed_to.push_back(*shift);
   judged_by.shifts.insert(judged_by.shifts.end(), pointed_to.begin(), pointed_to.end());
   if (burr_trade.size() > 0) judged_by.shifts.push_back(burr_trade);
   const Carved carved = carved_at(data.model, state.of(0));

@@ -10,6 +10,7 @@
 
 #include "burin/calib/geometry/information.h"
 #include "burin/calib/light/lamp_model.h"
+#include "burin/calib/photo/effect_choice.h"
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
@@ -180,7 +181,8 @@ std::vector<Place> sky(const Problem& data, const State& state, double step) {
   }
   nearness = std::min(nearness, kMostStrayNearness);
   std::vector<Place> out;
-  for (double lean = 0; lean <= radians(kLowest); lean += step) {
+  for (int ring = 0; ring * step <= radians(kLowest); ++ring) {
+    const double lean = ring * step;
     const int around = std::max(1, static_cast<int>(std::lround(2 * std::numbers::pi * std::sin(lean) / step)));
     for (int k = 0; k < around; ++k) {
       const double azimuth = 2 * std::numbers::pi * k / around;
@@ -264,6 +266,17 @@ bool find_stray_light(Problem& data, Stage& stage, State& state, const Progress&
         from_here = fitted(stage, with_stray(state, numbers_of(found)));
   state = cost_of(data, from_there, 1) < cost_of(data, from_here, 1) ? std::move(from_there) : std::move(from_here);
   return true;
+}
+
+std::optional<Eigen::VectorXd> shift_by_stray_size(const Problem& data, const Stage& stage, const State& state) {
+  if (!data.has_stray || stage.frees(Group::stray_size)) return std::nullopt;
+  const EffectEquations asked = effect_equations(data, stage, state, {Group::stray_size});
+  const auto answer = [&](const Stage& with) -> Eigen::VectorXd {
+    return -safe_inverse(asked.H, free_unknowns(data, with, state.lamps.size())) * asked.g;
+  };
+  const Eigen::VectorXd with_size = answer(asked.all);
+  if (!(with_size[unknown::stray_spread2] > 0)) return std::nullopt;
+  return with_size - answer(stage);
 }
 
 }  // namespace burin

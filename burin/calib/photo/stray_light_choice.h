@@ -2,6 +2,9 @@
 // docs/model.md 9, "Effects".
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
+
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/render/progress.h"
 
@@ -12,5 +15,9 @@ namespace burin {
 /// photos are explained clearly better. Else leaves all as it is and says false. Renders the photos some hundred times:
 /// give it coarse ones. Photos are weighed by the caller.
 bool find_stray_light(Problem& data, Stage& stage, State& state, const Progress& progress);
+
+/// Of a light that was found as a point's: how far the answer would move if it had the size that photos point to, to
+/// first order; nothing where they point to none.
+std::optional<Eigen::VectorXd> shift_by_stray_size(const Problem& data, const Stage& stage, const State& state);
 
 }  // namespace burin
