@@ -123,7 +123,6 @@ struct RefineRun {
   bool find_sides_of_lamps();
   void glare_at(const Glare& glare);
   void shape_glare();
-  Problem look_coarser(int bin);
   void find_stray();
   void doubt_profile();
   void keep_what_is_believed();
@@ -416,24 +415,16 @@ void RefineRun::shape_glare() {
   take_glare_from_paper(views, state.shared[unknown::glare_share], out.bench, data.paper);
 }
 
-// Coarser pixels, weighed; gives back what was known in the finest.
-Problem RefineRun::look_coarser(int bin) {
-  std::vector<PhotoData> photos = std::exchange(data.photos, {});
-  Problem finest = data;
-  finest.photos = std::move(photos);
-  look_at_photos(bin);
-  light_around(state, data);
-  weigh_photos(data, state);
-  return finest;
-}
-
 // Light that nobody named. Asked for early: what it adds to grooves of some directions would else be taken for other
 // roughness, for crossings, for a fall-off of the lamp.
 void RefineRun::find_stray() {
   if (!options.fit_effects || data.surroundings || data.has_stray) return;
-  glare_at(usual_glare(out.bench.lens));
   weigh_photos(data, state);
-  if (!find_stray_light(data, stage, state, progress)) return;
+  const std::vector<StrayNumbers> places = likely_stray_lights(data, stage, state, progress);
+  if (places.empty()) return;
+  glare_at(usual_glare(out.bench.lens));  // which might explain the same light
+  weigh_photos(data, state);
+  if (!fit_stray_light(places, data, stage, state, progress)) return;
   fit(options.max_iterations, 1e-4, "fitting coarse photos and light that nobody named");
 }
 
@@ -451,13 +442,18 @@ void RefineRun::doubt_profile() {
   if (std::none_of(misfits.begin(), misfits.end(), by_lean)) return;
   // In coarser pixels: a cross-section of its own takes many renderings without a fast path, under a lamp with a size
   // several times as many. It shows by directions, not by details.
+  std::vector<PhotoData> finest = std::exchange(data.photos, {});
+  Problem at_finest = data;
   const bool with_size = std::find(data.size_sought.begin(), data.size_sought.end(), true) != data.size_sought.end() ||
                          std::any_of(out.bench.lights.begin(), out.bench.lights.end(),
                                      [](const Light& light) { return !light.size.is_point(); });
-  Problem at_finest = look_coarser(with_size ? bins.coarse : bins.middle);
+  look_at_photos(with_size ? bins.coarse : bins.middle);
+  light_around(state, data);
+  weigh_photos(data, state);
   find_profile();
   if (data.model.profile.is_paper()) {
     data = std::move(at_finest);
+    data.photos = std::move(finest);
     return;
   }
   uncertainty.reset();

@@ -163,7 +163,6 @@ LampParameters lamps_by_paper(const LampData& data, const std::vector<bool>& usa
     const LampFit fit = fit_from_starts(of_paper, out, light, "", told);
     if (fit.usable) out = fit.blocks;
   }
-  out.shared[0] = std::log(board.material.base_alpha);
   return out;
 }
 

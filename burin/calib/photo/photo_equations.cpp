@@ -95,12 +95,13 @@ double scattered_to(const PhotoData& photo, const Unknowns& x, std::size_t i) {
 }
 
 // The same board under the light that nobody named.
-ViewScene stray_scene(const PhotoData& photo, const Unknowns& x) {
-  ViewScene scene = scene_at(photo, x);
+ViewScene under_stray(const PhotoData& photo, const Unknowns& x, ViewScene scene) {
   scene.light = stray_light(x, photo.camera.surface.size_mm);
   scene.hidden_from_light.clear();
   return scene;
 }
+
+ViewScene stray_scene(const PhotoData& photo, const Unknowns& x) { return under_stray(photo, x, scene_at(photo, x)); }
 
 Image rendered_stray(const PhotoData& photo, const Unknowns& x, const Carved& carved) {
   Image light;
@@ -468,12 +469,7 @@ Image light_for_slope(const PhotoData& photo, const Unknowns& x, const ViewScene
   Image sum = light_by_few(photo, scene, carved);
   const std::vector<float> falloff = falloff_image(photo, x);
   if (!falloff.empty()) multiply(sum, falloff);
-  if (has_stray(x)) {
-    ViewScene beside = scene;
-    beside.light = stray_light(x, photo.camera.surface.size_mm);
-    beside.hidden_from_light.clear();
-    add_share(light_by_few(photo, beside, carved), 1, sum);
-  }
+  if (has_stray(x)) add_share(light_by_few(photo, under_stray(photo, x, scene), carved), 1, sum);
   return sum;
 }
 

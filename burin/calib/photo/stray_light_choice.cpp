@@ -14,7 +14,6 @@
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
-#include "burin/calib/photo/stray_light.h"
 #include "burin/render/median.h"
 
 namespace burin {
@@ -64,8 +63,6 @@ Left left_of(const Problem& data, const PhotoData& photo, const Unknowns& x, con
     for (int v = 0; v < 3; ++v)
       out.slopes(unknown::vignette + v, i) =
           out.per_light[i] * slopes.light.data[at] * std::pow(photo.radius2[at], v + 1);
-    const PixelSeen seen = pixel_seen(photo, x, at, slopes.light);
-    out.slopes(unknown::glare_share, i) = out.per_light[i] / seen.factor * seen.by_glare;
   }
   return out;
 }
@@ -222,13 +219,22 @@ std::vector<Place> best_of(std::vector<Place> places, std::size_t count, double 
 
 }  // namespace
 
-bool find_stray_light(Problem& data, Stage& stage, State& state, const Progress& progress) {
-  const Stage others = with_others(stage);
+std::vector<StrayNumbers> likely_stray_lights(const Problem& data, const Stage& stage, const State& state,
+                                              const Progress& progress) {
   constexpr double kStep = 10 * std::numbers::pi / 180;
   constexpr std::size_t kTried = 2;
-  constexpr double kLeastScore = 12, kShare = 0.01;  // of the photos' cost
+  constexpr double kLeastScore = 12;
   const std::vector<Place> places = best_of(likely_places(data, stage, state, kStep, progress), kTried, 2 * kStep);
-  if (places.empty() || !(places.front().score > kLeastScore)) return false;
+  if (places.empty() || !(places.front().score > kLeastScore)) return {};
+  std::vector<StrayNumbers> out;
+  for (const Place& place : places) out.push_back(place.numbers);
+  return out;
+}
+
+bool fit_stray_light(const std::vector<StrayNumbers>& places, Problem& data, Stage& stage, State& state,
+                     const Progress& progress) {
+  const Stage others = with_others(stage);
+  constexpr double kShare = 0.01;  // of the photos' cost
   const auto fitted = [&](const Stage& with, State trial) {
     constexpr int kIterations = 12;
     solve(data, with, kIterations, 1e-4, trial, progress, "fitting light that nobody named");
@@ -241,8 +247,8 @@ bool find_stray_light(Problem& data, Stage& stage, State& state, const Progress&
   data.has_stray = true;
   State best = state;
   Gain most;
-  for (const Place& place : places) {
-    State trial = fitted(with, with_stray(state, place.numbers));
+  for (const StrayNumbers& place : places) {
+    State trial = fitted(with, with_stray(state, place));
     const Gain gain = gain_between(before, costs_of_photos(data, trial));
     if (!(gain.sum > most.sum)) continue;
     most = gain;

@@ -4,17 +4,25 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "burin/calib/photo/photo_problem.h"
+#include "burin/calib/photo/stray_light.h"
 #include "burin/render/progress.h"
 
 namespace burin {
 
 /// Looks for light in what the model leaves of the photos, from every direction but the lamps' own, as glints and face
-/// would send it; fits the likeliest places, and puts the best of them into problem, `state` and `stage` where
-/// photos are explained clearly better. Else leaves all as it is and says false. Renders the photos some hundred times:
-/// give it coarse ones. Photos are weighed by the caller.
-bool find_stray_light(Problem& data, Stage& stage, State& state, const Progress& progress);
+/// would send it: the likeliest places, the best first; empty where none explains enough to be tried. Renders the
+/// photos some hundred times: give it coarse ones. Photos are weighed by the caller.
+std::vector<StrayNumbers> likely_stray_lights(const Problem& data, const Stage& stage, const State& state,
+                                              const Progress& progress);
+
+/// Fits a light at each of these places, beside what else might explain it (glare, whose light photos must have been
+/// given), and puts the best into problem, `state` and `stage` where photos are explained clearly better. Else leaves
+/// all as it is and says false. Photos are weighed by the caller.
+bool fit_stray_light(const std::vector<StrayNumbers>& places, Problem& data, Stage& stage, State& state,
+                     const Progress& progress);
 
 /// Of a light that was found as a point's: how far the answer would move if it had the size that photos point to, to
 /// first order; nothing where they point to none.
