@@ -423,7 +423,6 @@ void RefineRun::find_stray() {
   const std::vector<StrayNumbers> places = likely_stray_lights(data, stage, state, progress);
   if (places.empty()) return;
   glare_at(usual_glare(out.bench.lens));  // which might explain the same light
-  weigh_photos(data, state);
   if (!fit_stray_light(places, data, stage, state, progress)) return;
   fit(options.max_iterations, 1e-4, "fitting coarse photos and light that nobody named");
 }
