@@ -80,6 +80,7 @@ LeftOfAll left_of_all(const Problem& data, const Stage& stage, const State& stat
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(unknowns, unknowns);
   out.g = Eigen::VectorXd::Zero(unknowns);
   for (const Left& photo : out.photos) {
+    if (photo.pixel.empty()) continue;  // nothing of it counts, and Eigen divides by a product's inner length
     H.selfadjointView<Eigen::Lower>().rankUpdate(photo.slopes);
     out.g += photo.slopes * photo.residual;
   }
@@ -139,10 +140,11 @@ void weigh(const Problem& data, const State& state, const Carved& carved, const 
     double pull = 0, information = 0;
     Eigen::VectorXd with_others;
   };
-  std::vector<Sums> sums(data.photos.size());
+  std::vector<Sums> sums(data.photos.size(), {0, 0, Eigen::VectorXd::Zero(left.g.size())});
   each_photo(data, [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];
     const Left& own = left.photos[k];
+    if (own.pixel.empty()) return;
     const Image light = stray_seen(photo, with.of(photo.photo.light), carved);
     Eigen::VectorXd seen(own.residual.size());
     for (Eigen::Index i = 0; i < seen.size(); ++i)
