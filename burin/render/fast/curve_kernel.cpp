@@ -4,10 +4,14 @@ namespace burin {
 
 void TileCurves::grow_runs(std::size_t count) {
   if (runs.size() < count) runs.resize(2 * count);
+  line_stride = runs.size();
+  lines.resize(kMostLines * line_stride);
 }
 
 void TileCurves::start_rows(std::size_t count, std::size_t floats) {
   row_made.assign(count, 0);
+  row_wanted.assign(count, 0);
+  row_light.resize(4 * count);
   if (rows.size() < count * floats) rows.resize(count * floats);
 }
 

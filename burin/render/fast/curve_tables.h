@@ -25,7 +25,7 @@ constexpr int kCurveNode = 3;  ///< floats of a curve's node
 struct CurveTables {
   int half_count = 1;  ///< nodes lie at t = -half_count * step .. half_count * step
   float step = 1;
-  int row_floats = 0;  ///< a curve: 3 floats a node (second integral, step * integral, step^2 R / 2), padded to 16
+  int row_floats = 0;  ///< a curve: 3 numbers a node (second integral, step * integral, step^2 R / 2), padded to 16
   int directions = 0;  ///< rows of a place: from direction -1 to directions + 1
   /// Places, evenly spread over the picture, and whether light between them follows from 4 x 4 of them (or 2 x 2).
   int columns = 1, rows = 1;
@@ -33,7 +33,17 @@ struct CurveTables {
   bool cubic = false;
   std::vector<float> log_alpha;  ///< of the roughnesses, ascending: one, or three and more
   double lean_per_pixel = 0;     ///< by how much the half vector turns from a pixel to the next
-  CurveFloats data;              ///< [roughness][place row][place column][direction + 1][row_floats]
+
+  /// Whether that is so little over a tile, for the least roughness, that light is linear over it; and whether places
+  /// are the corners of the tiles then, at column_corners x row_corners, instead of evenly spread.
+  bool linear_over_tiles = false, of_tiles = false;
+  /// Pixels where tiles meet, with the picture's first and last.
+  std::vector<float> column_corners, row_corners;
+
+  /// The curves, of each number the share of its largest: [roughness][place row][place column][direction + 1][number].
+  /// In half the memory of floats, which is what they wait for; 3e-5 of the brightest curve is below what tables do.
+  std::vector<std::int16_t, tbb::cache_aligned_allocator<std::int16_t>> data;
+  CurveFloats unit;  ///< what 1 stands for, of each number of a curve
 
   std::size_t place_floats() const { return static_cast<std::size_t>(directions + 3) * row_floats; }
 };
@@ -58,9 +68,15 @@ struct TileCurves {
   void grow_runs(std::size_t count);
   void grow_knots(std::size_t floats);
 
-  // A tile's own rows of the tables, as they are asked for (kernel/run_curves.h).
+  // What curves need of each run: numbers one after the other, line_stride apart (kernel/run_curves.h).
+  static constexpr int kMostLines = 20;
+  std::vector<float> lines;
+  std::size_t line_stride = 0;
+
+  // A tile's own rows of the tables, as they are asked for (kernel/run_curves.h), and four numbers of each.
   CurveFloats rows;
-  std::vector<std::uint8_t> row_made;
+  std::vector<float> row_light;
+  std::vector<std::uint8_t> row_made, row_wanted;
   void start_rows(std::size_t count, std::size_t floats);
 };
 

@@ -389,5 +389,21 @@ template <class P>
   return P::load_aligned(lanes);
 }
 
+/// The whole numbers at `from`.
+template <class P>
+[[gnu::always_inline]] inline P load_shorts(const std::int16_t* from) {
+#ifdef __AVX512BW__
+  if constexpr (kIs512<P>)
+    return _mm512_cvtepi32_ps(_mm512_cvtepi16_epi32(_mm256_loadu_si256(reinterpret_cast<const __m256i*>(from))));
+#endif
+#ifdef __AVX2__
+  if constexpr (sizeof(P) == sizeof(__m256))
+    return P(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_loadu_si128(reinterpret_cast<const __m128i*>(from)))));
+#endif
+  alignas(64) float lanes[kLanesOf<P>];
+  for (int i = 0; i < kLanesOf<P>; ++i) lanes[i] = from[i];
+  return P::load_aligned(lanes);
+}
+
 }  // namespace packet
 }  // namespace burin

@@ -8,14 +8,16 @@ namespace burin {
 /// `Kernel`: the packet of a file with instructions of its own, so that no such code is shared with other files.
 template <class Number, class Kernel = void>
 [[gnu::always_inline]] inline void lagrange_cubic(Number u, Number (&share)[4], Number (&slope)[4]) {
-  share[0] = -u * (u - 1) * (u - 2) / 6;
-  share[1] = (u + 1) * (u - 1) * (u - 2) / 2;
-  share[2] = -(u + 1) * u * (u - 2) / 2;
-  share[3] = (u + 1) * u * (u - 1) / 6;
-  slope[0] = -(3 * u * u - 6 * u + 2) / 6;
-  slope[1] = (3 * u * u - 4 * u - 1) / 2;
-  slope[2] = -(3 * u * u - 2 * u - 2) / 2;
-  slope[3] = (3 * u * u - 1) / 6;
+  const Number one(1), two(2), three(3), four(4), six(6), half(0.5), sixth(Number(1) / six);
+  const Number before = u + one, after = u - one, far = u - two;
+  share[0] = -sixth * u * after * far;
+  share[1] = half * before * after * far;
+  share[2] = -half * before * u * far;
+  share[3] = sixth * before * u * after;
+  slope[0] = -sixth * (three * u * u - six * u + two);
+  slope[1] = half * (three * u * u - four * u - one);
+  slope[2] = -half * (three * u * u - two * u - two);
+  slope[3] = sixth * (three * u * u - one);
 }
 
 }  // namespace burin

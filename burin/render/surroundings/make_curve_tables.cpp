@@ -4,16 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numbers>
 
 #include "burin/render/fast/machine_clones.h"
+#include "burin/render/fast/tile.h"
 #include "burin/render/surroundings/groove_light.h"
 
 namespace burin {
 namespace {
 
-constexpr double kStepsANode = 5;                // steps of the facets' table: from a node of a curve to the next
-constexpr double kFiner = 2.0;                   // times as many places, where light between them is taken as straight
+constexpr double kStepsANode = 6.5;      // steps of the facets' table: from a node of a curve to the next
+constexpr double kFiner = 2.0;           // times as many places, where light between them is taken as straight
+constexpr double kLinear = 0.2;          // of the roughness: h may turn so far over a tile that is taken as linear
+constexpr std::size_t kMostCorners = 3;  // times as many corners of tiles as finer places, to be places themselves
 constexpr std::size_t kMostFloats = 32'000'000;  // of a table with the finer places: else the coarse ones are kept
 
 BURIN_MACHINE_CLONES void add_times(const float* from, float by, std::size_t n, float* to) {
@@ -46,28 +51,67 @@ void add_row(const FacetTable& facets, int place, int channel, double across, co
   }
 }
 
-// The same table with places closer together.
-void refine_places(CurveTables& table, int columns, int rows) {
+// Pixels where tiles meet along a side of so many pixels.
+std::vector<float> tile_corners(double pixels) {
+  std::vector<float> out{0};
+  for (int corner = kTile; corner < pixels; corner += kTile) out.push_back(static_cast<float>(corner) - 0.5F);
+  out.push_back(static_cast<float>(pixels - 1));
+  return out;
+}
+
+// The same curves at other places, given in steps of the table's.
+void take_places(CurveTables& table, CurveFloats& curves, const std::vector<double>& columns,
+                 const std::vector<double>& rows) {
   const std::size_t floats = table.place_floats(), tables = table.log_alpha.size();
-  const std::size_t coarse = static_cast<std::size_t>(table.columns) * table.rows,
-                    fine = static_cast<std::size_t>(columns) * rows;
+  const std::size_t coarse = static_cast<std::size_t>(table.columns) * table.rows, fine = columns.size() * rows.size();
   CurveFloats data(tables * fine * floats, 0.0F);
   tbb::parallel_for(std::size_t{0}, tables * fine, [&](std::size_t k) {
-    const std::size_t t = k / fine, row = k % fine / columns, column = k % columns;
-    const CubicShares x = cubic_shares(static_cast<double>(column) * (table.columns - 1) / (columns - 1), table.columns,
-                                       false),
-                      y = cubic_shares(static_cast<double>(row) * (table.rows - 1) / (rows - 1), table.rows, false);
+    const std::size_t t = k / fine;
+    const CubicShares x = cubic_shares(columns[k % fine % columns.size()], table.columns, false),
+                      y = cubic_shares(rows[k % fine / columns.size()], table.rows, false);
     for (int j = 0; j < 4; ++j)
       for (int i = 0; i < 4; ++i) {
         const std::size_t from = t * coarse + static_cast<std::size_t>(y.first + j) * table.columns + x.first + i;
-        add_times(&table.data[from * floats], static_cast<float>(x.share[i] * y.share[j]), floats, &data[k * floats]);
+        add_times(&curves[from * floats], static_cast<float>(x.share[i] * y.share[j]), floats, &data[k * floats]);
       }
   });
-  table.columns_per_pixel *= (columns - 1.0) / (table.columns - 1);
-  table.rows_per_pixel *= (rows - 1.0) / (table.rows - 1);
-  table.columns = columns;
-  table.rows = rows;
-  table.data = std::move(data);
+  table.columns = static_cast<int>(columns.size());
+  table.rows = static_cast<int>(rows.size());
+  curves = std::move(data);
+  table.cubic = false;
+}
+
+// Sets the table's numbers to those of `curves`.
+void keep(const CurveFloats& curves, CurveTables& table) {
+  constexpr float kMost = std::numeric_limits<std::int16_t>::max();
+  const auto n = static_cast<std::size_t>(table.row_floats);
+  table.unit.assign(n, 0.0F);
+  for (std::size_t i = 0; i < curves.size(); i += n)
+    for (std::size_t k = 0; k < n; ++k) table.unit[k] = std::max(table.unit[k], std::abs(curves[i + k]));
+  std::vector<float> per(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    per[k] = table.unit[k] > 0 ? kMost / table.unit[k] : 0;
+    table.unit[k] /= kMost;
+  }
+  table.data.resize(curves.size());
+  tbb::parallel_for(std::size_t{0}, curves.size() / n, [&](std::size_t row) {
+    for (std::size_t k = 0; k < n; ++k)
+      table.data[row * n + k] = static_cast<std::int16_t>(std::lround(curves[row * n + k] * per[k]));
+  });
+}
+
+// The places of the tiles' corners, in steps of `per_pixel` pixels' inverse.
+std::vector<double> places_of(const std::vector<float>& corners, double per_pixel) {
+  std::vector<double> out;
+  for (const float corner : corners) out.push_back(corner * per_pixel);
+  return out;
+}
+
+// Places closer together, `count` of them, so that light between them may be taken as straight.
+std::vector<double> finer(int coarse, int count) {
+  std::vector<double> out;
+  for (int k = 0; k < count; ++k) out.push_back(static_cast<double>(k) * (coarse - 1) / (count - 1));
+  return out;
 }
 
 }  // namespace
@@ -92,17 +136,29 @@ std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const std::vec
     table->lean_per_pixel = lattice.lean_per_pixel;
     for (const double alpha : alphas) table->log_alpha.push_back(static_cast<float>(std::log(alpha)));
     const std::size_t places = static_cast<std::size_t>(table->columns) * table->rows, floats = table->place_floats();
-    table->data.assign(facets.size() * places * floats, 0.0F);
+    CurveFloats curves(facets.size() * places * floats, 0.0F);
     if (!lattice.pixel.empty())
       tbb::parallel_for(std::size_t{0}, facets.size() * places, [&](std::size_t k) {
         for (int d = -1; d <= table->directions + 1; ++d)
           add_row(facets[k / places], static_cast<int>(k % places), c, std::numbers::pi * d / table->directions, *table,
-                  &table->data[k * floats + static_cast<std::size_t>(d + 1) * table->row_floats]);
+                  &curves[k * floats + static_cast<std::size_t>(d + 1) * table->row_floats]);
       });
-    if (facets.size() * columns * rows * floats <= kMostFloats) {
-      refine_places(*table, columns, rows);
-      table->cubic = false;
+    table->column_corners = tile_corners((lattice.columns - 1) * lattice.column_pixels + 1);
+    table->row_corners = tile_corners((lattice.rows - 1) * lattice.row_pixels + 1);
+    table->linear_over_tiles = kTile * table->lean_per_pixel < kLinear * alphas.front();
+    const std::size_t corners = table->column_corners.size() * table->row_corners.size(),
+                      fine = static_cast<std::size_t>(columns) * rows;
+    const auto fits = [&](std::size_t all) { return facets.size() * all * floats <= kMostFloats; };
+    if (table->linear_over_tiles && corners <= kMostCorners * fine && fits(corners)) {
+      take_places(*table, curves, places_of(table->column_corners, table->columns_per_pixel),
+                  places_of(table->row_corners, table->rows_per_pixel));
+      table->of_tiles = true;
+    } else if (fits(fine)) {
+      table->columns_per_pixel *= (columns - 1.0) / (table->columns - 1);
+      table->rows_per_pixel *= (rows - 1.0) / (table->rows - 1);
+      take_places(*table, curves, finer(table->columns, columns), finer(table->rows, rows));
     }
+    keep(curves, *table);
     out.push_back(std::move(table));
   }
   return out;

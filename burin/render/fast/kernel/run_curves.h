@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <type_traits>
 
@@ -15,21 +16,31 @@
 
 namespace burin::kernel {
 
-/// atan2(y, x) of a unit vector with y >= 0, within 1e-5 (Abramowitz and Stegun, 4.4.49).
+/// atan2(y, x) of unit vectors with y >= 0, within 1e-5 (Abramowitz and Stegun, 4.4.49).
 template <class P>
-[[gnu::always_inline]] inline float azimuth_of(float x, float y) {
-  constexpr float kHalf = 1.57079633F;
-  const float ax = std::abs(x), low = std::min(ax, y), a = low / std::max(ax, y), b = a * a;
-  const float part = a * (0.999866F + b * (-0.3302995F + b * (0.180141F + b * (-0.085133F + b * 0.0208351F))));
-  const float first = ax >= y ? part : kHalf - part;
-  return x >= 0 ? first : 2 * kHalf - first;
+[[gnu::always_inline]] inline P azimuth_of(const P& x, const P& y) {
+  const P half_turn(3.14159265F), ax = xsimd::abs(x);
+  const P a = xsimd::min(ax, y) * inverse(xsimd::max(ax, y)), b = a * a;
+  P series = xsimd::fma(b, P(0.0208351F), P(-0.085133F));
+  series = xsimd::fma(b, series, P(0.180141F));
+  series = xsimd::fma(b, series, P(-0.3302995F));
+  const P part = a * xsimd::fma(b, series, P(0.999866F));
+  const P first = xsimd::select(ax < y, P(1.57079633F) - part, part);
+  return xsimd::select(x < P(0.0F), half_turn - first, first);
 }
 
 /// The curves that a knot is made of: four directions of some places.
 struct KnotPlaces {
-  const float* at[16];
+  const std::int16_t* at[16];
   float share[16];
   int count = 0;
+
+  /// Direction -1 of one place alone.
+  void hold(const CurveTables& tables, int column, int row) {
+    at[0] = tables.data.data() + (static_cast<std::size_t>(row) * tables.columns + column) * tables.place_floats();
+    share[0] = 1;
+    count = 1;
+  }
 };
 template <class P>
 [[gnu::always_inline]] inline void find_places(const CurveTables& tables, float column, float row, int direction,
@@ -100,10 +111,11 @@ BURIN_FLATTEN inline void sum_knot(const CurveTables& tables, const KnotPlaces& 
     for (std::size_t i = 0; i < floats; i += kLanesOf<P>) {
       P v[4] = {P(0.0F), P(0.0F), P(0.0F), P(0.0F)};
       for (int k = 0; k < places.count; ++k) {
-        const float* from = places.at[k] + table + i;
+        const std::int16_t* from = places.at[k] + table + i;
         const P by(places.share[k]);
-        for (int d = 0; d < 4; ++d) v[d] = xsimd::fma(by, load<P>(from + d * floats), v[d]);
+        for (int d = 0; d < 4; ++d) v[d] = xsimd::fma(by, packet::load_shorts<P>(from + d * floats), v[d]);
       }
+      const P unit = load<P>(&tables.unit[i]);
       P value = P(share[0]) * v[0], turn = P(slope[0]) * v[0];
       for (int d = 1; d < 4; ++d) {
         value = xsimd::fma(P(share[d]), v[d], value);
@@ -113,8 +125,9 @@ BURIN_FLATTEN inline void sum_knot(const CurveTables& tables, const KnotPlaces& 
         float* at = to + set * floats + i;
         save(at, !begun ? P(by * what) : xsimd::fma(by, what, load<P>(at)));
       };
+      value *= unit;
       add(0, whole, value);
-      if constexpr (kSets > 1) add(1, whole, turn);
+      if constexpr (kSets > 1) add(1, whole, unit * turn);
       if constexpr (kSets > 2) add(2, by_alpha, value);
     }
     begun = true;
@@ -122,26 +135,27 @@ BURIN_FLATTEN inline void sum_knot(const CurveTables& tables, const KnotPlaces& 
 }
 
 /// A tile's own curves, where the half vector turns so little in it that light is linear over it: of each direction
-/// that a run has asked for, three rows, at the tile's middle and by a column and a row.
+/// that a run asks for, three rows, at the tile's middle and by a column and a row.
 template <class P>
 class TileRows {
  public:
   TileRows(const CurveTables& tables, int left, int top, TileCurves& to)
       : tables_(tables), to_(to), row_floats_(tables.row_floats), directions_(tables.directions + 3) {
     to.start_rows(directions_ * tables.log_alpha.size(), 3 * row_floats_);
-    // The picture may end within the tile, and the tables with it.
-    const auto axis = [](int from, int count, double per_pixel, float& middle, float& half) {
-      const float last = per_pixel > 0 ? static_cast<float>((count - 1) / per_pixel) : 0;
-      half = 0.5F * std::max(1.0F, std::min(kTile - 1.0F, last - static_cast<float>(from)));
-      middle = static_cast<float>(from) + half;
+    const auto axis = [](const std::vector<float>& corners, int tile, float& middle, float& half) {
+      middle = 0.5F * (corners[tile] + corners[tile + 1]);
+      half = 0.5F * std::max(1.0F, corners[tile + 1] - corners[tile]);
     };
     float half[2] = {};
-    axis(left, tables.columns, tables.columns_per_pixel, middle_column, half[0]);
-    axis(top, tables.rows, tables.rows_per_pixel, middle_row, half[1]);
+    axis(tables.column_corners, left / kTile, middle_column, half[0]);
+    axis(tables.row_corners, top / kTile, middle_row, half[1]);
     for (int corner = 0; corner < 4; ++corner) {
       const float x = corner % 2 == 0 ? -1.0F : 1.0F, y = corner / 2 == 0 ? -1.0F : 1.0F;
       KnotPlaces at;
-      find_places<P>(tables, middle_column + half[0] * x, middle_row + half[1] * y, -1, at);
+      if (tables.of_tiles)
+        at.hold(tables, left / kTile + corner % 2, top / kTile + corner / 2);
+      else
+        find_places<P>(tables, middle_column + half[0] * x, middle_row + half[1] * y, -1, at);
       for (int k = 0; k < at.count; ++k) {
         int same = 0;
         while (same < count_ && place_[same] != at.at[k]) ++same;
@@ -159,35 +173,62 @@ class TileRows {
 
   float middle_column = 0, middle_row = 0;  ///< of the tile, in the picture
 
+  /// Makes ready what run after run will ask for, in the order that it lies in memory.
+  void make_wanted(int roughness) {
+    constexpr std::size_t kAhead = 3;
+    const std::size_t first = static_cast<std::size_t>(roughness) * directions_;
+    for (std::size_t d = 0; d < directions_; ++d) {
+      if (d + kAhead < directions_ && to_.row_wanted[d + kAhead] != 0)
+        for (int k = 0; k < count_; ++k)
+          for (std::size_t i = 0; i < row_floats_; i += 32)
+            __builtin_prefetch(place_[k] + table_of(roughness) + (d + kAhead) * row_floats_ + i);
+      if (to_.row_wanted[d] != 0 && to_.row_made[first + d] == 0) make(first + d);
+    }
+  }
+
   /// Of four directions from `direction` on (-1 is the first), at a roughness.
   const float* of(int direction, int roughness) {
-    const std::size_t first = static_cast<std::size_t>(roughness) * directions_ + direction + 1;
+    const std::size_t first = place(direction, roughness);
     for (std::size_t d = first; d < first + 4; ++d)
       if (to_.row_made[d] == 0) make(d);
     return to_.rows.data() + first * 3 * row_floats_;
   }
+  /// Their light over the whole groove, from rim to rim: at the middle, by a column, by a row, a fourth unused.
+  const float* light_of(int direction, int roughness) const {
+    return to_.row_light.data() + 4 * place(direction, roughness);
+  }
 
  private:
+  std::size_t place(int direction, int roughness) const {
+    return static_cast<std::size_t>(roughness) * directions_ + direction + 1;
+  }
+
+  std::size_t table_of(std::size_t roughness) const {
+    return roughness * tables_.columns * tables_.rows * tables_.place_floats();
+  }
+
   BURIN_FLATTEN void make(std::size_t d) {
     to_.row_made[d] = 1;
-    const std::size_t places = static_cast<std::size_t>(tables_.columns) * tables_.rows;
-    const std::size_t from =
-        d / directions_ * places * tables_.place_floats() + d % directions_ * static_cast<std::size_t>(row_floats_);
+    const std::size_t from = table_of(d / directions_) + d % directions_ * row_floats_;
     float* at = to_.rows.data() + d * 3 * row_floats_;
     for (std::size_t i = 0; i < row_floats_; i += kLanesOf<P>) {
       P v[3] = {P(0.0F), P(0.0F), P(0.0F)};
       for (int k = 0; k < count_; ++k) {
-        const P row = load<P>(place_[k] + from + i);
+        const P row = packet::load_shorts<P>(place_[k] + from + i);
         for (int j = 0; j < 3; ++j) v[j] = xsimd::fma(P(share_[j][k]), row, v[j]);
       }
-      for (int j = 0; j < 3; ++j) save(at + j * row_floats_ + i, v[j]);
+      const P unit = load<P>(&tables_.unit[i]);
+      for (int j = 0; j < 3; ++j) save(at + j * row_floats_ + i, P(unit * v[j]));
     }
+    // The second number of a node is the integral up to there.
+    const std::size_t last = static_cast<std::size_t>(2 * kCurveNode) * tables_.half_count;
+    for (int j = 0; j < 3; ++j, at += row_floats_) to_.row_light[4 * d + j] = at[last + 1] - at[1];
   }
 
   const CurveTables& tables_;
   TileCurves& to_;
   const std::size_t row_floats_, directions_;
-  const float* place_[64];
+  const std::int16_t* place_[64];
   float share_[3][64];
   int count_ = 0;
 };
@@ -229,13 +270,6 @@ BURIN_FLATTEN inline void sum_tile_knots(TileRows<P>& rows, int direction, std::
   }
 }
 
-/// How a run's middle line lies in its tile's lattice: pixel (column, row) = first + Y * step.
-struct RunLine {
-  float column, row, column_step, row_step;
-  float pixels_per_Y;
-  float from_Y, to_Y;  ///< as far as it lies within the tile
-};
-
 /// From mm to the lattice.
 struct FromMm {
   float column_x, column_y, row_x, row_y, first_x, first_y;
@@ -251,78 +285,97 @@ struct FromMm {
   }
 };
 
-template <class P>
-[[gnu::always_inline]] inline RunLine run_line(const TileRun& run, const FromMm& m, float mm,
-                                               const std::uint16_t first_place) {
-  const float x = -run.t_origin * mm * run.across_x - m.first_x, y = -run.t_origin * mm * run.across_y - m.first_y,
-              dx = -run.across_y * mm, dy = run.across_x * mm;
-  RunLine out{m.column_x * x + m.column_y * y,
-              m.row_x * x + m.row_y * y,
-              m.column_x * dx + m.column_y * dy,
-              m.row_x * dx + m.row_y * dy,
-              0,
-              run.first_end,
-              run.second_end};
-  const float size = out.column_step * out.column_step + out.row_step * out.row_step;
-  out.pixels_per_Y = std::sqrt(size);
-  const auto clip = [&](float at, float step) {
-    const float per = std::abs(step) > 1e-12F ? 1 / step : 1e12F;
-    const float a = (-0.5F - at) * per, b = (kTile - 0.5F - at) * per;
-    out.from_Y = std::max(out.from_Y, std::min(a, b));
-    out.to_Y = std::min(out.to_Y, std::max(a, b));
-  };
-  clip(out.column, out.column_step);
-  clip(out.row, out.row_step);
-  if (!(out.from_Y <= out.to_Y)) {  // its middle line is not in the tile: a pixel of it is
-    const auto column = first_place % kTile, row = first_place / kTile;
-    const float c = static_cast<float>(column) - out.column, d = static_cast<float>(row) - out.row;
-    const float Y = size > 0 ? (c * out.column_step + d * out.row_step) / size : 0;
-    out.from_Y = out.to_Y = std::min(std::max(Y, run.first_end), run.second_end);
-  }
-  return out;
-}
-
-/// Over half a turn; beyond it the curve is the same the other way round.
-struct RunDirection {
-  float sign;
-  int first;                 ///< of the four neighbors, -1 or more
-  float share[4], slope[4];  ///< by radians
+/// What its curves need of a run, in TileCurves::lines. Directions of grooves go over half a turn; beyond it the curve
+/// is the same the other way round. The middle line lies in the tile's lattice: pixel (column, row) = first + Y step.
+enum RunNumber : std::uint8_t {
+  kSign,
+  kDirection,                 ///< the first of the four neighbors, -1 or more
+  kShare,                     ///< of the four
+  kSlope = kShare + 4,        ///< of their shares, by radians
+  kFirstColumn = kSlope + 4,  ///< at Y = 0
+  kFirstRow,                  ///< at Y = 0
+  kColumnStep,                ///< by a unit of Y
+  kRowStep,                   ///< by a unit of Y
+  kFromY,                     ///< where it enters the tile
+  kLength,                    ///< in Y, as far as it lies within the tile
+  kTurned,                    ///< by how much h turns over that, in units of the roughness
+  kRunNumbers
 };
+static_assert(kRunNumbers <= TileCurves::kMostLines);
+
+/// The numbers of the tile's runs.
 template <class P>
-[[gnu::always_inline]] inline RunDirection run_direction(const TileRun& run, int directions) {
-  RunDirection out;
-  out.sign = run.across_y < 0 ? -1.0F : 1.0F;
-  const float per_direction = static_cast<float>(directions) * 0.318309886F;
-  const float place = azimuth_of<P>(out.sign * run.across_x, out.sign * run.across_y) * per_direction;
-  const int below = std::min(static_cast<int>(place), directions - 1);
-  out.first = below - 1;
-  lagrange_cubic<float, P>(place - static_cast<float>(below), out.share, out.slope);
-  for (float& s : out.slope) s *= per_direction;
-  return out;
+BURIN_FLATTEN inline void make_run_lines(const CurveTables& tables, const TileTask& task, const TilePlaces& places,
+                                         TileCurves& to) {
+  const FromMm m(*task.lattice);
+  const P zero(0.0F), one(1.0F);
+  const P directions(static_cast<float>(tables.directions)), per_direction = directions * P(0.318309886F);
+  const P lean(static_cast<float>(tables.lean_per_pixel));
+  for (std::uint32_t first = 0; first < task.run_count; first += kLanesOf<P>) {
+    const auto number = [&](int k) { return std::min<std::uint32_t>(first + k, task.run_count - 1); };
+    const auto put = [&](int what, const P& v) { save(&to.lines[what * to.line_stride + first], v); };
+    P run[8], shape[4] = {P(task.shapes[0].per_mm), zero, P(task.shapes[0].alpha)};
+    for (const int i : {0, 4}) packet::four_columns(run + i, [&](int k) { return &task.runs[number(k)].across_x + i; });
+    if (!task.shapes.shared) packet::four_columns(shape, [&](int k) { return &task.shapes[number(k)].per_mm; });
+
+    const P sign = xsimd::select(run[1] < zero, -one, one);
+    const P place = azimuth_of<P>(sign * run[0], sign * run[1]) * per_direction;
+    const P below = xsimd::min(xsimd::floor(place), directions - one);
+    P share[4], slope[4];
+    lagrange_cubic<P, P>(place - below, share, slope);
+    put(kSign, sign);
+    put(kDirection, below - one);
+    for (int d = 0; d < 4; ++d) {
+      put(kShare + d, share[d]);
+      put(kSlope + d, slope[d] * per_direction);
+    }
+
+    const P mm = inverse(shape[0]), x = -run[2] * mm * run[0] - P(m.first_x), y = -run[2] * mm * run[1] - P(m.first_y);
+    const P dx = -run[1] * mm, dy = run[0] * mm;
+    const P column = P(m.column_x) * x + P(m.column_y) * y, row = P(m.row_x) * x + P(m.row_y) * y;
+    const P column_step = P(m.column_x) * dx + P(m.column_y) * dy, row_step = P(m.row_x) * dx + P(m.row_y) * dy;
+    const P size = column_step * column_step + row_step * row_step;
+    P from = run[3], until = run[4];
+    const auto clip = [&](const P& at, const P& step) {
+      const P per = xsimd::select(xsimd::abs(step) > P(1e-12F), inverse(step), P(1e12F));
+      const P a = (P(-0.5F) - at) * per, b = (P(kTile - 0.5F) - at) * per;
+      from = xsimd::max(from, xsimd::min(a, b));
+      until = xsimd::min(until, xsimd::max(a, b));
+    };
+    clip(column, column_step);
+    clip(row, row_step);
+    // Where the middle line is not in the tile a pixel of the run is.
+    alignas(64) std::uint16_t pixel[kLanesOf<P>];
+    for (int k = 0; k < kLanesOf<P>; ++k) pixel[k] = places.place[places.begin[number(k)]];
+    P pixel_column, pixel_row;
+    packet::columns_and_rows(pixel, pixel_column, pixel_row);
+    const P foot = xsimd::select(
+        size > zero, ((pixel_column - column) * column_step + (pixel_row - row) * row_step) * inverse(size), zero);
+    const P beside = xsimd::min(xsimd::max(foot, run[3]), run[4]);
+    const MaskOf<P> within = from <= until;
+    from = xsimd::select(within, from, beside);
+    const P length = xsimd::select(within, until - from, zero);
+    put(kFirstColumn, column);
+    put(kFirstRow, row);
+    put(kColumnStep, column_step);
+    put(kRowStep, row_step);
+    put(kFromY, from);
+    put(kLength, length);
+    put(kTurned, length * xsimd::sqrt(size) * lean * inverse(shape[2]));
+  }
 }
 
-/// By what share the light of a whole groove, from rim to rim, grows by a unit of Y. `last`: its last node's place in a
-/// row.
-template <class P>
-inline float growth(TileRows<P>& rows, const RunDirection& direction, const RoughnessShares& rough, std::size_t floats,
-                    std::size_t last, float column, float row, const RunLine& line) {
-  float sum[3] = {};
-  for (int r = 0; r < rough.count; ++r) {
-    if (rough.share[r] == 0) continue;
-    const float* from = rows.of(direction.first, rough.first + r) + 1;
-    for (int d = 0; d < 4; ++d)
-      for (int j = 0; j < 3; ++j, from += floats)
-        sum[j] += rough.share[r] * direction.share[d] * (from[last] - from[0]);
-  }
-  const float all = sum[0] + column * sum[1] + row * sum[2];
-  return all > 0 ? (sum[1] * line.column_step + sum[2] * line.row_step) / all : 0;
+/// By what share the light of a whole groove, from rim to rim, grows by a unit of Y: by what it is at the tile's middle
+/// and grows by a column and a row (`light`, of four directions). `column`, `row`: the place, from the tile's middle.
+inline float growth(const float (&light)[3], float column, float row, float column_step, float row_step) {
+  const float all = light[0] + column * light[1] + row * light[2];
+  return all > 0 ? (light[1] * column_step + light[2] * row_step) / all : 0;
 }
 
 template <class P, int kSets>
 inline void make_curves_of(const CurveTables& tables, const TileTask& task, const TilePlaces& places, int left, int top,
                            TileCurves& to) {
   constexpr float kKnot = 0.15F;                // of the roughness: by how much h may turn from a knot to the next
-  constexpr float kLinear = 0.2F;               // the same over a tile with rows of its own
   constexpr float kLone = 0.7F, kStill = 0.2F;  // of that: one knot will do, scaled or as it is
   constexpr int kMostSteps = 64;
   const std::size_t floats = tables.row_floats;
@@ -331,46 +384,60 @@ inline void make_curves_of(const CurveTables& tables, const TileTask& task, cons
   to.half_count = tables.half_count;
   to.step = tables.step;
   to.grow_runs(task.run_count + 16);
-  const auto lean = static_cast<float>(tables.lean_per_pixel);
-  const bool linear = kTile * lean < kLinear * std::exp(tables.log_alpha.front());
-  std::optional<TileRows<P>> rows;
-  if (linear) rows.emplace(tables, left, top, to);
-  const FromMm from_mm(*task.lattice);
-  std::size_t knots = 0;
+  make_run_lines<P>(tables, task, places, to);
+  const bool linear = tables.linear_over_tiles;
   RoughnessShares rough;
   if (task.shapes.shared) rough = roughness_shares<P>(tables, task.shapes[0].alpha);
+  std::optional<TileRows<P>> rows;
+  if (linear) {
+    rows.emplace(tables, left, top, to);
+    if (task.shapes.shared) {
+      const float* direction = &to.lines[kDirection * to.line_stride];
+      for (std::uint32_t r = 0; r < task.run_count; ++r)
+        if (places.begin[r + 1] != places.begin[r])
+          std::memset(&to.row_wanted[static_cast<std::size_t>(direction[r] + 1)], 1, 4);
+      for (int k = 0; k < rough.count; ++k)
+        if (kSets == 3 || rough.share[k] != 0) rows->make_wanted(rough.first + k);
+    }
+  }
+  std::size_t knots = 0;
   KnotPlaces stencil;
   for (std::uint32_t r = 0; r < task.run_count; ++r) {
     RunCurve& run = to.runs[r];
     run = {};
     if (places.begin[r + 1] == places.begin[r]) continue;
-    const RunShape& shape = task.shapes[r];
-    if (!task.shapes.shared) rough = roughness_shares<P>(tables, shape.alpha);
-    const RunDirection direction = run_direction<P>(task.runs[r], tables.directions);
-    const RunLine line = run_line<P>(task.runs[r], from_mm, 1 / shape.per_mm, places.place[places.begin[r]]);
-    const float length = line.to_Y - line.from_Y;
-    const float turned = length * line.pixels_per_Y * lean / (kKnot * shape.alpha);
+    if (!task.shapes.shared) rough = roughness_shares<P>(tables, task.shapes[r].alpha);
+    const float* const line = &to.lines[r];
+    const auto number = [&](int what) { return line[what * to.line_stride]; };
+    const int direction = static_cast<int>(number(kDirection));
+    float share[4], slope[4];
+    for (int d = 0; d < 4; ++d) {
+      share[d] = number(kShare + d);
+      slope[d] = number(kSlope + d);
+    }
+    const float from_Y = number(kFromY), length = number(kLength), turned = number(kTurned) / kKnot;
+    const float column_step = number(kColumnStep), row_step = number(kRowStep);
     const int steps = turned < (linear ? kLone : kStill) ? 0 : std::min(kMostSteps, static_cast<int>(turned) + 1);
-    run.number = direction.sign * static_cast<float>(knots + 1);
-    run.first_Y = line.from_Y;
+    run.number = number(kSign) * static_cast<float>(knots + 1);
+    run.first_Y = from_Y;
     run.per_Y = steps > 0 ? static_cast<float>(steps) / length : 0;
     run.last = static_cast<float>(steps - 1);
     // A knot more, which is read where the share of the next is 0.
     to.grow_knots((knots + steps + 2) * to.knot_floats);
     const float step = steps > 0 ? length / static_cast<float>(steps) : 0,
-                first = steps > 0 ? line.from_Y : line.from_Y + 0.5F * length;
+                first = steps > 0 ? from_Y : from_Y + 0.5F * length;
     for (int k = 0; k <= steps;) {
       float* at = &to.knots[knots * to.knot_floats];
       const float Y[2] = {first + static_cast<float>(k) * step, first + static_cast<float>(k + 1) * step};
       float column[2], row[2];
       for (int j = 0; j < 2; ++j) {
-        column[j] = line.column + Y[j] * line.column_step;
-        row[j] = line.row + Y[j] * line.row_step;
+        column[j] = number(kFirstColumn) + Y[j] * column_step;
+        row[j] = number(kFirstRow) + Y[j] * row_step;
       }
       if (!linear) {
-        find_places<P>(tables, static_cast<float>(left) + column[0], static_cast<float>(top) + row[0], direction.first,
+        find_places<P>(tables, static_cast<float>(left) + column[0], static_cast<float>(top) + row[0], direction,
                        stencil);
-        sum_knot<P, kSets>(tables, stencil, direction.share, direction.slope, rough, at);
+        sum_knot<P, kSets>(tables, stencil, share, slope, rough, at);
         ++k;
         ++knots;
         continue;
@@ -380,20 +447,24 @@ inline void make_curves_of(const CurveTables& tables, const TileTask& task, cons
         row[j] += static_cast<float>(top) - rows->middle_row;
       }
       const auto sum = [&]<int kKnots>(std::integral_constant<int, kKnots>) {
-        sum_tile_knots<P, kSets, kKnots>(*rows, direction.first, floats, column, row, direction.share, direction.slope,
-                                         rough, at);
+        sum_tile_knots<P, kSets, kKnots>(*rows, direction, floats, column, row, share, slope, rough, at);
         k += kKnots;
         knots += kKnots;
       };
-      if (steps == 0) {
-        run.first_Y = first;
-        run.per_Y =
-            growth(*rows, direction, rough, floats, std::size_t{6} * tables.half_count, column[0], row[0], line);
-      }
       if (k < steps)
         sum(std::integral_constant<int, 2>{});
       else
         sum(std::integral_constant<int, 1>{});
+      if (steps > 0) continue;
+      float light[3] = {};
+      for (int q = 0; q < rough.count; ++q) {
+        if (rough.share[q] == 0) continue;
+        const float* of = rows->light_of(direction, rough.first + q);
+        for (int d = 0; d < 4; ++d)
+          for (int j = 0; j < 3; ++j) light[j] += rough.share[q] * share[d] * of[4 * d + j];
+      }
+      run.first_Y = first;
+      run.per_Y = growth(light, column[0], row[0], column_step, row_step);
     }
   }
   to.grow_knots((knots + 1) * to.knot_floats);
