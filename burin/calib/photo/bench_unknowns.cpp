@@ -142,15 +142,14 @@ constexpr auto kLinks = std::to_array<Link>({
      }},
     {unknown::glare_share, [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.sensor.glare.share; },
      [](const double* from, const Problem&, std::size_t, Bench& b) { b.sensor.glare.share = *from; }},
-    of_stray<0, 2>(),
-    of_stray<2, 1>(),
-    of_stray<3, 1>(),
-    {unknown::stray_spread2, read_stray<4, 1>,
+    of_stray<kStraySlopeX, 2>(),
+    of_stray<kStrayNearness, 1>(),
+    of_stray<kStrayIrradiance, 1>(),
+    {unknown::stray_spread2, read_stray<kStraySpread2, 1>,
      [](const double* from, const Problem& p, std::size_t, Bench& b) {  // and the others, which stand before it
-       StrayNumbers numbers;
-       std::copy_n(from - (kStrayNumbers - 1), kStrayNumbers, numbers.begin());
+       const StrayNumbers numbers = stray_numbers(from - kStraySpread2);
        b.stray.reset();
-       if (numbers[unknown::stray_light - unknown::stray] > 0) b.stray = stray_light(numbers, p.model.board->size_mm);
+       if (numbers[kStrayIrradiance] > 0) b.stray = stray_light(numbers, p.model.board->size_mm);
      }},
     {unknown::lamp_position,
      [](const Bench& b, const Problem&, std::size_t light, double* to) {

@@ -8,7 +8,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "burin/calib/photo/unknowns.h"
@@ -16,8 +18,16 @@
 
 namespace burin {
 
-inline constexpr int kStrayNumbers = 5;
-using StrayNumbers = std::array<double, kStrayNumbers>;  ///< in the order of the table of unknowns
+/// Its numbers, in the order of the table of unknowns.
+enum StrayNumber : std::uint8_t {
+  kStraySlopeX,
+  kStraySlopeY,
+  kStrayNearness,
+  kStrayIrradiance,
+  kStraySpread2,
+  kStrayNumbers
+};
+using StrayNumbers = std::array<double, kStrayNumbers>;
 
 /// Whether there is one.
 inline bool has_stray(const Unknowns& x) { return x[unknown::stray_light] > 0; }
@@ -28,6 +38,13 @@ Light stray_light(const Unknowns& x, const Eigen::Vector2d& board_size_mm);
 
 /// And back.
 StrayNumbers stray_numbers(const Light& light, const Eigen::Vector2d& board_size_mm);
+
+/// Its numbers among others, of which `first` is unknown::stray's.
+inline StrayNumbers stray_numbers(const double* first) {
+  StrayNumbers out;
+  std::copy_n(first, kStrayNumbers, out.begin());
+  return out;
+}
 
 /// Derivatives of its position (mm) and of the logarithm of its intensity by the numbers.
 Eigen::Matrix<double, 4, kStrayNumbers> stray_slopes(const StrayNumbers& numbers, const Eigen::Vector2d& board_size_mm);

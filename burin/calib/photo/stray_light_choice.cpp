@@ -111,12 +111,6 @@ Stage with_others(Stage stage) {
   return stage;
 }
 
-StrayNumbers numbers_of(const State& state) {
-  StrayNumbers out;
-  std::copy_n(state.block(unknown::stray), kStrayNumbers, out.begin());
-  return out;
-}
-
 // `fitted` with what only with_others() had freed as it was.
 State without_others(State fitted, const Stage& stage, const State& before) {
   for_each_unknown([&](const UnknownRow& row, int first) {
@@ -134,7 +128,7 @@ State with_stray(const State& state, const StrayNumbers& numbers) {
 
 // Sets a place's score, and the light that explains most when all else follows.
 void weigh(const Problem& data, const State& state, const Carved& carved, const LeftOfAll& left, Place& place) {
-  place.numbers[unknown::stray_light - unknown::stray] = 1;
+  place.numbers[kStrayIrradiance] = 1;
   const State with = with_stray(state, place.numbers);
   struct Sums {
     double pull = 0, information = 0;
@@ -161,7 +155,7 @@ void weigh(const Problem& data, const State& state, const Carved& carved, const 
   const double pull = all.pull - follow.dot(left.g), information = all.information - follow.dot(all.with_others);
   if (!(information > 0)) return;
   place.score = pull / std::sqrt(information);
-  place.numbers[unknown::stray_light - unknown::stray] = pull / information;
+  place.numbers[kStrayIrradiance] = pull / information;
 }
 
 // Directions all over the sky above the face, about `step` apart, as far away as the nearest lamp.
@@ -176,7 +170,7 @@ std::vector<Place> sky(const Problem& data, const State& state, double step) {
     lamp.position_mm = Eigen::Vector3d::Map(state.block(unknown::lamp_position, light));
     if (!(lamp.position_mm.z() > 0)) continue;
     own.push_back({stray_numbers(lamp, size_mm)});
-    nearness = std::max(nearness, own.back().numbers[unknown::stray_nearness - unknown::stray]);
+    nearness = std::max(nearness, own.back().numbers[kStrayNearness]);
   }
   nearness = std::min(nearness, kMostStrayNearness);
   std::vector<Place> out;
@@ -271,7 +265,7 @@ bool fit_stray_light(const std::vector<StrayNumbers>& places, Problem& data, Sta
   // Without what else might have explained it, from where it was found and from where all else was before.
   const State& found = is_wide ? wide : best;
   State from_there = fitted(stage, without_others(found, stage, state)),
-        from_here = fitted(stage, with_stray(state, numbers_of(found)));
+        from_here = fitted(stage, with_stray(state, stray_numbers(found.block(unknown::stray))));
   state = cost_of(data, from_there, 1) < cost_of(data, from_here, 1) ? std::move(from_there) : std::move(from_here);
   return true;
 }

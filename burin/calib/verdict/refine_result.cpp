@@ -199,9 +199,7 @@ void put_size_sigmas(const Problem& data, const State& state, const Uncertainty&
 
 // Of a light that nobody named. How far away it is may be known hardly at all; then both are large.
 void put_stray_sigmas(const Problem& data, const State& state, const Uncertainty& uncertainty, Light& stray) {
-  StrayNumbers numbers;
-  std::copy_n(state.block(unknown::stray), kStrayNumbers, numbers.begin());
-  const auto slopes = stray_slopes(numbers, data.model.board->size_mm);
+  const auto slopes = stray_slopes(stray_numbers(state.block(unknown::stray)), data.model.board->size_mm);
   std::array<double, 4> sigma{};
   for (int row = 0; row < 4; ++row) {
     Eigen::VectorXd a = Eigen::VectorXd::Zero(global_count(state.lamps.size()));
