@@ -312,7 +312,7 @@ bool RefineRun::may_have_another_section() const {
 // Photos ask for another cross-section than the paper's: which. (Of one that board.json gives: its burrs.)
 void RefineRun::find_profile() {
   const auto tried = [&](const char* what, double share) { tell(what, share); };
-  const ProfileChoice choice = choose_profile(data, stage, state, tried);
+  const ProfileChoice choice = choose_profile(data, stage, state, options.fit_fields, tried);
   if (choice.profile.is_paper()) return;
   for (PhotoData& photo : data.photos) photo.profile = choice.profile;
   data.model.profile = out.bench.material.profile = choice.profile;
@@ -352,7 +352,7 @@ void RefineRun::free_depth_field() {
   tell("asking whether depth varies, for glare and the lamp's size", 0);
   glare_at(usual_glare(out.bench.lens));
   if (options.fit_lamp) seek_sizes();
-  const FreeField before{.size = stage.frees(Group::lamp_size)};
+  const FreeField before = freed_by(stage);
   const FreeField field = choose_depth_field(data, stage, state, &pointed_to);
   stage.free(field);
   if (!field.size) data.size_sought.assign(data.size_sought.size(), false);
@@ -459,6 +459,7 @@ void RefineRun::doubt_profile() {
   look_at_photos(bins.finest);
   fit_corrected("fitting photos and the grooves' cross-section");
   if (options.fit_geometry) move_geometry();
+  free_depth_field();  // anew: what another cross-section hid
 }
 
 // A depth that the photos do not tell may still be refuted by them: grooves that glint beyond its cut-off.

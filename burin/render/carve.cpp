@@ -227,7 +227,7 @@ void pull_back_end(const PieceEnd& end, std::size_t i, const Vector2d& by_q, con
 void pull_back_depth(const Carved& carved, std::size_t k, const Scratches& placed, const Bench& bench,
                      const Board& board, const ScratchGradients& by, EndGradients& out) {
   const std::size_t i = carved.source[k];
-  if (!carved.scratches.is_narrowed(k)) {
+  if (!carved.scratches.is_narrowed(k) || carved.scratches.left[k] >= kAllButBurrs) {
     out.add_depth(i, by.depth_um[k]);
     out.add_width(i, by.width_um[k]);
     return;

@@ -147,8 +147,9 @@ Stretch covered_stretch(const Strips& s, std::size_t i, std::size_t j, double ha
   return out;
 }
 
-// How wide a groove is left where others cut it: this many steps from nothing to its whole width.
-constexpr int kSteps = 3;
+// How much of a groove is left where others cut it: this many steps from nothing to its whole width, without burrs;
+// beyond them, all of it.
+constexpr int kSteps = 3, kWhole = kSteps + 1;
 
 // A groove's cross-section.
 struct Section {
@@ -215,14 +216,14 @@ struct Change {
 struct Cutting {
   const Scratches& carved;
   const GrooveProfile& profile;
-  bool deepest;
+  bool deepest, burrs;
   std::vector<Section> sections;
   Strips strips;
   CellIndex index{strips};
 
   // Where other grooves cover groove i, in order along it.
   void find_changes(std::size_t i, std::vector<std::uint32_t>& near, std::vector<Change>& changes) const {
-    index.find_near(strips, i, deepest ? 0 : i + 1, near);
+    index.find_near(strips, i, deepest || burrs ? 0 : i + 1, near);
     changes.clear();
     const auto cover = [&](std::uint32_t j, int level, const Reach& reach) {
       const Stretch stretch = covered_stretch(strips, i, j, 1e-3 * reach.um);
@@ -237,9 +238,12 @@ struct Cutting {
     const Section* reached = nullptr;  // whose reaches these are: many grooves in a row have one cross-section
     for (const std::uint32_t j : near) {
       if (j == i) continue;
+      const auto rims = [&] {
+        return Reach{sections[j].half_width_um, 0,
+                     half_width_slope(profile, sections[j].width_um, sections[j].depth_um)};
+      };
       if (!deepest) {
-        cover(j, 0,
-              {sections[j].half_width_um, 0, half_width_slope(profile, sections[j].width_um, sections[j].depth_um)});
+        cover(j, j > i ? 0 : kSteps, rims());
         continue;
       }
       // Most that are near do not meet: their walls are not looked at.
@@ -250,6 +254,7 @@ struct Cutting {
           reaches[level] = reach_of_step(profile, sections[i], walls, sections[j], level);
         reached = &sections[j];
       }
+      if (burrs) cover(j, kSteps, rims());
       for (int level = kSteps - 1; level >= 0; --level)
         if (!cover(j, level, reaches[level])) break;
     }
@@ -259,7 +264,7 @@ struct Cutting {
     });
   }
 
-  // A piece of groove i that is `level` steps wide; nothing where it is too short to be seen.
+  // A piece of groove i of which `level` steps are left; nothing where it is too short to be seen.
   void add_piece(std::size_t i, int level, double from_mm, double to_mm, const PieceEnd& begin, const PieceEnd& end,
                  VisiblePieces& out) const {
     constexpr double kShortestMm = 1e-4;
@@ -270,16 +275,16 @@ struct Cutting {
     out.pieces.y1_mm.push_back(strips.y_mm[i] + strips.uy[i] * to_mm);
     if (!carved.width_um.empty()) out.pieces.width_um.push_back(carved.width_um[i]);
     if (!carved.alpha.empty()) out.pieces.alpha.push_back(carved.alpha[i]);
+    const double share = static_cast<double>(level) / kSteps;
     if (deepest) {
-      const double share = static_cast<double>(level) / kSteps;
       const Section& section = sections[i];
       out.pieces.depth_um.push_back(
-          level == kSteps ? section.depth_um
+          level >= kSteps ? section.depth_um
                           : depth_at_half_width_um(profile, section.width_um, share * section.half_width_um));
-      out.pieces.left.push_back(share);
     } else if (!carved.depth_um.empty()) {
       out.pieces.depth_um.push_back(carved.depth_um[i]);
     }
+    if (deepest || burrs) out.pieces.left.push_back(level < kSteps ? share : level < kWhole ? kAllButBurrs : 1);
     out.source.push_back(static_cast<std::uint32_t>(i));
     out.begin.push_back(begin);
     out.end.push_back(end);
@@ -289,13 +294,13 @@ struct Cutting {
     const double length = strips.length_mm[i];
     double from = 0;
     PieceEnd begin;
-    std::array<int, kSteps> covers{};  // how many stretches leave so many steps
+    std::array<int, kWhole> covers{};  // how many stretches leave so many steps
     const auto left = [&] {
       int level = 0;
-      while (level < kSteps && covers[level] == 0) ++level;
+      while (level < kWhole && covers[level] == 0) ++level;
       return level;
     };
-    int level = kSteps;
+    int level = kWhole;
     for (const Change& change : changes) {
       covers[change.level] += change.ends ? -1 : 1;
       const int now = left();
@@ -351,7 +356,11 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
     sections[i].half_width_um = half_width_um(profile, sections[i].width_um, sections[i].depth_um);
     half_width_mm[i] = 1e-3 * sections[i].half_width_um;
   }
-  const Cutting cutting{carved, profile, rule == Crossings::deepest, std::move(sections),
+  const Cutting cutting{carved,
+                        profile,
+                        rule == Crossings::deepest,
+                        profile.burr_left_um != 0 || profile.burr_right_um != 0,
+                        std::move(sections),
                         Strips(carved, std::move(half_width_mm))};
   constexpr std::size_t kAtOnce = 512;  // pieces come in carving order, whoever cuts them
   std::vector<VisiblePieces> parts((carved.size() + kAtOnce - 1) / kAtOnce);

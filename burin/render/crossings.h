@@ -5,7 +5,8 @@
 // interrupted. Of grooves that are cut, the lower surface is left, whichever came first: towards a crossing each
 // becomes narrower, as if it were shallower, because the other has taken its rims. Cutting center lines where others
 // cover them, in steps of the width, keeps the area that is left exactly for grooves that cross fully, at any angle,
-// and is right on average for those that touch or overlap sideways.
+// and is right on average for those that touch or overlap sideways. Burrs are left where no other groove is, whichever
+// came first.
 #pragma once
 
 #include <array>
@@ -42,6 +43,9 @@ struct PieceEnd {
   /// becomes a um deeper.
   double reach_um = 0, reach_by_depth = 0, reach_by_cutter_depth = 0;
 };
+
+/// Scratches::left of a piece that has its whole width, but whose burrs lie over another groove.
+inline constexpr double kAllButBurrs = 1 - 1e-9;
 
 /// The pieces of scratches that others leave, in carving order.
 struct VisiblePieces {

@@ -155,6 +155,47 @@ TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
 }
 
 // What decides how much of a board is cut at a time.
+// Burrs stand where no other groove is, whichever came first.
+TEST(VisiblePieces, BurrsAreLeftWherePointsFindNoGroove) {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> unit(0, 1);
+  const Scratches s = strewn(random);
+  const double w = half_width_mm();
+  GrooveProfile profile;
+  profile.burr_left_um = profile.burr_right_um = 3;
+  profile.burr_width_um = 20;
+  double whole = 0, counted = 0;
+  constexpr int kPoints = 1500;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const Eigen::Vector2d a(s.x0_mm[i], s.y0_mm[i]), b(s.x1_mm[i], s.y1_mm[i]);
+    const Eigen::Vector2d along = (b - a).normalized(), across(along.y(), -along.x());
+    whole += (b - a).norm();
+    for (int k = 0; k < kPoints; ++k) {
+      const double side = k % 2 == 0 ? -1 : 1, off_mm = side * (w + 1e-3 * profile.burr_width_um * unit(random));
+      const Eigen::Vector2d p = a + unit(random) * (b - a) + off_mm * across;
+      bool covered = false;
+      for (std::size_t j = 0; j < s.size() && !covered; ++j) covered = j != i && across_at(s, j, w, p).has_value();
+      if (!covered) counted += (b - a).norm() / kPoints;
+    }
+  }
+  EXPECT_LT(counted, 0.8 * whole);
+  for (const Crossings rule : {Crossings::last, Crossings::deepest}) {
+    const VisiblePieces v = visible_pieces(s, kWidthUm, kDepthUm, profile, rule);
+    double left = 0;
+    for (std::size_t k = 0; k < v.source.size(); ++k)
+      if (!v.pieces.is_narrowed(k)) left += piece_length(v, k);
+    EXPECT_NEAR(left / counted, 1, 0.015) << in_words(rule);
+    // Of the grooves themselves as much is left as without burrs.
+    const VisiblePieces bare = visible_pieces(s, kWidthUm, kDepthUm, {}, rule);
+    double with_burrs = 0, without = 0;
+    for (std::size_t k = 0; k < v.source.size(); ++k)
+      if (v.pieces.left[k] >= kAllButBurrs) with_burrs += piece_length(v, k);
+    for (std::size_t k = 0; k < bare.source.size(); ++k)
+      if (!bare.pieces.is_narrowed(k)) without += piece_length(bare, k);
+    EXPECT_NEAR(with_burrs / without, 1, 1e-3) << in_words(rule);
+  }
+}
+
 TEST(VisiblePieces, AreForetoldForGroovesInAnyDirection) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(0, 60), turn(0, 2 * std::numbers::pi), length(2, 12);

@@ -244,9 +244,59 @@ void try_flanks(Problem& data, const Stage& stage, const std::function<void(cons
   if (clearly_better(v, best)) best = std::move(v);
 }
 
+// The profile that the unknowns say.
+GrooveProfile profile_of(const State& state, GrooveProfile profile) {
+  profile.flank_deg = state.shared[unknown::flank];
+  profile.burr_left_um = std::max(0.0, state.shared[unknown::burrs]);
+  profile.burr_right_um = std::max(0.0, state.shared[unknown::burrs + 1]);
+  profile.burr_width_um = std::exp(state.shared[unknown::burr_width]);
+  profile.across = std::exp(state.shared[unknown::log_across]);
+  return profile;
+}
+
+// No burr stands higher than its groove is deep: what asks for one is something else.
+bool can_be(const Trial& trial) {
+  const auto& x = trial.state.shared;
+  return std::max(x[unknown::burrs], x[unknown::burrs + 1]) < std::exp(x[unknown::log_depth]);
+}
+
+// Burrs, where they are clearly better: from several heights, the best of which is fitted to its end. Depth that varies
+// over the board, and did not show so far, shows with them.
+void try_burrs(Problem& data, const Stage& stage, bool may_vary, const std::function<void(const char*, double)>& told,
+               Trial& best) {
+  constexpr std::array<std::array<double, 2>, 3> kHeights_um{{{1, 1}, {1.5, 0.75}, {0.75, 1.5}}};
+  std::vector<Group> free = best.free;
+  if (may_vary) free.push_back(Group::depth_linear);
+  GrooveProfile profile = profile_of(best.state, best.profile);
+  const Trial without = tried(data, stage, best.state, profile, free);
+  free.push_back(Group::burrs);
+  std::vector<Trial> trials;
+  for (std::size_t i = 0; i < kHeights_um.size(); ++i) {
+    told("trying burrs", 0.5 + 0.1 * static_cast<double>(i));
+    profile.burr_left_um = kHeights_um[i][0];
+    profile.burr_right_um = kHeights_um[i][1];
+    trials.push_back(tried(data, stage, best.state, profile, free));
+  }
+  const auto first =
+      std::min_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
+  Trial more = tried(data, stage, first->state, profile_of(first->state, profile), free, &without);
+  if (can_be(more) && clearly_better(more, without)) best = std::move(more);
+}
+
+// Roughness across the groove that differs from that along it, on top of what was found.
+void try_across(Problem& data, const Stage& stage, const std::function<void(const char*, double)>& told, Trial& best) {
+  told("trying roughness across grooves", 0.85);
+  GrooveProfile profile = profile_of(best.state, best.profile);
+  profile.across = 1.1;
+  std::vector<Group> free = best.free;
+  free.push_back(Group::across);
+  Trial more = tried(data, stage, best.state, profile, free, &best);
+  if (can_be(more) && clearly_better(more, best)) best = std::move(more);
+}
+
 }  // namespace
 
-ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state,
+ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state, bool may_vary,
                              const std::function<void(const char*, double)>& told) {
   const GrooveProfile paper = data.model.profile;
   Trial best{paper, state, {}, {}, 0};
@@ -257,45 +307,21 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
   // Flanks from steep (an arc) to shallow, each fitted a little; then the best of them to its end.
   if (paper.kind == GrooveProfile::Kind::paper) try_flanks(data, stage, told, best);
 
-  // Burrs, and roughness across the groove, each on top of what was found.
-  const auto add = [&](GrooveProfile profile, Group group, double share) {
-    told("trying burrs and roughness across grooves", share);
-    Trial from = best;
-    profile.flank_deg = from.state.shared[unknown::flank];
-    std::vector<Group> free = from.free;
-    free.push_back(group);
-    Trial more = tried(data, stage, from.state, profile, free, &best);
-    // No burr stands higher than its groove is deep: what asks for one is something else.
-    const double depth_um = std::exp(more.state.shared[unknown::log_depth]);
-    const bool can_be = std::max(more.state.shared[unknown::burrs], more.state.shared[unknown::burrs + 1]) < depth_um;
-    if (can_be && clearly_better(more, best)) best = std::move(more);
-  };
-  GrooveProfile with = best.profile;
-  with.burr_left_um = with.burr_right_um = 1;
   const auto without_burrs = best.state.shared;
   const std::size_t told_without = best.free.size();
-  add(with, Group::burrs, 0.7);
+  try_burrs(data, stage, may_vary, told, best);
   Eigen::VectorXd trade;
   if (best.free.size() > told_without) {
     trade.setZero(global_count(state.lamps.size()));
-    for (const int i : {unknown::log_alpha, unknown::log_depth}) trade[i] = best.state.shared[i] - without_burrs[i];
-    // Heights and width by what they were off on boards of known burrs (RMS of ten heights: 0.28).
-    constexpr double kOfHeight = 0.3, kOfWidth = 0.2;
+    // By what they were off on boards of known burrs (of ten heights 0.28, of what seven depths were moved by 0.18; RMS).
+    constexpr double kOfMoved = 0.3, kOfHeight = 0.3, kOfWidth = 0.2;
+    for (const int i : {unknown::log_alpha, unknown::log_depth})
+      trade[i] = kOfMoved * (best.state.shared[i] - without_burrs[i]);
     for (const int i : {unknown::burrs, unknown::burrs + 1}) trade[i] = kOfHeight * best.state.shared[i];
     trade[unknown::burr_width] = kOfWidth;
   }
-  with = best.profile;
-  with.burr_left_um = best.state.shared[unknown::burrs];
-  with.burr_right_um = best.state.shared[unknown::burrs + 1];
-  with.burr_width_um = std::exp(best.state.shared[unknown::burr_width]);
-  with.across = 1.1;
-  add(with, Group::across, 0.85);
-  GrooveProfile chosen = best.profile;
-  chosen.flank_deg = best.state.shared[unknown::flank];
-  chosen.burr_left_um = std::max(0.0, best.state.shared[unknown::burrs]);
-  chosen.burr_right_um = std::max(0.0, best.state.shared[unknown::burrs + 1]);
-  chosen.burr_width_um = std::exp(best.state.shared[unknown::burr_width]);
-  chosen.across = std::exp(best.state.shared[unknown::log_across]);
+  try_across(data, stage, told, best);
+  const GrooveProfile chosen = profile_of(best.state, best.profile);
   set_profile(data, chosen, best.state);
   return {chosen, best.state, best.free, trade};
 }

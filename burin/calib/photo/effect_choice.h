@@ -41,7 +41,8 @@ void set_flanks_to_ask_for(const Problem& data, State& state);
 bool start_screws(const Problem& data, State& state);
 
 /// The cross-section that explains the photos best, with the state that it was fitted to; the paper's where none does
-/// so by far enough. `told` is called with what is tried, and the share of all that is done.
+/// so by far enough. `may_vary`: depth may vary over the board where burrs are asked for. `told` is called with what is
+/// tried, and the share of all that is done.
 struct ProfileChoice {
   GrooveProfile profile;
   State state;
@@ -51,7 +52,7 @@ struct ProfileChoice {
   /// misses decides how far. Else empty.
   Eigen::VectorXd trade;
 };
-ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state,
+ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state, bool may_vary,
                              const std::function<void(const char*, double)>& told);
 
 }  // namespace burin

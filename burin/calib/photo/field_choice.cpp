@@ -122,6 +122,11 @@ bool grows(const State& state, const Eigen::VectorXd& step) {
 
 }  // namespace
 
+FreeField freed_by(const Stage& stage) {
+  return {stage.frees(Group::depth_linear), stage.frees(Group::depth_quadratic), stage.frees(Group::depth_wear),
+          stage.frees(Group::glare), stage.frees(Group::lamp_size)};
+}
+
 int terms_of(const FreeField& f) {
   return (f.linear ? 2 : 0) + (f.quadratic ? 3 : 0) + (f.wear ? 1 : 0) + (f.glare ? 1 : 0) + (f.size ? 1 : 0);
 }
@@ -134,8 +139,7 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
   all.free({true, true, true, true, any_size});
   const std::size_t lights = state.lamps.size();
   const ViewEquations equations = view_equations(data, all, state);
-  FreeField choice;
-  choice.size = stage.frees(Group::lamp_size);  // found before
+  FreeField choice = freed_by(stage);
   const std::size_t views = equations.H.size();
   constexpr std::size_t kFewest = 4;
   if (views < kFewest) return choice;

@@ -28,7 +28,10 @@
 
 namespace burin {
 
-/// `state` must be at the optimum of `stage`, which frees no field. To `shifts` is appended, over all unknowns
+/// The terms that a stage frees.
+FreeField freed_by(const Stage& stage);
+
+/// `state` must be at the optimum of `stage`; what that frees already stays. To `shifts` is appended, over all unknowns
 /// (global_index()), by how much the answer would move with a size of lamps that photos point to but do not ask for,
 /// and with terms that held-out photos and places ask for but whose photos scatter too much.
 FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state,
