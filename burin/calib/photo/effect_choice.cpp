@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "burin/calib/geometry/information.h"
+#include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/normal_system.h"
@@ -201,19 +202,24 @@ void add_costs(const Problem& data, Trial& trial) {
   trial.cost = std::accumulate(trial.costs.begin(), trial.costs.end(), 0.0);
 }
 
+// Of what a trial frees. What is known already and dear is held, each a rendering more; so is the blur, which is not
+// seen in coarse pixels.
+void fit_trial(Problem& data, Stage stage, int iterations, Trial& trial) {
+  for (PhotoData& photo : data.photos) photo.profile = trial.profile;
+  data.model.profile = trial.profile;
+  for (const Group group : trial.free) stage.free(group);
+  stage.hold({Group::backlash, Group::screw, Group::screw_period, Group::lamp_size, Group::lamp_sides, Group::blur});
+  solve(data, stage, iterations, 1e-4, trial.state, {}, "");
+  add_costs(data, trial);
+}
+
 // Fitted a little; and further if it costs less than `less` by then: what photos ask for pays from the start.
-Trial tried(Problem& data, Stage stage, const State& from, const GrooveProfile& profile, std::vector<Group> free,
+Trial tried(Problem& data, const Stage& stage, const State& from, const GrooveProfile& profile, std::vector<Group> free,
             const Trial* less = nullptr) {
   Trial out{profile, from, std::move(free), {}, 0};
   set_profile(data, profile, out.state);
-  for (const Group group : out.free) stage.free(group);
-  // Known already, and dear: each is a rendering more. The blur is not seen in coarse pixels.
-  stage.hold({Group::backlash, Group::screw, Group::screw_period, Group::lamp_size, Group::lamp_sides, Group::blur});
-  solve(data, stage, kFirst, 1e-4, out.state, {}, "");
-  add_costs(data, out);
-  if (less == nullptr || !(out.cost < less->cost)) return out;
-  solve(data, stage, kThen, 1e-4, out.state, {}, "");
-  add_costs(data, out);
+  fit_trial(data, stage, kFirst, out);
+  if (less != nullptr && out.cost < less->cost) fit_trial(data, stage, kThen, out);
   return out;
 }
 
@@ -244,16 +250,6 @@ void try_flanks(Problem& data, const Stage& stage, const std::function<void(cons
   if (clearly_better(v, best)) best = std::move(v);
 }
 
-// The profile that the unknowns say.
-GrooveProfile profile_of(const State& state, GrooveProfile profile) {
-  profile.flank_deg = state.shared[unknown::flank];
-  profile.burr_left_um = std::max(0.0, state.shared[unknown::burrs]);
-  profile.burr_right_um = std::max(0.0, state.shared[unknown::burrs + 1]);
-  profile.burr_width_um = std::exp(state.shared[unknown::burr_width]);
-  profile.across = std::exp(state.shared[unknown::log_across]);
-  return profile;
-}
-
 // No burr stands higher than its groove is deep: what asks for one is something else.
 bool can_be(const Trial& trial) {
   const auto& x = trial.state.shared;
@@ -264,10 +260,10 @@ bool can_be(const Trial& trial) {
 // over the board, and did not show so far, shows with them.
 void try_burrs(Problem& data, const Stage& stage, bool may_vary, const std::function<void(const char*, double)>& told,
                Trial& best) {
-  constexpr std::array<std::array<double, 2>, 3> kHeights_um{{{1, 1}, {1.5, 0.75}, {0.75, 1.5}}};
+  constexpr std::array<std::array<double, 2>, 2> kHeights_um{{{1.5, 0.75}, {0.75, 1.5}}};
   std::vector<Group> free = best.free;
   if (may_vary) free.push_back(Group::depth_linear);
-  GrooveProfile profile = profile_of(best.state, best.profile);
+  GrooveProfile profile = profile_of(best.profile, best.state.shared);
   const Trial without = tried(data, stage, best.state, profile, free);
   free.push_back(Group::burrs);
   std::vector<Trial> trials;
@@ -277,16 +273,16 @@ void try_burrs(Problem& data, const Stage& stage, bool may_vary, const std::func
     profile.burr_right_um = kHeights_um[i][1];
     trials.push_back(tried(data, stage, best.state, profile, free));
   }
-  const auto first =
-      std::min_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
-  Trial more = tried(data, stage, first->state, profile_of(first->state, profile), free, &without);
+  Trial& more =
+      *std::min_element(trials.begin(), trials.end(), [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
+  if (more.cost < without.cost) fit_trial(data, stage, kThen, more);
   if (can_be(more) && clearly_better(more, without)) best = std::move(more);
 }
 
 // Roughness across the groove that differs from that along it, on top of what was found.
 void try_across(Problem& data, const Stage& stage, const std::function<void(const char*, double)>& told, Trial& best) {
   told("trying roughness across grooves", 0.85);
-  GrooveProfile profile = profile_of(best.state, best.profile);
+  GrooveProfile profile = profile_of(best.profile, best.state.shared);
   profile.across = 1.1;
   std::vector<Group> free = best.free;
   free.push_back(Group::across);
@@ -313,7 +309,8 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
   Eigen::VectorXd trade;
   if (best.free.size() > told_without) {
     trade.setZero(global_count(state.lamps.size()));
-    // By what they were off on boards of known burrs (of ten heights 0.28, of what seven depths were moved by 0.18; RMS).
+    // By what they were off on boards of known burrs (of ten heights 0.28, of what seven depths were moved by 0.18;
+    // RMS).
     constexpr double kOfMoved = 0.3, kOfHeight = 0.3, kOfWidth = 0.2;
     for (const int i : {unknown::log_alpha, unknown::log_depth})
       trade[i] = kOfMoved * (best.state.shared[i] - without_burrs[i]);
@@ -321,7 +318,7 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
     trade[unknown::burr_width] = kOfWidth;
   }
   try_across(data, stage, told, best);
-  const GrooveProfile chosen = profile_of(best.state, best.profile);
+  const GrooveProfile chosen = profile_of(best.profile, best.state.shared);
   set_profile(data, chosen, best.state);
   return {chosen, best.state, best.free, trade};
 }
