@@ -223,6 +223,7 @@ std::vector<StrayNumbers> likely_stray_lights(const Problem& data, const Stage& 
   const std::vector<Place> places = best_of(likely_places(data, stage, state, kStep, progress), kTried, 2 * kStep);
   if (places.empty() || !(places.front().score > kLeastScore)) return {};
   std::vector<StrayNumbers> out;
+  out.reserve(places.size());
   for (const Place& place : places) out.push_back(place.numbers);
   return out;
 }

@@ -103,6 +103,7 @@ void keep(const CurveFloats& curves, CurveTables& table) {
 // The places of the tiles' corners, in steps of `per_pixel` pixels' inverse.
 std::vector<double> places_of(const std::vector<float>& corners, double per_pixel) {
   std::vector<double> out;
+  out.reserve(corners.size());
   for (const float corner : corners) out.push_back(corner * per_pixel);
   return out;
 }
@@ -110,6 +111,7 @@ std::vector<double> places_of(const std::vector<float>& corners, double per_pixe
 // Places closer together, `count` of them, so that light between them may be taken as straight.
 std::vector<double> finer(int coarse, int count) {
   std::vector<double> out;
+  out.reserve(count);
   for (int k = 0; k < count; ++k) out.push_back(static_cast<double>(k) * (coarse - 1) / (count - 1));
   return out;
 }
