@@ -482,7 +482,10 @@ void RefineRun::judge() {
   Uncertainty& judged_by = *uncertainty;
   if (const auto shift = shift_by_stray_size(data, stage, state)) pointed_to.push_back(*shift);
   judged_by.shifts.insert(judged_by.shifts.end(), pointed_to.begin(), pointed_to.end());
-  if (burr_trade.size() > 0) judged_by.shifts.push_back(burr_trade);
+  if (burr_trade.size() > 0) {
+    judged_by.shifts.push_back(burr_trade);
+    for (const int i : {unknown::burrs, unknown::burrs + 1}) judged_by.shifts.back()[i] *= state.shared[i];
+  }
   const Carved carved = carved_at(data.model, state.of(0));
   for (std::size_t k = 0; k < data.photos.size(); ++k)
     out.photos.push_back(photo_fit(data, k, state, carved, out.bench));

@@ -314,7 +314,7 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
     constexpr double kOfMoved = 0.3, kOfHeight = 0.3, kOfWidth = 0.2;
     for (const int i : {unknown::log_alpha, unknown::log_depth})
       trade[i] = kOfMoved * (best.state.shared[i] - without_burrs[i]);
-    for (const int i : {unknown::burrs, unknown::burrs + 1}) trade[i] = kOfHeight * best.state.shared[i];
+    for (const int i : {unknown::burrs, unknown::burrs + 1}) trade[i] = kOfHeight;
     trade[unknown::burr_width] = kOfWidth;
   }
   try_across(data, stage, told, best);

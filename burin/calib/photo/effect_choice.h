@@ -47,9 +47,9 @@ struct ProfileChoice {
   GrooveProfile profile;
   State state;
   std::vector<Group> free;  ///< what of it the photos tell
-  /// Of burrs that were found: what they moved roughness and depth by, and how far heights and width may be off
-  /// themselves, over all unknowns (global_index()). All of them trade with each other, and what else the photos' light
-  /// misses decides how far. Else empty.
+  /// Of burrs that were found: a share of what they moved roughness and depth by, and how far width, and heights in
+  /// shares of themselves, may be off, over all unknowns (global_index()). All of them trade with each other, and what
+  /// else the photos' light misses decides how far. Else empty.
   Eigen::VectorXd trade;
 };
 ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state, bool may_vary,
