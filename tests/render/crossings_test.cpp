@@ -50,11 +50,19 @@ Scratches strewn(std::mt19937_64& random) {
   return s;
 }
 
+// A scratch's ends, and the unit vector across it.
+struct Lie {
+  Eigen::Vector2d a, b, across;
+};
+Lie lie_of(const Scratches& s, std::size_t i) {
+  const Eigen::Vector2d a(s.x0_mm[i], s.y0_mm[i]), b(s.x1_mm[i], s.y1_mm[i]), along = (b - a).normalized();
+  return {a, b, {along.y(), -along.x()}};
+}
+
 // How far across scratch j a point lies, where it lies on it.
 std::optional<double> across_at(const Scratches& s, std::size_t j, double half_width_mm, const Eigen::Vector2d& p) {
-  const Eigen::Vector2d c(s.x0_mm[j], s.y0_mm[j]), d(s.x1_mm[j], s.y1_mm[j]);
-  const Eigen::Vector2d u = (d - c).normalized();
-  const double y = (p - c).dot(u), x = (p - c).dot(Eigen::Vector2d(u.y(), -u.x()));
+  const auto [c, d, across] = lie_of(s, j);
+  const double y = (p - c).dot((d - c).normalized()), x = (p - c).dot(across);
   if (!(y >= 0 && y <= (d - c).norm() && std::abs(x) <= half_width_mm)) return std::nullopt;
   return x;
 }
@@ -92,8 +100,7 @@ TEST(VisiblePieces, AreaLeftAgreesWithCountingPoints) {
   double cut = 0, counted = 0, whole = 0;
   constexpr int kPoints = 2000;
   for (std::size_t i = 0; i < s.size(); ++i) {
-    const Eigen::Vector2d a(s.x0_mm[i], s.y0_mm[i]), b(s.x1_mm[i], s.y1_mm[i]);
-    const Eigen::Vector2d along = (b - a).normalized(), across(along.y(), -along.x());
+    const auto [a, b, across] = lie_of(s, i);
     int left = 0;
     for (int k = 0; k < kPoints; ++k) {
       const Eigen::Vector2d p = a + unit(random) * (b - a) + w * (2 * unit(random) - 1) * across;
@@ -125,8 +132,7 @@ TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
   double whole = 0;
   constexpr int kPoints = 1500;
   for (std::size_t i = 0; i < s.size(); ++i) {
-    const Eigen::Vector2d a(s.x0_mm[i], s.y0_mm[i]), b(s.x1_mm[i], s.y1_mm[i]);
-    const Eigen::Vector2d along = (b - a).normalized(), across(along.y(), -along.x());
+    const auto [a, b, across] = lie_of(s, i);
     whole += (b - a).norm();
     for (int k = 0; k < kPoints; ++k) {
       const double off = 2 * unit(random) - 1;
@@ -167,8 +173,7 @@ TEST(VisiblePieces, BurrsAreLeftWherePointsFindNoGroove) {
   double whole = 0, counted = 0;
   constexpr int kPoints = 1500;
   for (std::size_t i = 0; i < s.size(); ++i) {
-    const Eigen::Vector2d a(s.x0_mm[i], s.y0_mm[i]), b(s.x1_mm[i], s.y1_mm[i]);
-    const Eigen::Vector2d along = (b - a).normalized(), across(along.y(), -along.x());
+    const auto [a, b, across] = lie_of(s, i);
     whole += (b - a).norm();
     for (int k = 0; k < kPoints; ++k) {
       const double side = k % 2 == 0 ? -1 : 1, off_mm = side * (w + 1e-3 * profile.burr_width_um * unit(random));
