@@ -65,7 +65,6 @@ struct Film {
     RenderOptions options;
     options.channels = 3;
     options.material_gradients = false;
-    options.light_along_grooves = true;
     Image image;
     ViewRenderer(std::move(scene), options).forward(carved, image);
     return image;

@@ -306,7 +306,7 @@ void RefineRun::find_effects() {
 // grooves alone are rendered.
 bool RefineRun::may_have_another_section() const {
   const GrooveProfile& seen = board.material.profile;
-  return !data.surroundings && !(seen.burr_left_um > 0 || seen.burr_right_um > 0);
+  return !data.surroundings && !seen.has_burrs();
 }
 
 // Photos ask for another cross-section than the paper's: which. (Of one that board.json gives: its burrs.)

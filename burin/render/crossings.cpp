@@ -153,7 +153,7 @@ constexpr int kSteps = 3, kWhole = kSteps + 1;
 
 // A groove's cross-section.
 struct Section {
-  double width_um, depth_um, half_width_um;
+  double width_um, depth_um, half_width_um, rim_by_depth;
 
   bool operator==(const Section&) const = default;
 };
@@ -174,13 +174,12 @@ struct Walls {
 
 Walls walls_of(const GrooveProfile& profile, const Section& i) {
   constexpr double kNode = 0.21132486540518708;
-  const double by_whole_depth = half_width_slope(profile, i.width_um, i.depth_um);
   Walls out;
   for (int level = 0; level < kSteps; ++level)
     for (int node = 0; node < 2; ++node) {
       const double share = (level + (node == 0 ? kNode : 1 - kNode)) / kSteps,
                    inner_um = depth_at_half_width_um(profile, i.width_um, share * i.half_width_um);
-      out.nodes[level][node] = {inner_um, share * by_whole_depth / half_width_slope(profile, i.width_um, inner_um)};
+      out.nodes[level][node] = {inner_um, share * i.rim_by_depth / half_width_slope(profile, i.width_um, inner_um)};
     }
   return out;
 }
@@ -212,6 +211,26 @@ struct Change {
   Reach reach;
 };
 
+// What is known of one cross-section beside another: many grooves in a row have the same.
+struct SectionsMet {
+  const Section* section = nullptr;
+  Walls walls;
+  const Section* reached = nullptr;  // whose reaches these are
+  Reaches reaches;
+
+  void meet(const GrooveProfile& profile, const Section& i) {
+    if (section != nullptr && *section == i) return;
+    section = &i;
+    walls = walls_of(profile, i);
+    reached = nullptr;
+  }
+  void reach(const GrooveProfile& profile, const Section& j) {
+    if (reached != nullptr && *reached == j) return;
+    reached = &j;
+    for (int level = 0; level < kSteps; ++level) reaches[level] = reach_of_step(profile, *section, walls, j, level);
+  }
+};
+
 // Cuts grooves one by one; those of a part of the board by one thread.
 struct Cutting {
   const Scratches& carved;
@@ -222,7 +241,8 @@ struct Cutting {
   CellIndex index{strips};
 
   // Where other grooves cover groove i, in order along it.
-  void find_changes(std::size_t i, std::vector<std::uint32_t>& near, std::vector<Change>& changes) const {
+  void find_changes(std::size_t i, SectionsMet& met, std::vector<std::uint32_t>& near,
+                    std::vector<Change>& changes) const {
     index.find_near(strips, i, deepest || burrs ? 0 : i + 1, near);
     changes.clear();
     const auto cover = [&](std::uint32_t j, int level, const Reach& reach) {
@@ -232,16 +252,10 @@ struct Cutting {
       changes.push_back({stretch.to_mm, true, level, stretch.to_boundary, j, reach});
       return true;
     };
-    Walls walls;
-    if (deepest) walls = walls_of(profile, sections[i]);
-    Reaches reaches;
-    const Section* reached = nullptr;  // whose reaches these are: many grooves in a row have one cross-section
+    if (deepest) met.meet(profile, sections[i]);
     for (const std::uint32_t j : near) {
       if (j == i) continue;
-      const auto rims = [&] {
-        return Reach{sections[j].half_width_um, 0,
-                     half_width_slope(profile, sections[j].width_um, sections[j].depth_um)};
-      };
+      const auto rims = [&] { return Reach{sections[j].half_width_um, 0, sections[j].rim_by_depth}; };
       if (!deepest) {
         cover(j, j > i ? 0 : kSteps, rims());
         continue;
@@ -249,14 +263,10 @@ struct Cutting {
       // Most that are near do not meet: their walls are not looked at.
       const Stretch whole = covered_stretch(strips, i, j, strips.half_width_mm[j]);
       if (!(whole.from_mm < whole.to_mm)) continue;
-      if (!reached || *reached != sections[j]) {
-        for (int level = 0; level < kSteps; ++level)
-          reaches[level] = reach_of_step(profile, sections[i], walls, sections[j], level);
-        reached = &sections[j];
-      }
+      met.reach(profile, sections[j]);
       if (burrs) cover(j, kSteps, rims());
       for (int level = kSteps - 1; level >= 0; --level)
-        if (!cover(j, level, reaches[level])) break;
+        if (!cover(j, level, met.reaches[level])) break;
     }
     // What begins comes before what ends there, so that nothing is left between the two.
     std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
@@ -352,14 +362,19 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
   std::vector<double> half_width_mm(carved.size());
   for (std::size_t i = 0; i < carved.size(); ++i) {
     sections[i] = {carved.width_um.empty() ? tool_width_um : carved.width_um[i],
-                   carved.depth_um.empty() ? depth_um : carved.depth_um[i], 0};
-    sections[i].half_width_um = half_width_um(profile, sections[i].width_um, sections[i].depth_um);
+                   carved.depth_um.empty() ? depth_um : carved.depth_um[i], 0, 0};
+    if (i > 0 && sections[i].width_um == sections[i - 1].width_um && sections[i].depth_um == sections[i - 1].depth_um) {
+      sections[i] = sections[i - 1];
+    } else {
+      sections[i].half_width_um = half_width_um(profile, sections[i].width_um, sections[i].depth_um);
+      sections[i].rim_by_depth = half_width_slope(profile, sections[i].width_um, sections[i].depth_um);
+    }
     half_width_mm[i] = 1e-3 * sections[i].half_width_um;
   }
   const Cutting cutting{carved,
                         profile,
                         rule == Crossings::deepest,
-                        profile.burr_left_um != 0 || profile.burr_right_um != 0,
+                        profile.has_burrs(),
                         std::move(sections),
                         Strips(carved, std::move(half_width_mm))};
   constexpr std::size_t kAtOnce = 512;  // pieces come in carving order, whoever cuts them
@@ -369,9 +384,10 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
     std::vector<std::uint32_t> near;
     std::vector<Change> changes;
+    SectionsMet met;
     for (std::size_t i = part * kAtOnce; i < std::min(carved.size(), (part + 1) * kAtOnce) && made <= most; ++i) {
       const std::size_t before = parts[part].source.size();
-      cutting.find_changes(i, near, changes);
+      cutting.find_changes(i, met, near, changes);
       cutting.add_pieces(i, changes, parts[part]);
       made += parts[part].source.size() - before;
     }

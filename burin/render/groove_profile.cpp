@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "burin/render/groove.h"
@@ -47,17 +48,17 @@ double x_at(const GrooveProfile& profile, double width_um, double lean) {
 }
 
 // A parabola of height h over x from `from` to `from + width`: it rises from the left and falls to the right.
-void add_burr(double h, double width, double from, double moves, std::vector<ProfileBand>& out) {
+void add_burr(double h, double width, double from, double moves, double widest_um, std::vector<ProfileBand>& out) {
   if (!(h > 0)) return;
-  const double lean = std::atan(4 * h / width);
-  // Two halves: what is near the groove shades into its wall.
-  for (int half = 0; half < 2; ++half) {
+  // Two halves at least: what is near the groove shades into its wall.
+  const int bands = std::max(2, static_cast<int>(std::ceil(width / widest_um)));
+  for (int k = 0; k < bands; ++k) {
     ProfileBand band;
     band.shape = Shape::parabola;
-    band.from_um = from + half * width / 2;
-    band.to_um = from + (half + 1) * width / 2;
-    band.from_lean = half == 0 ? lean : 0;
-    band.to_lean = half == 0 ? 0 : -lean;
+    band.from_um = from + k * width / bands;
+    band.to_um = from + (k + 1) * width / bands;
+    band.from_lean = burr_lean(h, width, width * k / bands - width / 2);
+    band.to_lean = burr_lean(h, width, width * (k + 1) / bands - width / 2);
     band.from_by_depth = band.to_by_depth = moves;
     out.push_back(band);
   }
@@ -82,6 +83,22 @@ double half_width_slope(const GrooveProfile& profile, double width_um, double de
   return half_section(profile, width_um, depth_um).rim_by_depth;
 }
 
+double flank_begin_um(const GrooveProfile& profile, double width_um) {
+  if (profile.kind == GrooveProfile::Kind::paper) return std::numeric_limits<double>::infinity();
+  return tip_radius_um(profile, width_um) * std::sin(profile.flank_deg * std::numbers::pi / 180);
+}
+
+double wall_lean(const GrooveProfile& profile, double width_um, double x_um) {
+  const double R = tip_radius_um(profile, width_um);
+  if (profile.kind == GrooveProfile::Kind::paper) return 2 * std::atan(x_um / (2 * R));
+  const double arc_um = flank_begin_um(profile, width_um);
+  return std::asin(std::clamp(x_um, -arc_um, arc_um) / R);
+}
+
+double burr_lean(double height_um, double width_um, double x_um) {
+  return std::atan(-8 * height_um * x_um / (width_um * width_um));
+}
+
 ProfileReach profile_reach(const GrooveProfile& profile, double width_um, double depth_um) {
   const double w = half_width_um(profile, width_um, depth_um);
   return {-w - (profile.burr_left_um > 0 ? profile.burr_width_um : 0),
@@ -92,7 +109,8 @@ std::vector<ProfileBand> profile_bands(const GrooveProfile& profile, double widt
                                        double widest_um) {
   const HalfSection half = half_section(profile, width_um, depth_um);
   std::vector<ProfileBand> out;
-  add_burr(profile.burr_left_um, profile.burr_width_um, -half.rim_um - profile.burr_width_um, -half.rim_by_depth, out);
+  add_burr(profile.burr_left_um, profile.burr_width_um, -half.rim_um - profile.burr_width_um, -half.rim_by_depth,
+           widest_um, out);
   const auto flank = [&](int side) {
     if (!half.flank) return;
     ProfileBand band;
@@ -124,8 +142,17 @@ std::vector<ProfileBand> profile_bands(const GrooveProfile& profile, double widt
     out.push_back(band);
   }
   flank(1);
-  add_burr(profile.burr_right_um, profile.burr_width_um, half.rim_um, half.rim_by_depth, out);
+  add_burr(profile.burr_right_um, profile.burr_width_um, half.rim_um, half.rim_by_depth, widest_um, out);
+  // A section without a radius of its own grows as a whole with width and depth; burrs go with its rims.
+  const bool grows = profile.tip_radius_um == 0;
   for (ProfileBand& band : out) {
+    if (grows) {
+      const bool is_burr = band.shape == Shape::parabola;
+      const double side = std::copysign(half.rim_um, band.to_um);
+      band.from_by_width = ((is_burr ? side : band.from_um) - depth_um * band.from_by_depth) / width_um;
+      band.to_by_width = ((is_burr ? side : band.to_um) - depth_um * band.to_by_depth) / width_um;
+      band.depth_for_width = -depth_um / width_um;
+    }
     band.from_sine = std::sin(band.from_lean);
     band.from_cosine = std::cos(band.from_lean);
     band.to_sine = std::sin(band.to_lean);

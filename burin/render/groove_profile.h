@@ -24,8 +24,9 @@ struct GrooveProfile {
   /// Roughness across the groove over that along it (Material::alpha).
   double across = 1;
 
+  bool has_burrs() const { return burr_left_um != 0 || burr_right_um != 0; }
   /// The paper's cross-section: its closed form holds.
-  bool is_paper() const { return kind == Kind::paper && across == 1 && burr_left_um == 0 && burr_right_um == 0; }
+  bool is_paper() const { return kind == Kind::paper && across == 1 && !has_burrs(); }
   bool operator==(const GrooveProfile&) const = default;
 };
 
@@ -39,7 +40,8 @@ struct ProfileBand {
   double from_um = 0, to_um = 0, from_lean = 0, to_lean = 0;
   double from_by_depth = 0, to_by_depth = 0;            ///< d(from_um, to_um) / d(depth_um)
   double from_lean_by_depth = 0, to_lean_by_depth = 0;  ///< d(lean) / d(depth_um)
-  double by_width = 0;                                  ///< of parabolas: 1; they keep their width as the groove grows
+  double from_by_width = 0, to_by_width = 0;            ///< d(from_um, to_um) / d(width_um)
+  double depth_for_width = 0;  ///< leans change with the tool's width as they do with so many times the depth
   double from_sine = 0, from_cosine = 1, to_sine = 0, to_cosine = 1;  ///< of the leans, which every pixel asks for
 };
 
@@ -52,7 +54,15 @@ double depth_at_half_width_um(const GrooveProfile& profile, double width_um, dou
 /// d(half_width_um) / d(depth_um).
 double half_width_slope(const GrooveProfile& profile, double width_um, double depth_um);
 
-/// The whole section, left to right; arcs are cut into bands at most `widest_um` wide.
+/// The wall's lean at x from the middle of a groove that is deep enough to reach there, radians. It does not depend on
+/// how deep.
+double wall_lean(const GrooveProfile& profile, double width_um, double x_um);
+/// The lean at x from the middle of a burr so high, radians.
+double burr_lean(double height_um, double width_um, double x_um);
+/// Where a groove's curve ends and its flanks begin, um; infinity where there are none.
+double flank_begin_um(const GrooveProfile& profile, double width_um);
+
+/// The whole section, left to right; arcs and burrs are cut into bands at most `widest_um` wide.
 std::vector<ProfileBand> profile_bands(const GrooveProfile& profile, double width_um, double depth_um,
                                        double widest_um = 15);
 

@@ -1,4 +1,4 @@
-// burin/render/lamp_view.h - one view under one point lamp, whichever way renders it: in float packets, or pair by pair
+// burin/render/lamp_view.h - one view under one lamp, whichever way renders it: in float packets, or pair by pair
 // in double. docs/model.md 5, 8. Made and used by ViewRenderer and, for each of its lamps, by LightsView.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace burin {
 
-/// What ViewRenderer does, under a light that is a lone lamp without an area.
+/// What ViewRenderer does, under a light that is a lone lamp; without an area where the paper's grooves are in float.
 class LampView {
  public:
   /// Without a `workspace` it has one of its own. Throws Error as check_view() does.

@@ -53,9 +53,13 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
   // Tables of a lamp with an area take a second, and then cost less than its points: they are for views that are
   // rendered again and again, which have a workspace in common and move ends alone.
   // They know no direction of grooves but the board's own, so meshes with their own go by points.
-  const bool exact = options.use_double || !scene.material.profile.is_paper();
-  const bool often = shares_workspace && !options.material_gradients && !exact && scene.grid->x_axis.empty();
-  const auto near = [&](const Light& l) { return l.far == nullptr ? l.size.is_point() || !often : l.far->is_sun(); };
+  // Grooves of other cross-sections take a lamp as it is.
+  const bool takes_area = !options.use_double && !scene.material.profile.is_paper();
+  const bool often =
+      shares_workspace && !options.material_gradients && !options.use_double && scene.grid->x_axis.empty();
+  const auto near = [&](const Light& l) {
+    return l.far == nullptr ? l.size.is_point() || takes_area || !often : l.far->is_sun();
+  };
   const auto add = [&](ViewScene own, double wider) {
     if (!lamps_.empty()) own.ambient.setZero();  // it counts once
     lamps_.push_back({std::move(own), wider, nullptr});
@@ -70,6 +74,10 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
       wider = widening(light.far->diameter_deg);
       own.material.alpha = wider_alpha(scene.material.alpha, wider);
       own.material.base_alpha = wider_alpha(scene.material.base_alpha, wider);
+    }
+    if (takes_area) {
+      add(std::move(own), wider);
+      continue;
     }
     for (ScenePart& part : scene_parts(own)) {
       part.scene.light.intensity *= part.share;
@@ -93,7 +101,7 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
   }
   // A view keeps some 25 bytes a pixel, each channel more 4; in double ten times as much, and each its own Jacobian.
   const std::size_t bytes = lamps_.size() * static_cast<std::size_t>(width_) * height_ * (21 + 4 * options.channels);
-  if (lamps_.size() > 1 && (exact || bytes > kMostKept_bytes)) return;
+  if (lamps_.size() > 1 && (options.use_double || bytes > kMostKept_bytes)) return;
   for (Lamp& lamp : lamps_) {
     lamp.view = std::make_unique<LampView>(std::move(lamp.scene), options_, workspace_);
     lamp.scene = {};

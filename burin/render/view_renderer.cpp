@@ -11,19 +11,27 @@
 #include "burin/render/lights_view.h"
 
 namespace burin {
+namespace {
+
+// Whether a lone lamp's view takes its area as it is.
+bool takes_area(const ViewScene& scene, const RenderOptions& options) {
+  return scene.light.size.is_point() || (!options.use_double && !scene.material.profile.is_paper());
+}
+
+}  // namespace
 
 struct ViewRenderer::State {
   RenderOptions options;
   int width = 0, height = 0;
   std::size_t scratch_count = 0;
-  std::unique_ptr<LampView> lamp;      // of a lone point lamp
+  std::unique_ptr<LampView> lamp;      // of a lone lamp that needs no sum
   std::unique_ptr<LightsView> lights;  // of all else
 
   State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderWorkspace> workspace) : options(o) {
     check_view(scene, options.channels);
     width = scene.grid->width();
     height = scene.grid->height();
-    if (!scene.light.is_lamp() || !scene.light.size.is_point())
+    if (!scene.light.is_lamp() || !takes_area(scene, options))
       lights = std::make_unique<LightsView>(scene, options, std::move(workspace));
     else
       lamp = std::make_unique<LampView>(std::move(scene), options, std::move(workspace));

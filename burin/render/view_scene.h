@@ -37,10 +37,6 @@ struct RenderOptions {
   /// use_double). Designs that only move ends are faster and smaller without.
   bool material_gradients = true;
   SimdWidth simd = SimdWidth::best;  ///< packets of the fast path
-  /// Whether light in grooves of another cross-section than the paper's is found at a few places along each instead of
-  /// at every pixel (docs/model.md 4.27): good to 1e-5, and less than half the work with derivatives where grooves are
-  /// many pixels long. Photos that are compared to the last digit go without. Not with use_double.
-  bool light_along_grooves = false;
 };
 
 /// The fast path's work buffers and sparse Jacobian (burin/render/fast/render_workspace.h). Renderers that share one

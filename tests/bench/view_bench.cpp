@@ -7,6 +7,8 @@
 #include <benchmark/benchmark.h>
 #include <tbb/global_control.h>
 
+#include <array>
+#include <cstdint>
 #include <string>
 
 #include "burin/render/simd_width.h"
@@ -76,23 +78,36 @@ BENCHMARK(WholePairs)
 void ForwardOnly(benchmark::State& state) { time_view(state, {}, 80000, false, false); }
 BENCHMARK(ForwardOnly)->Unit(benchmark::kMillisecond);
 
-/// Grooves with flanks and burrs, whose light has no closed form: found at every pixel, or at a few places along each.
+/// Time a pixel of a groove for other cross-sections: a burr is a strip beside its groove, and counts with it.
 void OtherSections(benchmark::State& state) {
-  const bool along = state.range(0) != 0, backward = state.range(1) != 0;
+  enum Section : std::int64_t { kPaper, kFlanks, kBurrs, kBurrsInDouble };
+  const std::int64_t section = state.range(0);
+  const bool backward = state.range(1) != 0;
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   ViewScene scene = paper_scene(paper_grid(512));
   scene.tool_width_um = 320;
   scene.material.depth_um = 14;
-  GrooveProfile& profile = scene.material.profile;
-  profile.kind = GrooveProfile::Kind::rounded_v;
-  profile.flank_deg = 24;
-  profile.burr_left_um = 1.1;
-  profile.burr_right_um = 0.7;
-  profile.across = 1.4;
   const Carved carved = in_metal(paper_scratches(4000));
+  const std::size_t pairs = [&] {
+    ViewRenderer paper(scene, {});
+    Image image;
+    paper.forward(carved, image);
+    return paper.pair_count();
+  }();
+  GrooveProfile& profile = scene.material.profile;
+  if (section != kPaper) {
+    profile.kind = GrooveProfile::Kind::rounded_v;
+    profile.flank_deg = 24;
+    profile.across = 1.4;
+  }
+  if (section >= kBurrs) {
+    profile.burr_left_um = 1.1;
+    profile.burr_right_um = 0.7;
+  }
   const Image weights = random_weights(512, 512);
   RenderOptions options;
-  options.light_along_grooves = along;
+  options.use_double = section == kBurrsInDouble;
+  options.material_gradients = state.range(1) > 1;
   ViewRenderer renderer(scene, options);
   Image image;
   for (auto _ : state) {
@@ -104,14 +119,18 @@ void OtherSections(benchmark::State& state) {
     ScratchGradients gradients;
     renderer.backward(weights, gradients);
   }
-  const auto pairs = static_cast<double>(renderer.pair_count());
-  state.counters["pairs"] = pairs;
-  state.counters["ns/pair"] = benchmark::Counter(1e-9 * pairs * static_cast<double>(state.iterations()),
-                                                 benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-  state.SetLabel(std::string(along ? "light at places along grooves" : "light at every pixel") +
-                 (backward ? ", both ends, wt, d and alpha" : ", value only"));
+  state.counters["pairs"] = static_cast<double>(pairs);
+  state.counters["ns/pair"] =
+      benchmark::Counter(1e-9 * static_cast<double>(pairs) * static_cast<double>(state.iterations()),
+                         benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  const std::array<std::string, 4> names{"the paper's", "flanks", "flanks and burrs", "flanks and burrs, in double"};
+  const std::array<std::string, 3> modes{"value only", "both ends", "both ends, wt, d and alpha"};
+  state.SetLabel(names[static_cast<std::size_t>(section)] + ": " + modes[static_cast<std::size_t>(state.range(1))]);
 }
-BENCHMARK(OtherSections)->ArgNames({"along", "backward"})->ArgsProduct({{0, 1}, {0, 1}})->Unit(benchmark::kMillisecond);
+BENCHMARK(OtherSections)
+    ->ArgNames({"section", "backward"})
+    ->ArgsProduct({{0, 1, 2, 3}, {0, 1, 2}})
+    ->Unit(benchmark::kMillisecond);
 
 /// Time per pair as scratches grow in number.
 void Scaling(benchmark::State& state) {

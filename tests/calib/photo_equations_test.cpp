@@ -88,6 +88,7 @@ void fill(Scene& s, bool spot) {
   t.segment<3>(unknown::lamp_position) << 60, -60, 180;
   t[unknown::log_intensity] = std::log(4e4);
   if (spot) t.segment<3>(unknown::spot) << 25, 15, 6;
+  t[unknown::flank] = 30;
 
   LightView v = view_through(s.bench.lens);
   t[unknown::glare_share] = 0.02;

@@ -118,7 +118,6 @@ inline FastErrors fast_errors(const World& w, int channels, SimdWidth simd) {
   RenderOptions options{channels, true};
   ViewRenderer exact(w.scene, options);
   options.use_double = false;
-  options.light_along_grooves = true;
   options.simd = simd;
   ViewRenderer fast(w.scene, options);
   Image expected, image, value_only;

@@ -39,7 +39,6 @@ FlatPicture flat_picture(const Board& board, const ViewedBoard& viewed, const Vi
   const bool colored = picture.target.channels == 3;
   options.channels = colored ? 3 : 1;
   options.material_gradients = false;
-  options.light_along_grooves = true;
   Image radiance;
   ViewRenderer(std::move(scene), options).forward(viewed.carved, radiance);
   FlatPicture out;

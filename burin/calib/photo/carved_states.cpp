@@ -17,7 +17,7 @@ std::vector<double> key_of(const Bench& bench) {
   const auto add = [&](const auto& numbers) {  // one by one: GCC 14 sees copies past the first six where there are none
     for (const double number : numbers) key.push_back(number);
   };
-  key.push_back(profile.burr_left_um != 0 || profile.burr_right_um != 0 ? 1 : 0);  // not how high they are
+  key.push_back(profile.has_burrs() ? 1 : 0);  // not how high they are
   add(bench.machine_affine.reshaped());
   add(errors.backlash_mm);
   add(errors.screw_sin_mm);

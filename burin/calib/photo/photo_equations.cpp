@@ -103,18 +103,25 @@ ViewScene under_stray(const PhotoData& photo, const Unknowns& x, ViewScene scene
 
 ViewScene stray_scene(const PhotoData& photo, const Unknowns& x) { return under_stray(photo, x, scene_at(photo, x)); }
 
-Image rendered_stray(const PhotoData& photo, const Unknowns& x, const Carved& carved) {
+// What one light sends, by the fast path. A point's view is made without slopes by the face's roughness, which cost as
+// much as all else on a brushed face; a lamp with an area that is asked for none would be tabulated, for one picture.
+Image light_of_scene(const PhotoData& photo, const ViewScene& scene, const Carved& carved) {
+  RenderOptions options;
+  options.material_gradients = !scene.light.size.is_point();
   Image light;
-  ViewRenderer(stray_scene(photo, x), {}, workspace_of(photo)).forward(carved, light);
+  ViewRenderer(scene, options, workspace_of(photo)).forward(carved, light);
   return light;
 }
 
+Image rendered_stray(const PhotoData& photo, const Unknowns& x, const Carved& carved) {
+  return light_of_scene(photo, stray_scene(photo, x), carved);
+}
+
 // Light before blur: the lamp's, rendered radiance times the spot's fall-off, and a stray one's. Without derivatives it
-// is the fast path's, good to 1e-6 of the peak.
+// is the fast path's, good to 1e-6 of the peak (1e-4 for other cross-sections than the paper's).
 Image rendered_light(const PhotoData& photo, const Unknowns& x, const Carved& carved,
                      const std::vector<float>& falloff) {
-  Image light;
-  ViewRenderer(scene_at(photo, x), {}, workspace_of(photo)).forward(carved, light);
+  Image light = light_of_scene(photo, scene_at(photo, x), carved);
   if (!falloff.empty()) multiply(light, falloff);
   if (has_stray(x)) add_share(rendered_stray(photo, x, carved), 1, light);
   return light;
@@ -453,15 +460,40 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
 
 namespace {
 
+// Whether light is found by more points of a lamp than slopes are.
+bool by_more_points(const Light& lamp) { return lamp_points(lamp).size() > lamp_points(lamp, true).size(); }
+
 // A lamp with an area by few points.
 Image light_by_few(const PhotoData& photo, const ViewScene& scene, const Carved& carved) {
+  if (!by_more_points(scene.light)) return light_of_scene(photo, scene, carved);
   Image sum;
-  for (const ScenePart& part : scene_parts(scene, true)) {
-    Image light;
-    ViewRenderer(part.scene, {}, workspace_of(photo)).forward(carved, light);
-    add_share(light, part.share, sum);
-  }
+  for (const ScenePart& part : scene_parts(scene, true))
+    add_share(light_of_scene(photo, part.scene, carved), part.share, sum);
   return sum;
+}
+
+// Whether a lamp's area turns half vectors by so little of the roughness that slopes differ from its middle's by half a
+// per cent at most (the curvature of a lobe, 4 / alpha^2, times half the variance of half vectors).
+bool is_small(const Light& lamp, const Material& material, const Eigen::Vector2d& board_mm) {
+  constexpr double kOfRoughness = 0.1;
+  const double reach_mm = std::max(lamp.size.disk_mm, 0.5 * lamp.size.panel_mm.norm());
+  const double distance_mm = (lamp.position_mm - Eigen::Vector3d(board_mm.x() / 2, board_mm.y() / 2, 0)).norm();
+  const double least = std::min(material.alpha * std::min(1.0, material.profile.across), material.base_alpha);
+  return 0.5 * reach_mm < kOfRoughness * least * distance_mm;
+}
+
+// Light by few points, with slopes: they say which way and how far to go. Light is what other states' light is compared
+// with: where the two ways of rendering differ, or slopes are the middle's, it is the one that renders those.
+RadianceDerivatives light_with_slopes(const PhotoData& photo, const ViewScene& scene, const Carved& carved,
+                                      std::span<const SceneParameter> parameters) {
+  const bool by_middle = is_small(scene.light, scene.material, photo.camera.surface.size_mm);
+  ViewScene middle = scene;
+  if (by_middle) middle.light.size = {};
+  RadianceDerivatives out = mean_with_derivatives(scene_parts(middle, true), photo.camera, carved, parameters);
+  const bool is_exact =
+      scene.material.profile.is_paper() && middle.light.size.is_point() == scene.light.size.is_point();
+  if (!is_exact) out.radiance = light_by_few(photo, scene, carved);
+  return out;
 }
 
 // The light of the other end of a difference that stands for a slope.
@@ -566,8 +598,7 @@ Image add_stray(const PhotoData& photo, const Unknowns& x, const Carved& carved,
   FreeUnknowns shared = free;
   std::fill(shared.begin() + unknown::lamp_position, shared.begin() + unknown::pose, false);
   const Wanted wanted(shared, false);
-  RadianceDerivatives stray =
-      mean_with_derivatives(scene_parts(stray_scene(photo, x), true), photo.camera, carved, wanted.parameters);
+  RadianceDerivatives stray = light_with_slopes(photo, stray_scene(photo, x), carved, wanted.parameters);
   scene_at(photo, x);
   add_share(stray.radiance, 1, rendered.radiance);
   for (std::size_t i = 0; i < wanted.parameters.size(); ++i) {
@@ -725,11 +756,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   const ViewScene& scene = scene_at(photo, x);
   const bool area_spot = has_area(photo, x) && x[unknown::spot + 2] > 0;
   const Wanted wanted(free, area_spot);
-  // They say which way and how far to go: of a large lamp by fewer points than its light.
-  RadianceDerivatives rendered =
-      scene.light.size.is_point()
-          ? render_with_derivatives(scene, photo.camera, carved, wanted.parameters)
-          : mean_with_derivatives(scene_parts(scene, true), photo.camera, carved, wanted.parameters);
+  RadianceDerivatives rendered = light_with_slopes(photo, scene, carved, wanted.parameters);
   SpotSlopes spot = area_spot && wanted.spot >= 0 ? spot_of_area(x, &rendered.d_radiance[wanted.spot])
                     : area_spot                   ? SpotSlopes{}
                                                   : apply_spot(photo, x, rendered);
@@ -738,8 +765,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   const std::vector<float> kernel = blur_taps(blur_sigma_px(photo, x), photo.bin);
   const Image light = std::move(rendered.radiance), total = with_ambient(model, photo, x, light);
   std::optional<Image> whole_lamp;
-  const auto by_more = [](const Light& lamp) { return lamp_points(lamp).size() > lamp_points(lamp, true).size(); };
-  if (by_more(scene.light) || (has_stray(x) && by_more(stray_light(x, photo.camera.surface.size_mm))))
+  if (by_more_points(scene.light) || (has_stray(x) && by_more_points(stray_light(x, photo.camera.surface.size_mm))))
     whole_lamp = rendered_light(photo, x, carved, spot.falloff);
   std::vector<Image>& by = rendered.d_radiance;
 

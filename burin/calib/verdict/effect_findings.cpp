@@ -47,7 +47,7 @@ void tell_profile(const Bench& bench, std::vector<Finding>& out) {
   std::string what = "the grooves are not the paper's:";
   if (p.kind == GrooveProfile::Kind::rounded_v)
     what += " flanks of " + measured(p.flank_deg, sigma.flank_deg, 1) + " degrees behind a rounded tip;";
-  if (p.burr_left_um > 0 || p.burr_right_um > 0)
+  if (p.has_burrs())
     what += " burrs of " + measured(p.burr_left_um, sigma.burr_left_um, 2) + " (left) and " +
             measured(p.burr_right_um, sigma.burr_right_um, 2) + " um (right);";
   if (p.across != 1) what += " " + measured(p.across, sigma.across, 2) + " times as rough across as along;";

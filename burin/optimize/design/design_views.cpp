@@ -353,7 +353,6 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   const std::shared_ptr<RenderWorkspace> workspace =
       make_render_workspace();  // one view's memory: they are worked on in turn
   RenderOptions render;
-  render.light_along_grooves = true;
   // Where depth or roughness vary over the board, a scratch's place moves them.
   render.material_gradients = options.optimize_width || options.optimize_depth || options.optimize_alpha ||
                               !bench.depth_field.is_constant() || !bench.alpha_field.is_constant();

@@ -38,7 +38,6 @@ class MovedView {
   double psnr(const Eigen::Vector3d& eye_moved_mm, const Eigen::Vector3d& lamp_moved_mm) const {
     RenderOptions options;
     options.channels = target_.channels;
-    options.light_along_grooves = true;
     ViewRenderer renderer(scene(eye_moved_mm, lamp_moved_mm), options);
     Image radiance;
     renderer.forward(grooves_, radiance);

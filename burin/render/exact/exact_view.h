@@ -1,5 +1,5 @@
 // burin/render/exact/exact_view.h - one view rendered pair by pair in double: slow, simple, what the fast path is
-// measured against; and what renders cross-sections that the fast path does not know. Frame: board, mm.
+// measured against. Frame: board, mm.
 // docs/model.md 5. Use it through burin/render/view_renderer.h (RenderOptions::use_double).
 #pragma once
 
@@ -11,7 +11,6 @@
 
 #include "burin/render/exact/scratch_pair.h"
 #include "burin/render/fast/pairs.h"
-#include "burin/render/footprint/lights_along.h"
 #include "burin/render/image.h"
 #include "burin/render/pixel_shading.h"
 #include "burin/render/scratch_gradients.h"
@@ -47,13 +46,10 @@ std::array<double, 3> ambient_radiance(const ViewScene& scene, int channels);
 
 class ExactView {
  public:
-  /// How the light on a groove's walls is found, where its cross-section is not the paper's: at each pixel, or at a few
-  /// half vectors along it (burin/render/footprint/lights_along.h), which takes less than half the time with
-  /// derivatives.
-  enum class BandLightBy { pixel, knots };
-
   /// `scene` and `pixels` must outlive this.
-  ExactView(const ViewScene& scene, const ViewPixels& pixels, BandLightBy band_light = BandLightBy::pixel);
+  /// `widest_band_um` as in profile_bands(): within a band light is even.
+  ExactView(const ViewScene& scene, const ViewPixels& pixels, double widest_band_um = 15)
+      : scene_(scene), pixels_(pixels), widest_band_um_(widest_band_um) {}
 
   /// Radiance from the pairs given; with `keep_jacobian` for backward().
   void forward(const Scratches& scratches, PixelPairs pairs, bool keep_jacobian, Image& radiance);
@@ -70,43 +66,16 @@ class ExactView {
     std::array<double, 7> light{};
     std::array<double, 6> area{};
   };
-  struct Entry {
-    std::uint32_t pair, pixel;
-  };
-  /// What a pair asks of its pixel; without light, nothing.
-  struct SeenPixel {
-    std::array<Eigen::Vector2d, 4> corners_mm;
-    Eigen::Vector3d h_face;
-    double cos_i = 0, cos_o = 0;
-    bool is_lit = false;
-  };
-  SeenPixel seen_pixel(std::size_t pixel) const;
-  void set_pair(std::size_t pair, const SeenPixel& p, const ScratchFrame& f, const LightsAlong* along,
-                BandLights& lights);
-  void set_pairs_by_pixel(const std::vector<ScratchFrame>& frames);
-  void set_pairs_by_line(const std::vector<ScratchFrame>& frames);
-  /// Each scratch's entries, in pixel order.
-  struct GrooveEntries {
-    std::vector<std::size_t> begin;
-    std::vector<Entry> entries;
-    std::span<const Entry> of(std::size_t scratch) const {
-      return std::span<const Entry>(entries).subspan(begin[scratch], begin[scratch + 1] - begin[scratch]);
-    }
-  };
-  GrooveEntries entries_by_groove() const;
   /// visit(scratch, pair, pixel), a scratch's pairs in pixel order, in parallel.
   template <typename Visit>
   void gather(const Visit& visit) const;
 
   const ViewScene& scene_;
   const ViewPixels& pixels_;
-  BandLightBy band_light_;
-  double widest_band_um_ = 15;   ///< of a cross-section (profile_bands())
-  std::vector<SeenPixel> seen_;  ///< of every pixel, where pairs are worked on groove by groove
+  double widest_band_um_;
   std::size_t scratch_count_ = 0;
   PixelPairs pairs_;
   std::vector<double> pair_light_mm2_;  ///< Dhat G of each pair
-  std::vector<double> pair_area_mm2_;   ///< of the groove within the pixel
   std::vector<PairJacobian> jacobian_;
   std::vector<double> radiance_;
   std::vector<double> covered_;  ///< of each pixel, not clamped

@@ -15,6 +15,10 @@ void TileCurves::start_rows(std::size_t count, std::size_t floats) {
   if (rows.size() < count * floats) rows.resize(count * floats);
 }
 
+void TileCurves::grow_rows(std::size_t floats) {
+  if (rows.size() < floats) rows.resize(floats);
+}
+
 void TileCurves::grow_knots(std::size_t floats) {
   if (knots.size() < floats) knots.resize(2 * floats);
 }

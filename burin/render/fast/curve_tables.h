@@ -67,13 +67,15 @@ struct TileCurves {
   /// Room for so many, kept. Not inline: what calls it is compiled for machines that others are not.
   void grow_runs(std::size_t count);
   void grow_knots(std::size_t floats);
+  void grow_rows(std::size_t floats);
 
   // What curves need of each run: numbers one after the other, line_stride apart (kernel/run_curves.h).
   static constexpr int kMostLines = 20;
   std::vector<float> lines;
   std::size_t line_stride = 0;
 
-  // A tile's own rows of the tables, as they are asked for (kernel/run_curves.h), and four numbers of each.
+  // A tile's own rows of the tables, as they are asked for (kernel/run_curves.h), and four numbers of each; or the
+  // light of a lamp's knot (kernel/lamp_knots.h).
   CurveFloats rows;
   std::vector<float> row_light;
   std::vector<std::uint8_t> row_made, row_wanted;

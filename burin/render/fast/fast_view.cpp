@@ -10,11 +10,14 @@
 #include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/curve_kernel.h"
+#include "burin/render/fast/groove_strips.h"
 #include "burin/render/fast/grow.h"
+#include "burin/render/fast/lamp_curves.h"
 #include "burin/render/fast/machine_clones.h"
 #include "burin/render/fast/render_workspace.h"
 #include "burin/render/groove.h"
 #include "burin/render/pixel_shading.h"
+#include "burin/render/scene_parts.h"
 
 namespace burin {
 
@@ -40,6 +43,41 @@ BURIN_MACHINE_CLONES void multiply(const float* a, const float* b, int n, float*
   for (int k = 0; k < n; ++k) out[k] = a[k] * b[k];
 }
 
+// Light of grooves of any cross-section under a lamp (docs/model.md 8.6), and the strips that they are.
+struct Sections {
+  GrooveProfile profile;
+  LampCurves lamp;
+  double least_alpha = 0;  // that the leans serve
+  GrooveStrips::Shapes shapes;
+  GrooveStrips strips;
+
+  ScratchLines lines_of(const Scratches& scratches);
+};
+
+ScratchLines Sections::lines_of(const Scratches& scratches) {
+  constexpr double kWider = 1.02, kRougher = 0.98;
+  double rim = 0;
+  const std::size_t different = std::max(shapes.width_um.size(), shapes.depth_um.size());
+  const auto own = [](const auto& each, std::size_t i) { return each[each.size() == 1 ? 0 : i]; };
+  for (std::size_t i = 0; i < different; ++i) {
+    const double width = own(shapes.width_um, i);
+    rim = std::max(rim, 2 / GrooveStrips::unit_um(profile, shapes.tool_width_um, width) *
+                            half_width_um(profile, width, own(shapes.depth_um, i)));
+  }
+  const double least = *std::min_element(shapes.alpha.begin(), shapes.alpha.end()) * std::min(1.0, profile.across);
+  if (lamp.leans.half_count * static_cast<double>(lamp.leans.step) < rim || least < least_alpha || least_alpha == 0) {
+    least_alpha = kRougher * least;
+    lamp.leans = section_leans(profile, shapes.tool_width_um, kWider * rim, least_alpha);
+    shapes.burr_rim = static_cast<float>(lamp.leans.half_count) * lamp.leans.step;
+  }
+  return strips.make(scratches, shapes);
+}
+
+// What a strip's runs sum up to: by its first and last end across and along, mm^-1.
+struct StripGradient {
+  double across_first = 0, across_last = 0, along_first = 0, along_last = 0, alpha = 0;
+};
+
 }  // namespace
 
 std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian_bytes) {
@@ -55,7 +93,8 @@ struct FastView::Data {
   const double tool_width_um, shared_depth_um, shared_alpha;
 
   std::vector<TileShading> shading;           // by tile; empty with curves
-  std::shared_ptr<const CurveTables> curves;  // null: light is the lamp's lobe
+  std::shared_ptr<const CurveTables> curves;  // null: light is the lamp's lobe, or
+  std::unique_ptr<Sections> sections;         // what it is on walls of any shape
   // By tile * kTilePixels + place in the tile.
   std::vector<float> base;
   std::vector<float> base_slope;      // by base_alpha; empty without material
@@ -81,12 +120,16 @@ struct FastView::Data {
 
   void shade(const ViewScene& scene, bool material);
   void shade(const ViewScene& scene, const PlainFace& face, bool material);
+  void shade_sections(const ViewScene& scene, bool material);
   void sort_scratches(const Scratches& scratches);
   void evaluate(std::size_t t, TileTask task, const TilePlaces& places, RenderWorkspace::Work& w,
                 const TileJacobian& to) const;
   TilePlaces evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderWorkspace::Work& w, TileJacobian& to);
   void render_tile(std::size_t t, Image& radiance);
   double differentiate_tile(std::size_t t, const Image& dE_dradiance);
+  double rim_by_depth(std::size_t scratch) const;
+  double by_width(double scaled) const;
+  void add_burr(std::size_t burr, const StripGradient& by, ScratchGradients& gradients) const;
   double width_of(std::size_t scratch) const { return width_um[width_um.size() == 1 ? 0 : scratch]; }
   double depth_of(std::size_t scratch) const { return depth_um[depth_um.size() == 1 ? 0 : scratch]; }
 
@@ -168,17 +211,63 @@ void FastView::Data::shade(const ViewScene& scene, const PlainFace& face, bool m
   });
 }
 
+// Light is the mean of the channels in curves, and of the plain face; `factor` is how a channel differs from it.
+void FastView::Data::shade_sections(const ViewScene& scene, bool material) {
+  const std::size_t n = grid->tiles() * kTilePixels;
+  const std::array<double, 3> a = ambient_radiance(scene, channels);
+  for (int c = 0; c < 3; ++c) ambient[c] = static_cast<float>(a[c]);
+  base.assign(n, 0);
+  if (material) base_slope.assign(n, 0);
+  factor.assign(n * channels, 0);
+  if (a != std::array<double, 3>{}) visible.assign(n, 0);
+  const std::vector<ScenePart> parts = scene_parts(scene);
+  tbb::parallel_for(std::size_t{0}, grid->tiles(), [&](std::size_t t) {
+    grid->each_pixel(t, [&](int x, int y, std::size_t place) {
+      const std::size_t i = t * kTilePixels + place;
+      const std::size_t pixel = static_cast<std::size_t>(y) * grid->width + x;
+      if (!grid->index.has_footprint()[pixel]) return;
+      double sum = 0, slope = 0;
+      bool is_lit = false;
+      for (const ScenePart& part : parts) {
+        const PixelShading p = shade_pixel(part.scene, pixel);
+        if (p.visible && !visible.empty()) visible[i] = 1;
+        if (!p.visible || !p.lit) continue;
+        const double mono = channel_factors(part.scene, p.cos_ho, 1)[0], light = part.share * mono * p.direct;
+        sum += light * p.base;
+        if (material) slope += light * burin::base_slope(p, scene.material.base_alpha, scene.material.grain);
+        if (is_lit || !(mono > 0)) continue;
+        is_lit = true;
+        const std::array<double, 3> f = channel_factors(part.scene, p.cos_ho, channels);
+        for (int c = 0; c < channels; ++c) factor[i * channels + c] = static_cast<float>(f[c] / mono);
+      }
+      base[i] = static_cast<float>(sum);
+      if (material) base_slope[i] = static_cast<float>(slope);
+    });
+  });
+  sections = std::make_unique<Sections>();
+  sections->profile = scene.material.profile;
+  sections->shapes.profile = &sections->profile;
+  sections->shapes.tool_width_um = tool_width_um;
+  sections->lamp.across = static_cast<float>(scene.material.profile.across);
+  sections->lamp.fits = lamp_fits(scene, *grid);
+}
+
 /// What lies in the tile's pairs, of lobes or of curves.
 void FastView::Data::evaluate(std::size_t t, TileTask task, const TilePlaces& places, RenderWorkspace::Work& w,
                               const TileJacobian& to) const {
-  if (curves == nullptr) {
+  if (curves == nullptr && sections == nullptr) {
     kernels.evaluate(task, places, w.tile, w.pairs, to);
+    return;
+  }
+  task.curves = &w.curves;
+  if (sections != nullptr) {
+    curve_kernels.make_lamp_curves(sections->lamp, task, places, t, w.curves);
+    curve_kernels.evaluate(task, places, w.tile, w.pairs, to);
     return;
   }
   const int left = static_cast<int>(t % grid->index.tiles_x()) * kTile,
             top = static_cast<int>(t / grid->index.tiles_x()) * kTile;
   curve_kernels.make_curves(*curves, task, places, left, top, w.curves);
-  task.curves = &w.curves;
   curve_kernels.evaluate(task, places, w.tile, w.pairs, to);
 }
 
@@ -191,6 +280,16 @@ void FastView::Data::sort_scratches(const Scratches& s) {
   };
   keep(s.width_um, tool_width_um, width_um);
   keep(s.depth_um, shared_depth_um, depth_um);
+  alpha.resize(s.alpha.empty() ? 1 : s.alpha.size());
+  for (std::size_t i = 0; i < alpha.size(); ++i)
+    alpha[i] = static_cast<float>(std::min(1.0, s.alpha.empty() ? shared_alpha : s.alpha[i]));
+  if (sections != nullptr) {
+    sections->shapes.width_um = width_um;
+    sections->shapes.depth_um = depth_um;
+    sections->shapes.alpha = alpha;
+    workspace->sort(grid, sections->lines_of(s));
+    return;
+  }
   const std::size_t widths = std::max(width_um.size(), depth_um.size());
   per_mm.resize(widths);
   rim.resize(widths);
@@ -198,9 +297,6 @@ void FastView::Data::sort_scratches(const Scratches& s) {
     per_mm[i] = static_cast<float>(2000 / width_of(i));
     rim[i] = static_cast<float>(groove_rim(width_of(i), depth_of(i)));
   }
-  alpha.resize(s.alpha.empty() ? 1 : s.alpha.size());
-  for (std::size_t i = 0; i < alpha.size(); ++i)
-    alpha[i] = static_cast<float>(std::min(1.0, s.alpha.empty() ? shared_alpha : s.alpha[i]));
   workspace->sort(grid, {s.size(),
                          s.x0_mm.data(),
                          s.y0_mm.data(),
@@ -293,10 +389,52 @@ double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradian
   return by_base_alpha;
 }
 
+/// d(rim) / d(depth) of a groove; the paper's rim is sqrt(1 - exp(-2 d / wt)).
+double FastView::Data::rim_by_depth(std::size_t scratch) const {
+  const double width = width_of(scratch), depth = depth_of(scratch);
+  if (sections == nullptr) return std::exp(-2 * depth / width) / (width * groove_rim(width, depth));
+  return 2 / GrooveStrips::unit_um(sections->profile, tool_width_um, width) *
+         half_width_slope(sections->profile, width, depth);
+}
+
+/// dE / d log(width) where a section grows with it as a whole, `scaled`; else it does not depend on it.
+double FastView::Data::by_width(double scaled) const {
+  return sections != nullptr && sections->profile.tip_radius_um > 0 ? 0 : scaled;
+}
+
+/// A burr moves with its groove, and aside as that grows deeper or wider.
+void FastView::Data::add_burr(std::size_t burr, const StripGradient& by, ScratchGradients& gradients) const {
+  const GrooveStrips& strips = sections->strips;
+  const std::uint32_t s = strips.owner[burr];
+  const StripDirection& x = workspace->runs.across(strips.grooves + burr);
+  // What lies aside goes along as the groove turns.
+  const double along = by.along_first + by.along_last, turned = strips.aside_mm[burr] / x.length_mm * along;
+  const double at_first = by.across_first + turned, at_second = by.across_last - turned;
+  gradients.x0_mm[s] += x.x * at_first - x.y * by.along_first;
+  gradients.y0_mm[s] += x.y * at_first + x.x * by.along_first;
+  gradients.x1_mm[s] += x.x * at_second - x.y * by.along_last;
+  gradients.y1_mm[s] += x.y * at_second + x.x * by.along_last;
+  if (mode != KernelMode::material) return;
+  const GrooveProfile& profile = sections->profile;
+  const double width = width_of(s), depth = depth_of(s), slope = half_width_slope(profile, width, depth);
+  const double aside = std::copysign(1e-3, strips.aside_mm[burr]) * (by.across_first + by.across_last);
+  const double by_depth = aside * slope,
+               by_wide = by_width(aside * (half_width_um(profile, width, depth) - depth * slope)) / width;
+  gradients.depth_um[s] += by_depth;
+  gradients.width_um[s] += by_wide;
+  gradients.alpha[s] += by.alpha;
+  gradients.shared_depth_um += by_depth;
+  gradients.shared_width_um += by_wide;
+  gradients.shared_alpha += by.alpha;
+}
+
 FastView::FastView(const ViewScene& scene, int channels, bool material, SimdWidth width,
                    std::shared_ptr<RenderWorkspace> workspace)
     : data_(std::make_unique<Data>(scene, channels, width, std::move(workspace))) {
-  data_->shade(scene, material);
+  if (scene.material.profile.is_paper() && scene.light.size.is_point())
+    data_->shade(scene, material);
+  else
+    data_->shade_sections(scene, material);
 }
 
 FastView::FastView(const ViewScene& scene, const PlainFace& face, bool material, SimdWidth width,
@@ -310,6 +448,12 @@ FastView::~FastView() = default;
 void FastView::set_curves(std::shared_ptr<const CurveTables> curves) { data_->curves = std::move(curves); }
 
 bool FastView::has_jacobian() const { return data_->workspace->owner == this && data_->mode != KernelMode::value; }
+
+bool FastView::is_smooth() const {
+  constexpr double kMost = 0.02;  // of the roughness
+  const Sections* s = data_->sections.get();
+  return s == nullptr || s->lamp.fits.error < kMost * data_->shared_alpha * std::min(1.0, s->profile.across);
+}
 
 std::size_t FastView::pair_count() const { return data_->pair_count; }
 
@@ -352,6 +496,8 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
   for (const double v : workspace.by_tile) gradients.shared_base_alpha += v;
   // A scratch's runs are added up in tile order.
   workspace.by_chunk.assign(workspace.runs.chunk_count(), Eigen::Array3d::Zero());
+  const GrooveStrips* strips = d.sections != nullptr ? &d.sections->strips : nullptr;
+  std::vector<StripGradient> by_burr(strips != nullptr ? strips->burrs() : 0);
   const auto add = [&](std::size_t chunk, std::uint32_t s, std::span<const std::uint32_t> runs) {
     const auto sum_of = [&](std::size_t from) {
       std::array<double, 4> sum{};
@@ -364,16 +510,18 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
     const std::array<double, 4> sum = sum_of(0);
     const StripDirection& x = workspace.runs.across(s);
     const double at_second = sum[1] / x.length_mm, at_first = sum[0] - at_second, first = sum[2], second = sum[3];
+    if (strips != nullptr && s >= strips->grooves) {
+      by_burr[s - strips->grooves] = {at_first, at_second, first, second, material ? sum_of(4)[2] : 0};
+      return;
+    }
     gradients.x0_mm[s] += x.x * at_first - x.y * first;
     gradients.y0_mm[s] += x.y * at_first + x.x * first;
     gradients.x1_mm[s] += x.x * at_second - x.y * second;
     gradients.y1_mm[s] += x.y * at_second + x.x * second;
     if (!material) return;
     const std::array<double, 4> by_shape = sum_of(4);
-    // The rim is sqrt(1 - exp(-2 d / wt)).
-    const double width = d.width_of(s), depth = d.depth_of(s), by_rim = by_shape[1];
-    const double rim_by_depth = std::exp(-2 * depth / width) / (width * groove_rim(width, depth));
-    const double by_depth = rim_by_depth * by_rim, by_width = (by_shape[0] - depth * by_depth) / width;
+    const double width = d.width_of(s), depth = d.depth_of(s), by_depth = d.rim_by_depth(s) * by_shape[1];
+    const double by_width = d.by_width(by_shape[0] - depth * by_depth) / width;
     gradients.width_um[s] += by_width;
     gradients.depth_um[s] += by_depth;
     const double by_alpha = by_shape[2];
@@ -386,6 +534,7 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
     gradients.shared_depth_um += v[1];
     gradients.shared_alpha += v[2];
   }
+  for (std::size_t k = 0; k < by_burr.size(); ++k) d.add_burr(k, by_burr[k], gradients);
 }
 
 void FastView::add_contributions(std::vector<double>& contribution) const {
@@ -415,11 +564,15 @@ void FastView::add_contributions(std::vector<double>& contribution) const {
       by_run[workspace.runs.begin(t) + r] = static_cast<float>(sum);
     }
   });
+  const GrooveStrips* strips = d.sections != nullptr ? &d.sections->strips : nullptr;
+  std::vector<double> of_burr(strips != nullptr ? strips->burrs() : 0, 0);
   workspace.runs.each_scratch(
       [&](std::size_t, std::uint32_t s, std::span<const std::uint32_t> runs) {
-        for (const std::uint32_t r : runs) contribution[s] += by_run[r];
+        double& to = strips != nullptr && s >= strips->grooves ? of_burr[s - strips->grooves] : contribution[s];
+        for (const std::uint32_t r : runs) to += by_run[r];
       },
       [&](std::uint32_t run) { __builtin_prefetch(&by_run[run]); });
+  for (std::size_t k = 0; k < of_burr.size(); ++k) contribution[strips->owner[k]] += of_burr[k];
 }
 
 }  // namespace burin

@@ -29,8 +29,9 @@ struct PlainFace {
 
 class FastView {
  public:
-  /// `scene` must have passed check_view(); it may go. `material`: whether forward() will be asked for it. `workspace`
-  /// may be shared by views that are worked on one after the other.
+  /// Under a lamp. `scene` must have passed check_view(); it may go. `material`: whether forward() will be asked for
+  /// it. `workspace` may be shared by views that are worked on one after the other. The paper's grooves under a point
+  /// lamp are lobes (docs/model.md 4); others, and those under a lamp with an area, are curves (8.6).
   FastView(const ViewScene& scene, int channels, bool material, SimdWidth width,
            std::shared_ptr<RenderWorkspace> workspace);
   /// A mono view in which a groove's light is a curve across it (set_curves()). Ambient light is not added.
@@ -40,12 +41,16 @@ class FastView {
   FastView(const FastView&) = delete;
   FastView& operator=(const FastView&) = delete;
 
+  /// Whether what it makes of the scene is good: where half vectors do not change smoothly over the face, curves are
+  /// not.
+  bool is_smooth() const;
   /// Before the first forward() of a view with curves; for the scratches of that and the next.
   void set_curves(std::shared_ptr<const CurveTables> curves);
   void forward(const Scratches& scratches, KernelMode mode, Image& radiance);
   /// Needs a forward() with KernelMode::ends or material. Derivatives by material are left as they are after `ends`.
   void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
   void add_contributions(std::vector<double>& contribution) const;
+  /// Of pixels and strips: a burr is a strip beside its groove (burin/render/fast/groove_strips.h).
   std::size_t pair_count() const;
   /// Whether backward() serves: no other view has worked in the workspace since the forward().
   bool has_jacobian() const;

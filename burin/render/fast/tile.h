@@ -45,7 +45,8 @@ struct TileRun {
 struct RunShape {
   float per_mm = 1;  ///< 2 / wt
   float rim = 1;     ///< the groove reaches over |t| <= rim
-  float alpha = 1, unused = 0;
+  float alpha = 1;
+  float part = 0;  ///< of a cross-section, as SectionPart (groove_strips.h) counts them
 };
 
 /// The shapes of runs: one each, or one for all.

@@ -173,7 +173,9 @@ void TileRuns::make_runs(const PixelIndex& index, const ScratchLines& lines, Chu
                    static_cast<float>(across.x - x),
                    static_cast<float>(across.y - y),
                    static_cast<float>(t_origin - t)};
-    if (!shared_shape_) shapes_[slot] = {per_mm, lines.rim[s], lines.alpha[s], 0};
+    if (!shared_shape_)
+      shapes_[slot] = {per_mm, lines.rim[s], lines.alpha[s],
+                       static_cast<float>(lines.part != nullptr ? lines.part[s] : 0)};
   }
 }
 

@@ -33,6 +33,7 @@ struct ScratchLines {
   std::size_t count = 0;
   const double *x0_mm = nullptr, *y0_mm = nullptr, *x1_mm = nullptr, *y1_mm = nullptr;
   Each<float> per_mm, rim, alpha;
+  const std::uint8_t* part = nullptr;  ///< RunShape::part of each; null: 0
 };
 
 /// The unit vector across a scratch, (d.y, -d.x) / length for d from its first end to its second; along it is (-y, x).

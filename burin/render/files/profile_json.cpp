@@ -50,7 +50,7 @@ Json profile_json(const GrooveProfile& p) {
   json["kind"] = v ? "rounded-v" : "paper";
   if (v) json["flank_deg"] = p.flank_deg;
   if (p.tip_radius_um > 0) json["tip_radius_um"] = p.tip_radius_um;
-  if (p.burr_left_um != 0 || p.burr_right_um != 0) {
+  if (p.has_burrs()) {
     json["burr_height_um"] = {p.burr_left_um, p.burr_right_um};
     json["burr_width_um"] = p.burr_width_um;
   }

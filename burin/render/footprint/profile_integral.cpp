@@ -258,6 +258,17 @@ void each_area(const Cut& cut, std::span<const ProfileBand> bands, const Visit& 
 
 }  // namespace
 
+namespace {
+
+// Of all bands of a section, one after the other: what band_light() finds for each.
+struct BandLights {
+  std::vector<double> value, by_hx, by_hy, by_hz, by_alpha;
+  std::vector<double> by_depth;  // through the leans of a band's ends, um^-1
+
+  void resize(std::size_t count);
+  void set(std::size_t k, const ProfileBand& band, const BandLight& light);
+};
+
 void BandLights::resize(std::size_t count) {
   for (std::vector<double>* v : {&value, &by_hx, &by_hy, &by_hz, &by_alpha, &by_depth}) v->assign(count, 0);
 }
@@ -270,6 +281,8 @@ void BandLights::set(std::size_t k, const ProfileBand& band, const BandLight& li
   by_alpha[k] = light.by_alpha;
   by_depth[k] = light.by_from_lean * band.from_lean_by_depth + light.by_to_lean * band.to_lean_by_depth;
 }
+
+}  // namespace
 
 BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, double across) {
   BandLight out;
@@ -341,22 +354,9 @@ FootprintValue profile_integral(const GrooveSegment& groove, std::span<const Pro
   return out;
 }
 
-FootprintValue profile_integral(const GrooveSegment& groove, std::span<const ProfileBand> bands,
-                                const BandLights& lights, const Quad& corners_mm) {
-  FootprintValue out{};
-  const Cut cut = cut_to_length(corners_mm, groove.length_mm);
-  if (cut.polygon.count < 3) return out;
-  each_area(cut, bands, [&](std::size_t k, double area) {
-    out.area_mm2 += area;
-    out.Dhat_mm2 += area * lights.value[k];
-  });
-  return out;
-}
-
 namespace {
 
-FootprintGradient gradient_within(const Cut& cut, const GrooveSegment& groove, std::span<const ProfileBand> bands,
-                                  const BandLights& lights, const Quad& corners_mm) {
+FootprintGradient gradient_within(const Cut& cut, std::span<const ProfileBand> bands, const BandLights& lights) {
   FootprintGradient out{};
   out.dDhat_dcorner.fill(Vector2d::Zero());
   out.darea_dcorner.fill(Vector2d::Zero());
@@ -374,6 +374,9 @@ FootprintGradient gradient_within(const Cut& cut, const GrooveSegment& groove, s
       const double by_depth = 1e-3 * (shares[k].at_to * band.to_by_depth - shares[k].at_from * band.from_by_depth);
       out.darea_ddepth_um += by_depth;
       out.dDhat_ddepth_um += lights.value[k] * by_depth + area * lights.by_depth[k];
+      const double by_width = 1e-3 * (shares[k].at_to * band.to_by_width - shares[k].at_from * band.from_by_width);
+      out.darea_dwidth_um += by_width;
+      out.dDhat_dwidth_um += lights.value[k] * by_width + area * band.depth_for_width * lights.by_depth[k];
       out.dDhat_dalpha += area * lights.by_alpha[k];
       out.dDhat_dhalf += area * Vector3d(lights.by_hx[k], lights.by_hy[k], lights.by_hz[k]);
     }
@@ -384,18 +387,6 @@ FootprintGradient gradient_within(const Cut& cut, const GrooveSegment& groove, s
     out.darea_dlength_mm = by_area.by_length;
     out.dDhat_dlength_mm = by_light.by_length;
   }
-  // Euler's relation for homogeneous functions (docs/model.md 4.22).
-  double light_by_corners = 0, area_by_corners = 0;
-  for (int i = 0; i < 4; ++i) {
-    light_by_corners += corners_mm[i].dot(out.dDhat_dcorner[i]);
-    area_by_corners += corners_mm[i].dot(out.darea_dcorner[i]);
-  }
-  out.dDhat_dwidth_um = (2 * out.value.Dhat_mm2 - light_by_corners - groove.length_mm * out.dDhat_dlength_mm -
-                         groove.depth_um * out.dDhat_ddepth_um) /
-                        groove.width_um;
-  out.darea_dwidth_um = (2 * out.value.area_mm2 - area_by_corners - groove.length_mm * out.darea_dlength_mm -
-                         groove.depth_um * out.darea_ddepth_um) /
-                        groove.width_um;
   return out;
 }
 
@@ -410,12 +401,7 @@ FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::sp
   for (std::size_t k = 0; k < bands.size() && cut.polygon.count >= 3; ++k)
     if (1e-3 * bands[k].to_um > cut.left && 1e-3 * bands[k].from_um < cut.right)
       lights.set(k, bands[k], band_light(bands[k], h, groove.alpha, across));
-  return gradient_within(cut, groove, bands, lights, corners_mm);
-}
-
-FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
-                                            const BandLights& lights, const Quad& corners_mm) {
-  return gradient_within(cut_to_length(corners_mm, groove.length_mm), groove, bands, lights, corners_mm);
+  return gradient_within(cut, bands, lights);
 }
 
 }  // namespace burin

@@ -9,7 +9,6 @@
 
 #include <Eigen/Core>
 #include <span>
-#include <vector>
 
 #include "burin/render/footprint/footprint_integral.h"
 #include "burin/render/groove_profile.h"
@@ -25,27 +24,11 @@ struct BandLight {
 /// `h`: unit, scratch frame; `alpha` along the groove, `across` times as rough across it.
 BandLight band_light(const ProfileBand& band, const Eigen::Vector3d& h, double alpha, double across);
 
-/// Of all bands of a section, one after the other: what band_light() finds for each.
-struct BandLights {
-  std::vector<double> value, by_hx, by_hy, by_hz, by_alpha;
-  std::vector<double> by_depth;  ///< through the leans of a band's ends, um^-1
-
-  /// All zeros.
-  void resize(std::size_t count);
-  void set(std::size_t k, const ProfileBand& band, const BandLight& light);
-};
-
 /// As footprint_integral(): `groove` gives alpha and length; the cross-section is that of `bands`.
 FootprintValue profile_integral(const GrooveSegment& groove, std::span<const ProfileBand> bands, double across,
                                 const Quad& corners_mm, const Eigen::Vector3d& h_scratch);
-/// As footprint_integral_gradient(); the derivative by width is that by the scale of the whole section.
+/// As footprint_integral_gradient().
 FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
                                             double across, const Quad& corners_mm, const Eigen::Vector3d& h_scratch);
-
-/// The same where the light of the bands is known (burin/render/footprint/lights_along.h).
-FootprintValue profile_integral(const GrooveSegment& groove, std::span<const ProfileBand> bands,
-                                const BandLights& lights, const Quad& corners_mm);
-FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::span<const ProfileBand> bands,
-                                            const BandLights& lights, const Quad& corners_mm);
 
 }  // namespace burin

@@ -303,33 +303,18 @@ enum RunNumber : std::uint8_t {
 };
 static_assert(kRunNumbers <= TileCurves::kMostLines);
 
-/// The numbers of the tile's runs.
+/// Where the tile's runs lie: kFirstColumn to kTurned.
 template <class P>
-BURIN_FLATTEN inline void make_run_lines(const CurveTables& tables, const TileTask& task, const TilePlaces& places,
+BURIN_FLATTEN inline void make_run_paths(const TileTask& task, const TilePlaces& places, float lean_per_pixel,
                                          TileCurves& to) {
   const FromMm m(*task.lattice);
-  const P zero(0.0F), one(1.0F);
-  const P directions(static_cast<float>(tables.directions)), per_direction = directions * P(0.318309886F);
-  const P lean(static_cast<float>(tables.lean_per_pixel));
+  const P zero(0.0F), lean(lean_per_pixel);
   for (std::uint32_t first = 0; first < task.run_count; first += kLanesOf<P>) {
     const auto number = [&](int k) { return std::min<std::uint32_t>(first + k, task.run_count - 1); };
     const auto put = [&](int what, const P& v) { save(&to.lines[what * to.line_stride + first], v); };
     P run[8], shape[4] = {P(task.shapes[0].per_mm), zero, P(task.shapes[0].alpha)};
     for (const int i : {0, 4}) packet::four_columns(run + i, [&](int k) { return &task.runs[number(k)].across_x + i; });
     if (!task.shapes.shared) packet::four_columns(shape, [&](int k) { return &task.shapes[number(k)].per_mm; });
-
-    const P sign = xsimd::select(run[1] < zero, -one, one);
-    const P place = azimuth_of<P>(sign * run[0], sign * run[1]) * per_direction;
-    const P below = xsimd::min(xsimd::floor(place), directions - one);
-    P share[4], slope[4];
-    lagrange_cubic<P, P>(place - below, share, slope);
-    put(kSign, sign);
-    put(kDirection, below - one);
-    for (int d = 0; d < 4; ++d) {
-      put(kShare + d, share[d]);
-      put(kSlope + d, slope[d] * per_direction);
-    }
-
     const P mm = inverse(shape[0]), x = -run[2] * mm * run[0] - P(m.first_x), y = -run[2] * mm * run[1] - P(m.first_y);
     const P dx = -run[1] * mm, dy = run[0] * mm;
     const P column = P(m.column_x) * x + P(m.column_y) * y, row = P(m.row_x) * x + P(m.row_y) * y;
@@ -365,6 +350,31 @@ BURIN_FLATTEN inline void make_run_lines(const CurveTables& tables, const TileTa
   }
 }
 
+/// What tables of directions need of the tile's runs: kSign to kSlope.
+template <class P>
+BURIN_FLATTEN inline void make_run_directions(const CurveTables& tables, const TileTask& task, TileCurves& to) {
+  const P zero(0.0F), one(1.0F);
+  const P directions(static_cast<float>(tables.directions)), per_direction = directions * P(0.318309886F);
+  for (std::uint32_t first = 0; first < task.run_count; first += kLanesOf<P>) {
+    const auto number = [&](int k) { return std::min<std::uint32_t>(first + k, task.run_count - 1); };
+    const auto put = [&](int what, const P& v) { save(&to.lines[what * to.line_stride + first], v); };
+    P run[4];
+    packet::four_columns(run, [&](int k) { return &task.runs[number(k)].across_x; });
+
+    const P sign = xsimd::select(run[1] < zero, -one, one);
+    const P place = azimuth_of<P>(sign * run[0], sign * run[1]) * per_direction;
+    const P below = xsimd::min(xsimd::floor(place), directions - one);
+    P share[4], slope[4];
+    lagrange_cubic<P, P>(place - below, share, slope);
+    put(kSign, sign);
+    put(kDirection, below - one);
+    for (int d = 0; d < 4; ++d) {
+      put(kShare + d, share[d]);
+      put(kSlope + d, slope[d] * per_direction);
+    }
+  }
+}
+
 /// By what share the light of a whole groove, from rim to rim, grows by a unit of Y: by what it is at the tile's middle
 /// and grows by a column and a row (`light`, of four directions). `column`, `row`: the place, from the tile's middle.
 inline float growth(const float (&light)[3], float column, float row, float column_step, float row_step) {
@@ -384,7 +394,8 @@ inline void make_curves_of(const CurveTables& tables, const TileTask& task, cons
   to.half_count = tables.half_count;
   to.step = tables.step;
   to.grow_runs(task.run_count + 16);
-  make_run_lines<P>(tables, task, places, to);
+  make_run_directions<P>(tables, task, to);
+  make_run_paths<P>(task, places, static_cast<float>(tables.lean_per_pixel), to);
   const bool linear = tables.linear_over_tiles;
   RoughnessShares rough;
   if (task.shapes.shared) rough = roughness_shares<P>(tables, task.shapes[0].alpha);

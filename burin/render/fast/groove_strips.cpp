@@ -1,0 +1,77 @@
+#include "burin/render/fast/groove_strips.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace burin {
+
+ScratchLines GrooveStrips::make(const Scratches& s, const Shapes& shapes) {
+  const GrooveProfile& profile = *shapes.profile;
+  const auto own = [](const auto& each, std::size_t i) { return each[each.size() == 1 ? 0 : i]; };
+  grooves = s.size();
+  owner.clear();
+  aside_mm.clear();
+  const bool has_burrs = profile.has_burrs();
+  const std::size_t different = std::max(shapes.width_um.size(), shapes.depth_um.size());
+  const std::size_t sections = has_burrs ? grooves : std::min(different, grooves);
+  per_mm_.resize(sections);
+  rim_.resize(sections);
+  double known_width = 0, known_depth = 0, half_um = 0;  // pieces of one groove follow one another
+  const auto half_width_of = [&](std::size_t i) {
+    const double width = own(shapes.width_um, i), depth = own(shapes.depth_um, i);
+    if (width != known_width || depth != known_depth) half_um = half_width_um(profile, width, depth);
+    known_width = width;
+    known_depth = depth;
+    return half_um;
+  };
+  for (std::size_t i = 0; i < sections; ++i) {
+    const double unit = unit_um(profile, shapes.tool_width_um, own(shapes.width_um, i));
+    per_mm_[i] = static_cast<float>(2000 / unit);
+    rim_[i] = static_cast<float>(2 / unit * half_width_of(i));
+  }
+  if (!has_burrs)
+    return {s.size(),
+            s.x0_mm.data(),
+            s.y0_mm.data(),
+            s.x1_mm.data(),
+            s.y1_mm.data(),
+            {per_mm_.data(), different == 1},
+            {rim_.data(), different == 1},
+            {shapes.alpha.data(), shapes.alpha.size() == 1}};
+  x0_ = s.x0_mm;
+  y0_ = s.y0_mm;
+  x1_ = s.x1_mm;
+  y1_ = s.y1_mm;
+  part_.assign(grooves, static_cast<std::uint8_t>(SectionPart::groove));
+  if (shapes.alpha.size() == 1)
+    alpha_.assign(grooves, shapes.alpha[0]);
+  else
+    alpha_ = shapes.alpha;
+  for (const SectionPart part : {SectionPart::left_burr, SectionPart::right_burr}) {
+    const bool left = part == SectionPart::left_burr;
+    if ((left ? profile.burr_left_um : profile.burr_right_um) == 0) continue;
+    for (std::size_t i = 0; i < grooves; ++i) {
+      const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i], length = std::hypot(dx, dy);
+      if (s.is_narrowed(i) || !(length > 0)) continue;
+      const double aside = (left ? -1e-3 : 1e-3) * (half_width_of(i) + 0.5 * profile.burr_width_um);
+      const double ax = aside * dy / length, ay = -aside * dx / length;
+      owner.push_back(static_cast<std::uint32_t>(i));
+      aside_mm.push_back(aside);
+      x0_.push_back(s.x0_mm[i] + ax);
+      y0_.push_back(s.y0_mm[i] + ay);
+      x1_.push_back(s.x1_mm[i] + ax);
+      y1_.push_back(s.y1_mm[i] + ay);
+      per_mm_.push_back(static_cast<float>(2000 / profile.burr_width_um) * shapes.burr_rim);
+      rim_.push_back(shapes.burr_rim);
+      alpha_.push_back(alpha_[i]);
+      part_.push_back(static_cast<std::uint8_t>(part));
+    }
+  }
+  return {x0_.size(),           x0_.data(),
+          y0_.data(),           x1_.data(),
+          y1_.data(),           {per_mm_.data(), false},
+          {rim_.data(), false}, {alpha_.data(), false},
+          part_.data()};
+}
+
+}  // namespace burin
