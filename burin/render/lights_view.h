@@ -17,9 +17,10 @@ namespace burin {
 
 /// What ViewRenderer does, light by light in one workspace. The sun is a lamp far away under which grooves are a little
 /// rougher (docs/model.md 10.4); a lamp with an area is a lamp for each point that stands for it (scene_parts.h), or
-/// tabulated as surroundings are. Going back renders all but the last once more. Hidden pixels
-/// (ViewScene::hidden_from_light) are those of a lone lamp or, where there are so many, of each light in turn (`light`,
-/// then its `also`). Otherwise several lights shine on all of them, and so do the sky and other surroundings always.
+/// tabulated as surroundings are, or taken as it is where grooves are not the paper's. Going back renders all but the
+/// last once more. Hidden pixels (ViewScene::hidden_from_light) are those of a lone lamp or, where there are so many,
+/// of each light in turn (`light`, then its `also`). Otherwise several lights shine on all of them, and so do the sky
+/// and other surroundings always.
 class LightsView {
  public:
   LightsView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace);

@@ -43,8 +43,13 @@ struct RenderOptions {
 /// need the memory of one view; each must then finish with a forward()'s results before the next renderer's forward().
 /// Those that also share a grid share all that comes from it, and find the pairs of the same scratches once.
 class RenderWorkspace;
+/// What workspaces know of grids that they render in turn (burin/render/fast/tile_cache.h), up to so many bytes.
+class TileCache;
+std::shared_ptr<TileCache> make_tile_cache(std::size_t most_bytes = 300'000'000);
+inline constexpr std::size_t kUsualJacobianBytes = 320'000'000;
 /// `most_jacobian_bytes`: what of the Jacobian does not fit into it is computed again on the way back. The results are
-/// the same, bit for bit.
-std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian_bytes = 320'000'000);
+/// the same, bit for bit. `tiles`: several workspaces may share one; without it a workspace knows its last grid alone.
+std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian_bytes = kUsualJacobianBytes,
+                                                       std::shared_ptr<TileCache> tiles = nullptr);
 
 }  // namespace burin

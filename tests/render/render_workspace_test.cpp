@@ -97,6 +97,31 @@ TEST(RenderWorkspace, ViewsThatShareItGiveWhatEachGivesAlone) {
   }
 }
 
+TEST(RenderWorkspace, TilesOfGridsInTurnAreKeptWhileThereIsRoom) {
+  const World w = wide_world();
+  const auto coarser = share(board_grid({0, 0}, {20, 20}, 90, 70, {w.board.size_mm, {0, 0, 0}}));
+  TileCache roomy(100'000'000), narrow(1);
+  const auto first = roomy.of(w.scene.grid);
+  EXPECT_NE(roomy.of(coarser), first);
+  EXPECT_EQ(roomy.of(w.scene.grid), first);
+  const auto alone = narrow.of(w.scene.grid);
+  EXPECT_EQ(narrow.of(w.scene.grid), alone);
+  narrow.of(coarser);
+  EXPECT_NE(narrow.of(w.scene.grid), alone);
+  EXPECT_GT(first->bytes(), 1000U);
+  // Views that render in turn are what they are alone.
+  const Image weights = random_weights(w, 1, 3);
+  const auto cache = make_tile_cache();
+  ViewRenderer expected(w.scene, {});
+  for (int again = 0; again < 2; ++again) {
+    ViewScene other = w.scene;
+    other.grid = coarser;
+    ViewRenderer(other, {}, make_render_workspace(kUsualJacobianBytes, cache));
+    ViewRenderer shared(w.scene, {}, make_render_workspace(kUsualJacobianBytes, cache));
+    expect_same_bits(render(shared, w.scratches, weights), render(expected, w.scratches, weights), "shared tiles");
+  }
+}
+
 TEST(RenderWorkspace, AGridIsCutIntoTilesOnceForAllThatUseIt) {
   RenderWorkspace workspace(1'000'000);
   const auto grid = share(board_grid({0, 0}, {20, 20}, 50, 40, {{20, 20}, {0, 0, 0}}));

@@ -4,7 +4,6 @@
 #include <utility>
 
 namespace burin {
-
 std::shared_ptr<RenderWorkspace> WorkspacePool::borrow(const FootprintGrid* grid) {
   std::shared_ptr<RenderWorkspace> workspace;
   {
@@ -16,7 +15,7 @@ std::shared_ptr<RenderWorkspace> WorkspacePool::borrow(const FootprintGrid* grid
       free_.erase(found);
     }
   }
-  if (workspace == nullptr) workspace = make_render_workspace();
+  if (workspace == nullptr) workspace = make_render_workspace(kUsualJacobianBytes, tiles_);
   RenderWorkspace* const lent = workspace.get();
   return {lent, [pool = shared_from_this(), grid, workspace = std::move(workspace)](RenderWorkspace*) mutable {
             const std::scoped_lock lock(pool->mutex_);

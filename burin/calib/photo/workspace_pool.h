@@ -23,6 +23,7 @@ class WorkspacePool : public std::enable_shared_from_this<WorkspacePool> {
   };
   std::mutex mutex_;
   std::vector<Free> free_;
+  std::shared_ptr<TileCache> tiles_ = make_tile_cache();  ///< photos are rendered in turn, many times each
 };
 
 }  // namespace burin

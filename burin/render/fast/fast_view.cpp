@@ -56,14 +56,7 @@ struct Sections {
 
 ScratchLines Sections::lines_of(const Scratches& scratches) {
   constexpr double kWider = 1.02, kRougher = 0.98;
-  double rim = 0;
-  const std::size_t different = std::max(shapes.width_um.size(), shapes.depth_um.size());
-  const auto own = [](const auto& each, std::size_t i) { return each[each.size() == 1 ? 0 : i]; };
-  for (std::size_t i = 0; i < different; ++i) {
-    const double width = own(shapes.width_um, i);
-    rim = std::max(rim, 2 / GrooveStrips::unit_um(profile, shapes.tool_width_um, width) *
-                            half_width_um(profile, width, own(shapes.depth_um, i)));
-  }
+  const double rim = strips.measure(shapes);
   const double least = *std::min_element(shapes.alpha.begin(), shapes.alpha.end()) * std::min(1.0, profile.across);
   if (lamp.leans.half_count * static_cast<double>(lamp.leans.step) < rim || least < least_alpha || least_alpha == 0) {
     least_alpha = kRougher * least;
@@ -80,8 +73,9 @@ struct StripGradient {
 
 }  // namespace
 
-std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian_bytes) {
-  return std::make_shared<RenderWorkspace>(most_jacobian_bytes);
+std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian_bytes,
+                                                       std::shared_ptr<TileCache> tiles) {
+  return std::make_shared<RenderWorkspace>(most_jacobian_bytes, std::move(tiles));
 }
 
 struct FastView::Data {

@@ -5,29 +5,43 @@
 
 namespace burin {
 
+namespace {
+
+template <typename T>
+T own(const std::vector<T>& each, std::size_t i) {
+  return each[each.size() == 1 ? 0 : i];
+}
+
+}  // namespace
+
+double GrooveStrips::measure(const Shapes& shapes) {
+  const std::size_t different = std::max(shapes.width_um.size(), shapes.depth_um.size());
+  half_um_.resize(different);
+  double most = 0, known_width = 0, known_depth = 0;  // pieces of one groove follow one another
+  for (std::size_t i = 0; i < different; ++i) {
+    const double width = own(shapes.width_um, i), depth = own(shapes.depth_um, i);
+    const bool again = i > 0 && width == known_width && depth == known_depth;
+    half_um_[i] = again ? half_um_[i - 1] : half_width_um(*shapes.profile, width, depth);
+    known_width = width;
+    known_depth = depth;
+    most = std::max(most, 2 / unit_um(*shapes.profile, shapes.tool_width_um, width) * half_um_[i]);
+  }
+  return most;
+}
+
 ScratchLines GrooveStrips::make(const Scratches& s, const Shapes& shapes) {
   const GrooveProfile& profile = *shapes.profile;
-  const auto own = [](const auto& each, std::size_t i) { return each[each.size() == 1 ? 0 : i]; };
   grooves = s.size();
   owner.clear();
   aside_mm.clear();
   const bool has_burrs = profile.has_burrs();
-  const std::size_t different = std::max(shapes.width_um.size(), shapes.depth_um.size());
-  const std::size_t sections = has_burrs ? grooves : std::min(different, grooves);
+  const std::size_t different = half_um_.size(), sections = has_burrs ? grooves : different;
   per_mm_.resize(sections);
   rim_.resize(sections);
-  double known_width = 0, known_depth = 0, half_um = 0;  // pieces of one groove follow one another
-  const auto half_width_of = [&](std::size_t i) {
-    const double width = own(shapes.width_um, i), depth = own(shapes.depth_um, i);
-    if (width != known_width || depth != known_depth) half_um = half_width_um(profile, width, depth);
-    known_width = width;
-    known_depth = depth;
-    return half_um;
-  };
   for (std::size_t i = 0; i < sections; ++i) {
     const double unit = unit_um(profile, shapes.tool_width_um, own(shapes.width_um, i));
     per_mm_[i] = static_cast<float>(2000 / unit);
-    rim_[i] = static_cast<float>(2 / unit * half_width_of(i));
+    rim_[i] = static_cast<float>(2 / unit * own(half_um_, i));
   }
   if (!has_burrs)
     return {s.size(),
@@ -53,7 +67,7 @@ ScratchLines GrooveStrips::make(const Scratches& s, const Shapes& shapes) {
     for (std::size_t i = 0; i < grooves; ++i) {
       const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i], length = std::hypot(dx, dy);
       if (s.is_narrowed(i) || !(length > 0)) continue;
-      const double aside = (left ? -1e-3 : 1e-3) * (half_width_of(i) + 0.5 * profile.burr_width_um);
+      const double aside = (left ? -1e-3 : 1e-3) * (own(half_um_, i) + 0.5 * profile.burr_width_um);
       const double ax = aside * dy / length, ay = -aside * dx / length;
       owner.push_back(static_cast<std::uint32_t>(i));
       aside_mm.push_back(aside);

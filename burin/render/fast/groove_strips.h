@@ -40,10 +40,13 @@ struct GrooveStrips {
   static double unit_um(const GrooveProfile& profile, double tool_width_um, double width_um) {
     return profile.tip_radius_um > 0 ? tool_width_um : width_um;
   }
+  /// The largest |t| that grooves of these shapes reach. Comes before make().
+  double measure(const Shapes& shapes);
   /// Strips of scratches; both must stay where they are while the lines are read.
   ScratchLines make(const Scratches& scratches, const Shapes& shapes);
 
  private:
+  std::vector<double> half_um_;  // of each different groove
   std::vector<double> x0_, y0_, x1_, y1_;
   std::vector<float> per_mm_, rim_, alpha_;
   std::vector<std::uint8_t> part_;

@@ -62,7 +62,8 @@ SectionLeans section_leans(const GrooveProfile& profile, double width_um, double
 LampFits lamp_fits(const ViewScene& scene, const TiledGrid& grid) {
   constexpr double kMiddle = 0.5 * (kTile - 1), kHalf = 0.5 * kTile;
   constexpr int kEvery = 5;  // pixels from one that is fitted to the next
-  const std::vector<ScenePart> parts = scene_parts(scene);
+  std::vector<ScenePart> parts = scene_parts(scene);
+  for (ScenePart& part : parts) part.scene.hidden_from_light.clear();  // each pixel knows that
   LampFits out;
   out.points = static_cast<int>(parts.size());
   out.fits.assign(grid.tiles() * parts.size(), {});

@@ -34,14 +34,15 @@ std::size_t shape_size(const ScratchLines& lines, const Each<float>& of) { retur
 
 }  // namespace
 
-RenderWorkspace::RenderWorkspace(std::size_t most_jacobian_bytes)
+RenderWorkspace::RenderWorkspace(std::size_t most_jacobian_bytes, std::shared_ptr<TileCache> tiles)
     : jacobian_store(most_jacobian_bytes - most_jacobian_bytes / kPlaceShare),
+      tiles_(std::move(tiles)),
       place_store_(most_jacobian_bytes / kPlaceShare) {}
 
 std::shared_ptr<const TiledGrid> RenderWorkspace::tiles_of(const std::shared_ptr<const FootprintGrid>& grid) {
   std::shared_ptr<const TiledGrid> tiled = tiled_.lock();
   if (tiled == nullptr || grid_.lock() != grid) {
-    tiled = std::make_shared<const TiledGrid>(*grid);
+    tiled = tiles_ != nullptr ? tiles_->of(grid) : std::make_shared<const TiledGrid>(*grid);
     grid_ = grid;
     tiled_ = tiled;
   }

@@ -16,6 +16,7 @@
 
 #include "burin/render/fast/byte_store.h"
 #include "burin/render/fast/curve_tables.h"
+#include "burin/render/fast/tile_cache.h"
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/fast/tile_runs.h"
 #include "burin/render/fast/tiled_grid.h"
@@ -25,7 +26,8 @@ namespace burin {
 class RenderWorkspace {
  public:
   /// A tile whose arrays no longer fit into `most_jacobian_bytes` is not kept, and evaluated again on the way back.
-  explicit RenderWorkspace(std::size_t most_jacobian_bytes);
+  /// Tiles of grids come from `tiles` where there is one.
+  explicit RenderWorkspace(std::size_t most_jacobian_bytes, std::shared_ptr<TileCache> tiles = nullptr);
 
   /// The tiles of a grid; the same for the same grid as long as a view uses them.
   std::shared_ptr<const TiledGrid> tiles_of(const std::shared_ptr<const FootprintGrid>& grid);
@@ -71,6 +73,7 @@ class RenderWorkspace {
  private:
   bool is_sorted(const TiledGrid* grid, const ScratchLines& lines) const;
 
+  std::shared_ptr<TileCache> tiles_;
   std::weak_ptr<const FootprintGrid> grid_;
   std::weak_ptr<const TiledGrid> tiled_;
   // The scratches and the grid that `runs` and places were made for.

@@ -2,6 +2,8 @@
 // Made once a grid, and shared by all views that look through it. Frame: burin/render/fast/tile.h.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "burin/render/fast/pixel_index.h"
@@ -22,6 +24,12 @@ struct TiledGrid {
   std::vector<float> inv_area;       ///< 1 / mm^2, by tile * kTilePixels + place in the tile; 0 without a footprint
 
   std::size_t tiles() const { return lattice.size(); }
+  /// About how much memory it takes.
+  std::size_t bytes() const {
+    return lattice.size() *
+               (sizeof(TileLattice) + sizeof(GridTile) + kTile * sizeof(std::uint32_t) + sizeof(TileBlock)) +
+           corners.size() * sizeof(TileCorners) + inv_area.size() * sizeof(float) + index.has_footprint().size();
+  }
 
   /// visit(x, y of the picture, place in the tile) for the pixels of a tile.
   template <typename Visit>
