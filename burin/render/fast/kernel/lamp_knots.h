@@ -73,11 +73,10 @@ BURIN_FLATTEN inline void make_nodes(const SectionLeans& leans, const float* lig
   constexpr float kShare[kGauss] = {0.17392742F, 0.32607258F, 0.32607258F, 0.17392742F};
   constexpr float kRest[kGauss] = {0.16185132F, 0.21846554F, 0.10760703F, 0.01207610F};
   const int stride = leans.stride, nodes = 2 * leans.half_count + 1;
-  const P step(leans.step);
-  alignas(64) float sums[kLanesOf<P>], rests[kLanesOf<P>];
-  float sum = 0, sum_of_sums = 0;
-  const float* ends = light + static_cast<std::ptrdiff_t>(kGauss) * stride;
-  const float half_step2 = 0.5F * leans.step * leans.step;
+  const P step2(leans.step * leans.step), half_step2 = P(0.5F) * step2;
+  const float* const ends = light + static_cast<std::ptrdiff_t>(kGauss) * stride;
+  alignas(64) float sums[kLanesOf<P>], rests[kLanesOf<P>], lights[kLanesOf<P>];
+  float sum = 0, sum_of_sums = 0;  // step times the integral up to a node, and the integral of that
   for (int i = 0; i < nodes; i += kLanesOf<P>) {
     P whole(0.0F), rest(0.0F);
     for (int j = 0; j < kGauss; ++j) {
@@ -85,13 +84,15 @@ BURIN_FLATTEN inline void make_nodes(const SectionLeans& leans, const float* lig
       whole = xsimd::fma(P(kShare[j]), of, whole);
       rest = xsimd::fma(P(kRest[j]), of, rest);
     }
-    (step * whole).store_aligned(sums);
-    (step * step * rest).store_aligned(rests);
-    for (int k = 0; k < kLanesOf<P> && i + k < nodes; ++k, to += kCurveNode) {
+    (step2 * whole).store_aligned(sums);
+    (step2 * rest).store_aligned(rests);
+    (half_step2 * load<P>(ends + i)).store_aligned(lights);
+    const int here = std::min(kLanesOf<P>, nodes - i);
+    for (int k = 0; k < here; ++k, to += kCurveNode) {
       to[0] = sum_of_sums;
-      to[1] = leans.step * sum;
-      to[2] = half_step2 * ends[i + k];
-      sum_of_sums += leans.step * sum + rests[k];
+      to[1] = sum;
+      to[2] = lights[k];
+      sum_of_sums += sum + rests[k];
       sum += sums[k];
     }
   }
