@@ -26,7 +26,7 @@ struct LampView::Data {
   std::vector<std::unique_ptr<Exact>> exact;
 };
 
-LampView::LampView(ViewScene scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace)
+LampView::LampView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace)
     : data_(std::make_unique<Data>()) {
   check_view(scene, options.channels);
   data_->with_jacobian = options.material_gradients ? KernelMode::material : KernelMode::ends;

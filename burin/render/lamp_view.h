@@ -17,7 +17,7 @@ namespace burin {
 class LampView {
  public:
   /// Without a `workspace` it has one of its own. Throws Error as check_view() does.
-  LampView(ViewScene scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace);
+  LampView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace);
   ~LampView();
   LampView(const LampView&) = delete;
   LampView& operator=(const LampView&) = delete;

@@ -103,7 +103,7 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
   const std::size_t bytes = lamps_.size() * static_cast<std::size_t>(width_) * height_ * (21 + 4 * options.channels);
   if (lamps_.size() > 1 && (options.use_double || bytes > kMostKept_bytes)) return;
   for (Lamp& lamp : lamps_) {
-    lamp.view = std::make_unique<LampView>(std::move(lamp.scene), options_, workspace_);
+    lamp.view = std::make_unique<LampView>(lamp.scene, options_, workspace_);
     lamp.scene = {};
   }
 }

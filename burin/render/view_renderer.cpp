@@ -27,14 +27,14 @@ struct ViewRenderer::State {
   std::unique_ptr<LampView> lamp;      // of a lone lamp that needs no sum
   std::unique_ptr<LightsView> lights;  // of all else
 
-  State(ViewScene scene, const RenderOptions& o, std::shared_ptr<RenderWorkspace> workspace) : options(o) {
+  State(const ViewScene& scene, const RenderOptions& o, std::shared_ptr<RenderWorkspace> workspace) : options(o) {
     check_view(scene, options.channels);
     width = scene.grid->width();
     height = scene.grid->height();
     if (!scene.light.is_lamp() || !takes_area(scene, options))
       lights = std::make_unique<LightsView>(scene, options, std::move(workspace));
     else
-      lamp = std::make_unique<LampView>(std::move(scene), options, std::move(workspace));
+      lamp = std::make_unique<LampView>(scene, options, std::move(workspace));
   }
 
   void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {

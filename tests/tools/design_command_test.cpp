@@ -107,8 +107,8 @@ TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {
 TEST_F(DesignCommand, TimeEndsTheStartToo) {
   // A start that alone would take longer by far.
   const auto began = std::chrono::steady_clock::now();
-  const Outcome run = run_burin(folder_, {"design", "bench/design.json", "--out", "out", "--scratches", "300000",
-                                          "--pixels", "512", "--iterations", "1000000", "--time", "3s"});
+  const Outcome run = run_burin(folder_, {"design", "bench/design.json", "--out", "out", "--scratches", "1500000",
+                                          "--pixels", "512", "--iterations", "1000000", "--time", "2s"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("the start was ended early"));
   EXPECT_THAT(run.out, HasSubstr("Stopped early. Go on with"));

@@ -3,6 +3,7 @@
 // groove: the section's leans, and how each tile's places see the lamp. docs/model.md 8.6.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -24,7 +25,7 @@ struct SectionLeans {
   struct Part {
     CurveFloats sine, cosine;
   };
-  Part part[kSectionParts];
+  std::array<Part, kSectionParts> part;
 };
 
 /// For grooves that reach up to |t| = rim where they are `width_um` wide, and a roughness that is nowhere less.
