@@ -439,7 +439,7 @@ void RefineRun::doubt_profile() {
   const std::vector<Misfit>& misfits = uncertainty->misfits;
   const auto by_lean = [](const Misfit& m) { return m.test == "across" || m.test == "highlight"; };
   if (std::none_of(misfits.begin(), misfits.end(), by_lean)) return;
-  // In coarser pixels: a cross-section of its own takes many renderings without a fast path, under a lamp with a size
+  // In coarser pixels: a cross-section of its own takes many renderings pair by pair, under a lamp with a size
   // several times as many. It shows by directions, not by details.
   std::vector<PhotoData> finest = std::exchange(data.photos, {});
   Problem at_finest = data;

@@ -71,21 +71,21 @@ double half_width_um(const GrooveProfile& profile, double width_um, double depth
   return half_section(profile, width_um, depth_um).rim_um;
 }
 
+double flank_begin_um(const GrooveProfile& profile, double width_um) {
+  if (profile.kind == GrooveProfile::Kind::paper) return std::numeric_limits<double>::infinity();
+  return tip_radius_um(profile, width_um) * std::sin(profile.flank_deg * std::numbers::pi / 180);
+}
+
 double depth_at_half_width_um(const GrooveProfile& profile, double width_um, double half_width_um) {
   const double R = tip_radius_um(profile, width_um), t = half_width_um / (2 * R);
   if (profile.kind == GrooveProfile::Kind::paper) return -2 * R * std::log1p(-t * t);
-  const double flank = profile.flank_deg * std::numbers::pi / 180, arc_um = R * std::sin(flank);
+  const double flank = profile.flank_deg * std::numbers::pi / 180, arc_um = flank_begin_um(profile, width_um);
   if (half_width_um <= arc_um) return R - std::sqrt(R * R - half_width_um * half_width_um);
   return R * (1 - std::cos(flank)) + (half_width_um - arc_um) * std::tan(flank);
 }
 
 double half_width_slope(const GrooveProfile& profile, double width_um, double depth_um) {
   return half_section(profile, width_um, depth_um).rim_by_depth;
-}
-
-double flank_begin_um(const GrooveProfile& profile, double width_um) {
-  if (profile.kind == GrooveProfile::Kind::paper) return std::numeric_limits<double>::infinity();
-  return tip_radius_um(profile, width_um) * std::sin(profile.flank_deg * std::numbers::pi / 180);
 }
 
 double wall_lean(const GrooveProfile& profile, double width_um, double x_um) {

@@ -13,9 +13,13 @@
 
 namespace burin {
 
-/// What ViewRenderer does, under a light that is a lone lamp; without an area where the paper's grooves are in float.
+/// What ViewRenderer does, under a light that is a lone lamp; with an area only where takes_area().
 class LampView {
  public:
+  /// Whether a lamp with an area is taken as it is: where the paper's grooves are in float it is points.
+  static bool takes_area(const ViewScene& scene, const RenderOptions& options) {
+    return !options.use_double && !scene.material.profile.is_paper();
+  }
   /// Without a `workspace` it has one of its own. Throws Error as check_view() does.
   LampView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace);
   ~LampView();

@@ -53,8 +53,7 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
   // Tables of a lamp with an area take a second, and then cost less than its points: they are for views that are
   // rendered again and again, which have a workspace in common and move ends alone.
   // They know no direction of grooves but the board's own, so meshes with their own go by points.
-  // Grooves of other cross-sections take a lamp as it is.
-  const bool takes_area = !options.use_double && !scene.material.profile.is_paper();
+  const bool takes_area = LampView::takes_area(scene, options);
   const bool often =
       shares_workspace && !options.material_gradients && !options.use_double && scene.grid->x_axis.empty();
   const auto near = [&](const Light& l) {

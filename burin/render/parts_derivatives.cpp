@@ -5,6 +5,7 @@ namespace burin {
 RadianceDerivatives mean_with_derivatives(std::span<const ScenePart> parts, const CameraView& camera,
                                           const Carved& carved, std::span<const SceneParameter> parameters,
                                           const RenderOptions& options) {
+  if (parts.size() == 1) return render_with_derivatives(parts.front().scene, camera, carved, parameters, options);
   RadianceDerivatives mean;
   mean.d_radiance.resize(parameters.size());
   for (const ScenePart& part : parts) {

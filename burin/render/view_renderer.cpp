@@ -11,14 +11,6 @@
 #include "burin/render/lights_view.h"
 
 namespace burin {
-namespace {
-
-// Whether a lone lamp's view takes its area as it is.
-bool takes_area(const ViewScene& scene, const RenderOptions& options) {
-  return scene.light.size.is_point() || (!options.use_double && !scene.material.profile.is_paper());
-}
-
-}  // namespace
 
 struct ViewRenderer::State {
   RenderOptions options;
@@ -31,7 +23,7 @@ struct ViewRenderer::State {
     check_view(scene, options.channels);
     width = scene.grid->width();
     height = scene.grid->height();
-    if (!scene.light.is_lamp() || !takes_area(scene, options))
+    if (!scene.light.is_lamp() || !(scene.light.size.is_point() || LampView::takes_area(scene, options)))
       lights = std::make_unique<LightsView>(scene, options, std::move(workspace));
     else
       lamp = std::make_unique<LampView>(scene, options, std::move(workspace));

@@ -486,13 +486,12 @@ bool is_small(const Light& lamp, const Material& material, const Eigen::Vector2d
 // with: where the two ways of rendering differ, or slopes are the middle's, it is the one that renders those.
 RadianceDerivatives light_with_slopes(const PhotoData& photo, const ViewScene& scene, const Carved& carved,
                                       std::span<const SceneParameter> parameters) {
-  const bool by_middle = is_small(scene.light, scene.material, photo.camera.surface.size_mm);
+  const bool by_middle =
+      !scene.light.size.is_point() && is_small(scene.light, scene.material, photo.camera.surface.size_mm);
   ViewScene middle = scene;
   if (by_middle) middle.light.size = {};
   RadianceDerivatives out = mean_with_derivatives(scene_parts(middle, true), photo.camera, carved, parameters);
-  const bool is_exact =
-      scene.material.profile.is_paper() && middle.light.size.is_point() == scene.light.size.is_point();
-  if (!is_exact) out.radiance = light_by_few(photo, scene, carved);
+  if (by_middle || !scene.material.profile.is_paper()) out.radiance = light_by_few(photo, scene, carved);
   return out;
 }
 

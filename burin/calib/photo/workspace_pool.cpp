@@ -4,6 +4,7 @@
 #include <utility>
 
 namespace burin {
+
 std::shared_ptr<RenderWorkspace> WorkspacePool::borrow(const FootprintGrid* grid) {
   std::shared_ptr<RenderWorkspace> workspace;
   {

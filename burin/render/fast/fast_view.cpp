@@ -69,6 +69,13 @@ ScratchLines Sections::lines_of(const Scratches& scratches) {
 // What a strip's runs sum up to: by its first and last end across and along, mm^-1.
 struct StripGradient {
   double across_first = 0, across_last = 0, along_first = 0, along_last = 0, alpha = 0;
+
+  void add_to(ScratchGradients& gradients, std::size_t scratch, const StripDirection& across) const {
+    gradients.x0_mm[scratch] += across.x * across_first - across.y * along_first;
+    gradients.y0_mm[scratch] += across.y * across_first + across.x * along_first;
+    gradients.x1_mm[scratch] += across.x * across_last - across.y * along_last;
+    gradients.y1_mm[scratch] += across.y * across_last + across.x * along_last;
+  }
 };
 
 }  // namespace
@@ -112,6 +119,7 @@ struct FastView::Data {
         shared_depth_um(scene.material.depth_um),
         shared_alpha(scene.material.alpha) {}
 
+  void start_shading(const ViewScene& scene, bool material);
   void shade(const ViewScene& scene, bool material);
   void shade(const ViewScene& scene, const PlainFace& face, bool material);
   void shade_sections(const ViewScene& scene, bool material);
@@ -154,16 +162,20 @@ struct FastView::Data {
   }
 };
 
-void FastView::Data::shade(const ViewScene& scene, bool material) {
+/// Dark pixels, and the ambient light.
+void FastView::Data::start_shading(const ViewScene& scene, bool material) {
   const std::size_t n = grid->tiles() * kTilePixels;
   const std::array<double, 3> a = ambient_radiance(scene, channels);
   for (int c = 0; c < 3; ++c) ambient[c] = static_cast<float>(a[c]);
-  shading.resize(grid->tiles());
   base.assign(n, 0);
   if (material) base_slope.assign(n, 0);
   factor.assign(n * channels, 0);
   if (a != std::array<double, 3>{}) visible.assign(n, 0);
+}
 
+void FastView::Data::shade(const ViewScene& scene, bool material) {
+  start_shading(scene, material);
+  shading.resize(grid->tiles());
   tbb::parallel_for(std::size_t{0}, grid->tiles(), [&](std::size_t t) {
     grid->each_pixel(t, [&](int x, int y, std::size_t place) {
       const std::size_t i = t * kTilePixels + place;
@@ -207,13 +219,7 @@ void FastView::Data::shade(const ViewScene& scene, const PlainFace& face, bool m
 
 // Light is the mean of the channels in curves, and of the plain face; `factor` is how a channel differs from it.
 void FastView::Data::shade_sections(const ViewScene& scene, bool material) {
-  const std::size_t n = grid->tiles() * kTilePixels;
-  const std::array<double, 3> a = ambient_radiance(scene, channels);
-  for (int c = 0; c < 3; ++c) ambient[c] = static_cast<float>(a[c]);
-  base.assign(n, 0);
-  if (material) base_slope.assign(n, 0);
-  factor.assign(n * channels, 0);
-  if (a != std::array<double, 3>{}) visible.assign(n, 0);
+  start_shading(scene, material);
   const std::vector<ScenePart> parts = scene_parts(scene);
   tbb::parallel_for(std::size_t{0}, grid->tiles(), [&](std::size_t t) {
     grid->each_pixel(t, [&](int x, int y, std::size_t place) {
@@ -256,12 +262,11 @@ void FastView::Data::evaluate(std::size_t t, TileTask task, const TilePlaces& pl
   task.curves = &w.curves;
   if (sections != nullptr) {
     curve_kernels.make_lamp_curves(sections->lamp, task, places, t, w.curves);
-    curve_kernels.evaluate(task, places, w.tile, w.pairs, to);
-    return;
+  } else {
+    const int left = static_cast<int>(t % grid->index.tiles_x()) * kTile,
+              top = static_cast<int>(t / grid->index.tiles_x()) * kTile;
+    curve_kernels.make_curves(*curves, task, places, left, top, w.curves);
   }
-  const int left = static_cast<int>(t % grid->index.tiles_x()) * kTile,
-            top = static_cast<int>(t / grid->index.tiles_x()) * kTile;
-  curve_kernels.make_curves(*curves, task, places, left, top, w.curves);
   curve_kernels.evaluate(task, places, w.tile, w.pairs, to);
 }
 
@@ -291,14 +296,7 @@ void FastView::Data::sort_scratches(const Scratches& s) {
     per_mm[i] = static_cast<float>(2000 / width_of(i));
     rim[i] = static_cast<float>(groove_rim(width_of(i), depth_of(i)));
   }
-  workspace->sort(grid, {s.size(),
-                         s.x0_mm.data(),
-                         s.y0_mm.data(),
-                         s.x1_mm.data(),
-                         s.y1_mm.data(),
-                         {per_mm.data(), widths == 1},
-                         {rim.data(), widths == 1},
-                         {alpha.data(), s.alpha.empty()}});
+  workspace->sort(grid, lines_of(s, per_mm, rim, alpha));
 }
 
 /// Finds and evaluates a tile's pairs. `to` is their Jacobian: kept where that is asked for and there is space, else in
@@ -403,11 +401,8 @@ void FastView::Data::add_burr(std::size_t burr, const StripGradient& by, Scratch
   const StripDirection& x = workspace->runs.across(strips.grooves + burr);
   // What lies aside goes along as the groove turns.
   const double along = by.along_first + by.along_last, turned = strips.aside_mm[burr] / x.length_mm * along;
-  const double at_first = by.across_first + turned, at_second = by.across_last - turned;
-  gradients.x0_mm[s] += x.x * at_first - x.y * by.along_first;
-  gradients.y0_mm[s] += x.y * at_first + x.x * by.along_first;
-  gradients.x1_mm[s] += x.x * at_second - x.y * by.along_last;
-  gradients.y1_mm[s] += x.y * at_second + x.x * by.along_last;
+  StripGradient{by.across_first + turned, by.across_last - turned, by.along_first, by.along_last}.add_to(gradients, s,
+                                                                                                         x);
   if (mode != KernelMode::material) return;
   const GrooveProfile& profile = sections->profile;
   const double width = width_of(s), depth = depth_of(s), slope = half_width_slope(profile, width, depth);
@@ -503,24 +498,21 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
     };
     const std::array<double, 4> sum = sum_of(0);
     const StripDirection& x = workspace.runs.across(s);
-    const double at_second = sum[1] / x.length_mm, at_first = sum[0] - at_second, first = sum[2], second = sum[3];
+    const std::array<double, 4> by_shape = material ? sum_of(4) : std::array<double, 4>{};
+    const double at_second = sum[1] / x.length_mm;
+    const StripGradient by{sum[0] - at_second, at_second, sum[2], sum[3], by_shape[2]};
     if (strips != nullptr && s >= strips->grooves) {
-      by_burr[s - strips->grooves] = {at_first, at_second, first, second, material ? sum_of(4)[2] : 0};
+      by_burr[s - strips->grooves] = by;
       return;
     }
-    gradients.x0_mm[s] += x.x * at_first - x.y * first;
-    gradients.y0_mm[s] += x.y * at_first + x.x * first;
-    gradients.x1_mm[s] += x.x * at_second - x.y * second;
-    gradients.y1_mm[s] += x.y * at_second + x.x * second;
+    by.add_to(gradients, s, x);
     if (!material) return;
-    const std::array<double, 4> by_shape = sum_of(4);
     const double width = d.width_of(s), depth = d.depth_of(s), by_depth = d.rim_by_depth(s) * by_shape[1];
     const double by_width = d.by_width(by_shape[0] - depth * by_depth) / width;
     gradients.width_um[s] += by_width;
     gradients.depth_um[s] += by_depth;
-    const double by_alpha = by_shape[2];
-    gradients.alpha[s] += by_alpha;
-    workspace.by_chunk[chunk] += Eigen::Array3d(by_width, by_depth, by_alpha);
+    gradients.alpha[s] += by.alpha;
+    workspace.by_chunk[chunk] += Eigen::Array3d(by_width, by_depth, by.alpha);
   };
   workspace.runs.each_scratch(add, [&](std::uint32_t run) { __builtin_prefetch(&workspace.by_run[run * numbers]); });
   for (const Eigen::Array3d& v : workspace.by_chunk) {

@@ -4,15 +4,22 @@
 #include <cmath>
 
 namespace burin {
-
 namespace {
 
-template <typename T>
-T own(const std::vector<T>& each, std::size_t i) {
+// The number of scratch i, where there is one for each or one for all.
+template <typename Numbers>
+auto own(const Numbers& each, std::size_t i) {
   return each[each.size() == 1 ? 0 : i];
 }
 
 }  // namespace
+
+ScratchLines lines_of(const Scratches& s, std::span<const float> per_mm, std::span<const float> rim,
+                      std::span<const float> alpha) {
+  const auto each = [](std::span<const float> of) { return Each<float>{of.data(), of.size() == 1}; };
+  return {s.size(),       s.x0_mm.data(), s.y0_mm.data(), s.x1_mm.data(),
+          s.y1_mm.data(), each(per_mm),   each(rim),      each(alpha)};
+}
 
 double GrooveStrips::measure(const Shapes& shapes) {
   const std::size_t different = std::max(shapes.width_um.size(), shapes.depth_um.size());
@@ -35,7 +42,7 @@ ScratchLines GrooveStrips::make(const Scratches& s, const Shapes& shapes) {
   owner.clear();
   aside_mm.clear();
   const bool has_burrs = profile.has_burrs();
-  const std::size_t different = half_um_.size(), sections = has_burrs ? grooves : different;
+  const std::size_t sections = has_burrs ? grooves : half_um_.size();
   per_mm_.resize(sections);
   rim_.resize(sections);
   for (std::size_t i = 0; i < sections; ++i) {
@@ -43,15 +50,7 @@ ScratchLines GrooveStrips::make(const Scratches& s, const Shapes& shapes) {
     per_mm_[i] = static_cast<float>(2000 / unit);
     rim_[i] = static_cast<float>(2 / unit * own(half_um_, i));
   }
-  if (!has_burrs)
-    return {s.size(),
-            s.x0_mm.data(),
-            s.y0_mm.data(),
-            s.x1_mm.data(),
-            s.y1_mm.data(),
-            {per_mm_.data(), different == 1},
-            {rim_.data(), different == 1},
-            {shapes.alpha.data(), shapes.alpha.size() == 1}};
+  if (!has_burrs) return lines_of(s, per_mm_, rim_, shapes.alpha);
   x0_ = s.x0_mm;
   y0_ = s.y0_mm;
   x1_ = s.x1_mm;
@@ -60,7 +59,7 @@ ScratchLines GrooveStrips::make(const Scratches& s, const Shapes& shapes) {
   if (shapes.alpha.size() == 1)
     alpha_.assign(grooves, shapes.alpha[0]);
   else
-    alpha_ = shapes.alpha;
+    alpha_.assign(shapes.alpha.begin(), shapes.alpha.end());
   for (const SectionPart part : {SectionPart::left_burr, SectionPart::right_burr}) {
     const bool left = part == SectionPart::left_burr;
     if ((left ? profile.burr_left_um : profile.burr_right_um) == 0) continue;

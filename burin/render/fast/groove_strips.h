@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "burin/render/fast/tile_runs.h"
@@ -19,13 +20,17 @@ namespace burin {
 enum class SectionPart : std::uint8_t { groove, left_burr, right_burr };
 inline constexpr int kSectionParts = 3;
 
+/// One strip for each scratch; of each number one for each, or one for all.
+ScratchLines lines_of(const Scratches& scratches, std::span<const float> per_mm, std::span<const float> rim,
+                      std::span<const float> alpha);
+
 struct GrooveStrips {
-  /// What the strips are made of: numbers that scratches have of their own, or one for all.
+  /// What the strips are made of: numbers that scratches have of their own, or one for all. They belong to the caller.
   struct Shapes {
     const GrooveProfile* profile = nullptr;
     double tool_width_um = 400;  ///< what t counts in where the section has a radius of its own, whatever the widths
-    std::vector<double> width_um, depth_um;
-    std::vector<float> alpha;
+    std::span<const double> width_um, depth_um;
+    std::span<const float> alpha;
     float burr_rim = 1;  ///< t of a burr's edge, from its middle
   };
 

@@ -36,17 +36,11 @@ std::size_t shape_size(const ScratchLines& lines, const Each<float>& of) { retur
 
 RenderWorkspace::RenderWorkspace(std::size_t most_jacobian_bytes, std::shared_ptr<TileCache> tiles)
     : jacobian_store(most_jacobian_bytes - most_jacobian_bytes / kPlaceShare),
-      tiles_(std::move(tiles)),
+      tiles_(tiles != nullptr ? std::move(tiles) : std::make_shared<TileCache>(0)),
       place_store_(most_jacobian_bytes / kPlaceShare) {}
 
 std::shared_ptr<const TiledGrid> RenderWorkspace::tiles_of(const std::shared_ptr<const FootprintGrid>& grid) {
-  std::shared_ptr<const TiledGrid> tiled = tiled_.lock();
-  if (tiled == nullptr || grid_.lock() != grid) {
-    tiled = tiles_ != nullptr ? tiles_->of(grid) : std::make_shared<const TiledGrid>(*grid);
-    grid_ = grid;
-    tiled_ = tiled;
-  }
-  return tiled;
+  return tiles_->of(grid);
 }
 
 bool RenderWorkspace::is_sorted(const TiledGrid* grid, const ScratchLines& lines) const {

@@ -26,7 +26,7 @@ namespace burin {
 class RenderWorkspace {
  public:
   /// A tile whose arrays no longer fit into `most_jacobian_bytes` is not kept, and evaluated again on the way back.
-  /// Tiles of grids come from `tiles` where there is one.
+  /// Tiles of grids come from `tiles`, or are kept of the last grid.
   explicit RenderWorkspace(std::size_t most_jacobian_bytes, std::shared_ptr<TileCache> tiles = nullptr);
 
   /// The tiles of a grid; the same for the same grid as long as a view uses them.
@@ -73,9 +73,7 @@ class RenderWorkspace {
  private:
   bool is_sorted(const TiledGrid* grid, const ScratchLines& lines) const;
 
-  std::shared_ptr<TileCache> tiles_;
-  std::weak_ptr<const FootprintGrid> grid_;
-  std::weak_ptr<const TiledGrid> tiled_;
+  std::shared_ptr<TileCache> tiles_;  ///< its own knows the last grid alone
   // The scratches and the grid that `runs` and places were made for.
   std::shared_ptr<const TiledGrid> sorted_grid_;
   std::array<std::vector<double>, 4> sorted_ends_mm_;

@@ -256,10 +256,6 @@ void each_area(const Cut& cut, std::span<const ProfileBand> bands, const Visit& 
   }
 }
 
-}  // namespace
-
-namespace {
-
 // Of all bands of a section, one after the other: what band_light() finds for each.
 struct BandLights {
   std::vector<double> value, by_hx, by_hy, by_hz, by_alpha;

@@ -124,8 +124,8 @@ inline void make_lamp_curves_of(const LampCurves& lamp, const TileTask& task, co
   const LampFit* const points = lamp.fits.of(tile);
   const auto has_pairs = [&](std::uint32_t r) { return places.begin[r + 1] != places.begin[r]; };
   std::size_t knots = 0;
+  std::fill_n(to.runs.begin(), task.run_count, RunCurve{});
   for (std::uint32_t r = 0; r < task.run_count;) {
-    to.runs[r] = {};
     if (!has_pairs(r)) {
       ++r;
       continue;
@@ -155,8 +155,6 @@ inline void make_lamp_curves_of(const LampCurves& lamp, const TileTask& task, co
       if (has_pairs(k))
         to.runs[k] = {static_cast<float>(knots + 1), from, length > 0 ? static_cast<float>(steps) / length : 0.0F,
                       static_cast<float>(steps - 1)};
-      else
-        to.runs[k] = {};
     // A knot more, which is read where the share of the next is 0.
     to.grow_knots((knots + steps + 2) * to.knot_floats);
     for (int k = 0; k <= steps; ++k, ++knots) {
@@ -170,9 +168,7 @@ inline void make_lamp_curves_of(const LampCurves& lamp, const TileTask& task, co
     }
     r = last;
   }
-  to.grow_knots((knots + 1) * to.knot_floats);
-  std::fill_n(to.knots.begin() + static_cast<std::ptrdiff_t>(knots * to.knot_floats), to.knot_floats, 0.0F);
-  std::fill_n(to.runs.begin() + task.run_count, 16, RunCurve{});
+  close_curves(task.run_count, knots, to);
 }
 
 /// Implements CurveKernels::make_lamp_curves.

@@ -375,6 +375,13 @@ BURIN_FLATTEN inline void make_run_directions(const CurveTables& tables, const T
   }
 }
 
+/// A dark knot behind the last, which is read where the share of the next is 0, and runs that a packet reads beyond.
+inline void close_curves(std::uint32_t run_count, std::size_t knots, TileCurves& to) {
+  to.grow_knots((knots + 1) * to.knot_floats);
+  std::fill_n(to.knots.begin() + static_cast<std::ptrdiff_t>(knots * to.knot_floats), to.knot_floats, 0.0F);
+  std::fill_n(to.runs.begin() + run_count, 16, RunCurve{});
+}
+
 /// By what share the light of a whole groove, from rim to rim, grows by a unit of Y: by what it is at the tile's middle
 /// and grows by a column and a row (`light`, of four directions). `column`, `row`: the place, from the tile's middle.
 inline float growth(const float (&light)[3], float column, float row, float column_step, float row_step) {
@@ -478,9 +485,7 @@ inline void make_curves_of(const CurveTables& tables, const TileTask& task, cons
       run.per_Y = growth(light, column[0], row[0], column_step, row_step);
     }
   }
-  to.grow_knots((knots + 1) * to.knot_floats);
-  std::fill_n(to.knots.begin() + static_cast<std::ptrdiff_t>(knots * to.knot_floats), to.knot_floats, 0.0F);
-  std::fill_n(to.runs.begin() + task.run_count, 16, RunCurve{});
+  close_curves(task.run_count, knots, to);
 }
 
 /// Implements CurveKernels::make_curves.
