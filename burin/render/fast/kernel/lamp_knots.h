@@ -72,11 +72,11 @@ BURIN_FLATTEN inline void make_nodes(const SectionLeans& leans, const float* lig
   // Shares of the integral over a step, and of its mean of (1 - place).
   constexpr float kShare[kGauss] = {0.17392742F, 0.32607258F, 0.32607258F, 0.17392742F};
   constexpr float kRest[kGauss] = {0.16185132F, 0.21846554F, 0.10760703F, 0.01207610F};
-  const int stride = leans.stride, nodes = 2 * leans.half_count + 1;
+  const int stride = leans.stride, middle = leans.half_count, nodes = 2 * middle + 1;
   const P step2(leans.step * leans.step), half_step2 = P(0.5F) * step2;
   const float* const ends = light + static_cast<std::ptrdiff_t>(kGauss) * stride;
   alignas(64) float sums[kLanesOf<P>], rests[kLanesOf<P>], lights[kLanesOf<P>];
-  float sum = 0, sum_of_sums = 0;  // step times the integral up to a node, and the integral of that
+  // What the integrals grow by from a node to the next ...
   for (int i = 0; i < nodes; i += kLanesOf<P>) {
     P whole(0.0F), rest(0.0F);
     for (int j = 0; j < kGauss; ++j) {
@@ -88,13 +88,30 @@ BURIN_FLATTEN inline void make_nodes(const SectionLeans& leans, const float* lig
     (step2 * rest).store_aligned(rests);
     (half_step2 * load<P>(ends + i)).store_aligned(lights);
     const int here = std::min(kLanesOf<P>, nodes - i);
-    for (int k = 0; k < here; ++k, to += kCurveNode) {
-      to[0] = sum_of_sums;
-      to[1] = sum;
-      to[2] = lights[k];
-      sum_of_sums += sum + rests[k];
-      sum += sums[k];
+    float* node = to + static_cast<std::ptrdiff_t>(kCurveNode) * i;
+    for (int k = 0; k < here; ++k, node += kCurveNode) {
+      node[0] = rests[k];
+      node[1] = sums[k];
+      node[2] = lights[k];
     }
+  }
+  // ... and they themselves, from the middle to either side: far from where they begin they lose digits.
+  float sum = 0, sum_of_sums = 0;  // step times the integral, and the integral of that
+  for (int k = middle; k < nodes; ++k) {
+    float* const node = to + static_cast<std::ptrdiff_t>(kCurveNode) * k;
+    const float rest = node[0], grows = node[1];
+    node[0] = sum_of_sums;
+    node[1] = sum;
+    sum_of_sums += sum + rest;
+    sum += grows;
+  }
+  sum = sum_of_sums = 0;
+  for (int k = middle - 1; k >= 0; --k) {
+    float* const node = to + static_cast<std::ptrdiff_t>(kCurveNode) * k;
+    sum -= node[1];
+    sum_of_sums -= sum + node[0];
+    node[0] = sum_of_sums;
+    node[1] = sum;
   }
 }
 
