@@ -2,6 +2,7 @@
 // docs/model.md 5.5.
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "burin/render/scene_parts.h"
@@ -12,6 +13,7 @@ namespace burin {
 /// render_with_derivatives() of all parts, and the mean over them.
 RadianceDerivatives mean_with_derivatives(std::span<const ScenePart> parts, const CameraView& camera,
                                           const Carved& carved, std::span<const SceneParameter> parameters,
-                                          const RenderOptions& options = {});
+                                          const RenderOptions& options = {},
+                                          const std::shared_ptr<RenderWorkspace>& workspace = nullptr);
 
 }  // namespace burin

@@ -108,10 +108,13 @@ struct CameraView {
   PixelWindow window;
 };
 
-/// `scene.grid` and `scene.camera_center_mm` must be those of `camera` (see make_scene).
+/// `scene.grid` and `scene.camera_center_mm` must be those of `camera` (see make_scene). By float packets
+/// (docs/model.md 8.7) in `workspace`, or one of its own; pair by pair with RenderOptions::use_double, and where half
+/// vectors bend too much for packets.
 RadianceDerivatives render_with_derivatives(const ViewScene& scene, const CameraView& camera, const Carved& carved,
                                             std::span<const SceneParameter> parameters,
-                                            const RenderOptions& options = {});
+                                            const RenderOptions& options = {},
+                                            const std::shared_ptr<RenderWorkspace>& workspace = nullptr);
 
 /// The scene of a view of a bench, seen by a window of its photo. A board with a mesh is cast through it: its
 /// footprints are the mesh's, `camera.surface` is not used, and render_with_derivatives does not serve it.

@@ -229,7 +229,8 @@ TEST(BentBoard, DerivativesAgainstCentralDifferences) {
     for (const Vector3d& bow : {Vector3d(0, 0, 0), Vector3d(0.3, -0.2, 0)}) {
       w.camera.surface.bow_mm = bow;
       w.scene = make_scene(w.bench, w.board, w.camera, w.bench.lights[0]);
-      const RadianceDerivatives d = render_with_derivatives(w.scene, w.camera, in_metal(w.scratches), parameters);
+      const RadianceDerivatives d =
+          render_with_derivatives(w.scene, w.camera, in_metal(w.scratches), parameters, {1, true});
       for (std::size_t k = 0; k < parameters.size(); ++k) {
         const bool turn = parameters[k] >= P::pose_rx && parameters[k] <= P::pose_rz;
         const double step = parameters[k] == P::light_x_mm ? 1e-4 : turn ? 1e-7 : 1e-6;

@@ -271,7 +271,7 @@ void expect_derivatives(const World& w, const char* what, double most = 2e-5) {
   const auto parameters = all_parameters();
   for (const int channels : {1, 3}) {
     const RadianceDerivatives d =
-        render_with_derivatives(w.scene, w.camera, in_metal(w.scratches), parameters, {channels});
+        render_with_derivatives(w.scene, w.camera, in_metal(w.scratches), parameters, {channels, true});
     const std::vector<double> here = radiance_in_double(w, channels);
     for (std::size_t i = 0; i < here.size(); ++i)
       ASSERT_NEAR(d.radiance.data[i], here[i], 1e-6 * std::abs(here[i])) << what;

@@ -483,15 +483,16 @@ bool is_small(const Light& lamp, const Material& material, const Eigen::Vector2d
 }
 
 // Light by few points, with slopes: they say which way and how far to go. Light is what other states' light is compared
-// with: where the two ways of rendering differ, or slopes are the middle's, it is the one that renders those.
+// with, which is not the middle's.
 RadianceDerivatives light_with_slopes(const PhotoData& photo, const ViewScene& scene, const Carved& carved,
                                       std::span<const SceneParameter> parameters) {
   const bool by_middle =
       !scene.light.size.is_point() && is_small(scene.light, scene.material, photo.camera.surface.size_mm);
   ViewScene middle = scene;
   if (by_middle) middle.light.size = {};
-  RadianceDerivatives out = mean_with_derivatives(scene_parts(middle, true), photo.camera, carved, parameters);
-  if (by_middle || !scene.material.profile.is_paper()) out.radiance = light_by_few(photo, scene, carved);
+  RadianceDerivatives out =
+      mean_with_derivatives(scene_parts(middle, true), photo.camera, carved, parameters, {}, workspace_of(photo));
+  if (by_middle) out.radiance = light_by_few(photo, scene, carved);
   return out;
 }
 

@@ -56,7 +56,8 @@ struct RunCurve {
   float last = -1;    ///< steps between its knots, less 1; -1 for a lone knot
 };
 
-/// The curves of a tile's runs. A knot's curves lie one after the other: R, dR by the groove's turn, dR by alpha.
+/// The curves of a tile's runs. A knot's curves lie one after the other: R, dR by the groove's turn, dR by alpha; under
+/// a lamp dR by the half vector's shares across and along the groove, too.
 struct TileCurves {
   std::vector<RunCurve> runs;  ///< readable a packet beyond the last
   CurveFloats knots;

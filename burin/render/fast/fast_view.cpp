@@ -100,6 +100,7 @@ struct FastView::Data {
   std::vector<float> base;
   std::vector<float> base_slope;      // by base_alpha; empty without material
   std::vector<float> factor;          // channels a pixel: F intensity direct
+  std::vector<float> half;            // with sections: x and y of the half vector of the lamp's first point
   std::vector<std::uint8_t> visible;  // empty without ambient light
   std::array<float, 3> ambient{};
 
@@ -130,6 +131,7 @@ struct FastView::Data {
   void render_tile(std::size_t t, Image& radiance);
   double differentiate_tile(std::size_t t, const Image& dE_dradiance);
   double rim_by_depth(std::size_t scratch) const;
+  RunUnits units_of(std::size_t strip) const;
   double by_width(double scaled) const;
   void add_burr(std::size_t burr, const StripGradient& by, ScratchGradients& gradients) const;
   double width_of(std::size_t scratch) const { return width_um[width_um.size() == 1 ? 0 : scratch]; }
@@ -148,6 +150,7 @@ struct FastView::Data {
             grid->index.blocks(tile),
             grid->index.valid_rows(t),
             mode,
+            false,
             false,
             workspace->most_runs,
             workspace->most_pairs};
@@ -220,6 +223,7 @@ void FastView::Data::shade(const ViewScene& scene, const PlainFace& face, bool m
 // Light is the mean of the channels in curves, and of the plain face; `factor` is how a channel differs from it.
 void FastView::Data::shade_sections(const ViewScene& scene, bool material) {
   start_shading(scene, material);
+  half.assign(2 * base.size(), 0);
   const std::vector<ScenePart> parts = scene_parts(scene);
   tbb::parallel_for(std::size_t{0}, grid->tiles(), [&](std::size_t t) {
     grid->each_pixel(t, [&](int x, int y, std::size_t place) {
@@ -237,6 +241,8 @@ void FastView::Data::shade_sections(const ViewScene& scene, bool material) {
         if (material) slope += light * burin::base_slope(p, scene.material.base_alpha, scene.material.grain);
         if (is_lit || !(mono > 0)) continue;
         is_lit = true;
+        half[2 * i] = static_cast<float>(p.h_face.x());
+        half[2 * i + 1] = static_cast<float>(p.h_face.y());
         const std::array<double, 3> f = channel_factors(part.scene, p.cos_ho, channels);
         for (int c = 0; c < channels; ++c) factor[i * channels + c] = static_cast<float>(f[c] / mono);
       }
@@ -307,7 +313,7 @@ TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, bo
   const std::size_t first = t * kTilePixels, count = places.begin[task.run_count];
   if (keep) to = workspace->keep_jacobian(mode, count);
   const TileJacobian kept = to;
-  if (to.shift == nullptr) to = RenderWorkspace::make_jacobian(mode, count, w);
+  if (to.shift == nullptr) to = RenderWorkspace::make_jacobian(mode, count, w, task.by_half_vector);
   evaluate(t, task, places, w, to);
   to.ends = w.pairs.ends.data();
   to.end_count = w.pairs.ends.size();
@@ -394,6 +400,32 @@ double FastView::Data::by_width(double scaled) const {
   return sections != nullptr && sections->profile.tip_radius_um > 0 ? 0 : scaled;
 }
 
+/// As backward() takes them from a strip to its scratch; where scratches have numbers of their own, by what all of them
+/// change in proportion.
+RunUnits FastView::Data::units_of(std::size_t strip) const {
+  const GrooveStrips* const strips = sections != nullptr ? &sections->strips : nullptr;
+  const bool is_burr = strips != nullptr && strip >= strips->grooves;
+  const std::size_t s = is_burr ? strips->owner[strip - strips->grooves] : strip;
+  const double width = width_of(s), depth = depth_of(s);
+  const double by_depth = depth_um.size() == 1 ? 1 : depth / shared_depth_um,
+               by_wide = by_width(width_um.size() == 1 ? 1 : width / tool_width_um) / width;
+  RunUnits out;
+  if (is_burr) {
+    const double slope = half_width_slope(sections->profile, width, depth),
+                 aside = std::copysign(1e-3, strips->aside_mm[strip - strips->grooves]);
+    out.aside_by_depth = static_cast<float>(by_depth * aside * slope);
+    out.aside_by_width =
+        static_cast<float>(by_wide * aside * (half_width_um(sections->profile, width, depth) - depth * slope));
+  } else {
+    const double rim = rim_by_depth(s);
+    out.rim_by_depth = static_cast<float>(by_depth * rim);
+    out.scale_by_width = static_cast<float>(by_wide);
+    out.rim_by_width = static_cast<float>(-by_wide * depth * rim);
+  }
+  if (alpha.size() > 1) out.by_alpha = static_cast<float>(alpha[s] / shared_alpha);
+  return out;
+}
+
 /// A burr moves with its groove, and aside as that grows deeper or wider.
 void FastView::Data::add_burr(std::size_t burr, const StripGradient& by, ScratchGradients& gradients) const {
   const GrooveStrips& strips = sections->strips;
@@ -436,6 +468,8 @@ FastView::~FastView() = default;
 
 void FastView::set_curves(std::shared_ptr<const CurveTables> curves) { data_->curves = std::move(curves); }
 
+bool FastView::has_lamp_curves() const { return data_->sections != nullptr; }
+
 bool FastView::has_jacobian() const { return data_->workspace->owner == this && data_->mode != KernelMode::value; }
 
 bool FastView::is_smooth() const {
@@ -465,6 +499,43 @@ void FastView::forward(const Scratches& scratches, KernelMode mode, Image& radia
     d.pair_count += workspace.pair_count[t];
     workspace.most_pairs = std::max<std::size_t>(workspace.most_pairs, workspace.pair_count[t]);
   }
+}
+
+void FastView::pixel_slopes(const Scratches& scratches, std::vector<PixelSlopes>& out) {
+  Data& d = *data_;
+  RenderWorkspace& workspace = *d.workspace;
+  d.mode = KernelMode::material;
+  workspace.owner = nullptr;  // nothing is kept for a way back
+  out.assign(static_cast<std::size_t>(d.grid->width) * d.grid->height, {});
+  d.sort_scratches(scratches);
+  const bool one_shape = d.width_um.size() == 1 && d.depth_um.size() == 1 && d.alpha.size() == 1 &&
+                         (d.sections == nullptr || d.sections->strips.burrs() == 0) && scratches.size() > 0;
+  tbb::parallel_for(std::size_t{0}, d.grid->tiles(), [&](std::size_t t) {
+    RenderWorkspace::Work& w = *workspace.work.local();
+    TileTask task = d.task_of(t);
+    task.by_half_vector = true;
+    TileJacobian jacobian;
+    const TilePlaces places = d.evaluate_tile(t, task, false, w, jacobian);
+    grow_to(w.units, task.run_count);
+    for (std::uint32_t r = 0; r < task.run_count; ++r)
+      w.units[r] = one_shape && r > 0 ? w.units[0] : d.units_of(workspace.runs.scratch(t, r));
+    w.slopes.assign(static_cast<std::size_t>(kPixelSlopes) * kTilePixels, 0);
+    std::array<float, kTilePixels> half_x{}, half_y{};
+    for (std::size_t k = 0; k < kTilePixels; ++k) {
+      const float* const h = d.shading.empty() ? &d.half[2 * (t * kTilePixels + k)] : d.shading[t].at[k];
+      half_x[k] = h[0];
+      half_y[k] = h[1];
+    }
+    d.kernels.spread(task, places, jacobian, w.units.data(), half_x.data(), half_y.data(), w.slopes.data());
+    d.each_row(t, [&](int n, std::size_t place, std::size_t pixel) {
+      for (int k = 0; k < n; ++k) {
+        PixelSlopes& to = out[pixel + k];
+        to.light = w.tile.sums[2 * (place + k)];
+        to.area_mm2 = w.tile.sums[2 * (place + k) + 1];
+        std::copy_n(&w.slopes[kPixelSlopes * (place + k)], kPixelSlopes, to.by.begin());
+      }
+    });
+  });
 }
 
 void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "burin/render/fast/curve_tables.h"
+#include "burin/render/fast/pixel_slopes.h"
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/image.h"
 #include "burin/render/scratch_gradients.h"
@@ -50,6 +51,11 @@ class FastView {
   /// Needs a forward() with KernelMode::ends or material. Derivatives by material are left as they are after `ends`.
   void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
   void add_contributions(std::vector<double>& contribution) const;
+  /// What the grooves of each of the picture's pixels add up to, with all slopes; asks for no
+  /// `material`.
+  void pixel_slopes(const Scratches& scratches, std::vector<PixelSlopes>& out);
+  /// Whether light in pixel_slopes() has the lamp's strength in it, F intensity direct (the mean of the channels).
+  bool has_lamp_curves() const;
   /// Of pixels and strips: a burr is a strip beside its groove (burin/render/fast/groove_strips.h).
   std::size_t pair_count() const;
   /// Whether backward() serves: no other view has worked in the workspace since the forward().

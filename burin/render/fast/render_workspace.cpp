@@ -15,14 +15,17 @@ constexpr std::size_t kPlaceShare = 5;
 /// A multiple of 16 that leaves space for a whole packet beyond the last.
 std::size_t padded(std::size_t count) { return (count + 31) / 16 * 16; }
 
-std::size_t jacobian_arrays(KernelMode mode) { return mode == KernelMode::material ? 5 : 2; }
+std::size_t jacobian_arrays(KernelMode mode, bool by_half_vector = false) {
+  if (mode != KernelMode::material) return 2;
+  return by_half_vector ? 7 : 5;
+}
 
 /// The arrays of a mode, one after the other, `padded`.
-TileJacobian jacobian_at(float* at, KernelMode mode, std::size_t count) {
+TileJacobian jacobian_at(float* at, KernelMode mode, std::size_t count, bool by_half_vector = false) {
   TileJacobian to;
   const std::size_t n = padded(count);
-  const std::array<float**, 5> arrays{&to.shift, &to.turn, &to.width, &to.rim, &to.alpha};
-  for (std::size_t i = 0; i < jacobian_arrays(mode); ++i, at += n) {
+  const std::array<float**, 7> arrays{&to.shift, &to.turn, &to.width, &to.rim, &to.alpha, &to.h_across, &to.h_along};
+  for (std::size_t i = 0; i < jacobian_arrays(mode, by_half_vector); ++i, at += n) {
     *arrays[i] = at;
     // A packet's lanes beyond the last pair weigh nothing, but must be numbers.
     std::fill(at + count / 16 * 16, at + n, 0.0F);
@@ -87,10 +90,10 @@ TilePlaces RenderWorkspace::places_of(std::size_t tile, const TileTask& task, co
   return places_[tile];
 }
 
-TileJacobian RenderWorkspace::make_jacobian(KernelMode mode, std::size_t count, Work& work) {
+TileJacobian RenderWorkspace::make_jacobian(KernelMode mode, std::size_t count, Work& work, bool by_half_vector) {
   if (mode == KernelMode::value) return {};
-  grow_to(work.jacobian, jacobian_arrays(mode) * padded(count));
-  return jacobian_at(work.jacobian.data(), mode, count);
+  grow_to(work.jacobian, jacobian_arrays(mode, by_half_vector) * padded(count));
+  return jacobian_at(work.jacobian.data(), mode, count, by_half_vector);
 }
 
 TileJacobian RenderWorkspace::keep_jacobian(KernelMode mode, std::size_t count) {

@@ -41,7 +41,8 @@ class RenderWorkspace {
   /// Memory for the Jacobian of a tile's `count` pairs in the mode, where nothing is kept of any: `work` holds it until
   /// the next.
   struct Work;
-  static TileJacobian make_jacobian(KernelMode mode, std::size_t count, Work& work);
+  /// `by_half_vector`: with what TileTask::by_half_vector asks for.
+  static TileJacobian make_jacobian(KernelMode mode, std::size_t count, Work& work, bool by_half_vector = false);
   /// The same where it is kept until the next forward(), or without arrays where no space is left.
   TileJacobian keep_jacobian(KernelMode mode, std::size_t count);
   /// Completes what keep_jacobian() made with its ends and keeps it; with nothing where no space is left for those.
@@ -67,6 +68,8 @@ class RenderWorkspace {
     std::vector<float> jacobian;  // of a tile for which there is no space
     float open[kTilePixels] = {}, lobes[kTilePixels] = {}, covered_base[kTilePixels] = {};
     float weight[kTilePixels] = {};
+    std::vector<RunUnits> units;  // of a tile's runs
+    std::vector<float> slopes;    // kPixelSlopes for each place
   };
   tbb::enumerable_thread_specific<std::unique_ptr<Work>> work{[] { return std::make_unique<Work>(); }};
 

@@ -59,10 +59,12 @@ struct FoundPlaces {
 };
 
 /// Derivatives of what pairs add to their pixels, light minus the plain face's light that they cover: by a shift of one
-/// unit of t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha. Arrays reach a whole
+/// unit of t, by a turn of one radian, by log wt with the rim held, by the rim, by alpha; and, where TileTask asks for
+/// them, by the half vector's shares across and along the scratch, of which the third follows. Arrays reach a whole
 /// packet beyond the last pair, and hold numbers there.
 struct TileJacobian {
   float *shift = nullptr, *turn = nullptr, *width = nullptr, *rim = nullptr, *alpha = nullptr;
+  float *h_across = nullptr, *h_along = nullptr;
   EndPair* ends = nullptr;
   std::size_t end_count = 0;
 };
@@ -86,7 +88,8 @@ struct TileTask {
   std::span<const TileBlock> blocks;
   const std::uint32_t* valid_rows = nullptr;  ///< a bit a pixel with a footprint; null where all have one
   KernelMode mode = KernelMode::value;
-  bool keep_light = false;  ///< fills TilePairs::light
+  bool keep_light = false;      ///< fills TilePairs::light
+  bool by_half_vector = false;  ///< with `material`: fills TileJacobian::h_across and h_along
   /// The most of any tile so far. Buffers are made for so many, so that they need not grow when a thread comes to a
   /// larger tile.
   std::size_t most_runs = 0, most_pairs = 0;
@@ -161,9 +164,9 @@ struct TileBuffers {
   /// Constants of the live runs, two packets of them: those of number n are in column n % (2 lanes).
   alignas(64) float line[kLineConstants][kLines] = {};
   // What a pair carries from one stage to the next.
-  alignas(64) Lanes<kChunk> unit, alpha, gain, base, by_alpha, rim_light, moving_turn;
-  /// Sums of a pair's pieces: V, shift, turn, width; first end, second end, radial.
-  alignas(64) float total[kChunk + 16][8];
+  alignas(64) Lanes<kChunk> unit, alpha, gain, base, by_alpha, rim_light, moving_turn, moving_across, moving_along;
+  /// Sums of a pair's pieces: V, shift, turn, width; first end, second end, radial; h across, h along.
+  alignas(64) float total[kChunk + 16][12];
   alignas(64) Lanes<kChunk> area, origin_Y, a_shift, a_turn, a_first, a_second, a_rim, rim;
 
   // Pieces of the groove between breakpoints, and what each gives.
@@ -171,6 +174,28 @@ struct TileBuffers {
   alignas(64) Lanes<kPieces> front[6], lobes[7];
   alignas(64) Lanes<kPieces> curve, share;  ///< instead of h and alpha, where light is a curve (kernel/curves.h)
   alignas(64) Lanes<kPieces> piece_V, piece_shift, piece_turn, piece_width, piece_radial, piece_mean, piece_first;
+  alignas(64) Lanes<kPieces> piece_across, piece_along;
+};
+
+/// What a run's derivatives stand for in those by the shared depth (um), width (um) and alpha: a groove's rim lies
+/// where depth and width say, a burr's middle beside it (mm across).
+struct RunUnits {
+  float rim_by_depth = 0, aside_by_depth = 0;
+  float scale_by_width = 0, rim_by_width = 0, aside_by_width = 0;
+  float by_alpha = 1;
+};
+
+/// Derivatives of a pixel, in the order in which spread() adds them up: of light less the plain face's that is covered,
+/// mm^2.
+enum PixelSlope : std::uint8_t {
+  kByShift,                       ///< by all grooves shifted in x and y, mm
+  kByHalf = kByShift + 2,         ///< by the half vector's x and y on the face, its z following
+  kByGrooves = kByHalf + 2,       ///< by M of x -> x + M (x - pixel's middle) for the grooves' middle lines, row by row
+  kByFootprint = kByGrooves + 4,  ///< the same for the footprint, less the light times M's trace
+  kByDepth = kByFootprint + 4,
+  kByWidth,
+  kByAlpha,
+  kPixelSlopes = 16
 };
 
 /// What gather() gives for each run: dE by a shift of the scratch across (1 mm), its moment about the scratch's first
@@ -191,6 +216,10 @@ struct TileKernels {
   /// The backward pass: sums over each run's pairs of weight[place] times derivative, run_gradients() numbers a run.
   void (*gather)(const TileTask& task, const TilePlaces& places, const float* weight, const TileJacobian& jacobian,
                  float* to);
+  /// What the pairs' derivatives add up to in each pixel: kPixelSlopes numbers for each place, added to `to`. One
+  /// RunUnits a run; half_x, half_y: the half vector of each place on the face.
+  void (*spread)(const TileTask& task, const TilePlaces& places, const TileJacobian& jacobian, const RunUnits* units,
+                 const float* half_x, const float* half_y, float* to);
 };
 
 /// Throws Error for a width that does not run here.

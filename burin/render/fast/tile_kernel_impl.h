@@ -5,6 +5,7 @@
 
 #include "burin/render/fast/kernel/evaluate.h"
 #include "burin/render/fast/kernel/gather.h"
+#include "burin/render/fast/kernel/spread.h"
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/fast/tile_raster.h"
 
@@ -20,7 +21,7 @@ void find_places(const TileTask& task, FoundPlaces& found) {
 
 template <class P>
 constexpr TileKernels tile_kernels_of() {
-  return {find_places<P>, kernel::evaluate<P>, kernel::cover<P>, kernel::gather<P>};
+  return {find_places<P>, kernel::evaluate<P>, kernel::cover<P>, kernel::gather<P>, kernel::spread<P>};
 }
 
 }  // namespace burin

@@ -11,7 +11,7 @@
 namespace burin::kernel {
 
 /// Which curves of a tile: R, and its derivatives.
-enum CurveSet : std::uint8_t { kCurveLight, kCurveTurn, kCurveAlpha };
+enum CurveSet : std::uint8_t { kCurveLight, kCurveTurn, kCurveAlpha, kCurveAcross, kCurveAlong };
 
 /// The knot before a pair's pixel (as RunCurve::number), and the share of the one behind it; by what a lone knot's
 /// light is to be multiplied there.
@@ -140,6 +140,11 @@ BURIN_FLATTEN inline void curve_pieces(const TileCurves& curves, TileBuffers& bu
       const CurveMeans<P> by_alpha = means(kCurveAlpha);
       save(buffers.piece_radial + i, -length * (height * by_alpha.m0 + rise * by_alpha.m1));
       save(buffers.piece_width + i, P(2.0F) * rise * first);
+      if (curves.knot_floats > (kCurveAlpha + 1) * curves.curve_floats)
+        for (const bool along : {false, true}) {
+          const CurveMeans<P> by = means(along ? kCurveAlong : kCurveAcross);
+          save((along ? buffers.piece_along : buffers.piece_across) + i, length * (height * by.m0 + rise * by.m1));
+        }
     }
   }
 }

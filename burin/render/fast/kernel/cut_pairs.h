@@ -186,11 +186,10 @@ struct CutArea {
   P area, by_first, by_second, alone;
 };
 
-/// Where n.h > 0 does not reach over the whole groove, the limit moves as h turns (W is 1 there).
+/// As limit_moves() asks for it, where n.h > 0 does not reach over the whole groove.
 template <class P>
-[[gnu::always_inline]] inline P cut_turn(const CutPacket<P>& c, const P& lo, const P& hi) {
+[[gnu::always_inline]] inline P heights_at_limits(const CutPacket<P>& c, const P& lo, const P& hi) {
   const Edges<P>& e = c.pixel;
-  const P H = xsimd::sqrt(c.hx * c.hx + c.hz * c.hz);
   P sum(0.0F);
   for (const P* at : {&lo, &hi}) {
     P top, bottom;
@@ -198,7 +197,7 @@ template <class P>
     const MaskOf<P> cut = (xsimd::abs(*at) < c.rim) & (*at > e.t_min) & (*at < e.t_max);
     sum += xsimd::select(cut, (top - bottom) * *at, P(0.0F));
   }
-  return -sum * c.hy / H;
+  return sum;
 }
 
 /// Keeps what does not depend on the pieces' light: areas, and the derivatives by limits that move.
@@ -216,9 +215,12 @@ template <class P, KernelMode kMode, bool kCurves, int kCount>
                  c.origin_Y * shift));
   save(buffers.a_first + from, c.unit * sum.by_first);
   save(buffers.a_second + from, c.unit * sum.by_second);
-  P turn(0.0F);
-  if (facing.partly) turn = xsimd::select(facing.dark, P(0.0F), cut_turn(c, facing.lo, facing.hi));
-  save(buffers.moving_turn + from, turn);
+  LimitMoves<P> moves{P(0.0F), P(0.0F), P(0.0F)};
+  if constexpr (!kCurves)
+    if (facing.partly)
+      moves = limit_moves(c.hx, c.hy, c.hz,
+                          P(xsimd::select(facing.dark, P(0.0F), heights_at_limits(c, facing.lo, facing.hi))));
+  save(buffers.moving_turn + from, moves.turn);
   if constexpr (kMode == KernelMode::material) {
     P rims;
     if constexpr (kCurves)
@@ -228,6 +230,8 @@ template <class P, KernelMode kMode, bool kCurves, int kCount>
     save(buffers.rim_light + from, xsimd::select(facing.dark, P(0.0F), rims));
     save(buffers.a_rim + from, c.unit * (height0 + height1));
     save(buffers.rim + from, c.rim);
+    save(buffers.moving_across + from, moves.across);
+    save(buffers.moving_along + from, moves.along);
   }
 }
 
@@ -320,6 +324,8 @@ BURIN_FLATTEN inline void add_pieces(const TileTask& task, TileBuffers& buffers)
     }
     add({load<P>(buffers.piece_V + i), load<P>(buffers.piece_shift + i), turn, width}, 0);
     if constexpr (kEnds || kMode == KernelMode::material) add({by_first, by_second, radial, P(0.0F)}, 4);
+    if (kMode == KernelMode::material && task.by_half_vector)
+      add({load<P>(buffers.piece_across + i), load<P>(buffers.piece_along + i), P(0.0F), P(0.0F)}, 8);
   }
   buffers.piece_count = 0;
 }
@@ -371,6 +377,12 @@ BURIN_FLATTEN inline void finish(const TileWork& work, const ScatteredPacket& pa
       scatter(to.width, gain * (V + total[3]) - base * area_width);
       scatter(to.rim, gain * load<P>(buffers.rim_light + i) - base * area_rim);
       scatter(to.alpha, gain * (V * load<P>(buffers.by_alpha + i) - alpha * total[6]));
+      if (work.task.by_half_vector) {
+        P half[4];
+        packet::four_columns(half, [&](int k) { return buffers.total[i + k] + 8; });
+        scatter(to.h_across, gain * (half[0] + load<P>(buffers.moving_across + i)));
+        scatter(to.h_along, gain * (half[1] + load<P>(buffers.moving_along + i)));
+      }
     }
   }
 }

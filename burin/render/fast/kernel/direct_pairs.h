@@ -124,14 +124,17 @@ template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
   save(buffers.unit + at, unit);
   save(buffers.area + at, P(0.5F) * unit * length * (height1 + height2));
   if constexpr (kMode != KernelMode::value) {
-    // The limit moves as h turns (W is 1 there).
     if constexpr (kCurves) {
-      save(buffers.moving_turn + at, P(0.0F));
+      for (float* of : {buffers.moving_turn, buffers.moving_across, buffers.moving_along}) save(of + at, P(0.0F));
     } else {
-      const P per_H = footprint::Arithmetic<P>::inverse_sqrt(hx * hx + hz * hz);
-      const P moving = xsimd::select(lo > a, (p.top1 - p.bottom1) * lo, P(0.0F)) +
-                       xsimd::select(hi < b, (p.top2 - p.bottom2) * hi, P(0.0F));
-      keep(buffers.moving_turn, -(hy * per_H * moving));
+      const LimitMoves<P> moves = limit_moves(hx, hy, hz,
+                                              P(xsimd::select(lo > a, (p.top1 - p.bottom1) * lo, P(0.0F)) +
+                                                xsimd::select(hi < b, (p.top2 - p.bottom2) * hi, P(0.0F))));
+      keep(buffers.moving_turn, moves.turn);
+      if constexpr (kMode == KernelMode::material) {
+        keep(buffers.moving_across, moves.across);
+        keep(buffers.moving_along, moves.along);
+      }
     }
     save(&buffers.area_shift[pair], unit * (height2 - height1));
     const P on_first = xsimd::select(cut.raised1 & !none, P(1.0F), P(0.0F)),
@@ -192,6 +195,10 @@ template <class P, KernelMode kMode>
       save(to.width + pair, gain * (V + load<P>(buffers.piece_width + at)) - base * load<P>(&buffers.area_width[pair]));
       save(to.rim + pair, gain * load<P>(buffers.rim_light + at) - base * load<P>(&buffers.area_rim[pair]));
       save(to.alpha + pair, gain * (V * load<P>(buffers.by_alpha + at) - alpha * load<P>(buffers.piece_radial + at)));
+      if (work.task.by_half_vector) {
+        save(to.h_across + pair, gain * (load<P>(buffers.piece_across + at) + load<P>(buffers.moving_across + at)));
+        save(to.h_along + pair, gain * (load<P>(buffers.piece_along + at) + load<P>(buffers.moving_along + at)));
+      }
     }
   }
   add_to_pixels(light, load<P>(buffers.area + at), &work.places.place[pair], packet.lanes, buffers.sums);

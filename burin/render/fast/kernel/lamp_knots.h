@@ -38,14 +38,14 @@ inline SeenPoint seen_point(const LampFit& fit, float column, float row, float a
   return out;
 }
 
-/// The light of one point on a section's walls, added to `to`: a set of rows each of R, its derivative by the strip's
-/// turn, and that by alpha.
+/// The light of one point on a section's walls, added to `to`: a set of rows each of R, its derivatives by the strip's
+/// turn, by alpha, and by h across and along the strip, its third share following.
 template <class P, int kSets>
 BURIN_FLATTEN inline void add_light(const SectionLeans& leans, const SectionLeans::Part& part, const SeenPoint& h,
                                     float alpha, float across, float* to) {
   const int size = SectionLeans::kRows * leans.stride;
   const P zero(0.0F), along2(1 / (alpha * alpha)), across2(1 / (across * across * alpha * alpha));
-  const P x(h.h_x), y(h.h_y), z(h.h_z), y2 = y * y * along2;
+  const P x(h.h_x), y(h.h_y), z(h.h_z), y2 = y * y * along2, x_per_z(h.h_x / h.h_z), y_per_z(h.h_y / h.h_z);
   const P strength = P(h.strength * 0.318309886F / across) * along2, by_alpha(h.by_alpha), per_alpha(1 / alpha);
   for (int i = 0; i < size; i += kLanesOf<P>) {
     const P sine = load<P>(&part.sine[i]), cosine = load<P>(&part.cosine[i]);
@@ -61,6 +61,11 @@ BURIN_FLATTEN inline void add_light(const SectionLeans& leans, const SectionLean
     if constexpr (kSets > 2) {
       const P slope = D * (per_alpha * (P(4.0F) * (m2 + y2) * per_Q - P(2.0F)) + by_alpha);
       save(to + 2 * size + i, load<P>(to + 2 * size + i) + slope);
+    }
+    if constexpr (kSets > 3) {
+      const P by_D = P(-4.0F) * D * per_Q, by_z = across2 * m * sine + nh * cosine;
+      save(to + 3 * size + i, load<P>(to + 3 * size + i) + by_D * (across2 * m * cosine - nh * sine - x_per_z * by_z));
+      save(to + 4 * size + i, load<P>(to + 4 * size + i) + by_D * (along2 * y - y_per_z * by_z));
     }
   }
 }
@@ -198,7 +203,8 @@ inline void make_lamp_curves(const LampCurves& lamp, const TileTask& task, const
     case KernelMode::ends:
       return make_lamp_curves_of<P, 2>(lamp, task, places, tile, to);
     case KernelMode::material:
-      return make_lamp_curves_of<P, 3>(lamp, task, places, tile, to);
+      return task.by_half_vector ? make_lamp_curves_of<P, 5>(lamp, task, places, tile, to)
+                                 : make_lamp_curves_of<P, 3>(lamp, task, places, tile, to);
   }
 }
 

@@ -85,7 +85,11 @@ BURIN_FLATTEN inline void rest_of_pieces(TileBuffers& buffers, int i) {
     } else {
       const auto radial = footprint::detail::radial_over_r2<true>(lobes, m.part[2], t1, t2);
       const P by_radial = length * (height * radial.m0 + rise * radial.m1);
-      by_hx = (hx * lobes.r2 * by_radial + hz * (length * (height * m.part[1].m0 + rise * m.part[1].m1))) / lobes.H2;
+      const P by_lean = length * (height * m.part[1].m0 + rise * m.part[1].m1), per_H2 = inverse(lobes.H2);
+      by_hx = (hx * lobes.r2 * by_radial + hz * by_lean) * per_H2;
+      const P by_hz = (hz * lobes.r2 * by_radial - hx * by_lean) * per_H2, per_hz = inverse(hz);
+      save(buffers.piece_across + i, by_lean * per_hz);
+      save(buffers.piece_along + i, -(hy * per_hz * by_hz));
       save(buffers.piece_radial + i, by_radial);
       save(buffers.piece_width + i, P(2.0F) * rise * (half * (t1 + t2) * m0 + half * length * m1));
     }
@@ -106,6 +110,20 @@ inline void evaluate_pieces(TileBuffers& buffers, int count) {
                                                                   : footprint::Parts::all;
   for (int i = 0; i < count; i += kLanesOf<P>) front_of_pieces<P, kParts>(buffers, i);
   for (int i = 0; i < count; i += kLanesOf<P>) rest_of_pieces<P, kMode, kParts>(buffers, i);
+}
+
+/// Where n.h > 0 ends between the rims, that limit moves with h: dV by h turned with the scratch, and by its shares
+/// across and along it. W is 1 there; `heights`: the sum over the limits of the piece's height times t, the first's
+/// with its sign as it is.
+template <class P>
+struct LimitMoves {
+  P turn, across, along;
+};
+template <class P>
+[[gnu::always_inline]] inline LimitMoves<P> limit_moves(const P& hx, const P& hy, const P& hz, const P& heights) {
+  const P H2 = hx * hx + hz * hz, per_H = footprint::Arithmetic<P>::inverse_sqrt(H2), per_hz = inverse(hz);
+  const P by_hx = -(heights * per_H), in_z = by_hx * per_hz * per_hz;
+  return {hy * by_hx, in_z * H2, in_z * hx * hy};
 }
 
 /// Light at the rims, where they bound the groove: dV / d rim.
