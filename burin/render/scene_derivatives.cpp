@@ -47,7 +47,7 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
   const Scratches& scratches = carved.scratches;
   check_scratches(scratches);
   const int channels = options.channels;
-  const ViewPixels pixels = view_pixels(scene, channels);
+  check_view(scene, channels);
   const FootprintGrid& grid = *scene.grid;
   const std::optional<FastSums> fast = FastSums::of(scene, scratches, options, workspace);
   const ExactPairs exact = fast ? ExactPairs{} : exact_pairs(scene, scratches);
@@ -60,17 +60,20 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
                               return p == SceneParameter::grain_c || p == SceneParameter::grain_s;
                             }));
   const auto render_pixel = [&](std::size_t i) {
-    const PixelShading& p = pixels.shading[i];
-    const double area = pixels.area_mm2[i];
-    if (!(area > 0) || !p.visible) return;
-    for (int c = 0; c < channels; ++c) result.radiance.data[i * channels + c] = static_cast<float>(ambient[c]);
-    if (!p.lit) return;
     const auto corners =
         footprint_corners_mm(grid, static_cast<int>(i % grid.width()), static_cast<int>(i / grid.width()));
+    const double area = footprint_area_mm2(grid, i, corners);
+    if (area == 0) return;
+    const PixelShading p = shade_pixel(scene, i);
+    if (!p.visible) return;
+    for (int c = 0; c < channels; ++c) result.radiance.data[i * channels + c] = static_cast<float>(ambient[c]);
+    if (!p.lit) return;
     GrooveSums sums;
     if (fast) {
-      const double strength = fast->in_lamps_unit ? channel_factors(scene, p.cos_ho, 1)[0] * p.direct : 1;
-      sums = groove_sums(fast->pixels[i], strength > 0 ? 1 / strength : 0, p, corners, area, scene.material.alpha);
+      if (fast->pixels[i].area_mm2 > 0) {
+        const double strength = fast->in_lamps_unit ? channel_factors(scene, p.cos_ho, 1)[0] * p.direct : 1;
+        sums = groove_sums(fast->pixels[i], strength > 0 ? 1 / strength : 0, p, corners, area, scene.material.alpha);
+      }
     } else {
       sums = exact_sums(scene, scratches, exact, i, p, corners, area, !parameters.empty());
     }
@@ -87,7 +90,7 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
         result.d_radiance[k].data[at] = static_cast<float>(by[static_cast<int>(parameters[k])]);
     }
   };
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pixels.size(), 256),
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, grid.center_mm.size(), 256),
                     [&](const tbb::blocked_range<std::size_t>& range) {
                       for (std::size_t i = range.begin(); i < range.end(); ++i) render_pixel(i);
                     });

@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "burin/render/simd_width.h"
 #include "burin/render/view_renderer.h"
@@ -131,6 +132,37 @@ BENCHMARK(OtherSections)
     ->ArgNames({"section", "backward"})
     ->ArgsProduct({{0, 1, 2, 3}, {0, 1, 2}})
     ->Unit(benchmark::kMillisecond);
+
+/// What a photo asks for: each pixel's derivatives by metal, lamp, machine, bow and pose.
+void PhotoSlopes(benchmark::State& state) {
+  const bool flanks = state.range(0) != 0, in_double = state.range(1) != 0;
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  ViewScene scene = paper_scene(paper_grid(512));
+  scene.tool_width_um = 320;
+  scene.material.depth_um = 14;
+  if (flanks) {
+    GrooveProfile& profile = scene.material.profile;
+    profile.kind = GrooveProfile::Kind::rounded_v;
+    profile.flank_deg = 24;
+    profile.across = 1.4;
+    profile.burr_left_um = 1.1;
+    profile.burr_right_um = 0.7;
+  }
+  const Carved carved = in_metal(paper_scratches(20000));
+  CameraView camera;
+  camera.T_camera_board = Eigen::Isometry3d(Eigen::Translation3d(-scene.camera_center_mm));
+  camera.surface.size_mm = {300, 300};
+  std::vector<SceneParameter> parameters{SceneParameter::alpha, SceneParameter::depth_um, SceneParameter::base_alpha};
+  for (int k = static_cast<int>(SceneParameter::light_x_mm); k <= static_cast<int>(SceneParameter::light_z_mm); ++k)
+    parameters.push_back(static_cast<SceneParameter>(k));
+  for (int k = static_cast<int>(SceneParameter::machine_00); k <= static_cast<int>(SceneParameter::bow_2_mm); ++k)
+    parameters.push_back(static_cast<SceneParameter>(k));
+  const auto workspace = make_render_workspace();
+  for (auto _ : state)
+    benchmark::DoNotOptimize(render_with_derivatives(scene, camera, carved, parameters, {1, in_double}, workspace));
+  state.SetLabel(std::string(flanks ? "flanks and burrs" : "the paper's") + (in_double ? ", in double" : ""));
+}
+BENCHMARK(PhotoSlopes)->ArgNames({"flanks", "double"})->ArgsProduct({{0, 1}, {0, 1}})->Unit(benchmark::kMillisecond);
 
 /// Time per pair as scratches grow in number.
 void Scaling(benchmark::State& state) {

@@ -63,8 +63,9 @@ double mean_square(const Image& a, const Image& b) {
   return sum / static_cast<double>(a.data.size());
 }
 
-void expect_alike(const Light& light) {
+void expect_alike(const Light& light, const GrooveProfile& profile = {}) {
   BenchTruth truth = truth_of_plate();
+  truth.board.material.profile = profile;
   TruthView view;
   view.name = "v";
   view.T_camera_board = look_at({40, 120, 380}, {15, 15, 0});
@@ -88,6 +89,19 @@ void expect_alike(const Light& light) {
 }
 
 TEST(AroundSampler, AgreesWithTheTablesInARoom) { expect_alike(windowed_room()); }
+
+TEST(AroundSampler, AgreesForGroovesOfAnyCrossSection) {
+  GrooveProfile profile;
+  profile.kind = GrooveProfile::Kind::rounded_v;
+  profile.flank_deg = 20;
+  profile.burr_left_um = 3;
+  profile.burr_right_um = 2;
+  profile.burr_width_um = 25;
+  profile.across = 1.43;
+  expect_alike(windowed_room(), profile);
+  profile.across = 0.7;
+  expect_alike(windowed_room(), profile);
+}
 
 TEST(AroundSampler, AgreesUnderSunAndRoomAtOnce) {
   Light both = sun_light({0.2, -0.6, 0.9}, {0.5, 0.5, 0.4});

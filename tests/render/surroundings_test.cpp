@@ -77,7 +77,8 @@ Carved some_grooves() {
 }
 
 // The same room as lamps: each lit pixel cut into `cut` x `cut` directions.
-Image by_directions(const Panorama& panorama, ViewScene scene, const Carved& carved, int cut) {
+template <typename Render>
+Image by_directions(const Panorama& panorama, ViewScene scene, const Render& render, int cut) {
   Image sum(kWidth, kHeight, 3);
   const Image& picture = panorama.radiance;
   for (int y = 0; y < picture.height; ++y)
@@ -93,7 +94,7 @@ Image by_directions(const Panorama& panorama, ViewScene scene, const Carved& car
           lamp.position_mm = kFar_mm * to;
           lamp.intensity = radiance * (kFar_mm * kFar_mm * angle * angle * std::sin(polar));
           scene.light = lamp;
-          const Image one = render_brute_force(scene, carved, 3);
+          const Image one = render(scene);
           for (std::size_t k = 0; k < sum.data.size(); ++k) sum.data[k] += one.data[k];
         }
     }
@@ -121,16 +122,55 @@ TEST_P(SurroundingsAt, TablesAreTheClosedFormDirectionByDirection) {
   Image tables;
   renderer.forward(carved, tables);
   const int cut = static_cast<int>(std::ceil(std::numbers::pi / panorama->radiance.height / (0.35 * alpha)));
-  const Image truth = by_directions(*panorama, scene, carved, std::max(2, cut));
+  const Image truth = by_directions(
+      *panorama, scene, [&](const ViewScene& one) { return render_brute_force(one, carved, 3); }, std::max(2, cut));
   EXPECT_GT(peak(truth), 0);
   EXPECT_LT(rms(tables, truth), 1e-3 * peak(truth)) << "alpha " << alpha;
 }
 
 INSTANTIATE_TEST_SUITE_P(Roughness, SurroundingsAt, testing::Values(0.02, 0.06, 0.2));
 
+// Other cross-sections, whose walls lean as they do, rougher across or along, with burrs beside them: direction by
+// direction as lamps light them (docs/model.md 8.6).
+TEST(Surroundings, LightGroovesOfAnyCrossSection) {
+  const auto panorama = make_panorama(room(60), {}, "room");
+  for (const double across : {0.7, 1.43})
+    for (const double burr_um : {0.0, 4.0}) {
+      ViewScene scene = scene_in(surroundings_light(panorama), 0.06);
+      GrooveProfile& profile = scene.material.profile;
+      profile.kind = GrooveProfile::Kind::rounded_v;
+      profile.flank_deg = 16;
+      profile.across = across;
+      profile.burr_left_um = burr_um;
+      profile.burr_right_um = 0.6 * burr_um;
+      profile.burr_width_um = 40;
+      const Carved carved = some_grooves();
+      ViewRenderer renderer(scene, {3});
+      Image tables;
+      renderer.forward(carved, tables);
+      const Image truth = by_directions(
+          *panorama, scene,
+          [&](const ViewScene& one) {
+            Image image;
+            ViewRenderer(one, {3}).forward(carved, image);
+            return image;
+          },
+          4);
+      const std::string what = "across " + std::to_string(across) + ", burrs " + std::to_string(burr_um);
+      EXPECT_GT(peak(truth), 0);
+      EXPECT_LT(rms(tables, truth), 1e-3 * peak(truth)) << what;
+      // The paper's grooves would be far off.
+      scene.material.profile = {};
+      Image paper;
+      ViewRenderer(scene, {3}).forward(carved, paper);
+      EXPECT_GT(rms(paper, truth), 4e-3 * peak(truth)) << what;
+    }
+}
+
 // dE/d(...) of a weighted sum of the picture's pixels against differences.
-TEST(Surroundings, GradientsAreDifferences) {
-  const ViewScene scene = scene_in(surroundings_light(make_panorama(room(60), {}, "room")), 0.06);
+void expect_gradients_to_be_differences(const GrooveProfile& profile) {
+  ViewScene scene = scene_in(surroundings_light(make_panorama(room(60), {}, "room")), 0.06);
+  scene.material.profile = profile;
   const Carved carved = some_grooves();
   Image weight(kWidth, kHeight, 3);
   for (std::size_t i = 0; i < weight.data.size(); ++i) weight.data[i] = static_cast<float>(std::sin(0.7 * i) + 0.4);
@@ -178,6 +218,18 @@ TEST(Surroundings, GradientsAreDifferences) {
   check(&Scratches::width_um, m.width_um, 1);
   check(&Scratches::depth_um, m.depth_um, 0.05);
   check(&Scratches::alpha, m.alpha, 5e-4);
+}
+
+TEST(Surroundings, GradientsAreDifferences) {
+  expect_gradients_to_be_differences({});
+  GrooveProfile profile;
+  profile.kind = GrooveProfile::Kind::rounded_v;
+  profile.flank_deg = 24;
+  profile.across = 1.3;
+  profile.burr_left_um = 4;
+  profile.burr_right_um = 2.5;
+  profile.burr_width_um = 40;
+  expect_gradients_to_be_differences(profile);
 }
 
 // The tiles and packets of every width against the double twin: a picture of several tiles, grooves of one shape and of

@@ -17,6 +17,14 @@
 
 namespace burin {
 
+/// Whether a lamp's area, which reaches so far from its middle, turns half vectors by so little of a roughness that
+/// slopes of glints differ from the middle's by half a per cent at most: the curvature of a lobe, 4 / alpha^2, times
+/// half the variance of half vectors.
+inline bool is_small_lamp(double reach_mm, double distance_mm, double roughness) {
+  constexpr double kOfRoughness = 0.1;
+  return 0.5 * reach_mm < kOfRoughness * roughness * distance_mm;
+}
+
 /// A lamp as the fits move it. A spot's axis points from the lamp at `aim` on the plane z = 0 of the board, so that it
 /// always points at the board's side; exponent 0 is a bare lamp, for which `aim` means nothing.
 template <typename T>

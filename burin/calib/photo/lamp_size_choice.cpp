@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burin/calib/geometry/information.h"
+#include "burin/calib/light/lamp_model.h"
 #include "burin/calib/photo/effect_choice.h"
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/normal_system.h"
@@ -27,6 +28,20 @@ bool would_be_large(const Problem& data, const State& state, const Eigen::Vector
   for (std::size_t light = 0; light < state.lamps.size(); ++light)
     if (seeks_size(data, light) && step[global_index(unknown::size2, light)] > large_size2(data, state, light))
       return true;
+  return false;
+}
+
+// Whether any lamp's area does more to glints than its middle: else its sides hide behind all that models miss.
+bool any_shows(const Problem& data, const State& state) {
+  const auto shared = [&](int i) { return state.shared[i]; };
+  const double roughness = std::exp(std::min(shared(unknown::log_alpha) + std::min(0.0, shared(unknown::log_across)),
+                                             shared(unknown::log_base_alpha)));
+  for (std::size_t light = 0; light < state.lamps.size(); ++light) {
+    const double reach_mm =
+        size_unit_mm(*data.model.board) * std::sqrt(std::max(0.0, state.block(unknown::size2, light)[0]));
+    if (!is_small_lamp(reach_mm, Eigen::Vector3d::Map(state.block(unknown::lamp_position, light)).norm(), roughness))
+      return true;
+  }
   return false;
 }
 
@@ -90,6 +105,7 @@ bool choose_large_lamps(const Problem& data, Stage& stage, State& state, const P
 }
 
 bool choose_sides(const Problem& data, Stage& stage, State& state, const Progress& progress) {
+  if (!any_shows(data, state)) return false;
   const EffectEquations asked = effect_equations(data, stage, state, {Group::lamp_sides});
   if (!photos_ask_for(data, state, asked, Group::lamp_sides, kWorthATry)) return false;
   constexpr double kShare = 0.01;

@@ -472,14 +472,11 @@ Image light_by_few(const PhotoData& photo, const ViewScene& scene, const Carved&
   return sum;
 }
 
-// Whether a lamp's area turns half vectors by so little of the roughness that slopes differ from its middle's by half a
-// per cent at most (the curvature of a lobe, 4 / alpha^2, times half the variance of half vectors).
 bool is_small(const Light& lamp, const Material& material, const Eigen::Vector2d& board_mm) {
-  constexpr double kOfRoughness = 0.1;
   const double reach_mm = std::max(lamp.size.disk_mm, 0.5 * lamp.size.panel_mm.norm());
   const double distance_mm = (lamp.position_mm - Eigen::Vector3d(board_mm.x() / 2, board_mm.y() / 2, 0)).norm();
   const double least = std::min(material.alpha * std::min(1.0, material.profile.across), material.base_alpha);
-  return 0.5 * reach_mm < kOfRoughness * least * distance_mm;
+  return is_small_lamp(reach_mm, distance_mm, least);
 }
 
 // Light by few points, with slopes: they say which way and how far to go. Light is what other states' light is compared

@@ -39,26 +39,28 @@ Eigen::Vector3d AroundSampler::draw(double a, double b, double c) const {
   return panorama_->direction(column, std::acos(top + c * (bottom - top)) / std::numbers::pi * picture.height);
 }
 
-Eigen::Vector3d AroundSampler::reflected(const Eigen::Vector3d& facet, const Eigen::Vector3d& face,
-                                         const Eigen::Vector3d& wo, double alpha, const Eigen::Vector3d& f0,
+Eigen::Vector3d AroundSampler::reflected(const RoughFacet& facet, const Eigen::Vector3d& face,
+                                         const Eigen::Vector3d& wo, const Eigen::Vector3d& f0,
                                          const double (&u)[4]) const {
+  const double alpha = facet.alpha;
+  const Eigen::Vector3d along = facet.normal.cross(facet.across);
   Eigen::Vector3d wi;
   if (u[0] < 0.5) {
     wi = draw(u[1], u[2], u[3]);
   } else {
-    const double cosine = std::sqrt((1 - u[1]) / (1 + (alpha * alpha - 1) * u[1])),
-                 sine = std::sqrt(1 - cosine * cosine);
-    const Eigen::Vector3d across = facet.unitOrthogonal(), along = facet.cross(across);
-    const double turn = 2 * std::numbers::pi * u[2];
-    const Eigen::Vector3d h = cosine * facet + sine * (std::cos(turn) * across + std::sin(turn) * along);
+    // Slopes with the density D (n.h), stretched across.
+    const double slope = alpha * std::sqrt(u[1] / (1 - u[1])), turn = 2 * std::numbers::pi * u[2];
+    const Eigen::Vector3d h =
+        (facet.normal + slope * (facet.ratio * std::cos(turn) * facet.across + std::sin(turn) * along)).normalized();
     wi = 2 * wo.dot(h) * h - wo;
   }
   const double cos_i = face.dot(wi), cos_o = face.dot(wo);
   const Eigen::Vector3d h = (wi + wo).normalized();
-  const double n_h = facet.dot(h), cos_ho = wo.dot(h);
+  const double n_h = facet.normal.dot(h), cos_ho = wo.dot(h);
   if (!(cos_i > 0 && cos_o > 0 && n_h > 0 && cos_ho > 0)) return Eigen::Vector3d::Zero();
-  // GGX and Smith, written out anew (docs/model.md 3.1 to 3.3).
-  const double a2 = alpha * alpha, q = n_h * n_h * (a2 - 1) + 1, D = a2 / (std::numbers::pi * q * q);
+  // GGX and Smith, written out anew (docs/model.md 3.1 to 3.3, 3.7).
+  const double m_h = facet.across.dot(h) / facet.ratio, l_h = along.dot(h), a2 = alpha * alpha;
+  const double q = a2 * n_h * n_h + m_h * m_h + l_h * l_h, D = a2 / (std::numbers::pi * facet.ratio * q * q);
   const auto g1 = [a2](double c) { return 2 / (1 + std::sqrt(1 + a2 * (1 / (c * c) - 1))); };
   const Eigen::Vector3d F = f0 + (Eigen::Vector3d::Ones() - f0) * std::pow(1 - cos_ho, 5);
   const std::size_t pixel = panorama_->pixel(wi);

@@ -180,27 +180,18 @@ struct PointSums {
   double plain = 0;
 };
 
-/// The same for grooves of any cross-section: at each point its height and lean are asked for. A groove cuts what
-/// stands above the face; of several the last one, or the deepest, is left. Burrs are left where no groove is, the
-/// highest.
-bool add_sections(const std::vector<SeenGroove>& grooves, double px, double py, const Vector3d& h, double bare,
-                  bool last_rules, bool deepest_rules, PointSums& sums) {
-  struct Met {
-    double height_um, lean;
-    const SeenGroove* groove;
-  };
-  const auto shine = [&](const Met& met) {
-    const SeenGroove& g = *met.groove;
-    const double h_across = (h.x() * g.ey - h.y() * g.ex - h.z() * g.tilt) / std::sqrt(1 - g.tilt * g.tilt);
-    const double h_along = h.x() * g.ex + h.y() * g.ey;
-    const double sine = std::sin(met.lean), cosine = std::cos(met.lean);
-    const double n_h = h.z() * cosine - h_across * sine, m_h = (h_across * cosine + h.z() * sine) / g.section->across;
-    sums.covered += bare;
-    if (!(n_h > 0)) return;
-    // GGX with two roughnesses about the wall's normal.
-    const double q = m_h * m_h + h_along * h_along + g.a2 * n_h * n_h;
-    sums.groove_light += bare * g.scale / (g.section->across * q * q);
-  };
+/// A groove or burr at a point: how high the metal stands there, and how it leans.
+struct Met {
+  double height_um, lean;
+  const SeenGroove* groove;
+};
+
+/// shine(met) for grooves of any cross-section at a point, where the height and lean of each are asked for; whether the
+/// plain face shows there. A groove cuts what stands above the face; of several the last one, or the deepest, is left.
+/// Burrs are left where no groove is, the highest.
+template <typename Shine>
+bool each_section(const std::vector<SeenGroove>& grooves, double px, double py, bool last_rules, bool deepest_rules,
+                  const Shine& shine) {
   std::optional<Met> deepest, highest;
   bool shows_plain = true;
   for (std::size_t k = grooves.size(); k-- > 0;) {
@@ -227,10 +218,31 @@ bool add_sections(const std::vector<SeenGroove>& grooves, double px, double py, 
   return !deepest && !highest;
 }
 
+/// Whether each_section() must be asked: the paper's grooves have a short way of their own.
+bool needs_sections(const std::vector<SeenGroove>& grooves, bool deepest_rules) {
+  return !grooves.empty() && (deepest_rules || !grooves.front().section->paper);
+}
+
+bool add_sections(const std::vector<SeenGroove>& grooves, double px, double py, const Vector3d& h, double bare,
+                  bool last_rules, bool deepest_rules, PointSums& sums) {
+  return each_section(grooves, px, py, last_rules, deepest_rules, [&](const Met& met) {
+    const SeenGroove& g = *met.groove;
+    const double h_across = (h.x() * g.ey - h.y() * g.ex - h.z() * g.tilt) / std::sqrt(1 - g.tilt * g.tilt);
+    const double h_along = h.x() * g.ex + h.y() * g.ey;
+    const double sine = std::sin(met.lean), cosine = std::cos(met.lean);
+    const double n_h = h.z() * cosine - h_across * sine, m_h = (h_across * cosine + h.z() * sine) / g.section->across;
+    sums.covered += bare;
+    if (!(n_h > 0)) return;
+    // GGX with two roughnesses about the wall's normal.
+    const double q = m_h * m_h + h_along * h_along + g.a2 * n_h * n_h;
+    sums.groove_light += bare * g.scale / (g.section->across * q * q);
+  });
+}
+
 /// Light of the grooves at a point of the metal of which `bare` shows; whether the plain face shows there too.
 bool add_grooves(const std::vector<SeenGroove>& grooves, double px, double py, const Vector3d& h, double bare,
                  bool last_rules, bool deepest_rules, PointSums& sums) {
-  if (!grooves.empty() && (deepest_rules || !grooves.front().section->paper))
+  if (needs_sections(grooves, deepest_rules))
     return add_sections(grooves, px, py, h, bare, last_rules, deepest_rules, sums);
   bool shows_plain = true;
   for (std::size_t k = grooves.size(); k-- > 0;) {
@@ -586,10 +598,18 @@ Vector3d PointSampler::State::pixel_around(std::span<const Corner> above, std::s
   double metal = 0, covered = 0;
   std::uint64_t state = seed;
   const auto uniform = [&] { return static_cast<double>(scattered(state += 0x9e3779b97f4a7c15ULL) >> 11) * 0x1.0p-53; };
-  const auto from = [&](const Vector3d& facet, const Vector3d& wo, double alpha) -> Vector3d {
+  const auto from = [&](const RoughFacet& facet, const Vector3d& wo) -> Vector3d {
     const double u[4] = {uniform(), uniform(), uniform(), uniform()};
-    return around.reflected(middle.turn * facet, middle.normal, wo, alpha, f0, u).cwiseProduct(factor);
+    return around
+        .reflected({middle.turn * facet.normal, middle.turn * facet.across, facet.alpha, facet.ratio}, middle.normal,
+                   wo, f0, u)
+        .cwiseProduct(factor);
   };
+  // Across a groove, tangential to the face.
+  const auto x_axis = [&](const SeenGroove& g) -> Vector3d {
+    return (Vector3d(g.ey, -g.ex, 0) - g.tilt * lie) / std::sqrt(1 - g.tilt * g.tilt);
+  };
+  const RoughFacet plain{lie, lie.unitOrthogonal(), truth.board.material.base_alpha, 1};
   for (int k = 0; k < side * side; ++k) {
     const int column = k % side, row = k / side;
     const double u = (column + uniform()) / side, v = (row + uniform()) / side;
@@ -602,20 +622,28 @@ Vector3d PointSampler::State::pixel_around(std::span<const Corner> above, std::s
       continue;
     }
     metal += bare;
-    bool shows_plain = true;
-    for (std::size_t i = seen.size(); i-- > 0;) {
-      const SeenGroove& g = seen[i];
-      const std::optional<double> across = g.within(px, py);
-      if (!across) continue;
+    const auto shine = [&](const SeenGroove& g, double sine, double cosine) {
       covered += bare;
-      const double t = g.t_per_mm * *across;
-      // Across the groove, tangential to the face.
-      const Vector3d x_axis = (Vector3d(g.ey, -g.ex, 0) - g.tilt * lie) / std::sqrt(1 - g.tilt * g.tilt);
-      grooves_light += bare * from((-2 * t * x_axis + (1 - t * t) * lie) / (1 + t * t), wo, std::sqrt(g.a2));
-      shows_plain = false;
-      if (truth.last_rules) break;
+      const Vector3d x = x_axis(g);
+      grooves_light +=
+          bare * from({cosine * lie - sine * x, cosine * x + sine * lie, std::sqrt(g.a2), g.section->across}, wo);
+    };
+    bool shows_plain = true;
+    if (needs_sections(seen, truth.deepest_rules)) {
+      shows_plain = each_section(seen, px, py, truth.last_rules, truth.deepest_rules,
+                                 [&](const Met& met) { shine(*met.groove, std::sin(met.lean), std::cos(met.lean)); });
+    } else {
+      for (std::size_t i = seen.size(); i-- > 0;) {
+        const SeenGroove& g = seen[i];
+        const std::optional<double> across = g.within(px, py);
+        if (!across) continue;
+        const double t = g.t_per_mm * *across;
+        shine(g, 2 * t / (1 + t * t), (1 - t * t) / (1 + t * t));
+        shows_plain = false;
+        if (truth.last_rules) break;
+      }
     }
-    if (shows_plain || !truth.last_rules) face_light += bare * from(lie, wo, truth.board.material.base_alpha);
+    if (shows_plain || !truth.last_rules) face_light += bare * from(plain, wo);
   }
   if (!truth.last_rules && metal > 0) face_light *= 1 - std::min(1.0, covered / metal);
   return (others + grooves_light + face_light + metal * truth.ambient.cwiseProduct(f0)) / (side * side);
@@ -731,10 +759,9 @@ Image PointSampler::radiance(const TruthView& view, const Light& light, const Pr
 Image PointSampler::radiance_around(const TruthView& view, const Light& light, double times, int samples,
                                     std::uint64_t view_seed, const Progress& progress) const {
   const State& s = *state_;
-  if (!s.truth.board.material.profile.is_paper() || s.truth.deepest_rules || s.brushed)
-    fail(s.truth.file.string(),
-         "the simulated camera knows surroundings for the paper's grooves on a face without a grain alone",
-         "leave out the material's \"profile\" and \"brushed\" and the overlap \"deepest\", or the surroundings");
+  if (s.brushed)
+    fail(s.truth.file.string(), "the simulated camera knows surroundings on a face without a grain alone",
+         "leave out the material's \"brushed\", or the surroundings");
   const AroundSampler around(light.far->surroundings);
   const Light flat = [&] {
     Light out = flat_light(light);

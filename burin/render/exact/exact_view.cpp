@@ -62,6 +62,14 @@ PixelShading shade_pixel(const ViewScene& scene, std::size_t pixel) {
   return p;
 }
 
+double footprint_area_mm2(const FootprintGrid& grid, std::size_t pixel,
+                          const std::array<Eigen::Vector2d, 4>& corners_mm) {
+  const double area = std::abs(signed_area_mm2(corners_mm));
+  const bool is_good =
+      std::isfinite(area) && area > 0 && grid.center_mm[pixel].allFinite() && grid.normal[pixel].allFinite();
+  return is_good ? area : 0;
+}
+
 ViewPixels view_pixels(const ViewScene& scene, int channels) {
   check_view(scene, channels);
   const FootprintGrid& grid = *scene.grid;
@@ -74,10 +82,8 @@ ViewPixels view_pixels(const ViewScene& scene, int channels) {
     for (int r = rows.begin(); r < rows.end(); ++r) {
       for (int c = 0; c < grid.width(); ++c) {
         const std::size_t i = static_cast<std::size_t>(r) * grid.width() + c;
-        const double area = std::abs(signed_area_mm2(footprint_corners_mm(grid, c, r)));
-        if (!(std::isfinite(area) && area > 0 && grid.center_mm[i].allFinite() && grid.normal[i].allFinite())) continue;
-        pixels.area_mm2[i] = area;
-        pixels.shading[i] = shade_pixel(scene, i);
+        pixels.area_mm2[i] = footprint_area_mm2(grid, i, footprint_corners_mm(grid, c, r));
+        if (pixels.area_mm2[i] > 0) pixels.shading[i] = shade_pixel(scene, i);
       }
     }
   });

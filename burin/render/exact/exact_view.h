@@ -32,6 +32,10 @@ struct ViewPixels {
 /// and 3.
 void check_view(const ViewScene& scene, int channels);
 
+/// Of a pixel with these corners; 0 where its footprint is none.
+double footprint_area_mm2(const FootprintGrid& grid, std::size_t pixel,
+                          const std::array<Eigen::Vector2d, 4>& corners_mm);
+
 /// The shading of one pixel that has a footprint; not lit where the lamp is hidden from it.
 PixelShading shade_pixel(const ViewScene& scene, std::size_t pixel);
 

@@ -32,6 +32,7 @@ struct CurveTables {
   double columns_per_pixel = 0, rows_per_pixel = 0;
   bool cubic = false;
   std::vector<float> log_alpha;  ///< of the roughnesses, ascending: one, or three and more
+  int parts = 1;                 ///< of the cross-section, each with all roughnesses (SectionPart, groove_strips.h)
   double lean_per_pixel = 0;     ///< by how much the half vector turns from a pixel to the next
 
   /// Whether that is so little over a tile, for the least roughness, that light is linear over it; and whether places
@@ -40,11 +41,13 @@ struct CurveTables {
   /// Pixels where tiles meet, with the picture's first and last.
   std::vector<float> column_corners, row_corners;
 
-  /// The curves, of each number the share of its largest: [roughness][place row][place column][direction + 1][number].
+  /// The curves, of each number the share of its largest: [part][roughness][place row][place column][direction +
+  /// 1][number].
   /// In half the memory of floats, which is what they wait for; 3e-5 of the brightest curve is below what tables do.
   std::vector<std::int16_t, tbb::cache_aligned_allocator<std::int16_t>> data;
   CurveFloats unit;  ///< what 1 stands for, of each number of a curve
 
+  std::size_t tables() const { return parts * log_alpha.size(); }
   std::size_t place_floats() const { return static_cast<std::size_t>(directions + 3) * row_floats; }
 };
 

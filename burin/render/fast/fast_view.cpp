@@ -51,12 +51,17 @@ struct Sections {
   GrooveStrips::Shapes shapes;
   GrooveStrips strips;
 
-  ScratchLines lines_of(const Scratches& scratches);
+  ScratchLines lines_of(const Scratches& scratches, const CurveTables* curves);
 };
 
-ScratchLines Sections::lines_of(const Scratches& scratches) {
+// `curves`: tabulated ones, whose nodes are theirs; null: the lamp's.
+ScratchLines Sections::lines_of(const Scratches& scratches, const CurveTables* curves) {
   constexpr double kWider = 1.02, kRougher = 0.98;
   const double rim = strips.measure(shapes);
+  if (curves != nullptr) {
+    shapes.burr_rim = static_cast<float>(curves->half_count) * curves->step;
+    return strips.make(scratches, shapes);
+  }
   const double least = *std::min_element(shapes.alpha.begin(), shapes.alpha.end()) * std::min(1.0, profile.across);
   if (lamp.leans.half_count * static_cast<double>(lamp.leans.step) < rim || least < least_alpha || least_alpha == 0) {
     least_alpha = kRougher * least;
@@ -95,7 +100,7 @@ struct FastView::Data {
 
   std::vector<TileShading> shading;           // by tile; empty with curves
   std::shared_ptr<const CurveTables> curves;  // null: light is the lamp's lobe, or
-  std::unique_ptr<Sections> sections;         // what it is on walls of any shape
+  std::unique_ptr<Sections> sections;         // walls of any shape
   // By tile * kTilePixels + place in the tile.
   std::vector<float> base;
   std::vector<float> base_slope;      // by base_alpha; empty without material
@@ -107,8 +112,8 @@ struct FastView::Data {
   // From the last forward().
   KernelMode mode = KernelMode::value;
   std::size_t pair_count = 0;
-  std::vector<double> width_um, depth_um;  // one each, or one of all
-  std::vector<float> per_mm, rim, alpha;   // the same
+  std::shared_ptr<const GrooveShapes> shapes;
+  std::vector<float> alpha;  // one each, or one of all
 
   Data(const ViewScene& scene, int c, SimdWidth width, std::shared_ptr<RenderWorkspace> r)
       : channels(c),
@@ -124,6 +129,7 @@ struct FastView::Data {
   void shade(const ViewScene& scene, bool material);
   void shade(const ViewScene& scene, const PlainFace& face, bool material);
   void shade_sections(const ViewScene& scene, bool material);
+  void make_sections(const ViewScene& scene);
   void sort_scratches(const Scratches& scratches);
   void evaluate(std::size_t t, TileTask task, const TilePlaces& places, RenderWorkspace::Work& w,
                 const TileJacobian& to) const;
@@ -134,8 +140,12 @@ struct FastView::Data {
   RunUnits units_of(std::size_t strip) const;
   double by_width(double scaled) const;
   void add_burr(std::size_t burr, const StripGradient& by, ScratchGradients& gradients) const;
-  double width_of(std::size_t scratch) const { return width_um[width_um.size() == 1 ? 0 : scratch]; }
-  double depth_of(std::size_t scratch) const { return depth_um[depth_um.size() == 1 ? 0 : scratch]; }
+  template <typename T>
+  static double number_of(const std::vector<T>& each, std::size_t scratch) {
+    return each[each.size() == 1 ? 0 : scratch];
+  }
+  double width_of(std::size_t scratch) const { return number_of(shapes->width_um, scratch); }
+  double depth_of(std::size_t scratch) const { return number_of(shapes->depth_um, scratch); }
 
   TileTask task_of(std::size_t t) const {
     const GridTile& tile = grid->index.tiles()[t];
@@ -220,6 +230,13 @@ void FastView::Data::shade(const ViewScene& scene, const PlainFace& face, bool m
   });
 }
 
+void FastView::Data::make_sections(const ViewScene& scene) {
+  sections = std::make_unique<Sections>();
+  sections->profile = scene.material.profile;
+  sections->shapes.profile = &sections->profile;
+  sections->shapes.tool_width_um = tool_width_um;
+}
+
 // Light is the mean of the channels in curves, and of the plain face; `factor` is how a channel differs from it.
 void FastView::Data::shade_sections(const ViewScene& scene, bool material) {
   start_shading(scene, material);
@@ -250,10 +267,7 @@ void FastView::Data::shade_sections(const ViewScene& scene, bool material) {
       if (material) base_slope[i] = static_cast<float>(slope);
     });
   });
-  sections = std::make_unique<Sections>();
-  sections->profile = scene.material.profile;
-  sections->shapes.profile = &sections->profile;
-  sections->shapes.tool_width_um = tool_width_um;
+  make_sections(scene);
   sections->lamp.across = static_cast<float>(scene.material.profile.across);
   sections->lamp.fits = lamp_fits(scene, *grid);
 }
@@ -266,7 +280,7 @@ void FastView::Data::evaluate(std::size_t t, TileTask task, const TilePlaces& pl
     return;
   }
   task.curves = &w.curves;
-  if (sections != nullptr) {
+  if (curves == nullptr) {
     curve_kernels.make_lamp_curves(sections->lamp, task, places, t, w.curves);
   } else {
     const int left = static_cast<int>(t % grid->index.tiles_x()) * kTile,
@@ -277,32 +291,18 @@ void FastView::Data::evaluate(std::size_t t, TileTask task, const TilePlaces& pl
 }
 
 void FastView::Data::sort_scratches(const Scratches& s) {
-  const auto keep = [](const std::vector<double>& own, double shared, std::vector<double>& to) {
-    if (own.empty())
-      to.assign(1, shared);
-    else
-      to.assign(own.begin(), own.end());
-  };
-  keep(s.width_um, tool_width_um, width_um);
-  keep(s.depth_um, shared_depth_um, depth_um);
+  shapes = workspace->shapes_of(s, tool_width_um, shared_depth_um);
   alpha.resize(s.alpha.empty() ? 1 : s.alpha.size());
   for (std::size_t i = 0; i < alpha.size(); ++i)
     alpha[i] = static_cast<float>(std::min(1.0, s.alpha.empty() ? shared_alpha : s.alpha[i]));
   if (sections != nullptr) {
-    sections->shapes.width_um = width_um;
-    sections->shapes.depth_um = depth_um;
+    sections->shapes.width_um = shapes->width_um;
+    sections->shapes.depth_um = shapes->depth_um;
     sections->shapes.alpha = alpha;
-    workspace->sort(grid, sections->lines_of(s));
+    workspace->sort(grid, sections->lines_of(s, curves.get()));
     return;
   }
-  const std::size_t widths = std::max(width_um.size(), depth_um.size());
-  per_mm.resize(widths);
-  rim.resize(widths);
-  for (std::size_t i = 0; i < widths; ++i) {
-    per_mm[i] = static_cast<float>(2000 / width_of(i));
-    rim[i] = static_cast<float>(groove_rim(width_of(i), depth_of(i)));
-  }
-  workspace->sort(grid, lines_of(s, per_mm, rim, alpha));
+  workspace->sort(grid, lines_of(s, shapes->per_mm, shapes->rim, alpha));
 }
 
 /// Finds and evaluates a tile's pairs. `to` is their Jacobian: kept where that is asked for and there is space, else in
@@ -390,7 +390,10 @@ double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradian
 /// d(rim) / d(depth) of a groove; the paper's rim is sqrt(1 - exp(-2 d / wt)).
 double FastView::Data::rim_by_depth(std::size_t scratch) const {
   const double width = width_of(scratch), depth = depth_of(scratch);
-  if (sections == nullptr) return std::exp(-2 * depth / width) / (width * groove_rim(width, depth));
+  if (sections == nullptr) {
+    const double rim = number_of(shapes->rim, scratch);
+    return (1 - rim * rim) / (width * rim);
+  }
   return 2 / GrooveStrips::unit_um(sections->profile, tool_width_um, width) *
          half_width_slope(sections->profile, width, depth);
 }
@@ -407,8 +410,8 @@ RunUnits FastView::Data::units_of(std::size_t strip) const {
   const bool is_burr = strips != nullptr && strip >= strips->grooves;
   const std::size_t s = is_burr ? strips->owner[strip - strips->grooves] : strip;
   const double width = width_of(s), depth = depth_of(s);
-  const double by_depth = depth_um.size() == 1 ? 1 : depth / shared_depth_um,
-               by_wide = by_width(width_um.size() == 1 ? 1 : width / tool_width_um) / width;
+  const double by_depth = shapes->depth_um.size() == 1 ? 1 : depth / shared_depth_um,
+               by_wide = by_width(shapes->width_um.size() == 1 ? 1 : width / tool_width_um) / width;
   RunUnits out;
   if (is_burr) {
     const double slope = half_width_slope(sections->profile, width, depth),
@@ -462,13 +465,14 @@ FastView::FastView(const ViewScene& scene, const PlainFace& face, bool material,
                    std::shared_ptr<RenderWorkspace> workspace)
     : data_(std::make_unique<Data>(scene, 1, width, std::move(workspace))) {
   data_->shade(scene, face, material);
+  if (!scene.material.profile.is_paper()) data_->make_sections(scene);
 }
 
 FastView::~FastView() = default;
 
 void FastView::set_curves(std::shared_ptr<const CurveTables> curves) { data_->curves = std::move(curves); }
 
-bool FastView::has_lamp_curves() const { return data_->sections != nullptr; }
+bool FastView::has_lamp_curves() const { return data_->sections != nullptr && data_->curves == nullptr; }
 
 bool FastView::has_jacobian() const { return data_->workspace->owner == this && data_->mode != KernelMode::value; }
 
@@ -508,7 +512,7 @@ void FastView::pixel_slopes(const Scratches& scratches, std::vector<PixelSlopes>
   workspace.owner = nullptr;  // nothing is kept for a way back
   out.assign(static_cast<std::size_t>(d.grid->width) * d.grid->height, {});
   d.sort_scratches(scratches);
-  const bool one_shape = d.width_um.size() == 1 && d.depth_um.size() == 1 && d.alpha.size() == 1 &&
+  const bool one_shape = d.shapes->width_um.size() == 1 && d.shapes->depth_um.size() == 1 && d.alpha.size() == 1 &&
                          (d.sections == nullptr || d.sections->strips.burrs() == 0) && scratches.size() > 0;
   tbb::parallel_for(std::size_t{0}, d.grid->tiles(), [&](std::size_t t) {
     RenderWorkspace::Work& w = *workspace.work.local();

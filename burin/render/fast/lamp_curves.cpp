@@ -23,23 +23,40 @@ constexpr std::array<double, SectionLeans::kGauss> kPlaces{0.06943184420297371, 
 
 }  // namespace
 
-SectionLeans section_leans(const GrooveProfile& profile, double width_um, double rim, double alpha) {
-  SectionLeans out;
-  const double lean_step = kLeanAStep * alpha, half_um = width_um / 2;
-  // Flanks begin at a node.
+SectionNodes section_nodes(const GrooveProfile& profile, double width_um, double rim, double lean_step) {
+  SectionNodes out;
+  const double half_um = width_um / 2;
   const double flank = flank_begin_um(profile, width_um) / half_um, curved = std::min(flank, rim);
   const double highest = std::max(profile.burr_left_um, profile.burr_right_um);
   const double burr_steps = 2 * burr_lean(highest, profile.burr_width_um, -0.5 * profile.burr_width_um) / lean_step;
   double steps = std::ceil(std::max(2.0, wall_lean(profile, width_um, curved * half_um) / lean_step));
   if (profile.has_burrs()) steps = std::ceil(std::max(steps, 0.5 * burr_steps * curved / rim));
   out.half_count = std::min(kMostNodes, static_cast<int>(std::ceil(steps * rim / curved * (1 - 1e-9))));
-  const double step = out.half_count < kMostNodes ? curved / steps : rim / out.half_count;
-  out.step = static_cast<float>(step);
+  out.step = out.half_count < kMostNodes ? curved / steps : rim / out.half_count;
+  return out;
+}
+
+double lean_at_node(const GrooveProfile& profile, double width_um, SectionPart part, const SectionNodes& nodes,
+                    double k) {
+  if (part == SectionPart::groove) return wall_lean(profile, width_um, 0.5 * k * nodes.step * width_um);
+  const double height_um = part == SectionPart::left_burr ? profile.burr_left_um : profile.burr_right_um;
+  return burr_lean(height_um, profile.burr_width_um, k / nodes.half_count * 0.5 * profile.burr_width_um);
+}
+
+bool has_part(const GrooveProfile& profile, SectionPart part) {
+  return part == SectionPart::groove ||
+         (part == SectionPart::left_burr ? profile.burr_left_um : profile.burr_right_um) != 0;
+}
+
+SectionLeans section_leans(const GrooveProfile& profile, double width_um, double rim, double alpha) {
+  SectionLeans out;
+  const SectionNodes all = section_nodes(profile, width_um, rim, kLeanAStep * alpha);
+  out.half_count = all.half_count;
+  out.step = static_cast<float>(all.step);
   out.stride = (2 * out.half_count + 1 + 15) / 16 * 16;
   for (int p = 0; p < kSectionParts; ++p) {
     const auto part = static_cast<SectionPart>(p);
-    const double height = part == SectionPart::left_burr ? profile.burr_left_um : profile.burr_right_um;
-    if (part != SectionPart::groove && height == 0) continue;
+    if (!has_part(profile, part)) continue;
     SectionLeans::Part& to = out.part[p];
     const std::size_t size = static_cast<std::size_t>(SectionLeans::kRows) * out.stride;
     to.sine.assign(size, 0);
@@ -47,10 +64,7 @@ SectionLeans section_leans(const GrooveProfile& profile, double width_um, double
     for (int row = 0; row < SectionLeans::kRows; ++row) {
       const bool nodes = row == SectionLeans::kGauss;
       for (int k = 0; k < 2 * out.half_count + (nodes ? 1 : 0); ++k) {
-        const double at = k + (nodes ? 0 : kPlaces[row]) - out.half_count;
-        const double lean = part == SectionPart::groove ? wall_lean(profile, width_um, at * step * half_um)
-                                                        : burr_lean(height, profile.burr_width_um,
-                                                                    at / out.half_count * 0.5 * profile.burr_width_um);
+        const double lean = lean_at_node(profile, width_um, part, all, k + (nodes ? 0 : kPlaces[row]) - out.half_count);
         to.sine[static_cast<std::size_t>(row) * out.stride + k] = static_cast<float>(std::sin(lean));
         to.cosine[static_cast<std::size_t>(row) * out.stride + k] = static_cast<float>(std::cos(lean));
       }

@@ -28,7 +28,21 @@ struct SectionLeans {
   std::array<Part, kSectionParts> part;
 };
 
-/// For grooves that reach up to |t| = rim where they are `width_um` wide, and a roughness that is nowhere less.
+/// Evenly spread nodes of curves over a section's parts, from t = -half_count * step to half_count * step, between
+/// which walls lean by `lean_step` at most; one is where flanks begin.
+struct SectionNodes {
+  int half_count = 0;
+  double step = 1;
+};
+/// For grooves that reach up to |t| = rim where they are `width_um` wide.
+SectionNodes section_nodes(const GrooveProfile& profile, double width_um, double rim, double lean_step);
+/// The wall's lean at a node k from the middle, which may lie between two.
+double lean_at_node(const GrooveProfile& profile, double width_um, SectionPart part, const SectionNodes& nodes,
+                    double k);
+/// Whether a section has that part.
+bool has_part(const GrooveProfile& profile, SectionPart part);
+
+/// For grooves as in section_nodes(), and a roughness that is nowhere less.
 SectionLeans section_leans(const GrooveProfile& profile, double width_um, double rim, double alpha);
 
 /// How a tile's places see one point of the lamp: polynomials of the second degree in (column, row) from the tile's

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <span>
 #include <type_traits>
+#include <utility>
 
 #include "burin/render/fast/grow.h"
+#include "burin/render/groove.h"
 
 namespace burin {
 namespace {
@@ -44,6 +47,30 @@ RenderWorkspace::RenderWorkspace(std::size_t most_jacobian_bytes, std::shared_pt
 
 std::shared_ptr<const TiledGrid> RenderWorkspace::tiles_of(const std::shared_ptr<const FootprintGrid>& grid) {
   return tiles_->of(grid);
+}
+
+std::shared_ptr<const GrooveShapes> RenderWorkspace::shapes_of(const Scratches& s, double width_um, double depth_um) {
+  const std::array<double, 2> shared{width_um, depth_um};
+  const auto of = [&](const std::vector<double>& own, int number) {
+    return own.empty() ? std::span(&shared[number], 1) : std::span<const double>(own);
+  };
+  const auto widths = of(s.width_um, 0), depths = of(s.depth_um, 1);
+  if (shapes_ != nullptr && std::ranges::equal(shapes_->width_um, widths) &&
+      std::ranges::equal(shapes_->depth_um, depths))
+    return shapes_;
+  GrooveShapes made;
+  made.width_um.assign(widths.begin(), widths.end());
+  made.depth_um.assign(depths.begin(), depths.end());
+  const std::size_t count = std::max(widths.size(), depths.size());
+  made.per_mm.resize(count);
+  made.rim.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double width = widths[widths.size() == 1 ? 0 : i];
+    made.per_mm[i] = static_cast<float>(2000 / width);
+    made.rim[i] = static_cast<float>(groove_rim(width, depths[depths.size() == 1 ? 0 : i]));
+  }
+  shapes_ = std::make_shared<const GrooveShapes>(std::move(made));
+  return shapes_;
 }
 
 bool RenderWorkspace::is_sorted(const TiledGrid* grid, const ScratchLines& lines) const {

@@ -20,8 +20,15 @@
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/fast/tile_runs.h"
 #include "burin/render/fast/tiled_grid.h"
+#include "burin/render/scratches.h"
 
 namespace burin {
+
+/// Widths and depths of grooves, one each or one of all, and of the paper's what runs are made of (TileRun).
+struct GrooveShapes {
+  std::vector<double> width_um, depth_um;
+  std::vector<float> per_mm, rim;  ///< of each different groove
+};
 
 class RenderWorkspace {
  public:
@@ -31,6 +38,10 @@ class RenderWorkspace {
 
   /// The tiles of a grid; the same for the same grid as long as a view uses them.
   std::shared_ptr<const TiledGrid> tiles_of(const std::shared_ptr<const FootprintGrid>& grid);
+
+  /// Of scratches; `width_um` and `depth_um` are those of scratches without their own. Kept as long as they are asked
+  /// for again: photo after photo shows the same board.
+  std::shared_ptr<const GrooveShapes> shapes_of(const Scratches& scratches, double width_um, double depth_um);
 
   /// Sorts scratches into tiles, unless these are the ones that lie there since the last time.
   void sort(const std::shared_ptr<const TiledGrid>& grid, const ScratchLines& lines);
@@ -76,6 +87,7 @@ class RenderWorkspace {
  private:
   bool is_sorted(const TiledGrid* grid, const ScratchLines& lines) const;
 
+  std::shared_ptr<const GrooveShapes> shapes_;
   std::shared_ptr<TileCache> tiles_;  ///< its own knows the last grid alone
   // The scratches and the grid that `runs` and places were made for.
   std::shared_ptr<const TiledGrid> sorted_grid_;

@@ -77,8 +77,11 @@ void spread(const Rings& rings, const SeenSources& seen, const Places& places, i
   }
 }
 
-// Fourier's transform of D over azimuth, for each lean of a normal and of a half vector: real, half of it.
-std::vector<float> lobe_spectra(const FacetTable& table, const Rings& rings, const FourierTurns& turns, double alpha) {
+// Fourier's transform of D over azimuth, for each lean of a normal and of a half vector: real, half of it. A facet's
+// axes, across and along its groove, turn with the azimuth in which it leans: D (docs/model.md 3.7) still depends on
+// the difference of azimuths alone.
+std::vector<float> lobe_spectra(const FacetTable& table, const Rings& rings, const FourierTurns& turns, double alpha,
+                                double across) {
   const int half = rings.azimuths / 2 + 1;
   std::vector<float> out(static_cast<std::size_t>(table.t_count) * rings.count * half);
   tbb::parallel_for(0, table.t_count, [&](int n) {
@@ -87,9 +90,14 @@ std::vector<float> lobe_spectra(const FacetTable& table, const Rings& rings, con
     for (int k = 0; k < rings.count; ++k) {
       const double other = (k + 0.5) * rings.step;
       for (int j = 0; j < rings.azimuths; ++j) {
-        const double cosine = std::cos(lean) * std::cos(other) +
-                              std::sin(lean) * std::sin(other) * std::cos(2 * std::numbers::pi * j / rings.azimuths);
-        ring[j] = static_cast<float>(ggx_D(cosine, alpha));
+        const double azimuth = 2 * std::numbers::pi * j / rings.azimuths;
+        const double x = std::sin(other) * std::cos(azimuth), y = std::sin(other) * std::sin(azimuth),
+                     z = std::cos(other);
+        const double cosine = std::cos(lean) * z + std::sin(lean) * x, m = std::cos(lean) * x - std::sin(lean) * z;
+        const double q = cosine * cosine + (m * m / (across * across) + y * y) / (alpha * alpha);
+        ring[j] = across == 1  ? static_cast<float>(ggx_D(cosine, alpha))
+                  : cosine > 0 ? static_cast<float>(1 / (std::numbers::pi * across * alpha * alpha * q * q))
+                               : 0.0F;
       }
       fourier(ring, turns, false);
       for (int m = 0; m < half; ++m) out[(static_cast<std::size_t>(n) * rings.count + k) * half + m] = ring[m].real();
@@ -200,11 +208,12 @@ FacetTable make_facet_table(const ViewScene& scene, const Light& light, int chan
   table.rows = lattice.rows;
   table.column_pixels = lattice.column_pixels;
   table.row_pixels = lattice.row_pixels;
-  table.t_step = 0.5 * kFine * alpha;
+  const double across = scene.material.profile.across, fine = kFine * alpha * std::min(1.0, across);
+  table.t_step = 0.5 * fine;
   table.t_count = std::max(4, static_cast<int>(std::ceil(steepest_t / table.t_step)) + 2);
   const double steepest = 2 * std::atan(table.t_count * table.t_step);
   Rings rings;
-  rings.step = kFine * alpha;
+  rings.step = fine;
   rings.count = static_cast<int>(std::ceil(0.5 * std::numbers::pi / rings.step));
   rings.azimuths = 64;
   while (rings.azimuths < 2048 &&
@@ -215,9 +224,9 @@ FacetTable make_facet_table(const ViewScene& scene, const Light& light, int chan
   const std::size_t nodes = lattice.pixel.size();
   table.light.assign(static_cast<std::size_t>(table.columns) * table.rows * table.azimuths * table.ring_size(), 0);
   if (nodes == 0) return table;
-  const LightSources sources = light_sources(light, kFine * alpha);
+  const LightSources sources = light_sources(light, fine);
   const FourierTurns turns = fourier_turns(static_cast<std::size_t>(rings.azimuths));
-  const std::vector<float> lobes = lobe_spectra(table, rings, turns, alpha);
+  const std::vector<float> lobes = lobe_spectra(table, rings, turns, alpha, across);
   tbb::parallel_for(std::size_t{0}, nodes, [&](std::size_t node) {
     std::vector<float> on(static_cast<std::size_t>(channels) * rings.count * rings.azimuths, 0.0F);
     Places places;

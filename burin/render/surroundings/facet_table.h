@@ -64,7 +64,7 @@ struct PlaceLattice {
 PlaceLattice place_lattice(const ViewScene& scene, const Light& light, double alpha);
 
 /// Facets of roughness `alpha` whose normals lean up to 2 atan(steepest_t), under `light`: surroundings, or a lamp with
-/// an area.
+/// an area. Where the scene's grooves are rougher across than along, so are facets in the direction in which they lean.
 FacetTable make_facet_table(const ViewScene& scene, const Light& light, int channels, const PlaceLattice& lattice,
                             double alpha, double steepest_t);
 

@@ -8,6 +8,8 @@
 #include <limits>
 #include <numbers>
 
+#include "burin/render/fast/groove_strips.h"
+#include "burin/render/fast/lamp_curves.h"
 #include "burin/render/fast/machine_clones.h"
 #include "burin/render/fast/tile.h"
 #include "burin/render/surroundings/groove_light.h"
@@ -25,9 +27,22 @@ BURIN_MACHINE_CLONES void add_times(const float* from, float by, std::size_t n, 
   for (std::size_t k = 0; k < n; ++k) to[k] += by * from[k];
 }
 
+// Of the facets that a curve goes over, at nodes and between them: tan(lean / 2), evenly spread over -half_count * step
+// .. half_count * step in t. Empty for the paper's grooves, where that is t itself.
+using CurveFacets = std::vector<double>;
+CurveFacets curve_facets(const ViewScene& scene, SectionPart part, const SectionNodes& nodes) {
+  constexpr int kEachNode = 8;
+  CurveFacets out;
+  for (int k = -kEachNode * nodes.half_count; k <= kEachNode * nodes.half_count; ++k)
+    out.push_back(std::tan(0.5 * lean_at_node(scene.material.profile, scene.tool_width_um, part, nodes,
+                                              static_cast<double>(k) / kEachNode)));
+  return out;
+}
+
 // A curve of one direction at one place, as it is tabulated. The normal (-2t, 0, 1 - t^2) leans along `across` where t
 // is negative (docs/model.md 2.3).
-void add_row(const FacetTable& facets, int place, int channel, double across, const CurveTables& table, float* to) {
+void add_row(const FacetTable& facets, const CurveFacets& through, int place, int channel, double across,
+             const CurveTables& table, float* to) {
   const int n = facets.t_count;
   std::vector<double> light(2 * static_cast<std::size_t>(n) - 1, 0.0);
   for (const int side : {-1, 1}) {
@@ -41,6 +56,11 @@ void add_row(const FacetTable& facets, int place, int channel, double across, co
   }
   LightCurve curve;
   make_curve(light, facets.t_step, curve);
+  if (!through.empty()) {
+    light.clear();
+    for (const double t : through) light.push_back(curve.at(t).light);
+    make_curve(light, 2.0 * table.half_count * table.step / static_cast<double>(through.size() - 1), curve);
+  }
   const LightCurve::At middle = curve.at(0);
   for (int k = -table.half_count; k <= table.half_count; ++k, to += kCurveNode) {
     const double t = k * static_cast<double>(table.step);
@@ -62,7 +82,7 @@ std::vector<float> tile_corners(double pixels) {
 // The same curves at other places, given in steps of the table's.
 void take_places(CurveTables& table, CurveFloats& curves, const std::vector<double>& columns,
                  const std::vector<double>& rows) {
-  const std::size_t floats = table.place_floats(), tables = table.log_alpha.size();
+  const std::size_t floats = table.place_floats(), tables = table.tables();
   const std::size_t coarse = static_cast<std::size_t>(table.columns) * table.rows, fine = columns.size() * rows.size();
   CurveFloats data(tables * fine * floats, 0.0F);
   tbb::parallel_for(std::size_t{0}, tables * fine, [&](std::size_t k) {
@@ -118,16 +138,32 @@ std::vector<double> finer(int coarse, int count) {
 
 }  // namespace
 
-std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const std::vector<FacetTable>& facets,
-                                                                  const std::vector<double>& alphas, double steepest_t,
+std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const ViewScene& scene,
+                                                                  const std::vector<FacetTable>& facets,
+                                                                  const TableRange& range,
                                                                   const PlaceLattice& lattice) {
+  const GrooveProfile& profile = scene.material.profile;
+  const std::vector<double>& alphas = range.alphas;
+  const double node_t = kStepsANode * facets.front().t_step;
+  SectionNodes nodes;
+  std::vector<CurveFacets> through;
+  if (profile.is_paper()) {
+    nodes.half_count = std::max(2, static_cast<int>(std::ceil(range.rim / node_t)));
+    nodes.step = range.rim / nodes.half_count;
+    through.emplace_back();
+  } else {
+    nodes = section_nodes(profile, scene.tool_width_um, range.rim, 2 * node_t);
+    for (int part = 0; part < (profile.has_burrs() ? kSectionParts : 1); ++part)
+      through.push_back(curve_facets(scene, static_cast<SectionPart>(part), nodes));
+  }
   std::vector<std::shared_ptr<const CurveTables>> out;
   const int columns = static_cast<int>(std::ceil(kFiner * (lattice.columns - 1))) + 1,
             rows = static_cast<int>(std::ceil(kFiner * (lattice.rows - 1))) + 1;
   for (int c = 0; c < facets.front().channels; ++c) {
     auto table = std::make_shared<CurveTables>();
-    table->half_count = std::max(2, static_cast<int>(std::ceil(steepest_t / (kStepsANode * facets.front().t_step))));
-    table->step = static_cast<float>(steepest_t / table->half_count);
+    table->half_count = nodes.half_count;
+    table->step = static_cast<float>(nodes.step);
+    table->parts = static_cast<int>(through.size());
     table->row_floats = (kCurveNode * (2 * table->half_count + 1) + 16) / 16 * 16;
     for (const FacetTable& f : facets) table->directions = std::max(table->directions, f.azimuths / 2);
     table->columns = lattice.columns;
@@ -135,14 +171,15 @@ std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const std::vec
     table->columns_per_pixel = 1 / lattice.column_pixels;
     table->rows_per_pixel = 1 / lattice.row_pixels;
     table->cubic = true;
-    table->lean_per_pixel = lattice.lean_per_pixel;
+    table->lean_per_pixel = lattice.lean_per_pixel / std::min(1.0, profile.across);
     for (const double alpha : alphas) table->log_alpha.push_back(static_cast<float>(std::log(alpha)));
     const std::size_t places = static_cast<std::size_t>(table->columns) * table->rows, floats = table->place_floats();
-    CurveFloats curves(facets.size() * places * floats, 0.0F);
+    CurveFloats curves(table->tables() * places * floats, 0.0F);
     if (!lattice.pixel.empty())
-      tbb::parallel_for(std::size_t{0}, facets.size() * places, [&](std::size_t k) {
+      tbb::parallel_for(std::size_t{0}, table->tables() * places, [&](std::size_t k) {
         for (int d = -1; d <= table->directions + 1; ++d)
-          add_row(facets[k / places], static_cast<int>(k % places), c, std::numbers::pi * d / table->directions, *table,
+          add_row(facets[k / places % facets.size()], through[k / places / facets.size()], static_cast<int>(k % places),
+                  c, std::numbers::pi * d / table->directions, *table,
                   &curves[k * floats + static_cast<std::size_t>(d + 1) * table->row_floats]);
       });
     table->column_corners = tile_corners((lattice.columns - 1) * lattice.column_pixels + 1);
@@ -150,7 +187,7 @@ std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const std::vec
     table->linear_over_tiles = kTile * table->lean_per_pixel < kLinear * alphas.front();
     const std::size_t corners = table->column_corners.size() * table->row_corners.size(),
                       fine = static_cast<std::size_t>(columns) * rows;
-    const auto fits = [&](std::size_t all) { return facets.size() * all * floats <= kMostFloats; };
+    const auto fits = [&](std::size_t all) { return table->tables() * all * floats <= kMostFloats; };
     if (table->linear_over_tiles && corners <= kMostCorners * fine && fits(corners)) {
       take_places(*table, curves, places_of(table->column_corners, table->columns_per_pixel),
                   places_of(table->row_corners, table->rows_per_pixel));

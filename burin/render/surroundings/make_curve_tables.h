@@ -7,12 +7,14 @@
 
 #include "burin/render/fast/curve_tables.h"
 #include "burin/render/surroundings/facet_table.h"
+#include "burin/render/surroundings/table_range.h"
+#include "burin/render/view_scene.h"
 
 namespace burin {
 
-/// Of facets at some roughnesses (`facets` and `alphas` in one order), one for each channel, for |t| <= steepest_t.
-std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const std::vector<FacetTable>& facets,
-                                                                  const std::vector<double>& alphas, double steepest_t,
-                                                                  const PlaceLattice& lattice);
+/// Of facets at the range's roughnesses, one for each channel: the scene's grooves, and the burrs beside them.
+std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const ViewScene& scene,
+                                                                  const std::vector<FacetTable>& facets,
+                                                                  const TableRange& range, const PlaceLattice& lattice);
 
 }  // namespace burin

@@ -31,7 +31,8 @@ struct SurroundingsView::Data {
 };
 
 void SurroundingsView::Data::make_channels(const std::shared_ptr<RenderWorkspace>& workspace) {
-  lattice = place_lattice(scene, light, std::min(scene.material.alpha, scene.material.base_alpha));
+  const Material& m = scene.material;
+  lattice = place_lattice(scene, light, std::min(m.alpha * std::min(1.0, m.profile.across), m.base_alpha));
   const int n = options.channels;
   const FaceLight all = face_light(scene, light, n, lattice);
   for (int c = 0; c < n; ++c) {
@@ -53,16 +54,16 @@ void SurroundingsView::Data::make_tables(const Scratches& scratches) {
   std::vector<FacetTable> facets;
   for (const double alpha : range.alphas)
     facets.push_back(make_facet_table(scene, light, options.channels, lattice, alpha, range.steepest_t));
-  const auto tables = make_curve_tables(facets, range.alphas, range.steepest_t, lattice);
+  const auto tables = make_curve_tables(scene, facets, range, lattice);
   for (std::size_t c = 0; c < channels.size(); ++c) channels[c]->set_curves(tables[c]);
 }
 
 SurroundingsView::SurroundingsView(const ViewScene& scene, const Light& light, const RenderOptions& options,
                                    const std::shared_ptr<RenderWorkspace>& workspace)
     : data_(std::make_unique<Data>(scene, light, options)) {
-  if (!scene.material.profile.is_paper())
-    fail("light " + light.id, "surroundings light grooves of the paper's cross-section alone so far",
-         "leave out the material's \"profile\", or the surroundings");
+  if (options.use_double && !scene.material.profile.is_paper())
+    fail("light " + light.id, "the double twin lights grooves of the paper's cross-section alone",
+         "render in float packets");
   if (options.use_double)
     data_->exact = std::make_unique<ExactSurroundings>(scene, light, options);
   else

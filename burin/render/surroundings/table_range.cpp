@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "burin/render/fast/groove_strips.h"
 #include "burin/render/groove.h"
+#include "burin/render/groove_profile.h"
 
 namespace burin {
 namespace {
@@ -11,7 +13,7 @@ namespace {
 constexpr double kAlphaRatio = 1.05;  // from a table's roughness to the next
 
 struct Wanted {
-  double least, most, steepest;
+  double least, most, rim;
 };
 
 Wanted wanted(const ViewScene& scene, const Scratches& s) {
@@ -21,18 +23,36 @@ Wanted wanted(const ViewScene& scene, const Scratches& s) {
     out.least = *low;
     out.most = *high;
   }
-  for (std::size_t i = 0; i < (s.depth_um.empty() && s.width_um.empty() ? 1 : s.size()); ++i)
-    out.steepest = std::max(out.steepest, groove_rim(s.width_um.empty() ? scene.tool_width_um : s.width_um[i],
-                                                     s.depth_um.empty() ? scene.material.depth_um : s.depth_um[i]));
+  const GrooveProfile& profile = scene.material.profile;
+  for (std::size_t i = 0; i < (s.depth_um.empty() && s.width_um.empty() ? 1 : s.size()); ++i) {
+    const double width = s.width_um.empty() ? scene.tool_width_um : s.width_um[i],
+                 depth = s.depth_um.empty() ? scene.material.depth_um : s.depth_um[i];
+    out.rim = std::max(out.rim, profile.is_paper() ? groove_rim(width, depth)
+                                                   : 2 / GrooveStrips::unit_um(profile, scene.tool_width_um, width) *
+                                                         half_width_um(profile, width, depth));
+  }
   return out;
+}
+
+// How steep walls are at most.
+double steepest_lean(const ViewScene& scene, double rim) {
+  const GrooveProfile& profile = scene.material.profile;
+  const double highest = std::max(profile.burr_left_um, profile.burr_right_um);
+  const double burr = highest > 0 ? burr_lean(highest, profile.burr_width_um, -0.5 * profile.burr_width_um) : 0;
+  return std::max(burr, wall_lean(profile, scene.tool_width_um, 0.5 * rim * scene.tool_width_um));
 }
 
 }  // namespace
 
 TableRange table_range(const ViewScene& scene, const Scratches& scratches, bool by_alpha) {
-  const auto [least, most, steepest] = wanted(scene, scratches);
+  const auto [least, most, rim] = wanted(scene, scratches);
   TableRange out;
-  out.steepest_t = std::min(0.99, 1.02 * steepest);
+  if (scene.material.profile.is_paper()) {
+    out.steepest_t = out.rim = std::min(0.99, 1.02 * rim);
+  } else {
+    out.rim = 1.02 * rim;
+    out.steepest_t = std::min(0.99, std::tan(0.5 * steepest_lean(scene, out.rim)));
+  }
   if (!by_alpha && !(most > least * (1 + 1e-9))) {
     out.alphas = {least};
     return out;
@@ -47,8 +67,8 @@ TableRange table_range(const ViewScene& scene, const Scratches& scratches, bool 
 }
 
 bool serves(const TableRange& range, const ViewScene& scene, const Scratches& scratches) {
-  const auto [least, most, steepest] = wanted(scene, scratches);
-  return !range.alphas.empty() && steepest <= range.steepest_t && least >= range.alphas.front() * (1 - 1e-9) &&
+  const auto [least, most, rim] = wanted(scene, scratches);
+  return !range.alphas.empty() && rim <= range.rim && least >= range.alphas.front() * (1 - 1e-9) &&
          most <= range.alphas.back() * (1 + 1e-9);
 }
 

@@ -9,10 +9,10 @@
 namespace burin {
 
 /// Roughnesses, ascending, 5 % apart: one, or three and more where grooves differ or the derivative by alpha is asked
-/// for; facets lean up to 2 atan(steepest_t).
+/// for; facets lean up to 2 atan(steepest_t); grooves reach up to |t| = rim across.
 struct TableRange {
   std::vector<double> alphas;
-  double steepest_t = 0;
+  double steepest_t = 0, rim = 0;
 };
 TableRange table_range(const ViewScene& scene, const Scratches& scratches, bool by_alpha);
 

@@ -72,7 +72,7 @@ template <class P>
     }
 }
 
-/// Roughnesses of the tables near one, with Lagrange's shares in log(alpha), and the shares' slopes by alpha.
+/// Roughnesses of a part's tables near one, with Lagrange's shares in log(alpha), and the shares' slopes by alpha.
 struct RoughnessShares {
   int first = 0, count = 1;
   float share[3] = {1, 0, 0}, slope[3] = {};
@@ -141,7 +141,7 @@ class TileRows {
  public:
   TileRows(const CurveTables& tables, int left, int top, TileCurves& to)
       : tables_(tables), to_(to), row_floats_(tables.row_floats), directions_(tables.directions + 3) {
-    to.start_rows(directions_ * tables.log_alpha.size(), 3 * row_floats_);
+    to.start_rows(directions_ * tables.tables(), 3 * row_floats_);
     const auto axis = [](const std::vector<float>& corners, int tile, float& middle, float& half) {
       middle = 0.5F * (corners[tile] + corners[tile + 1]);
       half = 0.5F * std::max(1.0F, corners[tile + 1] - corners[tile]);
@@ -424,7 +424,10 @@ inline void make_curves_of(const CurveTables& tables, const TileTask& task, cons
     RunCurve& run = to.runs[r];
     run = {};
     if (places.begin[r + 1] == places.begin[r]) continue;
-    if (!task.shapes.shared) rough = roughness_shares<P>(tables, task.shapes[r].alpha);
+    if (!task.shapes.shared) {
+      rough = roughness_shares<P>(tables, task.shapes[r].alpha);
+      rough.first += static_cast<int>(task.shapes[r].part) * static_cast<int>(tables.log_alpha.size());
+    }
     const float* const line = &to.lines[r];
     const auto number = [&](int what) { return line[what * to.line_stride]; };
     const int direction = static_cast<int>(number(kDirection));
