@@ -56,6 +56,7 @@ struct RefineRun {
   Stage stage{};
   std::vector<Eigen::VectorXd> pointed_to{};  // by what photos neither ask for nor exclude: a lamp's size, a reach
   Eigen::VectorXd burr_trade{};               // ProfileChoice::trade
+  bool told_crowded = false;                  // choose_crossings() did
   std::optional<Uncertainty> uncertainty{};   // of the state that the run ends with, if known
 
   void tell(const char* what, double fraction) const {
@@ -243,9 +244,10 @@ void RefineRun::choose_crossings() {
     fail("--crossings", "asks for grooves to be cut where they cross, which is too often here",
          "leave it out, or measure metal and tool by a board with fewer scratches");
   if (crowded && !options.crossings) {
-    out.findings.push_back(make_warning(
-        "scratches cross one another too often to be cut where they do, so their light was added there",
-        "depth may be 5 % off by that; a board with fewer scratches, or `burin coupon`, measures metal and tool"));
+    if (!std::exchange(told_crowded, true))
+      out.findings.push_back(make_warning(
+          "scratches cross one another too often to be cut where they do, so their light was added there",
+          "depth may be 5 % off by that; a board with fewer scratches, or `burin coupon`, measures metal and tool"));
   } else if (!options.crossings) {
     weigh_photos(data, state);
     CrossingChoice choice = burin::choose_crossings(data, stage, state, progress);
@@ -280,7 +282,7 @@ void RefineRun::drop_spots() {
 void RefineRun::find_effects() {
   if (!options.fit_effects) return;
   tell("asking whether machine, face and grooves are as believed", 0);
-  set_flanks_to_ask_for(data, state);
+  if (data.model.profile.is_paper()) set_flanks_to_ask_for(data, state);
   const EffectEquations equations = effect_equations(data, stage, state, {Group::backlash, Group::grain, Group::flank});
   bool more = false;
   for (const Group group : {Group::backlash, Group::grain}) {
@@ -302,8 +304,8 @@ void RefineRun::find_effects() {
   if (other_section) find_profile();
 }
 
-// Of a cross-section that a person saw, flanks are held, and burrs where they were seen. Under surroundings the paper's
-// grooves alone are rendered.
+// Of a cross-section that a person saw, flanks are held, and burrs where they were seen. What surroundings send is held
+// while a fit goes on, so they would light the believed grooves.
 bool RefineRun::may_have_another_section() const {
   const GrooveProfile& seen = board.material.profile;
   return !data.surroundings && !seen.has_burrs();
@@ -439,8 +441,8 @@ void RefineRun::doubt_profile() {
   const std::vector<Misfit>& misfits = uncertainty->misfits;
   const auto by_lean = [](const Misfit& m) { return m.test == "across" || m.test == "highlight"; };
   if (std::none_of(misfits.begin(), misfits.end(), by_lean)) return;
-  // In coarser pixels: a cross-section of its own takes many renderings pair by pair, under a lamp with a size
-  // several times as many. It shows by directions, not by details.
+  // In coarser pixels: a cross-section of its own takes many renderings, under a lamp with a size several times as
+  // many. It shows by directions, not by details.
   std::vector<PhotoData> finest = std::exchange(data.photos, {});
   Problem at_finest = data;
   const bool with_size = std::find(data.size_sought.begin(), data.size_sought.end(), true) != data.size_sought.end() ||

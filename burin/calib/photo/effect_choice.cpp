@@ -254,10 +254,13 @@ void try_flanks(Problem& data, const Stage& stage, const std::function<void(cons
   if (clearly_better(v, best)) best = std::move(v);
 }
 
-// No burr stands higher than its groove is deep: what asks for one is something else.
+// No burr stands higher than its groove is deep, and no tool leaves a groove several times as rough one way as the
+// other: what asks for that is something else.
 bool can_be(const Trial& trial) {
+  constexpr double kMostAcross = 3;
   const auto& x = trial.state.shared;
-  return std::max(x[unknown::burrs], x[unknown::burrs + 1]) < std::exp(x[unknown::log_depth]);
+  return std::max(x[unknown::burrs], x[unknown::burrs + 1]) < std::exp(x[unknown::log_depth]) &&
+         std::abs(x[unknown::log_across]) < std::log(kMostAcross);
 }
 
 // Burrs, where they are clearly better: from several heights, the best of which is fitted to its end. Depth that varies
