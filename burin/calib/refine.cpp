@@ -114,6 +114,7 @@ struct RefineRun {
   void choose_crossings();
   void fit_middle();
   void drop_spots();
+  void drop_stray();
   void find_effects();
   bool may_have_another_section() const;
   void find_profile();
@@ -275,6 +276,24 @@ void RefineRun::drop_spots() {
     exponent = 0;
     fit(options.max_iterations, 1e-5, "fitting a bare lamp");
   }
+}
+
+// A light that nobody named, of which finer pixels leave hardly any: it explains nothing, and takes as long as a lamp.
+void RefineRun::drop_stray() {
+  constexpr double kLeastShare = 0.002;  // of the brightest lamp's, on the board's middle
+  if (!data.has_stray) return;
+  const Eigen::Vector2d half_mm = 0.5 * board.size_mm;
+  double brightest = 0;
+  for (std::size_t light = 0; light < state.lamps.size(); ++light) {
+    const Eigen::Vector3d lamp_mm = Eigen::Vector3d::Map(state.block(unknown::lamp_position, light));
+    brightest = std::max(brightest, std::exp(state.block(unknown::log_intensity, light)[0]) /
+                                        (lamp_mm - Eigen::Vector3d(half_mm.x(), half_mm.y(), 0)).squaredNorm());
+  }
+  double& irradiance = state.block(unknown::stray_light)[0];
+  if (irradiance > kLeastShare * brightest) return;
+  irradiance = 0;
+  data.has_stray = false;
+  stage.hold({Group::stray, Group::stray_size});
 }
 
 // Looked for where the fit stands without them. Backlash first: what it does to a groove is larger than what a screw
@@ -526,8 +545,10 @@ constexpr std::array kStages{&RefineRun::find_lamp,
                              &RefineRun::choose_crossings,
                              &RefineRun::fit_middle,
                              &RefineRun::drop_spots,
+                             &RefineRun::drop_stray,
                              &RefineRun::find_effects,
                              &RefineRun::fit_finest,
+                             &RefineRun::drop_stray,
                              &RefineRun::leave_out_what_lies_on_the_board,
                              &RefineRun::free_geometry,
                              &RefineRun::free_depth_field,
