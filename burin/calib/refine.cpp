@@ -278,7 +278,8 @@ void RefineRun::drop_spots() {
   }
 }
 
-// A light that nobody named, of which finer pixels leave hardly any: it explains nothing, and takes as long as a lamp.
+// A light that nobody named, of which finer pixels leave hardly any, or which they let graze the face: it explains
+// nothing, and takes as long as a lamp.
 void RefineRun::drop_stray() {
   constexpr double kLeastShare = 0.002;  // of the brightest lamp's, on the board's middle
   if (!data.has_stray) return;
@@ -290,7 +291,7 @@ void RefineRun::drop_stray() {
                                         (lamp_mm - Eigen::Vector3d(half_mm.x(), half_mm.y(), 0)).squaredNorm());
   }
   double& irradiance = state.block(unknown::stray_light)[0];
-  if (irradiance > kLeastShare * brightest) return;
+  if (irradiance > kLeastShare * brightest && !grazes(state.block(unknown::stray))) return;
   irradiance = 0;
   data.has_stray = false;
   stage.hold({Group::stray, Group::stray_size});

@@ -247,7 +247,7 @@ bool fit_stray_light(const std::vector<StrayNumbers>& places, Problem& data, Sta
   for (const StrayNumbers& place : places) {
     State trial = fitted(with, with_stray(state, place));
     const Gain gain = gain_between(before, costs_of_photos(data, trial));
-    if (!(gain.sum > most.sum)) continue;
+    if (!(gain.sum > most.sum) || grazes(trial.block(unknown::stray))) continue;
     most = gain;
     best = std::move(trial);
   }
