@@ -30,13 +30,13 @@ enum StrayNumber : std::uint8_t {
 };
 using StrayNumbers = std::array<double, kStrayNumbers>;
 
-/// Whether there is one.
 /// Whether a light by its numbers (as StrayNumbers) shines along the face, from lower than places are sought at: what a
 /// fit makes of light that comes from no lamp.
 inline bool grazes(const double* numbers) {
   constexpr double kSteepest = 5.67;  // tan 80 degrees
   return std::hypot(numbers[kStraySlopeX], numbers[kStraySlopeY]) > kSteepest;
 }
+/// Whether there is one.
 inline bool has_stray(const Unknowns& x) { return x[unknown::stray_light] > 0; }
 
 /// The lamp that these numbers make; its id is "stray".

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "burin/render/fast/groove_strips.h"
 #include "burin/render/groove.h"
@@ -23,19 +24,21 @@ Wanted wanted(const ViewScene& scene, const Scratches& s) {
     out.least = *low;
     out.most = *high;
   }
-  const GrooveProfile& profile = scene.material.profile;
-  for (std::size_t i = 0; i < (s.depth_um.empty() && s.width_um.empty() ? 1 : s.size()); ++i) {
-    const double width = s.width_um.empty() ? scene.tool_width_um : s.width_um[i],
-                 depth = s.depth_um.empty() ? scene.material.depth_um : s.depth_um[i];
-    out.rim = std::max(out.rim, profile.is_paper() ? groove_rim(width, depth)
-                                                   : 2 / GrooveStrips::unit_um(profile, scene.tool_width_um, width) *
-                                                         half_width_um(profile, width, depth));
+  const auto each = [](const std::vector<double>& own, const double& shared) {
+    return own.empty() ? std::span(&shared, 1) : std::span<const double>(own);
+  };
+  const auto widths = each(s.width_um, scene.tool_width_um), depths = each(s.depth_um, scene.material.depth_um);
+  if (!scene.material.profile.is_paper()) {
+    out.rim = GrooveStrips().measure({&scene.material.profile, scene.tool_width_um, widths, depths, {}});
+    return out;
   }
+  for (std::size_t i = 0; i < std::max(widths.size(), depths.size()); ++i)
+    out.rim = std::max(out.rim, groove_rim(widths[widths.size() == 1 ? 0 : i], depths[depths.size() == 1 ? 0 : i]));
   return out;
 }
 
 // How steep walls are at most.
-double steepest_lean(const ViewScene& scene, double rim) {
+double steepest_wall(const ViewScene& scene, double rim) {
   const GrooveProfile& profile = scene.material.profile;
   const double highest = std::max(profile.burr_left_um, profile.burr_right_um);
   const double burr = highest > 0 ? burr_lean(highest, profile.burr_width_um, -0.5 * profile.burr_width_um) : 0;
@@ -51,7 +54,7 @@ TableRange table_range(const ViewScene& scene, const Scratches& scratches, bool 
     out.steepest_t = out.rim = std::min(0.99, 1.02 * rim);
   } else {
     out.rim = 1.02 * rim;
-    out.steepest_t = std::min(0.99, std::tan(0.5 * steepest_lean(scene, out.rim)));
+    out.steepest_t = std::min(0.99, std::tan(0.5 * steepest_wall(scene, out.rim)));
   }
   if (!by_alpha && !(most > least * (1 + 1e-9))) {
     out.alphas = {least};
