@@ -39,6 +39,10 @@ namespace burin {
 
 namespace {
 
+// Pieces of grooves that are cut where they cross: photos of a few times as many take minutes at each step, and tell
+// hardly more.
+constexpr double kMostLookedAt = 100'000;
+
 // One refinement on its way: what is known so far, and the stages that lead to its end, in the order of kStages.
 struct RefineRun {
   std::span<const MergedView> merged;
@@ -64,7 +68,15 @@ struct RefineRun {
   }
   double blur_px() const { return std::exp(state.shared[unknown::log_blur]); }
 
-  void look_at_photos(int bin) { data.photos = photos_at(views, bin, board, out.bench, blur_px()); }
+  void look_at_photos(int bin) {
+    data.photos = photos_at(views, bin, board, out.bench, blur_px());
+    sample_what_is_cut();
+  }
+
+  // Lights of grooves that add are quickly rendered.
+  void sample_what_is_cut() {
+    if (data.model.crossings != Crossings::add) look_at_sample(kMostLookedAt, state, data);
+  }
 
   // Of lamps that no person told it of; where it was found before, it is sought on.
   void seek_sizes() {
@@ -117,6 +129,7 @@ struct RefineRun {
   void drop_stray();
   void find_effects();
   bool may_have_another_section() const;
+  std::optional<double> take_profile();
   void find_profile();
   void fit_finest();
   void leave_out_what_lies_on_the_board();
@@ -126,6 +139,7 @@ struct RefineRun {
   void glare_at(const Glare& glare);
   void shape_glare();
   void find_stray();
+  bool explained_by_profile(const std::vector<StrayNumbers>& places);
   void doubt_profile();
   void keep_what_is_believed();
   void judge();
@@ -256,6 +270,7 @@ void RefineRun::choose_crossings() {
     state = std::move(choice.state);
   }
   out.bench.crossings = data.model.crossings;
+  sample_what_is_cut();
 }
 
 void RefineRun::fit_middle() {
@@ -302,7 +317,8 @@ void RefineRun::drop_stray() {
 void RefineRun::find_effects() {
   if (!options.fit_effects) return;
   tell("asking whether machine, face and grooves are as believed", 0);
-  if (data.model.profile.is_paper()) set_flanks_to_ask_for(data, state);
+  const bool is_paper = data.model.profile.is_paper();  // else one was found already, or is believed
+  if (is_paper) set_flanks_to_ask_for(data, state);
   const EffectEquations equations = effect_equations(data, stage, state, {Group::backlash, Group::grain, Group::flank});
   bool more = false;
   for (const Group group : {Group::backlash, Group::grain}) {
@@ -310,8 +326,8 @@ void RefineRun::find_effects() {
     stage.free(group);
     more = true;
   }
-  const bool other_section =
-      may_have_another_section() && (board.said.profile || photos_ask_for(data, state, equations, Group::flank));
+  const bool other_section = may_have_another_section() &&
+                             (board.said.profile || (is_paper && photos_ask_for(data, state, equations, Group::flank)));
   if (more) fit(options.max_iterations, 1e-5, "fitting backlash and the face's direction");
   tell("asking whether the machine's screws are uneven", 0);
   if (start_screws(data, state)) {
@@ -331,16 +347,22 @@ bool RefineRun::may_have_another_section() const {
   return !data.surroundings && !seen.has_burrs();
 }
 
-// Photos ask for another cross-section than the paper's: which. (Of one that board.json gives: its burrs.)
-void RefineRun::find_profile() {
+// Photos ask for another cross-section than the paper's: which. (Of one that board.json gives: its burrs.) What it
+// leaves of a sample (kMostTried); none where there is none.
+std::optional<double> RefineRun::take_profile() {
   const auto tried = [&](const char* what, double share) { tell(what, share); };
   const ProfileChoice choice = choose_profile(data, stage, state, options.fit_fields, tried);
-  if (choice.profile.is_paper()) return;
+  if (choice.profile.is_paper()) return std::nullopt;
   for (PhotoData& photo : data.photos) photo.profile = choice.profile;
   data.model.profile = out.bench.material.profile = choice.profile;
   state = choice.state;
   burr_trade = choice.trade;
   for (const Group group : choice.free) stage.free(group);
+  return choice.cost;
+}
+
+void RefineRun::find_profile() {
+  if (!take_profile()) return;
   choose_crossings();  // anew: rims that are cut away and rims that never were look alike
   fit(options.max_iterations, 1e-5, "fitting the grooves' cross-section");
 }
@@ -442,11 +464,42 @@ void RefineRun::shape_glare() {
 void RefineRun::find_stray() {
   if (!options.fit_effects || data.surroundings || data.has_stray) return;
   weigh_photos(data, state);
-  const std::vector<StrayNumbers> places = likely_stray_lights(data, stage, state, progress);
+  std::vector<StrayNumbers> places = likely_stray_lights(data, stage, state, progress);
+  if (!places.empty() && explained_by_profile(places)) {
+    fit(options.max_iterations, 1e-4, "fitting coarse photos and the grooves' cross-section");
+    Problem seen = data;
+    look_at_sample(kMostTried, state, seen);
+    places = likely_stray_lights(seen, stage, state, progress);
+  }
   if (places.empty()) return;
   glare_at(usual_glare(out.bench.lens));  // which might explain the same light
   if (!fit_stray_light(places, data, stage, state, progress)) return;
   fit(options.max_iterations, 1e-4, "fitting coarse photos and light that nobody named");
+}
+
+// Grooves of another cross-section send light where the paper's send none, too, and are commoner than lamps that nobody
+// named: takes one if it leaves less of the photos than such a lamp does. Else all stays as it was, and cross-sections
+// are asked for in their turn.
+bool RefineRun::explained_by_profile(const std::vector<StrayNumbers>& places) {
+  if (!may_have_another_section() || !data.model.profile.is_paper()) return false;
+  const Problem problem_before = data;
+  const Stage stage_before = stage;
+  const State state_before = state;
+  choose_crossings();  // rims that are cut away look like another cross-section
+  Problem seen = data;
+  const State crossed = state;
+  const Stage stage_seen = look_at_sample(kMostTried, state, seen) ? stage_of_sample(stage) : stage;
+  constexpr int kIterations = 8;  // as many as cross-sections are tried with
+  if (const std::optional<double> cost = take_profile();
+      cost && *cost < cost_with_stray(places, std::move(seen), stage_seen, crossed, kIterations, progress))
+    return true;
+  data = problem_before;
+  stage = stage_before;
+  state = state_before;
+  out.bench.material.profile = data.model.profile;
+  out.bench.crossings = data.model.crossings;
+  burr_trade = {};
+  return false;
 }
 
 // Burrs do not show by flanks, which is how photos are asked first: they do where pixels contradict each other by how

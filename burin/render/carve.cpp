@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 #include "burin/render/error.h"
 #include "burin/render/groove_profile.h"
@@ -66,15 +67,32 @@ void apply_field(const GrooveField& field, double shared, double most, const Vec
   }
 }
 
-// Grooves that uneven screws bend, as straight pieces in carving order: piece k is a part of row `source[k]`, from
-// begin[k] to end[k] of it.
-struct Bent {
+// Straight pieces of grooves in carving order: piece k is a part of row `source[k]`, from begin[k] to end[k] of it.
+struct GrooveParts {
   Scratches pieces;
   std::vector<std::uint32_t> source;
   std::vector<double> begin, end;
+
+  void add(std::size_t row, double from, double to, const Vector2d& p0, const Vector2d& p1) {
+    source.push_back(static_cast<std::uint32_t>(row));
+    begin.push_back(from);
+    end.push_back(to);
+    pieces.x0_mm.push_back(p0.x());
+    pieces.y0_mm.push_back(p0.y());
+    pieces.x1_mm.push_back(p1.x());
+    pieces.y1_mm.push_back(p1.y());
+  }
+  // What rows have of their own, all along them.
+  void follow(const Scratches& rows) {
+    for (const auto column : {&Scratches::width_um, &Scratches::depth_um, &Scratches::alpha, &Scratches::carved})
+      if (!(rows.*column).empty())
+        for (const std::uint32_t row : source) (pieces.*column).push_back((rows.*column)[row]);
+  }
 };
-Bent bent_grooves(const Scratches& placed, const Scratches& told, const Bench& bench) {
-  Bent out;
+
+// Grooves that uneven screws bend.
+GrooveParts bent_grooves(const Scratches& placed, const Scratches& told, const Bench& bench) {
+  GrooveParts out;
   for (std::size_t i = 0; i < placed.size(); ++i) {
     const Vector2d t0 = first_end(told, i), t1 = last_end(told, i);
     const int n = placed.is_carved(i) ? 1 : pieces_for(bench.machine_errors, t0, t1);
@@ -82,44 +100,77 @@ Bent bent_grooves(const Scratches& placed, const Scratches& told, const Bench& b
     for (int k = 1; k <= n; ++k) {
       const double at = static_cast<double>(k) / n;
       const Vector2d to = k == n ? last_end(placed, i) : carved_end(bench, t0 + at * (t1 - t0), t1 - t0);
-      out.source.push_back(static_cast<std::uint32_t>(i));
-      out.begin.push_back(static_cast<double>(k - 1) / n);
-      out.end.push_back(at);
-      out.pieces.x0_mm.push_back(from.x());
-      out.pieces.y0_mm.push_back(from.y());
-      out.pieces.x1_mm.push_back(to.x());
-      out.pieces.y1_mm.push_back(to.y());
+      out.add(i, static_cast<double>(k - 1) / n, at, from, to);
       from = to;
     }
   }
-  const auto follow = [&](const auto& own, auto& to) {
-    if (own.empty()) return;
-    for (const std::uint32_t row : out.source) to.push_back(own[row]);
-  };
-  follow(placed.width_um, out.pieces.width_um);
-  follow(placed.depth_um, out.pieces.depth_um);
-  follow(placed.alpha, out.pieces.alpha);
-  follow(placed.carved, out.pieces.carved);
+  out.follow(placed);
   return out;
 }
 
-// The told rows that pieces of bent grooves belong to, instead of the straight pieces that were carved from them.
-void name_sources(const Bent& bent, Carved& carved) {
+// What of each row lies in any of the boxes, in the order along it.
+GrooveParts parts_within(const Scratches& rows, std::span<const Eigen::AlignedBox2d> boxes) {
+  struct Stretch {
+    double from, to;
+  };
+  GrooveParts out;
+  std::vector<Stretch> inside;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Vector2d p0 = first_end(rows, i), along = last_end(rows, i) - p0;
+    inside.clear();
+    for (const Eigen::AlignedBox2d& box : boxes) {
+      Stretch stretch{0, 1};
+      for (int axis = 0; axis < 2; ++axis) {
+        const double low = box.min()[axis] - p0[axis], high = box.max()[axis] - p0[axis];
+        if (along[axis] == 0) {
+          if (low > 0 || high < 0) stretch.to = -1;
+          continue;
+        }
+        const auto [enters, leaves] = std::minmax({low / along[axis], high / along[axis]});
+        stretch = {std::max(stretch.from, enters), std::min(stretch.to, leaves)};
+      }
+      if (stretch.from < stretch.to) inside.push_back(stretch);
+    }
+    std::sort(inside.begin(), inside.end(), [](const Stretch& a, const Stretch& b) { return a.from < b.from; });
+    for (std::size_t k = 0; k < inside.size();) {
+      Stretch whole = inside[k];
+      for (++k; k < inside.size() && inside[k].from <= whole.to; ++k) whole.to = std::max(whole.to, inside[k].to);
+      out.add(i, whole.from, whole.to, p0 + whole.from * along, p0 + whole.to * along);
+    }
+  }
+  out.follow(rows);
+  return out;
+}
+
+// GrooveParts of parts, as parts of the rows that those are of.
+GrooveParts of_rows(const GrooveParts& of, GrooveParts parts) {
+  for (std::size_t k = 0; k < parts.source.size(); ++k) {
+    const std::uint32_t piece = parts.source[k];
+    const double length = of.end[piece] - of.begin[piece];
+    parts.begin[k] = of.begin[piece] + parts.begin[k] * length;
+    parts.end[k] = of.begin[piece] + parts.end[k] * length;
+    parts.source[k] = of.source[piece];
+  }
+  return parts;
+}
+
+// The told rows that parts of grooves belong to, instead of the parts that were carved.
+void name_sources(const GrooveParts& parts, Carved& carved) {
   if (carved.source.empty()) {
-    carved.source = bent.source;
-    for (std::size_t k = 0; k < bent.source.size(); ++k) {
-      carved.begin.push_back({bent.begin[k], Boundary::own_end, 0});
-      carved.end.push_back({bent.end[k], Boundary::own_end, 0});
+    carved.source = parts.source;
+    for (std::size_t k = 0; k < parts.source.size(); ++k) {
+      carved.begin.push_back({parts.begin[k], Boundary::own_end, 0});
+      carved.end.push_back({parts.end[k], Boundary::own_end, 0});
     }
     return;
   }
   for (std::size_t k = 0; k < carved.size(); ++k) {
     const std::uint32_t piece = carved.source[k];
     for (PieceEnd* end : {&carved.begin[k], &carved.end[k]}) {
-      end->at = bent.begin[piece] + end->at * (bent.end[piece] - bent.begin[piece]);
-      end->cutter = bent.source[end->cutter];
+      end->at = parts.begin[piece] + end->at * (parts.end[piece] - parts.begin[piece]);
+      end->cutter = parts.source[end->cutter];
     }
-    carved.source[k] = bent.source[piece];
+    carved.source[k] = parts.source[piece];
   }
 }
 
@@ -129,19 +180,25 @@ constexpr double kMostDepth_um = 1e9, kMostAlpha = 1;
 
 // Depths, roughnesses and crossings of scratches that have come to their places in the metal.
 // `told`: what the machine was told, where its screws bend the grooves.
-Carved grooves_at(Scratches placed, const Bench& bench, const Board& board, const Scratches* told = nullptr) {
+Carved grooves_at(Scratches placed, const Bench& bench, const Board& board, const Scratches* told = nullptr,
+                  std::span<const Eigen::AlignedBox2d> looked_at = {}) {
   if (!bench.depth_field.is_constant() || !bench.alpha_field.is_constant()) {
     const std::vector<double> age = ages_of(placed);
     apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, placed, placed.depth_um);
     apply_field(bench.alpha_field, bench.material.alpha, kMostAlpha, board.size_mm, age, placed, placed.alpha);
   }
-  Bent bent;
+  std::optional<GrooveParts> parts;
   if (told != nullptr) {
-    bent = bent_grooves(placed, *told, bench);
-    placed = std::move(bent.pieces);
+    parts = bent_grooves(placed, *told, bench);
+    placed = std::move(parts->pieces);
+  }
+  if (!looked_at.empty()) {
+    GrooveParts within = parts_within(placed, looked_at);
+    placed = std::move(within.pieces);
+    parts = parts ? of_rows(*parts, std::move(within)) : std::move(within);
   }
   Carved out = crossed(std::move(placed), bench, board);
-  if (told != nullptr) name_sources(bent, out);
+  if (parts) name_sources(*parts, out);
   return out;
 }
 
@@ -290,7 +347,7 @@ Sent compensated(const Designed& designed, const Bench& bench, const Board& boar
   return sent;
 }
 
-Carved carve(const Sent& sent, const Bench& bench, const Board& board) {
+Carved carve(const Sent& sent, const Bench& bench, const Board& board, std::span<const Eigen::AlignedBox2d> looked_at) {
   Scratches placed = sent.scratches;
   move_new_rows(placed, [&](const Vector2d& p, const Vector2d& way) { return carved_end(bench, p, way); });
   for (std::size_t i = 0; i < placed.size(); ++i) {
@@ -299,7 +356,8 @@ Carved carve(const Sent& sent, const Bench& bench, const Board& board) {
     if (!placed.alpha.empty())
       placed.alpha[i] = std::min(kMostAlpha, placed.alpha[i] * bench.material.alpha / board.material.alpha);
   }
-  return grooves_at(std::move(placed), bench, board, bench.machine_errors.uneven() ? &sent.scratches : nullptr);
+  return grooves_at(std::move(placed), bench, board, bench.machine_errors.uneven() ? &sent.scratches : nullptr,
+                    looked_at);
 }
 
 Carved carve(const Designed& designed, const Bench& bench, const Board& board) {

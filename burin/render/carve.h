@@ -12,7 +12,9 @@
 // what happens where grooves cross, and what is carved already. Rows are in carving order.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -66,8 +68,10 @@ struct Carved {
 /// cannot be inverted.
 Sent compensated(const Designed& designed, const Bench& bench, const Board& board);
 
-/// What the machine of this bench makes of what it was told.
-Carved carve(const Sent& sent, const Bench& bench, const Board& board);
+/// What the machine of this bench makes of what it was told. Of a board that is looked at in places: what of the
+/// grooves lies in any of these boxes, and is cut by others there.
+Carved carve(const Sent& sent, const Bench& bench, const Board& board,
+             std::span<const Eigen::AlignedBox2d> looked_at = {});
 
 /// What becomes of a design whose tool path compensates this bench's map: carve(compensated(designed)), but for the
 /// last bit. Where a bench has no fields and its grooves add, this is the design as it stands.

@@ -402,13 +402,16 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
   return out;
 }
 
-double expected_pieces(const Scratches& scratches, double area_mm2) {
+double expected_pieces(double length_mm, double area_mm2) {
   constexpr double kPiecesACrossing = 2;  // of each of the two
-  double length = 0;
+  return kPiecesACrossing * 2 / std::numbers::pi * length_mm * length_mm / std::max(area_mm2, 1e-9);
+}
+
+double expected_pieces(const Scratches& scratches, double area_mm2) {
+  double length_mm = 0;
   for (std::size_t i = 0; i < scratches.size(); ++i)
-    length += std::hypot(scratches.x1_mm[i] - scratches.x0_mm[i], scratches.y1_mm[i] - scratches.y0_mm[i]);
-  const double crossings = 2 / std::numbers::pi * length * length / std::max(area_mm2, 1e-9);
-  return static_cast<double>(scratches.size()) + kPiecesACrossing * crossings;
+    length_mm += std::hypot(scratches.x1_mm[i] - scratches.x0_mm[i], scratches.y1_mm[i] - scratches.y0_mm[i]);
+  return static_cast<double>(scratches.size()) + expected_pieces(length_mm, area_mm2);
 }
 
 }  // namespace burin

@@ -66,5 +66,7 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
 /// (2 / pi) (all their lengths)^2 / area others together: two a crossing, up to five where crossings are few and one
 /// where they crowd.
 double expected_pieces(const Scratches& scratches, double area_mm2);
+/// What crossings add to the count of grooves that are this long together.
+double expected_pieces(double length_mm, double area_mm2);
 
 }  // namespace burin

@@ -29,6 +29,15 @@ constexpr std::array<Column, 8> kColumns{{{"x0_mm", &Scratches::x0_mm, true, fal
                                           {"alpha", &Scratches::alpha, false, true},
                                           {"carved", &Scratches::carved, false, false}}};
 
+/// All columns, those that are not in files too.
+constexpr std::array<std::vector<double> Scratches::*, kColumns.size() + 1> all_columns() {
+  std::array<std::vector<double> Scratches::*, kColumns.size() + 1> out{};
+  for (std::size_t i = 0; i < kColumns.size(); ++i) out[i] = kColumns[i].values;
+  out.back() = &Scratches::left;
+  return out;
+}
+constexpr auto kAllColumns = all_columns();
+
 /// The columns of the table, in its order.
 std::vector<const Column*> columns_of(const TableReader& table) {
   constexpr const char* kRemedy =
@@ -107,10 +116,10 @@ void write_scratches(const Scratches& scratches, const std::filesystem::path& fi
 
 Scratches selected(const Scratches& scratches, std::span<const std::size_t> rows) {
   Scratches out;
-  for (const Column& column : kColumns) {
-    const std::vector<double>& from = scratches.*column.values;
+  for (const auto column : kAllColumns) {
+    const std::vector<double>& from = scratches.*column;
     if (from.empty()) continue;
-    std::vector<double>& to = out.*column.values;
+    std::vector<double>& to = out.*column;
     to.reserve(rows.size());
     for (const std::size_t row : rows) to.push_back(from[row]);
   }
@@ -119,14 +128,15 @@ Scratches selected(const Scratches& scratches, std::span<const std::size_t> rows
 
 Scratches joined(const Scratches& first, const Scratches& second, double width_um, double depth_um, double alpha) {
   Scratches out = first;
-  const auto shared = [&](const Column& column) {
-    if (column.values == &Scratches::width_um) return width_um;
-    if (column.values == &Scratches::depth_um) return depth_um;
-    return column.values == &Scratches::alpha ? alpha : 0.0;
+  const auto shared = [&](std::vector<double> Scratches::*column) {
+    if (column == &Scratches::width_um) return width_um;
+    if (column == &Scratches::depth_um) return depth_um;
+    if (column == &Scratches::left) return 1.0;
+    return column == &Scratches::alpha ? alpha : 0.0;
   };
-  for (const Column& column : kColumns) {
-    std::vector<double>& to = out.*column.values;
-    const std::vector<double>& more = second.*column.values;
+  for (const auto column : kAllColumns) {
+    std::vector<double>& to = out.*column;
+    const std::vector<double>& more = second.*column;
     if (to.empty() && more.empty()) continue;
     if (to.empty()) to.assign(first.size(), shared(column));
     to.insert(to.end(), more.begin(), more.end());

@@ -6,8 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <random>
 
 #include "burin/render/error.h"
@@ -155,6 +158,73 @@ TEST(Carve, WhatIsInTheMetalStaysAndLiesUnderWhatComesAfter) {
     const double half_mm = 1e-3 * half_width_um(board.tool_width_um, carved.scratches.depth_um[2]);
     const double gap = carved.scratches.y0_mm[1] - carved.scratches.y1_mm[0];
     EXPECT_NEAR(gap, 2 * half_mm, 1e-3 * half_mm);
+  }
+}
+
+// What photos of a part of the board need: inside the boxes the metal is the whole's, whoever ends or is cut outside.
+TEST(Carve, InPlacesThatAreLookedAtGroovesAreThoseOfTheWhole) {
+  const Board board = small_board();
+  Bench bench = worn_bench();
+  bench.material.profile.burr_left_um = 2;
+  bench.machine_errors.backlash_mm = {0.05, 0.02};
+  bench.machine_errors.screw_sin_mm = {0.02, 0.01};
+  bench.machine_errors.screw_period_mm = {3, 4};
+  const Sent sent(strewn(400, 11));
+  const Eigen::AlignedBox2d left(Eigen::Vector2d(15, 12), Eigen::Vector2d(30, 30)),
+      overlapping(Eigen::Vector2d(25, 20), Eigen::Vector2d(38, 33));
+  const std::array places{left, overlapping};
+  const auto inside = [&](const Eigen::Vector2d& p) {  // further from a side than a groove is wide
+    const Eigen::Vector2d rim(0.5, 0.5);
+    return std::any_of(places.begin(), places.end(), [&](const Eigen::AlignedBox2d& box) {
+      return ((p - rim).array() > box.min().array()).all() && ((p + rim).array() < box.max().array()).all();
+    });
+  };
+  for (const Crossings rule : {Crossings::add, Crossings::last, Crossings::deepest}) {
+    bench.crossings = rule;
+    // Of each row, summed over what lies inside, however it is cut.
+    const auto rows = [&](const Carved& carved) {
+      std::map<std::uint32_t, Eigen::Vector3d> out;  // length, and the same times depth and what is left
+      const Scratches& s = carved.scratches;
+      for (std::size_t i = 0; i < carved.size(); ++i) {
+        const Eigen::Vector2d p0(s.x0_mm[i], s.y0_mm[i]), p1(s.x1_mm[i], s.y1_mm[i]);
+        constexpr int kSteps = 400;
+        int count = 0;
+        for (int k = 0; k < kSteps; ++k) count += inside(p0 + (k + 0.5) / kSteps * (p1 - p0)) ? 1 : 0;
+        if (count == 0) continue;
+        const double length = (p1 - p0).norm() * count / kSteps;
+        const double left_of = s.left.empty() ? 1 : s.left[i], depth = s.depth_um[i];
+        out.try_emplace(carved.source[i], Eigen::Vector3d::Zero()).first->second +=
+            length * Eigen::Vector3d(1, depth, left_of);
+      }
+      return out;
+    };
+    const auto whole = rows(carve(sent, bench, board)), part = rows(carve(sent, bench, board, places));
+    ASSERT_EQ(whole.size(), part.size());
+    EXPECT_GT(whole.size(), 60U);
+    EXPECT_LT(whole.size(), sent.size());
+    for (const auto& [row, sums] : whole) {
+      ASSERT_TRUE(part.count(row)) << row;
+      const Eigen::Vector3d other = part.at(row);
+      for (int i = 0; i < 3; ++i) EXPECT_NEAR(sums[i], other[i], 0.01 * sums[i] + 0.02) << row << ' ' << i;
+    }
+  }
+}
+
+TEST(Carve, PiecesInPlacesKnowWhereAlongTheirRowsTheyLie) {
+  const Board board = small_board();
+  Bench bench;
+  bench.crossings = Crossings::last;
+  const Sent sent(strewn(200, 12));
+  const std::array places{Eigen::AlignedBox2d(Eigen::Vector2d(20, 15), Eigen::Vector2d(60, 30))};
+  const Carved carved = carve(sent, bench, board, places);
+  ASSERT_GT(carved.size(), 100U);
+  const Scratches &s = sent.scratches, &pieces = carved.scratches;
+  for (std::size_t k = 0; k < carved.size(); ++k) {
+    const std::uint32_t row = carved.source[k];
+    const Eigen::Vector2d p0(s.x0_mm[row], s.y0_mm[row]), along(s.x1_mm[row] - p0.x(), s.y1_mm[row] - p0.y());
+    const Eigen::Vector2d from = p0 + carved.begin[k].at * along, to = p0 + carved.end[k].at * along;
+    EXPECT_NEAR((from - Eigen::Vector2d(pieces.x0_mm[k], pieces.y0_mm[k])).norm(), 0, 1e-9);
+    EXPECT_NEAR((to - Eigen::Vector2d(pieces.x1_mm[k], pieces.y1_mm[k])).norm(), 0, 1e-9);
   }
 }
 

@@ -9,8 +9,10 @@
 
 #include <Eigen/Dense>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "burin/render/error.h"
 #include "tests/temporary_folder.h"
@@ -92,6 +94,25 @@ TEST(Scratches, FaultyLinesAreNamed) {
   expect("x0_mm,y0_mm,x1_mm,y1_mm,alpha\n1,2,3,4,1.5\n", HasSubstr("alpha is greater than 1"));
   expect("", HasSubstr("x0_mm is missing"));
   expect("1,2,3,4\n", HasSubstr("unknown column \"1\""));
+}
+
+TEST(Scratches, ChosenAndJoinedRowsKeepAllTheyHave) {
+  Scratches s;
+  double next = 1;
+  for (const auto column :
+       {&Scratches::x0_mm, &Scratches::y0_mm, &Scratches::x1_mm, &Scratches::y1_mm, &Scratches::width_um,
+        &Scratches::depth_um, &Scratches::alpha, &Scratches::carved, &Scratches::left})
+    for (int row = 0; row < 3; ++row) (s.*column).push_back(0.01 * next++);
+  const std::array<std::size_t, 2> rows{2, 0};
+  const Scratches chosen = selected(s, rows);
+  EXPECT_EQ(chosen.y0_mm, (std::vector<double>{s.y0_mm[2], s.y0_mm[0]}));
+  EXPECT_EQ(chosen.left, (std::vector<double>{s.left[2], s.left[0]}));
+
+  Scratches plain;
+  plain.x0_mm = plain.y0_mm = plain.x1_mm = plain.y1_mm = {1};
+  const Scratches both = joined(plain, s, 300, 12, 0.05);
+  EXPECT_EQ(both.width_um, (std::vector<double>{300, s.width_um[0], s.width_um[1], s.width_um[2]}));
+  EXPECT_EQ(both.left, (std::vector<double>{1, s.left[0], s.left[1], s.left[2]}));
 }
 
 TEST(Scratches, NothingUnusableIsWritten) {

@@ -299,20 +299,24 @@ void try_across(Problem& data, const Stage& stage, const std::function<void(cons
 
 }  // namespace
 
-ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& state, bool may_vary,
+ProfileChoice choose_profile(const Problem& data, const Stage& stage, const State& state, bool may_vary,
                              const std::function<void(const char*, double)>& told) {
-  const GrooveProfile paper = data.model.profile;
-  Trial best{paper, state, {}, {}, 0};
-  set_profile(data, paper, best.state);
-  add_costs(data, best);
   constexpr std::size_t kFewestViews = 3;
-  if (data.photos.size() < kFewestViews) return {paper, state, {}, {}};
+  const GrooveProfile& paper = data.model.profile;
+  if (data.photos.size() < kFewestViews) return {paper, state, 0, {}, {}};
+  Problem seen = data;
+  const bool all = !look_at_sample(kMostTried, state, seen);
+  const Stage freed = all ? stage : stage_of_sample(stage);
+  Trial best{paper, state, {}, {}, 0};
+  set_profile(seen, paper, best.state);
+  if (!all) solve(seen, freed, kFirst, 1e-4, best.state, {}, "");  // at its own end, as the whole is at its
+  add_costs(seen, best);
   // Flanks from steep (an arc) to shallow, each fitted a little; then the best of them to its end.
-  if (paper.kind == GrooveProfile::Kind::paper) try_flanks(data, stage, told, best);
+  if (paper.kind == GrooveProfile::Kind::paper) try_flanks(seen, freed, told, best);
 
   const auto without_burrs = best.state.shared;
   const std::size_t told_without = best.free.size();
-  try_burrs(data, stage, may_vary, told, best);
+  try_burrs(seen, freed, may_vary, told, best);
   Eigen::VectorXd trade;
   if (best.free.size() > told_without) {
     trade.setZero(global_count(state.lamps.size()));
@@ -324,10 +328,17 @@ ProfileChoice choose_profile(Problem& data, const Stage& stage, const State& sta
     for (const int i : {unknown::burrs, unknown::burrs + 1}) trade[i] = kOfHeight;
     trade[unknown::burr_width] = kOfWidth;
   }
-  try_across(data, stage, told, best);
+  try_across(seen, freed, told, best);
   const GrooveProfile chosen = profile_of(best.profile, best.state.shared);
-  set_profile(data, chosen, best.state);
-  return {chosen, best.state, best.free, trade};
+  set_profile(seen, chosen, best.state);
+  if (all) return {chosen, best.state, best.cost, best.free, trade};
+  State whole = state;  // with what a sample tells of it
+  constexpr std::array kOfGrooves{Group::groove, Group::flank, Group::burrs, Group::across};
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    if (std::find(kOfGrooves.begin(), kOfGrooves.end(), row.group) != kOfGrooves.end())
+      std::copy_n(best.state.block(first), row.size, whole.block(first));
+  });
+  return {chosen, whole, best.cost, best.free, trade};
 }
 
 }  // namespace burin

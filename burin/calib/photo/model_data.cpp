@@ -29,11 +29,12 @@ Bench bench_at(const ModelData& model, const Unknowns& x) {
 }
 
 double expected_pieces(const ModelData& model) {
+  if (!model.sample.is_whole()) return model.sample.pieces;
   return expected_pieces(model.sent->scratches, (model.board->carve_max_mm - model.board->carve_min_mm).prod());
 }
 
 Carved carved_at(const ModelData& model, const Unknowns& x) {
-  return carve(*model.sent, bench_at(model, x), *model.board);
+  return carve(*model.sent, bench_at(model, x), *model.board, model.sample.surroundings);
 }
 
 Carved carved_pieces(const ModelData& model, const Unknowns& x) {

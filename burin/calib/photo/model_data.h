@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "burin/calib/photo/board_sample.h"
 #include "burin/calib/photo/unknowns.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
@@ -20,6 +21,7 @@ struct ModelData {
   /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
   std::array<double, GrooveField::kTerms> alpha_field{};
   Crossings crossings = Crossings::add;  ///< overlap: see burin/render/carve.h
+  BoardSample sample{};                  ///< what photos look at, and carved_at() carves
   GrooveProfile profile;                 ///< its kind; its numbers are unknowns
   Eigen::Vector2d center_mm{0, 0};       ///< of the carve area
   double f0 = 0.92;                      ///< mean of the channels
@@ -30,7 +32,7 @@ struct ModelData {
   double alpha_jitter2_sigma = 0, depth_jitter2_sigma = 0;
 };
 
-/// expected_pieces() of all that was sent, over the carve area.
+/// expected_pieces() of what was sent over the carve area, as far as it is looked at.
 double expected_pieces(const ModelData& model);
 
 /// The terms of the field of depth.
@@ -39,7 +41,8 @@ std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x);
 /// The bench that the unknowns make, as far as carving asks.
 Bench bench_at(const ModelData& model, const Unknowns& x);
 
-/// The scratches as carved under these unknowns, cut where others rule if the model says so.
+/// The scratches as carved under these unknowns, cut where others rule if the model says so; in its sample's
+/// surroundings, where it has one.
 Carved carved_at(const ModelData& model, const Unknowns& x);
 
 /// The same with the scratch that each is a piece of, and with a depth and a roughness for each.

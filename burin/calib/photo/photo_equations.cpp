@@ -349,6 +349,7 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
   if (divisor >= photo.bin) return;
   const int parts = photo.bin / divisor;
   PhotoData fine = photo_without_weights(binned(whole, divisor), divisor, board, bench);
+  if (!model.sample.is_whole()) fine.scene.grid = share(footprints_of(model.sample, *fine.scene.grid));
   light_around(x, carved, fine);
   const Image light = rendered_light(fine, x, carved, falloff_image(fine, x));
   const Image on_binned = value_of_light(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));

@@ -183,6 +183,54 @@ std::vector<PhotoData> photos_at(const std::vector<LightView>& views, int bin, c
   return photos;
 }
 
+namespace {
+
+// The longest side of a footprint that counts.
+double largest_footprint_mm(const PhotoData& photo) {
+  const FootprintGrid& grid = *photo.scene.grid;
+  const auto row = static_cast<std::size_t>(grid.width()) + 1;
+  double longest = 0;
+  for (std::size_t i = 0; i < photo.weight.size(); ++i) {
+    if (!(photo.weight[i] > 0)) continue;
+    const std::size_t corner = i / grid.width() * row + i % grid.width();
+    for (const std::size_t next : {corner + 1, corner + row})
+      longest = std::max(longest, std::hypot(grid.corner_x_mm[next] - grid.corner_x_mm[corner],
+                                             grid.corner_y_mm[next] - grid.corner_y_mm[corner]));
+  }
+  return longest;
+}
+
+}  // namespace
+
+void show_only(const BoardSample& sample, PhotoData& photo) {
+  if (sample.is_whole()) return;
+  photo.scene.grid = share(footprints_of(sample, *photo.scene.grid));
+  for (std::size_t i = 0; i < photo.weight.size(); ++i)
+    if (photo.weight[i] > 0 && !sample.holds(footprint_middle_mm(*photo.scene.grid, i))) photo.weight[i] = 0;
+}
+
+bool look_at_sample(double most_pieces, const State& state, Problem& data) {
+  const Board& board = *data.model.board;
+  BoardSample sample = sample_of(data.model.sent->scratches, board, most_pieces);
+  if (sample.is_whole()) return false;
+  const double blur_px = std::exp(state.shared[unknown::log_blur]);
+  double reach_mm = 0;
+  for (const PhotoData& photo : data.photos)
+    reach_mm = std::max(reach_mm, (1.5 + 3 * blur_px / photo.bin) * largest_footprint_mm(photo));
+  reach_mm += 1e-3 * board.tool_width_um;
+  for (const Eigen::AlignedBox2d& square : sample.squares)
+    sample.surroundings.emplace_back((square.min().array() - reach_mm).matrix(),
+                                     (square.max().array() + reach_mm).matrix());
+  for (PhotoData& photo : data.photos) show_only(sample, photo);
+  data.model.sample = std::move(sample);
+  return true;
+}
+
+Stage stage_of_sample(Stage stage) {
+  stage.hold({Group::base, Group::machine, Group::lamp, Group::vignette, Group::stray, Group::stray_size});
+  return stage;
+}
+
 void correct_binning(Problem& data, const std::vector<LightView>& views, const Board& board, const Bench& bench,
                      const State& state) {
   constexpr std::size_t kMaxPixels = 4'000'000;  // of a photo: some 100 bytes each while it is worked on

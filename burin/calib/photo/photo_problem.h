@@ -125,6 +125,18 @@ std::vector<double> costs_of_photos(const Problem& data, const State& state);
 std::vector<PhotoData> photos_at(const std::vector<LightView>& views, int bin, const Board& board, const Bench& bench,
                                  double blur_px);
 
+/// Where grooves that are cut where they cross make more than about `most_pieces` of what photos show, only a sample of
+/// the board is looked at from now on: pixels elsewhere do not count. Whether that is so. Said anew of photos that are
+/// made anew.
+bool look_at_sample(double most_pieces, const State& state, Problem& data);
+
+/// Lets a photo of the whole show a sample alone.
+void show_only(const BoardSample& sample, PhotoData& photo);
+
+/// What of `stage` a small sample is asked for. Where grooves cover all of it, it does not show the plain face, nor the
+/// lamp and the machine as the whole does.
+Stage stage_of_sample(Stage stage);
+
 /// Size of a photo's pixel on the board, mm, at the distance of its origin.
 double pixel_mm(const LightView& view, const Bench& bench);
 

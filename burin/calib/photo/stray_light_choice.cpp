@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <utility>
@@ -226,6 +227,20 @@ std::vector<StrayNumbers> likely_stray_lights(const Problem& data, const Stage& 
   out.reserve(places.size());
   for (const Place& place : places) out.push_back(place.numbers);
   return out;
+}
+
+double cost_with_stray(const std::vector<StrayNumbers>& places, Problem data, const Stage& stage, const State& state,
+                       int iterations, const Progress& progress) {
+  Stage with = stage;
+  with.free(Group::stray);
+  data.has_stray = true;
+  double least = std::numeric_limits<double>::infinity();
+  for (const StrayNumbers& place : places) {
+    State trial = with_stray(state, place);
+    solve(data, with, iterations, 1e-4, trial, progress, "fitting light that nobody named");
+    if (!grazes(trial.block(unknown::stray))) least = std::min(least, cost_of(data, trial, 1));
+  }
+  return least;
 }
 
 bool fit_stray_light(const std::vector<StrayNumbers>& places, Problem& data, Stage& stage, State& state,

@@ -18,6 +18,11 @@ namespace burin {
 std::vector<StrayNumbers> likely_stray_lights(const Problem& data, const Stage& stage, const State& state,
                                               const Progress& progress);
 
+/// What a light at the best of these places would leave of the photos' cost, after `iterations` of all that the stage
+/// frees. The problem stays without one.
+double cost_with_stray(const std::vector<StrayNumbers>& places, Problem data, const Stage& stage, const State& state,
+                       int iterations, const Progress& progress);
+
 /// Fits a light at each of these places, beside what else might explain it (glare, whose light photos must have been
 /// given), and puts the best into problem, `state` and `stage` where photos are explained clearly better. Else leaves
 /// all as it is and says false. Photos are weighed by the caller.

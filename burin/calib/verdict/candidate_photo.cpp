@@ -270,6 +270,7 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
   pixels.valid.assign(pixels.value.data.size(), 1);
   const double blur_px = std::exp(x[unknown::log_blur]);
   PhotoData photo = make_photo_data(pixels, bin, board, there, 0.8 + 3 * blur_px / bin);
+  show_only(data.model.sample, photo);
 
   // Paper: a white and a black sample a tag.
   const Eigen::Vector3d eye = place.center_mm();
