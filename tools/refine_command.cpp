@@ -104,6 +104,11 @@ void print_result(const Refinement& r, const Board& board) {
   fmt::print("         residual / its noise: 1 is a perfect model; this one misses {:.1f} % of a pixel's light\n",
              100 * r.model_error);
   fmt::print("crossing scratches: {}\n", in_words(r.bench.crossings));
+  if (r.looked_at < 1)
+    fmt::print(
+        "looked at {:.0f} % of the carve area, in squares all over it: grooves are cut where they cross, too often to "
+        "look at all of it\n",
+        100 * r.looked_at);
 }
 
 }  // namespace

@@ -70,6 +70,7 @@ struct RefineRun {
 
   void look_at_photos(int bin) {
     data.photos = photos_at(views, bin, board, out.bench, blur_px());
+    data.model.sample = {};
     sample_what_is_cut();
   }
 
@@ -588,6 +589,7 @@ void RefineRun::judge() {
   out.bench.depth_scatter = scatter(data.model.depth_jitter, data.model.depth_jitter2_sigma);
   out.slope_error = data.slope_error;
   out.model_error = median_of(data.photo_model_error);
+  out.looked_at = share_of(data.model.sample, board);
 }
 
 // From rough and quick to fine: each stage starts where the one before ended.

@@ -100,6 +100,14 @@ BoardSample sample_of(const Scratches& scratches, const Board& board, double mos
   return out;
 }
 
+double share_of(const BoardSample& sample, const Board& board) {
+  if (sample.is_whole()) return 1;
+  const Eigen::AlignedBox2d carved(board.carve_min_mm, board.carve_max_mm);
+  double area = 0;
+  for (const Eigen::AlignedBox2d& square : sample.squares) area += square.intersection(carved).volume();
+  return area / carved.volume();
+}
+
 FootprintGrid footprints_of(const BoardSample& sample, FootprintGrid grid) {
   constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < grid.corner_x_mm.size(); ++i)

@@ -31,6 +31,9 @@ struct BoardSample {
 /// surroundings.
 BoardSample sample_of(const Scratches& scratches, const Board& board, double most_pieces);
 
+/// Of the carve area, what a sample looks at.
+double share_of(const BoardSample& sample, const Board& board);
+
 /// The grid with the footprints in a sample's surroundings alone.
 FootprintGrid footprints_of(const BoardSample& sample, FootprintGrid grid);
 

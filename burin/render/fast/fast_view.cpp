@@ -83,6 +83,13 @@ struct StripGradient {
   }
 };
 
+// By its scratch's depth and width, um: t of a groove's rim and the scale of its t (by log), or where a burr's middle
+// lies (mm across).
+struct StripByShape {
+  std::size_t scratch = 0;
+  double rim_by_depth = 0, rim_by_width = 0, scale_by_width = 0, aside_by_depth = 0, aside_by_width = 0;
+};
+
 }  // namespace
 
 std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian_bytes,
@@ -137,8 +144,8 @@ struct FastView::Data {
   void render_tile(std::size_t t, Image& radiance);
   double differentiate_tile(std::size_t t, const Image& dE_dradiance);
   double rim_by_depth(std::size_t scratch) const;
+  StripByShape by_shape_of(std::size_t strip) const;
   RunUnits units_of(std::size_t strip) const;
-  double by_width(double scaled) const;
   void add_burr(std::size_t burr, const StripGradient& by, ScratchGradients& gradients) const;
   template <typename T>
   static double number_of(const std::vector<T>& each, std::size_t scratch) {
@@ -398,34 +405,40 @@ double FastView::Data::rim_by_depth(std::size_t scratch) const {
          half_width_slope(sections->profile, width, depth);
 }
 
-/// dE / d log(width) where a section grows with it as a whole, `scaled`; else it does not depend on it.
-double FastView::Data::by_width(double scaled) const {
-  return sections != nullptr && sections->profile.tip_radius_um > 0 ? 0 : scaled;
-}
-
-/// As backward() takes them from a strip to its scratch; where scratches have numbers of their own, by what all of them
-/// change in proportion.
-RunUnits FastView::Data::units_of(std::size_t strip) const {
+StripByShape FastView::Data::by_shape_of(std::size_t strip) const {
   const GrooveStrips* const strips = sections != nullptr ? &sections->strips : nullptr;
   const bool is_burr = strips != nullptr && strip >= strips->grooves;
   const std::size_t s = is_burr ? strips->owner[strip - strips->grooves] : strip;
   const double width = width_of(s), depth = depth_of(s);
-  const double by_depth = shapes->depth_um.size() == 1 ? 1 : depth / shared_depth_um,
-               by_wide = by_width(shapes->width_um.size() == 1 ? 1 : width / tool_width_um) / width;
-  RunUnits out;
+  // A section with a radius of its own does not grow with the width.
+  const double scale = sections != nullptr && sections->profile.tip_radius_um > 0 ? 0 : 1 / width;
+  StripByShape out;
+  out.scratch = s;
   if (is_burr) {
     const double slope = half_width_slope(sections->profile, width, depth),
                  aside = std::copysign(1e-3, strips->aside_mm[strip - strips->grooves]);
-    out.aside_by_depth = static_cast<float>(by_depth * aside * slope);
-    out.aside_by_width =
-        static_cast<float>(by_wide * aside * (half_width_um(sections->profile, width, depth) - depth * slope));
+    out.aside_by_depth = aside * slope;
+    out.aside_by_width = scale * aside * (half_width_um(sections->profile, width, depth) - depth * slope);
   } else {
-    const double rim = rim_by_depth(s);
-    out.rim_by_depth = static_cast<float>(by_depth * rim);
-    out.scale_by_width = static_cast<float>(by_wide);
-    out.rim_by_width = static_cast<float>(-by_wide * depth * rim);
+    out.rim_by_depth = rim_by_depth(s);
+    out.scale_by_width = scale;
+    out.rim_by_width = -scale * depth * out.rim_by_depth;
   }
-  if (alpha.size() > 1) out.by_alpha = static_cast<float>(alpha[s] / shared_alpha);
+  return out;
+}
+
+/// Where scratches have numbers of their own: by what all of them change in proportion.
+RunUnits FastView::Data::units_of(std::size_t strip) const {
+  const StripByShape by = by_shape_of(strip);
+  const double depth = shapes->depth_um.size() == 1 ? 1 : depth_of(by.scratch) / shared_depth_um,
+               width = shapes->width_um.size() == 1 ? 1 : width_of(by.scratch) / tool_width_um;
+  RunUnits out;
+  out.rim_by_depth = static_cast<float>(depth * by.rim_by_depth);
+  out.aside_by_depth = static_cast<float>(depth * by.aside_by_depth);
+  out.scale_by_width = static_cast<float>(width * by.scale_by_width);
+  out.rim_by_width = static_cast<float>(width * by.rim_by_width);
+  out.aside_by_width = static_cast<float>(width * by.aside_by_width);
+  if (alpha.size() > 1) out.by_alpha = static_cast<float>(alpha[by.scratch] / shared_alpha);
   return out;
 }
 
@@ -439,16 +452,14 @@ void FastView::Data::add_burr(std::size_t burr, const StripGradient& by, Scratch
   StripGradient{by.across_first + turned, by.across_last - turned, by.along_first, by.along_last}.add_to(gradients, s,
                                                                                                          x);
   if (mode != KernelMode::material) return;
-  const GrooveProfile& profile = sections->profile;
-  const double width = width_of(s), depth = depth_of(s), slope = half_width_slope(profile, width, depth);
-  const double aside = std::copysign(1e-3, strips.aside_mm[burr]) * (by.across_first + by.across_last);
-  const double by_depth = aside * slope,
-               by_wide = by_width(aside * (half_width_um(profile, width, depth) - depth * slope)) / width;
+  const StripByShape aside = by_shape_of(strips.grooves + burr);
+  const double across = by.across_first + by.across_last, by_depth = aside.aside_by_depth * across,
+               by_width = aside.aside_by_width * across;
   gradients.depth_um[s] += by_depth;
-  gradients.width_um[s] += by_wide;
+  gradients.width_um[s] += by_width;
   gradients.alpha[s] += by.alpha;
   gradients.shared_depth_um += by_depth;
-  gradients.shared_width_um += by_wide;
+  gradients.shared_width_um += by_width;
   gradients.shared_alpha += by.alpha;
 }
 
@@ -582,8 +593,9 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
     }
     by.add_to(gradients, s, x);
     if (!material) return;
-    const double width = d.width_of(s), depth = d.depth_of(s), by_depth = d.rim_by_depth(s) * by_shape[1];
-    const double by_width = d.by_width(by_shape[0] - depth * by_depth) / width;
+    const StripByShape shape = d.by_shape_of(s);
+    const double by_depth = shape.rim_by_depth * by_shape[1],
+                 by_width = shape.scale_by_width * by_shape[0] + shape.rim_by_width * by_shape[1];
     gradients.width_um[s] += by_width;
     gradients.depth_um[s] += by_depth;
     gradients.alpha[s] += by.alpha;

@@ -1,6 +1,8 @@
 #include "burin/render/fast/groove_strips.h"
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace burin {
@@ -24,14 +26,23 @@ ScratchLines lines_of(const Scratches& s, std::span<const float> per_mm, std::sp
 double GrooveStrips::measure(const Shapes& shapes) {
   const std::size_t different = std::max(shapes.width_um.size(), shapes.depth_um.size());
   half_um_.resize(different);
-  double most = 0, known_width = 0, known_depth = 0;  // pieces of one groove follow one another
+  struct Known {
+    double width_um = 0, depth_um = 0, half_um = 0;
+  };
+  std::array<Known, 4> known;  // pieces of one groove follow one another, and few of its depths are different
+  std::size_t oldest = 0;
+  double most = 0;
   for (std::size_t i = 0; i < different; ++i) {
     const double width = own(shapes.width_um, i), depth = own(shapes.depth_um, i);
-    const bool again = i > 0 && width == known_width && depth == known_depth;
-    half_um_[i] = again ? half_um_[i - 1] : half_width_um(*shapes.profile, width, depth);
-    known_width = width;
-    known_depth = depth;
-    most = std::max(most, 2 / unit_um(*shapes.profile, shapes.tool_width_um, width) * half_um_[i]);
+    const Known* same = std::find_if(known.begin(), known.end(),
+                                     [&](const Known& k) { return k.width_um == width && k.depth_um == depth; });
+    if (same == known.end()) {
+      Known& next = known[oldest++ % known.size()];
+      next = {width, depth, half_width_um(*shapes.profile, width, depth)};
+      most = std::max(most, 2 / unit_um(*shapes.profile, shapes.tool_width_um, width) * next.half_um);
+      same = &next;
+    }
+    half_um_[i] = same->half_um;
   }
   return most;
 }
@@ -60,14 +71,19 @@ ScratchLines GrooveStrips::make(const Scratches& s, const Shapes& shapes) {
     alpha_.assign(grooves, shapes.alpha[0]);
   else
     alpha_.assign(shapes.alpha.begin(), shapes.alpha.end());
+  std::vector<Eigen::Vector2d> across(grooves);  // unit; of a groove without burrs or length none
+  for (std::size_t i = 0; i < grooves; ++i) {
+    const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i], length2 = dx * dx + dy * dy;
+    across[i].setZero();
+    if (!s.is_narrowed(i) && length2 > 0) across[i] = Eigen::Vector2d(dy, -dx) / std::sqrt(length2);
+  }
   for (const SectionPart part : {SectionPart::left_burr, SectionPart::right_burr}) {
     const bool left = part == SectionPart::left_burr;
     if ((left ? profile.burr_left_um : profile.burr_right_um) == 0) continue;
     for (std::size_t i = 0; i < grooves; ++i) {
-      const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i], length = std::hypot(dx, dy);
-      if (s.is_narrowed(i) || !(length > 0)) continue;
+      if (across[i].isZero(0)) continue;
       const double aside = (left ? -1e-3 : 1e-3) * (own(half_um_, i) + 0.5 * profile.burr_width_um);
-      const double ax = aside * dy / length, ay = -aside * dx / length;
+      const double ax = aside * across[i].x(), ay = aside * across[i].y();
       owner.push_back(static_cast<std::uint32_t>(i));
       aside_mm.push_back(aside);
       x0_.push_back(s.x0_mm[i] + ax);
