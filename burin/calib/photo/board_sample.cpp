@@ -66,8 +66,10 @@ BoardSample sample_of(const Scratches& scratches, const Board& board, double mos
   std::array<Cell, kSpread.size()> cells;
   for (const Piece& piece : pieces_of(scratches)) {
     const Eigen::Vector2d share = (piece.middle_mm - board.carve_min_mm).cwiseQuotient(size_mm);
-    const auto at = [&](int axis) { return std::clamp(static_cast<int>(kAcross * share[axis]), 0, kAcross - 1); };
-    cells[static_cast<std::size_t>(at(1) * kAcross + at(0))].pieces.push_back(piece);
+    const auto at = [&](int axis) -> std::size_t {
+      return std::clamp(static_cast<int>(kAcross * share[axis]), 0, kAcross - 1);
+    };
+    cells[at(1) * kAcross + at(0)].pieces.push_back(piece);
   }
   struct Place {
     const Cell* cell;
