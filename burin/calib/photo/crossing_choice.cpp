@@ -6,11 +6,11 @@
 #include "burin/calib/photo/photo_fit.h"
 
 namespace burin {
+
 CrossingChoice choose_crossings(const Problem& data, const Stage& stage, const State& state, const Progress& progress) {
-  constexpr double kMostLookedAt = 20'000;
   constexpr std::size_t kPhotos = 4;
   Problem seen = data;
-  const bool all = !look_at_sample(kMostLookedAt, state, seen);
+  const bool all = !look_at_sample(kMostTried, state, seen);
   if (all) {  // all photos of a sample have as many pixels as a few of the whole
     const std::size_t stride = 1 + (data.photos.size() - 1) / kPhotos;
     std::vector<PhotoData> few;

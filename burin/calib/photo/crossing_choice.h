@@ -2,7 +2,7 @@
 // docs/model.md 7.6, 7.10.
 //
 // Grooves that are cut by one another are many pieces: of 10,000 strokes 15 mm long on 80 mm a groove crosses 230
-// others. A few photos tell the rules apart as all do, and of a crowded board a part of it.
+// others. A few photos tell the rules apart as all do, and of a crowded board a sample of it.
 #pragma once
 
 #include <cstddef>

@@ -40,17 +40,13 @@ void set_flanks_to_ask_for(const Problem& data, State& state);
 /// period, and an error of a tenth of a micrometer to start from, into `state`.
 bool start_screws(const Problem& data, State& state);
 
-/// Trials of cross-sections look at a sample of a crowded board (look_at_sample()): a hundred renderings of all of it
-/// would take minutes.
-inline constexpr double kMostTried = 20'000;
-
 /// The cross-section that explains the photos best, with the state that it was fitted to; the paper's where none does
 /// so by far enough. `may_vary`: depth may vary over the board where burrs are asked for. `told` is called with what is
 /// tried, and the share of all that is done.
 struct ProfileChoice {
   GrooveProfile profile;
   State state;
-  double cost = 0;          ///< of what trials look at
+  double cost = 0;          ///< of what trials look at (kMostTried)
   std::vector<Group> free;  ///< what of it the photos tell
   /// Of burrs that were found: a share of what they moved roughness and depth by, and how far width, and heights in
   /// shares of themselves, may be off, over all unknowns (global_index()). All of them trade with each other, and what

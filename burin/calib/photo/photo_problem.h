@@ -130,6 +130,10 @@ std::vector<PhotoData> photos_at(const std::vector<LightView>& views, int bin, c
 /// made anew.
 bool look_at_sample(double most_pieces, const State& state, Problem& data);
 
+/// Pieces that trials look at, of rules for crossings and of cross-sections: a hundred renderings of a few times as
+/// many take minutes.
+inline constexpr double kMostTried = 20'000;
+
 /// Lets a photo of the whole show a sample alone.
 void show_only(const BoardSample& sample, PhotoData& photo);
 
