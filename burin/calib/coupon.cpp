@@ -56,6 +56,8 @@ struct Rounds {
   Sent sent{};
   std::vector<LightView> views{};
 
+  Rounds(std::span<const MergedView> seen, const Board& believed) : photos(seen), board(believed) {}
+
   void correct() {
     sent = scratches_of(problem.told, *problem.coupon, values);
     problem.data.model.sent = &sent;
@@ -364,7 +366,7 @@ CouponReading read_coupon_photos(std::span<const MergedView> photos, const Coupo
                                  const Progress& progress) {
   check_told(coupon, told);
   CouponReading out;
-  Rounds run{photos, board};
+  Rounds run(photos, board);
   run.problem.coupon = &coupon;
   run.problem.told = told;
   run.problem.prior = run.values = believed_fans(coupon, board.material.alpha);

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <optional>
 
 #include "burin/render/error.h"
 #include "burin/render/groove_profile.h"
@@ -142,19 +141,7 @@ GrooveParts parts_within(const Scratches& rows, std::span<const Eigen::AlignedBo
   return out;
 }
 
-// GrooveParts of parts, as parts of the rows that those are of.
-GrooveParts of_rows(const GrooveParts& of, GrooveParts parts) {
-  for (std::size_t k = 0; k < parts.source.size(); ++k) {
-    const std::uint32_t piece = parts.source[k];
-    const double length = of.end[piece] - of.begin[piece];
-    parts.begin[k] = of.begin[piece] + parts.begin[k] * length;
-    parts.end[k] = of.begin[piece] + parts.end[k] * length;
-    parts.source[k] = of.source[piece];
-  }
-  return parts;
-}
-
-// The told rows that parts of grooves belong to, instead of the parts that were carved.
+// The rows that parts are of, instead of the parts that were carved. Of parts of parts: the last made first.
 void name_sources(const GrooveParts& parts, Carved& carved) {
   if (carved.source.empty()) {
     carved.source = parts.source;
@@ -187,18 +174,18 @@ Carved grooves_at(Scratches placed, const Bench& bench, const Board& board, cons
     apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, placed, placed.depth_um);
     apply_field(bench.alpha_field, bench.material.alpha, kMostAlpha, board.size_mm, age, placed, placed.alpha);
   }
-  std::optional<GrooveParts> parts;
+  GrooveParts bent, within;
   if (told != nullptr) {
-    parts = bent_grooves(placed, *told, bench);
-    placed = std::move(parts->pieces);
+    bent = bent_grooves(placed, *told, bench);
+    placed = std::move(bent.pieces);
   }
   if (!looked_at.empty()) {
-    GrooveParts within = parts_within(placed, looked_at);
+    within = parts_within(placed, looked_at);
     placed = std::move(within.pieces);
-    parts = parts ? of_rows(*parts, std::move(within)) : std::move(within);
   }
   Carved out = crossed(std::move(placed), bench, board);
-  if (parts) name_sources(*parts, out);
+  if (!looked_at.empty()) name_sources(within, out);
+  if (told != nullptr) name_sources(bent, out);
   return out;
 }
 

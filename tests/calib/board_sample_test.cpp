@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 #include "burin/calib/photo/photo_problem.h"
@@ -17,7 +18,7 @@ namespace {
 
 Scratches strewn(std::size_t count, double size_mm, double length_mm) {
   std::mt19937_64 random(3);
-  std::uniform_real_distribution<double> place(0.05 * size_mm, 0.95 * size_mm), turn(0, 3.14159);
+  std::uniform_real_distribution<double> place(0.05 * size_mm, 0.95 * size_mm), turn(0, std::numbers::pi);
   Scratches s;
   for (std::size_t i = 0; i < count; ++i) {
     const double a = turn(random), x = place(random), y = place(random), half = length_mm / 2;

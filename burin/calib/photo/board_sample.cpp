@@ -103,11 +103,15 @@ BoardSample sample_of(const Scratches& scratches, const Board& board, double mos
 }
 
 double share_of(const BoardSample& sample, const Board& board) {
-  if (sample.is_whole()) return 1;
-  const Eigen::AlignedBox2d carved(board.carve_min_mm, board.carve_max_mm);
-  double area = 0;
-  for (const Eigen::AlignedBox2d& square : sample.squares) area += square.intersection(carved).volume();
-  return area / carved.volume();
+  constexpr int kPlaces = 200;  // either way; squares may overlap
+  const Eigen::Vector2d size_mm = board.carve_max_mm - board.carve_min_mm;
+  int held = 0;
+  for (int j = 0; j < kPlaces; ++j)
+    for (int i = 0; i < kPlaces; ++i) {
+      const Eigen::Vector2d share((i + 0.5) / kPlaces, (j + 0.5) / kPlaces);
+      held += sample.holds(board.carve_min_mm + share.cwiseProduct(size_mm)) ? 1 : 0;
+    }
+  return static_cast<double>(held) / (kPlaces * kPlaces);
 }
 
 FootprintGrid footprints_of(const BoardSample& sample, FootprintGrid grid) {

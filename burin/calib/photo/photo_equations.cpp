@@ -249,6 +249,13 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
   return data;
 }
 
+void show_only(const BoardSample& sample, PhotoData& photo) {
+  if (sample.is_whole()) return;
+  photo.scene.grid = share(footprints_of(sample, *photo.scene.grid));
+  for (std::size_t i = 0; i < photo.weight.size(); ++i)
+    if (photo.weight[i] > 0 && !sample.holds(footprint_middle_mm(*photo.scene.grid, i))) photo.weight[i] = 0;
+}
+
 void light_around(const Unknowns& x, const Carved& carved, PhotoData& photo) {
   if (photo.surroundings == nullptr) return;
   ViewScene scene = scene_at(photo, x);
@@ -349,7 +356,7 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
   if (divisor >= photo.bin) return;
   const int parts = photo.bin / divisor;
   PhotoData fine = photo_without_weights(binned(whole, divisor), divisor, board, bench);
-  if (!model.sample.is_whole()) fine.scene.grid = share(footprints_of(model.sample, *fine.scene.grid));
+  show_only(model.sample, fine);
   light_around(x, carved, fine);
   const Image light = rendered_light(fine, x, carved, falloff_image(fine, x));
   const Image on_binned = value_of_light(model, photo, x, rendered_light(photo, x, carved, falloff_image(photo, x)));

@@ -59,6 +59,10 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
 /// surroundings (unknown::ambient) is told to a fit: grooves show a lamp far more sharply.
 void light_around(const Unknowns& x, const Carved& carved, PhotoData& photo);
 
+/// Lets a photo of the whole show a sample alone: there is no footprint outside its surroundings, and no pixel outside
+/// its squares counts.
+void show_only(const BoardSample& sample, PhotoData& photo);
+
 /// What one unit of ambient light adds to pixel i before blur.
 inline double ambient_unit(const ModelData& model, const PhotoData& photo, std::size_t i) {
   return photo.surroundings == nullptr ? model.f0 : static_cast<double>(photo.around.data[i]);

@@ -202,13 +202,6 @@ double largest_footprint_mm(const PhotoData& photo) {
 
 }  // namespace
 
-void show_only(const BoardSample& sample, PhotoData& photo) {
-  if (sample.is_whole()) return;
-  photo.scene.grid = share(footprints_of(sample, *photo.scene.grid));
-  for (std::size_t i = 0; i < photo.weight.size(); ++i)
-    if (photo.weight[i] > 0 && !sample.holds(footprint_middle_mm(*photo.scene.grid, i))) photo.weight[i] = 0;
-}
-
 bool look_at_sample(double most_pieces, const State& state, Problem& data) {
   const Board& board = *data.model.board;
   BoardSample sample = sample_of(data.model.sent->scratches, board, most_pieces);

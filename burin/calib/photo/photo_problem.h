@@ -134,9 +134,6 @@ bool look_at_sample(double most_pieces, const State& state, Problem& data);
 /// many take minutes.
 inline constexpr double kMostTried = 20'000;
 
-/// Lets a photo of the whole show a sample alone.
-void show_only(const BoardSample& sample, PhotoData& photo);
-
 /// What of `stage` a small sample is asked for. Where grooves cover all of it, it does not show the plain face, nor the
 /// lamp and the machine as the whole does.
 Stage stage_of_sample(Stage stage);

@@ -36,6 +36,7 @@ inline bool grazes(const double* numbers) {
   constexpr double kSteepest = 5.67;  // tan 80 degrees
   return std::hypot(numbers[kStraySlopeX], numbers[kStraySlopeY]) > kSteepest;
 }
+
 /// Whether there is one.
 inline bool has_stray(const Unknowns& x) { return x[unknown::stray_light] > 0; }
 

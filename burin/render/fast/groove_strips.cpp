@@ -1,6 +1,5 @@
 #include "burin/render/fast/groove_strips.h"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -71,19 +70,19 @@ ScratchLines GrooveStrips::make(const Scratches& s, const Shapes& shapes) {
     alpha_.assign(grooves, shapes.alpha[0]);
   else
     alpha_.assign(shapes.alpha.begin(), shapes.alpha.end());
-  std::vector<Eigen::Vector2d> across(grooves);  // unit; of a groove without burrs or length none
+  across_.resize(grooves);
   for (std::size_t i = 0; i < grooves; ++i) {
     const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i], length2 = dx * dx + dy * dy;
-    across[i].setZero();
-    if (!s.is_narrowed(i) && length2 > 0) across[i] = Eigen::Vector2d(dy, -dx) / std::sqrt(length2);
+    across_[i].setZero();
+    if (!s.is_narrowed(i) && length2 > 0) across_[i] = Eigen::Vector2d(dy, -dx) / std::sqrt(length2);
   }
   for (const SectionPart part : {SectionPart::left_burr, SectionPart::right_burr}) {
     const bool left = part == SectionPart::left_burr;
     if ((left ? profile.burr_left_um : profile.burr_right_um) == 0) continue;
     for (std::size_t i = 0; i < grooves; ++i) {
-      if (across[i].isZero(0)) continue;
+      if (across_[i].isZero(0)) continue;
       const double aside = (left ? -1e-3 : 1e-3) * (own(half_um_, i) + 0.5 * profile.burr_width_um);
-      const double ax = aside * across[i].x(), ay = aside * across[i].y();
+      const double ax = aside * across_[i].x(), ay = aside * across_[i].y();
       owner.push_back(static_cast<std::uint32_t>(i));
       aside_mm.push_back(aside);
       x0_.push_back(s.x0_mm[i] + ax);

@@ -5,6 +5,7 @@
 // groove ends (GrooveProfile). Burrs begin there, and move as it grows deeper.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -51,7 +52,8 @@ struct GrooveStrips {
   ScratchLines make(const Scratches& scratches, const Shapes& shapes);
 
  private:
-  std::vector<double> half_um_;  // of each different groove
+  std::vector<double> half_um_;          // of each different groove
+  std::vector<Eigen::Vector2d> across_;  // of each groove, unit; without burrs or length none
   std::vector<double> x0_, y0_, x1_, y1_;
   std::vector<float> per_mm_, rim_, alpha_;
   std::vector<std::uint8_t> part_;
