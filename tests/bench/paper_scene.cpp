@@ -8,7 +8,33 @@
 #include <utility>
 
 namespace burin {
-namespace {}  // namespace
+namespace {
+
+struct Differences {
+  double image = 0, gradient = 0;
+};
+
+Differences differences(const Image (&image)[2], const ScratchGradients (&g)[2]) {
+  double peak = 0, error2 = 0, gradient_error2 = 0, size2 = 0;
+  for (std::size_t i = 0; i < image[0].data.size(); ++i) {
+    peak = std::max<double>(peak, image[1].data[i]);
+    error2 += std::pow(static_cast<double>(image[0].data[i]) - image[1].data[i], 2);
+  }
+  for (const auto end :
+       {&ScratchGradients::x0_mm, &ScratchGradients::y0_mm, &ScratchGradients::x1_mm, &ScratchGradients::y1_mm})
+    for (std::size_t s = 0; s < (g[0].*end).size(); ++s) {
+      gradient_error2 += std::pow((g[0].*end)[s] - (g[1].*end)[s], 2);
+      size2 += std::pow((g[1].*end)[s], 2);
+    }
+  return {std::sqrt(error2 / static_cast<double>(image[0].data.size())) / peak, std::sqrt(gradient_error2 / size2)};
+}
+
+void report(benchmark::State& state, const Differences& d) {
+  state.counters["image_rms"] = d.image;
+  state.counters["gradient_rms"] = d.gradient;
+}
+
+}  // namespace
 
 std::shared_ptr<const FootprintGrid> paper_grid(int pixels) {
   constexpr double kBoard = kPaperBoard_mm;
@@ -54,10 +80,7 @@ Image random_weights(int width, int height) {
 }
 
 void report_correctness(benchmark::State& state, const ViewScene& scene, const Scratches& scratches, SimdWidth simd) {
-  struct Errors {
-    double image = 0, gradient = 0;
-  };
-  static std::map<std::pair<std::size_t, SimdWidth>, Errors> known;
+  static std::map<std::pair<std::size_t, SimdWidth>, Differences> known;
   const auto [at, is_new] = known.try_emplace({scratches.size(), simd});
   if (is_new) {
     const Image weights = random_weights(scene.grid->width(), scene.grid->height());
@@ -69,23 +92,13 @@ void report_correctness(benchmark::State& state, const ViewScene& scene, const S
       g[use_double].resize(scratches.size());
       renderer.backward(weights, g[use_double]);
     }
-    double peak = 0, error2 = 0;
-    for (std::size_t i = 0; i < image[0].data.size(); ++i) {
-      peak = std::max<double>(peak, image[1].data[i]);
-      error2 += std::pow(static_cast<double>(image[0].data[i]) - image[1].data[i], 2);
-    }
-    double gradient_error2 = 0, size2 = 0;
-    for (std::size_t s = 0; s < scratches.size(); ++s) {
-      for (const auto member :
-           {&ScratchGradients::x0_mm, &ScratchGradients::y0_mm, &ScratchGradients::x1_mm, &ScratchGradients::y1_mm}) {
-        gradient_error2 += std::pow((g[0].*member)[s] - (g[1].*member)[s], 2);
-        size2 += std::pow((g[1].*member)[s], 2);
-      }
-    }
-    at->second = {std::sqrt(error2 / image[0].data.size()) / peak, std::sqrt(gradient_error2 / size2)};
+    at->second = differences(image, g);
   }
-  state.counters["image_rms"] = at->second.image;
-  state.counters["gradient_rms"] = at->second.gradient;
+  report(state, at->second);
+}
+
+void report_differences(benchmark::State& state, const Image (&image)[2], const ScratchGradients (&gradients)[2]) {
+  report(state, differences(image, gradients));
 }
 
 }  // namespace burin

@@ -27,4 +27,8 @@ Image random_weights(int width, int height);
 /// peak, and `gradient_rms`, that of the ends' gradients over their RMS. Computed once a scene size and width.
 void report_correctness(benchmark::State& state, const ViewScene& scene, const Scratches& scratches, SimdWidth simd);
 
+/// `image_rms`, the RMS difference of the first image to the second over its peak, and `gradient_rms`, that of the
+/// ends' gradients over their RMS.
+void report_differences(benchmark::State& state, const Image (&image)[2], const ScratchGradients (&gradients)[2]);
+
 }  // namespace burin

@@ -92,6 +92,20 @@ TEST_F(DesignTest, ConvergesOnTwoViews) {
   for (std::size_t k = 0; k < 2; ++k) EXPECT_GT(result.views[k].ghost[k], 0.8);
 }
 
+// Without a search a stroke comes to a view by what little it sends there, which says where to turn.
+TEST_F(DesignTest, StrokesThatNobodyPlacedTurnToTheViewsThatTheyAreFaintIn) {
+  // Scratches for one are at right angles to those for the other.
+  bench_.views = {view("left", {-400, 30, 600}), view("right", {460, 30, 600})};
+  bench_.material.alpha = 0.03;
+  options_.start = Start::random;
+  options_.relocate_every = 0;
+  options_.drop_error = 0;
+  options_.iterations = 100;
+  const DesignResult result = design(spec_, board_, bench_, options_, {});
+  EXPECT_LT(result.final_loss, 0.05 * result.history.front().loss);
+  for (const DesignedView& v : result.views) EXPECT_GT(v.psnr_db, 20) << v.view;
+}
+
 TEST_F(DesignTest, FewScratchesForManyPixelsAreNamedWithWhatWouldSuit) {
   options_.iterations = 0;
   const auto named = testing::Contains(testing::Field(&Finding::what, HasSubstr("pixels to a stroke")));

@@ -16,6 +16,8 @@
 
 namespace burin {
 
+inline constexpr int kOthersEvery = 8;  ///< iterations from one look at what hardly shows to the next
+
 /// One view's bright grooves, and the light of all others.
 struct BrightPart {
   bool apart = false;             ///< whether the two are told apart; if not, all grooves are bright

@@ -21,7 +21,6 @@ namespace burin {
 namespace {
 
 constexpr int kBudgetSteps = 6;  // in which scratches go, so that those that stay can make up for the others
-constexpr int kOthersEvery = 8;  // iterations between two looks at what hardly shows
 
 // The iterations kept for the contact sheet: dense at first, where most happens.
 std::vector<int> contact_iterations(int iterations, int frames) {
@@ -44,7 +43,9 @@ void DesignRun::iterate() {
   // Weak scratches go before the end, so that the last iterations make up for them.
   drop_at_ = static_cast<int>(std::lround(options_.drop_at * options_.iterations));
   bright_.assign(views_.size(), {});
-  for (std::size_t k = 0; k < views_.size(); ++k) bright_[k].apart = bright_part_shows(views_[k], bench_, board_);
+  // What starts at random learns from faint light which way to turn.
+  if (!starts_at_random())
+    for (std::size_t k = 0; k < views_.size(); ++k) bright_[k].apart = bright_part_shows(views_[k], bench_, board_);
   if (options_.carve_hours > 0)
     full_carving_s_ = carving_time_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
   // A design that starts where it should be is only set right; a random one has a way to go.

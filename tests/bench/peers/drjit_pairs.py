@@ -163,7 +163,7 @@ def main():
     for _ in range(o.iterations):
         work.iteration()
     peer_ms = 1e3 * (time.process_time() - began) / o.iterations
-    burin_ms = burins(f'PaperDesign/scratches:{SCRATCHES}/views:{VIEWS}/gram:0/threads:1/')['cpu_time']
+    burin_ms = burins(f'PaperDesign/scratches:{SCRATCHES}/views:{VIEWS}/gram:0/placed:0/bright:0/threads:1/')['cpu_time']
     embree_ms = burins('FindPairsByEmbree/for_peers')['cpu_time']
     print(f'| processor time of an iteration, {SCRATCHES:,} x {VIEWS} | ms | times Burin\'s |\n| --- | --- | --- |')
     for what, ms in (('Burin', burin_ms), ('Dr.Jit, its pairs given', peer_ms),
