@@ -576,7 +576,7 @@ void RefineRun::judge() {
         "what the model misses is told by the other findings"));
   append(out.findings, judge_bounds(data, stage, state, out.bench));
   keep_what_is_believed();
-  append(out.findings, effect_findings(out.bench, board.size_mm));
+  append(out.findings, effect_findings(out.bench, board));
   advise_light(data, state, judged_by, judged, out.bench, progress);
   append(out.findings, keep_colors(given, fit_colors(data, merged, state, out.bench), out.bench));
   out.alpha_jitter = data.model.alpha_jitter;

@@ -76,6 +76,10 @@ double flank_begin_um(const GrooveProfile& profile, double width_um) {
   return tip_radius_um(profile, width_um) * std::sin(profile.flank_deg * std::numbers::pi / 180);
 }
 
+bool reaches_flanks(const GrooveProfile& profile, double width_um, double depth_um) {
+  return half_width_um(profile, width_um, depth_um) > flank_begin_um(profile, width_um);
+}
+
 double depth_at_half_width_um(const GrooveProfile& profile, double width_um, double half_width_um) {
   const double R = tip_radius_um(profile, width_um), t = half_width_um / (2 * R);
   if (profile.kind == GrooveProfile::Kind::paper) return -2 * R * std::log1p(-t * t);

@@ -62,6 +62,9 @@ double burr_lean(double height_um, double width_um, double x_um);
 /// Where a groove's curve ends and its flanks begin, um; infinity where there are none.
 double flank_begin_um(const GrooveProfile& profile, double width_um);
 
+/// Whether grooves so deep have flanks; else an arc is all there is of a rounded V. Not of the paper's.
+bool reaches_flanks(const GrooveProfile& profile, double width_um, double depth_um);
+
 /// The whole section, left to right; arcs and burrs are cut into bands at most `widest_um` wide.
 std::vector<ProfileBand> profile_bands(const GrooveProfile& profile, double width_um, double depth_um,
                                        double widest_um = 15);

@@ -9,9 +9,13 @@
 namespace burin {
 namespace {
 
-std::string told(const Bench& bench) {
+std::string told(const Bench& bench, bool by_board = false) {
   std::string all;
-  for (const Finding& f : effect_findings(bench, {100, 100})) all += sentence(f) + "\n";
+  Board board;
+  board.size_mm = {100, 100};
+  board.tool_width_um = 400;
+  board.said.profile = by_board;
+  for (const Finding& f : effect_findings(bench, board)) all += sentence(f) + "\n";
   return all;
 }
 
@@ -20,6 +24,7 @@ TEST(EffectFindings, SayHowSureTheyAre) {
   GrooveProfile& p = bench.material.profile;
   p.kind = GrooveProfile::Kind::rounded_v;
   p.flank_deg = 22.4;
+  bench.material.depth_um = 15;
   p.burr_left_um = 0.99;
   p.burr_right_um = 0.54;
   p.across = 1.2;
@@ -40,6 +45,18 @@ TEST(EffectFindings, SayHowSureTheyAre) {
     EXPECT_NE(said.find(part), std::string::npos) << part << " in:\n" << said;
 }
 
+// A tip of 100 um is as steep as 22.4 degrees 7.5 um up.
+TEST(EffectFindings, GroovesThatEndBeforeTheirFlanksAreArcs) {
+  Bench bench;
+  bench.material.depth_um = 7;
+  bench.material.profile.kind = GrooveProfile::Kind::rounded_v;
+  bench.material.profile.flank_deg = 22.4;
+  EXPECT_NE(told(bench).find("an arc of a circle"), std::string::npos) << told(bench);
+  EXPECT_EQ(told(bench).find("22.4"), std::string::npos) << told(bench);
+  bench.material.depth_um = 8;
+  EXPECT_EQ(told(bench).find("an arc of a circle"), std::string::npos) << told(bench);
+}
+
 // Where the light that nobody named stands, as seen from the board's middle, and how bright it is beside the lamp.
 TEST(EffectFindings, AStrayLightIsSaidByItsPlace) {
   Bench bench;
@@ -57,7 +74,7 @@ TEST(EffectFindings, AStrayLightIsSaidByItsPlace) {
 TEST(EffectFindings, ToldNumbersHaveNoSigma) {
   Bench bench;
   bench.material.profile.burr_left_um = 1.5;
-  const std::string said = told(bench);
+  const std::string said = told(bench, true);
   EXPECT_NE(said.find("burrs of 1.50 (left) and 0.00 um (right), as board.json says"), std::string::npos) << said;
   EXPECT_EQ(said.find("+-"), std::string::npos) << said;
 }

@@ -299,7 +299,7 @@ std::string numbers(const Loaded& in) {
 
 // What the photos showed of metal, machine, paper and light beside the paper's model.
 std::string effects(const Loaded& in) {
-  const std::vector<Finding> findings = effect_findings(in.bench, in.board.size_mm);
+  const std::vector<Finding> findings = effect_findings(in.bench, in.board);
   if (findings.empty()) return "";
   std::string out = "<p>Beside that, designs and tool paths made with this bench count on:</p>\n<ul>\n";
   for (const Finding& finding : findings) out += "<li>" + html(sentence(finding)) + "</li>\n";

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "burin/calib/geometry/information.h"
@@ -31,10 +32,19 @@ EffectEquations effect_equations(const Problem& data, const Stage& stage, const 
   return out;
 }
 
+namespace {
+
+// The slope of the paper's groove at its rim.
+double rim_deg(const Problem& data, const State& state) {
+  const double rim = groove_rim(data.model.board->tool_width_um, std::exp(state.shared[unknown::log_depth]));
+  return 2 * std::atan(rim) * 180 / std::numbers::pi;
+}
+
+}  // namespace
+
 void set_flanks_to_ask_for(const Problem& data, State& state) {
   constexpr double kLessSteep = 0.7;
-  const double rim = groove_rim(data.model.board->tool_width_um, std::exp(state.shared[unknown::log_depth]));
-  state.shared[unknown::flank] = kLessSteep * 2 * std::atan(rim) * 180 / std::numbers::pi;
+  state.shared[unknown::flank] = kLessSteep * rim_deg(data, state);
 }
 
 bool photos_ask_for(const Problem& data, const State& state, const EffectEquations& equations, Group group,
@@ -202,6 +212,10 @@ struct Trial {
   double cost = 0;
 };
 
+bool has(const Trial& trial, Group effect) {
+  return std::find(trial.free.begin(), trial.free.end(), effect) != trial.free.end();
+}
+
 void add_costs(const Problem& data, Trial& trial) {
   trial.costs = costs_of_photos(data, trial.state);
   trial.cost = std::accumulate(trial.costs.begin(), trial.costs.end(), 0.0);
@@ -235,12 +249,13 @@ bool clearly_better(const Trial& more, const Trial& less) {
   return gain.sum > kShare * less.cost && gain.sum > gain.standard_error;
 }
 
-// A rounded V in place of the paper's section, where that is clearly better.
-void try_flanks(Problem& data, const Stage& stage, const std::function<void(const char*, double)>& told, Trial& best) {
+// A rounded V in place of the paper's section, where that is clearly better. Returns the flanks that would be.
+double try_flanks(Problem& data, const Stage& stage, const std::function<void(const char*, double)>& told,
+                  Trial& best) {
   std::vector<Trial> shapes;
   const std::array<double, 4> flanks{20, 26, 34, 45};
   for (std::size_t i = 0; i < flanks.size(); ++i) {
-    told("trying other cross-sections", static_cast<double>(i) / 8);
+    told("trying other cross-sections", static_cast<double>(i) / 12);
     GrooveProfile v = best.profile;
     v.kind = GrooveProfile::Kind::rounded_v;
     v.flank_deg = flanks[i];
@@ -248,10 +263,23 @@ void try_flanks(Problem& data, const Stage& stage, const std::function<void(cons
   }
   const auto first =
       std::min_element(shapes.begin(), shapes.end(), [](const Trial& a, const Trial& b) { return a.cost < b.cost; });
-  told("trying other cross-sections", 0.5);
+  told("trying other cross-sections", 0.33);
   Trial v = tried(data, stage, first->state, first->profile, {Group::flank}, &best);
   v.profile = data.model.profile;
+  const double flank_deg = v.state.shared[unknown::flank];
   if (clearly_better(v, best)) best = std::move(v);
+  return flank_deg;
+}
+
+// Where grooves end before they are as steep as their flanks, nothing tells how steep those would be: arcs.
+void leave_flanks_out_of_arcs(const Problem& data, Trial& best) {
+  constexpr double kHowMuchDeeper = 1.05;  // grooves differ
+  const double depth_um = kHowMuchDeeper * std::exp(best.state.shared[unknown::log_depth]);
+  if (!has(best, Group::flank) ||
+      reaches_flanks(profile_of(best.profile, best.state.shared), data.model.board->tool_width_um, depth_um))
+    return;
+  best.state.shared[unknown::flank] = kSteepestFlank_deg;
+  std::erase(best.free, Group::flank);
 }
 
 // No burr stands higher than its groove is deep, and no tool leaves a groove several times as rough one way as the
@@ -275,7 +303,7 @@ void try_burrs(Problem& data, const Stage& stage, bool may_vary, const std::func
   free.push_back(Group::burrs);
   std::vector<Trial> trials;
   for (std::size_t i = 0; i < kHeights_um.size(); ++i) {
-    told("trying burrs", 0.5 + 0.1 * static_cast<double>(i));
+    told("trying burrs", 0.4 + 0.06 * static_cast<double>(i));
     profile.burr_left_um = kHeights_um[i][0];
     profile.burr_right_um = kHeights_um[i][1];
     trials.push_back(tried(data, stage, best.state, profile, free));
@@ -288,13 +316,103 @@ void try_burrs(Problem& data, const Stage& stage, bool may_vary, const std::func
 
 // Roughness across the groove that differs from that along it, on top of what was found.
 void try_across(Problem& data, const Stage& stage, const std::function<void(const char*, double)>& told, Trial& best) {
-  told("trying roughness across grooves", 0.85);
+  told("trying roughness across grooves", 0.6);
   GrooveProfile profile = profile_of(best.profile, best.state.shared);
   profile.across = 1.1;
   std::vector<Group> free = best.free;
   free.push_back(Group::across);
   Trial more = tried(data, stage, best.state, profile, free, &best);
   if (can_be(more) && clearly_better(more, best)) best = std::move(more);
+}
+
+// What a trial would be without one of its effects, fitted anew.
+Trial without(Problem& data, const Stage& stage, const Trial& from, Group effect) {
+  GrooveProfile profile = profile_of(from.profile, from.state.shared);
+  const GrooveProfile paper;
+  if (effect == Group::flank) {
+    profile.kind = paper.kind;
+    profile.flank_deg = paper.flank_deg;
+  } else if (effect == Group::burrs) {
+    profile.burr_left_um = profile.burr_right_um = 0;
+  } else {
+    profile.across = 1;
+  }
+  std::vector<Group> free = from.free;
+  std::erase(free, effect);
+  Trial out = tried(data, stage, from.state, profile, std::move(free));
+  fit_trial(data, stage, kThen, out);
+  return out;
+}
+
+// Whether a trial's last few numbers are worth keeping, where grooves are not the paper's anyway.
+bool worth_keeping(const Trial& more, const Trial& less) {
+  constexpr double kShare = 0.01;
+  return less.cost - more.cost > kShare * less.cost;
+}
+
+// With those effects that it lacks, begun at what they usually are, fitted to its end.
+Trial with_all(Problem& data, const Stage& stage, const Trial& from, const std::vector<Group>& effects, bool may_vary,
+               double flank_deg) {
+  constexpr double kHeight_um = 0.75, kAcross = 1.2;
+  constexpr int kIterations = 12;
+  GrooveProfile profile = profile_of(from.profile, from.state.shared);
+  Trial out{profile, from.state, from.free, {}, 0};
+  for (const Group effect : effects) {
+    if (has(out, effect)) continue;
+    out.free.push_back(effect);
+    if (effect == Group::flank) {
+      profile.kind = GrooveProfile::Kind::rounded_v;
+      profile.flank_deg = flank_deg;
+    } else if (effect == Group::burrs) {
+      profile.burr_left_um = profile.burr_right_um = kHeight_um;
+      if (may_vary && !has(out, Group::depth_linear)) out.free.push_back(Group::depth_linear);
+    } else {
+      profile.across = kAcross;
+    }
+  }
+  out.profile = profile;
+  set_profile(data, profile, out.state);
+  fit_trial(data, stage, kIterations, out);
+  // A burr that has shrunk to nothing hardly grows again, and photos hardly tell one burr from the other.
+  constexpr double kNothing_um = 0.05;
+  double* const burrs_um = out.state.block(unknown::burrs);
+  if (!has(out, Group::burrs) || std::min(burrs_um[0], burrs_um[1]) > kNothing_um) return out;
+  Trial even = out;
+  std::fill_n(even.state.block(unknown::burrs), 2, std::max(kHeight_um / 2, (burrs_um[0] + burrs_um[1]) / 2));
+  fit_trial(data, stage, kIterations, even);
+  return even.cost < out.cost ? even : out;
+}
+
+// Flanks, burrs and roughness across all spread light to other leans: each alone takes up what the others do and so
+// hides them, or is no better than nothing. So all of them together, and then without those that are not missed.
+void try_all(Problem& data, const Stage& stage, bool may_vary, const Trial& bare, std::optional<double> flank_deg,
+             const std::function<void(const char*, double)>& told, Trial& best) {
+  constexpr double kBelowTheRim = 0.95;
+  std::vector<Group> effects{Group::burrs, Group::across};
+  if (flank_deg) effects.push_back(Group::flank);
+  const double flank = std::min(flank_deg.value_or(0), kBelowTheRim * rim_deg(data, bare.state));
+  told("trying all that a cross-section may have", 0.66);
+  Trial all = with_all(data, stage, bare, effects, may_vary, flank);
+  const bool is_other = !best.free.empty();
+  if (is_other) {
+    Trial further = with_all(data, stage, best, effects, may_vary, flank);
+    if (!can_be(all) || further.cost < all.cost) all = std::move(further);
+  }
+  if (!can_be(all) || !(is_other ? worth_keeping(all, best) : clearly_better(all, best))) return;
+  best = std::move(all);
+  for (bool fewer = true; fewer;) {
+    fewer = false;
+    Trial fewest;
+    for (const Group effect : effects) {
+      if (!has(best, effect)) continue;
+      told("trying less", 0.8);
+      Trial less = without(data, stage, best, effect);
+      if (!can_be(less) || worth_keeping(best, less) || (fewer && less.cost > fewest.cost)) continue;
+      fewest = std::move(less);
+      fewer = true;
+    }
+    if (fewer) best = std::move(fewest);
+  }
 }
 
 }  // namespace
@@ -311,24 +429,28 @@ ProfileChoice choose_profile(const Problem& data, const Stage& stage, const Stat
   set_profile(seen, paper, best.state);
   if (!all) solve(seen, freed, kFirst, 1e-4, best.state, {}, "");  // at its own end, as the whole is at its
   add_costs(seen, best);
+  const Trial bare = best;
   // Flanks from steep (an arc) to shallow, each fitted a little; then the best of them to its end.
-  if (paper.kind == GrooveProfile::Kind::paper) try_flanks(seen, freed, told, best);
-
+  std::optional<double> flank_deg;
+  if (paper.kind == GrooveProfile::Kind::paper) flank_deg = try_flanks(seen, freed, told, best);
   const auto without_burrs = best.state.shared;
-  const std::size_t told_without = best.free.size();
   try_burrs(seen, freed, may_vary, told, best);
+  try_across(seen, freed, told, best);
+  try_all(seen, freed, may_vary, bare, flank_deg, told, best);
   Eigen::VectorXd trade;
-  if (best.free.size() > told_without) {
+  if (has(best, Group::burrs)) {
     trade.setZero(global_count(state.lamps.size()));
-    // By what they were off on seven boards of known burrs, RMS: heights 0.32; depth 0.14 of what burrs had moved it
-    // by.
-    constexpr double kOfMoved = 0.3, kOfHeight = 0.3, kOfWidth = 0.2;
+    // By what they were off on boards of known burrs, RMS: heights 0.32, depth 0.14 of what burrs had moved it by
+    // (seven boards with burrs alone), and depth some three per cent beyond its other sigmas (nine with flanks, burrs
+    // and roughness across).
+    constexpr double kOfMoved = 0.3, kOfHeight = 0.3, kOfWidth = 0.2, kDepth = 0.03;
     for (const int i : {unknown::log_alpha, unknown::log_depth})
       trade[i] = kOfMoved * (best.state.shared[i] - without_burrs[i]);
+    trade[unknown::log_depth] = std::copysign(std::hypot(trade[unknown::log_depth], kDepth), trade[unknown::log_depth]);
     for (const int i : {unknown::burrs, unknown::burrs + 1}) trade[i] = kOfHeight;
     trade[unknown::burr_width] = kOfWidth;
   }
-  try_across(seen, freed, told, best);
+  leave_flanks_out_of_arcs(seen, best);
   const GrooveProfile chosen = profile_of(best.profile, best.state.shared);
   set_profile(seen, chosen, best.state);
   if (all) return {chosen, best.state, best.cost, best.free, trade};

@@ -93,6 +93,8 @@ struct UnknownRow {
 /// what bench.json may hold: a lamp less wide than it is far from the board's corner.
 inline constexpr double kMostStrayNearness = 0.7;
 
+inline constexpr double kSteepestFlank_deg = 75;  // of a V
+
 inline constexpr double kPaperFactorSigma = 0.02;  // how well albedos in board.json are known, as a common factor
 
 inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
@@ -114,7 +116,7 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     // FaceGrain's c and s.
     {"grain", 2, Scope::shared, Group::grain},
     // The profile's: flanks' slope (degrees); burrs left and right, and their width (um); logarithm of across.
-    {"flank", 1, Scope::shared, Group::flank, Enters::light, {Bounds::Kind::plain, 5, 75}},
+    {"flank", 1, Scope::shared, Group::flank, Enters::light, {Bounds::Kind::plain, 5, kSteepestFlank_deg}},
     {"burr_left", 1, Scope::shared, Group::burrs, Enters::light, {Bounds::Kind::plain, 0, 50}},
     {"burr_right", 1, Scope::shared, Group::burrs, Enters::light, {Bounds::Kind::plain, 0, 50}},
     {"burr_width", 1, Scope::shared, Group::burrs, Enters::light, {Bounds::Kind::of_log, 1, 200}},

@@ -41,18 +41,20 @@ std::string tell_grain(const Material& m, const MaterialSigma& sigma) {
          fixed(m.grain.along_deg(), 1) + " degrees from the board's x, " + roughness(m.base_alpha * root) + " across";
 }
 
-void tell_profile(const Bench& bench, std::vector<Finding>& out) {
+void tell_profile(const Bench& bench, const Board& board, std::vector<Finding>& out) {
   const GrooveProfile& p = bench.material.profile;
   const MaterialSigma& sigma = bench.material_sigma;
   std::string what = "the grooves are not the paper's:";
-  if (p.kind == GrooveProfile::Kind::rounded_v)
+  if (p.kind == GrooveProfile::Kind::rounded_v && !reaches_flanks(p, board.tool_width_um, bench.material.depth_um))
+    what += " an arc of a circle, too shallow for flanks;";
+  else if (p.kind == GrooveProfile::Kind::rounded_v)
     what += " flanks of " + measured(p.flank_deg, sigma.flank_deg, 1) + " degrees behind a rounded tip;";
   if (p.has_burrs())
     what += " burrs of " + measured(p.burr_left_um, sigma.burr_left_um, 2) + " (left) and " +
             measured(p.burr_right_um, sigma.burr_right_um, 2) + " um (right);";
   if (p.across != 1) what += " " + measured(p.across, sigma.across, 2) + " times as rough across as along;";
   what.back() = ',';
-  const bool told = !sigma.flank_deg && !sigma.across && !sigma.burr_left_um;
+  const bool told = board.said.profile && !sigma.flank_deg && !sigma.across && !sigma.burr_left_um;
   out.push_back(
       told ? note(what + " as board.json says")
            : note(what + " as the photos have it; burrs, roughness and depth trade with each other in photos",
@@ -83,7 +85,7 @@ Finding tell_stray(const Bench& bench, const Eigen::Vector2d& board_size_mm) {
 
 }  // namespace
 
-std::vector<Finding> effect_findings(const Bench& bench, const Eigen::Vector2d& board_size_mm) {
+std::vector<Finding> effect_findings(const Bench& bench, const Board& board) {
   std::vector<Finding> out;
   const Material& m = bench.material;
   if (!m.grain.none()) out.push_back(note(tell_grain(m, bench.material_sigma)));
@@ -96,9 +98,9 @@ std::vector<Finding> effect_findings(const Bench& bench, const Eigen::Vector2d& 
     out.push_back(note("the machine's screws add a sine of " + measured(errors.screw_mm(), errors.screw_sigma_mm, 3) +
                            " mm every " + measured(errors.screw_period_mm, {}, 2) + " mm to x and y",
                        "tool paths written with this bench undo it at the ends of scratches"));
-  if (!m.profile.is_paper()) tell_profile(bench, out);
+  if (!m.profile.is_paper()) tell_profile(bench, board, out);
   append(out, paper_findings(bench.paper));
-  if (bench.stray) out.push_back(tell_stray(bench, board_size_mm));
+  if (bench.stray) out.push_back(tell_stray(bench, board.size_mm));
   return out;
 }
 

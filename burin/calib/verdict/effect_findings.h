@@ -5,12 +5,13 @@
 #include <vector>
 
 #include "burin/render/bench.h"
+#include "burin/render/board.h"
 #include "burin/render/finding.h"
 
 namespace burin {
 
 /// A brushed face, backlash, uneven screws, another cross-section, paper's coat, a light that nobody named, each with
 /// what holds it; empty for a bench without.
-std::vector<Finding> effect_findings(const Bench& bench, const Eigen::Vector2d& board_size_mm);
+std::vector<Finding> effect_findings(const Bench& bench, const Board& board);
 
 }  // namespace burin
