@@ -36,6 +36,36 @@ constexpr Link of_depth_field() {
           }};
 }
 
+template <int Axis>
+constexpr Link of_backlash() {
+  return {
+      unknown::backlash + Axis,
+      [](const Bench& b, const Problem&, std::size_t, double* to) { *to = b.machine_errors.backlash_mm[Axis]; },
+      [](const double* from, const Problem&, std::size_t, Bench& b) { b.machine_errors.backlash_mm[Axis] = *from; }};
+}
+template <int Axis>
+constexpr Link of_screw() {
+  return {unknown::screw + 2 * Axis,
+          [](const Bench& b, const Problem&, std::size_t, double* to) {
+            to[0] = b.machine_errors.screw_sin_mm[Axis];
+            to[1] = b.machine_errors.screw_cos_mm[Axis];
+          },
+          [](const double* from, const Problem&, std::size_t, Bench& b) {
+            b.machine_errors.screw_sin_mm[Axis] = from[0];
+            b.machine_errors.screw_cos_mm[Axis] = from[1];
+          }};
+}
+template <int Axis>
+constexpr Link of_screw_period() {
+  return {unknown::screw_period + Axis,
+          [](const Bench& b, const Problem&, std::size_t, double* to) {
+            *to = std::log(b.machine_errors.screw_period_mm[Axis]);
+          },
+          [](const double* from, const Problem&, std::size_t, Bench& b) {
+            b.machine_errors.screw_period_mm[Axis] = std::exp(*from);
+          }};
+}
+
 // A light that nobody named: where there is none its numbers are 0 but for a nearness, so that none is infinite.
 template <int First, int Count>
 void read_stray(const Bench& b, const Problem& p, std::size_t, double* to) {
@@ -64,33 +94,12 @@ constexpr auto kLinks = std::to_array<Link>({
      [](const double* from, const Problem& p, std::size_t, Bench& b) {
        b.machine_affine = affine_of(machine_map(from - unknown::machine), p.model.center_mm);
      }},
-    {unknown::backlash,
-     [](const Bench& b, const Problem&, std::size_t, double* to) {
-       std::copy_n(b.machine_errors.backlash_mm.data(), 2, to);
-     },
-     [](const double* from, const Problem&, std::size_t, Bench& b) {
-       std::copy_n(from, 2, b.machine_errors.backlash_mm.data());
-     }},
-    {unknown::screw,
-     [](const Bench& b, const Problem&, std::size_t, double* to) {
-       for (int axis = 0; axis < 2; ++axis) {
-         to[2 * axis] = b.machine_errors.screw_sin_mm[axis];
-         to[2 * axis + 1] = b.machine_errors.screw_cos_mm[axis];
-       }
-     },
-     [](const double* from, const Problem&, std::size_t, Bench& b) {
-       for (int axis = 0; axis < 2; ++axis) {
-         b.machine_errors.screw_sin_mm[axis] = from[2 * axis];
-         b.machine_errors.screw_cos_mm[axis] = from[2 * axis + 1];
-       }
-     }},
-    {unknown::screw_period,
-     [](const Bench& b, const Problem&, std::size_t, double* to) {
-       for (int axis = 0; axis < 2; ++axis) to[axis] = std::log(b.machine_errors.screw_period_mm[axis]);
-     },
-     [](const double* from, const Problem&, std::size_t, Bench& b) {
-       for (int axis = 0; axis < 2; ++axis) b.machine_errors.screw_period_mm[axis] = std::exp(from[axis]);
-     }},
+    of_backlash<0>(),
+    of_backlash<1>(),
+    of_screw<0>(),
+    of_screw<1>(),
+    of_screw_period<0>(),
+    of_screw_period<1>(),
     {unknown::grain,
      [](const Bench& b, const Problem&, std::size_t, double* to) {
        to[0] = b.material.grain.c;

@@ -92,6 +92,7 @@ Pulls pulls_of(const Problem& data, const State& state) {
   constexpr double kPeriodMm = 8, kNothing = 1e-9;
   State cut = state;
   for (int axis = 0; axis < 2; ++axis) {
+    if (data.uneven[axis]) continue;
     cut.shared[unknown::screw + 2 * axis] = kNothing;
     cut.shared[unknown::screw_period + axis] = std::log(kPeriodMm);
   }
@@ -165,24 +166,24 @@ Peak strongest_period(const Pulls& pulls, int axis, double extent_mm) {
 
 }  // namespace
 
-bool start_screws(const Problem& data, State& state) {
+ScrewPower start_screws(Problem& data, State& state) {
+  ScrewPower out(0, 0);
+  if (data.uneven[0] && data.uneven[1]) return out;
   const Pulls pulls = pulls_of(data, state);
-  if (pulls.pull.empty()) return false;
+  if (pulls.pull.empty()) return out;
   const Board& board = *data.model.board;
   const Eigen::Vector2d extent = board.carve_max_mm - board.carve_min_mm;
-  // Power is distributed as exp(-power) where nothing pulls; pieces of one groove pull alike, which the margin allows
-  // for.
-  constexpr double kBeyondChance = 40;
   constexpr double kStartMm = 1e-4;
-  bool found = false;
   for (int axis = 0; axis < 2; ++axis) {
+    if (data.uneven[axis]) continue;
     const Peak peak = strongest_period(pulls, axis, extent[axis]);
-    if (!(peak.above_chance > kBeyondChance)) continue;
+    if (!(peak.above_chance > kScrewPower)) continue;
+    data.uneven[axis] = true;
     state.shared[unknown::screw_period + axis] = -std::log(peak.frequency);
     state.shared[unknown::screw + 2 * axis] = kStartMm;
-    found = true;
+    out[axis] = peak.above_chance;
   }
-  return found;
+  return out;
 }
 
 namespace {

@@ -36,9 +36,16 @@ bool photos_ask_for(const Problem& data, const State& state, const EffectEquatio
 /// Puts into `state` the flanks that Group::flank asks for as a whole: less steep than the grooves' walls.
 void set_flanks_to_ask_for(const Problem& data, State& state);
 
-/// Whether something pulls grooves to and fro with their place along x or y, as an uneven screw does. If so puts its
-/// period, and an error of a tenth of a micrometer to start from, into `state`.
-bool start_screws(const Problem& data, State& state);
+/// How strongly something pulls grooves to and fro with their place along x and y, as an uneven screw does: times what
+/// chance gives in the mean.
+using ScrewPower = Eigen::Array2d;
+/// Beyond it there is a screw. Where nothing pulls powers are distributed as exp(-power), at some forty frequencies along
+/// 60 mm; pieces of one groove pull alike, so a little higher: 8.5 was the most of 22 such spectra.
+inline constexpr double kScrewPower = 12;
+
+/// Seeks uneven screws along those axes that have none yet. Where there is one its unknowns are made (Problem::uneven),
+/// and its period, and an error of a tenth of a micrometer to start from, are put into `state`. 0 for other axes.
+ScrewPower start_screws(Problem& data, State& state);
 
 /// The cross-section that explains the photos best, with the state that it was fitted to; the paper's where none does
 /// so by far enough. `may_vary`: depth may vary over the board where burrs are asked for. `told` is called with what is

@@ -20,7 +20,9 @@ FreeUnknowns wanted_of(const Problem& data, const Stage& stage) {
     for (Eigen::Index i = 0; i < data.geometry->lens_parameters; ++i) wanted[unknown::lens + i] = true;
   for_each_unknown([&](const UnknownRow& row, int first) {
     if (row.scope == Scope::paper || first == unknown::lens) return;
-    const bool free = row.scope == Scope::geometry ? data.geometry.has_value() : stage.frees(row.group);
+    const bool free = row.scope == Scope::geometry
+                          ? data.geometry.has_value()
+                          : stage.frees(row.group) && (row.scope != Scope::shared || has_unknown(data, row, 0));
     std::fill_n(wanted.begin() + first, row.size, free);
   });
   return wanted;

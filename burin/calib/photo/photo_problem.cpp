@@ -11,6 +11,22 @@
 #include "burin/render/median.h"
 
 namespace burin {
+namespace {
+
+// Whether a twentieth of the grooves at least goes the other way along an axis.
+bool go_both_ways(const Scratches& sent, int axis) {
+  const std::vector<double>&from = axis == 0 ? sent.x0_mm : sent.y0_mm, &to = axis == 0 ? sent.x1_mm : sent.y1_mm;
+  std::size_t up = 0, down = 0;
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    up += to[i] > from[i] ? 1 : 0;
+    down += to[i] < from[i] ? 1 : 0;
+  }
+  constexpr double kFewest = 0.05;
+  return static_cast<double>(std::min(up, down)) > kFewest * static_cast<double>(up + down);
+}
+
+}  // namespace
+
 Problem make_problem(const Board& board, const Sent& sent, const Bench& bench) {
   Problem out;
   out.model.board = &board;
@@ -21,6 +37,10 @@ Problem make_problem(const Board& board, const Sent& sent, const Bench& bench) {
   out.model.profile = bench.material.profile;
   out.coat = bench.paper;
   out.has_stray = bench.stray.has_value();
+  for (int axis = 0; axis < 2; ++axis) {
+    out.both_ways[axis] = go_both_ways(sent.scratches, axis);
+    out.uneven[axis] = bench.machine_errors.screw_mm()[axis] > 0;
+  }
   for (const Light& light : bench.lights) {
     out.is_spot.push_back(light.falloff_exponent > 0);
     out.spot_held.push_back(false);
@@ -37,7 +57,8 @@ bool seeks_size(const Problem& problem, std::size_t light) {
 bool has_unknown(const Problem& problem, const UnknownRow& row, std::size_t light) {
   const bool spot_held = light < problem.spot_held.size() && problem.spot_held[light];
   return (!row.of_spot || (problem.is_spot[light] && !spot_held)) && (!row.of_size || seeks_size(problem, light)) &&
-         (!row.of_stray || problem.has_stray);
+         (!row.of_stray || problem.has_stray) && (row.both_ways < 0 || problem.both_ways[row.both_ways]) &&
+         (row.uneven < 0 || problem.uneven[row.uneven]);
 }
 
 std::vector<bool> free_unknowns(const Problem& data, const Stage& stage, std::size_t lights) {

@@ -59,6 +59,8 @@ struct Problem {
   std::vector<bool> spot_held;
   std::vector<LampSize> given_size;  ///< of lamps whose area a person told: it is held
   bool has_stray = false;            ///< whether a light that nobody named is among the unknowns (stray_light.h)
+  std::array<bool, 2> both_ways{};   ///< whether grooves go both ways along x and y
+  std::array<bool, 2> uneven{};      ///< whether the screws of x and y are sought to be uneven
   std::vector<bool> size_sought;     ///< whether a lamp's size is sought; else its area is held as the bench has it
   int merged_bin = 1;  ///< of the merged photos: how many of the camera's pixels, either way, are one of theirs
   /// The bench's surroundings that shine beside every photo's lamp: unknown::ambient is their scale. None: it is even
@@ -71,7 +73,7 @@ struct Problem {
 /// bench say, without a photo yet. `board` and `sent` must outlive it.
 Problem make_problem(const Board& board, const Sent& sent, const Bench& bench);
 
-/// Whether a lamp has this unknown: a bare one has no axis.
+/// Whether a lamp, or the bench, has this unknown: a bare one has no axis.
 bool has_unknown(const Problem& problem, const UnknownRow& row, std::size_t light);
 
 /// Whether a lamp's size is among the unknowns.

@@ -87,6 +87,8 @@ struct UnknownRow {
   bool of_spot = false;                 ///< exists for spots only
   bool of_size = false;                 ///< exists for lamps whose size is sought only; else it is held
   bool of_stray = false;                ///< exists where there is a light that nobody named only
+  int both_ways = -1;                   ///< exists where grooves go both ways along that axis (0: x, 1: y) only
+  int uneven = -1;                      ///< exists where that axis' screw was found to be uneven only
 };
 
 /// The board's diagonal over the distance of a light that nobody named. With the most that its size may be, this keeps
@@ -109,10 +111,14 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     // a00 a01 a10 a11 tx ty (machine_map.h).
     {"machine", 6, Scope::shared, Group::machine},
     // Of x and y, mm.
-    {"backlash", 2, Scope::shared, Group::backlash},
+    // Where all grooves go the same way along an axis, its backlash is but an offset.
+    {"backlash_x", 1, Scope::shared, Group::backlash, Enters::light, {}, {}, false, false, false, 0},
+    {"backlash_y", 1, Scope::shared, Group::backlash, Enters::light, {}, {}, false, false, false, 1},
     // The sine's and the cosine's parts of x, then of y, mm; then the logarithms of both periods.
-    {"screw", 4, Scope::shared, Group::screw},
-    {"log_screw_period", 2, Scope::shared, Group::screw_period},
+    {"screw_x", 2, Scope::shared, Group::screw, Enters::light, {}, {}, false, false, false, -1, 0},
+    {"screw_y", 2, Scope::shared, Group::screw, Enters::light, {}, {}, false, false, false, -1, 1},
+    {"log_screw_period_x", 1, Scope::shared, Group::screw_period, Enters::light, {}, {}, false, false, false, -1, 0},
+    {"log_screw_period_y", 1, Scope::shared, Group::screw_period, Enters::light, {}, {}, false, false, false, -1, 1},
     // FaceGrain's c and s.
     {"grain", 2, Scope::shared, Group::grain},
     // The profile's: flanks' slope (degrees); burrs left and right, and their width (um); logarithm of across.
@@ -216,9 +222,9 @@ inline constexpr int log_base_alpha = first_of("log_base_alpha");
 inline constexpr int depth_field = first_of("depth_linear");  // all terms of a GrooveField, in its order
 inline constexpr int depth_wear = first_of("depth_wear");
 inline constexpr int machine = first_of("machine");
-inline constexpr int backlash = first_of("backlash");
-inline constexpr int screw = first_of("screw");
-inline constexpr int screw_period = first_of("log_screw_period");
+inline constexpr int backlash = first_of("backlash_x");
+inline constexpr int screw = first_of("screw_x");
+inline constexpr int screw_period = first_of("log_screw_period_x");
 inline constexpr int grain = first_of("grain");
 inline constexpr int flank = first_of("flank");
 inline constexpr int burrs = first_of("burr_left");  // and the right one
