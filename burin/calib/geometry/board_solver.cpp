@@ -121,6 +121,7 @@ struct Solver {
         if (index == tag_index.end()) continue;
         const Tag& believed = board.tags.list[index->second];
         const auto corners = tag_corners_mm(believed);
+        const auto outward = outward_px(tag.corner_px);
         for (int k = 0; k < 4; ++k) {
           BundleCorner c;
           c.view = view;
@@ -129,6 +130,7 @@ struct Solver {
           c.offset_mm = corners[k] - believed.center_mm;
           c.z_mm = board.tags.z_mm;
           c.q_px = tag.corner_px[k];
+          c.outward = outward[k];
           c.sigma_px = kSeedSigma_px;
           bundle.corners.push_back(c);
           origin.push_back({static_cast<int>(p), static_cast<int>(d), k});

@@ -68,7 +68,10 @@ Eigen::Vector3d bent_point(const Surface& believed, const Eigen::Vector3d& bow_m
   return place.position_mm + z_mm * place.normal;
 }
 
-// The corner on the board and its derivatives by the shared block (edge, bow) and its tag's placement.
+// Edge, bow and spread.
+constexpr int kShared = 5;
+
+// The corner on the board and its derivatives by the shared block's edge and bow, and by its tag's placement.
 Eigen::Vector3d board_point(const BundleCorner& c, const Surface& surface, const double* shared,
                             const double* placement, Eigen::Matrix<double, 3, 4>* by_shared,
                             Eigen::Matrix3d* by_placement) {
@@ -121,7 +124,7 @@ class ReprojectionCost final : public ceres::CostFunction {
                    const BundleCorner& corner)
       : model_(model), lens_parameters_(lens_parameters), surface_(surface), corner_(corner) {
     set_num_residuals(2);
-    *mutable_parameter_block_sizes() = {lens_parameters, 6, 4};
+    *mutable_parameter_block_sizes() = {lens_parameters, 6, kShared};
     if (corner.tag >= 0) mutable_parameter_block_sizes()->push_back(3);
   }
 
@@ -147,8 +150,9 @@ class ReprojectionCost final : public ceres::CostFunction {
     if (!mrcal_project(&q, jacobians ? q_by_v : nullptr, lens_too ? q_by_lens.data() : nullptr, &point, 1, &model_,
                        parameters[0]))
       return false;
-    residuals[0] = weight * (q.x - corner_.q_px.x());
-    residuals[1] = weight * (q.y - corner_.q_px.y());
+    const double spread = parameters[2][kShared - 1];
+    residuals[0] = weight * (q.x + spread * corner_.outward.x() - corner_.q_px.x());
+    residuals[1] = weight * (q.y + spread * corner_.outward.y() - corner_.q_px.y());
     if (!std::isfinite(residuals[0]) || !std::isfinite(residuals[1])) return false;
     if (!jacobians) return true;
     using RowMajor = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>;
@@ -158,7 +162,10 @@ class ReprojectionCost final : public ceres::CostFunction {
     if (lens_too)
       for (std::size_t i = 0; i < q_by_lens.size(); ++i) jacobians[0][i] = weight * q_by_lens[i];
     if (jacobians[1]) Eigen::Map<RowMajor>(jacobians[1], 2, 6) = D * v_by_pose;
-    if (jacobians[2]) Eigen::Map<RowMajor>(jacobians[2], 2, 4) = D * v_by_p * p_by_shared;
+    if (jacobians[2]) {
+      Eigen::Map<RowMajor> by_shared(jacobians[2], 2, kShared);
+      by_shared << D * v_by_p * p_by_shared, weight * corner_.outward;
+    }
     if (placement && jacobians[3]) Eigen::Map<RowMajor>(jacobians[3], 2, 3) = D * v_by_p * p_by_placement;
     return true;
   }
@@ -169,6 +176,10 @@ class ReprojectionCost final : public ceres::CostFunction {
   Surface surface_;
   BundleCorner corner_;
 };
+
+std::vector<double> shared_prior_sigma(const BundleOptions& o) {
+  return {o.edge_prior_mm, o.bow_prior_mm, o.bow_prior_mm, o.bow_prior_mm, o.spread_prior_px};
+}
 
 // Residuals (x - mean) / sigma for one block.
 class DiagonalPrior final : public ceres::CostFunction {
@@ -256,7 +267,7 @@ struct Work {
 
   explicit Work(const Bundle& b) : view_corners(b.views.size()), tag_seen(b.tags.size()) {
     const std::size_t n_lens = b.lens.intrinsics.size();
-    all.resize(6 * b.views.size() + n_lens + 4 + 3 * b.tags.size());
+    all.resize(6 * b.views.size() + n_lens + kShared + 3 * b.tags.size());
     double* at = all.data();
     for (const auto& T : b.views) {
       const Pose pose = to_pose(T);
@@ -267,10 +278,11 @@ struct Work {
     lens = {at, n_lens};
     std::copy(b.lens.intrinsics.begin(), b.lens.intrinsics.end(), at);
     at += n_lens;
-    shared = {at, 4};
+    shared = {at, kShared};
     shared[0] = b.edge_mm;
     for (int i = 0; i < 3; ++i) shared[1 + i] = b.surface.bow_mm[i];
-    at += 4;
+    shared[kShared - 1] = b.spread_px;
+    at += kShared;
     for (const auto& t : b.tags) {
       at[0] = t.shift_mm.x();
       at[1] = t.shift_mm.y();
@@ -314,12 +326,11 @@ struct Work {
       problem->SetParameterBlockConstant(shared.data());
     } else {
       if (o.fix_bow)
-        problem->SetManifold(shared.data(), new ceres::SubsetManifold(4, {1, 2, 3}));
+        problem->SetManifold(shared.data(), new ceres::SubsetManifold(kShared, {1, 2, 3}));
       else if (o.fix_tags || !with_tags)
-        problem->SetManifold(shared.data(), new ceres::SubsetManifold(4, {0}));
-      problem->AddResidualBlock(
-          new DiagonalPrior({0, 0, 0, 0}, {o.edge_prior_mm, o.bow_prior_mm, o.bow_prior_mm, o.bow_prior_mm}), nullptr,
-          shared.data());
+        problem->SetManifold(shared.data(), new ceres::SubsetManifold(kShared, {0, kShared - 1}));
+      problem->AddResidualBlock(new DiagonalPrior(std::vector<double>(kShared, 0.0), shared_prior_sigma(o)), nullptr,
+                                shared.data());
     }
     std::vector<double*> seen;
     std::vector<Eigen::Vector2d> seen_centers;
@@ -342,6 +353,17 @@ struct Work {
 };
 
 }  // namespace
+
+std::array<Eigen::Vector2d, 4> outward_px(const std::array<Eigen::Vector2d, 4>& corners_px) {
+  std::array<Eigen::Vector2d, 4> out;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const Eigen::Vector2d along = (corners_px[(k + 1) % 4] - corners_px[k]).normalized(),
+                          back = (corners_px[(k + 3) % 4] - corners_px[k]).normalized();
+    const double sine = std::abs(along.x() * back.y() - along.y() * back.x());
+    out[k] = sine > 0 ? Eigen::Vector2d(-(along + back) / sine) : Eigen::Vector2d::Zero();
+  }
+  return out;
+}
 
 Eigen::Vector3d bundle_point_mm(const Bundle& b, const BundleCorner& c) {
   const std::array<double, 4> shared = {b.edge_mm, b.surface.bow_mm[0], b.surface.bow_mm[1], b.surface.bow_mm[2]};
@@ -372,7 +394,7 @@ std::vector<Eigen::Vector2d> bundle_residuals_px(const Bundle& b) {
     mrcal_point2_t q;
     const mrcal_point3_t p = {{v.x(), v.y(), v.z()}};
     if (v.z() > 0 && mrcal_project(&q, nullptr, nullptr, &p, 1, &model, b.lens.intrinsics.data()))
-      out.emplace_back(q.x - c.q_px.x(), q.y - c.q_px.y());
+      out.emplace_back(Eigen::Vector2d(q.x, q.y) + b.spread_px * c.outward - c.q_px);
     else
       out.emplace_back(Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
   }
@@ -419,6 +441,7 @@ BundleSummary solve_bundle(Bundle& b, const BundleOptions& o) {
     if (work.view_corners[v]) b.views[v] = to_isometry(work.poses[v]);
   b.edge_mm = work.shared[0];
   b.surface.bow_mm = {work.shared[1], work.shared[2], work.shared[3]};
+  b.spread_px = work.shared[kShared - 1];
   for (std::size_t i = 0; i < b.tags.size(); ++i)
     if (work.tag_seen[i]) {
       b.tags[i].shift_mm = {work.placements[i][0], work.placements[i][1]};
@@ -456,10 +479,12 @@ Columns lay_out_columns(const Bundle& b, const BundleOptions& o, Work& work, Bun
       out.name.push_back("lens." + (i < 12 ? std::string(kLensNames[i]) : std::to_string(i)));
     }
   }
-  out.shared_at = add(work.shared.data(), 4);
+  out.shared_at = add(work.shared.data(), kShared);
   if (out.shared_at >= 0) {
-    out.prior_sigma.insert(out.prior_sigma.end(), {o.edge_prior_mm, o.bow_prior_mm, o.bow_prior_mm, o.bow_prior_mm});
-    out.name.insert(out.name.end(), {"tags.edge_mm", "board.bow_mm[0]", "board.bow_mm[1]", "board.bow_mm[2]"});
+    const std::vector<double> sigma = shared_prior_sigma(o);
+    out.prior_sigma.insert(out.prior_sigma.end(), sigma.begin(), sigma.end());
+    out.name.insert(out.name.end(),
+                    {"tags.edge_mm", "board.bow_mm[0]", "board.bow_mm[1]", "board.bow_mm[2]", "tags.spread_px"});
     const bool manifold = problem.GetManifold(work.shared.data()) != nullptr;
     out.bow_held = manifold && o.fix_bow;
     out.edge_held = manifold && !o.fix_bow;
@@ -493,8 +518,11 @@ void add_residual(const Work& work, const Columns& column, const std::map<const 
   // What a manifold holds fixed has no derivative.
   for (std::size_t k = 0; k < blocks.size(); ++k)
     if (blocks[k] == work.shared.data()) {
-      if (out.bow_held) J[k].rightCols(3).setZero();
-      if (out.edge_held) J[k].leftCols(1).setZero();
+      if (out.bow_held) J[k].middleCols(1, 3).setZero();
+      if (out.edge_held) {
+        J[k].leftCols(1).setZero();
+        J[k].rightCols(1).setZero();
+      }
     }
   Eigen::MatrixXd& information = view ? view->information : out.prior;
   Eigen::VectorXd& gradient = view ? view->gradient : out.prior_gradient;
@@ -837,7 +865,8 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
     o.icam.intrinsics = 0;
     o.icam.extrinsics = slot[c.view];
     o.i_point = static_cast<int>(points.size());
-    o.px = mrcal_point3_t{{c.q_px.x(), c.q_px.y(), 1 / c.sigma_px}};
+    const Eigen::Vector2d q = c.q_px - b.spread_px * c.outward;
+    o.px = mrcal_point3_t{{q.x(), q.y(), 1 / c.sigma_px}};
     observations.push_back(o);
     points.push_back(mrcal_point3_t{{kMeter * p.x(), kMeter * p.y(), kMeter * p.z()}});
     sigmas.push_back(c.sigma_px);

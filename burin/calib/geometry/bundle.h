@@ -2,7 +2,7 @@
 // tags are.
 //
 // Minimizes, over whatever is not held fixed,
-//   sum over corners  rho( |(project(lens, T_camera_board p) - q_px) / sigma_px|^2 )  +  priors
+//   sum over corners  rho( |(project(lens, T_camera_board p) + spread outward - q_px) / sigma_px|^2 )  +  priors
 // with p the corner on the bowed face: xy = center + shift + R(turn) (1 + edge / half side) offset,
 // z = z_mm + bow (Surface); on a bent sheet z_mm along its normal, the bow changing the cylinder. Projection and its
 // gradients are mrcal's, chained by hand; the solver is Ceres' with views eliminated first; the covariance is the
@@ -13,6 +13,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -30,8 +31,13 @@ struct BundleCorner {
   double z_mm = 0;                  ///< above the face
   Eigen::Vector2d q_px{0, 0};
   double sigma_px = 1;  ///< per axis
+  /// Where it moves in the picture as its tag's sides move outwards there by one pixel (outward_px()).
+  Eigen::Vector2d outward{0, 0};
   bool used = true;
 };
+
+/// How the corners of a quadrilateral in a picture, in order, move as each of its sides moves outwards by one pixel.
+std::array<Eigen::Vector2d, 4> outward_px(const std::array<Eigen::Vector2d, 4>& corners_px);
 
 /// How a tag lies, relative to what was believed.
 struct TagPlacement {
@@ -46,6 +52,9 @@ struct Bundle {
   std::vector<Eigen::Isometry3d> views;  ///< T_camera_board
   Surface surface;
   double edge_mm = 0;  ///< by how much every tag's sides lie further out than believed (print gain)
+  /// By how much they seem to in pictures, however a tag is seen: a camera that sharpens, or bends its curve, moves the
+  /// edges of bright and dark. Along a slanting tag that is more of a millimeter than across.
+  double spread_px = 0;
   std::vector<TagPlacement> tags;
   std::vector<BundleCorner> corners;
 };
@@ -57,7 +66,7 @@ struct BundleOptions {
   bool robust_priors = false;  ///< Cauchy on the tags' placement too, for tags that lie somewhere else
   bool hold_tag_set = true;    ///< the mean shift, turn and growth of the tags' set are zero: it defines the frame
   double bow_prior_mm = 2;
-  double edge_prior_mm = 0.1;
+  double edge_prior_mm = 0.1, spread_prior_px = 0.15;
   int max_iterations = 100;
 };
 
@@ -98,7 +107,7 @@ struct BundleEquations {
     bool used = false;                                                    ///< has corners, and a pose that is free
   };
   int columns = 0;
-  int lens_at = -1, shared_at = -1;  ///< first column; -1: held. shared: edge, then bow's three
+  int lens_at = -1, shared_at = -1;  ///< first column; -1: held. shared: edge, bow's three, spread
   bool edge_held = false, bow_held = false;
   std::vector<int> tag_at;          ///< first of three columns, one a tag; -1: held or not seen
   std::vector<std::string> name;    ///< of the lens' and shared columns

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "burin/calib/geometry/bundle.h"
@@ -54,21 +55,28 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
     if (!view.reprojection_rms_px || !(*view.reprojection_rms_px > 0)) continue;
     const double seen = view.tags ? static_cast<double>(*view.tags) / static_cast<double>(tags.size()) : 1;
     if (!(seen > 0)) continue;
-    for (std::size_t t = 0; t < tags.size(); ++t)
-      for (const Eigen::Vector2d& corner : tag_corners_mm(tags[t])) {
-        BundleCorner c;
+    for (std::size_t t = 0; t < tags.size(); ++t) {
+      std::array<BundleCorner, 4> corners;
+      std::array<Eigen::Vector3d, 4> p;
+      for (std::size_t k = 0; k < 4; ++k) {
+        BundleCorner& c = corners[k];
         c.view = static_cast<int>(v);
         c.tag = static_cast<int>(t);
         c.center_mm = tags[t].center_mm;
-        c.offset_mm = corner - tags[t].center_mm;
+        c.offset_mm = tag_corners_mm(tags[t])[k] - tags[t].center_mm;
         c.z_mm = board.tags.z_mm;
-        const std::vector<Eigen::Vector3d> p{view.T_camera_board * bundle_point_mm(bundle, c)};
-        std::vector<Eigen::Vector2d> q(1);
-        project(bundle.lens, p, q);
-        c.q_px = q[0];
         c.sigma_px = *view.reprojection_rms_px / std::sqrt(std::min(1.0, seen));
-        bundle.corners.push_back(c);
+        p[k] = view.T_camera_board * bundle_point_mm(bundle, c);
       }
+      std::array<Eigen::Vector2d, 4> q;
+      project(bundle.lens, p, q);
+      const auto outward = outward_px(q);
+      for (std::size_t k = 0; k < 4; ++k) {
+        corners[k].q_px = q[k];
+        corners[k].outward = outward[k];
+      }
+      bundle.corners.insert(bundle.corners.end(), corners.begin(), corners.end());
+    }
   }
   const auto views = static_cast<Eigen::Index>(bench.views.size());
   BundleOptions options;

@@ -235,6 +235,8 @@ void append_candidates(Bundle& bundle, const Board& board, const std::vector<Cam
                (q[(k + 1) % 4] - q[k]).norm() > kSmallestTag_px;
         seen[k].q_px = q[k];
       }
+      const auto outward = outward_px(q);
+      for (int k = 0; k < 4; ++k) seen[k].outward = outward[k];
       if (good) bundle.corners.insert(bundle.corners.end(), seen.begin(), seen.end());
     }
   }
