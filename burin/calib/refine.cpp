@@ -333,8 +333,9 @@ void RefineRun::find_effects() {
     stage.free(group);
     more = true;
   }
+  const bool as_told = board.said.profile && data.model.profile == board.material.profile;  // else one was found
   const bool other_section = may_have_another_section() &&
-                             (board.said.profile || (is_paper && photos_ask_for(data, state, equations, Group::flank)));
+                             (as_told || (is_paper && photos_ask_for(data, state, equations, Group::flank)));
   if (more) fit(options.max_iterations, 1e-5, "fitting backlash and the face's direction");
   tell("asking whether the machine's screws are uneven", 0);
   for (int more_axes = 0; more_axes < 2; ++more_axes) {

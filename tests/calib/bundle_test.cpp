@@ -111,7 +111,7 @@ TEST(Bundle, EdgesThatMoveInPicturesMoveNoCamera) {
   BundleOptions no_spread;
   no_spread.spread_prior_px = 1e-9;
   solve_bundle(as_print, no_spread);
-  EXPECT_GT(worst_center_mm(as_print), 0.1);
+  EXPECT_GT(worst_center_mm(as_print), 0.05);
 }
 
 }  // namespace
