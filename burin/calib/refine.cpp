@@ -67,6 +67,9 @@ struct RefineRun {
   void tell(const char* what, double fraction) const {
     if (progress) progress(what, fraction);
   }
+  // A machine that has backlash is worn.
+  double least_screw_power() const { return stage.frees(Group::backlash) ? kScrewPowerOfWorn : kScrewPower; }
+
   double blur_px() const { return std::exp(state.shared[unknown::log_blur]); }
 
   void look_at_photos(int bin) {
@@ -325,22 +328,20 @@ void RefineRun::find_effects() {
   const EffectEquations equations = effect_equations(data, stage, state, {Group::backlash, Group::grain, Group::flank});
   bool more = false;
   // Nothing else moves grooves by the way they go, so that views foresee hardly any backlash where there is none.
-  constexpr double kOfBacklash = 9;
+  constexpr Evidence kOfBacklash{9, 3};
   for (const Group group : {Group::backlash, Group::grain}) {
-    const bool asked = group == Group::backlash ? photos_ask_for(data, state, equations, group, kOfBacklash)
-                                                : photos_ask_for(data, state, equations, group);
-    if (!asked) continue;
+    if (!photos_ask_for(data, state, equations, group, group == Group::backlash ? kOfBacklash : Evidence{})) continue;
     stage.free(group);
     more = true;
   }
   const bool as_told = board.said.profile && data.model.profile == board.material.profile;  // else one was found
-  const bool other_section = may_have_another_section() &&
-                             (as_told || (is_paper && photos_ask_for(data, state, equations, Group::flank)));
+  const bool other_section =
+      may_have_another_section() && (as_told || (is_paper && photos_ask_for(data, state, equations, Group::flank)));
   if (more) fit(options.max_iterations, 1e-5, "fitting backlash and the face's direction");
   tell("asking whether the machine's screws are uneven", 0);
   for (int more_axes = 0; more_axes < 2; ++more_axes) {
     // One that is strong hides one that is weak.
-    const ScrewPower power = start_screws(data, state);
+    const ScrewPower power = start_screws(data, state, least_screw_power());
     if (!(power.maxCoeff() > 0)) break;
     screw_power += power;
     // Until their height is known, the photos hold no period: it would go anywhere.
@@ -567,7 +568,8 @@ void RefineRun::admit_what_machines_hide() {
         (*sigma)(axis, 2) = std::hypot((*sigma)(axis, 2), kUsualBacklash_mm / 2);
     }
     if (errors.screw_sigma_mm && !data.uneven[axis])
-      (*errors.screw_sigma_mm)[axis] = errors.screw_mm()[1 - axis] * std::sqrt(kScrewPower / screw_power[1 - axis]);
+      (*errors.screw_sigma_mm)[axis] =
+          errors.screw_mm()[1 - axis] * std::sqrt(least_screw_power() / screw_power[1 - axis]);
   }
 }
 

@@ -112,6 +112,20 @@ TEST_F(CarveChecked, AGoodJobHasNoRedLine) {
     EXPECT_EQ(red(check_carve(written(machine))), "") << machine;
 }
 
+// The shortest way takes half of the scratches backwards, which backlash meets from the other side.
+TEST_F(CarveChecked, BacklashIsUndoneEitherWay) {
+  bench_.machine_errors.backlash_mm << 0.05, 0.08;
+  bench_.machine_errors.screw_sin_mm << 0.01, 0.02;
+  ToolpathOptions short_way;
+  short_way.keep_order = false;
+  const CarveCheckInput input = written("grbl", short_way);
+  EXPECT_EQ(red(check_carve(input)), "");
+  // Without backlash the files are others.
+  CarveCheckInput even = input;
+  even.bench->machine_errors.backlash_mm.setZero();
+  EXPECT_THAT(red(check_carve(even)), HasSubstr("scratches lost"));
+}
+
 TEST_F(CarveChecked, OverATag) {
   const CarveCheckInput input = written();
   change(first_scratch(), "G0 X12 Y12\nG1 Z-0.014 F300\nG1 X15 Y13 F1200\nG0 Z1\n");

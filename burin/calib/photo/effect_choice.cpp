@@ -48,7 +48,7 @@ void set_flanks_to_ask_for(const Problem& data, State& state) {
 }
 
 bool photos_ask_for(const Problem& data, const State& state, const EffectEquations& equations, Group group,
-                    double least) {
+                    const Evidence& least) {
   const ViewEquations& e = equations.views;
   constexpr std::size_t kFewestViews = 3;
   if (e.H.size() < kFewestViews || equations.stage.frees(group)) return false;
@@ -61,7 +61,7 @@ bool photos_ask_for(const Problem& data, const State& state, const EffectEquatio
     if (free[i] && !held[i]) added.push_back(static_cast<Eigen::Index>(i));
   const Gain gain = gain_of(held_out_gains(e, equations.H, equations.g, held, added));
   // What shows in few views (a flank's flash, in those at its angle) scatters as much as it gains.
-  if (!(gain.sum > gain.standard_error)) return false;
+  if (!(gain.sum > least.standard_errors * gain.standard_error)) return false;
   // Beyond what places of the board make up: scores by square as they scatter, what the effect explains taken off.
   const Eigen::MatrixXd inverse = safe_inverse(equations.H, free);
   const Eigen::VectorXd step = -inverse * equations.g;
@@ -77,7 +77,7 @@ bool photos_ask_for(const Problem& data, const State& state, const EffectEquatio
     for (Eigen::Index b = 0; b < n; ++b)
       C(a, b) = covariance(added[static_cast<std::size_t>(a)], added[static_cast<std::size_t>(b)]);
   }
-  return terms.dot(inverse_times(C, terms).col(0)) > least;
+  return terms.dot(inverse_times(C, terms).col(0)) > least.chi2;
 }
 
 namespace {
@@ -166,7 +166,7 @@ Peak strongest_period(const Pulls& pulls, int axis, double extent_mm) {
 
 }  // namespace
 
-ScrewPower start_screws(Problem& data, State& state) {
+ScrewPower start_screws(Problem& data, State& state, double least_power) {
   ScrewPower out(0, 0);
   if (data.uneven[0] && data.uneven[1]) return out;
   const Pulls pulls = pulls_of(data, state);
@@ -177,7 +177,7 @@ ScrewPower start_screws(Problem& data, State& state) {
   for (int axis = 0; axis < 2; ++axis) {
     if (data.uneven[axis]) continue;
     const Peak peak = strongest_period(pulls, axis, extent[axis]);
-    if (!(peak.above_chance > kScrewPower)) continue;
+    if (!(peak.above_chance > least_power)) continue;
     data.uneven[axis] = true;
     state.shared[unknown::screw_period + axis] = -std::log(peak.frequency);
     state.shared[unknown::screw + 2 * axis] = kStartMm;

@@ -27,11 +27,18 @@ struct EffectEquations {
 EffectEquations effect_equations(const Problem& data, const Stage& stage, const State& state,
                                  std::initializer_list<Group> asked);
 
+/// What photos have to show of an effect: chi^2 beyond what places of the board make up (the default: what two numbers
+/// have by chance once in three million times), and by how many times what they scatter by views that it was not fitted
+/// to have to gain.
+struct Evidence {
+  double chi2 = 30, standard_errors = 1;
+};
+
 /// Whether unknowns of `group`, which the stage holds, explain views that they were not fitted to, and are beyond what
-/// places of the board make up: chi^2 above `least` (the default: what two numbers have by chance once in three million
-/// times). For flanks, where grooves have the paper's cross-section: whether flanks of state's slope would.
+/// places of the board make up. For flanks, where grooves have the paper's cross-section: whether flanks of state's
+/// slope would.
 bool photos_ask_for(const Problem& data, const State& state, const EffectEquations& equations, Group group,
-                    double least = 30);
+                    const Evidence& least = {});
 
 /// Puts into `state` the flanks that Group::flank asks for as a whole: less steep than the grooves' walls.
 void set_flanks_to_ask_for(const Problem& data, State& state);
@@ -39,13 +46,14 @@ void set_flanks_to_ask_for(const Problem& data, State& state);
 /// How strongly something pulls grooves to and fro with their place along x and y, as an uneven screw does: times what
 /// chance gives in the mean.
 using ScrewPower = Eigen::Array2d;
-/// Beyond it there is a screw. Where nothing pulls powers are distributed as exp(-power), at some forty frequencies along
-/// 60 mm; pieces of one groove pull alike, so a little higher: 8.5 was the most of 22 such spectra.
-inline constexpr double kScrewPower = 12;
+/// Beyond it there is a screw; and where a machine is worn already. Where nothing pulls powers are distributed as
+/// exp(-power), at some forty frequencies along 60 mm; pieces of one groove pull alike, so higher: 8.5 was the most of
+/// 22 such spectra where the rest of the bench was known.
+inline constexpr double kScrewPower = 40, kScrewPowerOfWorn = 12;
 
 /// Seeks uneven screws along those axes that have none yet. Where there is one its unknowns are made (Problem::uneven),
 /// and its period, and an error of a tenth of a micrometer to start from, are put into `state`. 0 for other axes.
-ScrewPower start_screws(Problem& data, State& state);
+ScrewPower start_screws(Problem& data, State& state, double least_power);
 
 /// The cross-section that explains the photos best, with the state that it was fitted to; the paper's where none does
 /// so by far enough. `may_vary`: depth may vary over the board where burrs are asked for. `told` is called with what is

@@ -107,7 +107,7 @@ bool choose_large_lamps(const Problem& data, Stage& stage, State& state, const P
 bool choose_sides(const Problem& data, Stage& stage, State& state, const Progress& progress) {
   if (!any_shows(data, state)) return false;
   const EffectEquations asked = effect_equations(data, stage, state, {Group::lamp_sides});
-  if (!photos_ask_for(data, state, asked, Group::lamp_sides, kWorthATry)) return false;
+  if (!photos_ask_for(data, state, asked, Group::lamp_sides, {.chi2 = kWorthATry})) return false;
   constexpr double kShare = 0.01;
   Stage with = stage;
   with.free(Group::lamp_sides);
