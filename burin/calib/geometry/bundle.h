@@ -24,15 +24,15 @@ namespace burin {
 
 /// One corner in one view.
 struct BundleCorner {
-  int view = 0;                     ///< index into Bundle::views
-  int tag = -1;                     ///< index into Bundle::tags, -1 for a point that cannot move
   Eigen::Vector2d center_mm{0, 0};  ///< believed center of its tag (the point itself, if tag is -1)
   Eigen::Vector2d offset_mm{0, 0};  ///< from there to the corner, as believed
-  double z_mm = 0;                  ///< above the face
   Eigen::Vector2d q_px{0, 0};
-  double sigma_px = 1;  ///< per axis
   /// Where it moves in the picture as its tag's sides move outwards there by one pixel (outward_px()).
   Eigen::Vector2d outward{0, 0};
+  double z_mm = 0;      ///< above the face
+  double sigma_px = 1;  ///< per axis
+  int view = 0;         ///< index into Bundle::views
+  int tag = -1;         ///< index into Bundle::tags, -1 for a point that cannot move
   bool used = true;
 };
 
