@@ -71,19 +71,7 @@ void report_twin(benchmark::State& state, const Bench& bench, const Image& weigh
     renderer.forward_with_jacobian(bench.carved, image[twin]);
     renderer.backward(weights, g[twin]);
   }
-  double peak = 0, error = 0, slope_error = 0, slope = 0;
-  for (std::size_t i = 0; i < image[0].data.size(); ++i) {
-    peak = std::max<double>(peak, image[1].data[i]);
-    error += std::pow(static_cast<double>(image[0].data[i]) - image[1].data[i], 2);
-  }
-  for (const auto field :
-       {&ScratchGradients::x0_mm, &ScratchGradients::y0_mm, &ScratchGradients::x1_mm, &ScratchGradients::y1_mm})
-    for (std::size_t s = 0; s < bench.carved.size(); ++s) {
-      slope_error += std::pow((g[0].*field)[s] - (g[1].*field)[s], 2);
-      slope += std::pow((g[1].*field)[s], 2);
-    }
-  state.counters["image_rms"] = std::sqrt(error / image[0].data.size()) / peak;
-  state.counters["gradient_rms"] = std::sqrt(slope_error / slope);
+  report_differences(state, image, g);
 }
 
 enum Kind { kPoint, kRoom, kDisk };

@@ -373,6 +373,31 @@ Eigen::Vector3d bundle_point_mm(const Bundle& b, const BundleCorner& c) {
   return board_point(c, b.surface, shared.data(), placement.data(), nullptr, nullptr);
 }
 
+std::array<BundleCorner, 4> corners_to_see(const Bundle& b, std::size_t view, std::size_t tag, const Tag& believed,
+                                           double z_mm, double sigma_px) {
+  const std::array<Eigen::Vector2d, 4> corners_mm = tag_corners_mm(believed);
+  std::array<BundleCorner, 4> out;
+  std::array<Eigen::Vector3d, 4> p;
+  for (std::size_t k = 0; k < 4; ++k) {
+    BundleCorner& c = out[k];
+    c.view = static_cast<int>(view);
+    c.tag = static_cast<int>(tag);
+    c.center_mm = believed.center_mm;
+    c.offset_mm = corners_mm[k] - believed.center_mm;
+    c.z_mm = z_mm;
+    c.sigma_px = sigma_px;
+    p[k] = b.views[view] * bundle_point_mm(b, c);
+  }
+  std::array<Eigen::Vector2d, 4> q;
+  project(b.lens, p, q);
+  const std::array<Eigen::Vector2d, 4> outward = outward_px(q);
+  for (std::size_t k = 0; k < 4; ++k) {
+    out[k].q_px = p[k].z() > 0 ? q[k] : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+    out[k].outward = outward[k];
+  }
+  return out;
+}
+
 Eigen::Vector2d bundle_flat_mm(const Bundle& b, const BundleCorner& c) {
   Bundle flat;  // the corner alone
   flat.surface.size_mm = b.surface.size_mm;

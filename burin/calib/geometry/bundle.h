@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/board.h"
 #include "burin/render/lens.h"
 #include "burin/render/surface.h"
 
@@ -129,6 +130,11 @@ Eigen::Matrix<double, 3, 6> center_by_pose(const Eigen::Isometry3d& T_camera_boa
 
 /// Predicted minus measured, px, one a corner, used or not. NaN for corners behind the camera.
 std::vector<Eigen::Vector2d> bundle_residuals_px(const Bundle& bundle);
+
+/// The four corners of a tag, which is the bundle's number `tag`, as its view number `view` would see them exactly.
+/// Pixels are not finite where a corner is behind the camera.
+std::array<BundleCorner, 4> corners_to_see(const Bundle& bundle, std::size_t view, std::size_t tag, const Tag& believed,
+                                           double z_mm, double sigma_px);
 
 /// The corner's place on the board, mm; and on the flat sheet.
 Eigen::Vector3d bundle_point_mm(const Bundle& bundle, const BundleCorner& corner);

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "burin/calib/geometry/bundle.h"
@@ -55,26 +54,9 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
     if (!view.reprojection_rms_px || !(*view.reprojection_rms_px > 0)) continue;
     const double seen = view.tags ? static_cast<double>(*view.tags) / static_cast<double>(tags.size()) : 1;
     if (!(seen > 0)) continue;
+    const double sigma_px = *view.reprojection_rms_px / std::sqrt(std::min(1.0, seen));
     for (std::size_t t = 0; t < tags.size(); ++t) {
-      std::array<BundleCorner, 4> corners;
-      std::array<Eigen::Vector3d, 4> p;
-      for (std::size_t k = 0; k < 4; ++k) {
-        BundleCorner& c = corners[k];
-        c.view = static_cast<int>(v);
-        c.tag = static_cast<int>(t);
-        c.center_mm = tags[t].center_mm;
-        c.offset_mm = tag_corners_mm(tags[t])[k] - tags[t].center_mm;
-        c.z_mm = board.tags.z_mm;
-        c.sigma_px = *view.reprojection_rms_px / std::sqrt(std::min(1.0, seen));
-        p[k] = view.T_camera_board * bundle_point_mm(bundle, c);
-      }
-      std::array<Eigen::Vector2d, 4> q;
-      project(bundle.lens, p, q);
-      const auto outward = outward_px(q);
-      for (std::size_t k = 0; k < 4; ++k) {
-        corners[k].q_px = q[k];
-        corners[k].outward = outward[k];
-      }
+      const auto corners = corners_to_see(bundle, v, t, tags[t], board.tags.z_mm, sigma_px);
       bundle.corners.insert(bundle.corners.end(), corners.begin(), corners.end());
     }
   }

@@ -208,35 +208,17 @@ void append_candidates(Bundle& bundle, const Board& board, const std::vector<Cam
     if (c.used) known.insert(c.tag);
   const bool all = bundle.corners.empty();
   for (const CameraPlace& place : places) {
-    const int view = static_cast<int>(bundle.views.size());
+    const std::size_t view = bundle.views.size();
     bundle.views.push_back(place.T_camera_board);
     for (std::size_t t = 0; t < board.tags.list.size(); ++t) {
       if (!all && !known.count(static_cast<int>(t))) continue;
-      const Tag& tag = board.tags.list[t];
-      const auto corners = tag_corners_mm(tag);
-      std::array<BundleCorner, 4> seen;
-      std::array<Eigen::Vector3d, 4> p;
-      for (int k = 0; k < 4; ++k) {
-        BundleCorner& c = seen[k];
-        c.view = view;
-        c.tag = static_cast<int>(t);
-        c.center_mm = tag.center_mm;
-        c.offset_mm = corners[k] - tag.center_mm;
-        c.z_mm = board.tags.z_mm;
-        c.sigma_px = corner_sigma_px;
-        p[k] = place.T_camera_board * bundle_point_mm(bundle, c);
-      }
-      std::array<Eigen::Vector2d, 4> q;
-      project(bundle.lens, p, q);
+      const auto seen = corners_to_see(bundle, view, t, board.tags.list[t], board.tags.z_mm, corner_sigma_px);
       bool good = true;
-      for (int k = 0; k < 4; ++k) {
-        good = good && p[k].z() > 0 && q[k].allFinite() && q[k].x() > 0 && q[k].y() > 0 &&
-               q[k].x() < bundle.lens.width - 1 && q[k].y() < bundle.lens.height - 1 &&
-               (q[(k + 1) % 4] - q[k]).norm() > kSmallestTag_px;
-        seen[k].q_px = q[k];
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Eigen::Vector2d &q = seen[k].q_px, &next = seen[(k + 1) % 4].q_px;
+        good = good && q.allFinite() && q.x() > 0 && q.y() > 0 && q.x() < bundle.lens.width - 1 &&
+               q.y() < bundle.lens.height - 1 && (next - q).norm() > kSmallestTag_px;
       }
-      const auto outward = outward_px(q);
-      for (int k = 0; k < 4; ++k) seen[k].outward = outward[k];
       if (good) bundle.corners.insert(bundle.corners.end(), seen.begin(), seen.end());
     }
   }
