@@ -16,8 +16,9 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-std::string design(int gram, int threads, int repetition, double seconds) {
-  return "{\"name\": \"n\", \"run_name\": \"PaperDesign/scratches:40000/views:2/gram:" + std::to_string(gram) +
+// `start` as the benchmark tells it: "/placed:1/bright:1", or nothing where scratches begin anywhere.
+std::string design(int gram, int threads, int repetition, double seconds, const std::string& start = "") {
+  return "{\"name\": \"n\", \"run_name\": \"PaperDesign/scratches:40000/views:2/gram:" + std::to_string(gram) + start +
          "/threads:" + std::to_string(threads) +
          "\", \"run_type\": \"iteration\", \"repetition_index\": " + std::to_string(repetition) +
          ", \"real_time\": 1, \"cpu_time\": 20, \"s/100\": " + std::to_string(seconds) +
@@ -29,7 +30,8 @@ const char* const kContext =
 
 std::string measured() {
   return "{" + std::string(kContext) + ", \"benchmarks\": [" + design(0, 1, 0, 4) + "," + design(0, 1, 1, 5) + "," +
-         design(0, 1, 2, 4.5) + "," + design(0, 2, 0, 2.25) + "," + design(1, 2, 0, 2.7) +
+         design(0, 1, 2, 4.5) + "," + design(0, 2, 0, 2.25) + "," + design(1, 2, 0, 2.7) + "," +
+         design(0, 2, 0, 1.5, "/placed:1/bright:1") +
          R"(, {"run_name": "PaperDesign/other", "run_type": "aggregate", "real_time": 1},)" +
          R"({"run_name": "WholePairs/width:3", "run_type": "iteration", "error_occurred": true}]})";
 }
@@ -44,11 +46,13 @@ TEST(BenchTable, MediansScatterAndRatios) {
   folder.write("speed.json", measured());
   const Outcome run = run_table(folder, "speed.json");
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out,
-              AllOf(HasSubstr("Abacus 9"), HasSubstr("2030-01-02"), HasSubstr("Load average at the start: 0.5"),
-                    HasSubstr("| 40,000 x 2 | E_p | 1 | 4.5 (4 to 5) |"), HasSubstr("| E_p + Gram | 2 | 2.7 |"),
-                    HasSubstr("two threads 2.00 times as fast as one"), HasSubstr("Gram adds 20 %"),
-                    Not(HasSubstr("Whole pairs")), Not(HasSubstr("nan"))));
+  EXPECT_THAT(
+      run.out,
+      AllOf(HasSubstr("Abacus 9"), HasSubstr("2030-01-02"), HasSubstr("Load average at the start: 0.5"),
+            HasSubstr("| 40,000 x 2 | anywhere, all | E_p | 1 | 4.5 (4 to 5) |"),
+            HasSubstr("| anywhere, all | E_p + Gram | 2 | 2.7 |"),
+            HasSubstr("| placed, what is bright | E_p | 2 | 1.5 |"), HasSubstr("two threads 2.00 times as fast as one"),
+            HasSubstr("Gram adds 20 %"), Not(HasSubstr("Whole pairs")), Not(HasSubstr("nan"))));
 }
 
 TEST(BenchTable, WritesBetweenTheMarksAgainAndAgain) {
