@@ -249,7 +249,7 @@ Eigen::VectorXd bounded_step(const Problem& data, const State& state, const Norm
   std::vector<bool> free = system.free;
   Eigen::VectorXd held = Eigen::VectorXd::Zero(system.g.size());
   for (;;) {
-    const Eigen::VectorXd step = held - safe_inverse(system.H, free) * (system.g + system.H * held);
+    Eigen::VectorXd step = held - safe_inverse(system.H, free) * (system.g + system.H * held);
     const State moved = moved_state(state, step);
     State kept = moved;
     keep_within_bounds(data, kept);
