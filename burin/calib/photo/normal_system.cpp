@@ -243,8 +243,7 @@ ViewEquations view_equations(const Problem& data, const Stage& stage, const Stat
 namespace {
 
 // Gauss and Newton's step, of which what would leave its bounds goes as far as they are, and the others as far as they
-// go with it there. Were it only put back afterwards, the others would make up for where it no longer is: the flank of
-// a groove that ends before it, which nothing holds, moved a machine's map by 0.7 mm.
+// go with it there. Were it only put back afterwards, the others would make up for where it no longer is.
 Eigen::VectorXd bounded_step(const Problem& data, const State& state, const NormalSystem& system) {
   std::vector<bool> free = system.free;
   Eigen::VectorXd held = Eigen::VectorXd::Zero(system.g.size());

@@ -176,7 +176,7 @@ std::set<std::size_t> add_residuals(const Problem& data, const CarvedStates& gro
   return lights;
 }
 
-// Numbers of one block, which may stand on their bounds.
+// A number that is a block by itself and may stand on its bounds.
 struct Bounded {
   double* value;
   double low, high;
@@ -209,19 +209,19 @@ std::vector<Bounded> hold_and_bound(const Problem& data, const Stage& stage, con
 
 // Which of those stand on a bound that the cost would push them beyond.
 std::set<double*> pushed_out(const std::vector<Bounded>& bounded, ceres::Problem& problem) {
+  std::vector<Bounded> on_bound;
   ceres::Problem::EvaluateOptions options;
-  std::vector<bool> at_low;
   for (const Bounded& b : bounded) {
     if (*b.value > b.low && *b.value < b.high) continue;
+    on_bound.push_back(b);
     options.parameter_blocks.push_back(b.value);
-    at_low.push_back(*b.value <= b.low);
   }
   std::set<double*> out;
-  if (at_low.empty()) return out;
+  if (on_bound.empty()) return out;
   std::vector<double> gradient;
   problem.Evaluate(options, nullptr, nullptr, &gradient, nullptr);
-  for (std::size_t i = 0; i < at_low.size(); ++i)
-    if (at_low[i] ? gradient[i] > 0 : gradient[i] < 0) out.insert(options.parameter_blocks[i]);
+  for (std::size_t i = 0; i < on_bound.size(); ++i)
+    if (*on_bound[i].value <= on_bound[i].low ? gradient[i] > 0 : gradient[i] < 0) out.insert(on_bound[i].value);
   return out;
 }
 
@@ -246,7 +246,6 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
 
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
-  options.max_num_iterations = max_iterations;
   options.function_tolerance = tolerance;
   options.parameter_tolerance = 1e-7;
   options.initial_trust_region_radius = 1e5;
@@ -269,14 +268,16 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
   ceres::Solver::Summary summary;
   constexpr int kMostRounds = 4;
   std::set<double*> held = pushed_out(bounded, problem);
-  for (int round = 0; round < kMostRounds && report.done < max_iterations; ++round) {
+  for (int round = 1;; ++round) {
     for (double* const value : held) problem.SetParameterBlockConstant(value);
     options.max_num_iterations = max_iterations - report.done;
     ceres::Solve(options, &problem, &summary);
     report.done += std::max(0, static_cast<int>(summary.iterations.size()) - 1);
     for (double* const value : held) problem.SetParameterBlockVariable(value);
-    const std::set<double*> before = std::exchange(held, pushed_out(bounded, problem));
-    if (held == before) break;
+    if (round == kMostRounds || report.done >= max_iterations) break;
+    std::set<double*> pushed = pushed_out(bounded, problem);
+    if (pushed == held) break;
+    held = std::move(pushed);
   }
   return summary.final_cost;
 }
