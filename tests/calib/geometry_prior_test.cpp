@@ -1,8 +1,9 @@
 // What is proved: the tags' information about a pose is that of their corners' projections, by finite differences; a
 // pose and its difference are each other's inverse; three joint steps bring poses that are wrong by a twentieth of a
 // pixel back to where the picture was taken from, with all else, although nobody told which was wrong; and a number
-// that photos push beyond its bounds is left there by steps and fits, the others at their best beside it. Not proved:
-// that real corners are as good as their RMS says (tools/random-benches).
+// that photos push beyond its bounds is left there by steps and fits, the others at their best beside it; and a number
+// that photos do not tell is not moved by what rounding says of it. Not proved: that real corners are as good as their
+// RMS says (tools/random-benches).
 #include "burin/calib/geometry/geometry_prior.h"
 
 #include <gtest/gtest.h>
@@ -218,6 +219,24 @@ TEST(JointStep, WhatIsAtItsBoundTakesNothingAlong) {
     EXPECT_EQ(state.shared[unknown::ambient], 0);
     EXPECT_LT(cost_of(f.s.data, state, 1), 1.0005 * least);
   }
+}
+
+// Flanks far steeper than the grooves ever become, and photos as a camera would take them: what rounding alone says of
+// the flanks must not move them, far less all that would follow.
+TEST(JointStep, WhatPhotosDoNotTellStays) {
+  FittedGrooves f;
+  fit_small_grooves(0, 1, f);
+  constexpr double kFlank_deg = 60;
+  f.s.data.model.profile.kind = GrooveProfile::Kind::rounded_v;
+  f.s.data.model.profile.flank_deg = kFlank_deg;
+  for (PhotoData& photo : f.s.data.photos) photo.profile = f.s.data.model.profile;
+  f.stage.free(Group::flank);
+  State stepped = f.state;
+  stepped.shared[unknown::flank] = kFlank_deg;
+  Bench bench = f.s.bench;
+  joint_step(f.s.data, f.stage, stepped, bench);
+  EXPECT_EQ(stepped.shared[unknown::flank], kFlank_deg);
+  EXPECT_LT(cost_of(f.s.data, stepped, 1), 1.001 * cost_of(f.s.data, f.state, 1));
 }
 
 }  // namespace

@@ -203,7 +203,7 @@ void set_profile(Problem& data, const GrooveProfile& profile, State& state) {
   state.shared[unknown::log_across] = std::log(profile.across);
 }
 
-constexpr int kFirst = 3, kThen = 5;  // iterations
+constexpr int kFirst = 3, kThen = 5, kToTheEnd = 12;  // iterations
 
 struct Trial {
   GrooveProfile profile;
@@ -355,7 +355,6 @@ bool worth_keeping(const Trial& more, const Trial& less) {
 Trial with_all(Problem& data, const Stage& stage, const Trial& from, const std::vector<Group>& effects, bool may_vary,
                double flank_deg) {
   constexpr double kHeight_um = 0.75, kAcross = 1.2;
-  constexpr int kIterations = 12;
   GrooveProfile profile = profile_of(from.profile, from.state.shared);
   Trial out{profile, from.state, from.free, {}, 0};
   for (const Group effect : effects) {
@@ -373,14 +372,14 @@ Trial with_all(Problem& data, const Stage& stage, const Trial& from, const std::
   }
   out.profile = profile;
   set_profile(data, profile, out.state);
-  fit_trial(data, stage, kIterations, out);
+  fit_trial(data, stage, kToTheEnd, out);
   // A burr that has shrunk to nothing hardly grows again, and photos hardly tell one burr from the other.
   constexpr double kNothing_um = 0.05;
   double* const burrs_um = out.state.block(unknown::burrs);
   if (!has(out, Group::burrs) || std::min(burrs_um[0], burrs_um[1]) > kNothing_um) return out;
   Trial even = out;
   std::fill_n(even.state.block(unknown::burrs), 2, std::max(kHeight_um / 2, (burrs_um[0] + burrs_um[1]) / 2));
-  fit_trial(data, stage, kIterations, even);
+  fit_trial(data, stage, kToTheEnd, even);
   return even.cost < out.cost ? even : out;
 }
 
@@ -428,8 +427,7 @@ ProfileChoice choose_profile(const Problem& data, const Stage& stage, const Stat
   const Stage freed = all ? stage : stage_of_sample(stage);
   Trial best{paper, state, {}, {}, 0};
   set_profile(seen, paper, best.state);
-  if (!all) solve(seen, freed, kFirst, 1e-4, best.state, {}, "");  // at its own end, as the whole is at its
-  add_costs(seen, best);
+  fit_trial(seen, freed, kToTheEnd, best);  // else others would gain what it lacks to its own end
   const Trial bare = best;
   // Flanks from steep (an arc) to shallow, each fitted a little; then the best of them to its end.
   std::optional<double> flank_deg;

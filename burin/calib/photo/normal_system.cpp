@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "burin/calib/geometry/information.h"
@@ -242,11 +243,29 @@ ViewEquations view_equations(const Problem& data, const Stage& stage, const Stat
 
 namespace {
 
+// How far apart the bounds of each unknown are; infinite where it has none.
+Eigen::VectorXd widths_of_bounds(const Problem& data, std::size_t lights) {
+  Eigen::VectorXd out = Eigen::VectorXd::Constant(global_count(lights), std::numeric_limits<double>::infinity());
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    double low = 0, high = 0;
+    if ((row.scope != Scope::shared && row.scope != Scope::lamp) || !bounds_of(data, row, low, high)) return;
+    for (int i = row.bounds.at; i < row.bounds.at + row.bounds.count; ++i)
+      for (std::size_t light = 0; light < lights; ++light) out[global_index(first + i, light)] = high - low;
+  });
+  return out;
+}
+
 // Gauss and Newton's step, of which what would leave its bounds goes as far as they are, and the others as far as they
-// go with it there. Were it only put back afterwards, the others would make up for where it no longer is.
+// go with it there. Were it only put back afterwards, the others would make up for where it no longer is. What photos
+// do not even tell within its bounds (flanks of grooves that end before them) stays: it would leap from one to the
+// other by rounding alone.
 Eigen::VectorXd bounded_step(const Problem& data, const State& state, const NormalSystem& system) {
   std::vector<bool> free = system.free;
   Eigen::VectorXd held = Eigen::VectorXd::Zero(system.g.size());
+  const Eigen::VectorXd variance = safe_inverse(system.H, free).diagonal(),
+                        width = widths_of_bounds(data, state.lamps.size());
+  for (Eigen::Index i = 0; i < width.size(); ++i)
+    if (variance[i] > width[i] * width[i]) free[static_cast<std::size_t>(i)] = false;
   for (;;) {
     Eigen::VectorXd step = held - safe_inverse(system.H, free) * (system.g + system.H * held);
     const State moved = moved_state(state, step);
