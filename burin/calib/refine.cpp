@@ -21,6 +21,7 @@
 #include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/photo/photo_weights.h"
+#include "burin/calib/photo/spot_choice.h"
 #include "burin/calib/photo/strange_regions.h"
 #include "burin/calib/photo/stray_light_choice.h"
 #include "burin/calib/verdict/at_bounds.h"
@@ -59,6 +60,7 @@ struct RefineRun {
   State state{};
   Stage stage{};
   std::vector<Eigen::VectorXd> pointed_to{};  // by what photos neither ask for nor exclude: a lamp's size, a reach
+  std::vector<Eigen::VectorXd> to_spots{};    // by spots that photos point to so, when they were asked last
   Eigen::VectorXd burr_trade{};               // ProfileChoice::trade
   ScrewPower screw_power{0, 0};               // of the screws that were found
   bool told_crowded = false;                  // choose_crossings() did
@@ -131,6 +133,7 @@ struct RefineRun {
   void choose_crossings();
   void fit_middle();
   void drop_spots();
+  void find_spots();
   void drop_stray();
   void find_effects();
   bool may_have_another_section() const;
@@ -285,18 +288,29 @@ void RefineRun::fit_middle() {
   fit(options.max_iterations, 1e-5, "fitting binned photos");
 }
 
-// A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other.
-// A large lamp's matters however small it is.
+// A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other,
+// and the aim, which nothing holds then, keep a lamp's size from what it is. A large lamp's matters however small it
+// is.
 void RefineRun::drop_spots() {
   if (any_large_lamp(data, state)) return;
   for (std::size_t light = 0; light < state.lamps.size(); ++light) {
-    double& exponent = state.block(unknown::spot, light)[2];
-    constexpr double kLeastExponent = 0.3;
-    if (!data.is_spot[light] || exponent > kLeastExponent) continue;
+    double* const spot = state.block(unknown::spot, light);
+    if (!data.is_spot[light] || spot[2] > kLeastFalloff) continue;
     data.is_spot[light] = false;
-    exponent = 0;
+    make_spot(board, 0, spot);
     fit(options.max_iterations, 1e-5, "fitting a bare lamp");
   }
+}
+
+// Asked for where all but cross-sections and the machine is known, and again when there is another cross-section.
+void RefineRun::find_spots() {
+  if (!options.fit_lamp) return;
+  tell("asking whether lamps shine less to the side", 0);
+  light_around(state, data);
+  weigh_photos(data, state);
+  to_spots.clear();
+  if (choose_spots(stage, data, state, to_spots, progress))
+    fit(options.max_iterations, 1e-5, "fitting the lamp's fall-off");
 }
 
 // A light that nobody named, of which finer pixels leave hardly any, or which they let graze the face: it explains
@@ -378,6 +392,7 @@ void RefineRun::find_profile() {
   if (!take_profile()) return;
   choose_crossings();  // anew: rims that are cut away and rims that never were look alike
   fit(options.max_iterations, 1e-5, "fitting the grooves' cross-section");
+  find_spots();  // which another cross-section may have hidden
 }
 
 void RefineRun::fit_finest() {
@@ -592,7 +607,8 @@ void RefineRun::judge() {
   if (!uncertainty) uncertainty = uncertainty_of(data, stage, state);
   Uncertainty& judged_by = *uncertainty;
   if (const auto shift = shift_by_stray_size(data, stage, state)) pointed_to.push_back(*shift);
-  judged_by.shifts.insert(judged_by.shifts.end(), pointed_to.begin(), pointed_to.end());
+  for (const std::vector<Eigen::VectorXd>& shifts : {pointed_to, to_spots})
+    judged_by.shifts.insert(judged_by.shifts.end(), shifts.begin(), shifts.end());
   if (burr_trade.size() > 0) {
     judged_by.shifts.push_back(burr_trade);
     for (const int i : {unknown::burrs, unknown::burrs + 1}) judged_by.shifts.back()[i] *= state.shared[i];
@@ -632,11 +648,13 @@ void RefineRun::judge() {
 constexpr std::array kStages{&RefineRun::find_lamp,
                              &RefineRun::try_grooves,
                              &RefineRun::fit_coarse,
+                             &RefineRun::drop_spots,
                              &RefineRun::find_large_lamps,
                              &RefineRun::find_stray,
                              &RefineRun::choose_crossings,
                              &RefineRun::fit_middle,
                              &RefineRun::drop_spots,
+                             &RefineRun::find_spots,
                              &RefineRun::drop_stray,
                              &RefineRun::find_effects,
                              &RefineRun::fit_finest,
