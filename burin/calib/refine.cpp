@@ -507,9 +507,9 @@ void RefineRun::find_stray() {
 
 // Grooves of another cross-section send light where the paper's send none, too, and are commoner than lamps that nobody
 // named: takes one if it leaves less of the photos than such a lamp does. Else all stays as it was, and cross-sections
-// are asked for in their turn.
+// are asked for in their turn. Not under a large lamp, as in doubt_profile(): burrs were made up there.
 bool RefineRun::explained_by_profile(const std::vector<StrayNumbers>& places) {
-  if (!may_have_another_section() || !data.model.profile.is_paper()) return false;
+  if (!may_have_another_section() || !data.model.profile.is_paper() || any_large_lamp(data, state)) return false;
   const Problem problem_before = data;
   const Stage stage_before = stage;
   const State state_before = state;
