@@ -55,16 +55,16 @@ struct RefineRun {
   Refinement out{};
 
   std::vector<LightView> views{};
-  Bins bins{};
   Problem data{};
-  State state{};
-  Stage stage{};
   std::vector<Eigen::VectorXd> pointed_to{};  // by what photos neither ask for nor exclude: a lamp's size, a reach
   std::vector<Eigen::VectorXd> to_spots{};    // by spots that photos point to so, when they were asked last
   Eigen::VectorXd burr_trade{};               // ProfileChoice::trade
   ScrewPower screw_power{0, 0};               // of the screws that were found
-  bool told_crowded = false;                  // choose_crossings() did
   std::optional<Uncertainty> uncertainty{};   // of the state that the run ends with, if known
+  State state{};
+  Bins bins{};
+  bool told_crowded = false;  // choose_crossings() did
+  Stage stage{};
 
   void tell(const char* what, double fraction) const {
     if (progress) progress(what, fraction);
