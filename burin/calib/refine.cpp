@@ -607,8 +607,8 @@ void RefineRun::judge() {
   if (!uncertainty) uncertainty = uncertainty_of(data, stage, state);
   Uncertainty& judged_by = *uncertainty;
   if (const auto shift = shift_by_stray_size(data, stage, state)) pointed_to.push_back(*shift);
-  for (const std::vector<Eigen::VectorXd>& shifts : {pointed_to, to_spots})
-    judged_by.shifts.insert(judged_by.shifts.end(), shifts.begin(), shifts.end());
+  judged_by.shifts.insert(judged_by.shifts.end(), pointed_to.begin(), pointed_to.end());
+  judged_by.shifts.insert(judged_by.shifts.end(), to_spots.begin(), to_spots.end());
   if (burr_trade.size() > 0) {
     judged_by.shifts.push_back(burr_trade);
     for (const int i : {unknown::burrs, unknown::burrs + 1}) judged_by.shifts.back()[i] *= state.shared[i];

@@ -31,6 +31,20 @@ inline void add_glare(double share, SmallGrooves& s) {
   }
 }
 
+/// What a camera that shows value^bend makes of a photo's light, with its noise: 0.2 % of the brightest.
+inline void see_by_camera(double bend, std::mt19937_64& random, std::normal_distribution<float>& normal,
+                          PhotoData& photo) {
+  float brightest = 0;
+  for (const float v : photo.photo.value.data) brightest = std::max(brightest, v);
+  for (std::size_t i = 0; i < photo.weight.size(); ++i) {
+    float& value = photo.photo.value.data[i];
+    if (value > 0) value = brightest * std::pow(value / brightest, static_cast<float>(bend));
+    photo.photo.sigma.data[i] = 0.002F * brightest;
+    value += photo.photo.sigma.data[i] * normal(random);
+    if (photo.weight[i] > 0) photo.weight[i] = 1 / photo.photo.sigma.data[i];
+  }
+}
+
 /// Into `out`: six photos of a lamp with that radius (0: a point) by a camera that shows value^bend, fitted with a
 /// point and a straight camera; into the last photo another lamp shines, `stray` times as bright; a share `glare` of
 /// the light is scattered. `out` must stay where it is: its problem points into it.
@@ -54,17 +68,7 @@ inline void fit_small_grooves(double disk_mm, double bend, FittedGrooves& out, d
     }
   }
   if (glare > 0) add_glare(glare, s);
-  for (PhotoData& photo : s.data.photos) {
-    float brightest = 0;
-    for (const float v : photo.photo.value.data) brightest = std::max(brightest, v);
-    for (std::size_t i = 0; i < photo.weight.size(); ++i) {
-      float& value = photo.photo.value.data[i];
-      if (value > 0) value = brightest * std::pow(value / brightest, static_cast<float>(bend));
-      photo.photo.sigma.data[i] = 0.002F * brightest;
-      value += photo.photo.sigma.data[i] * normal(random);
-      if (photo.weight[i] > 0) photo.weight[i] = 1 / photo.photo.sigma.data[i];
-    }
-  }
+  for (PhotoData& photo : s.data.photos) see_by_camera(bend, random, normal, photo);
   out.stage.hold({Group::lamp, Group::machine, Group::vignette});
   out.state = s.truth;
   for (int round = 0; round < 2; ++round) {

@@ -5,8 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
 #include <random>
+#include <vector>
 
 #include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_weights.h"
@@ -29,12 +30,7 @@ void fit_with_bare_lamp(double exponent, FittedGrooves& out) {
   for (int k = 0; k < 6; ++k) {
     PhotoData photo = make_photo_data(add_view(s, k), 1, s.board, s.bench, 2);
     photo.photo.value = predict(s.data.model, photo, s.truth.of(0), carved_at(s.data.model, s.truth.of(0)));
-    float brightest = 0;
-    for (const float v : photo.photo.value.data) brightest = std::max(brightest, v);
-    for (std::size_t i = 0; i < photo.weight.size(); ++i) {
-      photo.photo.sigma.data[i] = 0.002F * brightest;
-      photo.photo.value.data[i] += photo.photo.sigma.data[i] * normal(random);
-    }
+    see_by_camera(1, random, normal, photo);
     s.data.photos.push_back(std::move(photo));
   }
   out.stage.free(Group::lamp).hold({Group::machine, Group::vignette, Group::blur});

@@ -50,4 +50,8 @@ Eigen::MatrixXd inverse_times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b
   return scale.asDiagonal() * inner.ldlt().solve(scale.asDiagonal() * b);
 }
 
+double chi_squared(const Eigen::VectorXd& terms, const Eigen::MatrixXd& covariance) {
+  return terms.dot(inverse_times(covariance, terms).col(0));
+}
+
 }  // namespace burin

@@ -23,6 +23,9 @@ Eigen::MatrixXd inverse_information(const Eigen::MatrixXd& H, double floor = 1e-
 /// variance.
 Eigen::MatrixXd safe_inverse(const Eigen::MatrixXd& H, const std::vector<bool>& free);
 
+/// terms^T C^-1 terms: how far terms of that covariance are from 0.
+double chi_squared(const Eigen::VectorXd& terms, const Eigen::MatrixXd& covariance);
+
 /// A^-1 b for a positive definite A.
 Eigen::MatrixXd inverse_times(const Eigen::MatrixXd& A, const Eigen::MatrixXd& b);
 

@@ -69,15 +69,7 @@ bool photos_ask_for(const Problem& data, const State& state, const EffectEquatio
   const auto tiles = static_cast<double>(scores.cols());
   scores.colwise() -= scores.rowwise().sum() / tiles;
   const Eigen::MatrixXd covariance = inverse * (scores * scores.transpose() + e.prior_scatter) * inverse;
-  const auto n = static_cast<Eigen::Index>(added.size());
-  Eigen::MatrixXd C(n, n);
-  Eigen::VectorXd terms(n);
-  for (Eigen::Index a = 0; a < n; ++a) {
-    terms[a] = step[added[static_cast<std::size_t>(a)]];
-    for (Eigen::Index b = 0; b < n; ++b)
-      C(a, b) = covariance(added[static_cast<std::size_t>(a)], added[static_cast<std::size_t>(b)]);
-  }
-  return terms.dot(inverse_times(C, terms).col(0)) > least.chi2;
+  return chi_squared(step(added), covariance(added, added)) > least.chi2;
 }
 
 namespace {

@@ -24,19 +24,6 @@ void set_free(const FreeField& field, std::size_t lights, std::vector<bool>& fre
   });
 }
 
-// terms^T C^-1 terms, of the terms `added`.
-double chi_squared(const Eigen::VectorXd& step, const Eigen::MatrixXd& covariance,
-                   const std::vector<Eigen::Index>& added) {
-  const auto n = static_cast<Eigen::Index>(added.size());
-  Eigen::MatrixXd C(n, n);
-  Eigen::VectorXd terms(n);
-  for (Eigen::Index a = 0; a < n; ++a) {
-    terms[a] = step[added[a]];
-    for (Eigen::Index b = 0; b < n; ++b) C(a, b) = covariance(added[a], added[b]);
-  }
-  return terms.dot(inverse_times(C, terms).col(0));
-}
-
 // Whether chance makes chi^2 of `terms` terms, under a covariance from `samples` scores, as large as this seldom
 // enough: once in ten thousand times for a slope or wear, once in a million for more terms, which are rarer on real
 // boards and were made up on one random bench in ten (a field made up does more harm than one missed). Hotelling's T^2
@@ -83,8 +70,8 @@ Asked significance(const Problem& data, const Stage& all, const State& state, co
                         : added.size() == 1 && (size || glare) ? kTwiceInTenThousand
                                                                : kOnceInTenThousand;
   const auto beyond = [&](const Eigen::MatrixXd& scatter, std::size_t samples, double bar) {
-    return beyond_chance(chi_squared(step, inverse * (scatter + e.prior_scatter) * inverse, added), added.size(),
-                         samples, bar);
+    const Eigen::MatrixXd covariance = inverse * (scatter + e.prior_scatter) * inverse;
+    return beyond_chance(chi_squared(step(added), covariance(added, added)), added.size(), samples, bar);
   };
   // Photos are few: their scatter could not say so much of several terms, but it may contradict.
   constexpr std::size_t kKnown = 1000;

@@ -22,10 +22,9 @@ namespace {
 // a bare lamp lacks: beyond what places of the board make up. A fall-off is itself something that places differ by: at
 // the bare lamp's optimum it would pass for their scatter.
 double chi_squared_of_spot(const Problem& data, const Stage& stage, const State& state, std::size_t light) {
-  const ViewEquations e = view_equations(data, stage, state);
-  Eigen::MatrixXd H = e.prior_information;
-  for (const Eigen::MatrixXd& of_view : e.H) H += of_view;
-  const Eigen::MatrixXd inverse = safe_inverse(H, e.free),
+  const EffectEquations equations = effect_equations(data, stage, state, {});
+  const ViewEquations& e = equations.views;
+  const Eigen::MatrixXd inverse = safe_inverse(equations.H, e.free),
                         covariance = inverse * (e.tiles * e.tiles.transpose() + e.prior_scatter) * inverse;
   double middle[3];
   make_spot(*data.model.board, 0, middle);
@@ -36,7 +35,7 @@ double chi_squared_of_spot(const Problem& data, const Stage& stage, const State&
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b)
       C(a, b) = covariance(global_index(unknown::spot + a, light), global_index(unknown::spot + b, light));
-  return terms.dot(inverse_times(by_spot * C * by_spot.transpose(), terms).col(0));
+  return chi_squared(terms, by_spot * C * by_spot.transpose());
 }
 
 }  // namespace
