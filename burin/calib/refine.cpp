@@ -150,7 +150,7 @@ struct RefineRun {
   bool explained_by_profile(const std::vector<StrayNumbers>& places);
   void doubt_profile();
   void admit_what_machines_hide();
-  void keep_what_is_believed();
+  void ask_of_believed_depth();
   void judge();
 };
 
@@ -588,17 +588,30 @@ void RefineRun::admit_what_machines_hide() {
   }
 }
 
-// A depth that the photos do not tell may still be refuted by them: grooves that glint beyond its cut-off.
-void RefineRun::keep_what_is_believed() {
-  const double fitted_um = out.bench.material.depth_um, cost_fitted = cost_of(data, state, 1);
-  keep_believed(board, state, out.bench);
+// A depth that the photos do not tell may still be refuted by them: grooves that glint beyond its cut-off. Then the next
+// board is better designed for the depth that explains them, though nothing says how far it may be off. Refuted is what
+// no other answer makes up for: all else is fitted again with the believed depth held.
+void RefineRun::ask_of_believed_depth() {
   constexpr double kRefuted = 1.02;  // the cost of all photos together; what is merely not seen leaves it as it is
-  if (out.bench.verdict[parameter::kDepth].known() || !(cost_of(data, state, 1) > kRefuted * cost_fitted)) return;
+  constexpr int kIterations = 6;
+  Verdict& verdict = out.bench.verdict[parameter::kDepth];
+  if (verdict.known() || is_on_bound(data, state, unknown::log_depth)) return;
+  const double fitted_um = out.bench.material.depth_um, believed_um = board.material.depth_um;
+  const double cost_fitted = cost_of(data, state, 1);
+  State believed = state;
+  believed.shared[unknown::log_depth] = std::log(believed_um);
+  if (!(cost_of(data, believed, 1) > kRefuted * cost_fitted)) return;
+  Stage held = stage;
+  held.hold({Group::depth});
+  solve(data, held, kIterations, 1e-4, believed, progress, "asking what speaks against the believed depth");
+  if (!(cost_of(data, believed, 1) > kRefuted * cost_fitted)) return;
+  verdict.source = Source::measured;
+  verdict.causes.push_back({Cause::Kind::believed_refuted, {believed_um}});
   out.findings.push_back(make_warning(
-      "the photos do not tell the depth, but they speak against the " + significant(board.material.depth_um, 3) +
-          " um that board.json believes: " + significant(fitted_um, 3) + " um explain them better",
-      "take the photo that would help most (bench.json, verdict.depth_um.next_photo) before another board is "
-      "designed"));
+      "the photos do not tell the depth, but they speak against the " + significant(believed_um, 3) +
+          " um that board.json believes: " + significant(fitted_um, 3) + " um explain them better, and are taken",
+      "how far off that is nobody knows: take the photo that would help most (bench.json, "
+      "verdict.depth_um.next_photo) before another board is designed"));
 }
 
 void RefineRun::judge() {
@@ -627,7 +640,8 @@ void RefineRun::judge() {
             significant(std::sqrt(data.geometry->weight), 2) + " times the weight that their noise gives them",
         "what the model misses is told by the other findings"));
   append(out.findings, judge_bounds(data, stage, state, out.bench));
-  keep_what_is_believed();
+  ask_of_believed_depth();
+  keep_believed(board, state, out.bench);
   append(out.findings, effect_findings(out.bench, board));
   advise_light(data, state, judged_by, judged, out.bench, progress);
   append(out.findings, keep_colors(given, fit_colors(data, merged, state, out.bench), out.bench));

@@ -29,6 +29,13 @@ struct Settling {
     return sigma.has_value();
   }
 
+  // Photos refute the depth that the board was believed to have; not what is believed since, which is followed.
+  bool depth_is_refuted() const {
+    const Verdict* verdict = find_verdict(bench, parameter::kDepth);
+    return verdict != nullptr && rests_on(*verdict, Cause::Kind::believed_refuted) && bench.told.depth_um &&
+           same(*bench.told.depth_um, board.material.depth_um);
+  }
+
   [[noreturn]] void contradict(const std::string& key, double bench_says, double believed, bool board_says) const {
     fail(bench_file,
          "material." + key + " is " + significant(bench_says, 6) + ", but " + board_file +
@@ -80,8 +87,9 @@ void settle_material(Bench& bench, const std::filesystem::path& bench_file, cons
     s.told("material.depth_um", bench.told.depth_um, board.material.depth_um);
   s.told("tool.width_um", bench.told.tool_width_um, board.tool_width_um);
   s.number(parameter::kAlpha, "alpha", bench.said.alpha, board.said.alpha, sigma.alpha, board.material.alpha, m.alpha);
-  s.number(parameter::kDepth, "depth_um", bench.said.depth_um, board.said.depth_um, sigma.depth_um,
-           board.material.depth_um, m.depth_um);
+  if (!s.depth_is_refuted())
+    s.number(parameter::kDepth, "depth_um", bench.said.depth_um, board.said.depth_um, sigma.depth_um,
+             board.material.depth_um, m.depth_um);
   // Paper and plain face tell this one as soon as there is a lamp.
   if (s.nominal() || !bench.said.base_alpha)
     s.number(parameter::kBaseAlpha, "base_alpha", bench.said.base_alpha, board.said.base_alpha, sigma.base_alpha,

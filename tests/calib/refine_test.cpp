@@ -12,6 +12,7 @@
 #include <string>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {
@@ -100,7 +101,8 @@ INSTANTIATE_TEST_SUITE_P(Rigs, RefineAmateursBench, testing::Values("b-small", "
 TEST(Refine, DepthIsNotDeterminedWhereNoHalfVectorReachesTheCutOff) {
   BURIN_NEEDS_RIG("a");
   // Only the mirror side: the half vectors stay near the face's normal, every scratch that could glint does.
-  const Rig rig = read_rig("a", {"v00", "v01", "v02"});
+  Rig rig = read_rig("a", {"v00", "v01", "v02"});
+  rig.board.material.depth_um = 0.99 * rig.truth["material"]["depth_um"].get<double>();
   RefineOptions options = quick();
   options.crossings = Crossings::add;
   const Refinement r = refine(rig.session, rig.board, rig.sent, rig.true_poses, options);
@@ -114,6 +116,24 @@ TEST(Refine, DepthIsNotDeterminedWhereNoHalfVectorReachesTheCutOff) {
   EXPECT_EQ(sentence(depth).rfind("left as it was believed", 0), 0U) << sentence(depth);
   EXPECT_EQ(r.bench.told.depth_um, rig.board.material.depth_um);
   EXPECT_NE(sentence(depth).find("photograph"), std::string::npos);  // it says what to do
+}
+
+TEST(Refine, ADepthThatPhotosSpeakAgainstIsNotGoneBackTo) {
+  BURIN_NEEDS_RIG("a");
+  // The same photos; but the board is believed to be so shallow that what glints in them should not.
+  const Rig rig = read_rig("a", {"v00", "v01", "v02"});
+  const double true_um = rig.truth["material"]["depth_um"], believed_um = rig.board.material.depth_um;
+  ASSERT_LT(believed_um, 0.75 * true_um);
+  RefineOptions options = quick();
+  options.crossings = Crossings::add;
+  const Refinement r = refine(rig.session, rig.board, rig.sent, rig.true_poses, options);
+  const Verdict& depth = r.bench.verdict.at("depth_um");
+  EXPECT_FALSE(depth.known()) << sentence(depth);
+  ASSERT_TRUE(rests_on(depth, Cause::Kind::believed_refuted)) << sentence(depth);
+  EXPECT_EQ(depth.source, Source::measured);
+  EXPECT_NEAR(r.bench.material.depth_um, true_um, 0.03 * true_um);  // measured: 13.99 um of 14
+  EXPECT_FALSE(r.bench.material_sigma.depth_um.has_value());
+  EXPECT_NE(sentence(depth).find("speak against the " + significant(believed_um, 3)), std::string::npos);
 }
 
 TEST(Refine, RefusesWhatItCannotWorkOn) {

@@ -212,9 +212,11 @@ bool is_determined(const Bench& bench, const std::string& parameter) {
 std::string value_cell(const Bench& bench, const std::string& parameter, double value,
                        const std::optional<double>& sigma, const std::string& unit) {
   const std::string space = unit.empty() ? "" : " ";
-  if (!is_determined(bench, parameter))
-    return fmt::format("<span class=\"unknown\">not known; {}{}{} is believed as before</span>", number(value), space,
-                       unit);
+  if (!is_determined(bench, parameter)) {
+    const bool refuted = rests_on(*find_verdict(bench, parameter), Cause::Kind::believed_refuted);
+    return fmt::format("<span class=\"unknown\">not known; {}{}{} {}</span>", number(value), space, unit,
+                       refuted ? "explains the photos best" : "is believed as before");
+  }
   if (sigma) return with_sigma(value, *sigma) + space + unit;
   return number(value) + space + unit;
 }

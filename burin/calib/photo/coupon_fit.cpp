@@ -177,7 +177,7 @@ int sector_of(const Vector2d& from_center) {
 FreeUnknowns wanted_of(const Stage& stage, const FanLayout& layout) {
   FreeUnknowns wanted{};
   for_each_unknown([&](const UnknownRow& row, int first) {
-    if (row.scope == Scope::paper || row.group == Group::groove) return;
+    if (row.scope == Scope::paper || row.group == Group::groove || row.group == Group::depth) return;
     const bool free = row.scope == Scope::geometry ? layout.geometry > 0 : stage.frees(row.group);
     const int count = first == unknown::lens ? static_cast<int>(layout.lens) : row.size;
     std::fill_n(wanted.begin() + first, free ? count : 0, true);
@@ -324,7 +324,7 @@ std::vector<bool> all_free(const FanProblem& problem, const Stage& stage, const 
 }
 
 // The stage without the depth and roughness that all fans would share.
-Stage without_grooves(Stage stage) { return stage.hold({Group::groove}); }
+Stage without_grooves(Stage stage) { return stage.hold({Group::groove, Group::depth}); }
 
 }  // namespace
 

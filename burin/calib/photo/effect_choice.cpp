@@ -446,7 +446,7 @@ ProfileChoice choose_profile(const Problem& data, const Stage& stage, const Stat
   set_profile(seen, chosen, best.state);
   if (all) return {chosen, best.state, best.cost, best.free, trade};
   State whole = state;  // with what a sample tells of it
-  constexpr std::array kOfGrooves{Group::groove, Group::flank, Group::burrs, Group::across};
+  constexpr std::array kOfGrooves{Group::groove, Group::depth, Group::flank, Group::burrs, Group::across};
   for_each_unknown([&](const UnknownRow& row, int first) {
     if (std::find(kOfGrooves.begin(), kOfGrooves.end(), row.group) != kOfGrooves.end())
       std::copy_n(best.state.block(first), row.size, whole.block(first));

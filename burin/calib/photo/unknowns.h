@@ -29,6 +29,7 @@ enum class Scope {
 /// What a stage frees or holds together.
 enum class Group {
   groove,
+  depth,
   base,
   depth_linear,
   depth_quadratic,
@@ -102,7 +103,7 @@ inline constexpr double kPaperFactorSigma = 0.02;  // how well albedos in board.
 inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     // The grooves: logarithms of roughness and depth; of the plain face's roughness.
     {"log_alpha", 1, Scope::shared, Group::groove, Enters::light, {Bounds::Kind::of_log, 0.004, 0.8}},
-    {"log_depth", 1, Scope::shared, Group::groove, Enters::light, {Bounds::Kind::of_log_per_tool_width, 1e-3, 0.7}},
+    {"log_depth", 1, Scope::shared, Group::depth, Enters::light, {Bounds::Kind::of_log_per_tool_width, 1e-3, 0.7}},
     {"log_base_alpha", 1, Scope::shared, Group::base, Enters::light, {Bounds::Kind::of_log, 0.01, 1.0}},
     // GrooveField's terms: gx gy; qxx qxy qyy; wear.
     {"depth_linear", 2, Scope::shared, Group::depth_linear},

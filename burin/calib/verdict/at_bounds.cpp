@@ -55,15 +55,24 @@ void judge_spots(const Problem& data, const State& state, Bench& bench, std::vec
 
 }  // namespace
 
+bool is_on_bound(const Problem& data, const State& state, int unknown) {
+  constexpr double kOnIt = 1e-4;  // of a logarithm
+  bool on_it = false;
+  for_each_unknown([&](const UnknownRow& row, int first) {
+    double low = 0, high = 0;
+    if (first != unknown || !bounds_of(data, row, low, high)) return;
+    const double value = state.block(first)[row.bounds.at];
+    on_it = value <= low + kOnIt || value >= high - kOnIt;
+  });
+  return on_it;
+}
+
 std::vector<Finding> judge_bounds(const Problem& data, const Stage& stage, const State& state, Bench& bench) {
   std::vector<Finding> out;
   for_each_unknown([&](const UnknownRow& row, int first) {
     const auto held = std::find_if(kHeld.begin(), kHeld.end(), [&](const Held& h) { return h.index == first; });
-    double low = 0, high = 0;
-    if (held == kHeld.end() || !stage.frees(row.group) || !bounds_of(data, row, low, high)) return;
-    constexpr double kOnIt = 1e-4;  // of a logarithm
+    if (held == kHeld.end() || !stage.frees(row.group) || !is_on_bound(data, state, first)) return;
     const double value = state.block(first)[row.bounds.at];
-    if (value > low + kOnIt && value < high - kOnIt) return;
     out.push_back(make_warning(parameter::in_words(held->name) + " ran to " + significant(std::exp(value), 3) +
                                    ", the end of what is possible: these photos do not hold it",
                                held->by));

@@ -322,6 +322,7 @@ void keep_believed(const Board& board, State& state, Bench& bench) {
   const auto keep = [&](const char* name, int index, double believed, double& value, std::optional<double>& sigma) {
     const auto verdict = bench.verdict.find(name);
     if (verdict == bench.verdict.end() || verdict->second.known()) return;
+    if (rests_on(verdict->second, Cause::Kind::believed_refuted)) return;
     verdict->second.source = Source::assumed;
     value = believed;
     sigma.reset();

@@ -32,7 +32,8 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
                         Refinement& out);
 
 /// What the photos do not tell of grooves and face goes back to what board.json believes, in `state` and `bench`, and
-/// the verdict says so: where an optimizer strayed to is no knowledge. Also notes what the board was told.
+/// the verdict says so: where an optimizer strayed to is no knowledge. Not what the verdict calls refuted
+/// (Cause::Kind::believed_refuted). Also notes what the board was told.
 void keep_believed(const Board& board, State& state, Bench& bench);
 
 }  // namespace burin

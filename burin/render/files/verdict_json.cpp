@@ -32,7 +32,7 @@ struct CauseForm {
   const char* text = nullptr;
 };
 using K = Cause::Kind;
-constexpr std::array<CauseForm, 23> kCauses{{
+constexpr std::array<CauseForm, 24> kCauses{{
     {K::of_focal_length,
      "of_focal_length",
      {"focal_px", "focal_sigma_px", "center_sigma_px", "corners_rms_px"},
@@ -50,6 +50,7 @@ constexpr std::array<CauseForm, 23> kCauses{{
     {K::poses_by_halves, "poses_by_halves", {"contradicting", "views"}},
     {K::cutoff_seen, "cutoff_seen", {"inside", "outside"}},
     {K::cutoff_not_seen, "cutoff_not_seen", {"inside", "outside"}},
+    {K::believed_refuted, "believed_refuted", {"believed"}},
     {K::field_chosen, "field_chosen", {"linear", "quadratic", "wear"}},
     {K::bare_lamp, "bare_lamp"},
     {K::shines_as_a_plane, "shines_as_a_plane", {"exponent", "uncertainty"}},
