@@ -588,9 +588,9 @@ void RefineRun::admit_what_machines_hide() {
   }
 }
 
-// A depth that the photos do not tell may still be refuted by them: grooves that glint beyond its cut-off. Then the next
-// board is better designed for the depth that explains them, though nothing says how far it may be off. Refuted is what
-// no other answer makes up for: all else is fitted again with the believed depth held.
+// A depth that the photos do not tell may still be refuted by them: grooves that glint beyond its cut-off. Then the
+// next board is better designed for the depth that explains them, though nothing says how far it may be off. Refuted is
+// what no other answer makes up for: all else is fitted again with the believed depth held.
 void RefineRun::ask_of_believed_depth() {
   constexpr double kRefuted = 1.02;  // the cost of all photos together; what is merely not seen leaves it as it is
   constexpr int kIterations = 6;

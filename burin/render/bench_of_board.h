@@ -4,8 +4,8 @@
 // Before a board was measured they stand in board.json, and a nominal bench.json may leave them out; one that says
 // something else is an error that names both. What photos measured stands in the measured bench.json, beside what
 // board.json said then (`told`): a board.json that says something else by now is an error too, because what the machine
-// makes of it was not measured. What photos were to tell and did not is still board.json's, unless they speak against what
-// was believed then (Cause::Kind::believed_refuted).
+// makes of it was not measured. What photos were to tell and did not is still board.json's, unless they speak against
+// what was believed then (Cause::Kind::believed_refuted).
 #pragma once
 
 #include <filesystem>

@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -266,10 +267,33 @@ void pull_back_end(const PieceEnd& end, std::size_t i, const Vector2d& by_q, con
   }
 }
 
+// dd'/dd of a groove of which a share of the half-width is left, its depth then being d': of pieces there are many, of
+// such grooves few, and those of one cut groove follow each other.
+class NarrowedSlope {
+ public:
+  double operator()(const GrooveProfile& profile, double width_um, double depth_um, double share, double piece_um) {
+    const std::array<double, 4> groove{width_um, depth_um, share, piece_um};
+    for (const Known& known : known_)
+      if (known.groove == groove) return known.slope;
+    Known& made = known_[next_++ % known_.size()];
+    made = {groove,
+            share * half_width_slope(profile, width_um, depth_um) / half_width_slope(profile, width_um, piece_um)};
+    return made.slope;
+  }
+
+ private:
+  struct Known {
+    std::array<double, 4> groove{};
+    double slope = 0;
+  };
+  std::array<Known, 4> known_{};
+  std::size_t next_ = 0;
+};
+
 // Depth and width of piece k back to its row. Of the half-width w(d) a share s is left: the piece has the depth d' with
 // w(d') = s w(d), and by lengths alone d' = wt dd'/dwt + d dd'/dd.
 void pull_back_depth(const Carved& carved, std::size_t k, const Scratches& placed, const Bench& bench,
-                     const Board& board, const ScratchGradients& by, EndGradients& out) {
+                     const Board& board, const ScratchGradients& by, NarrowedSlope& slope, EndGradients& out) {
   const std::size_t i = carved.source[k];
   if (!carved.scratches.is_narrowed(k) || carved.scratches.left[k] >= kAllButBurrs) {
     out.add_depth(i, by.depth_um[k]);
@@ -279,8 +303,7 @@ void pull_back_depth(const Carved& carved, std::size_t k, const Scratches& place
   const GrooveProfile& profile = bench.material.profile;
   const double wt = or_shared(placed.width_um, i, board.tool_width_um),
                d = or_shared(placed.depth_um, i, bench.material.depth_um), piece_um = carved.scratches.depth_um[k];
-  const double by_depth =
-      carved.scratches.left[k] * half_width_slope(profile, wt, d) / half_width_slope(profile, wt, piece_um);
+  const double by_depth = slope(profile, wt, d, carved.scratches.left[k], piece_um);
   out.add_depth(i, by.depth_um[k] * by_depth);
   out.add_width(i, by.width_um[k] + by.depth_um[k] * (piece_um - d * by_depth) / wt);
 }
@@ -377,11 +400,12 @@ ScratchGradients pull_back(const Carved& carved, const Designed& designed, const
       apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, placed,
                   placed.depth_um);
     EndGradients ends(out);
+    NarrowedSlope slope;
     for (std::size_t k = 0; k < carved.size(); ++k) {
       const std::size_t i = carved.source[k];
       pull_back_end(carved.begin[k], i, {by_carved.x0_mm[k], by_carved.y0_mm[k]}, placed, bench, board, ends);
       pull_back_end(carved.end[k], i, {by_carved.x1_mm[k], by_carved.y1_mm[k]}, placed, bench, board, ends);
-      pull_back_depth(carved, k, placed, bench, board, by_carved, ends);
+      pull_back_depth(carved, k, placed, bench, board, by_carved, slope, ends);
       out.alpha[i] += by_carved.alpha[k];
     }
   }

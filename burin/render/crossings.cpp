@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -354,10 +355,12 @@ std::string_view in_words(Crossings crossings) {
   return {};
 }
 
-VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
-                             const GrooveProfile& profile, Crossings rule) {
-  VisiblePieces out;
-  if (carved.size() == 0) return out;
+namespace {
+
+// Pieces of all scratches in parts, in carving order; nothing where there are more than `most`.
+std::optional<std::vector<VisiblePieces>> pieces_in_parts(const Scratches& carved, double tool_width_um,
+                                                          double depth_um, const GrooveProfile& profile, Crossings rule,
+                                                          std::size_t most) {
   std::vector<Section> sections(carved.size());
   std::vector<double> half_width_mm(carved.size());
   for (std::size_t i = 0; i < carved.size(); ++i) {
@@ -380,7 +383,6 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
   constexpr std::size_t kAtOnce = 512;  // pieces come in carving order, whoever cuts them
   std::vector<VisiblePieces> parts((carved.size() + kAtOnce - 1) / kAtOnce);
   std::atomic<std::size_t> made{0};
-  const std::size_t most = carved.size() + limit::kCuts;
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
     std::vector<std::uint32_t> near;
     std::vector<Change> changes;
@@ -392,14 +394,33 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
       made += parts[part].source.size() - before;
     }
   });
-  if (made > most)
+  if (made > most) return std::nullopt;
+  return parts;
+}
+
+}  // namespace
+
+VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
+                             const GrooveProfile& profile, Crossings rule) {
+  VisiblePieces out;
+  if (carved.size() == 0) return out;
+  const std::size_t most = carved.size() + limit::kCuts;
+  std::optional<std::vector<VisiblePieces>> parts =
+      pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, most);
+  if (!parts)
     fail("crossings of " + std::to_string(carved.size()) + " scratches",
          "cut grooves into more than " + std::to_string(most) + " pieces",
          "let their light add there (\"crossings\": \"add\" in bench.json's material, burin refine --crossings add), "
          "or carve "
          "fewer or shorter scratches");
-  for (VisiblePieces& part : parts) append_pieces(out, std::exchange(part, {}));
+  for (VisiblePieces& part : *parts) append_pieces(out, std::exchange(part, {}));
   return out;
+}
+
+bool are_more_pieces(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,
+                     Crossings rule, std::size_t most) {
+  return rule != Crossings::add && carved.size() > 0 &&
+         !pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, most);
 }
 
 double expected_pieces(double length_mm, double area_mm2) {

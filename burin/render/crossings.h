@@ -62,6 +62,10 @@ struct VisiblePieces {
 VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
                              const GrooveProfile& profile = {}, Crossings rule = Crossings::last);
 
+/// Whether that rule cuts them into more pieces than `most`.
+bool are_more_pieces(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,
+                     Crossings rule, std::size_t most);
+
 /// About how many pieces Crossings::deepest makes of grooves that lie in any direction all over an area, each crossing
 /// (2 / pi) (all their lengths)^2 / area others together: two a crossing, up to five where crossings are few and one
 /// where they crowd.

@@ -235,6 +235,22 @@ TEST(VisiblePieces, AreForetoldForGroovesInAnyDirection) {
   }
 }
 
+TEST(VisiblePieces, AreCountedAsTheyAreMade) {
+  std::mt19937_64 random(5);
+  const Scratches s = strewn(random);
+  GrooveProfile with_burrs;
+  with_burrs.burr_left_um = 1;
+  with_burrs.burr_width_um = 10;
+  for (const GrooveProfile& profile : {GrooveProfile{}, with_burrs})
+    for (const Crossings rule : {Crossings::last, Crossings::deepest}) {
+      const std::size_t made = visible_pieces(s, kWidthUm, kDepthUm, profile, rule).source.size();
+      ASSERT_GT(made, s.size());
+      EXPECT_FALSE(are_more_pieces(s, kWidthUm, kDepthUm, profile, rule, made));
+      EXPECT_TRUE(are_more_pieces(s, kWidthUm, kDepthUm, profile, rule, made - 1));
+    }
+  EXPECT_FALSE(are_more_pieces(s, kWidthUm, kDepthUm, {}, Crossings::add, 0));  // nothing is cut
+}
+
 TEST(VisiblePieces, MoreThanAMachineHoldsAreRefused) {
   Scratches s;  // a grid: each crosses half of all
   constexpr int kEachWay = 1200;

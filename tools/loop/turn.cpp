@@ -173,10 +173,12 @@ void refuse_unknown(Turn& turn, int round) {
   std::vector<std::string> names;
   for (const UnknownParameter& u : told.accepted) {
     names.push_back(u.name);
+    const bool refuted = rests_on(u.verdict, Cause::Kind::believed_refuted);
     note(make_warning(in_short({u}) + "; the next design goes on with what " +
-                      (u.verdict.known()                                                  ? "the photos told"
-                       : rests_on(u.verdict, Cause::Kind::believed_refuted) ? "explains the photos best"
-                                                                            : "was believed") + ", as accepted"));
+                      (u.verdict.known() ? "the photos told"
+                       : refuted         ? "explains the photos best"
+                                         : "was believed") +
+                      ", as accepted"));
   }
   const fs::path file = record_file(loop.project, {round, StageKind::refine});
   std::optional<MadeRecord> record = read_record(file);

@@ -17,9 +17,11 @@
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/optimize/target.h"
+#include "burin/render/crossings.h"
 #include "burin/render/degrees.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -128,11 +130,23 @@ void DesignRun::take_stock() {
 }
 
 void DesignRun::place() {
+  std::size_t too_many = 0;  // to be cut where they cross
+  const auto less_to_cut = [&] {
+    const std::size_t before = movable_;
+    if (!start_with_less_to_cut()) return false;
+    too_many = std::max(too_many, before);
+    return true;
+  };
   do {
     choose_stroke_rules();
     start_strokes();
     settle(scratches_, limits_, mean_length_mm_, options_.seed + 2);
-  } while (start_with_fewer());
+  } while (start_with_fewer() || less_to_cut());
+  if (too_many > 0)
+    result_.findings.push_back(make_warning(std::to_string(too_many) +
+                                            " scratches would cross each other too often for their crossings to be "
+                                            "cut: began with " +
+                                            std::to_string(movable_)));
   result_.started_with = movable_;
   join_carved();
   if (!options_.from) put_in_carving_order(false);
@@ -189,6 +203,23 @@ bool DesignRun::start_with_fewer() {
   result_.findings.push_back(make_warning(std::to_string(movable_) + " scratches would take " + fixed(hours, 1) +
                                           " hours to carve: began with " + std::to_string(fewer) + " for the " +
                                           fixed(options_.carve_hours, 1) + " there are"));
+  movable_ = fewer;
+  return true;
+}
+
+// Strokes grow while they are designed, but pay for what they cross: a fifth of what can be cut is left to that. Fewer
+// strokes may be longer, so that how many there may be is found by trying.
+bool DesignRun::start_with_less_to_cut() {
+  constexpr double kFewer = 0.85;
+  constexpr std::size_t kMostPieces = limit::kCuts / 5 * 4;
+  if (options_.from) return false;
+  const Scratches all =
+      joined(scratches_, carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
+  if (!are_more_pieces(all, board_.tool_width_um, bench_.material.depth_um, bench_.material.profile, bench_.crossings,
+                       kMostPieces))
+    return false;
+  const auto fewer = static_cast<std::size_t>(kFewer * static_cast<double>(movable_));
+  if (fewer == 0) return false;
   movable_ = fewer;
   return true;
 }

@@ -62,6 +62,7 @@ class DesignRun {
   void choose_stroke_rules();
   void start_strokes();
   bool start_with_fewer();
+  bool start_with_less_to_cut();  // the same, where so many would be cut into too many pieces
   void join_carved();
 
   // The new scratches in a short carving order, their histories with them, on benches where the order shows.
