@@ -38,7 +38,7 @@ struct Cause {
     poses_by_halves,      ///< views whose halves of tags contradict each other; all views
     cutoff_seen,          ///< half vectors that lean a little less, and a little more, than the steepest wall
     cutoff_not_seen,      ///< the same, where one of them is too small
-    believed_refuted,     ///< what was believed, against which the photos speak: the number is what they point to
+    believed_refuted,     ///< the depth that was believed and the photos speak against, um
     field_chosen,         ///< linear, quadratic, wear: 1 where depth varies so
     bare_lamp,            ///< a spot explains paper and face no better
     shines_as_a_plane,    ///< assumed: the exponent, and what was tried as much as it may be off by

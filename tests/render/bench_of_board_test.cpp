@@ -112,7 +112,7 @@ TEST_F(BenchOfBoard, ADepthThatPhotosRefuteIsNotTheBoardsAgain) {
   bench_["material"]["told"] = {{"depth_um", 18}, {"alpha", 0.05}, {"width_um", 400}};
   measured("alpha", "determined");
   measured("depth_um", "not_determined");
-  bench_["verdict"]["depth_um"]["causes"] = {{{"cause", "believed_refuted"}, {"believed", 18}}};
+  bench_["verdict"]["depth_um"]["causes"] = {{{"cause", "believed_refuted"}, {"believed_um", 18}}};
   EXPECT_EQ(read().material.depth_um, 22.85);
   board_["material"]["depth_um"] = 25;  // believed otherwise now, say by a microscope: it is followed
   EXPECT_EQ(read().material.depth_um, 25);

@@ -212,7 +212,7 @@ bool DesignRun::start_with_fewer() {
 bool DesignRun::start_with_less_to_cut() {
   constexpr double kFewer = 0.85;
   constexpr std::size_t kMostPieces = limit::kCuts / 5 * 4;
-  if (options_.from) return false;
+  if (options_.from || bench_.crossings == Crossings::add) return false;
   const Scratches all =
       joined(scratches_, carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
   if (!are_more_pieces(all, board_.tool_width_um, bench_.material.depth_um, bench_.material.profile, bench_.crossings,

@@ -50,7 +50,7 @@ constexpr std::array<CauseForm, 24> kCauses{{
     {K::poses_by_halves, "poses_by_halves", {"contradicting", "views"}},
     {K::cutoff_seen, "cutoff_seen", {"inside", "outside"}},
     {K::cutoff_not_seen, "cutoff_not_seen", {"inside", "outside"}},
-    {K::believed_refuted, "believed_refuted", {"believed"}},
+    {K::believed_refuted, "believed_refuted", {"believed_um"}},
     {K::field_chosen, "field_chosen", {"linear", "quadratic", "wear"}},
     {K::bare_lamp, "bare_lamp"},
     {K::shines_as_a_plane, "shines_as_a_plane", {"exponent", "uncertainty"}},
