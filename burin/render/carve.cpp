@@ -162,14 +162,14 @@ void name_sources(const GrooveParts& parts, Carved& carved) {
   }
 }
 
-Carved crossed(Scratches placed, const Bench& bench, const Board& board);
+Carved crossed(Scratches placed, const Bench& bench, const Board& board, int steps);
 
 constexpr double kMostDepth_um = 1e9, kMostAlpha = 1;
 
 // Depths, roughnesses and crossings of scratches that have come to their places in the metal.
 // `told`: what the machine was told, where its screws bend the grooves.
 Carved grooves_at(Scratches placed, const Bench& bench, const Board& board, const Scratches* told = nullptr,
-                  std::span<const Eigen::AlignedBox2d> looked_at = {}) {
+                  std::span<const Eigen::AlignedBox2d> looked_at = {}, int crossing_steps = kCrossingSteps) {
   if (!bench.depth_field.is_constant() || !bench.alpha_field.is_constant()) {
     const std::vector<double> age = ages_of(placed);
     apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, placed, placed.depth_um);
@@ -184,13 +184,13 @@ Carved grooves_at(Scratches placed, const Bench& bench, const Board& board, cons
     within = parts_within(placed, looked_at);
     placed = std::move(within.pieces);
   }
-  Carved out = crossed(std::move(placed), bench, board);
+  Carved out = crossed(std::move(placed), bench, board, crossing_steps);
   if (!looked_at.empty()) name_sources(within, out);
   if (told != nullptr) name_sources(bent, out);
   return out;
 }
 
-Carved crossed(Scratches placed, const Bench& bench, const Board& board) {
+Carved crossed(Scratches placed, const Bench& bench, const Board& board, int steps) {
   Carved out;
   if (bench.crossings == Crossings::add) {
     out.scratches = std::move(placed);
@@ -202,7 +202,7 @@ Carved crossed(Scratches placed, const Bench& bench, const Board& board) {
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return placed.is_carved(i); });
   VisiblePieces pieces = visible_pieces(selected(placed, order), board.tool_width_um, bench.material.depth_um,
-                                        bench.material.profile, bench.crossings);
+                                        bench.material.profile, bench.crossings, steps);
   for (std::uint32_t& row : pieces.source) row = static_cast<std::uint32_t>(order[row]);
   for (std::vector<PieceEnd>* ends : {&pieces.begin, &pieces.end})
     for (PieceEnd& end : *ends) end.cutter = static_cast<std::uint32_t>(order[end.cutter]);
@@ -357,7 +357,8 @@ Sent compensated(const Designed& designed, const Bench& bench, const Board& boar
   return sent;
 }
 
-Carved carve(const Sent& sent, const Bench& bench, const Board& board, std::span<const Eigen::AlignedBox2d> looked_at) {
+Carved carve(const Sent& sent, const Bench& bench, const Board& board, std::span<const Eigen::AlignedBox2d> looked_at,
+             int crossing_steps) {
   Scratches placed = sent.scratches;
   move_new_rows(placed, [&](const Vector2d& p, const Vector2d& way) { return carved_end(bench, p, way); });
   for (std::size_t i = 0; i < placed.size(); ++i) {
@@ -367,7 +368,7 @@ Carved carve(const Sent& sent, const Bench& bench, const Board& board, std::span
       placed.alpha[i] = std::min(kMostAlpha, placed.alpha[i] * bench.material.alpha / board.material.alpha);
   }
   return grooves_at(std::move(placed), bench, board, bench.machine_errors.uneven() ? &sent.scratches : nullptr,
-                    looked_at);
+                    looked_at, crossing_steps);
 }
 
 Carved carve(const Designed& designed, const Bench& bench, const Board& board) {

@@ -69,9 +69,9 @@ struct Carved {
 Sent compensated(const Designed& designed, const Bench& bench, const Board& board);
 
 /// What the machine of this bench makes of what it was told. Of a board that is looked at in places: what of the
-/// grooves lies in any of these boxes, and is cut by others there.
+/// grooves lies in any of these boxes, and is cut by others there, in `crossing_steps` (visible_pieces()).
 Carved carve(const Sent& sent, const Bench& bench, const Board& board,
-             std::span<const Eigen::AlignedBox2d> looked_at = {});
+             std::span<const Eigen::AlignedBox2d> looked_at = {}, int crossing_steps = kCrossingSteps);
 
 /// What becomes of a design whose tool path compensates this bench's map: carve(compensated(designed)), but for the
 /// last bit. Where a bench has no fields and its grooves add, this is the design as it stands.

@@ -148,9 +148,9 @@ Stretch covered_stretch(const Strips& s, std::size_t i, std::size_t j, double ha
   return out;
 }
 
-// How much of a groove is left where others cut it: this many steps from nothing to its whole width, without burrs;
-// beyond them, all of it.
-constexpr int kSteps = 3, kWhole = kSteps + 1;
+// How much of a groove is left where others cut it is a level: 0 nothing, `steps` its whole width without burrs,
+// `steps` + 1 all of it.
+constexpr int kMostLevels = kMostCrossingSteps + 1;
 
 // A groove's cross-section.
 struct Section {
@@ -170,15 +170,15 @@ struct Walls {
   struct Node {
     double inner_um, by_depth;  // how deep it is there; what that moves as the groove becomes a um deeper
   };
-  std::array<std::array<Node, 2>, kSteps> nodes;
+  std::array<std::array<Node, 2>, kMostCrossingSteps> nodes;  // of each step
 };
 
-Walls walls_of(const GrooveProfile& profile, const Section& i) {
+Walls walls_of(const GrooveProfile& profile, const Section& i, int steps) {
   constexpr double kNode = 0.21132486540518708;
   Walls out;
-  for (int level = 0; level < kSteps; ++level)
+  for (int level = 0; level < steps; ++level)
     for (int node = 0; node < 2; ++node) {
-      const double share = (level + (node == 0 ? kNode : 1 - kNode)) / kSteps,
+      const double share = (level + (node == 0 ? kNode : 1 - kNode)) / steps,
                    inner_um = depth_at_half_width_um(profile, i.width_um, share * i.half_width_um);
       out.nodes[level][node] = {inner_um, share * i.rim_by_depth / half_width_slope(profile, i.width_um, inner_um)};
     }
@@ -200,7 +200,7 @@ Reach reach_of_step(const GrooveProfile& profile, const Section& i, const Walls&
   return out;
 }
 
-using Reaches = std::array<Reach, kSteps>;  // by level
+using Reaches = std::array<Reach, kMostCrossingSteps>;  // by level
 
 // Where along a groove less of it begins or ends to be left.
 struct Change {
@@ -214,6 +214,7 @@ struct Change {
 
 // What is known of one cross-section beside another: many grooves in a row have the same.
 struct SectionsMet {
+  int steps = kCrossingSteps;
   const Section* section = nullptr;
   Walls walls;
   const Section* reached = nullptr;  // whose reaches these are
@@ -222,13 +223,13 @@ struct SectionsMet {
   void meet(const GrooveProfile& profile, const Section& i) {
     if (section != nullptr && *section == i) return;
     section = &i;
-    walls = walls_of(profile, i);
+    walls = walls_of(profile, i, steps);
     reached = nullptr;
   }
   void reach(const GrooveProfile& profile, const Section& j) {
     if (reached != nullptr && *reached == j) return;
     reached = &j;
-    for (int level = 0; level < kSteps; ++level) reaches[level] = reach_of_step(profile, *section, walls, j, level);
+    for (int level = 0; level < steps; ++level) reaches[level] = reach_of_step(profile, *section, walls, j, level);
   }
 };
 
@@ -237,6 +238,7 @@ struct Cutting {
   const Scratches& carved;
   const GrooveProfile& profile;
   bool deepest, burrs;
+  int steps;
   std::vector<Section> sections;
   Strips strips;
   CellIndex index{strips};
@@ -258,15 +260,15 @@ struct Cutting {
       if (j == i) continue;
       const auto rims = [&] { return Reach{sections[j].half_width_um, 0, sections[j].rim_by_depth}; };
       if (!deepest) {
-        cover(j, j > i ? 0 : kSteps, rims());
+        cover(j, j > i ? 0 : steps, rims());
         continue;
       }
       // Most that are near do not meet: their walls are not looked at.
       const Stretch whole = covered_stretch(strips, i, j, strips.half_width_mm[j]);
       if (!(whole.from_mm < whole.to_mm)) continue;
       met.reach(profile, sections[j]);
-      if (burrs) cover(j, kSteps, rims());
-      for (int level = kSteps - 1; level >= 0; --level)
+      if (burrs) cover(j, steps, rims());
+      for (int level = steps - 1; level >= 0; --level)
         if (!cover(j, level, met.reaches[level])) break;
     }
     // What begins comes before what ends there, so that nothing is left between the two.
@@ -286,16 +288,16 @@ struct Cutting {
     out.pieces.y1_mm.push_back(strips.y_mm[i] + strips.uy[i] * to_mm);
     if (!carved.width_um.empty()) out.pieces.width_um.push_back(carved.width_um[i]);
     if (!carved.alpha.empty()) out.pieces.alpha.push_back(carved.alpha[i]);
-    const double share = static_cast<double>(level) / kSteps;
+    const double share = static_cast<double>(level) / steps;
     if (deepest) {
       const Section& section = sections[i];
       out.pieces.depth_um.push_back(
-          level >= kSteps ? section.depth_um
-                          : depth_at_half_width_um(profile, section.width_um, share * section.half_width_um));
+          level >= steps ? section.depth_um
+                         : depth_at_half_width_um(profile, section.width_um, share * section.half_width_um));
     } else if (!carved.depth_um.empty()) {
       out.pieces.depth_um.push_back(carved.depth_um[i]);
     }
-    if (deepest || burrs) out.pieces.left.push_back(level < kSteps ? share : level < kWhole ? kAllButBurrs : 1);
+    if (deepest || burrs) out.pieces.left.push_back(level < steps ? share : level < steps + 1 ? kAllButBurrs : 1);
     out.source.push_back(static_cast<std::uint32_t>(i));
     out.begin.push_back(begin);
     out.end.push_back(end);
@@ -305,13 +307,14 @@ struct Cutting {
     const double length = strips.length_mm[i];
     double from = 0;
     PieceEnd begin;
-    std::array<int, kWhole> covers{};  // how many stretches leave so many steps
+    const int whole = steps + 1;
+    std::array<int, kMostLevels> covers{};  // how many stretches leave so many steps
     const auto left = [&] {
       int level = 0;
-      while (level < kWhole && covers[level] == 0) ++level;
+      while (level < whole && covers[level] == 0) ++level;
       return level;
     };
-    int level = kWhole;
+    int level = whole;
     for (const Change& change : changes) {
       covers[change.level] += change.ends ? -1 : 1;
       const int now = left();
@@ -360,7 +363,7 @@ namespace {
 // Pieces of all scratches in parts, in carving order; nothing where there are more than `most`.
 std::optional<std::vector<VisiblePieces>> pieces_in_parts(const Scratches& carved, double tool_width_um,
                                                           double depth_um, const GrooveProfile& profile, Crossings rule,
-                                                          std::size_t most) {
+                                                          int steps, std::size_t most) {
   std::vector<Section> sections(carved.size());
   std::vector<double> half_width_mm(carved.size());
   for (std::size_t i = 0; i < carved.size(); ++i) {
@@ -378,6 +381,7 @@ std::optional<std::vector<VisiblePieces>> pieces_in_parts(const Scratches& carve
                         profile,
                         rule == Crossings::deepest,
                         profile.has_burrs(),
+                        steps,
                         std::move(sections),
                         Strips(carved, std::move(half_width_mm))};
   constexpr std::size_t kAtOnce = 512;  // pieces come in carving order, whoever cuts them
@@ -387,6 +391,7 @@ std::optional<std::vector<VisiblePieces>> pieces_in_parts(const Scratches& carve
     std::vector<std::uint32_t> near;
     std::vector<Change> changes;
     SectionsMet met;
+    met.steps = steps;
     for (std::size_t i = part * kAtOnce; i < std::min(carved.size(), (part + 1) * kAtOnce) && made <= most; ++i) {
       const std::size_t before = parts[part].source.size();
       cutting.find_changes(i, met, near, changes);
@@ -400,13 +405,19 @@ std::optional<std::vector<VisiblePieces>> pieces_in_parts(const Scratches& carve
 
 }  // namespace
 
+int crossing_steps_for(double covered) {
+  constexpr double kOff = 0.045;
+  return static_cast<int>(std::clamp(std::ceil(covered / (2 * kOff)), static_cast<double>(kCrossingSteps),
+                                     static_cast<double>(kMostCrossingSteps)));
+}
+
 VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
-                             const GrooveProfile& profile, Crossings rule) {
+                             const GrooveProfile& profile, Crossings rule, int steps) {
   VisiblePieces out;
   if (carved.size() == 0) return out;
   const std::size_t most = carved.size() + limit::kCuts;
   std::optional<std::vector<VisiblePieces>> parts =
-      pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, most);
+      pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, std::clamp(steps, 1, kMostCrossingSteps), most);
   if (!parts)
     fail("crossings of " + std::to_string(carved.size()) + " scratches",
          "cut grooves into more than " + std::to_string(most) + " pieces",
@@ -420,7 +431,7 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
 bool are_more_pieces(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,
                      Crossings rule, std::size_t most) {
   return rule != Crossings::add && carved.size() > 0 &&
-         !pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, most);
+         !pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, kCrossingSteps, most);
 }
 
 double expected_pieces(double length_mm, double area_mm2) {

@@ -56,19 +56,28 @@ struct VisiblePieces {
   std::vector<PieceEnd> begin, end;   ///< of each
 };
 
-/// Cuts scratches by all later ones (Crossings::last), or by all others (Crossings::deepest). Widths and depths come
-/// from the scratches, else from the two numbers given. Throws Error where that makes more than limit::kCuts pieces
-/// more than there are scratches.
-VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
-                             const GrooveProfile& profile = {}, Crossings rule = Crossings::last);
+/// In how many steps Crossings::deepest takes a groove's width: the usual number; and the most. A crossing leaves up to
+/// 2 steps - 1 pieces more. Where grooves cover a share c of the board, walls of one lean show up to c / (2 steps) more
+/// or less than they should, and in the mean over all leans as much as they should.
+inline constexpr int kCrossingSteps = 3, kMostCrossingSteps = 8;
 
-/// Whether that rule cuts them into more pieces than `most`.
+/// As many steps as keep that below 4.5 % where grooves cover this share of the board, as far as kMostCrossingSteps do.
+int crossing_steps_for(double covered);
+
+/// Cuts scratches by all later ones (Crossings::last), or by all others (Crossings::deepest, in `steps` of their
+/// width). Widths and depths come from the scratches, else from the two numbers given. Throws Error where that makes
+/// more than limit::kCuts pieces more than there are scratches.
+VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
+                             const GrooveProfile& profile = {}, Crossings rule = Crossings::last,
+                             int steps = kCrossingSteps);
+
+/// Whether that rule, by the usual steps, cuts them into more pieces than `most`.
 bool are_more_pieces(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,
                      Crossings rule, std::size_t most);
 
-/// About how many pieces Crossings::deepest makes of grooves that lie in any direction all over an area, each crossing
-/// (2 / pi) (all their lengths)^2 / area others together: two a crossing, up to five where crossings are few and one
-/// where they crowd.
+/// About how many pieces Crossings::deepest makes, by the usual steps, of grooves that lie in any direction all over an
+/// area, each crossing (2 / pi) (all their lengths)^2 / area others together: two a crossing, up to five where
+/// crossings are few and one where they crowd.
 double expected_pieces(const Scratches& scratches, double area_mm2);
 /// What crossings add to the count of grooves that are this long together.
 double expected_pieces(double length_mm, double area_mm2);

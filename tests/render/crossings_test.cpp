@@ -135,16 +135,17 @@ TEST(VisiblePieces, AreaLeftAgreesWithCountingPoints) {
   EXPECT_NEAR(cut / counted, 1, 0.01);
 }
 
-// Of three strips of each groove's width, inner to outer, how much the lower surface of all shows.
-TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
-  std::mt19937_64 random(8);
+// By how much pieces leave more or less than the lower surface of all shows, of strips of each groove's width, inner to
+// outer.
+struct StripsLeft {
+  std::vector<double> off, counted;  // a strip: the relative error; the share that points see
+};
+StripsLeft strips_left(const Scratches& s, int strips, int steps, std::mt19937_64& random) {
   std::uniform_real_distribution<double> unit(0, 1);
-  Scratches s = strewn(random);
-  for (std::size_t i = 0; i < s.size(); ++i) s.depth_um.push_back(kDepthUm * (0.85 + 0.3 * unit(random)));
-  const VisiblePieces v = visible_pieces(s, kWidthUm, kDepthUm, {}, Crossings::deepest);
+  const VisiblePieces v = visible_pieces(s, kWidthUm, kDepthUm, {}, Crossings::deepest, steps);
   const auto half_mm = [&](std::size_t i) { return 1e-3 * half_width_um(kWidthUm, s.depth_um[i]); };
   const std::vector<Lie> lies = lies_of(s);
-  std::array<double, 3> left{}, counted{};
+  StripsLeft out{std::vector<double>(strips), std::vector<double>(strips)};
   double whole = 0;
   constexpr int kPoints = 1500;
   for (std::size_t i = 0; i < s.size(); ++i) {
@@ -159,20 +160,62 @@ TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
         const std::optional<double> x = across_at(lies[j], half_mm(j), p);
         covered = x && groove_height_um(1e3 * *x, kWidthUm, s.depth_um[j]) < height;
       }
-      if (!covered) counted[std::min(2, static_cast<int>(3 * std::abs(off)))] += 3 * lies[i].length / kPoints;
+      if (!covered)
+        out.counted[std::min(strips - 1, static_cast<int>(strips * std::abs(off)))] +=
+            strips * lies[i].length / kPoints;
     }
   }
+  std::vector<double>& left = out.off;
   for (std::size_t k = 0; k < v.source.size(); ++k) {
     const std::size_t i = v.source[k];
     const double share = half_width_um(kWidthUm, v.pieces.depth_um[k]) / (1e3 * half_mm(i)), l = piece_length(v, k);
     EXPECT_NEAR(v.pieces.left[k], share, 1e-9);
     EXPECT_EQ(v.pieces.is_narrowed(k), share < 1 - 1e-9);
-    for (int strip = 0; strip < 3; ++strip)
-      if (3 * share > strip + 0.5) left[strip] += l;
+    for (int strip = 0; strip < strips; ++strip) left[strip] += l * std::clamp(strips * share - strip, 0.0, 1.0);
   }
-  EXPECT_LT(counted[2], 0.8 * whole);  // rims are taken away,
-  EXPECT_GT(counted[0], 0.9 * whole);  // middles hardly are
-  for (int strip = 0; strip < 3; ++strip) EXPECT_NEAR(left[strip] / counted[strip], 1, 0.015) << strip;
+  for (int strip = 0; strip < strips; ++strip) {
+    left[strip] = left[strip] / out.counted[strip] - 1;
+    out.counted[strip] /= whole;
+  }
+  return out;
+}
+
+Scratches strewn_of_any_depth(std::mt19937_64& random) {
+  std::uniform_real_distribution<double> unit(0, 1);
+  Scratches s = strewn(random);
+  for (std::size_t i = 0; i < s.size(); ++i) s.depth_um.push_back(kDepthUm * (0.85 + 0.3 * unit(random)));
+  return s;
+}
+
+// Of as many strips as there are steps.
+TEST(VisiblePieces, OfTheDeepestEachStripIsLeftAsPointsCountIt) {
+  std::mt19937_64 random(8);
+  const StripsLeft left = strips_left(strewn_of_any_depth(random), kCrossingSteps, kCrossingSteps, random);
+  EXPECT_LT(left.counted[2], 0.8);  // rims are taken away,
+  EXPECT_GT(left.counted[0], 0.9);  // middles hardly are
+  for (int strip = 0; strip < kCrossingSteps; ++strip) EXPECT_NEAR(left.off[strip], 0, 0.015) << strip;
+}
+
+// At a step's beginning more is hidden than should be, at its end less: what tells a depth lies at the last one's end.
+TEST(VisiblePieces, FinerStepsLeaveEachLeanAsPointsCountIt) {
+  std::mt19937_64 random(8);
+  const Scratches s = strewn_of_any_depth(random);
+  constexpr int kStrips = 16;
+  const auto worst = [&](int steps) {
+    double out = 0;
+    for (const double off : strips_left(s, kStrips, steps, random).off) out = std::max(out, std::abs(off));
+    return out;
+  };
+  const double coarse = worst(kCrossingSteps);
+  EXPECT_GT(coarse, 0.03);
+  EXPECT_LT(worst(8), 0.5 * coarse);
+}
+
+TEST(VisiblePieces, TakeMoreStepsWhereGroovesCrowd) {
+  EXPECT_EQ(crossing_steps_for(0), kCrossingSteps);
+  EXPECT_EQ(crossing_steps_for(0.2), kCrossingSteps);
+  EXPECT_EQ(crossing_steps_for(0.53), 6);
+  EXPECT_EQ(crossing_steps_for(5), kMostCrossingSteps);
 }
 
 // What decides how much of a board is cut at a time.

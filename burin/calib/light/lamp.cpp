@@ -112,26 +112,25 @@ double ambient_to_start(const LampData& data, std::size_t light, const Eigen::Ve
 // lamp explains them, which is told.
 LampFit fit_from_starts(const LampData& data, const LampParameters& blocks, std::size_t light, const std::string& id,
                         std::vector<Finding>& findings) {
-  constexpr std::size_t kFewestSamples = 8, kMostSamples = 1500;
+  // A few hundred samples of the face say which start leads where; some more then say where that is.
+  constexpr std::size_t kFewestSamples = 8, kToChoose = 400, kMostSamples = 1500;
   std::size_t count = 0, white = 0;
   for (const LightSample& s : data.samples) {
     count += s.light == light;
     white += s.light == light && s.kind == SampleKind::white_paper;
   }
-  LampFit best;
   if (white < kFewestSamples) {
     findings.push_back(
         make_warning("light " + id + ": only " + std::to_string(white) + " unclipped pieces of white tag paper",
                      "add a shorter exposure"));
-    if (count < kFewestSamples) return best;
+    if (count < kFewestSamples) return {};
   }
   const std::vector<bool> no_spot(blocks.lamps.size(), false);
-  const LampFitOptions options{.only_light = static_cast<int>(light),
-                               .stride = 1 + count / kMostSamples,
-                               .fit_vignette = false,
-                               .iterations = 40};
+  LampFitOptions options{
+      .only_light = static_cast<int>(light), .stride = 1 + count / kToChoose, .fit_vignette = false, .iterations = 40};
+  std::vector<LampParameters> starts;
   for (const Eigen::Vector3d& start : starts_for(data, light)) {
-    LampParameters from = blocks;
+    LampParameters& from = starts.emplace_back(blocks);
     LampBlocks& lamp = from.lamps[light];
     Eigen::Vector3d::Map(lamp.position) = start;
     double spread = 0;
@@ -139,8 +138,11 @@ LampFit fit_from_starts(const LampData& data, const LampParameters& blocks, std:
     lamp.spot[0] = data.center_mm.x();
     lamp.spot[1] = data.center_mm.y();
     from.shared[1] = ambient_to_start(data, light, start);
-    LampFit fit = fit_lamp_parameters(data, from, no_spot, options);
-    if (fit.usable && fit.cost < best.cost) best = std::move(fit);
+  }
+  LampFit best = best_lamp_fit(data, starts, no_spot, options);
+  if (best.usable) {
+    options.stride = 1 + count / kMostSamples;
+    best = fit_lamp_parameters(data, best.blocks, no_spot, options);
   }
   if (!best.usable)
     findings.push_back(make_warning("light " + id + ": no lamp explains the brightness of paper and face"));

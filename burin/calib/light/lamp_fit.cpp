@@ -1,6 +1,7 @@
 #include "burin/calib/light/lamp_fit.h"
 
 #include <ceres/ceres.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -250,12 +251,25 @@ LampFit fit_lamp_parameters(const LampData& data, const LampParameters& start, c
   solver.max_num_iterations = options.iterations;
   solver.logging_type = ceres::SILENT;
   solver.num_threads = 1;  // sums in one order: the same bits in every run
+  // Where there are bounds each step is searched along: by costs alone, since a cubic would take all derivatives anew.
+  solver.line_search_interpolation_type = ceres::QUADRATIC;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   fit.usable = summary.IsSolutionUsable() && std::isfinite(summary.final_cost);
   fit.cost = summary.final_cost;
   if (options.covariance && fit.usable) fill_covariance(used, problem, fit);
   return fit;
+}
+
+LampFit best_lamp_fit(const LampData& data, std::span<const LampParameters> starts, const std::vector<bool>& spot,
+                      const LampFitOptions& options) {
+  std::vector<LampFit> fits(starts.size());
+  tbb::parallel_for(std::size_t{0}, starts.size(),
+                    [&](std::size_t i) { fits[i] = fit_lamp_parameters(data, starts[i], spot, options); });
+  LampFit best;
+  for (LampFit& fit : fits)
+    if (fit.usable && fit.cost < best.cost) best = std::move(fit);
+  return best;
 }
 
 std::optional<double> log_residual(const LampData& data, const LampParameters& at, const LightSample& sample) {

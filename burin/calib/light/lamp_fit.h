@@ -90,6 +90,11 @@ struct LampFitOptions {
 LampFit fit_lamp_parameters(const LampData& data, const LampParameters& start, const std::vector<bool>& spot,
                             const LampFitOptions& options = {});
 
+/// The best of the fits from several starts, which run side by side; the first of those that are equally good. Not
+/// usable where none is.
+LampFit best_lamp_fit(const LampData& data, std::span<const LampParameters> starts, const std::vector<bool>& spot,
+                      const LampFitOptions& options = {});
+
 /// log(photo / model) of one sample at these parameters; none where the model has no light there.
 std::optional<double> log_residual(const LampData& data, const LampParameters& at, const LightSample& sample);
 

@@ -1,5 +1,7 @@
 #include "burin/calib/light/lamp_shapes.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -31,16 +33,14 @@ LampFit with_area(const LampData& data, const LampShapes& shapes, std::size_t li
 // A brushed face, from several directions: a lamp that was found without them may be far off.
 LampFit with_grain(const LampData& data, const LampShapes& shapes, const LampFitOptions& options) {
   constexpr double kStart = 0.3;
-  LampFit best;
+  std::vector<LampParameters> starts;
   for (int i = 0; i < 4; ++i) {
-    LampParameters from = shapes.fit.blocks;
+    LampParameters& from = starts.emplace_back(shapes.fit.blocks);
     const double twice = 2 * std::numbers::pi * i / 4;
     from.grain[0] = kStart * std::cos(twice);
     from.grain[1] = kStart * std::sin(twice);
-    LampFit fit = fit_lamp_parameters(data, from, shapes.spot, options);
-    if (fit.usable && fit.cost < best.cost) best = std::move(fit);
   }
-  return best;
+  return best_lamp_fit(data, starts, shapes.spot, options);
 }
 
 // Satin paper, which shines.
@@ -59,15 +59,14 @@ void try_spots(const LampData& data, const std::vector<bool>& usable, LampShapes
     std::vector<bool> with_spot = shapes.spot;
     with_spot[light] = true;
     constexpr LampFitOptions kThinned{.stride = 10};  // a tenth of the samples says where to start
-    LampFit thin;
+    std::vector<LampParameters> starts;
     for (const double exponent : {2., 8., 25.}) {
-      LampParameters from = shapes.fit.blocks;
+      LampParameters& from = starts.emplace_back(shapes.fit.blocks);
       from.lamps[light].spot[0] = data.center_mm.x();
       from.lamps[light].spot[1] = data.center_mm.y();
       from.lamps[light].spot[2] = exponent;
-      LampFit candidate = fit_lamp_parameters(data, from, with_spot, kThinned);
-      if (candidate.usable && candidate.cost < thin.cost) thin = std::move(candidate);
     }
+    const LampFit thin = best_lamp_fit(data, starts, with_spot, kThinned);
     if (!thin.usable) continue;
     LampFit best = fit_lamp_parameters(data, thin.blocks, with_spot);
     // A spot has three parameters more. Errors of paper and face are not independent, so ask for far more than a test
@@ -102,13 +101,17 @@ bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, 
   bool took = false;
   while (true) {
     const LampFit plain = fit_lamp_parameters(data, shapes.fit.blocks, shapes.spot, kThinned);
+    std::vector<LampFit> fits(lamps + 2);
+    tbb::parallel_for(std::size_t{0}, fits.size(), [&](std::size_t k) {
+      if (!open[k] || refused[k]) return;
+      fits[k] = k == grain   ? with_grain(data, shapes, kThinned)
+                : k == gloss ? with_gloss(data, shapes, kBrief)
+                             : with_area(data, shapes, k, kBrief);
+    });
     LampFit thin;
     std::size_t which = grain;
-    for (std::size_t k = 0; k <= gloss; ++k) {
-      if (!open[k] || refused[k]) continue;
-      LampFit fit = k == grain   ? with_grain(data, shapes, kThinned)
-                    : k == gloss ? with_gloss(data, shapes, kBrief)
-                                 : with_area(data, shapes, k, kBrief);
+    for (std::size_t k = 0; k < fits.size(); ++k) {
+      LampFit& fit = fits[k];
       if (fit.usable && fit.cost < plain.cost && k < lamps) add_move(fit, plain, k, shapes);
       // All samples are asked only where few of them come near to what they must say.
       if (!fit.usable || !(fit.cost < kNear * plain.cost) || !(fit.cost < thin.cost)) continue;
@@ -135,18 +138,17 @@ bool try_stray(const LampData& data, const LampParameters& by_paper, LampShapes&
   const LampBlocks& lamp = by_paper.lamps.front();
   const std::vector<bool> no_spot(shapes.spot.size(), false);
   const double distance = distance_mm(data, lamp);
-  LampFit thin;
+  std::vector<LampParameters> starts;
   for (const double lean_deg : {20., 40., 60.})
     for (int i = 0; i < 8; ++i) {
       const double tangent = std::tan(lean_deg * std::numbers::pi / 180), azimuth = 2 * std::numbers::pi * i / 8;
-      LampParameters from = by_paper;
+      LampParameters& from = starts.emplace_back(by_paper);
       from.stray_distance_mm = distance;
       from.stray[0] = tangent * std::cos(azimuth);
       from.stray[1] = tangent * std::sin(azimuth);
       from.stray[2] = lamp.log_intensity[0] - 2 * std::log(distance) + std::log(kShare);
-      LampFit fit = fit_lamp_parameters(data, from, no_spot, kThinned);
-      if (fit.usable && fit.cost < thin.cost) thin = std::move(fit);
     }
+  const LampFit thin = best_lamp_fit(data, starts, no_spot, kThinned);
   if (!thin.usable) return false;
   LampFit best = fit_lamp_parameters(data, thin.blocks, no_spot);
   if (!best.usable || !(best.cost < kWorthIt * shapes.fit.cost)) return false;

@@ -6,6 +6,7 @@
 
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
+#include "burin/render/groove_profile.h"
 
 namespace burin {
 
@@ -33,8 +34,20 @@ double expected_pieces(const ModelData& model) {
   return expected_pieces(model.sent->scratches, (model.board->carve_max_mm - model.board->carve_min_mm).prod());
 }
 
+double covered_share(const ModelData& model, const Unknowns& x) {
+  const Scratches& s = model.sent->scratches;
+  const Bench bench = bench_at(model, x);
+  double area_mm2 = 0;
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const double width_um = s.width_um.empty() ? model.board->tool_width_um : s.width_um[i];
+    area_mm2 += 2e-3 * half_width_um(bench.material.profile, width_um, bench.material.depth_um) *
+                std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
+  }
+  return area_mm2 / (model.board->carve_max_mm - model.board->carve_min_mm).prod();
+}
+
 Carved carved_at(const ModelData& model, const Unknowns& x) {
-  return carve(*model.sent, bench_at(model, x), *model.board, model.sample.surroundings);
+  return carve(*model.sent, bench_at(model, x), *model.board, model.sample.surroundings, model.crossing_steps);
 }
 
 Carved carved_pieces(const ModelData& model, const Unknowns& x) {

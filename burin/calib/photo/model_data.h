@@ -21,6 +21,7 @@ struct ModelData {
   /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
   std::array<double, GrooveField::kTerms> alpha_field{};
   Crossings crossings = Crossings::add;  ///< overlap: see burin/render/carve.h
+  int crossing_steps = kCrossingSteps;   ///< of grooves that are cut (burin/render/crossings.h)
   BoardSample sample{};                  ///< what photos look at, and carved_at() carves
   GrooveProfile profile;                 ///< its kind; its numbers are unknowns
   Eigen::Vector2d center_mm{0, 0};       ///< of the carve area
@@ -34,6 +35,9 @@ struct ModelData {
 
 /// expected_pieces() of what was sent over the carve area, as far as it is looked at.
 double expected_pieces(const ModelData& model);
+
+/// What share of the carve area grooves of one depth cover under these unknowns, all their areas added.
+double covered_share(const ModelData& model, const Unknowns& x);
 
 /// The terms of the field of depth.
 std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x);

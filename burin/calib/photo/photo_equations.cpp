@@ -49,23 +49,30 @@ bool has_area(const PhotoData& photo, const Unknowns& x) {
   return !photo.lamp_size.is_point() || x[unknown::size2] > 0;
 }
 
-// log of the spot's fall-off at a point, by lamp position (3) and spot (3).
-using SpotJet = ceres::Jet<double, 6>;
-SpotJet log_falloff(const Unknowns& x, const Eigen::Vector3d& p) {
-  LampModel<SpotJet> lamp;
-  for (int i = 0; i < 3; ++i) lamp.position_mm[i] = SpotJet(x[unknown::lamp_position + i], i);
-  for (int i = 0; i < 2; ++i) lamp.aim_mm[i] = SpotJet(x[unknown::spot + i], 3 + i);
-  lamp.exponent = SpotJet(x[unknown::spot + 2], 5);
-  const Eigen::Matrix<SpotJet, 3, 1> axis = Eigen::Matrix<SpotJet, 3, 1>(
-      lamp.aim_mm.x() - lamp.position_mm.x(), lamp.aim_mm.y() - lamp.position_mm.y(), -lamp.position_mm.z());
-  const Eigen::Matrix<SpotJet, 3, 1> from(SpotJet(p.x()) - lamp.position_mm.x(), SpotJet(p.y()) - lamp.position_mm.y(),
-                                          SpotJet(p.z()) - lamp.position_mm.z());
-  const auto dot = [](const Eigen::Matrix<SpotJet, 3, 1>& a, const Eigen::Matrix<SpotJet, 3, 1>& b) {
+// log of the fall-off at a point of the spot with this position, aim on the board, and exponent.
+template <typename T>
+T log_falloff(const std::array<T, 6>& spot, const Eigen::Vector3d& p) {
+  using std::log;
+  using std::sqrt;
+  const Eigen::Matrix<T, 3, 1> axis(spot[3] - spot[0], spot[4] - spot[1], -spot[2]),
+      from(T(p.x()) - spot[0], T(p.y()) - spot[1], T(p.z()) - spot[2]);
+  const auto dot = [](const Eigen::Matrix<T, 3, 1>& a, const Eigen::Matrix<T, 3, 1>& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   };
-  SpotJet cosine = dot(axis, from) / sqrt(dot(axis, axis) * dot(from, from));
-  if (cosine.a < 1e-6) cosine = SpotJet(1e-6);
-  return lamp.exponent * log(cosine);
+  constexpr double kLeastCosine = 1e-6;
+  T cosine = dot(axis, from) / sqrt(dot(axis, axis) * dot(from, from));
+  if (!(cosine >= T(kLeastCosine))) cosine = T(kLeastCosine);
+  return spot[5] * log(cosine);
+}
+
+// Those of the lamp.
+std::array<double, 6> placed_spot(const Unknowns& x) {
+  std::array<double, 6> out;
+  for (int i = 0; i < 3; ++i) {
+    out[i] = x[unknown::lamp_position + i];
+    out[3 + i] = x[unknown::spot + i];
+  }
+  return out;
 }
 
 void multiply(Image& image, const std::vector<float>& by) {
@@ -75,10 +82,11 @@ void multiply(Image& image, const std::vector<float>& by) {
 // Fall-off of each pixel's place; empty for a bare lamp, and for one with an area, which is rendered with it.
 std::vector<float> falloff_image(const PhotoData& photo, const Unknowns& x) {
   if (!(x[unknown::spot + 2] > 0) || has_area(photo, x)) return {};
+  const std::array<double, 6> spot = placed_spot(x);
   std::vector<float> out(photo.weight.size(), 0);
   for (std::size_t i = 0; i < out.size(); ++i) {
     const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
-    if (std::isfinite(p.x())) out[i] = static_cast<float>(std::exp(log_falloff(x, p).a));
+    if (std::isfinite(p.x())) out[i] = static_cast<float>(std::exp(log_falloff(spot, p)));
   }
   return out;
 }
@@ -561,10 +569,14 @@ SpotSlopes apply_spot(const PhotoData& photo, const Unknowns& x, RadianceDerivat
   const std::size_t pixels = photo.weight.size();
   out.falloff.assign(pixels, 0);
   for (Image& image : out.by) image = Image(photo.scene.grid->width(), photo.scene.grid->height(), 1);
+  using SpotJet = ceres::Jet<double, 6>;
+  const std::array<double, 6> placed = placed_spot(x);
+  std::array<SpotJet, 6> spot;
+  for (int k = 0; k < 6; ++k) spot[k] = SpotJet(placed[k], k);
   for (std::size_t i = 0; i < pixels; ++i) {
     const Eigen::Vector3d& p = photo.scene.grid->center_mm[i];
     if (!std::isfinite(p.x())) continue;
-    const SpotJet log_f = log_falloff(x, p);
+    const SpotJet log_f = log_falloff(spot, p);
     out.falloff[i] = static_cast<float>(std::exp(log_f.a));
     for (int k = 0; k < 6; ++k)
       out.by[k].data[i] = rendered.radiance.data[i] * out.falloff[i] * static_cast<float>(log_f.v[k]);

@@ -251,6 +251,8 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
   options.initial_trust_region_radius = 1e5;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;  // sums in one order: the same bits in every run
+  // Each step is searched along, because of the bounds: by costs alone, a cubic would take all derivatives anew.
+  options.line_search_interpolation_type = ceres::QUADRATIC;
   struct Report : ceres::IterationCallback {
     const Progress& progress;
     std::string stage;

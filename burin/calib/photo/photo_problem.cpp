@@ -246,12 +246,11 @@ Stage stage_of_sample(Stage stage) {
 }
 
 void correct_binning(Problem& data, const std::vector<LightView>& views, const Board& board, const Bench& bench,
-                     const State& state) {
-  constexpr std::size_t kMaxPixels = 4'000'000;  // of a photo: some 100 bytes each while it is worked on
+                     const State& state, std::size_t max_pixels) {
   const Carved carved = carved_at(data.model, state.of(0));
   each_photo(data, [&](std::size_t k) {
     const Unknowns x = state.of(views[k].light);
-    correct_binning(data.model, views[k], board, bench, x, carved, kMaxPixels, data.photos[k]);
+    correct_binning(data.model, views[k], board, bench, x, carved, max_pixels, data.photos[k]);
     shift_by_grooves(data.model, x, carved, data.photos[k]);
   });
 }

@@ -102,9 +102,10 @@ struct Bins {
 /// have no more than these.
 Bins bins_for(const std::vector<LightView>& views, const Bench& bench, double finest_pixel_mm, std::size_t max_pixels);
 
-/// Corrects all photos (which photos_at() made of `views`) for their binning, at `state`: see photo_equations.h.
+/// Corrects all photos (which photos_at() made of `views`) for their binning, at `state`, by predictions of no more
+/// than `max_pixels` of each: see photo_equations.h. By default as many as memory holds, some 100 bytes each.
 void correct_binning(Problem& data, const std::vector<LightView>& views, const Board& board, const Bench& bench,
-                     const State& state);
+                     const State& state, std::size_t max_pixels = 4'000'000);
 
 /// Takes what the board sends back of surroundings anew, at `state` (photo_equations.h).
 void light_around(const State& state, Problem& data);

@@ -14,9 +14,6 @@ namespace {
 /// Corners this near to their lattice, as a share of a pixel, lie on it: what doubles leave of a board's grid.
 constexpr double kOnLattice = 1e-9;
 
-/// A pixel's corners, (column, row) from its middle.
-constexpr std::array<std::array<double, 2>, 4> kAround{{{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}}};
-
 }  // namespace
 
 TiledGrid::TiledGrid(const FootprintGrid& grid)
@@ -29,40 +26,44 @@ TiledGrid::TiledGrid(const FootprintGrid& grid)
   std::vector<std::uint8_t> on_lattice(tiles(), 1);
   tbb::parallel_for(std::size_t{0}, tiles(), [&](std::size_t t) {
     const Eigen::Vector2d& origin = index.tiles()[t].origin_mm;
-    // visit(place, number of the corner, column and row of the corner in pixels from the first one's middle, mm).
-    const auto each_corner = [&](const auto& visit) {
-      each_pixel(t, [&](int x, int y, std::size_t place) {
-        if (!index.has_footprint()[static_cast<std::size_t>(y) * width + x]) return;
-        const auto q = footprint_corners_mm(grid, x, y);
-        for (int k = 0; k < 4; ++k) {
-          const std::size_t column = place % kTile, row = place / kTile;
-          visit(
-              place, k,
-              Eigen::Vector3d(1, static_cast<double>(column) + kAround[k][0], static_cast<double>(row) + kAround[k][1]),
-              q[k] - origin);
-        }
-      });
-    };
+    // Of how many of the tile's footprints each corner is one.
+    std::array<int, TileCorners::kSide * TileCorners::kSide> shared{};
     each_pixel(t, [&](int x, int y, std::size_t place) {
       if (!index.has_footprint()[static_cast<std::size_t>(y) * width + x]) return;
       inv_area[t * kTilePixels + place] =
           static_cast<float>(1 / std::abs(signed_area_mm2(footprint_corners_mm(grid, x, y))));
+      const std::size_t corner = place / kTile * TileCorners::kSide + place % kTile;
+      for (const std::size_t around :
+           {corner, corner + 1, corner + TileCorners::kSide + 1, corner + TileCorners::kSide})
+        ++shared[around];
     });
+    // visit(number of the corner, of how many footprints, column and row in pixels from the first one's middle, mm).
+    const int x0 = static_cast<int>(t % index.tiles_x()) * kTile, y0 = static_cast<int>(t / index.tiles_x()) * kTile;
+    const auto each_corner = [&](const auto& visit) {
+      for (int row = 0; row < TileCorners::kSide; ++row)
+        for (int column = 0; column < TileCorners::kSide; ++column) {
+          const int corner = row * TileCorners::kSide + column;
+          if (shared[corner] == 0) continue;
+          const std::size_t of_grid = static_cast<std::size_t>(y0 + row) * (width + 1) + x0 + column;
+          visit(corner, shared[corner], column - 0.5, row - 0.5,
+                Eigen::Vector2d(grid.corner_x_mm[of_grid], grid.corner_y_mm[of_grid]) - origin);
+        }
+    };
     // Least squares.
     Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
     Eigen::Matrix<double, 3, 2> products = Eigen::Matrix<double, 3, 2>::Zero();
-    each_corner([&](std::size_t, int, const Eigen::Vector3d& at, const Eigen::Vector2d& mm) {
-      squares += at * at.transpose();
-      products += at * mm.transpose();
+    each_corner([&](int, int weight, double column, double row, const Eigen::Vector2d& mm) {
+      const Eigen::Vector3d at(1, column, row), weighted = weight * at;
+      squares += weighted * at.transpose();
+      products += weighted * mm.transpose();
     });
     if (!(squares(0, 0) > 0)) return;
     const Eigen::Matrix<double, 3, 2> fit = squares.ldlt().solve(products);
     lattice[t] = {fit(0, 0), fit(0, 1), fit(1, 0), fit(1, 1), fit(2, 0), fit(2, 1)};
     const double enough = kOnLattice * std::min(fit.row(1).norm(), fit.row(2).norm());
-    each_corner([&](std::size_t place, int k, const Eigen::Vector3d& at, const Eigen::Vector2d& mm) {
-      constexpr std::array<int, 4> kOffset{0, 1, TileCorners::kSide + 1, TileCorners::kSide};
-      const Eigen::Vector2d off = mm - fit.transpose() * at;
-      float* corner = corners[t].at[place / kTile * TileCorners::kSide + place % kTile + kOffset[k]];
+    each_corner([&](int number, int, double column, double row, const Eigen::Vector2d& mm) {
+      const Eigen::Vector2d off = mm - fit.transpose() * Eigen::Vector3d(1, column, row);
+      float* corner = corners[t].at[number];
       corner[0] = static_cast<float>(off.x());
       corner[1] = static_cast<float>(off.y());
       if (!(off.cwiseAbs().maxCoeff() <= enough)) on_lattice[t] = 0;
