@@ -130,22 +130,26 @@ struct RefineRun {
     fit(options.max_iterations, tolerance, name);
   }
 
+  // Photos weighed by what their pixels miss, and by how grooves differ.
+  void fit_with_own_errors(const std::string& name) {
+    weigh_photos_and_grooves(data, state);
+    solve(data, stage, options.max_iterations, 3e-6, state, progress, name);
+  }
+
   // Binned pixels are quick but not quite what the camera saw: the difference to the photo's own pixels is taken at the
   // solution and held while the fit goes on.
   void fit_corrected(const std::string& name) {
     require_pixels();
     light_around(state, data);
     correct_binning(data, views, board, out.bench, state);
-    weigh_photos_and_grooves(data, state);
-    solve(data, stage, options.max_iterations, 3e-6, state, progress, name);
+    fit_with_own_errors(name);
   }
 
   // That difference takes as long as the fit: where move_geometry() takes it again, as it was will do.
   void fit_before_geometry(const std::string& name) {
     if (!options.fit_geometry) return fit_corrected(name);
     light_around(state, data);
-    weigh_photos_and_grooves(data, state);
-    solve(data, stage, options.max_iterations, 3e-6, state, progress, name);
+    fit_with_own_errors(name);
   }
 
   // Cameras, bow and lens take one step with all others.
@@ -160,7 +164,7 @@ struct RefineRun {
   void find_lamp();
   void try_grooves();
   void fit_coarse();
-  bool explained_by_crossings(const Problem& found, const State& state_found);
+  bool explained_by_crossings(Problem found, const State& state_found);
   void find_large_lamps();
   void choose_crossings();
   void fit_middle();
@@ -268,21 +272,17 @@ void RefineRun::fit_coarse() {
 // Grooves of a crowded board that cut one another, rendered as if their light added, look like lamps that there are
 // not. Whether they explain photos better than what was `found` beside grooves that add: then they are taken, and the
 // fit stands with them; else all stays as it was.
-bool RefineRun::explained_by_crossings(const Problem& found, const State& state_found) {
+bool RefineRun::explained_by_crossings(Problem found, const State& state_found) {
   if (options.crossings || data.model.crossings != Crossings::add || expected_pieces(data.model) > kMostPieces)
     return false;
   const Problem problem_before = data;
   const State state_before = state;
   choose_crossings();
-  if (data.model.crossings == Crossings::add) {
-    data = problem_before;
-    state = state_before;
-    return false;
+  if (data.model.crossings != Crossings::add) {
+    fit_before_asking(1e-4, "fitting coarse photos of grooves that cut one another");
+    for (std::size_t k = 0; k < found.photos.size(); ++k) found.photos[k].weight = data.photos[k].weight;
+    if (cost_of(data, state, 1) < cost_of(found, state_found, 1)) return true;
   }
-  fit_before_asking(1e-4, "fitting coarse photos of grooves that cut one another");
-  Problem seen = found;
-  for (std::size_t k = 0; k < seen.photos.size(); ++k) seen.photos[k].weight = data.photos[k].weight;
-  if (cost_of(data, state, 1) < cost_of(seen, state_found, 1)) return true;
   data = problem_before;
   state = state_before;
   out.bench.crossings = data.model.crossings;
@@ -300,7 +300,7 @@ void RefineRun::find_large_lamps() {
     Stage stage_with = stage;
     State state_with = state;
     if (!choose_large_lamps(data, stage_with, state_with, progress)) return false;
-    if (explained_by_crossings(Problem(data), state_with)) return choose_large_lamps(data, stage, state, progress);
+    if (explained_by_crossings(data, state_with)) return choose_large_lamps(data, stage, state, progress);
     stage = stage_with;
     state = std::move(state_with);
     return true;
