@@ -396,10 +396,16 @@ int curve_numbers_asked(std::span<const BlockComparison> all, const Session& ses
   return asked;
 }
 
+// What is known of the curve: where fits begin, and how many of its numbers they may move.
+struct Curve {
+  Response start{};
+  int most_numbers = kMostCurve;
+};
+
 // Leaves out brackets whose exposures disagree far beyond what a shutter does, and names them.
-void drop_contradictions(const Session& session, const std::vector<Bracket>& brackets,
+void drop_contradictions(const Session& session, const std::vector<Bracket>& brackets, const Curve& curve,
                          std::vector<BlockComparison>& all, std::vector<std::size_t>& used, BracketResponse& out) {
-  const Fit fit = fit_photos(all, session, 2, {}, 1);
+  const Fit fit = fit_photos(all, session, std::min(2, curve.most_numbers), curve.start, 1);
   constexpr double kContradicts = 0.12;  // of the logarithm: beyond any shutter, and beyond a curve that all share
   for (std::size_t i = 0; i < used.size();) {
     // Of each pair of exposures by itself: one of three may be right about the other.
@@ -427,7 +433,7 @@ void drop_contradictions(const Session& session, const std::vector<Bracket>& bra
     std::erase_if(all, [&](const BlockComparison& c) { return c.bracket == bad; });
     used.erase(used.begin() + static_cast<std::ptrdiff_t>(i));
     // fit.residual no longer goes with `all`: what else contradicts is found by the next look
-    drop_contradictions(session, brackets, all, used, out);
+    drop_contradictions(session, brackets, curve, all, used, out);
     return;
   }
 }
@@ -445,6 +451,8 @@ BracketResponse bracket_response(const Session& session, bool fit_curve) {
   for (std::size_t i = 0; i < std::min(kFewFirst, with_two.size()); ++i)
     used.push_back(with_two[i * with_two.size() / std::min(kFewFirst, with_two.size())]);
   Session read = session;
+  Curve curve;
+  if (!fit_curve && !used.empty()) curve = {session.photos[brackets[used.front()].photos.front()].response, 0};
   constexpr int kLooks = 3;  // few brackets, then all, then all with what was found
   for (int look = 0; look < kLooks && !used.empty(); ++look) {
     if (fit_curve)
@@ -456,13 +464,14 @@ BracketResponse bracket_response(const Session& session, bool fit_curve) {
       return std::count_if(all.begin(), all.end(), [&](const BlockComparison& c) { return c.bracket == b; }) < kFewest;
     });
     if (used.empty()) break;
-    drop_contradictions(session, brackets, all, used, out);
+    drop_contradictions(session, brackets, curve, all, used, out);
     out.brackets = used.size();
     if (used.empty()) break;
     // What blocks scatter by is learned from the fit that explains most.
-    const double scatter = std::max(0.2, fit_photos(all, session, fit_curve ? kMostCurve : 0, {}, 1).scatter);
+    const double scatter = std::max(0.2, fit_photos(all, session, curve.most_numbers, curve.start, 1).scatter);
     const int numbers = fit_curve ? curve_numbers_asked(all, session, used, scatter) : 0;
-    const Fit none = fit_photos(all, session, 0, {}, scatter), fit = fit_photos(all, session, numbers, {}, scatter);
+    const Fit none = fit_photos(all, session, 0, curve.start, scatter),
+              fit = fit_photos(all, session, numbers, curve.start, scatter);
     out.error_before = none.error;
     out.error_after = fit.error;
     const Encoding encoding = session.photos[brackets[used.front()].photos.front()].encoding;

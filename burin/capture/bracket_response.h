@@ -35,8 +35,8 @@ struct BracketResponse {
 };
 
 /// Looks at a few brackets first, and at all where those show something. `session`'s photos are read with the response
-/// and balance that they have; `fit_curve` false asks for balance alone. A curve that would not be monotonic is not
-/// returned but named.
+/// and balance that they have; `fit_curve` false asks for balance alone, under the response that the first one has. A
+/// curve that would not be monotonic is not returned but named.
 BracketResponse bracket_response(const Session& session, bool fit_curve = true);
 
 }  // namespace burin

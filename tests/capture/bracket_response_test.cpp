@@ -79,6 +79,18 @@ TEST(BracketResponse, FindsAnSCurve) {
   EXPECT_TRUE(found.findings.empty());
 }
 
+// A curve that is told is believed; what brackets then disagree by is the photos' own.
+TEST(BracketResponse, UnderACurveThatIsToldPhotosOfConstantExposureNeedNoBalance) {
+  const TemporaryFolder folder;
+  Session session = draw(folder, {1.3, 0.42});
+  for (Photo& photo : session.photos) photo.response = s_curve(1.3, 0.42);
+  const BracketResponse found = bracket_response(session, false);
+  EXPECT_EQ(found.brackets, 4U);
+  EXPECT_TRUE(found.response.is_none());
+  EXPECT_TRUE(found.balance.empty());
+  EXPECT_TRUE(found.findings.empty());
+}
+
 TEST(BracketResponse, APlainCameraHasNone) {
   const TemporaryFolder folder;
   const BracketResponse found = bracket_response(draw(folder, {}));
