@@ -171,6 +171,7 @@ struct RefineRun {
   void drop_spots();
   void find_spots();
   void drop_stray();
+  void drop_faint_grain();
   void find_effects();
   bool may_have_another_section() const;
   std::optional<double> take_profile();
@@ -400,6 +401,16 @@ void RefineRun::drop_stray() {
   stage.hold({Group::stray, Group::stray_size});
 }
 
+// A face whose roughnesses along and across differ by less than a hundredth is not brushed: what asks for so little is
+// something else.
+void RefineRun::drop_faint_grain() {
+  constexpr double kLeastRatio = 1.01;
+  double* const grain = state.block(unknown::grain);
+  if (!stage.frees(Group::grain) || std::exp(2 * std::hypot(grain[0], grain[1])) > kLeastRatio) return;
+  grain[0] = grain[1] = 0;
+  stage.hold({Group::grain});
+}
+
 // Looked for where the fit stands without them. Backlash first: what it does to a groove is larger than what a screw
 // does.
 void RefineRun::find_effects() {
@@ -420,6 +431,7 @@ void RefineRun::find_effects() {
   const bool other_section =
       may_have_another_section() && (as_told || (is_paper && photos_ask_for(data, state, equations, Group::flank)));
   if (more) fit(options.max_iterations, 1e-5, "fitting backlash and the face's direction");
+  drop_faint_grain();
   tell("asking whether the machine's screws are uneven", 0);
   for (int more_axes = 0; more_axes < 2; ++more_axes) {
     // One that is strong hides one that is weak.

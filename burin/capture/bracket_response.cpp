@@ -27,6 +27,9 @@ constexpr int kMostCurve = 2 + static_cast<int>(Response::kBumps);
 constexpr double kExposureSigma = 0.01, kBalanceSigma = 0.02;  // of e and w
 constexpr double kDarkest = 0.02, kBrightest = 0.96;           // stored values that are compared
 constexpr double kOtherError = 0.005;                          // of a logarithm
+// What JPEG, demosaicing and noise do to one level of brightness they do in all photos: as many brackets as one likes
+// do not average it away, but bent the curve so that all longer exposures came out 1 % too long.
+constexpr double kCommonError = 0.003;
 
 // Blocks of one level of brightness in two exposures.
 struct BlockComparison {
@@ -34,13 +37,19 @@ struct BlockComparison {
   int longer = 0, shorter = 0, channel = 0;  // photos: indices into session.photos
   double s_longer = 0, s_shorter = 0;        // stored, plain encoding
   double log_ratio = 0, sigma = 0;
+  double alike = 1;  // comparisons of these levels, in all brackets and channels
 };
 
-// A block of 4 x 4 pixels in the middle of 8 x 8 that are flat, by channel; false where they are not or are clipped.
-bool block_mean(const LinearPhoto& photo, int x0, int y0, double flat, std::array<double, 3>& mean) {
+// A block of 4 x 4 pixels in the middle of 8 x 8, by channel.
+struct Block {
+  std::array<double, 3> mean{}, variance{};  // of the 4 x 4; of the 8 x 8, relative
+};
+
+// False where pixels are clipped or scatter by more than `flat` of their mean.
+bool block_of(const LinearPhoto& photo, int x0, int y0, double flat, Block& out) {
   const Image& image = photo.value;
   std::array<double, 3> sum{}, sum2{};
-  mean = {};
+  out = {};
   for (int y = y0; y < y0 + 8; ++y)
     for (int x = x0; x < x0 + 8; ++x) {
       if (photo.clipped[static_cast<std::size_t>(y) * image.width + x]) return false;
@@ -49,12 +58,14 @@ bool block_mean(const LinearPhoto& photo, int x0, int y0, double flat, std::arra
         const double v = image.at(x, y, c);
         sum[c] += v;
         sum2[c] += v * v;
-        if (core) mean[c] += v / 16;
+        if (core) out.mean[c] += v / 16;
       }
     }
   for (int c = 0; c < image.channels; ++c) {
     const double m = sum[c] / 64;
-    if (!(m > 0) || sum2[c] / 64 - m * m > flat * flat * m * m) return false;
+    if (!(m > 0)) return false;
+    out.variance[c] = sum2[c] / (64 * m * m) - 1;
+    if (out.variance[c] > flat * flat) return false;
   }
   return true;
 }
@@ -71,36 +82,37 @@ double rounding_error(const StoredAs& stored, double linear) { return 0.29 * lin
 constexpr double kCoarsest = 0.012;
 
 // The blocks of two exposures, level by level of brightness: what is common to a level's blocks is one comparison,
-// however many they are.
+// however many they are. A block counts by its longer exposure alone, and what a level's blocks come to decides whether
+// it is too dark: else those would be chosen that noise has made brighter in the shorter.
 void compare(const Session& session, std::size_t bracket, int longer, int shorter, const LinearPhoto& a,
              const LinearPhoto& b, std::vector<BlockComparison>& out) {
-  constexpr double kFlat = 0.05, kFlatShort = 0.1;  // the shorter exposure is noisier
+  constexpr double kFlat = 0.05, kFlatShort = 0.4;  // the latter leaves out what is no noise
+  // What is stored of noise, sharpened or denoised, has another mean than the light: by a part of its variance.
+  constexpr double kOfVariance = 0.5;
   constexpr int kLevels = 48;
   constexpr double kFewestBlocks = 4;
   // Sums over the blocks of a level of brightness.
   struct Level {
-    double count = 0, s = 0, t = 0, rounding = 0, ratio = 0, ratio2 = 0;
+    double count = 0, longer = 0, shorter = 0, variance = 0, ratio = 0, ratio2 = 0;
   };
   const int w = a.value.width, h = a.value.height;
   const int stride = std::max(8, static_cast<int>(std::sqrt(1.0 * w * h / 40000)));
   const Photo &photo_a = session.photos[longer], &photo_b = session.photos[shorter];
   const double log_ratio = std::log(exposure_factor(photo_a) / exposure_factor(photo_b));
   std::array<std::array<Level, kLevels>, 3> levels;
-  std::array<double, 3> in_a{}, in_b{};
+  Block in_a, in_b;
   for (int y = 0; y + 8 <= h; y += stride)
     for (int x = 0; x + 8 <= w; x += stride) {
-      if (!block_mean(a, x, y, kFlat, in_a) || !block_mean(b, x, y, kFlatShort, in_b)) continue;
+      if (!block_of(a, x, y, kFlat, in_a) || !block_of(b, x, y, kFlatShort, in_b)) continue;
       for (int c = 0; c < a.value.channels; ++c) {
-        const double error_a = rounding_error(a.stored, in_a[c]), error_b = rounding_error(b.stored, in_b[c]);
-        if (error_a > kCoarsest || error_b > kCoarsest) continue;
-        const double s = stored_of(in_a[c], photo_a), t = stored_of(in_b[c], photo_b);
-        if (s < kDarkest || s > kBrightest || t < kDarkest || t > kBrightest) continue;
+        const double s = stored_of(in_a.mean[c], photo_a);
+        if (s < kDarkest || s > kBrightest || !(in_b.mean[c] > 0)) continue;
         Level& level = levels[c][std::min(kLevels - 1, static_cast<int>(s * kLevels))];
-        const double ratio = std::log(in_a[c] / in_b[c]);
+        const double ratio = std::log(in_a.mean[c] / in_b.mean[c]);
         level.count += 1;
-        level.s += s;
-        level.t += t;
-        level.rounding += std::hypot(error_a, error_b);
+        level.longer += in_a.mean[c];
+        level.shorter += in_b.mean[c];
+        level.variance += in_a.variance[c] + in_b.variance[c];
         level.ratio += ratio;
         level.ratio2 += ratio * ratio;
       }
@@ -109,10 +121,25 @@ void compare(const Session& session, std::size_t bracket, int longer, int shorte
     for (const Level& level : levels[c]) {
       const double n = level.count;
       if (n < kFewestBlocks) continue;
-      const double mean = level.ratio / n, scatter2 = std::max(0.0, level.ratio2 / n - mean * mean);
-      out.push_back({bracket, longer, shorter, c, level.s / n, level.t / n, log_ratio,
-                     std::hypot(kOtherError, level.rounding / n / 2, std::sqrt(scatter2 / n))});
+      const double in_longer = level.longer / n, in_shorter = level.shorter / n, mean = level.ratio / n,
+                   scatter2 = std::max(0.0, level.ratio2 / n - mean * mean), s = stored_of(in_longer, photo_a),
+                   t = stored_of(in_shorter, photo_b), error_a = rounding_error(a.stored, in_longer),
+                   error_b = rounding_error(b.stored, in_shorter);
+      if (error_a > kCoarsest || error_b > kCoarsest || t < kDarkest || t > kBrightest) continue;
+      out.push_back({bracket, longer, shorter, c, s, t, log_ratio,
+                     std::hypot(std::hypot(kOtherError, kOfVariance * level.variance / n),
+                                std::hypot(error_a, error_b) / 2, std::sqrt(scatter2 / n))});
     }
+}
+
+void count_alike(std::vector<BlockComparison>& comparisons) {
+  constexpr double kApart = 1.0 / 16;  // of stored values
+  const auto levels = [](const BlockComparison& c) {
+    return std::pair(std::lround(c.s_longer / kApart), std::lround(c.s_shorter / kApart));
+  };
+  std::map<std::pair<long, long>, double> count;
+  for (const BlockComparison& c : comparisons) count[levels(c)] += 1;
+  for (BlockComparison& c : comparisons) c.alike = count[levels(c)];
 }
 
 std::vector<BlockComparison> comparisons_of(const Session& session, const std::vector<Bracket>& brackets,
@@ -137,6 +164,7 @@ std::vector<BlockComparison> comparisons_of(const Session& session, const std::v
   });
   std::vector<BlockComparison> all;
   for (const auto& more : each) all.insert(all.end(), more.begin(), more.end());
+  count_alike(all);
   return all;
 }
 
@@ -284,9 +312,9 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
         row[kMostCurve + 3 + k] = 1;
         r += x[of_shorter + k] - x[of_longer + k];
       }
-      const double sigma = scatter * c.sigma;
+      const double sigma = std::hypot(scatter * c.sigma, kCommonError * std::sqrt(c.alike));
       absolute.push_back(std::abs(r));
-      relative.push_back(std::abs(r) / sigma);
+      relative.push_back(std::abs(r) / (scatter * c.sigma));
       fit.residual.push_back(r);
       const double z2 = r * r / (sigma * sigma * kCauchy * kCauchy);
       fit.cost += 0.5 * kCauchy * kCauchy * std::log1p(z2);

@@ -19,6 +19,8 @@ struct Drawn {
   double contrast = 1, pivot = 0.45;
   double wrong_factor = 1;  // of the second view's longest exposure, against what its session says
   int exposures = 3;
+  double noise = 0.006;  // of white, at white
+  int grain = 1;         // pixels that share it along x and y, as denoising leaves it
 };
 
 Session draw(const TemporaryFolder& folder, const Drawn& how) {
@@ -39,8 +41,13 @@ Session draw(const TemporaryFolder& folder, const Drawn& how) {
       std::normal_distribution<double> noise;
       const double factor = std::pow(4, e - 1), real = factor * (view == 1 && e == 2 ? how.wrong_factor : 1);
       Image stored = light;
-      for (float& v : stored.data) {
-        const double linear = std::clamp(v * real + 0.006 * std::sqrt(v * real) * noise(random), 0.0, 1.0);
+      std::vector<double> noises(light.data.size());
+      for (double& n : noises) n = noise(random);
+      for (std::size_t i = 0; i < stored.data.size(); ++i) {
+        float& v = stored.data[i];
+        const int x = static_cast<int>(i / 3) % light.width, y = static_cast<int>(i / 3) / light.width;
+        const double n = noises[3 * (static_cast<std::size_t>(y / how.grain) * light.width + x / how.grain) + i % 3],
+                     linear = std::clamp(v * real + how.noise * std::sqrt(v * real) * n, 0.0, 1.0);
         double s = linear_to_srgb(static_cast<float>(linear));
         if (how.contrast != 1 && s > 0 && s < 1) {
           const double odds =
@@ -62,6 +69,11 @@ Session draw(const TemporaryFolder& folder, const Drawn& how) {
   return session;
 }
 
+// The logarithm of the light that is stored as s.
+double light(const Response& r, double s) {
+  return std::log(static_cast<double>(srgb_to_linear(static_cast<float>(unbent(r, s)))));
+}
+
 TEST(BracketResponse, FindsAnSCurve) {
   const TemporaryFolder folder;
   const BracketResponse found = bracket_response(draw(folder, {1.3, 0.42}));
@@ -70,13 +82,24 @@ TEST(BracketResponse, FindsAnSCurve) {
   EXPECT_TRUE(is_monotonic(found.response));
   // Ratios of light between stored levels, within 2 %: EXIF's exposures are believed to 1 % a photo.
   const Response truth = s_curve(1.3, 0.42);
-  const auto light = [](const Response& r, double s) {
-    return std::log(static_cast<double>(srgb_to_linear(static_cast<float>(unbent(r, s)))));
-  };
   for (const double s : {0.25, 0.4, 0.6, 0.75, 0.9})
     EXPECT_NEAR(light(found.response, s) - light(found.response, 0.5), light(truth, s) - light(truth, 0.5), 0.02) << s;
   EXPECT_LT(found.error_after, 0.3 * found.error_before);
   EXPECT_TRUE(found.findings.empty());
+}
+
+// Dark blocks are noisy, the shorter exposure's most: those that noise has brightened must not be chosen, nor may what
+// is left of it bend the curve by as much as exposures of 1 % allow.
+TEST(BracketResponse, NoiseInTheDarkDoesNotBendTheCurve) {
+  const TemporaryFolder folder;
+  Drawn phone{1.25, 0.42};
+  phone.noise = 0.01;
+  phone.grain = 4;
+  const BracketResponse found = bracket_response(draw(folder, phone));
+  const Response truth = s_curve(1.25, 0.42);
+  for (const double s : {0.1, 0.2, 0.3, 0.7, 0.9})
+    EXPECT_NEAR(light(found.response, s) - light(found.response, 0.5), light(truth, s) - light(truth, 0.5), 0.002) << s;
+  EXPECT_TRUE(found.balance.empty());
 }
 
 // A curve that is told is believed; what brackets then disagree by is the photos' own.

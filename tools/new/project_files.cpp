@@ -42,6 +42,8 @@ Json bench_json(const NewProject& project) {
   for (std::size_t k = 0; k < project.pictures.size(); ++k)
     json["views"].push_back({{"view", project.pictures[k].view}, {"eye_mm", to_json(project.bench.eyes_mm[k])}});
   json["lights"] = Json::array({Json{{"id", "lamp"}, {"position_mm", to_json(project.bench.lamp_mm)}}});
+  // As tools that cut leave it. A first board that counts on light that adds promises what no metal shows.
+  json["material"] = {{"crossings", "deepest"}};
   return json;
 }
 

@@ -290,6 +290,25 @@ void judge_glints(const Work& work, CarveCheck& check) {
   }
 }
 
+// Where nobody measured what is left of grooves that cross, pictures may count on light that a tool cuts away.
+void judge_crossings(const Work& work, CarveCheck& check) {
+  constexpr double kCrowded = 0.3;  // docs/design.md: from here on boards lose dB by it
+  if (work.bench.crossings != Crossings::add || depth_is_measured(work.bench)) return;
+  const Board& board = work.input.board;
+  double area_mm2 = 0;
+  for (std::size_t i = 0; i < check.carved.size(); ++i) {
+    const Ends e = ends_of(check.carved, i);
+    area_mm2 += 2e-3 * half_width_um(board.tool_width_um, check.carved.depth_um[i]) * (e.b - e.a).norm();
+  }
+  const double covered = area_mm2 / (board.carve_max_mm - board.carve_min_mm).prod();
+  if (covered < kCrowded) return;
+  add(check, Severity::warning,
+      "grooves would cover the carve area " + fixed(covered, 1) +
+          " times, and the pictures count on the light of both where two cross; a tool that cuts leaves only the lower "
+          "of the two, and such a board shows several dB less than it promises",
+      "write \"material\": {\"crossings\": \"deepest\"} into bench.json and design again; or carve, and photos tell");
+}
+
 }  // namespace
 
 CarveCheck check_carve(const CarveCheckInput& input) {
@@ -308,6 +327,7 @@ CarveCheck check_carve(const CarveCheckInput& input) {
   judge_frame(work, check);
   append(check.findings, sheet_findings(work.told, input.board, input.bench ? &*input.bench : nullptr, input.machine));
   judge_glints(work, check);
+  judge_crossings(work, check);
   std::stable_sort(check.findings.begin(), check.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
   return check;

@@ -44,7 +44,8 @@ std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, con
 
 // Strokes that have to fill many pixels each are drawn long, and show where they should not (docs/design.md, "How many
 // pixels"): with larger pixels the pictures gain for all who stand where they do not see these apart.
-void note_few_strokes(const std::vector<WorkView>& views, int scratches, std::vector<Finding>& findings) {
+void note_few_strokes(const std::vector<WorkView>& views, int scratches, Crossings crossings,
+                      std::vector<Finding>& findings) {
   constexpr double kFew = 32, kUsual = 16;  // pixels to a stroke
   constexpr double kAcuity_rad = 1.5 / 60 * kDegree_rad;
   const Image& pixels = views.front().target.picture;
@@ -53,7 +54,9 @@ void note_few_strokes(const std::vector<WorkView>& views, int scratches, std::ve
   const double each = all / scratches;
   if (!(each > kFew)) return;
   const double enough = all / kUsual, tens = std::pow(10, std::floor(std::log10(enough)) - 1);
-  std::string remedy = "take some " + std::to_string(std::lround(tens * std::round(enough / tens))) + " scratches";
+  std::string remedy = crossings == Crossings::add
+                           ? "take some " + std::to_string(std::lround(tens * std::round(enough / tens))) + " scratches"
+                           : "a sharper tool or a larger board has room for more scratches";
   constexpr int kStillAPicture = 64;
   const double larger = std::sqrt(each / kUsual);
   const int fewer = static_cast<int>(std::lround(std::max(pixels.width, pixels.height) / larger));
@@ -102,7 +105,8 @@ void DesignRun::read_targets() {
   limits_ = design_limits(board_, bench_, options_);
   views_ = prepare_views(spec_, board_, bench_, options_, limits_, result_.findings);
   append(result_.findings, lift_blacks(views_, options_.lift_blacks, options_.loss));
-  if (options_.note_few_strokes && !options_.from) note_few_strokes(views_, spec_.scratches, result_.findings);
+  if (options_.note_few_strokes && !options_.from)
+    note_few_strokes(views_, spec_.scratches, bench_.crossings, result_.findings);
   if (options_.found) options_.found(result_.findings);
   shown_ = spec_.views.size();
   const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
