@@ -41,12 +41,12 @@ struct BlockComparison {
 };
 
 // A block of 4 x 4 pixels in the middle of 8 x 8, by channel.
-struct Block {
+struct PixelBlock {
   std::array<double, 3> mean{}, variance{};  // of the 4 x 4; of the 8 x 8, relative
 };
 
 // False where pixels are clipped or scatter by more than `flat` of their mean.
-bool block_of(const LinearPhoto& photo, int x0, int y0, double flat, Block& out) {
+bool block_of(const LinearPhoto& photo, int x0, int y0, double flat, PixelBlock& out) {
   const Image& image = photo.value;
   std::array<double, 3> sum{}, sum2{};
   out = {};
@@ -100,7 +100,7 @@ void compare(const Session& session, std::size_t bracket, int longer, int shorte
   const Photo &photo_a = session.photos[longer], &photo_b = session.photos[shorter];
   const double log_ratio = std::log(exposure_factor(photo_a) / exposure_factor(photo_b));
   std::array<std::array<Level, kLevels>, 3> levels;
-  Block in_a, in_b;
+  PixelBlock in_a, in_b;
   for (int y = 0; y + 8 <= h; y += stride)
     for (int x = 0; x + 8 <= w; x += stride) {
       if (!block_of(a, x, y, kFlat, in_a) || !block_of(b, x, y, kFlatShort, in_b)) continue;

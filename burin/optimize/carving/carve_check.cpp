@@ -292,7 +292,7 @@ void judge_glints(const Work& work, CarveCheck& check) {
 
 // Where nobody measured what is left of grooves that cross, pictures may count on light that a tool cuts away.
 void judge_crossings(const Work& work, CarveCheck& check) {
-  constexpr double kCrowded = 0.3;  // docs/design.md: from here on boards lose dB by it
+  constexpr double kCrowded = 0.3;  // below, a groove crosses few others
   if (work.bench.crossings != Crossings::add || depth_is_measured(work.bench)) return;
   const Board& board = work.input.board;
   double area_mm2 = 0;
