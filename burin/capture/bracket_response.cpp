@@ -11,6 +11,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -45,14 +46,14 @@ struct PixelBlock {
   std::array<double, 3> mean{}, variance{};  // of the 4 x 4; of the 8 x 8, relative
 };
 
-// False where pixels are clipped or scatter by more than `flat` of their mean.
-bool block_of(const LinearPhoto& photo, int x0, int y0, double flat, PixelBlock& out) {
+// None where pixels are clipped or scatter by more than `flat` of their mean.
+std::optional<PixelBlock> flat_block(const LinearPhoto& photo, int x0, int y0, double flat) {
   const Image& image = photo.value;
   std::array<double, 3> sum{}, sum2{};
-  out = {};
+  PixelBlock out;
   for (int y = y0; y < y0 + 8; ++y)
     for (int x = x0; x < x0 + 8; ++x) {
-      if (photo.clipped[static_cast<std::size_t>(y) * image.width + x]) return false;
+      if (photo.clipped[static_cast<std::size_t>(y) * image.width + x]) return std::nullopt;
       const bool core = x >= x0 + 2 && x < x0 + 6 && y >= y0 + 2 && y < y0 + 6;
       for (int c = 0; c < image.channels; ++c) {
         const double v = image.at(x, y, c);
@@ -63,11 +64,11 @@ bool block_of(const LinearPhoto& photo, int x0, int y0, double flat, PixelBlock&
     }
   for (int c = 0; c < image.channels; ++c) {
     const double m = sum[c] / 64;
-    if (!(m > 0)) return false;
+    if (!(m > 0)) return std::nullopt;
     out.variance[c] = sum2[c] / (64 * m * m) - 1;
-    if (out.variance[c] > flat * flat) return false;
+    if (out.variance[c] > flat * flat) return std::nullopt;
   }
-  return true;
+  return out;
 }
 
 // What the file stores of a linear value. Blocks are averaged in linear light, as well as it is known: a mean of stored
@@ -100,19 +101,21 @@ void compare(const Session& session, std::size_t bracket, int longer, int shorte
   const Photo &photo_a = session.photos[longer], &photo_b = session.photos[shorter];
   const double log_ratio = std::log(exposure_factor(photo_a) / exposure_factor(photo_b));
   std::array<std::array<Level, kLevels>, 3> levels;
-  PixelBlock in_a, in_b;
   for (int y = 0; y + 8 <= h; y += stride)
     for (int x = 0; x + 8 <= w; x += stride) {
-      if (!block_of(a, x, y, kFlat, in_a) || !block_of(b, x, y, kFlatShort, in_b)) continue;
+      const std::optional<PixelBlock> in_a = flat_block(a, x, y, kFlat);
+      if (!in_a) continue;
+      const std::optional<PixelBlock> in_b = flat_block(b, x, y, kFlatShort);
+      if (!in_b) continue;
       for (int c = 0; c < a.value.channels; ++c) {
-        const double s = stored_of(in_a.mean[c], photo_a);
-        if (s < kDarkest || s > kBrightest || !(in_b.mean[c] > 0)) continue;
+        const double s = stored_of(in_a->mean[c], photo_a);
+        if (s < kDarkest || s > kBrightest || !(in_b->mean[c] > 0)) continue;
         Level& level = levels[c][std::min(kLevels - 1, static_cast<int>(s * kLevels))];
-        const double ratio = std::log(in_a.mean[c] / in_b.mean[c]);
+        const double ratio = std::log(in_a->mean[c] / in_b->mean[c]);
         level.count += 1;
-        level.longer += in_a.mean[c];
-        level.shorter += in_b.mean[c];
-        level.variance += in_a.variance[c] + in_b.variance[c];
+        level.longer += in_a->mean[c];
+        level.shorter += in_b->mean[c];
+        level.variance += in_a->variance[c] + in_b->variance[c];
         level.ratio += ratio;
         level.ratio2 += ratio * ratio;
       }

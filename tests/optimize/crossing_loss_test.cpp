@@ -29,7 +29,7 @@ class CrossingLossTest : public ColorRig {
     double length_mm = 0;
     for (std::size_t i = 0; i < s.size(); ++i)
       length_mm += std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
-    return area_mm2(whole(s), bench_, board_) / length_mm / v.pitch_mm;
+    return area_mm2(whole(s).scratches, bench_, board_) / length_mm / v.pitch_mm;
   }
   // What is left of the first rows.
   static Carved of_the_first(const Carved& grooves, std::size_t rows) {

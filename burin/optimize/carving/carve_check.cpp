@@ -11,6 +11,7 @@
 #include "burin/optimize/carving/sheet.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/optimize/design/glint.h"
+#include "burin/optimize/design/to_metal.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
@@ -295,12 +296,7 @@ void judge_crossings(const Work& work, CarveCheck& check) {
   constexpr double kCrowded = 0.3;  // below, a groove crosses few others
   if (work.bench.crossings != Crossings::add || depth_is_measured(work.bench)) return;
   const Board& board = work.input.board;
-  double area_mm2 = 0;
-  for (std::size_t i = 0; i < check.carved.size(); ++i) {
-    const Ends e = ends_of(check.carved, i);
-    area_mm2 += 2e-3 * half_width_um(board.tool_width_um, check.carved.depth_um[i]) * (e.b - e.a).norm();
-  }
-  const double covered = area_mm2 / (board.carve_max_mm - board.carve_min_mm).prod();
+  const double covered = area_mm2(check.carved, work.bench, board) / (board.carve_max_mm - board.carve_min_mm).prod();
   if (covered < kCrowded) return;
   add(check, Severity::warning,
       "grooves would cover the carve area " + fixed(covered, 1) +

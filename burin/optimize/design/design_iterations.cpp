@@ -242,7 +242,7 @@ void DesignRun::look_at_crossings() {
   const Scratches& s = scratches_;
   double length_mm = 0;
   for (std::size_t i = 0; i < count(); ++i) length_mm += std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
-  const double width_mm = length_mm > 0 ? area_mm2(whole, bench_, board_) / length_mm : 0;
+  const double width_mm = length_mm > 0 ? area_mm2(whole.scratches, bench_, board_) / length_mm : 0;
   see_crossings(views_, log_exposure_, carve(designed_, bench_, board_), whole, width_mm / views_.front().pitch_mm);
   if (iteration_ > 0) return;
   render_all(views_, whole);

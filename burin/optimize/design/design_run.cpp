@@ -236,10 +236,11 @@ bool DesignRun::is_crowded() {
   if (bench_.crossings != Crossings::deepest || options_.from || deadline_.wished_or_used(kStartShare)) return false;
   constexpr double kMost = 0.95, kBest = 0.6;  // strokes grow by a third later on
   const Eigen::Vector2d size = limits_.max_mm - limits_.min_mm;
-  const double new_cover = area_mm2(metal_.carved_alone(new_ones()), bench_, board_) / (size.x() * size.y());
+  const double new_cover = area_mm2(metal_.carved_alone(new_ones()).scratches, bench_, board_) / (size.x() * size.y());
   Scratches lying = carved_;
   lying.carved.assign(lying.size(), 1);
-  const double cover = new_cover + area_mm2(metal_.carved_alone(lying), bench_, board_) / (size.x() * size.y());
+  const double cover =
+      new_cover + area_mm2(metal_.carved_alone(lying).scratches, bench_, board_) / (size.x() * size.y());
   if (!(cover > kMost)) return false;
   // What is in the metal stays; at least a fifth of the best is new.
   const double room = std::max(kBest - (cover - new_cover), 0.2 * kBest);

@@ -14,8 +14,7 @@ Carved Metal::carved_alone(const Scratches& designed) const {
   return carve(Designed(designed), alone, board);
 }
 
-double area_mm2(const Carved& grooves, const Bench& bench, const Board& board) {
-  const Scratches& s = grooves.scratches;
+double area_mm2(const Scratches& s, const Bench& bench, const Board& board) {
   double sum = 0;
   for (std::size_t i = 0; i < s.size(); ++i)
     sum += std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]) * 2e-3 *

@@ -31,8 +31,9 @@ struct Metal {
   Carved carved_alone(const Scratches& designed) const;
 };
 
-/// What grooves would cover of the metal side by side, mm2.
-double area_mm2(const Carved& grooves, const Bench& bench, const Board& board);
+/// What grooves would cover of the metal side by side, mm2. Width and depth are the board's and the bench's where the
+/// scratches have none.
+double area_mm2(const Scratches& grooves, const Bench& bench, const Board& board);
 
 /// The bench with grooves that add where they cut each other's rims away (Crossings::deepest); else as it is.
 Bench adding_rims(Bench bench);
