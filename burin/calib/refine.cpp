@@ -26,6 +26,8 @@
 #include "burin/calib/photo/stray_light_choice.h"
 #include "burin/calib/verdict/at_bounds.h"
 #include "burin/calib/verdict/effect_findings.h"
+#include "burin/calib/verdict/green_alone.h"
+#include "burin/calib/verdict/model_tests.h"
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/calib/verdict/odd_photos.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
@@ -188,6 +190,7 @@ struct RefineRun {
   void doubt_profile();
   void admit_what_machines_hide();
   void ask_of_believed_depth();
+  void doubt_colors();
   double depth_off_by_steps() const;
   void judge();
 };
@@ -727,12 +730,33 @@ double RefineRun::depth_off_by_steps() const {
   return crowded > 0 ? kOfSteps * crowded / (2 * data.model.crossing_steps) : 0;
 }
 
+// What a mosaic's made-up colors lost of glints is in all photos, so that nothing else contradicts it.
+void RefineRun::doubt_colors() {
+  if (out.bench.sensor.green_sites == GreenSites::unknown || merged.front().value.channels != 3) return;
+  tell("asking what made-up colors do", 0);
+  const Eigen::VectorXd& half = pointed_to.emplace_back(half_shift_by_green_alone(merged, views, data, stage, state));
+  Misfit moved;
+  set_percents(half, moved);
+  if (std::max({std::abs(half[unknown::log_alpha]), std::abs(half[unknown::log_depth]),
+                std::abs(half[unknown::log_base_alpha])}) < kLeastShift)
+    return;
+  out.findings.push_back(
+      make_warning("the colors that the camera makes up do not hold all of fine glints' light: read by what it "
+                   "measured alone, green, "
+                   "the photos would ask for another answer, by " +
+                       significant(2 * moved.alpha_percent, 2) + " % in alpha, " +
+                       significant(2 * moved.depth_percent, 2) + " % in depth and " +
+                       significant(2 * moved.base_alpha_percent, 2) + " % in base_alpha; sigmas count half of that",
+                   "raw files, or TIFF and PNG, keep what JPEG does not"));
+}
+
 void RefineRun::judge() {
   tell("judging the result", 0);
   light_around(state, data);
   if (!uncertainty) uncertainty = uncertainty_of(data, stage, state);
   Uncertainty& judged_by = *uncertainty;
   if (const auto shift = shift_by_stray_size(data, stage, state)) pointed_to.push_back(*shift);
+  doubt_colors();
   judged_by.shifts.insert(judged_by.shifts.end(), pointed_to.begin(), pointed_to.end());
   judged_by.shifts.insert(judged_by.shifts.end(), to_spots.begin(), to_spots.end());
   if (burr_trade.size() > 0) {

@@ -19,7 +19,7 @@ namespace burin {
 namespace {
 
 // The board as refine finds it from its photos, its cross-section untold.
-Bench refined(Json truth, const Json& profile) {
+Bench refined_with_burrs(Json truth, const Json& profile) {
   const TemporaryFolder folder;
   make_photos_smaller(truth);
   truth["material"]["profile"] = profile;
@@ -33,9 +33,9 @@ Bench refined(Json truth, const Json& profile) {
 
 // Without the second question: no burrs, and depth 8 % too large.
 TEST(RefineBurrs, ThatHideAreFoundAndTheDepthBesideThem) {
-  const Bench bench =
-      refined(photographed_board("burrs", 6, "lamp", {60, 60, 0}, 8),
-              {{"kind", "paper"}, {"tip_radius_um", 100}, {"burr_height_um", {1.3, 1.1}}, {"burr_width_um", 10}});
+  const Bench bench = refined_with_burrs(
+      photographed_board("burrs", 6, "lamp", {60, 60, 0}, 8),
+      {{"kind", "paper"}, {"tip_radius_um", 100}, {"burr_height_um", {1.3, 1.1}}, {"burr_width_um", 10}});
   const GrooveProfile& found = bench.material.profile;
   const MaterialSigma& sigma = bench.material_sigma;
   ASSERT_TRUE(sigma.burr_left_um && sigma.burr_right_um);
@@ -57,12 +57,12 @@ TEST(RefineBurrs, ThatHideAreFoundAndTheDepthBesideThem) {
 TEST(RefineBurrs, FlanksAndRoughnessAcrossAreFoundBesideThem) {
   Json truth = photographed_board("burrs", 7, "lamp", {60, 60, 0}, 8);
   truth["scratches"]["random"]["count"] = 900;
-  const Bench bench = refined(std::move(truth), {{"kind", "rounded-v"},
-                                                 {"tip_radius_um", 100},
-                                                 {"flank_deg", 23},
-                                                 {"burr_height_um", {0.9, 0.6}},
-                                                 {"burr_width_um", 11},
-                                                 {"alpha_across", 1.35}});
+  const Bench bench = refined_with_burrs(std::move(truth), {{"kind", "rounded-v"},
+                                                            {"tip_radius_um", 100},
+                                                            {"flank_deg", 23},
+                                                            {"burr_height_um", {0.9, 0.6}},
+                                                            {"burr_width_um", 11},
+                                                            {"alpha_across", 1.35}});
   const GrooveProfile& found = bench.material.profile;
   const MaterialSigma& sigma = bench.material_sigma;
   ASSERT_TRUE(sigma.flank_deg && sigma.across && sigma.burr_left_um);

@@ -21,7 +21,7 @@ namespace {
 
 Json sample() { return read_json(places::source() + "/samples/small-bench/truth.json", "burin/rig-truth", 1); }
 
-Bench refined(Json truth, const std::vector<std::string>& views) {
+Bench refined_crowded(Json truth, const std::vector<std::string>& views) {
   truth["session"] = true;
   const TemporaryFolder folder;
   SimulateOptions options;
@@ -42,7 +42,7 @@ void expect_nothing_else(const Bench& bench) {
 
 // What coarse pixels miss of grooves that cover each other was taken for flanks and burrs: depth 6 % too small.
 TEST(RefineCrowded, GroovesThatAddAskForNothingElse) {
-  const Bench bench = refined(sample(), {});
+  const Bench bench = refined_crowded(sample(), {});
   expect_nothing_else(bench);
   EXPECT_EQ(bench.crossings, Crossings::add);
   EXPECT_NEAR(bench.material.depth_um / 15, 1, 0.005);
@@ -56,7 +56,7 @@ TEST(RefineCrowded, GroovesThatCutEachOtherAskForNothingElse) {
   truth["overlap"] = "deepest";
   truth["board"]["carve_mm"] = {{40, 40}, {80, 80}};
   truth["scratches"]["random"]["count"] = 2000;
-  const Bench bench = refined(std::move(truth), {"d0", "d1", "c0", "c2", "c4", "c6"});
+  const Bench bench = refined_crowded(std::move(truth), {"d0", "d1", "c0", "c2", "c4", "c6"});
   expect_nothing_else(bench);
   EXPECT_EQ(bench.crossings, Crossings::deepest);
   EXPECT_NEAR(bench.material.depth_um / 15, 1, 0.015);
