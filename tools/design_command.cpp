@@ -199,7 +199,10 @@ void add_options(CLI::App& command, DesignArguments& o) {
   command.add_option("--iterations", o.design.iterations, "Steps of the optimizer")->capture_default_str();
   command.add_option("--time", o.time, "Stop after about this long: 30s, 5min, 1h30min (a bare number: seconds)")
       ->check(wrong_duration);
-  command.add_option("--pixels", o.design.pixels, "Pixels along the longer side of the carve area")
+  command
+      .add_option(
+          "--pixels", o.design.pixels,
+          "Pixels along the longer side of the carve area (0: 512, or fewer where scratches cannot fill so many)")
       ->capture_default_str();
   command.add_option("--seed", o.design.seed, "Of the random start")->capture_default_str();
   command.add_option("--start", o.start, "Where scratches begin: where the pictures want them, or anywhere")

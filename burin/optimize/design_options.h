@@ -33,7 +33,8 @@ struct DesignFrame {
 };
 
 struct DesignOptions {
-  int pixels = 512;  ///< of the grid along the carve area's longer side
+  int pixels = 0;  ///< of the grid along the carve area's longer side; 0: 512, or from a guided start as many as
+                   ///< strokes can fill (burin/optimize/design/picture_pixels.h)
   int iterations = 160;
   std::uint64_t seed = 1;
   double rate = 0;        ///< Adam's, in uv (fractions of the board's width and height) an iteration; 0: 1e-3 from a

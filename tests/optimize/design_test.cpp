@@ -16,6 +16,7 @@
 #include "burin/optimize/carving/carving_order.h"
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/design/design_output.h"
+#include "burin/optimize/design/picture_pixels.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tests/temporary_folder.h"
@@ -120,6 +121,27 @@ TEST_F(DesignTest, FewScratchesForManyPixelsAreNamedWithWhatWouldSuit) {
   spec_.scratches = 1;  // in so few pixels nothing would be a picture
   EXPECT_THAT(design(spec_, board_, bench_, options_, {}).findings,
               testing::Contains(testing::Field(&Finding::remedy, testing::Eq("take some 3200 scratches"))));
+}
+
+TEST_F(DesignTest, PixelsAreChosenThatStrokesCanFill) {
+  options_.pixels = 0;
+  options_.iterations = 0;
+  spec_.scratches = 600;
+  const DesignResult chosen = design(spec_, board_, bench_, options_, {});
+  const int side = chosen.views[0].shown.width;
+  const double to_a_stroke = 2.0 * side * side / 600;
+  EXPECT_LE(to_a_stroke, 40);
+  EXPECT_GT(to_a_stroke, 20);
+  EXPECT_THAT(chosen.findings, testing::Contains(testing::Field(
+                                   &Finding::what, HasSubstr("are made of " + std::to_string(side) + " pixels"))));
+  // Those are as good as asked for, and chosen again for the same strokes.
+  options_.pixels = side;
+  const DesignResult asked = design(spec_, board_, bench_, options_, {});
+  EXPECT_EQ(asked.scratches.x0_mm, chosen.scratches.x0_mm);
+  options_.pixels = 0;
+  options_.from = chosen.scratches;
+  options_.drop_error = 0;
+  EXPECT_EQ(design(spec_, board_, bench_, options_, {}).views[0].shown.width, side);
 }
 
 TEST_F(DesignTest, GuidedStartAndRelocationEachLowerTheLoss) {
@@ -400,6 +422,25 @@ TEST_F(DesignTest, WhereGroovesCutEachOtherABoardHoldsFewerAndShowsMoreSo) {
   // As many as it holds are as many as were asked for.
   spec_.scratches = 1000;
   EXPECT_EQ(design(spec_, board_, measured, options_, {}).started_with, 1000U);
+}
+
+TEST_F(DesignTest, WhereGroovesCutEachOtherShorterStrokesInLargerPixelsShowMore) {
+  options_.pixels = 0;
+  options_.iterations = 0;
+  spec_.scratches = 10000;
+  bench_.crossings = Crossings::deepest;
+  bench_.views = {view("left", {-280, -110, 600}), view("right", {340, -110, 600})};
+  const DesignResult chosen = design(spec_, board_, bench_, options_, {});
+  options_.pixels = kUsualPixels;
+  const DesignResult fine = design(spec_, board_, bench_, options_, {});
+  EXPECT_LT(chosen.views[0].shown.width, kUsualPixels);
+  EXPECT_GT(chosen.started_with, fine.started_with);
+  // Each as eyes see it that do not tell the finer pixels apart.
+  options_.pixels = kUsualPixels / 4;
+  options_.drop_error = 0;
+  const std::vector<double> shows = decibels_of(chosen.scratches, spec_, board_, bench_, options_),
+                            fine_shows = decibels_of(fine.scratches, spec_, board_, bench_, options_);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_GT(shows[k], fine_shows[k] + 1) << "view " << k;
 }
 
 TEST_F(DesignTest, WhereTheOrderOfCarvingShowsItIsDesignedForAShortOne) {

@@ -73,6 +73,11 @@ TEST(Loop, StopsForAPersonGoesOnAndMeasuresFromThePhotosAlone) {
   EXPECT_THAT(turned.out, HasSubstr("== round-01: photos (carve and photograph"));
   EXPECT_THAT(turned.out, HasSubstr("The loop has turned 1 time"));
   EXPECT_TRUE(fs::exists(project / "round-02" / "board.gcode"));
+  // So few strokes fill fewer pixels than usual; what the second board gains is seen in the same ones.
+  const auto pixels = [&](const char* of) { return read(project / of / "design" / "design-report.json")["pixels"]; };
+  EXPECT_LT(pixels("round-01")[0], 512);
+  EXPECT_THAT(turned.out, HasSubstr(" --pixels " + std::to_string(pixels("round-01")[0].get<int>())));
+  EXPECT_EQ(pixels("round-02"), pixels("round-01"));
   const std::string page = file_text(project / "report.html");
   EXPECT_THAT(page, HasSubstr("Round 1, photographed"));
   EXPECT_THAT(page, Not(HasSubstr("src=\"http")));

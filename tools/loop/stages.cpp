@@ -1,9 +1,11 @@
 #include "tools/loop/stages.h"
 
 #include <algorithm>
+#include <optional>
 #include <string_view>
 
 #include "burin/optimize/design_file.h"
+#include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/files_together.h"
@@ -124,6 +126,15 @@ std::set<fs::path> whole_report_basis(const LoopProject& loop) {
   return files;
 }
 
+// What a second board gains is seen in the pixels of the first. Where grooves turn out to cross otherwise than was
+// believed, a board holds another number of them, and other pixels suit.
+std::optional<int> pixels_of_the_board_before(const Project& project, int number) {
+  if (number == 1 ||
+      read_bench(project.bench_before(number)).crossings != read_bench(project.bench_before(number - 1)).crossings)
+    return std::nullopt;
+  return project.pixels(number - 1);
+}
+
 bool make_design(const LoopProject& loop, int number) {
   const Project& project = loop.project;
   const fs::path round = project.round(number);
@@ -137,6 +148,11 @@ bool make_design(const LoopProject& loop, int number) {
   // there.
   if (!loop.options.design.contains("tolerance-mm") && !loop.options.design.contains("report-tolerance"))
     words.emplace_back("--report-tolerance");
+  if (const auto pixels = pixels_of_the_board_before(project, number);
+      pixels && !loop.options.design.contains("pixels")) {
+    words.emplace_back("--pixels");
+    words.push_back(std::to_string(*pixels));
+  }
   run_step(words);
   const fs::path report = round / "design" / "design-report.json";
   const Json json = json_or_broken(report);

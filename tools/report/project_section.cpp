@@ -40,7 +40,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSidePx = 360;       // of what is compared: PSNR counts these pixels
+constexpr int kSidePx = 360;       // of what is compared, unless a design looked at fewer: PSNR counts these pixels
 constexpr int kMostShownPx = 720;  // of what is shown, where the photos have as many on the carve area
 
 // Something that a view shows, or is to show, and how near it comes to the target.
@@ -183,8 +183,8 @@ struct Rounds {
   DesignSpec spec;
   Board board;
   Bench nominal;
-  int shown_px = kSidePx;       // of the longer side of the pictures
-  std::vector<Matching> names;  // of the measured rounds
+  int compared_px = kSidePx, shown_px = kSidePx;  // of the longer side of the pictures
+  std::vector<Matching> names;                    // of the measured rounds
 };
 
 // One view in one round: what the board was to show there, and what a photo of it shows.
@@ -274,7 +274,7 @@ ViewHistory history_of(const Rounds& in, std::size_t index) {
   const auto drawn = [&](int side_px) {
     return target_of(designed, rotation, in.board, board_frame(in.board.carve_min_mm, in.board.carve_max_mm, side_px));
   };
-  out.target = {drawn(kSidePx), drawn(in.shown_px)};
+  out.target = {drawn(in.compared_px), drawn(in.shown_px)};
   for (int r = 1; r <= in.count; ++r) {
     const fs::path round = in.project.round(r);
     ViewInRound& now = out.rounds.emplace_back();
@@ -504,8 +504,8 @@ constexpr const char* kWhatIsCompared =
     "target, and compared with it after gamma 1/2.2, as PSNR (in color over red, green and blue); a view under several "
     "lamps by the sum of its photos under each alone (what else shines counts in each): 20 dB is recognizable, 25 dB "
     "good, 30 dB hard to tell "
-    "apart. A camera blurs the hatching; a design's own figures count it pixel by pixel, and so are lower than "
-    "these.</p>\n";
+    "apart. A camera blurs the hatching: where a design's own figures count finer pixels than these, they are "
+    "lower.</p>\n";
 
 }  // namespace
 
@@ -520,6 +520,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   in.board = read_board(in.spec.board);
   in.nominal = read_bench(in.spec.bench);
   aim_views(in.nominal, in.board);
+  for (int r = 1; r <= in.count; ++r) in.compared_px = std::min(in.compared_px, in.project.pixels(r).value_or(kSidePx));
   in.shown_px = shown_side_px(in);
 
   for (int r = 1; r <= in.measured; ++r) in.names.push_back(match_round(in.project, r));

@@ -49,8 +49,8 @@ void DesignRun::iterate() {
   if (options_.carve_hours > 0)
     full_carving_s_ = carving_time_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
   // A design that starts where it should be is only set right; a random one has a way to go.
-  first_rate_ = options_.rate > 0 ? options_.rate : starts_at_random() ? 1e-3 : 0.2 / options_.pixels;
-  last_rate_ = options_.final_rate > 0 ? options_.final_rate : starts_at_random() ? 1e-4 : 0.0125 / options_.pixels;
+  first_rate_ = options_.rate > 0 ? options_.rate : starts_at_random() ? 1e-3 : 0.2 / pixels_;
+  last_rate_ = options_.final_rate > 0 ? options_.final_rate : starts_at_random() ? 1e-4 : 0.0125 / pixels_;
   for (iteration_ = 0;; ++iteration_) {
     const bool last = iteration_ == options_.iterations || result_.stopped_early;
     if (last || searches_are_over()) count_rims();

@@ -202,6 +202,7 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
   for (std::size_t r = 0; r < kRules; ++r)
     if (result.dropped_by_rule[r] > 0)
       json["dropped_by_limits"][rule_name(static_cast<Rule>(r))] = result.dropped_by_rule[r];
+  json["pixels"] = {result.views.front().shown.width, result.views.front().shown.height};
   json["pairs"] = result.pairs;
   json["stopped_early"] = result.stopped_early;
   json["simd"] = name(SimdWidth::best);

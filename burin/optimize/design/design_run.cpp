@@ -13,6 +13,7 @@
 #include "burin/optimize/design/design_start.h"
 #include "burin/optimize/design/lift_blacks.h"
 #include "burin/optimize/design/obey.h"
+#include "burin/optimize/design/picture_pixels.h"
 #include "burin/optimize/design/relocate.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
@@ -42,34 +43,6 @@ std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, con
   return {from, joined(carved, options.carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha)};
 }
 
-// Strokes that have to fill many pixels each are drawn long, and show where they should not (docs/design.md, "How many
-// pixels"): with larger pixels the pictures gain for all who stand where they do not see these apart.
-void note_few_strokes(const std::vector<WorkView>& views, int scratches, Crossings crossings,
-                      std::vector<Finding>& findings) {
-  constexpr double kFew = 32, kUsual = 16;  // pixels to a stroke
-  constexpr double kAcuity_rad = 1.5 / 60 * kDegree_rad;
-  const Image& pixels = views.front().target.picture;
-  const double all =
-      static_cast<double>(pixels.width) * pixels.height * static_cast<double>(views_served(views).size());
-  const double each = all / scratches;
-  if (!(each > kFew)) return;
-  const double enough = all / kUsual, tens = std::pow(10, std::floor(std::log10(enough)) - 1);
-  std::string remedy = crossings == Crossings::add
-                           ? "take some " + std::to_string(std::lround(tens * std::round(enough / tens))) + " scratches"
-                           : "a sharper tool or a larger board has room for more scratches";
-  constexpr int kStillAPicture = 64;
-  const double larger = std::sqrt(each / kUsual);
-  const int fewer = static_cast<int>(std::lround(std::max(pixels.width, pixels.height) / larger));
-  if (fewer >= kStillAPicture)
-    remedy = "for eyes that are more than " + fixed(1e-3 * larger * views.front().pitch_mm / kAcuity_rad, 1) +
-             " m away --pixels " + std::to_string(fewer) + " shows more; or " + remedy;
-  findings.push_back({Finding::Severity::note, "design",
-                      std::to_string(scratches) + (scratches == 1 ? " scratch is" : " scratches are") +
-                          " few for these pictures, " + std::to_string(std::lround(each)) +
-                          " pixels to a stroke: they will be drawn long, and the pictures coarse",
-                      remedy});
-}
-
 }  // namespace
 
 DesignRun::DesignRun(const DesignSpec& spec, const Board& board, const Bench& bench, const DesignOptions& options,
@@ -86,33 +59,25 @@ DesignRun::DesignRun(const DesignSpec& spec, const Board& board, const Bench& be
 }
 
 DesignResult DesignRun::run() {
-  read_targets();
   take_stock();
+  read_targets();
   do {
     place();
     expose();
     improve_start();
-  } while (is_crowded());
+  } while (is_crowded() || start_with_less_to_cut() || looks_too_closely());
+  if (too_many_to_cut_ > 0)
+    result_.findings.push_back(make_warning(std::to_string(too_many_to_cut_) +
+                                            " scratches would cross each other too often for their crossings to be "
+                                            "cut: began with " +
+                                            std::to_string(movable_)));
+  if (pixels_ < asked_pixels() && options_.note_few_strokes)
+    result_.findings.push_back(pixels_were_chosen(views_, movable_ + carved_.size()));
   iterate();
   obey_all_rules();
   measure();
   result_.total_seconds = deadline_.seconds();
   return std::move(result_);
-}
-
-void DesignRun::read_targets() {
-  report("reading targets", 0);
-  limits_ = design_limits(board_, bench_, options_);
-  views_ = prepare_views(spec_, board_, bench_, options_, limits_, result_.findings);
-  append(result_.findings, lift_blacks(views_, options_.lift_blacks, options_.loss));
-  if (options_.note_few_strokes && !options_.from)
-    note_few_strokes(views_, spec_.scratches, bench_.crossings, result_.findings);
-  if (options_.found) options_.found(result_.findings);
-  shown_ = spec_.views.size();
-  const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
-                           return a.exposure_group < b.exposure_group;
-                         })->exposure_group;
-  log_exposure_.assign(static_cast<std::size_t>(last_group) + 1, 0.0);
 }
 
 void DesignRun::take_stock() {
@@ -125,32 +90,73 @@ void DesignRun::take_stock() {
          std::to_string(spec_.scratches) + " scratches are asked for, and " + std::to_string(carved_.size()) +
              " are carved already",
          "ask for more: the number counts what is carved");
-  movable_ = options_.from ? from_.size() : static_cast<std::size_t>(spec_.scratches) - carved_.size();
+  movable_ = new_at_first();
+}
+
+void DesignRun::read_targets() {
+  report("reading targets", 0);
+  limits_ = design_limits(board_, bench_, options_);
+  pixels_ = asked_pixels();
+  std::vector<Finding> found;
+  do {
+    found.clear();
+    lay_targets(found);
+  } while (take_fewer_pixels());
+  append(result_.findings, found);
+  if (options_.note_few_strokes && !options_.from && pixels_ == asked_pixels())
+    if (const auto many = pixels_are_many(views_, movable_ + carved_.size(), bench_.crossings))
+      result_.findings.push_back(*many);
+  if (options_.found) options_.found(result_.findings);
+  look_at_the_carved();
+}
+
+// On `pixels_`.
+void DesignRun::lay_targets(std::vector<Finding>& found) {
+  views_ = prepare_views(spec_, board_, bench_, options_, pixels_, limits_, found);
+  append(found, lift_blacks(views_, options_.lift_blacks, options_.loss));
+  shown_ = spec_.views.size();
+  const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
+                           return a.exposure_group < b.exposure_group;
+                         })->exposure_group;
+  log_exposure_.assign(static_cast<std::size_t>(last_group) + 1, 0.0);
+}
+
+bool DesignRun::take_fewer_pixels() {
+  if (options_.pixels > 0 || starts_at_random()) return false;
+  const auto fewer = fewer_pixels(pixels_, pixels_a_stroke(views_, movable_ + carved_.size()));
+  if (fewer) pixels_ = *fewer;
+  return fewer.has_value();
+}
+
+// How many strokes there is room for was found by trying, which gave them their length: in larger pixels they are
+// shorter, and more.
+bool DesignRun::looks_too_closely() {
+  if (options_.from || deadline_.wished_or_used(kStartShare) || !take_fewer_pixels()) return false;
+  result_.findings.resize(findings_before_start_);
+  movable_ = new_at_first();
+  too_many_to_cut_ = 0;
+  std::vector<Finding> told_before;
+  lay_targets(told_before);
+  look_at_the_carved();
+  return true;
+}
+
+// What cannot be undone: the face and what is in it.
+void DesignRun::look_at_the_carved() {
+  findings_before_start_ = result_.findings.size();
   if (carved_.size() == 0) return;
   Scratches lying = carved_;
   lying.carved.assign(lying.size(), 1);
   const Carved grooves = metal_.carved(lying);
-  for (WorkView& v : views_) v.renderer.forward(grooves, v.face);  // what cannot be undone: the face and what is in it
+  for (WorkView& v : views_) v.renderer.forward(grooves, v.face);
 }
 
 void DesignRun::place() {
-  std::size_t too_many = 0;  // to be cut where they cross
-  const auto less_to_cut = [&] {
-    const std::size_t before = movable_;
-    if (!start_with_less_to_cut()) return false;
-    too_many = std::max(too_many, before);
-    return true;
-  };
   do {
     choose_stroke_rules();
     start_strokes();
     settle(scratches_, limits_, mean_length_mm_, options_.seed + 2);
-  } while (start_with_fewer() || less_to_cut());
-  if (too_many > 0)
-    result_.findings.push_back(make_warning(std::to_string(too_many) +
-                                            " scratches would cross each other too often for their crossings to be "
-                                            "cut: began with " +
-                                            std::to_string(movable_)));
+  } while (start_with_fewer() || start_with_less_to_cut());
   result_.started_with = movable_;
   join_carved();
   if (!options_.from) put_in_carving_order(false);
@@ -218,12 +224,13 @@ bool DesignRun::start_with_less_to_cut() {
   constexpr std::size_t kMostPieces = limit::kCuts / 5 * 4;
   if (options_.from || bench_.crossings == Crossings::add) return false;
   const Scratches all =
-      joined(scratches_, carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
+      joined(new_ones(), carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
   if (!are_more_pieces(all, board_.tool_width_um, bench_.material.depth_um, bench_.material.profile, bench_.crossings,
                        kMostPieces))
     return false;
   const auto fewer = static_cast<std::size_t>(kFewer * static_cast<double>(movable_));
   if (fewer == 0) return false;
+  too_many_to_cut_ = std::max(too_many_to_cut_, movable_);
   movable_ = fewer;
   return true;
 }

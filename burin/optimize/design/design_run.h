@@ -19,6 +19,7 @@
 #include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/deadline.h"
 #include "burin/optimize/design/design_views.h"
+#include "burin/optimize/design/picture_pixels.h"
 #include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/design_file.h"
@@ -48,15 +49,21 @@ class DesignRun {
 
  private:
   // The stages.
-  void read_targets();    // views and their pictures; what cannot work is said here
-  void take_stock();      // what is gone on from, and what is in the metal already
-  void place();           // scratches to start from; with fewer, if so many could not be carved in time
-  void expose();          // brightnesses that suit the start
-  void improve_start();   // each scratch searched a better place
-  bool is_crowded();      // then the start is made anew, with fewer
-  void iterate();         // Adam, searches, and scratches that go (design_iterations.cpp)
-  void obey_all_rules();  // the last word: ends on steps, pairs apart
-  void measure();         // what each view will show
+  void take_stock();         // what is gone on from, and what is in the metal already
+  void read_targets();       // views and their pictures; what cannot work is said here
+  void place();              // scratches to start from; with fewer, if so many could not be carved in time
+  void expose();             // brightnesses that suit the start
+  void improve_start();      // each scratch searched a better place
+  bool is_crowded();         // then the start is made anew, with fewer
+  bool looks_too_closely();  // then the start is made anew, on fewer pixels
+  void iterate();            // Adam, searches, and scratches that go (design_iterations.cpp)
+  void obey_all_rules();     // the last word: ends on steps, pairs apart
+  void measure();            // what each view will show
+
+  // Parts of read_targets() and looks_too_closely().
+  void lay_targets(std::vector<Finding>& found);
+  bool take_fewer_pixels();  // where pixels are the design's to choose
+  void look_at_the_carved();
 
   // Parts of place().
   void choose_stroke_rules();
@@ -101,6 +108,10 @@ class DesignRun {
   }
   std::vector<std::span<WorkView>> shown_views() { return shown_channels(views_); }
   bool starts_at_random() const { return !options_.from && options_.start == Start::random; }
+  int asked_pixels() const { return options_.pixels > 0 ? options_.pixels : kUsualPixels; }
+  std::size_t new_at_first() const {
+    return options_.from ? from_.size() : static_cast<std::size_t>(spec_.scratches) - carved_.size();
+  }
   bool optimizes_shared() const {
     return options_.optimize_width || options_.optimize_depth || options_.optimize_alpha;
   }
@@ -119,6 +130,8 @@ class DesignRun {
   CarvingLimits limits_;
   DesignResult result_;
 
+  int pixels_ = 0;  // along the carve area's longer side
+  std::size_t findings_before_start_ = 0, too_many_to_cut_ = 0;
   std::vector<WorkView> views_;        // first the spec's, in color three each; the rest stand aside of these
   std::size_t shown_ = 0;              // pictures, each of a view of the spec
   std::vector<Image> color_pictures_;  // what those who watch are shown last

@@ -313,15 +313,15 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
 }
 
 std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, const Bench& bench,
-                                    const DesignOptions& options, const CarvingLimits& limits,
+                                    const DesignOptions& options, int pixels, const CarvingLimits& limits,
                                     std::vector<Finding>& findings) {
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
-  const auto [width, height] = grid_size(board, options.pixels);
+  const auto [width, height] = grid_size(board, pixels);
   require_size(spec, width, height);
   std::vector<std::vector<GlintView>> glints;  // a view of the spec, and its lights served
   const std::shared_ptr<const BoardFace> curved = curved_face(board, bench);
-  const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, options.pixels);
+  const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, pixels);
   if (curved) append(findings, check_stretch(*curved, board.mesh.string()));
   for (const DesignView& v : spec.views) {
     require_light(v, bench);

@@ -88,9 +88,10 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
                        const Eigen::Vector3d& lamp_moved_mm, const LightPart& part = {});
 
 /// The spec's views in its order, then those that stand aside, with face and unit measured. Throws Error for what the
-/// bench does not have, pictures that cannot be used and views in which nothing can glint.
+/// bench does not have, pictures that cannot be used and views in which nothing can glint. On `pixels` along the carve
+/// area's longer side.
 std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, const Bench& bench,
-                                    const DesignOptions& options, const CarvingLimits& limits,
+                                    const DesignOptions& options, int pixels, const CarvingLimits& limits,
                                     std::vector<Finding>& findings);
 
 /// In designs with a view in color: where else a scratch for a light that leads shows, one of the best direction more

@@ -1,0 +1,75 @@
+#include "burin/optimize/design/picture_pixels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "burin/render/degrees.h"
+#include "burin/render/files/decimals.h"
+
+namespace burin {
+namespace {
+
+constexpr double kMost = 40, kUsual = 16;  // pixels to a stroke
+constexpr double kAcuity_rad = 1.5 / 60 * kDegree_rad;
+constexpr int kStillAPicture = 64;  // along the longer side
+
+double all_pixels(const std::vector<WorkView>& views) {
+  const Image& one = views.front().target.picture;
+  return static_cast<double>(one.width) * one.height * static_cast<double>(views_served(views).size());
+}
+
+int longer_side(const std::vector<WorkView>& views) {
+  const Image& one = views.front().target.picture;
+  return std::max(one.width, one.height);
+}
+
+// From where eyes no longer tell neighboring pixels apart.
+std::string distance_m(double pixel_mm) { return fixed(1e-3 * pixel_mm / kAcuity_rad, 1) + " m"; }
+
+std::string scratches(std::size_t count) { return std::to_string(count) + (count == 1 ? " scratch" : " scratches"); }
+
+}  // namespace
+
+double pixels_a_stroke(const std::vector<WorkView>& views, std::size_t strokes) {
+  return all_pixels(views) / static_cast<double>(strokes);
+}
+
+std::optional<int> fewer_pixels(int pixels, double a_stroke) {
+  constexpr double kAtOnce = 0.75;
+  if (!(a_stroke > kMost) || pixels <= kStillAPicture) return std::nullopt;
+  const double side = pixels * std::max(kAtOnce, std::sqrt(kUsual / a_stroke));
+  return std::max(kStillAPicture, static_cast<int>(std::lround(side)));
+}
+
+Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strokes) {
+  const int pixels = longer_side(views);
+  return {Finding::Severity::note, "design",
+          "pictures are made of " + std::to_string(pixels) + " pixels along the longer side, which eyes more than " +
+              distance_m(views.front().pitch_mm) + " away do not see apart: to fill more, " + scratches(strokes) +
+              " would be drawn long, and the pictures coarse",
+          "a larger board, a sharper tool or fewer pictures show more; --pixels " + std::to_string(kUsualPixels) +
+              " asks for finer ones all the same"};
+}
+
+std::optional<Finding> pixels_are_many(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings) {
+  const double each = pixels_a_stroke(views, strokes);
+  if (!(each > kMost)) return std::nullopt;
+  const double enough = all_pixels(views) / kUsual, tens = std::pow(10, std::floor(std::log10(enough)) - 1);
+  std::string remedy = crossings == Crossings::add
+                           ? "take some " + std::to_string(std::lround(tens * std::round(enough / tens))) + " scratches"
+                           : "a sharper tool or a larger board has room for more scratches";
+  const double larger = std::sqrt(each / kUsual);
+  const int fewer = static_cast<int>(std::lround(longer_side(views) / larger));
+  if (fewer >= kStillAPicture)
+    remedy = "for eyes that are more than " + distance_m(larger * views.front().pitch_mm) + " away --pixels " +
+             std::to_string(fewer) + " shows more; or " + remedy;
+  return Finding{Finding::Severity::note, "design",
+                 scratches(strokes) + (strokes == 1 ? " is" : " are") + " few for these pictures, " +
+                     std::to_string(std::lround(each)) +
+                     " pixels to a stroke: they will be drawn long, and the pictures coarse",
+                 remedy};
+}
+
+}  // namespace burin
