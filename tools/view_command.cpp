@@ -2,11 +2,14 @@
 #include <CLI/App.hpp>
 #include <CLI/Error.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
@@ -17,6 +20,12 @@
 
 namespace burin {
 namespace {
+
+// What is cut where it crosses others lies in pieces.
+std::size_t grooves_of(const Carved& carved) {
+  if (carved.source.empty()) return carved.size();
+  return std::set<std::uint32_t>(carved.source.begin(), carved.source.end()).size();
+}
 
 namespace fs = std::filesystem;
 
@@ -61,7 +70,7 @@ void run(const ViewArguments& o) {
   bar.clear();
   for (const Finding& finding : findings) note(finding);
   std::size_t most = 0;
-  for (const ViewedBoard& board : view.boards) most = std::max(most, board.carved.size());
+  for (const ViewedBoard& board : view.boards) most = std::max(most, grooves_of(board.carved));
   fmt::print(
       "Wrote {}: {} groove{}, {} place{} to look from, {:.1f} MB, all in one file; next: open it in a browser, "
       "or send it to a phone and tilt it.\n",

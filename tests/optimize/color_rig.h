@@ -101,7 +101,8 @@ class ColorRig : public testing::Test {
   }
   std::vector<WorkView> views() {
     std::vector<Finding> findings;
-    return prepare_views(spec_, board_, bench_, options_, options_.pixels, design_limits(board_, bench_, options_), findings);
+    return prepare_views(spec_, board_, bench_, options_, options_.pixels, design_limits(board_, bench_, options_),
+                         findings);
   }
 
   TemporaryFolder folder_;

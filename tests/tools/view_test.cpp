@@ -13,6 +13,7 @@
 #include <string>
 
 #include "burin/render/image.h"
+#include "burin/render/scratches.h"
 #include "tests/places.h"
 #include "tests/tools/chromium.h"
 #include "tests/tools/loop_bench.h"
@@ -339,6 +340,17 @@ TEST_F(ViewPage, CallsAPreviewAPreview) {
               AllOf(HasSubstr("\"Preview\""), HasSubstr("A quick preview, "),
                     HasSubstr(" of 600 scratches; burin loop project designs the whole board."),
                     Not(HasSubstr("\"As designed\""))));
+}
+
+TEST_F(ViewPage, CountsGroovesAndNotTheirPieces) {
+  Json bench = Json::parse(file_text(project_ / "bench.json"));
+  bench["material"]["crossings"] = "deepest";
+  std::ofstream(project_ / "bench.json") << bench.dump();
+  design();
+  const std::size_t grooves = read_scratches(project_ / "design" / "scratches.csv").size();
+  const Outcome run = run_burin(folder_, {"view", "project", "--out", "view.html"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("view.html: " + std::to_string(grooves) + " grooves, 2 places"));
 }
 
 TEST_F(ViewPage, SaysWhatToDoWhereThereIsNothingToShow) {
