@@ -130,7 +130,6 @@ class DesignRun {
   CarvingLimits limits_;
   DesignResult result_;
 
-  int pixels_ = 0;  // along the carve area's longer side
   std::size_t findings_before_start_ = 0, too_many_to_cut_ = 0;
   std::vector<WorkView> views_;        // first the spec's, in color three each; the rest stand aside of these
   std::size_t shown_ = 0;              // pictures, each of a view of the spec
@@ -163,6 +162,7 @@ class DesignRun {
   std::vector<double> d_log_exposure_;
   std::vector<BrightPart> bright_;  // one a view
   std::vector<int> contact_;        // iterations kept for the contact sheet
+  int pixels_ = 0;                  // along the carve area's longer side
   int iteration_ = 0, drop_at_ = 0;
   double first_rate_ = 0, last_rate_ = 0;
   double full_carving_s_ = 0;  // what it would take to carve all that the iterations began with
