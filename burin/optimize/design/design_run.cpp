@@ -72,7 +72,7 @@ DesignResult DesignRun::run() {
                                             "cut: began with " +
                                             std::to_string(movable_)));
   if (pixels_ < asked_pixels() && options_.note_few_strokes)
-    result_.findings.push_back(pixels_were_chosen(views_, movable_ + carved_.size()));
+    result_.findings.push_back(pixels_were_chosen(views_, movable_ + carved_.size(), bench_.crossings));
   iterate();
   obey_all_rules();
   measure();

@@ -43,13 +43,14 @@ std::optional<int> fewer_pixels(int pixels, double a_stroke) {
   return std::max(kStillAPicture, static_cast<int>(std::lround(side)));
 }
 
-Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strokes) {
+Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings) {
   const int pixels = longer_side(views);
   return {Finding::Severity::note, "design",
           "pictures are made of " + std::to_string(pixels) + " pixels along the longer side, which eyes more than " +
               distance_m(views.front().pitch_mm) + " away do not see apart: to fill more, " + scratches(strokes) +
               " would be drawn long, and the pictures coarse",
-          "a larger board, a sharper tool or fewer pictures show more; --pixels " + std::to_string(kUsualPixels) +
+          std::string(crossings == Crossings::add ? "more scratches" : "a larger board, a sharper tool") +
+              " or fewer pictures show more; --pixels " + std::to_string(kUsualPixels) +
               " asks for finer ones all the same"};
 }
 

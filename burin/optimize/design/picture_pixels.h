@@ -27,7 +27,7 @@ double pixels_a_stroke(const std::vector<WorkView>& views, std::size_t strokes);
 std::optional<int> fewer_pixels(int pixels, double a_stroke);
 
 /// What a person should know of pictures whose `pixels` a design chose for so many strokes.
-Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strokes);
+Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings);
 
 /// The same where a person asked for pixels that these strokes cannot fill; none where they can.
 std::optional<Finding> pixels_are_many(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings);
