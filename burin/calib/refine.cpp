@@ -742,8 +742,7 @@ void RefineRun::doubt_colors() {
     return;
   out.findings.push_back(
       make_warning("the colors that the camera makes up do not hold all of fine glints' light: read by what it "
-                   "measured alone, green, "
-                   "the photos would ask for another answer, by " +
+                   "measured alone, green, the photos would ask for another answer, by " +
                        significant(2 * moved.alpha_percent, 2) + " % in alpha, " +
                        significant(2 * moved.depth_percent, 2) + " % in depth and " +
                        significant(2 * moved.base_alpha_percent, 2) + " % in base_alpha; sigmas count half of that",
