@@ -208,7 +208,7 @@ bool DesignRun::searches_are_over() const {
   // is not enough (measured: 0.5 dB), and strokes searched after it would stand in an order that is no short way. Rims
   // are counted exactly from three quarters of them on.
   constexpr double kSettledFrom = 0.5, kRimsFrom = 0.75;
-  const double latest = order_matters(bench_) ? kSettledFrom : bench_.crossings == Crossings::deepest ? kRimsFrom : 1;
+  const double latest = order_matters(bench_) ? kSettledFrom : grooves_cut_each_other() ? kRimsFrom : 1;
   const double until = std::min(options_.relocate_until, latest);
   const double t = static_cast<double>(iteration_) / std::max(1, options_.iterations - 1);
   return t >= until || deadline_.used(until);

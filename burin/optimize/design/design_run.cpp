@@ -10,6 +10,7 @@
 #include "burin/optimize/carving/carving_order.h"
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/design/carving_budget.h"
+#include "burin/optimize/design/crowding.h"
 #include "burin/optimize/design/design_start.h"
 #include "burin/optimize/design/lift_blacks.h"
 #include "burin/optimize/design/obey.h"
@@ -65,7 +66,7 @@ DesignResult DesignRun::run() {
     place();
     expose();
     improve_start();
-  } while (is_crowded() || start_with_less_to_cut() || looks_too_closely());
+  } while (looks_too_closely() || is_crowded() || start_with_less_to_cut());
   if (too_many_to_cut_ > 0)
     result_.findings.push_back(make_warning(std::to_string(too_many_to_cut_) +
                                             " scratches would cross each other too often for their crossings to be "
@@ -123,7 +124,8 @@ void DesignRun::lay_targets(std::vector<Finding>& found) {
 
 bool DesignRun::take_fewer_pixels() {
   if (options_.pixels > 0 || starts_at_random()) return false;
-  const auto fewer = fewer_pixels(pixels_, pixels_a_stroke(views_, movable_ + carved_.size()));
+  const bool crowded = grooves_cut_each_other() && count() > 0 && pixels_crowd(cover_now());
+  const auto fewer = fewer_pixels(pixels_, pixels_a_stroke(views_, movable_ + carved_.size()), crowded);
   if (fewer) pixels_ = *fewer;
   return fewer.has_value();
 }
@@ -235,30 +237,28 @@ bool DesignRun::start_with_less_to_cut() {
   return true;
 }
 
-// Where grooves cut each other's rims away, a board holds so many and no more: each that comes takes as much from those
-// it crosses as it brings. Measured (docs/design.md): pictures are best where grooves, side by side, would cover six to
-// nine tenths of the carve area in the end, and lose 4 dB where they cover it twice over. With the time for a start
-// used up, it stays as it is.
+// With the time for a start used up, it stays as it is.
 bool DesignRun::is_crowded() {
-  if (bench_.crossings != Crossings::deepest || options_.from || deadline_.wished_or_used(kStartShare)) return false;
-  constexpr double kMost = 0.95, kBest = 0.6;  // strokes grow by a third later on
-  const Eigen::Vector2d size = limits_.max_mm - limits_.min_mm;
-  const double new_cover = area_mm2(metal_.carved_alone(new_ones()).scratches, bench_, board_) / (size.x() * size.y());
-  Scratches lying = carved_;
-  lying.carved.assign(lying.size(), 1);
-  const double cover =
-      new_cover + area_mm2(metal_.carved_alone(lying).scratches, bench_, board_) / (size.x() * size.y());
-  if (!(cover > kMost)) return false;
+  if (!grooves_cut_each_other() || options_.from || deadline_.wished_or_used(kStartShare)) return false;
+  const double cover = cover_now();
+  const auto fewer = fewer_strokes(count(), pixels_a_stroke(views_, count()), cover);
+  if (!fewer) return false;
   // What is in the metal stays; at least a fifth of the best is new.
-  const double room = std::max(kBest - (cover - new_cover), 0.2 * kBest);
-  const auto fewer = static_cast<std::size_t>(room / new_cover * static_cast<double>(movable_));
-  if (fewer == 0 || fewer >= movable_) return false;
+  const std::size_t fewer_new =
+      std::max(*fewer > carved_.size() ? *fewer - carved_.size() : 0, std::max<std::size_t>(*fewer / 5, 1));
+  if (fewer_new >= movable_) return false;
   result_.findings.push_back(
       make_warning(std::to_string(movable_) + " scratches would cover the carve area " + fixed(cover, 1) +
                    " times and cut each other's rims away, and with them most of their light: began with " +
-                   std::to_string(fewer) + ", which show more"));
-  movable_ = fewer;
+                   std::to_string(fewer_new) + ", which show more"));
+  movable_ = fewer_new;
   return true;
+}
+
+// How many times all grooves, side by side, would cover the carve area.
+double DesignRun::cover_now() const {
+  const Eigen::Vector2d size = limits_.max_mm - limits_.min_mm;
+  return area_mm2(metal_.carved_alone(scratches_).scratches, bench_, board_) / (size.x() * size.y());
 }
 
 void DesignRun::join_carved() {

@@ -64,6 +64,8 @@ class DesignRun {
   void lay_targets(std::vector<Finding>& found);
   bool take_fewer_pixels();  // where pixels are the design's to choose
   void look_at_the_carved();
+  bool grooves_cut_each_other() const { return bench_.crossings == Crossings::deepest; }
+  double cover_now() const;
 
   // Parts of place().
   void choose_stroke_rules();
@@ -125,7 +127,7 @@ class DesignRun {
   // While places are searched, grooves that cut each other's rims away are taken whole: their many pieces take twenty
   // times as long. What they take from each other is seen now and then (crossing_loss).
   const Bench search_bench_ = adding_rims(bench_);
-  bool rims_count_ = bench_.crossings != Crossings::deepest;
+  bool rims_count_ = !grooves_cut_each_other();
   Deadline deadline_;
   CarvingLimits limits_;
   DesignResult result_;

@@ -36,10 +36,10 @@ double pixels_a_stroke(const std::vector<WorkView>& views, std::size_t strokes) 
   return all_pixels(views) / static_cast<double>(strokes);
 }
 
-std::optional<int> fewer_pixels(int pixels, double a_stroke) {
+std::optional<int> fewer_pixels(int pixels, double a_stroke, bool crowd) {
   constexpr double kAtOnce = 0.75;
-  if (!(a_stroke > kMost) || pixels <= kStillAPicture) return std::nullopt;
-  const double side = pixels * std::max(kAtOnce, std::sqrt(kUsual / a_stroke));
+  if (!(a_stroke > kMost || crowd) || pixels <= kStillAPicture) return std::nullopt;
+  const double side = pixels * (crowd ? kAtOnce : std::max(kAtOnce, std::sqrt(kUsual / a_stroke)));
   return std::max(kStillAPicture, static_cast<int>(std::lround(side)));
 }
 

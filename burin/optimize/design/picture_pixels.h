@@ -22,9 +22,10 @@ inline constexpr int kUsualPixels = 512;
 /// Of all pictures, those that each of so many strokes has to fill.
 double pixels_a_stroke(const std::vector<WorkView>& views, std::size_t strokes);
 
-/// Fewer pixels along the longer side, where `a_stroke` are too many of `pixels`: no fewer than three quarters of them
-/// at once, since shorter strokes may be more. None where they suit, or fewer would show no picture.
-std::optional<int> fewer_pixels(int pixels, double a_stroke);
+/// Fewer pixels along the longer side, where `a_stroke` are too many of `pixels`, or the strokes that fill them `crowd`
+/// the board: no fewer than three quarters of them at once, since shorter strokes may be more. None where they suit, or
+/// fewer would show no picture.
+std::optional<int> fewer_pixels(int pixels, double a_stroke, bool crowd);
 
 /// What a person should know of pictures whose `pixels` a design chose for so many strokes.
 Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings);
