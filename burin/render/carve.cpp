@@ -1,5 +1,7 @@
 #include "burin/render/carve.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -308,6 +310,39 @@ void pull_back_depth(const Carved& carved, std::size_t k, const Scratches& place
   out.add_width(i, by.width_um[k] + by.depth_um[k] * (piece_um - d * by_depth) / wt);
 }
 
+// Depth, alpha and ends of some of the pieces back to their rows.
+void pull_back_some(const Carved& carved, std::size_t from, std::size_t to, const Scratches& placed, const Bench& bench,
+                    const Board& board, const ScratchGradients& by, ScratchGradients& out) {
+  EndGradients ends(out);
+  NarrowedSlope slope;
+  for (std::size_t k = from; k < to; ++k) {
+    const std::size_t i = carved.source[k];
+    pull_back_end(carved.begin[k], i, {by.x0_mm[k], by.y0_mm[k]}, placed, bench, board, ends);
+    pull_back_end(carved.end[k], i, {by.x1_mm[k], by.y1_mm[k]}, placed, bench, board, ends);
+    pull_back_depth(carved, k, placed, bench, board, by, slope, ends);
+    out.alpha[i] += by.alpha[k];
+  }
+}
+
+// Of all pieces, in as many parts as there are pieces to a row, not as there are threads: the same bits for any number
+// of these.
+void pull_back_pieces(const Carved& carved, const Scratches& placed, const Bench& bench, const Board& board,
+                      const ScratchGradients& by, ScratchGradients& out) {
+  constexpr std::size_t kMostParts = 16;
+  const std::size_t pieces = carved.size(), rows = placed.size(),
+                    parts = std::clamp<std::size_t>(pieces / std::max<std::size_t>(4 * rows, 1), 1, kMostParts);
+  std::vector<ScratchGradients> of_part(parts);
+  tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+    of_part[part].resize(rows);
+    pull_back_some(carved, part * pieces / parts, (part + 1) * pieces / parts, placed, bench, board, by, of_part[part]);
+  });
+  for (const auto column :
+       {&ScratchGradients::x0_mm, &ScratchGradients::y0_mm, &ScratchGradients::x1_mm, &ScratchGradients::y1_mm,
+        &ScratchGradients::width_um, &ScratchGradients::depth_um, &ScratchGradients::alpha})
+    for (const ScratchGradients& part : of_part)
+      for (std::size_t i = 0; i < rows; ++i) (out.*column)[i] += (part.*column)[i];
+}
+
 // dE/d(value of each row after its field) becomes dE/d(value before), and moves the row's ends.
 void pull_back_field(const GrooveField& field, double shared, double most, const Vector2d& board_size_mm,
                      const std::vector<double>& age, const Scratches& placed, const std::vector<double>& own,
@@ -400,15 +435,7 @@ ScratchGradients pull_back(const Carved& carved, const Designed& designed, const
     if (!bench.depth_field.is_constant())
       apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, placed,
                   placed.depth_um);
-    EndGradients ends(out);
-    NarrowedSlope slope;
-    for (std::size_t k = 0; k < carved.size(); ++k) {
-      const std::size_t i = carved.source[k];
-      pull_back_end(carved.begin[k], i, {by_carved.x0_mm[k], by_carved.y0_mm[k]}, placed, bench, board, ends);
-      pull_back_end(carved.end[k], i, {by_carved.x1_mm[k], by_carved.y1_mm[k]}, placed, bench, board, ends);
-      pull_back_depth(carved, k, placed, bench, board, by_carved, slope, ends);
-      out.alpha[i] += by_carved.alpha[k];
-    }
+    pull_back_pieces(carved, placed, bench, board, by_carved, out);
   }
   if (fields) {
     EndGradients ends(out);

@@ -330,18 +330,32 @@ struct Cutting {
   }
 };
 
-template <typename T>
-void append_rows(std::vector<T>& to, const std::vector<T>& more) {
-  to.insert(to.end(), more.begin(), more.end());
+// A column of all parts, one after the other; empty where theirs are.
+template <typename ColumnOf>
+void join_column(std::vector<VisiblePieces>& parts, const std::vector<std::size_t>& first, VisiblePieces& out,
+                 const ColumnOf& column_of) {
+  bool any = false;
+  for (VisiblePieces& part : parts) any = any || !column_of(part)->empty();
+  if (!any) return;
+  auto& to = *column_of(out);
+  to.resize(first.back());
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
+    const auto from = std::exchange(*column_of(parts[k]), {});  // its memory goes at once
+    std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(first[k]));
+  });
 }
 
-void append_pieces(VisiblePieces& to, const VisiblePieces& more) {
+VisiblePieces joined(std::vector<VisiblePieces> parts) {
+  std::vector<std::size_t> first{0};
+  for (const VisiblePieces& part : parts) first.push_back(first.back() + part.source.size());
+  VisiblePieces out;
   for (const auto column : {&Scratches::x0_mm, &Scratches::y0_mm, &Scratches::x1_mm, &Scratches::y1_mm,
                             &Scratches::width_um, &Scratches::depth_um, &Scratches::alpha, &Scratches::left})
-    append_rows(to.pieces.*column, more.pieces.*column);
-  append_rows(to.source, more.source);
-  append_rows(to.begin, more.begin);
-  append_rows(to.end, more.end);
+    join_column(parts, first, out, [column](VisiblePieces& p) { return &(p.pieces.*column); });
+  join_column(parts, first, out, [](VisiblePieces& p) { return &p.source; });
+  join_column(parts, first, out, [](VisiblePieces& p) { return &p.begin; });
+  join_column(parts, first, out, [](VisiblePieces& p) { return &p.end; });
+  return out;
 }
 
 }  // namespace
@@ -413,8 +427,7 @@ int crossing_steps_for(double covered) {
 
 VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
                              const GrooveProfile& profile, Crossings rule, int steps) {
-  VisiblePieces out;
-  if (carved.size() == 0) return out;
+  if (carved.size() == 0) return {};
   const std::size_t most = carved.size() + limit::kCuts;
   std::optional<std::vector<VisiblePieces>> parts =
       pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, std::clamp(steps, 1, kMostCrossingSteps), most);
@@ -424,8 +437,7 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
          "let their light add there (\"crossings\": \"add\" in bench.json's material, burin refine --crossings add), "
          "or carve "
          "fewer or shorter scratches");
-  for (VisiblePieces& part : *parts) append_pieces(out, std::exchange(part, {}));
-  return out;
+  return joined(std::move(*parts));
 }
 
 bool are_more_pieces(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,

@@ -5,12 +5,14 @@
 #include "burin/render/carve.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 #include <random>
 
 #include "burin/render/error.h"
@@ -307,6 +309,30 @@ TEST(PullBack, IsTheGradientThroughFieldsWearAndCrossings) {
       for (const double by : g.depth_um) sum += by;
       EXPECT_NEAR(g.shared_depth_um, sum, 1e-9 * std::abs(sum));
     }
+}
+
+TEST(PullBack, AnyNumberOfThreadsCutsAndPullsBackTheSame) {
+  const Board board = small_board();
+  Bench bench = worn_bench();
+  bench.crossings = Crossings::deepest;
+  const Designed design(strewn(600, 9, 30));
+  std::optional<Carved> first;
+  ScratchGradients first_gradients;
+  for (const int threads : {1, 2, 5}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const Carved carved = carve(design, bench, board);
+    ASSERT_GT(carved.size(), 8 * design.size());  // pieces are pulled back in more than one part
+    const ScratchGradients g = pull_back(carved, design, bench, board, LinearE(carved.size(), 6).gradient(carved));
+    if (!first) {
+      first = carved;
+      first_gradients = g;
+    }
+    EXPECT_EQ(carved.scratches.x0_mm, first->scratches.x0_mm) << threads << " threads";
+    EXPECT_EQ(carved.scratches.left, first->scratches.left) << threads << " threads";
+    EXPECT_EQ(carved.source, first->source) << threads << " threads";
+    EXPECT_EQ(g.x0_mm, first_gradients.x0_mm) << threads << " threads";
+    EXPECT_EQ(g.depth_um, first_gradients.depth_um) << threads << " threads";
+  }
 }
 
 TEST(PullBack, SharedDepthMovesAllGrooves) {
