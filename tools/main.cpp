@@ -6,7 +6,7 @@
 int main(int argc, char** argv) {
 #ifdef __GLIBC__
   // Grooves that cut each other are a hundred megabytes of pieces, made anew in each iteration. Memory that goes back
-  // to the system in between comes back page by page and cleared: a fifth of such a design's time.
+  // to the system in between comes back page by page and cleared, which is a tenth of such an iteration's time.
   mallopt(M_TRIM_THRESHOLD, 1 << 30);  // bytes
   mallopt(M_MMAP_MAX, 0);
 #endif

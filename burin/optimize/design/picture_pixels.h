@@ -2,8 +2,8 @@
 // fill. docs/design.md, 'How many pixels'.
 //
 // A stroke that has to fill many pixels is drawn long, through details that it cannot show; where grooves cut each
-// other's rims away, long strokes leave room for fewer, which are drawn longer still. In larger pixels the same strokes
-// are hatching, and right for all eyes that do not see these apart.
+// other's rims away, long strokes leave each other little light (crowding). In larger pixels the same strokes are
+// hatching, and right for all eyes that do not see these apart.
 #pragma once
 
 #include <cstddef>
