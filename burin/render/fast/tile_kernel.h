@@ -136,9 +136,19 @@ struct PairsSetAside {
   std::vector<std::uint32_t> pair, line;
 };
 
+/// Pairs that go from stage to stage together.
+inline constexpr int kTileChunk = 128;
+
+/// Those of a chunk's direct pairs that an end bounds, as EndPair has them; `line`: of their runs among the live ones.
+struct DirectEnds {
+  int count = 0;
+  std::uint32_t pair[kTileChunk + 16], line[kTileChunk + 16];
+  float first[kTileChunk + 16], second[kTileChunk + 16], area_first[kTileChunk + 16], area_second[kTileChunk + 16];
+};
+
 /// One thread's buffers.
 struct TileBuffers {
-  static constexpr int kChunk = 128;  ///< pairs that go from stage to stage together
+  static constexpr int kChunk = kTileChunk;
   static constexpr int kPieces = 512;
   static constexpr int kLines = 32;
   /// Rounded up to a whole packet, and an odd number of cache lines apart: entries of the same place must not all fall
@@ -153,7 +163,8 @@ struct TileBuffers {
   /// Derivatives of area, as those of TileJacobian.
   std::vector<float> area_shift, area_turn, area_width, area_rim;
 
-  PairsSetAside corners, ends;              ///< those with corners only, and those that an end meets
+  PairsSetAside corners, ends;  ///< those with corners only, and those that an end meets
+  DirectEnds direct_ends;
   int piece_count = 0;                      ///< pieces of those in work
   std::uint16_t piece_owner[kPieces + 16];  ///< the pair of each, as counted in the group
 

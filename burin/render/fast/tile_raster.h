@@ -36,8 +36,9 @@ struct TileRaster {
     alignas(64) Lanes row0, row1;  // first and last row touched
     alignas(64) Lanes e, e_row;    // widening, px
     // For thin strips, with v the axis along which they run further and u the other: u of the middle line at v,
-    // u0 + slope (v - v0), how far the strip reaches in u from there, and the box around it; all widened.
-    alignas(64) Lanes u0, v0, slope, reach, u_low, u_high, v_low, v_high;
+    // u0 + slope v, how far the strip reaches in u from there, and the box around it, all widened; in u cut to the
+    // block. Then the first and last v touched.
+    alignas(64) Lanes u0, slope, reach, u_low, u_high, v_low, v_high, first, last;
     std::uint32_t empty, everything, thin, along_x;
   };
   static constexpr float kThin_px = 0.1F;
@@ -51,15 +52,15 @@ struct TileRaster {
     if (!shapes.shared)
       packet::four_columns(shape, [&](int k) { return &shapes[first + std::min(k, count - 1)].per_mm; });
     const F &across_x = run[0], &across_y = run[1], &t_origin = run[2];
-    const F mm = F(1.0F) / shape[0], half_width = shape[1] * mm;
+    const F mm = inverse(shape[0]), half_width = shape[1] * mm;
     const F along_x = -across_y, &along_y = across_x;
     const F foot_x = -t_origin * mm * across_x, foot_y = -t_origin * mm * across_y;
     F from = run[3] * mm, to = run[4] * mm;  // mm along from the foot of the tile's origin
     const auto cut = [&](const F& foot, const F& along, float low, float high) {
       const F margin = half_width * F(1.0001F) + F(1e-5F * (high - low));
       const Mask steep = xsimd::abs(along) > F(1e-6F);
-      const F inverse = F(1.0F) / xsimd::select(steep, along, F(1.0F));
-      const F a = (F(low) - margin - foot) * inverse, b = (F(high) + margin - foot) * inverse;
+      const F per_along = inverse(xsimd::select(steep, along, F(1.0F)));
+      const F a = (F(low) - margin - foot) * per_along, b = (F(high) + margin - foot) * per_along;
       from = xsimd::select(steep, xsimd::max(from, xsimd::min(a, b)), from);
       to = xsimd::select(steep, xsimd::min(to, xsimd::max(a, b)), to);
     };
@@ -75,9 +76,9 @@ struct TileRaster {
       const F side = i == 0 || i == 3 ? -half_width : half_width;
       const F px = foot_x + s * along_x + side * across_x, py = foot_y + s * along_y + side * across_y;
       const F w = F(m[6]) * px + (F(m[7]) * py + F(m[8]));
-      const F inverse = F(1.0F) / xsimd::max(w, F(1e-3F));
-      x[i] = (F(m[0]) * px + (F(m[1]) * py + F(m[2]))) * inverse;
-      y[i] = (F(m[3]) * px + (F(m[4]) * py + F(m[5]))) * inverse;
+      const F per_w = inverse(xsimd::max(w, F(1e-3F)));
+      x[i] = (F(m[0]) * px + (F(m[1]) * py + F(m[2]))) * per_w;
+      y[i] = (F(m[3]) * px + (F(m[4]) * py + F(m[5]))) * per_w;
       w_least = xsimd::min(w_least, w);
       size = xsimd::max(size, xsimd::max(xsimd::abs(x[i]), xsimd::abs(y[i])));
       x_low = i == 0 ? x[0] : xsimd::min(x_low, x[i]);
@@ -89,10 +90,6 @@ struct TileRaster {
     const Mask good = (w_least > F(0.02F)) & (size < F(1e6F));
     out.everything = block.by_box ? ~0U : packet::bits_of<P>(!good);
     const F e = F(block.error_px) + F(1e-6F) * size, e_row = F(block.error_px) + F(5e-6F) * size;
-    e.store_aligned(out.e);
-    e_row.store_aligned(out.e_row);
-    xsimd::ceil(y_low - F(1.0F) - e_row).store_aligned(out.row0);
-    xsimd::floor(y_high + e_row).store_aligned(out.row1);
     // Half the strip across, at whichever end it is wider.
     const F half(0.5F);
     const F side_x = half * xsimd::max(xsimd::abs(x[1] - x[0]), xsimd::abs(x[2] - x[3]));
@@ -105,17 +102,26 @@ struct TileRaster {
     const auto u_of = [&](const F& of_x, const F& of_y) { return xsimd::select(along_x_axis, of_y, of_x); };
     const auto v_of = [&](const F& of_x, const F& of_y) { return xsimd::select(along_x_axis, of_x, of_y); };
     const F dv = v_of(dx, dy);
-    const F slope = u_of(dx, dy) / xsimd::select(dv == F(0.0F), F(1.0F), dv);
+    const F slope = u_of(dx, dy) * inverse(xsimd::select(dv == F(0.0F), F(1.0F), dv));
     slope.store_aligned(out.slope);
     (u_of(side_x, side_y) + xsimd::abs(slope) * v_of(side_x, side_y) + F(2.0F) * e).store_aligned(out.reach);
-    u_of(mx, my).store_aligned(out.u0);
-    v_of(mx, my).store_aligned(out.v0);
-    (u_of(x_low, y_low) - e).store_aligned(out.u_low);
-    (u_of(x_high, y_high) + e).store_aligned(out.u_high);
-    (v_of(x_low, y_low) - e).store_aligned(out.v_low);
-    (v_of(x_high, y_high) + e).store_aligned(out.v_high);
+    (u_of(mx, my) - slope * v_of(mx, my)).store_aligned(out.u0);
+    const F block_x0(static_cast<float>(block.x0)), block_y0(static_cast<float>(block.y0));
+    const F block_x1(static_cast<float>(block.x1)), block_y1(static_cast<float>(block.y1));
+    const F last_x = block_x1 - F(1.0F), last_y = block_y1 - F(1.0F), within_last(1.0F - 1e-6F);
+    xsimd::max(u_of(x_low, y_low) - e, u_of(block_x0, block_y0)).store_aligned(out.u_low);
+    xsimd::min(u_of(x_high, y_high) + e, u_of(last_x, last_y) + within_last).store_aligned(out.u_high);
+    const F v_low = v_of(x_low, y_low) - e, v_high = v_of(x_high, y_high) + e;
+    v_low.store_aligned(out.v_low);
+    v_high.store_aligned(out.v_high);
+    xsimd::max(xsimd::floor(v_low), v_of(block_x0, block_y0)).store_aligned(out.first);
+    xsimd::min(xsimd::floor(v_high), v_of(last_x, last_y)).store_aligned(out.last);
     const std::uint32_t all = (1U << (kLanes - 1) << 1) - 1;
     if (((out.thin | out.empty) & all) == all) return;
+    e.store_aligned(out.e);
+    e_row.store_aligned(out.e_row);
+    xsimd::ceil(y_low - F(1.0F) - e_row).store_aligned(out.row0);
+    xsimd::floor(y_high + e_row).store_aligned(out.row1);
     for (int i = 0; i < 4; ++i) {
       const int j = (i + 1) % 4;
       const Mask up = y[i] > y[j];
@@ -142,7 +148,7 @@ struct TileRaster {
       for (int row = block.y0; row < block.y1; ++row) to = put(row, block.x0, block.x1, valid_rows, to);
       return to;
     }
-    if ((quads.thin >> k & 1) != 0) return draw_line(block, quads, k, valid_rows, to);
+    if ((quads.thin >> k & 1) != 0) return draw_line(quads, k, valid_rows, to);
     const int row0 = std::max(block.y0, static_cast<int>(quads.row0[k]));
     const int row1 = std::min(block.y1 - 1, static_cast<int>(quads.row1[k]));
     for (int first = row0; first <= row1; first += kLanes) {
@@ -183,44 +189,39 @@ struct TileRaster {
     high = high + e;
   }
 
-  /// draw() for a thin strip: rows, or columns, of at most a few pixels each.
-  [[gnu::always_inline]] static std::uint16_t* draw_line(const TileBlock& block, const Quads& quads, int k,
-                                                         const std::uint32_t* valid_rows, std::uint16_t* to) {
+  /// draw() for a thin strip: rows, or columns, of at most a few pixels each. Which of the two is no branch: strips of
+  /// either kind come in turn.
+  [[gnu::always_inline]] static std::uint16_t* draw_line(const Quads& quads, int k, const std::uint32_t* valid_rows,
+                                                         std::uint16_t* to) {
+    static_assert(kTile == 1 << kTileBits);
     const bool along_x = (quads.along_x >> k & 1) != 0;
-    const int v_begin = along_x ? block.x0 : block.y0, v_end = along_x ? block.x1 : block.y1;
-    const F u_begin(static_cast<float>(along_x ? block.y0 : block.x0));
-    const F u_end(static_cast<float>(along_x ? block.y1 : block.x1));
-    const float v_low = quads.v_low[k], v_high = quads.v_high[k];
-    if (!(v_high >= static_cast<float>(v_begin) && v_low <= static_cast<float>(v_end))) return to;
-    const int first_v = std::max(v_begin, static_cast<int>(std::max(v_low, 0.0F)));
-    const int last_v = std::min(v_end - 1, static_cast<int>(v_high));
-    const F u0(quads.u0[k]), v0(quads.v0[k]), slope(quads.slope[k]), reach(quads.reach[k]);
+    const int first_v = static_cast<int>(quads.first[k]), last_v = static_cast<int>(quads.last[k]);
+    const F u0(quads.u0[k]), slope(quads.slope[k]), reach(quads.reach[k]);
+    const F u_low(quads.u_low[k]), u_high(quads.u_high[k]), v_low(quads.v_low[k]), v_high(quads.v_high[k]);
     for (int first = first_v; first <= last_v; first += kLanes) {
       const F v = packet::lane_numbers<P>() + F(static_cast<float>(first));
-      const F from = xsimd::max(v, F(v_low)), until = xsimd::min(v + F(1.0F), F(v_high));
-      const F a = u0 + slope * (from - v0), b = u0 + slope * (until - v0);
-      const F low = xsimd::max(xsimd::min(a, b) - reach, F(quads.u_low[k]));
-      const F high = xsimd::min(xsimd::max(a, b) + reach, F(quads.u_high[k]));
-      const F begin = xsimd::max(xsimd::floor(low), u_begin);
-      const F end = xsimd::min(xsimd::floor(high) + F(1.0F), u_end);
-      const Mask some = (v <= F(static_cast<float>(last_v))) & (from <= until) & (begin < end);
+      const F a = u0 + slope * xsimd::max(v, v_low), b = u0 + slope * xsimd::min(v + F(1.0F), v_high);
+      const F low = xsimd::max(xsimd::min(a, b) - reach, u_low), high = xsimd::min(xsimd::max(a, b) + reach, u_high);
+      const std::uint32_t in_block =
+          last_v - first >= kLanes - 1 ? (1U << (kLanes - 1) << 1) - 1 : (2U << (last_v - first)) - 1;
 #ifdef __AVX512BW__
       if constexpr (kIs512<P>) {
         if (valid_rows == nullptr) {
-          static_assert(kTile == 32);
-          const __m512i u = _mm512_maskz_cvttps_epi32(some.data, begin), vs = _mm512_cvttps_epi32(v);
-          __m512i count = _mm512_sub_epi32(_mm512_maskz_cvttps_epi32(some.data, end), u);
-          __m512i place =
-              along_x ? _mm512_add_epi32(_mm512_slli_epi32(u, 5), vs) : _mm512_add_epi32(_mm512_slli_epi32(vs, 5), u);
-          const __m512i step = _mm512_set1_epi32(along_x ? kTile : 1), one = _mm512_set1_epi32(1);
-          __mmask16 left = some.data;
+          constexpr int kDown = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
+          const __m512i u = _mm512_cvt_roundps_epi32(low, kDown), one = _mm512_set1_epi32(1);
+          __m512i more = _mm512_sub_epi32(_mm512_cvt_roundps_epi32(high, kDown), u);
+          const int u_bits = kTileBits * static_cast<int>(quads.along_x >> k & 1);
+          const __m128i of_u = _mm_cvtsi32_si128(u_bits), of_v = _mm_cvtsi32_si128(kTileBits - u_bits);
+          const __m512i step = _mm512_sll_epi32(one, of_u);
+          __m512i place = _mm512_add_epi32(_mm512_sll_epi32(u, of_u), _mm512_sll_epi32(_mm512_cvttps_epi32(v), of_v));
+          __mmask16 left = _mm512_mask_cmpge_epi32_mask(static_cast<__mmask16>(in_block), more, _mm512_setzero_si512());
           const auto put_one = [&] {
             _mm256_storeu_si256(reinterpret_cast<__m256i*>(to),
                                 _mm512_cvtepi32_epi16(_mm512_maskz_compress_epi32(left, place)));
             to += std::popcount(static_cast<unsigned>(left));
             place = _mm512_add_epi32(place, step);
-            count = _mm512_sub_epi32(count, one);
-            left = _mm512_cmpgt_epi32_mask(count, _mm512_setzero_si512());
+            more = _mm512_sub_epi32(more, one);
+            left = _mm512_mask_cmpge_epi32_mask(left, more, _mm512_setzero_si512());
             return left != 0;  // more to put
           };
           // A line crosses two pixels of a row, seldom more: no branch for those.
@@ -231,15 +232,15 @@ struct TileRaster {
         }
       }
 #endif
-      alignas(64) Lanes begins, ends;
-      begin.store_aligned(begins);
-      end.store_aligned(ends);
-      for (std::uint32_t bits = packet::bits_of<P>(some); bits != 0; bits &= bits - 1) {
-        const int i = std::countr_zero(bits), from_u = static_cast<int>(begins[i]), to_u = static_cast<int>(ends[i]);
+      alignas(64) Lanes begins, lasts;
+      xsimd::floor(low).store_aligned(begins);
+      xsimd::floor(high).store_aligned(lasts);
+      for (std::uint32_t bits = in_block; bits != 0; bits &= bits - 1) {
+        const int i = std::countr_zero(bits), from_u = static_cast<int>(begins[i]), last_u = static_cast<int>(lasts[i]);
         if (along_x)
-          for (int row = from_u; row < to_u; ++row) to = put(row, first + i, first + i + 1, valid_rows, to);
+          for (int row = from_u; row <= last_u; ++row) to = put(row, first + i, first + i + 1, valid_rows, to);
         else
-          to = put(first + i, from_u, to_u, valid_rows, to);
+          to = put(first + i, from_u, last_u + 1, valid_rows, to);
       }
     }
     return to;
@@ -289,6 +290,10 @@ struct TileRaster {
   }
 
  private:
+  static constexpr int kTileBits = 5;
+
+  [[gnu::always_inline]] static F inverse(const F& x) { return footprint::Arithmetic<F>::inverse(x); }
+
   static std::uint16_t* put(int row, int begin, int end, const std::uint32_t* valid_rows, std::uint16_t* to) {
     const std::uint32_t valid = valid_rows == nullptr ? ~0U : valid_rows[row];
     for (int c = begin; c < end; ++c)

@@ -176,20 +176,17 @@ template <class P, KernelMode kMode>
     const P turn = load<P>(buffers.piece_turn + at) - (first - second) * load<P>(buffers.piece_first + at);
     save(to.shift + pair, gain * load<P>(buffers.piece_shift + at) - base * load<P>(&buffers.area_shift[pair]));
     save(to.turn + pair, gain * (turn + load<P>(buffers.moving_turn + at)) - base * load<P>(&buffers.area_turn[pair]));
-    std::uint32_t bits = packet::bits_of<P>(first + second > P(0.0F)) & lane_bits(packet.lanes);
-    if (bits != 0) {
-      const P area = load<P>(buffers.a_first + at), both = gain * load<P>(buffers.piece_mean + at) - base * area;
-      alignas(64) float out[4][kLanesOf<P>];
-      (-first * both).store_aligned(out[0]);
-      (second * both).store_aligned(out[1]);
-      (-first * area).store_aligned(out[2]);
-      (second * area).store_aligned(out[3]);
-      for (; bits != 0; bits &= bits - 1) {
-        const int k = std::countr_zero(bits);
-        pairs.ends.push_back({static_cast<std::uint32_t>(pair + k), buffers.live[packet.line[k]], out[0][k], out[1][k],
-                              out[2][k], out[3][k]});
-      }
-    }
+    // Without asking whether there are any: wrong guesses cost more.
+    const std::uint32_t bits = packet::bits_of<P>(first + second > P(0.0F)) & lane_bits(packet.lanes);
+    const P area = load<P>(buffers.a_first + at), both = gain * load<P>(buffers.piece_mean + at) - base * area;
+    DirectEnds& ends = buffers.direct_ends;
+    const int n = ends.count;
+    packet::pack_numbers<P>(ends.line + n, ends.pair + n, packet.line, static_cast<std::uint32_t>(pair), bits);
+    packet::pack(ends.first + n, P(-first * both), bits);
+    packet::pack(ends.second + n, P(second * both), bits);
+    packet::pack(ends.area_first + n, P(-first * area), bits);
+    packet::pack(ends.area_second + n, P(second * area), bits);
+    ends.count = n + std::popcount(bits);
     if constexpr (kMode == KernelMode::material) {
       const P alpha = load<P>(buffers.piece_alpha + at);
       save(to.width + pair, gain * (V + load<P>(buffers.piece_width + at)) - base * load<P>(&buffers.area_width[pair]));
@@ -202,6 +199,15 @@ template <class P, KernelMode kMode>
     }
   }
   add_to_pixels(light, load<P>(buffers.area + at), &work.places.place[pair], packet.lanes, buffers.sums);
+}
+
+/// Lists the ends that a chunk's finish_crossing() found.
+inline void list_direct_ends(TileBuffers& buffers, TilePairs& pairs) {
+  DirectEnds& ends = buffers.direct_ends;
+  for (int i = 0; i < ends.count; ++i)
+    pairs.ends.push_back({ends.pair[i], buffers.live[ends.line[i]], ends.first[i], ends.second[i], ends.area_first[i],
+                          ends.area_second[i]});
+  ends.count = 0;
 }
 
 }  // namespace burin::kernel

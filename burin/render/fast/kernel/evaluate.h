@@ -77,6 +77,7 @@ inline void evaluate_mode(const TileWork& work) {
     }
     evaluate_any_pieces<P, kMode, kCurves>(task, buffers, n);
     for (int i = 0; i < n; i += kLanesOf<P>) finish_crossing<P, kMode>(work, packet_at(i));
+    if constexpr (kMode != KernelMode::value) list_direct_ends(buffers, work.pairs);
   }
   finish_set_aside<P, kMode, false, kCurves>(work, buffers.corners);
   finish_set_aside<P, kMode, true, kCurves>(work, buffers.ends);

@@ -59,13 +59,19 @@ template <class P>
   alignas(64) float both[2 * kLanesOf<P>];
   packet::interleave(light, area, both);
   using Two = float __attribute__((vector_size(8)));
-  for (int k = 0; k < n; ++k) {
-    Two sum, add;
+  const auto add = [&](int k) {
+    Two sum, more;
     std::memcpy(&sum, sums + 2 * place[k], sizeof(Two));
-    std::memcpy(&add, both + 2 * k, sizeof(Two));
-    sum += add;
+    std::memcpy(&more, both + 2 * k, sizeof(Two));
+    sum += more;
     std::memcpy(sums + 2 * place[k], &sum, sizeof(Two));
+  };
+  if (n == kLanesOf<P>) {
+#pragma GCC unroll 16
+    for (int k = 0; k < kLanesOf<P>; ++k) add(k);
+    return;
   }
+  for (int k = 0; k < n; ++k) add(k);
 }
 
 }  // namespace burin::kernel
