@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <string>
 
@@ -69,30 +70,51 @@ struct Line {
   Eigen::Vector2d at, along;  // in pixels of the grid, y down; `along` has length 1
 };
 
-// visit(column, row, s where the line enters, length inside) from its point on, until the box ends or `most` pixels are
-// gone. (Amanatides & Woo, Eurographics 1987.)
+// visit(column, row, s where the line enters, length inside) from its point on, until `most` pixels are gone.
+// (Amanatides & Woo, Eurographics 1987.) Which border comes next is no branch: nobody could guess it.
 template <typename Visit>
-void walk(const Line& line, double most, const PixelBox& box, const Visit& visit) {
+void walk(const Line& line, double most, const Visit& visit) {
   // A nudge decides which pixel a start on a border belongs to.
   const Eigen::Vector2d inside = line.at + 1e-7 * line.along;
-  std::array<int, 2> cell{static_cast<int>(std::floor(inside.x())), static_cast<int>(std::floor(inside.y()))};
-  std::array<double, 2> next{}, each{};
-  std::array<int, 2> sign{};
-  for (int c = 0; c < 2; ++c) {
-    sign[c] = line.along[c] > 0 ? 1 : -1;
+  const auto start = [&](int c, int cell, double& next, double& each, int& sign) {
+    sign = line.along[c] > 0 ? 1 : -1;
     const bool moves = std::abs(line.along[c]) > 1e-12;
-    each[c] = moves ? 1 / std::abs(line.along[c]) : std::numeric_limits<double>::infinity();
-    next[c] = moves ? ((cell[c] + (sign[c] > 0 ? 1 : 0)) - line.at[c]) / line.along[c] : each[c];
-  }
+    each = moves ? 1 / std::abs(line.along[c]) : std::numeric_limits<double>::infinity();
+    next = moves ? ((cell + (sign > 0 ? 1 : 0)) - line.at[c]) / line.along[c] : each;
+  };
+  int column = static_cast<int>(std::floor(inside.x())), row = static_cast<int>(std::floor(inside.y()));
+  double next_x, each_x, next_y, each_y;
+  int sign_x, sign_y;
+  start(0, column, next_x, each_x, sign_x);
+  start(1, row, next_y, each_y, sign_y);
   double gone = 0;
   while (gone < most) {
-    const int c = next[0] < next[1] ? 0 : 1;
-    const double until = std::min(next[c], most), length = std::max(0.0, until - gone);
-    if (box.contains(cell[0], cell[1])) visit(cell[0], cell[1], gone, length);
+    const bool across_x = next_x < next_y;
+    const double until = std::min(std::min(next_x, next_y), most);
+    visit(column, row, gone, std::max(0.0, until - gone));
     gone = until;
-    cell[c] += sign[c];
-    next[c] += each[c];
+    column += across_x ? sign_x : 0;
+    row += across_x ? 0 : sign_y;
+    const double after_x = next_x + each_x, after_y = next_y + each_y;
+    next_x = across_x ? after_x : next_x;
+    next_y = across_x ? next_y : after_y;
   }
+}
+
+using Four = float __attribute__((vector_size(16)));
+
+// to[c][i] is number c of pixels[at[i]], for i = 0 .. 3.
+inline void four_pixels(const StrokePixel* pixels, const std::size_t* at, float* const (&to)[4]) {
+  Four pixel[4];
+  for (int i = 0; i < 4; ++i) std::memcpy(&pixel[i], &pixels[at[i]], sizeof(Four));
+  const Four low01 = __builtin_shufflevector(pixel[0], pixel[1], 0, 4, 1, 5),
+             low23 = __builtin_shufflevector(pixel[2], pixel[3], 0, 4, 1, 5),
+             high01 = __builtin_shufflevector(pixel[0], pixel[1], 2, 6, 3, 7),
+             high23 = __builtin_shufflevector(pixel[2], pixel[3], 2, 6, 3, 7);
+  const Four out[4] = {
+      __builtin_shufflevector(low01, low23, 0, 1, 4, 5), __builtin_shufflevector(low01, low23, 2, 3, 6, 7),
+      __builtin_shufflevector(high01, high23, 0, 1, 4, 5), __builtin_shufflevector(high01, high23, 2, 3, 6, 7)};
+  for (int c = 0; c < 4; ++c) std::memcpy(to[c], &out[c], sizeof(Four));
 }
 
 }  // namespace
@@ -203,19 +225,24 @@ void StrokeField::each_part(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& 
     if (part.count > 0) visit(part, lobes.data());
     part.count = 0;
   };
-  walk({a, (b - a) / length}, length, box, [&](int x, int y, double s, double inside) {
+  walk({a, (b - a) / length}, length, [&](int x, int y, double s, double inside) {
     part.at[part.count] = static_cast<std::size_t>(y) * width_ + x;
     part.middle[part.count] = static_cast<float>(s + inside / 2);
     part.length[part.count] = times * static_cast<float>(inside);
-    if (++part.count == kPart) done();
+    part.count += box.contains(x, y) ? 1 : 0;  // else the next takes its place
+    if (part.count == kPart) done();
   });
   done();
 }
 
 // What a part's pixels have and show with it, seen from a place; adds to `fell` by how much their errors fall.
 void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, PartPixels& out) const {
-  for (int i = 0; i < part.count; ++i) {
-    const StrokePixel& p = pixels_[k][part.at[i]];
+  const StrokePixel* const pixels = pixels_[k].data();
+  int i = 0;
+  for (; i + 4 <= part.count; i += 4)
+    four_pixels(pixels, part.at + i, {out.light + i, out.unit + i, out.target + i, out.shown + i});
+  for (; i < part.count; ++i) {
+    const StrokePixel& p = pixels[part.at[i]];
     out.light[i] = p.light;
     out.unit[i] = p.unit;
     out.target[i] = p.target;
@@ -223,7 +250,7 @@ void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& l
   }
   // Whole packets: what lies beyond the last has no light.
   const int packets = (part.count + kPacket - 1) / kPacket * kPacket;
-  for (int i = part.count; i < packets; ++i) out.light[i] = out.unit[i] = out.target[i] = out.shown[i] = 0;
+  for (; i < packets; ++i) out.light[i] = out.unit[i] = out.target[i] = out.shown[i] = 0;
   light_with(packets, part.middle, part.length, lobe.start, lobe.slope, weights_[k], out.unit, out.target, out.shown,
              out.light, out.after, out.fall);
 }
@@ -243,15 +270,18 @@ double StrokeField::add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
       PartPixels out;
       with_part(part, k, lobes[k], out);
-      const std::vector<float>& matters = matters_at(k);
+      const float* const matters = matters_at(k).empty() ? nullptr : matters_at(k).data();
+      StrokePixel* const pixels = pixels_[k].data();
+      StrokePixelsBefore::Pixel* was = before != nullptr ? before->add(static_cast<std::size_t>(part.count)) : nullptr;
       for (int i = 0; i < part.count; ++i) {
-        StrokePixel& p = pixels_[k][part.at[i]];
-        if (before != nullptr) before->pixels.push_back({part.at[i], static_cast<std::uint32_t>(k), p.light, p.shown});
+        StrokePixel& p = pixels[part.at[i]];
+        if (was != nullptr) *was++ = {part.at[i], static_cast<std::uint32_t>(k), p.light, p.shown};
         p.light = out.light[i];
         p.shown = out.after[i];
-        if (has_twins_) tell_twins(k, part.at[i]);
-        fell += matters.empty() ? out.fall[i] : matters[part.at[i]] * out.fall[i];
+        fell += matters == nullptr ? out.fall[i] : matters[part.at[i]] * out.fall[i];
       }
+      if (has_twins_)
+        for (int i = 0; i < part.count; ++i) tell_twins(k, part.at[i]);
     }
   });
   return fell;
