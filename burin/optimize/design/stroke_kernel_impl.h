@@ -143,79 +143,63 @@ struct StrokeKernel {
     return P(1) / (x * xsimd::sqrt(x));
   }
 
+  // Where pixels stand, counted in floats from the window's corner: a machine's loads take such an index as it is.
+  struct Places {
+    alignas(64) std::uint32_t at[P::size];
+  };
+  static constexpr std::uint32_t kPixelFloats = sizeof(StrokePixel) / sizeof(float);
+
   // The four numbers of each lane's pixel.
-  [[gnu::always_inline]] static void pixels_at(const StrokePixel* corner, const std::int32_t* index, P (&out)[4]) {
-    packet::four_columns<P>(out, [&](int lane) { return &corner[index[lane]].light; });
+  [[gnu::always_inline]] static void pixels_at(const StrokePixel* corner, const Places& places, P (&out)[4]) {
+    const float* const all = &corner->light;
+    packet::four_columns<P>(out, [&](int lane) { return all + places.at[lane]; });
   }
 
-  [[gnu::always_inline]] static P matters_at(const float* corner, const std::int32_t* index) {
+  [[gnu::always_inline]] static P matters_at(const float* corner, const Places& places) {
     alignas(64) float matters[P::size];
-    for (std::size_t i = 0; i < P::size; ++i) matters[i] = corner[index[i]];
+    for (std::size_t i = 0; i < P::size; ++i) matters[i] = corner[places.at[i] / kPixelFloats];
     return P::load_aligned(matters);
   }
 
-  // Where the running sum of what a stroke's pixels gain is largest, ahead of its point and behind it.
-  struct BothWays {
-    Best ahead, behind;
-  };
-
-  // Follows a line one way and then the other, adding up what its pixels gain, each until it has come its `limit` far,
-  // leaves the window, or gains nothing more for a while. A lane turns back as soon as its way ahead ends, whatever
-  // the others do: lanes wait for each other once. kPlain: one place, all pixels alike.
+  // Follows a line one way (sign 1: ahead, -1: behind), adding up what its pixels gain, until it has come its `limit`
+  // far, leaves the window, or gains nothing more for a while. Which lanes still go on decides only what is added up:
+  // a core looks for the next pixels before it knows. kPlain: one place, all pixels alike.
   template <bool kPlain>
-  [[gnu::always_inline]] static BothWays follow(const StrokeWindow& window, const Line& line, Way way, const Way& back,
-                                                P limit, const P& limit_back, const Mask& wanted, Best best,
-                                                const Best& best_back) {
+  [[gnu::always_inline]] static Best follow(const StrokeWindow& window, const Line& line, Way way, float sign,
+                                            const P& limit, const Mask& wanted, Best best) {
     constexpr float kPatience = 6;  // pixels without gain after which a stroke ends
-    const P width(static_cast<float>(window.width)), height(static_cast<float>(window.height));
+    const P last_column(static_cast<float>(window.width - 1)), last_row(static_cast<float>(window.height - 1));
     const P stride(static_cast<float>(window.stride));
+    P column, row;  // of the pixels, or of their nearest in the window
     const auto goes_on = [&](const Mask& lanes) {
-      return lanes & (way.cell_x >= P(0)) & (way.cell_y >= P(0)) & (way.cell_x < width) & (way.cell_y < height) &
-             (way.s < limit);
+      column = xsimd::min(xsimd::max(way.cell_x, P(0)), last_column);
+      row = xsimd::min(xsimd::max(way.cell_y, P(0)), last_row);
+      return lanes & (way.cell_x == column) & (way.cell_y == row) & (way.s < limit);
     };
-    P sum(0), sign(1);
-    Best ahead = best;
-    Mask active = goes_on(wanted), turned = !wanted;
-    while (true) {
-      const Mask turns = !(active | turned);
-      if (packet::bits_of<P>(turns) != 0) {
-        ahead.sum = xsimd::select(turns, best.sum, ahead.sum);
-        ahead.at = xsimd::select(turns, best.at, ahead.at);
-        best.sum = xsimd::select(turns, best_back.sum, best.sum);
-        best.at = xsimd::select(turns, best_back.at, best.at);
-        sum = xsimd::select(turns, P(0), sum);
-        sign = xsimd::select(turns, P(-1), sign);
-        limit = xsimd::select(turns, limit_back, limit);
-        way.s = xsimd::select(turns, back.s, way.s);
-        way.next_x = xsimd::select(turns, back.next_x, way.next_x);
-        way.next_y = xsimd::select(turns, back.next_y, way.next_y);
-        way.step_x = xsimd::select(turns, back.step_x, way.step_x);
-        way.step_y = xsimd::select(turns, back.step_y, way.step_y);
-        way.cell_x = xsimd::select(turns, back.cell_x, way.cell_x);
-        way.cell_y = xsimd::select(turns, back.cell_y, way.cell_y);
-        turned = turned | turns;
-        active = active | goes_on(turns);
-      }
-      if (packet::bits_of<P>(active) == 0) return {ahead, best};
-      alignas(64) std::int32_t index[P::size];
-      xsimd::to_int(xsimd::select(active, way.cell_y * stride + way.cell_x, P(0))).store_aligned(index);
+    P sum(0);
+    Mask active = goes_on(wanted);
+    while (packet::bits_of<P>(active) != 0) {
+      Places places;
+      xsimd::to_int((row * stride + column) * P(static_cast<float>(kPixelFloats)))
+          .store_aligned(reinterpret_cast<std::int32_t*>(places.at));
+      asm("" : "+m"(places));  // single lanes are slow to take out of a register
       const P until = xsimd::min(xsimd::min(way.next_x, way.next_y), limit);
-      const P length = xsimd::max(until - way.s, P(0)), middle = sign * (way.s + P(0.5F) * length);
+      const P length = xsimd::max(until - way.s, P(0)), middle = P(sign) * (way.s + P(0.5F) * length);
       P gain(0), pixel[4];
       for (int k = 0; k < (kPlain ? 1 : window.places); ++k) {
-        pixels_at(window.place[k].pixels, index, pixel);
+        pixels_at(window.place[k].pixels, places, pixel);
         const P after = shown(pixel[0] + length * lobe(line.start[k] + line.slope[k] * middle) * pixel[1]);
         // before^2 - after^2 of what is shown too much.
         P fall = (pixel[3] - after) * ((pixel[3] - pixel[2]) + (after - pixel[2]));
-        if (!kPlain && window.place[k].matters != nullptr) fall = fall * matters_at(window.place[k].matters, index);
+        if (!kPlain && window.place[k].matters != nullptr) fall = fall * matters_at(window.place[k].matters, places);
         gain = kPlain ? fall : gain + P(window.place[k].weight) * fall;
       }
       if (kPlain) {
         gain = gain * P(window.place[0].weight);
       } else if (window.matters != nullptr) {
-        gain = gain * matters_at(window.matters, index);
+        gain = gain * matters_at(window.matters, places);
       }
-      if (!kPlain && window.cost != nullptr) gain = gain - length * matters_at(window.cost, index);
+      if (!kPlain && window.cost != nullptr) gain = gain - length * matters_at(window.cost, places);
       sum = xsimd::select(active, sum + gain, sum);
       const Mask better = active & (sum > best.sum);
       best.sum = xsimd::select(better, sum, best.sum);
@@ -228,6 +212,7 @@ struct StrokeKernel {
       way.s = until;
       active = goes_on(active) & (way.s - best.at < P(kPatience));
     }
+    return best;
   }
 
   // The best ends of strokes along a line.
@@ -247,13 +232,15 @@ struct StrokeKernel {
     // From where the line enters the point's pixel, so that no pixel is shared between the two ways.
     const P entry = xsimd::min(back_x, back_y), half(0.5F * window.longest);
     const Mask across_x = back_x < back_y;
-    const BothWays found = follow<kPlain>(
-        window, line, {P(0) - entry, front_x, front_y, each_x, each_y, step_x, step_y, cell_x, cell_y},
+    const Best on =
+        follow<kPlain>(window, line, {P(0) - entry, front_x, front_y, each_x, each_y, step_x, step_y, cell_x, cell_y},
+                       1, half - entry, wanted, {P(-1e30F), P(0) - entry});
+    const Best back = follow<kPlain>(
+        window, line,
         {entry, xsimd::select(across_x, back_x + each_x, back_x), xsimd::select(across_x, back_y, back_y + each_y),
          each_x, each_y, P(0) - step_x, P(0) - step_y, xsimd::select(across_x, cell_x - step_x, cell_x),
          xsimd::select(across_x, cell_y, cell_y - step_y)},
-        half - entry, half + entry, wanted, {P(-1e30F), P(0) - entry}, {P(0), entry});
-    const Best &on = found.ahead, &back = found.behind;
+        -1, half + entry, wanted, {P(0), entry});
     ahead = on.at;
     behind = P(0) - back.at;
     const Mask long_enough = wanted & ((ahead - behind) >= P(window.shortest));
@@ -267,16 +254,16 @@ struct StrokeKernel {
     const P old = lobe_place(h, P(tries.old_x), P(tries.old_y), alpha);
     const P near = (P(1) + old * old) * brighter;
     // What the pixel lacks.
-    alignas(64) std::int32_t index[P::size];
+    Places places;
     alignas(64) float any[P::size];
     bool some = false;
     for (std::size_t i = 0; i < P::size; ++i) {
       const std::size_t lane = static_cast<std::size_t>(first) + i;
       any[i] = tries.anywhere[lane];
       some = some || any[i] != 0;
-      index[i] = any[i] == 0 ? 0  // near ones may lie outside
-                             : static_cast<std::int32_t>(tries.y[lane]) * window.stride +
-                                   static_cast<std::int32_t>(tries.x[lane]);
+      const int pixel = any[i] == 0 ? 0  // near ones may lie outside
+                                    : static_cast<int>(tries.y[lane]) * window.stride + static_cast<int>(tries.x[lane]);
+      places.at[i] = kPixelFloats * static_cast<std::uint32_t>(pixel);
     }
     const P most = exp2(P(-2.0F / 3) * log2(P(window.dimmest)));
     // The side that the old stroke is turned to: by q's sign, seen from the end that (-h.y, h.x) points away from.
@@ -287,7 +274,7 @@ struct StrokeKernel {
     const Mask anywhere = P::load_aligned(any) != P(0);
     if (some) {
       P pixel[4];
-      pixels_at(window.place[0].pixels, index, pixel);
+      pixels_at(window.place[0].pixels, places, pixel);
       const P lacks = exp2(P(2.2F) * log2(xsimd::max(pixel[2], P(1e-4F)))) - pixel[0];
       const P part = xsimd::max(lacks * brighter / xsimd::max(pixel[1], P(1e-20F)), P(window.dimmest));
       to = xsimd::select(anywhere, exp2(P(-2.0F / 3) * log2(xsimd::min(part, P(1)))), near);
