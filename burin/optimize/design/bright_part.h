@@ -16,7 +16,7 @@
 
 namespace burin {
 
-inline constexpr int kOthersEvery = 8;  ///< iterations from one look at what hardly shows to the next
+inline constexpr int kOthersEvery = 16;  ///< iterations from one look at what hardly shows to the next
 
 /// One view's bright grooves, and the light of all others.
 struct BrightPart {

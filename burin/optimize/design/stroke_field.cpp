@@ -314,7 +314,13 @@ double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_m
 
 std::size_t MissingLight::pixel_at(double part) const {
   const double at = part * all();
-  const auto found = static_cast<std::size_t>(std::upper_bound(upto.begin(), upto.end(), at) - upto.begin());
+  // The first block that ends beyond it, without branches that nobody could guess.
+  std::size_t found = 0;
+  for (std::size_t n = upto.size(); n > 0;) {
+    const std::size_t half = (n + 1) / 2;
+    found += upto[found + half - 1] <= at ? half : 0;
+    n -= half;
+  }
   const std::size_t block = std::min(found, upto.size() - 1), last = std::min((block + 1) * kBlock, pixels) - 1;
   double left = at - (block > 0 ? upto[block - 1] : 0);
   std::size_t i = block * kBlock;
