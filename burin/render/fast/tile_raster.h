@@ -108,7 +108,7 @@ struct TileRaster {
     (u_of(mx, my) - slope * v_of(mx, my)).store_aligned(out.u0);
     const F block_x0(static_cast<float>(block.x0)), block_y0(static_cast<float>(block.y0));
     const F block_x1(static_cast<float>(block.x1)), block_y1(static_cast<float>(block.y1));
-    const F last_x = block_x1 - F(1.0F), last_y = block_y1 - F(1.0F), within_last(1.0F - 1e-6F);
+    const F last_x = block_x1 - F(1.0F), last_y = block_y1 - F(1.0F), within_last(1.0F - 1e-5F);
     xsimd::max(u_of(x_low, y_low) - e, u_of(block_x0, block_y0)).store_aligned(out.u_low);
     xsimd::min(u_of(x_high, y_high) + e, u_of(last_x, last_y) + within_last).store_aligned(out.u_high);
     const F v_low = v_of(x_low, y_low) - e, v_high = v_of(x_high, y_high) + e;

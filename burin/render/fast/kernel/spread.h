@@ -93,7 +93,8 @@ BURIN_FLATTEN inline void spread(const TileTask& task, const TilePlaces& places,
     const std::uint16_t place = places.place[e->pair];
     const TileRun& run = task.runs[e->run];
     const float per_mm = task.shapes[e->run].per_mm, ax = run.across_x, ay = run.across_y;
-    const auto column = static_cast<float>(place % kTile), row = static_cast<float>(place / kTile);
+    const int whole_rows = place / kTile;
+    const auto column = static_cast<float>(place % kTile), row = static_cast<float>(whole_rows);
     const float x = middle.x(column, row), y = middle.y(column, row);
     const float t = run.t_origin + per_mm * (ax * x + ay * y), Y = per_mm * (ax * y - ay * x);
     const float both = e->first + e->second, aside = -t * both,
