@@ -1,14 +1,17 @@
 // Proves that the search's kernel comes to the same bits at every width, that what it says a stroke gains is what the
-// error falls by when the stroke is added, that its ends are the best ones among all along the line, and that tiles and
-// shares leave nothing out.
+// error falls by when the stroke is added, that its ends are the best ones among all along the line, that a stroke's
+// pixels are as long as it is, and that tiles, shares and draws leave nothing out.
 #include "burin/optimize/design/stroke_kernel.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <numeric>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "burin/optimize/design/shown_light.h"
 #include "burin/optimize/design/stroke_field.h"
@@ -169,6 +172,77 @@ TEST(StrokeField, WhatIsPutBackIsAsItWas) {
   const std::vector<float> light = view.light.data;
   field.write_light(view);
   EXPECT_EQ(view.light.data, light);
+}
+
+// Slanting and straight ones, through pixels' corners and along their sides, longer than what is worked on in one go,
+// and beyond the picture.
+const std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> kCourses{
+    {{10.1, 12.3}, {31.7, 40.9}}, {{3, 20.4}, {57, 20.4}}, {{20.4, 57}, {20.4, 3}}, {{0.75, 0.75}, {58.5, 58.5}},
+    {{58.5, 1.5}, {1.5, 58.5}},   {{15, 30}, {45, 30}},    {{7.5, 50}, {7.5, 11}},  {{33.3, 33.3}, {33.31, 33.3}},
+    {{1, 59}, {59, 0.4}},         {{-20, 10}, {30, 25.5}}, {{40, 50}, {75, 90}}};
+
+TEST(StrokeField, TilesTogetherAddWhatTheWholeDoes) {
+  const StrokeRules r = kernel_rules();
+  StrokeView view = kernel_view(false, 1);
+  StrokeField whole(view, r), tiled(view, r);
+  const Tiling tiling{32, 9, 21, kSidePixels, kSidePixels};
+  for (const auto& [a, b] : kCourses) {
+    const double at_once = whole.add(a, b, 1, whole.whole());
+    double fell = 0;
+    for (std::size_t t = 0; t < tiling.size(); ++t) fell += tiled.add(a, b, 1, tiling.box(t));
+    EXPECT_NEAR(fell, at_once, 1e-5 * std::abs(at_once) + 1e-9) << a.transpose() << " to " << b.transpose();
+  }
+  StrokeView from_tiles = view;
+  whole.write_light(view);
+  tiled.write_light(from_tiles);
+  EXPECT_EQ(view.light.data, from_tiles.light.data);
+  EXPECT_EQ(view.asides[0].light.data, from_tiles.asides[0].light.data);
+}
+
+TEST(StrokeField, AStrokesPixelsAreAsLongAsItIs) {
+  StrokeRules r = kernel_rules();
+  r.alpha = 1e4;  // so rough that all directions glint alike
+  for (const auto& [a, b] : kCourses) {
+    StrokeView view = kernel_view(false, 0);
+    std::fill(view.light.data.begin(), view.light.data.end(), 0.0F);
+    StrokeField field(view, r);
+    field.add(a, b, 1, field.whole());
+    field.write_light(view);
+    double length = 0;
+    for (std::size_t i = 0; i < view.light.data.size(); ++i)
+      length += static_cast<double>(view.light.data[i]) / static_cast<double>(view.unit.data[i]);
+    // What of it lies on the picture, by thousands of points.
+    constexpr int kPoints = 400000;
+    int inside = 0;
+    for (int k = 0; k < kPoints; ++k) {
+      const Eigen::Vector2d p = field.pixel(a + (k + 0.5) / kPoints * (b - a));
+      if (field.whole().contains(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())))) ++inside;
+    }
+    const double wanted = (field.pixel(b) - field.pixel(a)).norm() * inside / kPoints;
+    EXPECT_NEAR(length, wanted, 1e-5 * wanted + 1e-5) << a.transpose() << " to " << b.transpose();
+  }
+}
+
+TEST(MissingLight, PixelsAreDrawnByWhatTheyMiss) {
+  std::mt19937 random(5);
+  for (const std::size_t pixels : {1U, 2U, 15U, 16U, 17U, 48U, 49U, 100U, 1000U}) {
+    MissingLight missing;
+    missing.pixels = pixels;
+    const std::size_t blocks = (pixels + MissingLight::kBlock - 1) / MissingLight::kBlock;
+    missing.of_pixel.assign(blocks * MissingLight::kBlock, 0.0F);
+    // Whole numbers, which add up without rounding; many miss nothing.
+    for (std::size_t i = 0; i < pixels; ++i)
+      missing.of_pixel[i] = random() % 3 == 0 ? static_cast<float>(random() % 8) : 0.0F;
+    missing.of_pixel[pixels / 2] = 5;
+    double sum = 0;
+    for (std::size_t i = 0; i < missing.of_pixel.size(); ++i) {
+      sum += static_cast<double>(missing.of_pixel[i]);
+      if (i % MissingLight::kBlock == MissingLight::kBlock - 1) missing.upto.push_back(sum);
+    }
+    std::vector<int> drawn(pixels, 0);
+    for (int k = 0; k < static_cast<int>(sum); ++k) ++drawn[missing.pixel_at((k + 0.5) / sum)];
+    for (std::size_t i = 0; i < pixels; ++i) EXPECT_EQ(drawn[i], static_cast<int>(missing.of_pixel[i])) << i;
+  }
 }
 
 TEST(StrokeTiles, CoverEveryPixelOnce) {
