@@ -103,7 +103,7 @@ void walk(const Line& line, double most, const Visit& visit) {
 
 using Four = float __attribute__((vector_size(16)));
 
-// to[c][i] is number c of pixels[at[i]], for i = 0 .. 3.
+// to[c][i] is number c of pixels[at[i]], for i = 0 .. 3. (packet::four_columns() is for files of one instruction set.)
 inline void four_pixels(const StrokePixel* pixels, const std::size_t* at, float* const (&to)[4]) {
   Four pixel[4];
   for (int i = 0; i < 4; ++i) std::memcpy(&pixel[i], &pixels[at[i]], sizeof(Four));
@@ -235,7 +235,7 @@ void StrokeField::each_part(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& 
   done();
 }
 
-// What a part's pixels have and show with it, seen from a place; adds to `fell` by how much their errors fall.
+// What a part's pixels have and show with it, seen from a place, and by how much their errors fall.
 void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, PartPixels& out) const {
   const StrokePixel* const pixels = pixels_[k].data();
   int i = 0;
@@ -270,15 +270,14 @@ double StrokeField::add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
       PartPixels out;
       with_part(part, k, lobes[k], out);
-      const float* const matters = matters_at(k).empty() ? nullptr : matters_at(k).data();
+      const std::vector<float>& matters = matters_at(k);
       StrokePixel* const pixels = pixels_[k].data();
-      StrokePixelsBefore::Pixel* was = before != nullptr ? before->add(static_cast<std::size_t>(part.count)) : nullptr;
       for (int i = 0; i < part.count; ++i) {
         StrokePixel& p = pixels[part.at[i]];
-        if (was != nullptr) *was++ = {part.at[i], static_cast<std::uint32_t>(k), p.light, p.shown};
+        if (before != nullptr) before->pixels.push_back({part.at[i], static_cast<std::uint32_t>(k), p.light, p.shown});
         p.light = out.light[i];
         p.shown = out.after[i];
-        fell += matters == nullptr ? out.fall[i] : matters[part.at[i]] * out.fall[i];
+        fell += matters.empty() ? out.fall[i] : matters[part.at[i]] * out.fall[i];
       }
       if (has_twins_)
         for (int i = 0; i < part.count; ++i) tell_twins(k, part.at[i]);
@@ -314,13 +313,7 @@ double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_m
 
 std::size_t MissingLight::pixel_at(double part) const {
   const double at = part * all();
-  // The first block that ends beyond it, without branches that nobody could guess.
-  std::size_t found = 0;
-  for (std::size_t n = upto.size(); n > 0;) {
-    const std::size_t half = (n + 1) / 2;
-    found += upto[found + half - 1] <= at ? half : 0;
-    n -= half;
-  }
+  const auto found = static_cast<std::size_t>(std::upper_bound(upto.begin(), upto.end(), at) - upto.begin());
   const std::size_t block = std::min(found, upto.size() - 1), last = std::min((block + 1) * kBlock, pixels) - 1;
   double left = at - (block > 0 ? upto[block - 1] : 0);
   std::size_t i = block * kBlock;

@@ -24,11 +24,6 @@ struct StrokePixelsBefore {
   std::vector<Pixel> pixels;
 
   void clear() { pixels.clear(); }
-  /// Room for some more, to be filled.
-  Pixel* add(std::size_t more) {
-    pixels.resize(pixels.size() + more);
-    return pixels.data() + (pixels.size() - more);
-  }
 };
 
 /// Squared errors of the pixels of a box that are too dark, row by row.

@@ -143,21 +143,14 @@ struct StrokeKernel {
     return P(1) / (x * xsimd::sqrt(x));
   }
 
-  // Where pixels stand, counted in floats from the window's corner: a machine's loads take such an index as it is.
-  struct Places {
-    alignas(64) std::uint32_t at[P::size];
-  };
-  static constexpr std::uint32_t kPixelFloats = sizeof(StrokePixel) / sizeof(float);
-
   // The four numbers of each lane's pixel.
-  [[gnu::always_inline]] static void pixels_at(const StrokePixel* corner, const Places& places, P (&out)[4]) {
-    const float* const all = &corner->light;
-    packet::four_columns<P>(out, [&](int lane) { return all + places.at[lane]; });
+  [[gnu::always_inline]] static void pixels_at(const StrokePixel* corner, const std::int32_t* index, P (&out)[4]) {
+    packet::four_columns<P>(out, [&](int lane) { return &corner[index[lane]].light; });
   }
 
-  [[gnu::always_inline]] static P matters_at(const float* corner, const Places& places) {
+  [[gnu::always_inline]] static P matters_at(const float* corner, const std::int32_t* index) {
     alignas(64) float matters[P::size];
-    for (std::size_t i = 0; i < P::size; ++i) matters[i] = corner[places.at[i] / kPixelFloats];
+    for (std::size_t i = 0; i < P::size; ++i) matters[i] = corner[index[i]];
     return P::load_aligned(matters);
   }
 
@@ -179,27 +172,26 @@ struct StrokeKernel {
     P sum(0);
     Mask active = goes_on(wanted);
     while (packet::bits_of<P>(active) != 0) {
-      Places places;
-      xsimd::to_int((row * stride + column) * P(static_cast<float>(kPixelFloats)))
-          .store_aligned(reinterpret_cast<std::int32_t*>(places.at));
-      asm("" : "+m"(places));  // single lanes are slow to take out of a register
+      alignas(64) std::int32_t index[P::size];
+      xsimd::to_int(row * stride + column).store_aligned(index);
+      asm("" : "+m"(index));  // single lanes are slow to take out of a register
       const P until = xsimd::min(xsimd::min(way.next_x, way.next_y), limit);
       const P length = xsimd::max(until - way.s, P(0)), middle = P(sign) * (way.s + P(0.5F) * length);
       P gain(0), pixel[4];
       for (int k = 0; k < (kPlain ? 1 : window.places); ++k) {
-        pixels_at(window.place[k].pixels, places, pixel);
+        pixels_at(window.place[k].pixels, index, pixel);
         const P after = shown(pixel[0] + length * lobe(line.start[k] + line.slope[k] * middle) * pixel[1]);
         // before^2 - after^2 of what is shown too much.
         P fall = (pixel[3] - after) * ((pixel[3] - pixel[2]) + (after - pixel[2]));
-        if (!kPlain && window.place[k].matters != nullptr) fall = fall * matters_at(window.place[k].matters, places);
+        if (!kPlain && window.place[k].matters != nullptr) fall = fall * matters_at(window.place[k].matters, index);
         gain = kPlain ? fall : gain + P(window.place[k].weight) * fall;
       }
       if (kPlain) {
         gain = gain * P(window.place[0].weight);
       } else if (window.matters != nullptr) {
-        gain = gain * matters_at(window.matters, places);
+        gain = gain * matters_at(window.matters, index);
       }
-      if (!kPlain && window.cost != nullptr) gain = gain - length * matters_at(window.cost, places);
+      if (!kPlain && window.cost != nullptr) gain = gain - length * matters_at(window.cost, index);
       sum = xsimd::select(active, sum + gain, sum);
       const Mask better = active & (sum > best.sum);
       best.sum = xsimd::select(better, sum, best.sum);
@@ -254,16 +246,16 @@ struct StrokeKernel {
     const P old = lobe_place(h, P(tries.old_x), P(tries.old_y), alpha);
     const P near = (P(1) + old * old) * brighter;
     // What the pixel lacks.
-    Places places;
+    alignas(64) std::int32_t index[P::size];
     alignas(64) float any[P::size];
     bool some = false;
     for (std::size_t i = 0; i < P::size; ++i) {
       const std::size_t lane = static_cast<std::size_t>(first) + i;
       any[i] = tries.anywhere[lane];
       some = some || any[i] != 0;
-      const int pixel = any[i] == 0 ? 0  // near ones may lie outside
-                                    : static_cast<int>(tries.y[lane]) * window.stride + static_cast<int>(tries.x[lane]);
-      places.at[i] = kPixelFloats * static_cast<std::uint32_t>(pixel);
+      index[i] = any[i] == 0 ? 0  // near ones may lie outside
+                             : static_cast<std::int32_t>(tries.y[lane]) * window.stride +
+                                   static_cast<std::int32_t>(tries.x[lane]);
     }
     const P most = exp2(P(-2.0F / 3) * log2(P(window.dimmest)));
     // The side that the old stroke is turned to: by q's sign, seen from the end that (-h.y, h.x) points away from.
@@ -274,7 +266,7 @@ struct StrokeKernel {
     const Mask anywhere = P::load_aligned(any) != P(0);
     if (some) {
       P pixel[4];
-      pixels_at(window.place[0].pixels, places, pixel);
+      pixels_at(window.place[0].pixels, index, pixel);
       const P lacks = exp2(P(2.2F) * log2(xsimd::max(pixel[2], P(1e-4F)))) - pixel[0];
       const P part = xsimd::max(lacks * brighter / xsimd::max(pixel[1], P(1e-20F)), P(window.dimmest));
       to = xsimd::select(anywhere, exp2(P(-2.0F / 3) * log2(xsimd::min(part, P(1)))), near);

@@ -136,25 +136,22 @@ struct PairsSetAside {
   std::vector<std::uint32_t> pair, line;
 };
 
-/// Pairs that go from stage to stage together.
-inline constexpr int kTileChunk = 128;
-
-/// Those of a chunk's direct pairs that an end bounds, as EndPair has them; `line`: of their runs among the live ones.
-struct DirectEnds {
-  int count = 0;
-  std::uint32_t pair[kTileChunk + 16], line[kTileChunk + 16];
-  float first[kTileChunk + 16], second[kTileChunk + 16], area_first[kTileChunk + 16], area_second[kTileChunk + 16];
-};
-
 /// One thread's buffers.
 struct TileBuffers {
-  static constexpr int kChunk = kTileChunk;
+  static constexpr int kChunk = 128;  ///< pairs that go from stage to stage together
   static constexpr int kPieces = 512;
   static constexpr int kLines = 32;
   /// Rounded up to a whole packet, and an odd number of cache lines apart: entries of the same place must not all fall
   /// into the same set of the cache.
   template <int n>
   using Lanes = float[n + 16];
+  /// Those of a chunk's direct pairs that an end bounds, as EndPair has them; `line`: of their runs among the live
+  /// ones.
+  struct DirectEnds {
+    int count = 0;
+    std::uint32_t pair[kChunk + 16], line[kChunk + 16];
+    Lanes<kChunk> first, second, area_first, area_second;
+  };
 
   alignas(64) float sums[2 * kTilePixels] = {};  ///< of each pixel: light, area (mm^2)
   /// Where all scratches have one shape, of each pixel: x and y of the half vector, G alpha^2 / pi, and the base; and

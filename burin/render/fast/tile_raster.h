@@ -193,7 +193,6 @@ struct TileRaster {
   /// either kind come in turn.
   [[gnu::always_inline]] static std::uint16_t* draw_line(const Quads& quads, int k, const std::uint32_t* valid_rows,
                                                          std::uint16_t* to) {
-    static_assert(kTile == 1 << kTileBits);
     const bool along_x = (quads.along_x >> k & 1) != 0;
     const int first_v = static_cast<int>(quads.first[k]), last_v = static_cast<int>(quads.last[k]);
     const F u0(quads.u0[k]), slope(quads.slope[k]), reach(quads.reach[k]);
@@ -290,7 +289,8 @@ struct TileRaster {
   }
 
  private:
-  static constexpr int kTileBits = 5;
+  static_assert(std::has_single_bit(unsigned{kTile}));
+  static constexpr int kTileBits = std::countr_zero(unsigned{kTile});
 
   [[gnu::always_inline]] static F inverse(const F& x) { return footprint::Arithmetic<F>::inverse(x); }
 

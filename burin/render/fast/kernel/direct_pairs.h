@@ -179,7 +179,7 @@ template <class P, KernelMode kMode>
     // Without asking whether there are any: wrong guesses cost more.
     const std::uint32_t bits = packet::bits_of<P>(first + second > P(0.0F)) & lane_bits(packet.lanes);
     const P area = load<P>(buffers.a_first + at), both = gain * load<P>(buffers.piece_mean + at) - base * area;
-    DirectEnds& ends = buffers.direct_ends;
+    TileBuffers::DirectEnds& ends = buffers.direct_ends;
     const int n = ends.count;
     packet::pack_numbers<P>(ends.line + n, ends.pair + n, packet.line, static_cast<std::uint32_t>(pair), bits);
     packet::pack(ends.first + n, P(-first * both), bits);
@@ -203,7 +203,7 @@ template <class P, KernelMode kMode>
 
 /// Lists the ends that a chunk's finish_crossing() found.
 inline void list_direct_ends(TileBuffers& buffers, TilePairs& pairs) {
-  DirectEnds& ends = buffers.direct_ends;
+  TileBuffers::DirectEnds& ends = buffers.direct_ends;
   for (int i = 0; i < ends.count; ++i)
     pairs.ends.push_back({ends.pair[i], buffers.live[ends.line[i]], ends.first[i], ends.second[i], ends.area_first[i],
                           ends.area_second[i]});

@@ -59,19 +59,13 @@ template <class P>
   alignas(64) float both[2 * kLanesOf<P>];
   packet::interleave(light, area, both);
   using Two = float __attribute__((vector_size(8)));
-  const auto add = [&](int k) {
-    Two sum, more;
+  for (int k = 0; k < n; ++k) {
+    Two sum, add;
     std::memcpy(&sum, sums + 2 * place[k], sizeof(Two));
-    std::memcpy(&more, both + 2 * k, sizeof(Two));
-    sum += more;
+    std::memcpy(&add, both + 2 * k, sizeof(Two));
+    sum += add;
     std::memcpy(sums + 2 * place[k], &sum, sizeof(Two));
-  };
-  if (n == kLanesOf<P>) {
-#pragma GCC unroll 16
-    for (int k = 0; k < kLanesOf<P>; ++k) add(k);
-    return;
   }
-  for (int k = 0; k < n; ++k) add(k);
 }
 
 }  // namespace burin::kernel
