@@ -842,8 +842,14 @@ std::vector<MergedView> photos_for_refine(const Session& session, const Board& b
   for (const View& view : measured.views)
     for (const Tag& tag : board.tags.list)
       tag_sides_px.push_back(tag.size_mm * measured.lens.intrinsics[0] / view.T_camera_board.translation().norm());
-  return merge_session(with_camera(session, measured.sensor),
-                       light_bin(measured.lens.width, measured.lens.height, median_of(std::move(tag_sides_px))));
+  const int bin = light_bin(measured.lens.width, measured.lens.height, median_of(std::move(tag_sides_px)));
+  // Poses move a little while photos are fitted, and glare looks twelve pixels around each pixel.
+  constexpr int kMarginPx = 24;
+  return merge_session(with_camera(session, measured.sensor), bin, [&](MergedView&& photo) {
+    const auto view = std::ranges::find(measured.views, photo.view, &View::name);
+    return cropped(std::move(photo),
+                   view == measured.views.end() ? PixelWindow{} : board_window(board, measured, *view, bin, kMarginPx));
+  });
 }
 
 Refinement refine(const Session& session, const Board& board, const Sent& sent, const Bench& measured,

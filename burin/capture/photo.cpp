@@ -17,6 +17,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/picture_file.h"
+#include "burin/render/glare.h"
 #include "burin/render/limits.h"
 
 namespace burin {
@@ -523,13 +524,64 @@ void for_each_merged(const Session& session, std::span<const Bracket> brackets, 
     for (std::size_t b = 0; b < brackets.size(); ++b) one(b);
 }
 
-std::vector<MergedView> merge_session(const Session& session, int bin) {
+Image mean_of_channels(const Image& image) {
+  const int n = image.channels;
+  Image mean(image.width, image.height, 1);
+  for (std::size_t i = 0; i < mean.data.size(); ++i) {
+    float sum = 0;
+    for (int c = 0; c < n; ++c) sum += image.data[i * n + c];
+    mean.data[i] = std::isfinite(sum) ? sum / static_cast<float>(n) : 0;
+  }
+  return mean;
+}
+
+namespace {
+
+Image part_of(const Image& whole, const PixelWindow& window) {
+  Image part(window.width, window.height, whole.channels);
+  const auto row = static_cast<std::ptrdiff_t>(window.width) * whole.channels;
+  for (int y = 0; y < window.height; ++y)
+    std::copy_n(&whole.data[(static_cast<std::size_t>(y + window.y0) * whole.width + window.x0) * whole.channels], row,
+                part.data.begin() + y * row);
+  return part;
+}
+
+}  // namespace
+
+MergedView cropped(MergedView whole, const PixelWindow& window) {
+  const int x0 = std::clamp(window.x0, 0, whole.value.width), y0 = std::clamp(window.y0, 0, whole.value.height);
+  const PixelWindow held{x0, y0, std::clamp(window.x0 + window.width, x0, whole.value.width) - x0,
+                         std::clamp(window.y0 + window.height, y0, whole.value.height) - y0};
+  MergedView out;
+  out.view = std::move(whole.view);
+  out.light = std::move(whole.light);
+  out.bin = whole.bin;
+  out.x0 = x0;
+  out.y0 = y0;
+  out.whole = coarse_for_glare(mean_of_channels(whole.value));
+  if (held.width == 0 || held.height == 0) {
+    out.value.channels = whole.value.channels;
+    return out;
+  }
+  out.value = part_of(whole.value, held);
+  out.sigma = part_of(whole.sigma, held);
+  out.valid.reserve(static_cast<std::size_t>(held.width) * held.height);
+  for (int y = 0; y < held.height; ++y) {
+    const auto row = whole.valid.begin() + (static_cast<std::ptrdiff_t>(y) + y0) * whole.value.width + x0;
+    out.valid.insert(out.valid.end(), row, row + held.width);
+  }
+  return out;
+}
+
+std::vector<MergedView> merge_session(const Session& session, int bin, const KeptPart& kept) {
   // Sizes first: headers are quick to read, and a person should not wait for this news.
   photo_size(session);
   const std::vector<Bracket> brackets = brackets_of(session);
   std::vector<MergedView> merged(brackets.size());
   for_each_merged(session, brackets, session_noise(session, brackets), bin,
-                  [&](std::size_t b, MergedView&& view, GrayView&&) { merged[b] = std::move(view); });
+                  [&](std::size_t b, MergedView&& view, GrayView&&) {
+                    merged[b] = kept ? kept(std::move(view)) : std::move(view);
+                  });
   return merged;
 }
 

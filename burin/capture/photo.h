@@ -13,6 +13,7 @@
 #include "burin/capture/linear_photo.h"
 #include "burin/capture/noise.h"
 #include "burin/capture/session.h"
+#include "burin/render/footprint_grid.h"
 #include "burin/render/image.h"
 
 namespace burin {
@@ -31,7 +32,18 @@ struct MergedView {
   Image sigma;                      ///< standard deviation of the noise of each value; infinite where not valid
   std::vector<std::uint8_t> valid;  ///< 0 where no exposure holds the pixel (clipped in all of them)
   int bin = 1;  ///< bin x bin pixels of the photo were averaged into one (rests at its edges dropped)
+  /// Where the top-left pixel of the images lies in the whole (binned) photo; not 0, 0 for a cropped() view.
+  int x0 = 0, y0 = 0;
+  /// Of a cropped() view: coarse_for_glare() of the whole photo's mean over its channels. Empty: the images are whole.
+  Image whole{};
 };
+
+/// The channels' mean, 0 where it is not finite.
+Image mean_of_channels(const Image& image);
+
+/// The part of a merged view inside a window of the whole (binned) photo, with the whole kept coarsely for glare. A
+/// photo shows far more than the board, and the whole in color takes 25 bytes a pixel.
+MergedView cropped(MergedView whole, const PixelWindow& window);
 
 /// What tags are found in: the mean of a view's channels at the photo's full size.
 struct GrayView {
@@ -86,7 +98,8 @@ void for_each_merged(const Session& session, std::span<const Bracket> brackets, 
 
 /// All (view, light) pairs of a session in order of first appearance, each merged with the noise estimated for its
 /// encoding and ISO. Works in parallel; the same files give the same bits for any number of threads.
-/// Throws Error when photo sizes differ.
-std::vector<MergedView> merge_session(const Session& session, int bin = 1);
+/// `kept` says which part of each stays in memory, such as a cropped() one. Throws Error when photo sizes differ.
+using KeptPart = std::function<MergedView(MergedView&&)>;
+std::vector<MergedView> merge_session(const Session& session, int bin = 1, const KeptPart& kept = {});
 
 }  // namespace burin

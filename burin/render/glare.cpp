@@ -8,6 +8,8 @@
 namespace burin {
 namespace {
 
+constexpr int kShrink = 4;  // pixels of a picture in a coarse cell, either way
+
 // The part of K within `near_px` of its middle and the rest, by the integral of 2 pi r / (r^2 + c^2).
 double part_within(const Glare& glare, double r) {
   const double c2 = glare.core_px * glare.core_px;
@@ -45,11 +47,22 @@ cv::Mat filtered(const cv::Mat& in, const cv::Mat& kernel) {
 
 }  // namespace
 
-Image glare_of(const Image& seen, const Glare& glare, double pixel_px) {
-  Image out(seen.width, seen.height, 1);
+Image coarse_for_glare(const Image& seen) {
+  Image out((seen.width + kShrink - 1) / kShrink, (seen.height + kShrink - 1) / kShrink, 1);
   const cv::Mat in(seen.height, seen.width, CV_32F, const_cast<float*>(seen.data.data()));
+  // Whole cells: the rim is filled as it ends.
+  cv::Mat padded, coarse(out.height, out.width, CV_32F, out.data.data());
+  cv::copyMakeBorder(in, padded, 0, out.height * kShrink - seen.height, 0, out.width * kShrink - seen.width,
+                     cv::BORDER_REPLICATE);
+  cv::resize(padded, coarse, coarse.size(), 0, 0, cv::INTER_AREA);
+  return out;
+}
+
+Image glare_of(const Image& part, int x0, int y0, const Image& coarse, const Glare& glare, double pixel_px) {
+  Image out(part.width, part.height, 1);
+  const cv::Mat in(part.height, part.width, CV_32F, const_cast<float*>(part.data.data()));
   cv::Mat result(out.height, out.width, CV_32F, out.data.data());
-  // What lies near is taken as it is; what lies far, from cells that are an eighth of the nearest distance wide.
+  // Near light is taken pixel by pixel. Distant light is taken from cells an eighth of the nearest distance wide.
   constexpr double kNearCells = 12;
   const double near_px = kNearCells * pixel_px;
   if (near_px >= glare.reach_px) {
@@ -59,17 +72,17 @@ Image glare_of(const Image& seen, const Glare& glare, double pixel_px) {
   Glare inner = glare;
   inner.reach_px = near_px;
   const double inner_part = part_within(glare, near_px);
-  constexpr int kShrink = 4;
-  const int w = (seen.width + kShrink - 1) / kShrink, h = (seen.height + kShrink - 1) / kShrink;
-  // Whole cells: the rim is filled as it ends.
-  cv::Mat padded, small, far;
-  cv::copyMakeBorder(in, padded, 0, h * kShrink - seen.height, 0, w * kShrink - seen.width, cv::BORDER_REPLICATE);
-  cv::resize(padded, small, cv::Size(w, h), 0, 0, cv::INTER_AREA);
-  far = filtered(small, kernel_of(glare, pixel_px * kShrink, near_px));
-  cv::resize(far, padded, padded.size(), 0, 0, cv::INTER_LINEAR);
+  const cv::Mat small(coarse.height, coarse.width, CV_32F, const_cast<float*>(coarse.data.data()));
+  cv::Mat far;
+  cv::resize(filtered(small, kernel_of(glare, pixel_px * kShrink, near_px)), far,
+             cv::Size(coarse.width * kShrink, coarse.height * kShrink), 0, 0, cv::INTER_LINEAR);
   const cv::Mat near = filtered(in, kernel_of(inner, pixel_px, -1));
-  result = inner_part * near + (1 - inner_part) * padded(cv::Rect(0, 0, seen.width, seen.height));
+  result = inner_part * near + (1 - inner_part) * far(cv::Rect(x0, y0, part.width, part.height));
   return out;
+}
+
+Image glare_of(const Image& seen, const Glare& glare, double pixel_px) {
+  return glare_of(seen, 0, 0, coarse_for_glare(seen), glare, pixel_px);
 }
 
 }  // namespace burin

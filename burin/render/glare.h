@@ -21,4 +21,11 @@ struct Glare {
 /// less than 1 % of K x where the image holds no point lights.
 Image glare_of(const Image& seen, const Glare& glare, double pixel_px = 1);
 
+/// A picture of one channel in cells of 4 x 4 pixels, averaged: all that glare_of() needs of distant pixels.
+Image coarse_for_glare(const Image& seen);
+
+/// Glare in a part of a picture. (x0, y0) is the part's top-left pixel in the whole picture, and `coarse` is
+/// coarse_for_glare() of the whole. Equals glare_of() of the whole except within 12 pixels of the part's edge.
+Image glare_of(const Image& part, int x0, int y0, const Image& coarse, const Glare& glare, double pixel_px);
+
 }  // namespace burin

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -48,7 +49,6 @@ struct Loaded {
   Session session;
   Board board;
   Bench bench;
-  std::vector<MergedView> merged;
   Carved carved;  // as the bench says they were carved; empty if the board names none
   ResidualTable residuals;
   HoldOutFile held_out;
@@ -531,6 +531,50 @@ std::string photo_beside_prediction(std::vector<Comparison> comparisons) {
                    100 * kDifferenceScale);
 }
 
+// One view under one lamp, as the report shows it.
+struct ViewShown {
+  std::optional<Finding> left_out;
+  std::optional<Comparison> comparison;
+  std::optional<Figure> photo;  // of the first lamp of each view
+};
+
+ViewShown view_shown(const Loaded& in, const MergedView& merged, bool first_of_view, double factor) {
+  ViewShown out;
+  const auto view = std::ranges::find(in.bench.views, merged.view, &View::name);
+  const std::string lights = known_lights(in.bench, merged.light);
+  if (view == in.bench.views.end() || lights.empty()) {
+    out.left_out = {Finding::Severity::warning,
+                    {},
+                    fmt::format("view {} was left out of the calibration: it has no {} in bench.json", merged.view,
+                                view == in.bench.views.end() ? "pose" : "lamp"),
+                    "what burin calibrate said of it tells why"};
+    return out;
+  }
+  out.comparison = comparison(in, merged, *view, find_lit(in.bench, lights, "session.json"));
+  if (first_of_view) out.photo = residual_photo(in, merged, *view, factor);
+  return out;
+}
+
+// All views in the session's order. A merged photo of 12 megapixels in color takes 300 MB, so each goes once its
+// pictures are drawn.
+std::vector<ViewShown> views_shown(const Loaded& in, double factor, const Progress& progress) {
+  if (progress) progress("reading photos for the report", 0);
+  const std::vector<Bracket> brackets = brackets_of(in.session);
+  std::vector<ViewShown> out(brackets.size());
+  std::mutex mutex;
+  std::size_t done = 0;
+  for_each_merged(in.session, brackets, session_noise(in.session, brackets), 1,
+                  [&](std::size_t b, MergedView&& merged, GrayView&&) {
+                    const auto first = std::ranges::find(brackets, merged.view, &Bracket::view);
+                    out[b] = view_shown(in, merged, first - brackets.begin() == static_cast<std::ptrdiff_t>(b), factor);
+                    const std::scoped_lock lock(mutex);
+                    ++done;
+                    if (progress)
+                      progress("drawing views", static_cast<double>(done) / static_cast<double>(brackets.size()));
+                  });
+  return out;
+}
+
 }  // namespace
 
 std::optional<Section> session_section(const std::filesystem::path& folder, const std::filesystem::path& session,
@@ -546,9 +590,6 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
     in.carved = carve(Sent(read_scratches(in.board.scratches)), in.bench, in.board);
   in.residuals = read_residuals(folder / "residuals.vnl");
   in.held_out = read_hold_out(folder);
-  if (progress) progress("reading photos for the report", 0);
-  in.merged = merge_session(in.session);
-
   Section out;
   out.title = "The measured bench";
   out.heading = "Photo beside prediction";
@@ -558,23 +599,10 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   std::vector<Comparison> comparisons;
   std::vector<Figure> photos;
   const double factor = arrow_factor(in.residuals);
-  for (std::size_t i = 0; i < in.merged.size(); ++i) {
-    if (progress) progress("drawing views", static_cast<double>(i) / static_cast<double>(in.merged.size()));
-    const MergedView& merged = in.merged[i];
-    const auto view = std::ranges::find(in.bench.views, merged.view, &View::name);
-    const std::string lights = known_lights(in.bench, merged.light);
-    if (view == in.bench.views.end() || lights.empty()) {
-      out.findings.push_back({Finding::Severity::warning,
-                              {},
-                              fmt::format("view {} was left out of the calibration: it has no {} in bench.json",
-                                          merged.view, view == in.bench.views.end() ? "pose" : "lamp"),
-                              "what burin calibrate said of it tells why"});
-      continue;
-    }
-    comparisons.push_back(comparison(in, merged, *view, find_lit(in.bench, lights, "session.json")));
-    const bool first_of_view = std::none_of(in.merged.begin(), in.merged.begin() + static_cast<std::ptrdiff_t>(i),
-                                            [&](const MergedView& m) { return m.view == merged.view; });
-    if (first_of_view) photos.push_back(residual_photo(in, merged, *view, factor));
+  for (ViewShown& shown : views_shown(in, factor, progress)) {
+    if (shown.left_out) out.findings.push_back(std::move(*shown.left_out));
+    if (shown.comparison) comparisons.push_back(std::move(*shown.comparison));
+    if (shown.photo) photos.push_back(std::move(*shown.photo));
   }
   out.pictures = photo_beside_prediction(std::move(comparisons));
   out.open = bench_section(in.bench, in.board, {}, "The bench as measured");

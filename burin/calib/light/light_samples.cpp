@@ -160,7 +160,20 @@ void require_one_room(std::span<const LightView> views, std::span<const MergedVi
   }
 }
 
+// What a merged photo holds of a window of the whole photo.
+PixelWindow held_window(const MergedView& photo, const PixelWindow& window) {
+  const int x0 = std::max(window.x0, photo.x0), y0 = std::max(window.y0, photo.y0);
+  const int x1 = std::min(window.x0 + window.width, photo.x0 + photo.value.width),
+            y1 = std::min(window.y0 + window.height, photo.y0 + photo.value.height);
+  return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
+}
+
 }  // namespace
+
+PixelWindow board_window(const Board& board, const Bench& bench, const View& view, int bin, int margin_px) {
+  return window_of(binned_lens(bench.lens, bin), view.T_camera_board, surface_of(board, bench), Eigen::Vector2d::Zero(),
+                   board.size_mm, margin_px);
+}
 
 std::vector<LightView> make_light_views(std::span<const MergedView> merged, const Board& board, Bench& bench,
                                         std::vector<Finding>& findings) {
@@ -181,8 +194,7 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
     v.surroundings = lights.surroundings;
     v.lens = binned_lens(bench.lens, photo.bin);
     constexpr int kMarginPx = 4;
-    v.window = window_of(v.lens, view->T_camera_board, surface_of(board, bench), Eigen::Vector2d::Zero(), board.size_mm,
-                         kMarginPx);
+    v.window = held_window(photo, board_window(board, bench, *view, photo.bin, kMarginPx));
     if (v.window.width < 16 || v.window.height < 16) {
       findings.push_back(make_warning("view " + photo.view + " does not show the board and is left out"));
       continue;
@@ -193,7 +205,7 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
     const int channels = photo.value.channels;
     for (int y = 0; y < v.window.height; ++y)
       for (int x = 0; x < v.window.width; ++x) {
-        const int px = x + v.window.x0, py = y + v.window.y0;
+        const int px = x + v.window.x0 - photo.x0, py = y + v.window.y0 - photo.y0;
         double value = 0, variance = 0;
         for (int c = 0; c < channels; ++c) {
           value += photo.value.at(px, py, c);

@@ -53,6 +53,9 @@ Lens binned_lens(const Lens& lens, int bin);
 /// pixels. Poses and lens come from the photos as taken.
 int light_bin(int width, int height, double tag_side_px);
 
+/// The window of a photo of bin x bin pixels averaged into one that holds the board, and `margin_px` around it.
+PixelWindow board_window(const Board& board, const Bench& bench, const View& view, int bin, int margin_px);
+
 /// The same view with bin x bin pixels averaged into one, the lens scaled with it. A pixel is valid if all its parts
 /// are.
 LightView binned(const LightView& view, int bin);

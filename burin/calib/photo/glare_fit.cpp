@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "burin/render/glare.h"
+
 namespace burin {
 namespace {
 
@@ -31,18 +33,13 @@ void add_scattered_light(std::span<const MergedView> merged, const Glare& glare,
   tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t k) {
     LightView& view = views[k];
     const MergedView& photo = merged[view.merged];
-    const int n = photo.value.channels;
-    Image mean(photo.value.width, photo.value.height, 1);
-    for (std::size_t i = 0; i < mean.data.size(); ++i) {
-      float sum = 0;
-      for (int c = 0; c < n; ++c) sum += photo.value.data[i * n + c];
-      mean.data[i] = std::isfinite(sum) ? sum / static_cast<float>(n) : 0;
-    }
-    const Image far = glare_of(mean, glare, photo.bin);
+    const Image seen = mean_of_channels(photo.value);
+    const Image far = glare_of(seen, photo.x0, photo.y0,
+                               photo.whole.data.empty() ? coarse_for_glare(seen) : photo.whole, glare, photo.bin);
     view.scattered = Image(view.window.width, view.window.height, 1);
     for (int y = 0; y < view.window.height; ++y)
       for (int x = 0; x < view.window.width; ++x)
-        view.scattered.at(x, y) = far.at(x + view.window.x0, y + view.window.y0);
+        view.scattered.at(x, y) = far.at(x + view.window.x0 - photo.x0, y + view.window.y0 - photo.y0);
   });
 }
 

@@ -19,7 +19,8 @@ Image green_of(const MergedView& photo, const LightView& view) {
   std::vector<double> ratios;
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
-      const float value = green.at(x, y) = photo.value.at(x + view.window.x0, y + view.window.y0, kGreen);
+      const float value = green.at(x, y) =
+          photo.value.at(x + view.window.x0 - photo.x0, y + view.window.y0 - photo.y0, kGreen);
       if (view.valid[static_cast<std::size_t>(y) * width + x] && value > 0)
         ratios.push_back(view.value.at(x, y) / value);
     }

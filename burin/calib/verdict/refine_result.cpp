@@ -77,8 +77,8 @@ std::set<std::size_t> fit_colors(const Problem& data, std::span<const MergedView
           double value = 0;
           for (int v = 0; v < photo.bin; ++v)
             for (int u = 0; u < photo.bin; ++u)
-              value += source.value.at((px + photo.photo.window.x0) * photo.bin + u,
-                                       (y + photo.photo.window.y0) * photo.bin + v, c);
+              value += source.value.at((px + photo.photo.window.x0) * photo.bin + u - source.x0,
+                                       (y + photo.photo.window.y0) * photo.bin + v - source.y0, c);
           value /= photo.bin * photo.bin;
           Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
           row[static_cast<Eigen::Index>(photo.photo.light)] = lamp * f0[c] / data.model.f0;
