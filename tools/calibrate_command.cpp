@@ -77,30 +77,30 @@ void add_calibrate_command(CLI::App& burin) {
     bar.clear();
     for (const Finding& finding : c.findings) note(finding);
     const BoardSolution& g = c.geometry;
-    fmt::print("lens     {}: focal lengths {:.2f} and {:.2f} px{}\n", g.lens.model, g.lens.intrinsics[0],
+    print_text("lens     {}: focal lengths {:.2f} and {:.2f} px{}\n", g.lens.model, g.lens.intrinsics[0],
                g.lens.intrinsics[1],
                o.fix_lens ? ", as given" : fmt::format(", +- {:.2f} px", std::sqrt(g.lens_covariance(0, 0))));
-    fmt::print("corners  {:.4f} px RMS per axis, {:.4f} mm on the board (0.01 to 0.05 px is normal)\n", g.rms_px,
+    print_text("corners  {:.4f} px RMS per axis, {:.4f} mm on the board (0.01 to 0.05 px is normal)\n", g.rms_px,
                g.rms_board_mm);
     double worst = 0;
     for (const View& view : g.views) worst = std::max(worst, view.center_sigma_mm->maxCoeff());
-    fmt::print("cameras  {} views, centers known to {:.3f} mm or better along each axis\n", g.views.size(), worst);
-    fmt::print("board    bow {:.4f}, {:.4f}, {:.4f} mm, +- {:.4f} mm; {} tags used\n", g.bow_mm[0], g.bow_mm[1],
+    print_text("cameras  {} views, centers known to {:.3f} mm or better along each axis\n", g.views.size(), worst);
+    print_text("board    bow {:.4f}, {:.4f}, {:.4f} mm, +- {:.4f} mm; {} tags used\n", g.bow_mm[0], g.bow_mm[1],
                g.bow_mm[2], g.bow_sigma_mm.maxCoeff(), g.tags.size());
     if (g.check)
-      fmt::print("check    mrcal's own solver agrees to {:.5f} px, {:.4f} mm\n", g.check->max_shift_px,
+      print_text("check    mrcal's own solver agrees to {:.5f} px, {:.4f} mm\n", g.check->max_shift_px,
                  g.check->max_center_mm);
-    if (held.corners) fmt::print("{}", corners_in_words(*held.corners));
+    if (held.corners) print_text("{}", corners_in_words(*held.corners));
     for (const Light& light : c.bench.lights) {
-      fmt::print("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
+      print_text("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
                  light.position_mm.z());
       if (light.position_sigma_mm)
-        fmt::print(", +- {:.1f}, {:.1f}, {:.1f} mm", light.position_sigma_mm->x(), light.position_sigma_mm->y(),
+        print_text(", +- {:.1f}, {:.1f}, {:.1f} mm", light.position_sigma_mm->x(), light.position_sigma_mm->y(),
                    light.position_sigma_mm->z());
-      fmt::print("\n");
+      print_text("\n");
     }
     const std::string bench = (options->out / "bench.json").string();
-    fmt::print("Wrote {}; next: burin refine {} --bench {}\n", bench, shell_word(options->session.string()),
+    print_text("Wrote {}; next: burin refine {} --bench {}\n", bench, shell_word(options->session.string()),
                shell_word(bench));
   });
 }

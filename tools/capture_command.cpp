@@ -63,7 +63,7 @@ void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
     std::erase_if(shoot.wanted, [&](const WantedShot& shot) { return shot.light != o.light; });
   }
   shoot_tethered({o.port, o.stops, into, o.once}, shoot, [](const Shoot& so_far, double, double) {
-    fmt::print("{}", last_photo_words(so_far));
+    print_text("{}", last_photo_words(so_far));
     std::fflush(stdout);
   });
 }
@@ -108,7 +108,7 @@ void add_capture_command(CLI::App& burin) {
     for (const Finding& finding : result.findings) {
       if (finding.severity == Finding::Severity::error) {
         if (++errors == 1) first = sentence(finding);
-        fmt::print(stderr, "error: {}\n", sentence(finding));
+        tell("error: " + sentence(finding) + "\n");
       } else {
         note(finding);
       }
@@ -119,7 +119,7 @@ void add_capture_command(CLI::App& burin) {
            "correct or remove the photos named above");
     std::set<std::string> lit;
     for (const Photo& photo : result.session.photos) lit.insert(photo.light);
-    fmt::print("Wrote {}: {} photos of {} view{}{}; next: burin calibrate {} --out {}\n", result.written.string(),
+    print_text("Wrote {}: {} photos of {} view{}{}; next: burin calibrate {} --out {}\n", result.written.string(),
                result.session.photos.size(), result.views, result.views == 1 ? "" : "s",
                lit.size() > 1 ? fmt::format(" under {} lamps", lit.size()) : "", shell_word(result.written.string()),
                shell_word(options->out.string()));

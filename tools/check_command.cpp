@@ -23,14 +23,14 @@ struct CheckArguments {
 void check_ndf(const CheckArguments& options) {
   std::vector<NdfComparison> rows;
   const auto cases = read_ndf_cases(options.cases);
-  fmt::print("{}\n", ndf_table_header());
+  print_text("{}\n", ndf_table_header());
   for (const auto& c : cases) {
     rows.push_back(compare(c));
-    fmt::print("{}\n", ndf_line(rows.back()));
-    if (!options.brief) fmt::print("{}\n", ndf_gradient_line(rows.back()));
+    print_text("{}\n", ndf_line(rows.back()));
+    if (!options.brief) print_text("{}\n", ndf_gradient_line(rows.back()));
   }
   const auto failed = std::count_if(rows.begin(), rows.end(), [](const auto& r) { return !r.ok(); });
-  fmt::print("{}\n", ndf_summary(rows));
+  print_text("{}\n", ndf_summary(rows));
   if (failed > 0) {
     std::fflush(stdout);
     fail(options.cases.string(), fmt::format("{} of {} rows are beyond their tolerance", failed, rows.size()),
@@ -73,7 +73,7 @@ void check_before_carving(const CarveOptions& options) {
   bar.progress()("writing", 0);
   write_carve_check_page(check, files, page);
   bar.clear();
-  fmt::print("{}", carve_check_text(check));
+  print_text("{}", carve_check_text(check));
   if (!check.good()) {
     const auto red = std::count_if(check.findings.begin(), check.findings.end(),
                                    [](const Finding& f) { return f.severity == Finding::Severity::error; });
@@ -81,7 +81,7 @@ void check_before_carving(const CarveOptions& options) {
     fail(page.string(), fmt::format("do not carve this: {} red line{}", red, red == 1 ? "" : "s"),
          "open it in a browser and mend what it says");
   }
-  fmt::print("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n", carve_question(check, files),
+  print_text("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n", carve_question(check, files),
              page.string());
 }
 

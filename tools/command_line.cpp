@@ -5,6 +5,7 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -14,10 +15,12 @@
 #include <optional>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "burin/optimize/duration.h"
 #include "burin/render/error.h"
 #include "burin/render/files/file_error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/named_paths.h"
 #include "burin/render/files/printable.h"
 #include "burin/render/simd_choice.h"
@@ -118,6 +121,15 @@ void parse(CLI::App& app, const std::vector<std::string>& arguments) {
 
 }  // namespace
 
+std::string shell_word_of_bytes(const std::string& word) {
+  std::string quoted = "$'";
+  for (const char c : word) {
+    if (c == '\'' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return printable(quoted) + "'";
+}
+
 std::string wrong_duration(const std::string& text) {
   try {
     duration_from_text(text);
@@ -131,11 +143,44 @@ void run_command(const std::vector<std::string>& arguments) { parse(*make_app(),
 
 namespace {
 
-// A command that kept what it had when it was asked to stop has said so.
-int said_stopped() {
+int said_stopped(bool kept) {
   take_last_word();
-  fmt::print(stderr, "burin: {}\n", stop_sentence());
+  tell("burin: " + stop_sentence(kept) + "\n");
   return stop_exit_code();
+}
+
+std::string too_few_threads() {
+  return fmt::format("threads: the system gives too few; {}, or use fewer: burin --threads 1", error_remedy(EAGAIN));
+}
+
+// The sentence about an exception that ends the command; empty where standard output's is still to come.
+std::string exception_sentence(const std::exception_ptr& thrown) {
+  try {
+    if (thrown) std::rethrow_exception(thrown);
+    return "ended by itself; this is a fault in Burin, please report it with the command you gave";
+  } catch (const Error& error) {
+    return error.what();
+  } catch (const std::filesystem::filesystem_error& error) {
+    // What nobody looked at before: a folder that may not be read, links in a circle, a name that is too long.
+    return fmt::format("{}: cannot be used: {}; {}",
+                       error.path1().empty() ? "a file or folder" : printable(error.path1().string()),
+                       error_text(error.code().value()), error_remedy(error.code().value()));
+  } catch (const std::system_error& error) {
+    // Standard output's is told when all is over; this is what fmt::print throws for it.
+    if (std::ferror(stdout) != 0) return {};
+    if (error.code().value() == EAGAIN) return too_few_threads();
+    return fmt::format("{}; {}", error.what(), error_remedy(error.code().value()));
+  } catch (const std::bad_alloc&) {
+    return fmt::format("memory ran out; {}", kMoreMemory);
+  } catch (const std::exception& error) {
+    const std::string_view what = error.what();
+    if (what.find("Failed to allocate") != std::string_view::npos)  // OpenCV's own words
+      return fmt::format("memory ran out; {}", kMoreMemory);
+    if (what.find("pthread_create") != std::string_view::npos) return too_few_threads();  // TBB's own words
+    return fmt::format("{}; this is a fault in Burin, please report it with the command you gave", printable(what));
+  } catch (...) {
+    return "an unknown exception; this is a fault in Burin, please report it with the command you gave";
+  }
 }
 
 int run_in_words(const std::vector<std::string>& arguments) {
@@ -145,43 +190,18 @@ int run_in_words(const std::vector<std::string>& arguments) {
     if (const char* const name = std::getenv("BURIN_SIMD"); name != nullptr && *name != 0)
       by_environment = simd_choice(name, "BURIN_SIMD");
     parse(*app, arguments);
-    stop_if_asked();
+    if (StopOnSignal::asked()) return said_stopped(true);
   } catch (const Stopped&) {
-    return said_stopped();
+    return said_stopped(false);
   } catch (const CLI::ParseError& error) {
     take_last_word();
     return app->exit(error) == 0 ? kDone : kWrongCommandLine;
-  } catch (const Error& error) {
+  } catch (...) {
     take_last_word();
     const int exit_code = StopOnSignal::asked() ? stop_exit_code() : kNotDone;
-    fmt::print(stderr, "burin: {}\n", error.what());
+    const std::string words = exception_sentence(std::current_exception());
+    if (!words.empty()) tell("burin: " + words + "\n");
     return exit_code;
-  } catch (const std::filesystem::filesystem_error& error) {
-    take_last_word();
-    // What nobody looked at before: a folder that may not be read, links in a circle, a name that is too long.
-    fmt::print(stderr, "burin: {}: cannot be used: {}; {}\n",
-               error.path1().empty() ? "a file or folder" : printable(error.path1().string()),
-               error_text(error.code().value()), error_remedy(error.code().value()));
-    return kNotDone;
-  } catch (const std::system_error& error) {
-    take_last_word();
-    // Standard output's is told when all is over; this is what fmt::print throws for it.
-    if (std::ferror(stdout) == 0)
-      fmt::print(stderr, "burin: {}; {}\n", error.what(), error_remedy(error.code().value()));
-    return kNotDone;
-  } catch (const std::bad_alloc&) {
-    take_last_word();
-    fmt::print(stderr, "burin: memory ran out; {}\n", kMoreMemory);
-    return kNotDone;
-  } catch (const std::exception& error) {
-    take_last_word();
-    if (std::string_view(error.what()).find("Failed to allocate") != std::string_view::npos) {  // OpenCV's own words
-      fmt::print(stderr, "burin: memory ran out; {}\n", kMoreMemory);
-      return kNotDone;
-    }
-    fmt::print(stderr, "burin: {}; this is a fault in Burin, please report it with the command you gave\n",
-               printable(error.what()));
-    return kNotDone;
   }
   return kDone;
 }
@@ -192,18 +212,22 @@ int run_program(const std::vector<std::string>& arguments) {
   fill_closed_streams();
   std::vector<std::string> command = arguments;
   const OutputMode mode = take_output_mode(command);
-  end_on_signals(command_text(arguments), [mode, command](const std::string& sentence, int exit_code) {
-    say_at_the_end(mode, command, sentence, exit_code);
-  });
   int exit_code = kDone;
   const NamedPaths named(command);
   try {
+    StopWords words;
+    words.last = [mode, command](const std::string& sentence, int code) {
+      say_at_the_end(mode, command, sentence, code);
+    };
+    if (mode == OutputMode::words) words.heard = [](const std::string& sentence) { say_meanwhile(sentence); };
+    words.uncaught = exception_sentence;
+    end_on_signals(command_text(arguments), std::move(words));
+    report_settled_changes([](const std::string& sentence) { note(sentence); });
     const ResultToOutput result(command);
     exit_code = run_in_mode(mode, command, [&] { return run_in_words(command); });
-  } catch (const Error& error) {
-    fmt::print(stderr, "burin: {}\n", error.what());
-    exit_code = kNotDone;
-  } catch (const std::system_error&) {  // of standard output: told below
+  } catch (const std::exception&) {
+    const std::string words = exception_sentence(std::current_exception());
+    if (!words.empty()) tell("burin: " + words + "\n");
     exit_code = kNotDone;
   }
   return exit_code_with_output_checked(exit_code);

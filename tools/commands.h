@@ -14,7 +14,7 @@
 //       const auto path = plan(read_scratches(options->scratches), bar.progress());
 //       write_text(gcode(path), options->out);
 //       bar.clear();
-//       fmt::print("Wrote {}: 40000 scratches, about 6 h 20 min; send it to the machine.\n", options->out.string());
+//       print_text("Wrote {}: 40000 scratches, about 6 h 20 min; send it to the machine.\n", options->out.string());
 //     });
 //   }
 //
@@ -35,9 +35,12 @@
 #include <CLI/App.hpp>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "burin/render/files/printable.h"
 #include "burin/render/finding.h"
+#include "tools/standard_streams.h"
 
 namespace burin {
 
@@ -77,12 +80,16 @@ std::string wrong_duration(const std::string& text);
 /// The footer of a command's `--help`: a working command line (or several, one a line).
 inline std::string example(const std::string& command_lines) { return "Example:\n  " + command_lines; }
 
+/// $'...' of bash, zsh and POSIX 2024 for a word with characters that a terminal would obey or that are no text.
+std::string shell_word_of_bytes(const std::string& word);
+
 /// A file or an option's value as it stands in a command line that can be pasted: quoted where a shell would split it.
 inline std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && word.find_first_not_of(
                                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
                                           "0123456789_-+=.,:/@%") == std::string::npos;
   if (plain) return word;
+  if (!is_printable(word)) return shell_word_of_bytes(word);
   std::string quoted = "'";
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
@@ -95,8 +102,14 @@ inline std::string command_text(const std::vector<std::string>& arguments) {
   return line;
 }
 
+/// As fmt::print to stdout, but a terminal obeys nothing that stands in the name of a file or a folder.
+template <typename... T>
+void print_text(fmt::format_string<T...> format, T&&... values) {
+  say_text(fmt::format(format, std::forward<T>(values)...));
+}
+
 /// Tells the person about something that does not stop the work: a photo left out, a value assumed. To stderr.
-inline void note(const std::string& sentence) { fmt::print(stderr, "note: {}\n", sentence); }
+inline void note(const std::string& sentence) { tell("note: " + sentence + "\n"); }
 inline void note(const Finding& finding) { note(sentence(finding)); }
 
 }  // namespace burin

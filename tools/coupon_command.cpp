@@ -70,20 +70,20 @@ Scratches in_coupon(const CouponPlan& plan, const Sent& sent) {
 
 void print_plan(const CouponPlan& plan, const ToolpathReport& report) {
   const Coupon& coupon = plan.coupon;
-  fmt::print("coupon {} of {}: {} fans of {} kinds, {} scratches, about {} on {}\n", coupon.number, coupon.date,
+  print_text("coupon {} of {}: {} fans of {} kinds, {} scratches, about {} on {}\n", coupon.number, coupon.date,
              coupon.fans.size(), coupon.cells.size(), plan.scratches.size(), duration_text(report.duration_s),
              plan.machine.name);
   for (const CouponCell& cell : coupon.cells)
-    fmt::print("  {:>6.4g} {} at {:>5.4g} mm/min, {:.2f} mm apart: believed to make {:.1f} um\n", cell.command,
+    print_text("  {:>6.4g} {} at {:>5.4g} mm/min, {:.2f} mm apart: believed to make {:.1f} um\n", cell.command,
                unit_of(plan.machine.depth_by), cell.feed_mm_min, cell.spacing_mm, cell.depth_um);
   const double half = plan.board.size_mm.x() / 2;
-  fmt::print("tags     {} to {} of {}, {:g} mm, as in board.json\n", plan.board.tags.list.front().id,
+  print_text("tags     {} to {} of {}, {:g} mm, as in board.json\n", plan.board.tags.list.front().id,
              plan.board.tags.list.back().id, plan.board.tags.family, plan.board.tags.list.front().size_mm);
-  fmt::print("lamp     {:.0f} mm towards you from the coupon's middle and {:.0f} mm above it; it stays there\n",
+  print_text("lamp     {:.0f} mm towards you from the coupon's middle and {:.0f} mm above it; it stays there\n",
              half - coupon.lamp_mm.y(), coupon.lamp_mm.z());
   for (std::size_t i = 0; i < coupon.shots.size(); ++i) {
     const Eigen::Vector3d& eye = coupon.shots[i].eye_mm;
-    fmt::print("photo {}  camera {:.0f} mm {}, {:.0f} mm {} from the middle, {:.0f} mm above the face\n", i + 1,
+    print_text("photo {}  camera {:.0f} mm {}, {:.0f} mm {} from the middle, {:.0f} mm above the face\n", i + 1,
                std::abs(eye.x() - half), eye.x() < half ? "left" : "right", std::abs(eye.y() - half),
                eye.y() < half ? "towards you" : "away from you", eye.z());
   }
@@ -138,7 +138,7 @@ void write_coupon_files(WriteOptions options) {
                               : fmt::format("at X{:g} Y{:g} left and below of the coupon's corner",
                                             plan.coupon.at_mm.x(), plan.coupon.at_mm.y());
   const bool at_corner = !on && plan.coupon.at_mm.isZero();
-  fmt::print(
+  print_text(
       "Wrote {}: set work zero {}, carve {}, put the tags on (burin print {}), take the photos with short exposures "
       "beside the usual one; then: burin coupon read {} --photos PHOTOS_DIR --machine {} --out {}\n",
       (options.out / "coupon.json").string(), at_corner ? "at the coupon's lower left corner" : zero,
@@ -204,25 +204,25 @@ std::string number_text(const CouponNumber& number, int digits) {
 
 void print_trend(const std::string& name, const Estimate& e, const std::string& rises, const std::string& falls) {
   if (!e.known)
-    fmt::print("{}not determined: too few fans repeat\n", name);
+    print_text("{}not determined: too few fans repeat\n", name);
   else if (std::abs(e.value) < 2 * e.sigma)
-    fmt::print("{}none seen ({:+.1f} +- {:.1f} %)\n", name, 100 * e.value, 100 * e.sigma);
+    print_text("{}none seen ({:+.1f} +- {:.1f} %)\n", name, 100 * e.value, 100 * e.sigma);
   else
-    fmt::print("{}{} by {:.1f} +- {:.1f} % from the first fan to the last\n", name, e.value > 0 ? rises : falls,
+    print_text("{}{} by {:.1f} +- {:.1f} % from the first fan to the last\n", name, e.value > 0 ? rises : falls,
                100 * std::abs(e.value), 100 * e.sigma);
 }
 
 void print_reading(const Coupon& coupon, const CouponReading& r) {
-  fmt::print("coupon {} of {}, {} fans\n", coupon.number, coupon.date, coupon.fans.size());
-  fmt::print("  {:>8}  {:>8}  {:>8}  {:>5}  {:<18}  {}\n", "command", "mm/min", "apart mm", "fans", "depth um",
+  print_text("coupon {} of {}, {} fans\n", coupon.number, coupon.date, coupon.fans.size());
+  print_text("  {:>8}  {:>8}  {:>8}  {:>5}  {:<18}  {}\n", "command", "mm/min", "apart mm", "fans", "depth um",
              "alpha");
   for (std::size_t c = 0; c < r.cells.size(); ++c) {
     const CouponCell& cell = coupon.cells[c];
-    fmt::print("  {:>8.4g}  {:>8.4g}  {:>8.2f}  {:>5}  {:<18}  {}\n", cell.command, cell.feed_mm_min, cell.spacing_mm,
+    print_text("  {:>8.4g}  {:>8.4g}  {:>8.2f}  {:>5}  {:<18}  {}\n", cell.command, cell.feed_mm_min, cell.spacing_mm,
                r.cells[c].fans, number_text(r.cells[c].depth_um, 2), number_text(r.cells[c].alpha, 4));
   }
   if (r.depth.repeat.known)
-    fmt::print("repeats   fans carved alike differ by {:.1f} +- {:.1f} % in depth, {:.1f} +- {:.1f} % in alpha\n",
+    print_text("repeats   fans carved alike differ by {:.1f} +- {:.1f} % in depth, {:.1f} +- {:.1f} % in alpha\n",
                100 * r.depth.repeat.value, 100 * r.depth.repeat.sigma, 100 * r.alpha.repeat.value,
                100 * r.alpha.repeat.sigma);
   print_trend("wear      depth: ", r.depth.wear, "grows", "falls");
@@ -230,14 +230,14 @@ void print_reading(const Coupon& coupon, const CouponReading& r) {
   for (const auto& [tilt, way] :
        {std::pair(r.depth.tilt_x, "left to right"), std::pair(r.depth.tilt_y, "bottom to top")})
     if (tilt.known && std::abs(tilt.value) > 3 * tilt.sigma)
-      fmt::print("tilt      depth changes by {:+.0f} +- {:.0f} % from {}: the sheet does not lie level\n",
+      print_text("tilt      depth changes by {:+.0f} +- {:.0f} % from {}: the sheet does not lie level\n",
                  100 * tilt.value, 100 * tilt.sigma, way);
   if (!r.travel.known)
-    fmt::print("direction not determined ({:.0f} +- {:.0f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
+    print_text("direction not determined ({:.0f} +- {:.0f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
   else if (!r.travel.seen)
-    fmt::print("direction no difference seen ({:.1f} +- {:.1f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
+    print_text("direction no difference seen ({:.1f} +- {:.1f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
   else
-    fmt::print(
+    print_text(
         "direction {:.1f} +- {:.1f} % deeper going towards {:.0f} +- {:.0f} degrees (0: right, 90: up) than going "
         "back\n",
         100 * r.travel.share, 100 * r.travel.sigma, r.travel.towards_deg, r.travel.towards_sigma_deg);
@@ -282,12 +282,12 @@ void write_machine(const ReadOptions& options, const MachineProfile& machine, co
                      "rise with them",
                      "take the photos that the notes above ask for"));
   const std::optional<fs::path> former = write_measured_machine(options.machine, measured, options.out);
-  if (former) fmt::print("The former file is kept as {}\n", former->string());
+  if (former) print_text("The former file is kept as {}\n", former->string());
   const std::string what = presses && !table.rows.empty()
                                ? fmt::format("a depth table of {} rows, {:.1f} to {:.1f} um", table.rows.size(),
                                              table.rows.front().depth_um, table.rows.back().depth_um)
                                : "what the coupon told";
-  fmt::print("Wrote {}: {}; next: burin loop PROJECT_DIR --machine {} (kept in the project's loop.toml)\n",
+  print_text("Wrote {}: {}; next: burin loop PROJECT_DIR --machine {} (kept in the project's loop.toml)\n",
              options.out.string(), what, shell_word(options.out.string()));
 }
 
@@ -331,7 +331,7 @@ void read_coupon_files(const ReadOptions& options) {
   if (machine)
     write_machine(options, *machine, measured_of(coupon, reading, board, told));
   else
-    fmt::print(
+    print_text(
         "Read coupon {}; next, into the machine's file: burin coupon read {} --photos {} --machine {} --out {}\n",
         coupon.number, shell_word(options.folder.string()), shell_word(options.photos.string()), "MACHINE",
         shell_word((options.folder / "machine.json").string()));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
+#include "burin/render/files/write_file.h"
+#include "burin/render/scratches.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/stop_signal.h"
@@ -120,6 +123,28 @@ struct KeptMemory {
   KeptMemory& operator=(const KeptMemory&) = delete;
 };
 
+// A disk that is full at the end is no reason to lose hours: where the whole result cannot be written, the scratches
+// may still find room beside it, under a name that is no result's.
+void write_or_keep(const DesignResult& result, const DesignSpec& spec, const Board& board, const Bench& bench,
+                   const DesignArguments& o) {
+  const std::filesystem::path kept = o.out / "scratches-kept.csv";
+  try {
+    write_design_result(result, spec, board, bench, o.out);
+    remove_file(kept);
+  } catch (const Error& error) {
+    try {
+      write_scratches(result.scratches, kept);
+    } catch (const Error&) {
+      throw error;
+    }
+    throw Error(
+        fmt::format("{}. The scratches alone found room. Make some for the rest, and write it with: burin design "
+                    "{} --out {} --from {} --iterations 0 --drop-error 0{}",
+                    error.what(), shell_word(o.spec.string()), shell_word(o.out.string()), shell_word(kept.string()),
+                    said_again(o)));
+  }
+}
+
 void run(const DesignArguments& o) {
   DesignSpec spec = read_design(o.spec);
   if (!o.bench.empty()) spec.bench = o.bench;
@@ -147,12 +172,13 @@ void run(const DesignArguments& o) {
   const WorkLock lock(o.out, "burin design", WorkLock::Where::new_folders);
 
   ProgressBar bar;
-  const StopOnSignal on_signal;
+  std::optional<StopOnSignal> keeps;  // from when there is something to keep
   options.stop = &StopOnSignal::asked;
   LivePreview live(o.out / "live.png", 2);
   std::string losses;
   QualityOverTime quality;
   options.watch = [&](const DesignFrame& frame) {
+    if (!keeps) keeps.emplace();
     if (o.live) live.show(frame);
     quality.add(frame);
     losses.clear();
@@ -172,46 +198,46 @@ void run(const DesignArguments& o) {
   const KeptMemory kept;
   DesignResult result = design(spec, board, bench, options, with_losses);
   result.stopped_early = result.stopped_early || StopOnSignal::asked();  // wherever it was when it was asked
-  write_design_result(result, spec, board, bench, o.out);
+  write_or_keep(result, spec, board, bench, o);
   bar.clear();
 
   for (std::size_t i = told; i < result.findings.size(); ++i) note(result.findings[i]);
-  fmt::print("view        PSNR dB   SSIM    face allows   own / highest other target's correlation\n");
+  print_text("view        PSNR dB   SSIM    face allows   own / highest other target's correlation\n");
   for (std::size_t k = 0; k < result.views.size(); ++k) {
     const DesignedView& v = result.views[k];
     double other = 0;
     for (std::size_t j = 0; j < v.ghost.size(); ++j)
       if (j != k && std::abs(v.ghost[j]) > std::abs(other)) other = v.ghost[j];
-    fmt::print("{:<10}  {:6.2f}   {:.3f}   {:6.2f} dB     {:5.2f} / {:5.2f}\n", v.view, v.psnr_db, v.ssim,
+    print_text("{:<10}  {:6.2f}   {:.3f}   {:6.2f} dB     {:5.2f} / {:5.2f}\n", v.view, v.psnr_db, v.ssim,
                v.achievable_psnr_db, v.ghost[k], other);
     if (v.color)
-      fmt::print("            in color: red {:.2f}, green {:.2f}, blue {:.2f} dB, luminance {:.2f} dB\n",
+      print_text("            in color: red {:.2f}, green {:.2f}, blue {:.2f} dB, luminance {:.2f} dB\n",
                  v.color->quality.channel_psnr_db[0], v.color->quality.channel_psnr_db[1],
                  v.color->quality.channel_psnr_db[2], v.color->quality.luminance_psnr_db);
   }
   for (std::size_t k = 0; k < result.tolerance.size(); ++k)
-    fmt::print("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));
-  fmt::print("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} scratches of {} kept\n", result.history.front().loss,
+    print_text("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));
+  print_text("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} scratches of {} kept\n", result.history.front().loss,
              result.final_loss, result.history.size() - 1, result.iteration_seconds,
              result.scratches.size() - result.carved, result.started_with);
   double mean_db = 0;
   for (const DesignedView& v : result.views) mean_db += v.psnr_db / static_cast<double>(result.views.size());
-  if (const std::string line = quality.line(mean_db); !line.empty()) fmt::print("mean of the views: {}\n", line);
+  if (const std::string line = quality.line(mean_db); !line.empty()) print_text("mean of the views: {}\n", line);
   if (const std::string dropped = dropped_text(result.dropped_by_rule); !dropped.empty())
-    fmt::print("left out because they could not obey the machine's and the board's limits: {}\n", dropped);
+    print_text("left out because they could not obey the machine's and the board's limits: {}\n", dropped);
   if (result.carved > 0)
-    fmt::print("{} scratches are new; {} are carved already and stay as they are (column \"carved\")\n",
+    print_text("{} scratches are new; {} are carved already and stay as they are (column \"carved\")\n",
                result.scratches.size() - result.carved, result.carved);
   if (!result.curve.empty())
-    fmt::print("{:.2f} hours to carve on {}; what fewer would show: carving-curve.svg\n", result.curve.front().hours,
+    print_text("{:.2f} hours to carve on {}; what fewer would show: carving-curve.svg\n", result.curve.front().hours,
                options.carve_machine.name);
-  if (result.width_um) fmt::print("width_um {:.1f}\n", *result.width_um);
-  if (result.depth_um) fmt::print("depth_um {:.2f}\n", *result.depth_um);
-  if (result.alpha) fmt::print("alpha {:.4f}\n", *result.alpha);
+  if (result.width_um) print_text("width_um {:.1f}\n", *result.width_um);
+  if (result.depth_um) print_text("depth_um {:.2f}\n", *result.depth_um);
+  if (result.alpha) print_text("alpha {:.4f}\n", *result.alpha);
   if (result.stopped_early)
-    fmt::print("Stopped early. Go on with: burin design {} --out {} --from {}{}\n", shell_word(o.spec.string()),
+    print_text("Stopped early. Go on with: burin design {} --out {} --from {}{}\n", shell_word(o.spec.string()),
                shell_word(o.out.string()), shell_word((o.out / "scratches.csv").string()), said_again(o));
-  fmt::print("Wrote {}: look at preview-*.png; next: burin toolpath {} --board {} --bench {}{} --out {}\n",
+  print_text("Wrote {}: look at preview-*.png; next: burin toolpath {} --board {} --bench {}{} --out {}\n",
              o.out.string(), shell_word((o.out / "scratches.csv").string()),
              shell_word(spec.board.lexically_normal().string()), shell_word(spec.bench.lexically_normal().string()),
              o.machine.empty() ? "" : " --machine " + shell_word(o.machine),

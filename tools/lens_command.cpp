@@ -109,16 +109,16 @@ LensSolution solve_without_strays(ChessboardViews& found, const Chessboard& boar
 
 void print_lens(const ChessboardViews& found, const LensSolution& s, bool bow) {
   for (std::size_t v = 0; v < found.views.size(); ++v)
-    fmt::print("{:<24} {:4} corners, {:.3f} px RMS\n", found.views[v].name, found.views[v].q_px.size(),
+    print_text("{:<24} {:4} corners, {:.3f} px RMS\n", found.views[v].name, found.views[v].q_px.size(),
                s.view_rms_point_px[v]);
   const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, s.covariance(i, i))); };
-  fmt::print("lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, center {:.2f}, {:.2f} px\n",
+  print_text("lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, center {:.2f}, {:.2f} px\n",
              s.lens.model, s.lens.intrinsics[0], sigma(0), s.lens.intrinsics[1], sigma(1), s.lens.intrinsics[2],
              s.lens.intrinsics[3]);
-  fmt::print("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {} photos\n", s.rms_point_px, s.rms_px,
+  print_text("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {} photos\n", s.rms_point_px, s.rms_px,
              found.views.size());
-  if (bow) fmt::print("board    bow {:.3f}, {:.3f}, {:.3f} mm\n", s.bow_mm[0], s.bow_mm[1], s.bow_mm[2]);
-  fmt::print("check    mrcal's own solver moves corners by {:.5f} px\n", s.check.max_shift_px);
+  if (bow) print_text("board    bow {:.3f}, {:.3f}, {:.3f} mm\n", s.bow_mm[0], s.bow_mm[1], s.bow_mm[2]);
+  print_text("check    mrcal's own solver moves corners by {:.5f} px\n", s.check.max_shift_px);
 }
 
 void run(const LensArguments& options) {
@@ -145,14 +145,14 @@ void run(const LensArguments& options) {
   for (const Finding& finding : found.findings) note(finding);
   print_lens(found, s, options.bow);
   const int parts = parts_covered(found.views, found.width, found.height);
-  fmt::print("coverage {} of 12 parts of the frame; {} shows every corner\n", parts, picture.string());
+  print_text("coverage {} of 12 parts of the frame; {} shows every corner\n", parts, picture.string());
   constexpr int kFewParts = 10;
   if (parts < kFewParts)
     note(make_warning("the corners of the frame are not covered: the lens is a guess there",
                       "add photos with the board in them"));
   for (const std::string& name : s.not_determined)
     note(make_warning(name + " is hardly determined", "add photos with the board tilted, in different directions"));
-  fmt::print("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options.out.string(),
+  print_text("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options.out.string(),
              shell_word(options.out.string()));
 }
 

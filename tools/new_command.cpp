@@ -186,25 +186,25 @@ void print_project(const NewArguments& o, const NewProject& project, const Eigen
   const LaidOutBench& bench = project.bench;
   const Board& board = bench.board;
   const double tag = board.tags.list.front().size_mm;
-  fmt::print(
+  print_text(
       "Board: {:g} x {:g} mm, pictures on {:g} x {:g} mm; {} tags {} of {:g} mm (paper {:.4g} mm), grooves {:g} um "
       "deep\n",
       board.size_mm.x(), board.size_mm.y(), area_mm.x(), area_mm.y(), board.tags.list.size(), board.tags.family, tag,
       1.8 * tag, board.material.depth_um);
-  fmt::print("Camera: {}; from these places a tag is at least {:.0f} pixels wide\n", project.camera.in_words,
+  print_text("Camera: {}; from these places a tag is at least {:.0f} pixels wide\n", project.camera.in_words,
              bench.tag_px);
-  fmt::print("Lamp: {}\n", place_in_words(bench.lamp_mm, board));
+  print_text("Lamp: {}\n", place_in_words(bench.lamp_mm, board));
   for (std::size_t k = 0; k < project.pictures.size(); ++k)
-    fmt::print("Eye for {}: {}\n", project.pictures[k].view,
+    print_text("Eye for {}: {}\n", project.pictures[k].view,
                place_in_words(camera_place_at(bench.eyes_mm[k], board, 0), board));
   bool other_shapes = false;
   for (const ChosenPicture& p : project.pictures) {
-    fmt::print("Picture {}\n", crop_in_words(p, area_mm));
+    print_text("Picture {}\n", crop_in_words(p, area_mm));
     other_shapes = other_shapes || has_other_shape(p, area_mm);
   }
   const std::string folder = project.folder.string();
   if (other_shapes)
-    fmt::print(
+    print_text(
         "         {} shows what is kept; --keep top, middle, bottom, left or right says what stays, --fit contain "
         "shows all (for each picture one word); or \"keep\" and \"fit\" in design.json\n",
         shell_word((project.folder / "crops.png").string()));
@@ -217,7 +217,7 @@ void print_project(const NewArguments& o, const NewProject& project, const Eigen
   was_usual(o.stand, "--stand", fmt::format("{:g}mm", bench.stand_mm).c_str());
   was_usual(o.lamp, "--lamp", kUsualLamp);
   was_usual(o.machine, "--machine", kMachine);
-  if (!usual.empty()) fmt::print("Not said, so taken: {}\n", usual);
+  if (!usual.empty()) print_text("Not said, so taken: {}\n", usual);
 }
 
 // Grooves for each picture: what a picture of this size on the board can use, and a day's carving at most.
@@ -264,13 +264,13 @@ void run(NewArguments o) {
   for (const Finding& finding : project.bench.findings) note(finding);
   const std::string preview = write_project(project);
   const std::string folder = shell_word(project.folder.string());
-  fmt::print("Preview: {}: {}; the whole design shows finer pixels, where dB come out lower\n",
+  print_text("Preview: {}: {}; the whole design shows finer pixels, where dB come out lower\n",
              shell_word((project.folder / "preview.png").string()), preview);
-  fmt::print(
+  print_text(
       "         burin view {} shows it in the hand, burin print {} prints the tags, burin sheet {} draws where to "
       "stand\n",
       folder, folder, folder);
-  fmt::print("Wrote {}, a board of {} picture{}; next: burin loop {}\n", project.folder.string(),
+  print_text("Wrote {}, a board of {} picture{}; next: burin loop {}\n", project.folder.string(),
              project.pictures.size(), project.pictures.size() == 1 ? "" : "s", folder);
 }
 

@@ -12,6 +12,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "tools/standard_streams.h"
 #include "tools/stop_signal.h"
 
 namespace burin {
@@ -136,6 +137,11 @@ void say_at_the_end(OutputMode mode, const std::vector<std::string>& arguments, 
   write_whole(err, "burin: " + sentence + "\n");
 }
 
+void say_meanwhile(const std::string& sentence) {
+  const int err = real_descriptors[STDERR_FILENO];
+  write_whole(err, (isatty(err) == 1 ? "\r\x1b[K" : "") + ("note: " + sentence + "\n"));
+}
+
 int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, const std::function<int()>& work) {
   if (mode == OutputMode::words) return work();
   std::string out, err;
@@ -148,7 +154,7 @@ int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, cons
   }
   take_last_word();
   if (mode == OutputMode::quiet)
-    fmt::print(stderr, "{}", err);
+    tell(err);
   else
     fmt::print("{}\n", as_json(arguments, exit_code, out, err).dump(1, ' ', false, Json::error_handler_t::replace));
   return exit_code;

@@ -26,6 +26,9 @@ std::size_t place_of_command(const std::vector<std::string>& arguments);
 void say_at_the_end(OutputMode mode, const std::vector<std::string>& arguments, const std::string& sentence,
                     int exit_code);
 
+/// Writes a note to the real standard error, beside whatever the command's own thread is doing.
+void say_meanwhile(const std::string& sentence);
+
 /// Does `work`, whose result is an exit code, in that mode; `arguments` are the command's, without the mode. JSON:
 ///   { "burin": "0.1.0", "command": "capture", "exit_code": 0, "said": [lines], "notes": [..], "errors": [..],
 ///     "next": "burin calibrate ..." }

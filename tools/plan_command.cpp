@@ -83,12 +83,12 @@ void print_depths(const Plan& plan) {
                                     plan.parameters.begin());
   };
   const std::size_t depth = at(parameter::kDepth), alpha = at(parameter::kAlpha);
-  fmt::print("\nIf the grooves are not as deep as believed, after all shots:\n");
+  print_text("\nIf the grooves are not as deep as believed, after all shots:\n");
   for (const PlanAtDepth& d : plan.at_depth)
-    fmt::print("  {:>5.1f} um: depth to {} %, alpha to {} %{}\n", d.depth_um, significant(d.sigma[depth]),
+    print_text("  {:>5.1f} um: depth to {} %, alpha to {} %{}\n", d.depth_um, significant(d.sigma[depth]),
                significant(d.sigma[alpha]), d.straddles ? "" : "; the depth stays unknown");
   if (plan.straddles) return;
-  fmt::print(
+  print_text(
       "The depth of the grooves stays unknown{}: with this lamp no place has half vectors on both sides of the "
       "grooves' "
       "cut-off. Put the lamp further to the side, or give --lamp-places 2.\n",
@@ -98,16 +98,16 @@ void print_depths(const Plan& plan) {
 }
 
 void print_plan(const Plan& plan, const Board& board) {
-  fmt::print("Board on the table, its lower edge towards you; mm above the face, and from the edges.\n");
+  print_text("Board on the table, its lower edge towards you; mm above the face, and from the edges.\n");
   std::size_t lamp = plan.bench.lights.size();
   for (std::size_t i = 0; i < plan.shots.size(); ++i) {
     const PlannedShot& shot = plan.shots[i];
     if (shot.light != lamp) {
       lamp = shot.light;
       const Light& light = plan.bench.lights[lamp];
-      fmt::print("     lamp \"{}\" {}\n", light.id, place_in_words(light.position_mm, board));
+      print_text("     lamp \"{}\" {}\n", light.id, place_in_words(light.position_mm, board));
     }
-    fmt::print("{:3}. {}{}\n     {}\n", i + 1, shot.view.empty() ? "" : "view \"" + shot.view + "\" of the design: ",
+    print_text("{:3}. {}{}\n     {}\n", i + 1, shot.view.empty() ? "" : "view \"" + shot.view + "\" of the design: ",
                place_in_words(shot.camera, board), exposures_in_words(plan, shot));
   }
   // Sigmas by shot: a column a number of shots, at most six.
@@ -115,16 +115,16 @@ void print_plan(const Plan& plan, const Board& board) {
   for (const double share : {0., 0.1, 0.25, 0.5, 0.75, 1.})
     columns.push_back(static_cast<std::size_t>(std::lround(share * static_cast<double>(plan.shots.size() - 1))));
   columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-  fmt::print("\nExpected sigma after {:>13}", "no shot");
-  for (const std::size_t c : columns) fmt::print("{:>9}", c + 1);
-  fmt::print("  shots; good enough\n");
+  print_text("\nExpected sigma after {:>13}", "no shot");
+  for (const std::size_t c : columns) print_text("{:>9}", c + 1);
+  print_text("  shots; good enough\n");
   for (std::size_t p = 0; p < plan.parameters.size(); ++p) {
     const PlanParameter& parameter = plan.parameters[p];
     const std::string name =
         parameter.unit == Unit::none ? parameter.name : fmt::format("{}, {}", parameter.name, in_words(parameter.unit));
-    fmt::print("  {:<26}{:>6}", name, significant(parameter.before, 3));
-    for (const std::size_t c : columns) fmt::print("{:>9}", significant(plan.shots[c].sigma[p]));
-    fmt::print("{:>12}\n", significant(parameter.goal));
+    print_text("  {:<26}{:>6}", name, significant(parameter.before, 3));
+    for (const std::size_t c : columns) print_text("{:>9}", significant(plan.shots[c].sigma[p]));
+    print_text("{:>12}\n", significant(parameter.goal));
   }
   print_depths(plan);
 }
@@ -254,7 +254,7 @@ void run(const PlanArguments& arguments) {
   const Plan plan = plan_shots(in.board, in.bench, sent, plan_options, bar.progress());
   bar.clear();
   for (const Finding& finding : focus_findings(plan, focus)) note(finding);
-  fmt::print("{}\n", focus_in_words(focus));
+  print_text("{}\n", focus_in_words(focus));
   print_plan(plan, in.board);
   std::string next = "take these photos; next: burin capture PHOTOS_DIR --board " + shell_word(in.board_file.string());
   if (!in.bench_file.empty()) next += " --bench " + shell_word(in.bench_file.string());
@@ -266,7 +266,7 @@ void run(const PlanArguments& arguments) {
                                     : "") +
            "; next: burin loop " + shell_word(arguments.board.string());
   if (arguments.out.empty()) {
-    fmt::print("Planned {} shots (--out DIR keeps the plan and draws it): {}\n", plan.shots.size(), next);
+    print_text("Planned {} shots (--out DIR keeps the plan and draws it): {}\n", plan.shots.size(), next);
     return;
   }
   make_output_folder(arguments.out);
@@ -274,7 +274,7 @@ void run(const PlanArguments& arguments) {
   write_json(plan_json(plan, in.board, focus), arguments.out / "plan.json");
   write_text(plan_drawing(plan, in.board), arguments.out / "plan.svg");
   all.put();
-  fmt::print("Wrote {}, plan.svg shows where to stand: {}\n", (arguments.out / "plan.json").string(), next);
+  print_text("Wrote {}, plan.svg shows where to stand: {}\n", (arguments.out / "plan.json").string(), next);
 }
 
 }  // namespace

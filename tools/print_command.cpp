@@ -73,14 +73,14 @@ void run(const PrintArguments& options) {
   }
   if (out.has_parent_path()) make_output_folder(out.parent_path());
   write_text(pdf(pages, {setup.paper.size_mm, stretch(setup), setup.name + ": tags, template, chessboard"}), out);
-  fmt::print("{}", told);
+  print_text("{}", told);
   std::string again = "burin print " + shell_word(options.project.string());
   if (!options.out.empty()) again += " --out " + shell_word(options.out.string());
   if (options.paper != "a4") again += " --paper " + options.paper;
   if (options.no_template) again += " --no-template";
   if (options.no_chessboard) again += " --no-chessboard";
   if (is_compensated(setup))
-    fmt::print(
+    print_text(
         "Wrote {}, with sizes put right for a printer whose ruler measured {:g} mm: print it with the same settings; "
         "its rulers must now measure 100 mm (if they measure L: {} --ruler-measured {:g} x L{})\n",
         out.string(), setup.across_mm, again, setup.across_mm / 100,
@@ -88,7 +88,7 @@ void run(const PrintArguments& options) {
             ? ""
             : fmt::format(" --upright-ruler-measured {:g} x L", setup.upright_mm / 100));
   else
-    fmt::print(
+    print_text(
         "Wrote {}: print it at 100 %, and measure its rulers; if 100 mm are not 100 mm: {} --ruler-measured MM\n",
         out.string(), again);
 }

@@ -38,10 +38,10 @@ void write_probing(const ProbeArguments& options) {
   });
   bar.clear();
   const Eigen::Vector2d& first = plan.points_mm.front();
-  fmt::print("touches the face at {} points, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
+  print_text("touches the face at {} points, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
              plan.points_mm.size() - 1, first.x(), first.y());
   const bool linuxcnc = machine.dialect == GcodeDialect::linuxcnc;
-  fmt::print("Wrote {}: try the probe's contact by hand, run it, {}; then: burin probe read {} --probed {} --out {}\n",
+  print_text("Wrote {}: try the probe's contact by hand, run it, {}; then: burin probe read {} --probed {} --out {}\n",
              options.out.string(),
              linuxcnc ? "and fetch burin-probe.txt, which LinuxCNC writes into the folder of its configuration"
                       : "and save the whole serial log",
@@ -58,9 +58,9 @@ void read_heights_of(const ProbeArguments& options) {
   for (const Finding& finding : probed.findings) note(finding);
   write_heights(probed.map, options.out);
   const auto points = std::count(probed.map.probed.begin(), probed.map.probed.end(), true);
-  fmt::print("{} points, {:.1f} um from the lowest to the highest; the zero moved by {:.1f} um meanwhile\n", points,
+  print_text("{} points, {:.1f} um from the lowest to the highest; the zero moved by {:.1f} um meanwhile\n", points,
              1e3 * range_mm(probed.map), 1e3 * probed.map.drift_mm);
-  fmt::print(
+  print_text(
       "Wrote {}: keep Z zero as it is; then: burin toolpath SCRATCHES.csv --board BOARD.json --heights {} --out "
       "board.gcode\n",
       options.out.string(), shell_word(options.out.string()));

@@ -88,34 +88,34 @@ std::filesystem::path beside(const std::filesystem::path& file, const std::strin
 }
 
 void print_probe(const LightProbe& p, bool with_bench) {
-  fmt::print(
+  print_text(
       "ball     {:.2f} +- {:.2f} mm wide, middle at {:.2f}, {:.2f}, {:.2f} mm: {}\n", 2 * p.ball.radius_mm,
       2 * p.radius_sigma_mm, p.ball.center_mm.x(), p.ball.center_mm.y(), p.ball.center_mm.z(),
       std::abs(p.ball.center_mm.z() - p.ball.radius_mm) < 0.5
           ? "it stands on the face"
           : fmt::format("its lowest point is {:.1f} mm above the face", p.ball.center_mm.z() - p.ball.radius_mm));
-  fmt::print("photos   {:>10} {:>9} {:>6} {:>9} {:>12} {:>10} {:>9}\n", "place", "exposures", "tags", "residual",
+  print_text("photos   {:>10} {:>9} {:>6} {:>9} {:>12} {:>10} {:>9}\n", "place", "exposures", "tags", "residual",
              "ball, wide", "outline", "residual");
   for (const ProbePlace& place : p.places)
-    fmt::print("         {:>10} {:>9} {:>6} {:>6.2f} px {:>9.0f} px {:>8.0f} % {:>6.2f} px\n", place.view,
+    print_text("         {:>10} {:>9} {:>6} {:>6.2f} px {:>9.0f} px {:>8.0f} % {:>6.2f} px\n", place.view,
                place.exposures, place.tags, place.tags_rms_px, 2 * place.radius_px, 100 * place.outline_found,
                place.outline_rms_px);
-  fmt::print(
+  print_text(
       "angles   +- {:.2f} degrees, many directions together; a pixel in the ball's middle spans {:.2f} degrees{}\n",
       p.direction_sigma_deg, p.pixel_deg,
       p.places.size() > 1 ? fmt::format("; places agree (correlation {:.2f})", p.agreement) : "");
-  fmt::print(
+  print_text(
       "seen     {:.1f} % of the directions above the face; {:.1f} % past the photographer only, {:.2f} % clipped\n",
       100 * p.seen_share, 100 * p.photographer_share, 100 * p.clipped_share);
   if (p.reflectance_by_paper)
-    fmt::print(
+    print_text(
         "scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue) by the tags' paper, whose pieces "
         "differ by {:.1f} %\n",
         p.reflectance.x(), p.reflectance.y(), p.reflectance.z(), 100 * p.paper_spread);
   else
-    fmt::print("scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue), as told or assumed\n",
+    print_text("scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue), as told or assumed\n",
                p.reflectance.x(), p.reflectance.y(), p.reflectance.z());
-  fmt::print("         light in units of {}, by exposure time, ISO and aperture\n",
+  print_text("         light in units of {}, by exposure time, ISO and aperture\n",
              with_bench ? "the bench's lamps (its sensor.gain)" : "this camera (no bench was given)");
 }
 
@@ -160,7 +160,7 @@ void probe_room(const ProbeLightArguments& options) {
   print_probe(probe, bench.has_value());
   const Eigen::Vector3d& d = probe.brightest.direction;
   const double azimuth = std::fmod(std::atan2(d.y(), d.x()) * 180 / std::numbers::pi + 360, 360);
-  fmt::print(
+  print_text(
       "Wrote {}, {} and {}: {:.1f} % of the directions above the face seen, brightest at azimuth {:.1f}, elevation "
       "{:.1f} degrees ({:.0f} % of the face's light); add {{ \"id\": \"room\", \"surroundings\": {{ \"picture\": "
       "\"{}\", "

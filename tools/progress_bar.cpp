@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <system_error>
 #include <utility>
+
+#include "tools/standard_streams.h"
 
 namespace burin {
 namespace {
@@ -66,7 +69,11 @@ void ProgressBar::show(std::string_view stage, double fraction) {
     draw();
     return;
   }
-  if (!drawer_.joinable()) drawer_ = std::thread([this] { draw_when_due(); });
+  if (!drawer_.joinable() && !has_no_thread_) try {
+      drawer_ = std::thread([this] { draw_when_due(); });
+    } catch (const std::system_error&) {  // the system gives none: the line is drawn when there is something new
+      has_no_thread_ = true;
+    }
   if (!std::exchange(waiting_, true)) changed_.notify_one();
 }
 
@@ -74,8 +81,7 @@ void ProgressBar::clear() {
   const std::lock_guard lock(mutex_);
   waiting_ = false;
   if (!drawn_) return;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  tell("\r\x1b[K");
   drawn_ = false;
 }
 
@@ -91,8 +97,7 @@ ProgressBar::Clock::time_point ProgressBar::due() const {
 void ProgressBar::draw() {
   last_drawn_ = Clock::now();
   // \r and "erase to the end of the line": the line is redrawn in place.
-  fmt::print(stderr, "\r{}\x1b[K", progress_line(said_, fraction_, seconds_between(stage_start_, last_drawn_)));
-  std::fflush(stderr);
+  tell(fmt::format("\r{}\x1b[K", progress_line(said_, fraction_, seconds_between(stage_start_, last_drawn_))));
   drawn_ = true;
   waiting_ = false;
 }

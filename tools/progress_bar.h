@@ -44,6 +44,7 @@ class ProgressBar {
   std::string stage_, said_;
   double fraction_ = 0;
   std::thread drawer_;  // begun with the first stage
+  bool has_no_thread_ = false;
 };
 
 /// "[#########-----------]  45 %  finding tags, 1:20 left". The time is a guess from the stage so far; none before 5 %.

@@ -35,54 +35,54 @@ void print_field(const std::string& name, const GrooveField& field) {
   const auto sigma = field.sigma.value_or(std::array<double, GrooveField::kTerms>{});
   const auto term = [&](int i) { return fmt::format("{:.1f} +- {:.1f} %", 100 * field.terms[i], 100 * sigma[i]); };
   if (field.is_linear())
-    fmt::print("         {} varies by {} from left to right, {} from bottom to top\n", name, term(0), term(1));
+    print_text("         {} varies by {} from left to right, {} from bottom to top\n", name, term(0), term(1));
   if (field.is_quadratic())
-    fmt::print("         and is not linear: {} x x, {} x y, {} y y\n", term(2), term(3), term(4));
-  if (field.wear() != 0) fmt::print("         {} falls by {} from the first scratch to the last\n", name, term(5));
+    print_text("         and is not linear: {} x x, {} x y, {} y y\n", term(2), term(3), term(4));
+  if (field.wear() != 0) print_text("         {} falls by {} from the first scratch to the last\n", name, term(5));
 }
 
 void print_panel(const LampSize& size) {
   if (size.panel_sigma_mm && size.turn_sigma_deg)
-    fmt::print("; a panel of {:.1f} +- {:.1f} x {:.1f} +- {:.1f} mm, turned by {:.1f} +- {:.1f} degrees",
+    print_text("; a panel of {:.1f} +- {:.1f} x {:.1f} +- {:.1f} mm, turned by {:.1f} +- {:.1f} degrees",
                size.panel_mm.x(), size.panel_sigma_mm->x(), size.panel_mm.y(), size.panel_sigma_mm->y(), size.turn_deg,
                *size.turn_sigma_deg);
   else
-    fmt::print("; a panel of {:.0f} x {:.0f} mm, as told,", size.panel_mm.x(), size.panel_mm.y());
+    print_text("; a panel of {:.0f} x {:.0f} mm, as told,", size.panel_mm.x(), size.panel_mm.y());
 }
 
 void print_result(const Refinement& r, const Board& board) {
   const Bench& b = r.bench;
-  fmt::print("alpha    {}\n", measured(b, parameter::kAlpha, b.material.alpha, b.material_sigma.alpha, 4));
+  print_text("alpha    {}\n", measured(b, parameter::kAlpha, b.material.alpha, b.material_sigma.alpha, 4));
   print_field("alpha", b.alpha_field);
-  fmt::print("depth    {}\n", measured(b, parameter::kDepth, b.material.depth_um, b.material_sigma.depth_um, 2, " um"));
-  fmt::print("         half-width of the grooves {:.1f} um, from the depth and the tool\n",
+  print_text("depth    {}\n", measured(b, parameter::kDepth, b.material.depth_um, b.material_sigma.depth_um, 2, " um"));
+  print_text("         half-width of the grooves {:.1f} um, from the depth and the tool\n",
              half_width_um(board.tool_width_um, b.material.depth_um));
   print_field("depth", b.depth_field);
-  fmt::print("grooves  differ from one another by {:.1f} % in alpha and {:.1f} % in depth\n", 100 * r.alpha_jitter,
+  print_text("grooves  differ from one another by {:.1f} % in alpha and {:.1f} % in depth\n", 100 * r.alpha_jitter,
              100 * r.depth_jitter);
-  fmt::print("face     base_alpha {}\n",
+  print_text("face     base_alpha {}\n",
              measured(b, parameter::kBaseAlpha, b.material.base_alpha, b.material_sigma.base_alpha, 4));
   for (const Light& light : b.lights) {
     if (!light.is_near()) {
       if (light.intensity_sigma)
-        fmt::print(
+        print_text(
             "around   {} {}\n", light.id,
             measured(b, parameter::light_intensity(light.id), light.intensity.mean(), light.intensity_sigma->mean(),
                      light.intensity.mean() < 100 ? 3 : 0, " times its picture's brightness"));
       continue;
     }
-    fmt::print("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
+    print_text("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
                light.position_mm.z());
     if (light.position_sigma_mm)
-      fmt::print(", +- {:.2f}, {:.2f}, {:.2f} mm", light.position_sigma_mm->x(), light.position_sigma_mm->y(),
+      print_text(", +- {:.2f}, {:.2f}, {:.2f} mm", light.position_sigma_mm->x(), light.position_sigma_mm->y(),
                  light.position_sigma_mm->z());
-    if (light.falloff_exponent > 0) fmt::print("; a spot, exponent {:.1f}", light.falloff_exponent);
+    if (light.falloff_exponent > 0) print_text("; a spot, exponent {:.1f}", light.falloff_exponent);
     if (light.size.disk_mm > 0)
-      fmt::print("; a disk of {:.1f}{} mm radius", light.size.disk_mm,
+      print_text("; a disk of {:.1f}{} mm radius", light.size.disk_mm,
                  light.size.disk_sigma_mm ? fmt::format(" +- {:.1f}", *light.size.disk_sigma_mm) : ", as told,");
     else if (!light.size.is_point())
       print_panel(light.size);
-    fmt::print("\n");
+    print_text("\n");
   }
   double worst = 0;
   for (const double x : {board.carve_min_mm.x(), board.carve_max_mm.x()})
@@ -91,21 +91,21 @@ void print_result(const Refinement& r, const Board& board) {
       worst = std::max(worst, moved.norm());
     }
   const Verdict* machine = find_verdict(b, parameter::kMachine);
-  fmt::print("machine  off by at most {:.3f} mm over the carve area; {}\n", worst,
+  print_text("machine  off by at most {:.3f} mm over the carve area; {}\n", worst,
              machine != nullptr ? sentence(*machine) : "");
-  if (!r.noise_bounds.empty()) fmt::print("noise    the camera's noise alone would allow these sigmas:\n");
+  if (!r.noise_bounds.empty()) print_text("noise    the camera's noise alone would allow these sigmas:\n");
   for (const auto& [name, sigma, bound, unit] : r.noise_bounds)
-    fmt::print("         {:<24} {} {}; its sigma is {} times that\n", name, significant(bound), in_words(unit),
+    print_text("         {:<24} {} {}; its sigma is {} times that\n", name, significant(bound), in_words(unit),
                significant(sigma / bound));
-  fmt::print("photos   {:>10} {:>9} {:>13} {:>12} {:>9}\n", "view", "pixels", "residual", "/ its noise", "outliers");
+  print_text("photos   {:>10} {:>9} {:>13} {:>12} {:>9}\n", "view", "pixels", "residual", "/ its noise", "outliers");
   for (const PhotoFit& photo : r.photos)
-    fmt::print("         {:>10} {:>9} {:>11.2f} % {:>12.2f} {:>7.1f} %\n", photo.view, photo.pixels,
+    print_text("         {:>10} {:>9} {:>11.2f} % {:>12.2f} {:>7.1f} %\n", photo.view, photo.pixels,
                100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
-  fmt::print("         residual / its noise: 1 is a perfect model; this one misses {:.1f} % of a pixel's light\n",
+  print_text("         residual / its noise: 1 is a perfect model; this one misses {:.1f} % of a pixel's light\n",
              100 * r.model_error);
-  fmt::print("crossing scratches: {}\n", in_words(r.bench.crossings));
+  print_text("crossing scratches: {}\n", in_words(r.bench.crossings));
   if (r.looked_at < 1)
-    fmt::print(
+    print_text(
         "looked at {:.0f} % of the carve area, in squares all over it: grooves are cut where they cross, too often to "
         "look at all of it\n",
         100 * r.looked_at);
@@ -181,9 +181,9 @@ void add_refine_command(CLI::App& burin) {
     bar.clear();
     for (const Finding& finding : result.findings) note(finding);
     print_result(result, board);
-    if (!held.pixels.empty()) fmt::print("{}", pixels_in_words(held.pixels));
+    if (!held.pixels.empty()) print_text("{}", pixels_in_words(held.pixels));
     const std::string bench = options->bench.string();
-    fmt::print("Completed {}; next: burin design DESIGN.json --bench {} --out DIR\n", bench, shell_word(bench));
+    print_text("Completed {}; next: burin design DESIGN.json --bench {} --out DIR\n", bench, shell_word(bench));
   });
 }
 

@@ -60,7 +60,7 @@ void run_animation(const RenderArguments& o, const Board& board, const Bench& be
   const int frames = animate(board, bench, carved, views, lights, o.animation, options, bar.progress());
   bar.clear();
   const bool eye = options.moving == Moving::eye;
-  fmt::print("Wrote {}: {} frames through {} {}, {} pixels; next: {}.\n", o.animation.string(), frames,
+  print_text("Wrote {}: {} frames through {} {}, {} pixels; next: {}.\n", o.animation.string(), frames,
              eye ? views.size() : lights.size(), eye ? "views" : "lamps", options.pixels,
              o.animation.extension().empty() ? "make a film of these pictures" : "open it in a browser");
 }
@@ -93,6 +93,12 @@ void run(const RenderArguments& o) {
   const View& view = find_view(bench, o.views.front(), "--view");
   const Light light = find_lit(bench, o.lights.empty() ? bench.lights.front().id : joined_lights(o.lights), "--light");
 
+  fail_unless_sees(view, board);
+  fail_unless_lights(light, board);
+  if (!is_in_picture(bench, view, board))
+    note(make_warning("view " + view.name + ": nothing of the board lies in its picture",
+                      "check its T_camera_board and the lens in the bench"));
+
   bar.progress()("rendering", 0.2);
   const CameraView camera = make_camera_view(bench, board, view, {0, 0, bench.lens.width, bench.lens.height});
   ViewRenderer renderer(make_scene(bench, board, camera, light), {3});
@@ -107,7 +113,7 @@ void run(const RenderArguments& o) {
   bar.progress()("writing", 0);
   write_picture(image, o.out);
   bar.clear();
-  fmt::print("Wrote {}: view {} under {}, {} scratches, {} x {} pixels, exposure {:.6g}.\n", o.out.string(), view.name,
+  print_text("Wrote {}: view {} under {}, {} scratches, {} x {} pixels, exposure {:.6g}.\n", o.out.string(), view.name,
              light.id, rows.size(), image.width, image.height, exposure);
 }
 

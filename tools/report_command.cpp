@@ -40,7 +40,7 @@ void add_report_command(CLI::App& burin) {
       rerun = rerun_section({options->before, options->folder, options->under, options->board}, bar.progress());
     const WrittenReport report = write_report(options->folder, options->session, rerun, bar.progress());
     bar.clear();
-    fmt::print("{}\nWrote {} ({:.1f} MB); open it in a browser.\n", report.told, report.page.string(),
+    print_text("{}\nWrote {} ({:.1f} MB); open it in a browser.\n", report.told, report.page.string(),
                static_cast<double>(report.bytes) / 1e6);
   });
 }

@@ -70,7 +70,7 @@ void run(const SheetArguments& options) {
   all.put();
   for (const Finding& finding : findings(sheet)) note(finding);
   for (const Finding& finding : focus_findings(sheet.plan, sheet.focus)) note(finding);
-  fmt::print("Wrote {}: {} and {} photos in order; print it, or open it on a phone; next: {}\n", written,
+  print_text("Wrote {}: {} and {} photos in order; print it, or open it on a phone; next: {}\n", written,
              sheet.places.size() == 1 ? "1 place" : fmt::format("{} places", sheet.places.size()),
              sheet.plan.shots.size(), "burin loop " + shell_word(options.project.string()));
 }

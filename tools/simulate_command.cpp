@@ -35,10 +35,10 @@ void add_simulate_command(CLI::App& burin) {
     const auto in_out = [&](const char* name) { return shell_word((options->out / name).string()); };
     const std::string out = shell_word(options->out.string());
     if (std::filesystem::exists(options->out / "session.json"))
-      fmt::print("Wrote {}: photos, board.json, session.json; next: burin calibrate {} --out {}\n",
+      print_text("Wrote {}: photos, board.json, session.json; next: burin calibrate {} --out {}\n",
                  options->out.string(), in_out("session.json"), out);
     else
-      fmt::print("Wrote {}: photos and board.json; next: burin capture {} --board {} --out {}\n", options->out.string(),
+      print_text("Wrote {}: photos and board.json; next: burin capture {} --board {} --out {}\n", options->out.string(),
                  in_out("photos"), in_out("board.json"), out);
   });
 }

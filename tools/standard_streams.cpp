@@ -4,10 +4,12 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 
 #include "burin/render/files/file_error.h"
+#include "burin/render/files/printable.h"
 #include "burin/render/files/write_file.h"
 
 namespace burin {
@@ -19,14 +21,30 @@ void fill_closed_streams() {
       static_cast<void>(::open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY));
 }
 
+void tell(std::string_view text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
+  std::fflush(stderr);
+}
+
+void say_text(std::string_view text) {
+  std::string shown;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    shown += printable(text.substr(0, end));
+    if (end < text.size()) shown += '\n';
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  std::fwrite(shown.data(), 1, shown.size(), stdout);
+}
+
 int exit_code_with_output_checked(int exit_code) {
   errno = 0;
   const bool failed = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
   const int error = errno;
   if (!failed) return exit_code;
-  fmt::print(stderr, "burin: standard output: what was said could not be written{}; {}\n",
-             error == 0 ? "" : ": " + error_text(error),
-             error == 0 ? "send it to a file on a disk with room, or to a program that reads it" : error_remedy(error));
+  tell(fmt::format(
+      "burin: standard output: what was said could not be written{}; {}\n", error == 0 ? "" : ": " + error_text(error),
+      error == 0 ? "send it to a file on a disk with room, or to a program that reads it" : error_remedy(error)));
   return exit_code == 0 ? 1 : exit_code;
 }
 

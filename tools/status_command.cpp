@@ -87,16 +87,16 @@ void run(const fs::path& folder, bool as_json) {
     fmt::print("{}\n", json.dump(1));
     return;
   }
-  fmt::print("{}: {}\n{}", folder.string(), in_words(loop.options), table_of(loop, states));
+  print_text("{}: {}\n{}", folder.string(), in_words(loop.options), table_of(loop, states));
   bool head = false;
   for (const StageState& state : states)
     if (const std::string words = rests_on(state); !words.empty()) {
-      if (!head) fmt::print("What each was made from:\n");
+      if (!head) print_text("What each was made from:\n");
       head = true;
-      fmt::print("  {}: {}\n", name_of(loop.project, state.at), words);
+      print_text("  {}: {}\n", name_of(loop.project, state.at), words);
     }
-  if (!at_work.empty()) fmt::print("A loop is at work here: {}\n", at_work);
-  fmt::print("Next: {}\n", next);
+  if (!at_work.empty()) print_text("A loop is at work here: {}\n", at_work);
+  print_text("Next: {}\n", next);
 }
 
 }  // namespace

@@ -1,33 +1,43 @@
 #include "tools/stop_signal.h"
 
 #include <fcntl.h>
+#include <poll.h>
+#include <pthread.h>
+#include <sys/time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
+#include <exception>
 #include <mutex>
 #include <thread>
 
 #include "burin/render/error.h"
+#include "burin/render/files/file_error.h"
 #include "burin/render/files/unfinished.h"
 
 namespace burin {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
 
-constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+// All whose default is to end a process. Those of faults come from within; SIGKILL cannot be heard.
+constexpr int kWishes[] = {SIGINT,    SIGTERM, SIGHUP,  SIGQUIT, SIGUSR1, SIGUSR2,  SIGXCPU,
+                           SIGVTALRM, SIGPROF, SIGPOLL, SIGPWR,  SIGALRM, SIGSTKFLT};
+constexpr int kFaults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};
 
 // One wish to stop often arrives twice: timeout(1), some shells and terminals send it to the process and again to its
 // group. Whoever asks once more after this time means it.
-constexpr auto kOneWish = std::chrono::milliseconds(500);
+constexpr milliseconds kOneWish{500};
 
 // Removing what is unfinished takes milliseconds, and so do a command's last words; on a disk or a terminal that does
 // not answer the process ends all the same.
-constexpr auto kLongestEnd = std::chrono::seconds(3);
+constexpr milliseconds kLongestEnd{1500};
 
 enum class Speaker { nobody, command, signal };
 
@@ -41,11 +51,12 @@ bool takes(std::atomic<Speaker>& last_word, Speaker speaker) {
 struct Wish {
   std::atomic<int> number = 0;
   std::atomic<Speaker> last_word = Speaker::nobody;
-  std::mutex mutex;  // of `keepers`, and of who decides what a signal does
+  std::mutex mutex;  // of `keepers`, `longest`, and of who decides what a signal does
   int keepers = 0;
+  milliseconds longest = StopOnSignal::kAnyTime;
   int pipe[2] = {-1, -1};
   std::string command_line;
-  std::function<void(const std::string&, int)> say;
+  StopWords words;
 };
 
 Wish& wish() {
@@ -53,86 +64,171 @@ Wish& wish() {
   return one;
 }
 
-int pipe_end = -1;  // what the handler writes to; set before there is a handler
+// What handlers use; set before there are any.
+int pipe_end = -1;
+std::atomic<int> code_at_the_latest = 1;
+pthread_t listener;
 
-void on_signal(int number) {
-  const int error = errno;
+bool is_fault(int number) { return std::find(std::begin(kFaults), std::end(kFaults), number) != std::end(kFaults); }
+
+void hand_over(int number) {
   const char byte = static_cast<char>(number);
   // A full pipe holds wishes enough.
   if (::write(pipe_end, &byte, 1) < 0) errno = 0;
+}
+
+void on_wish(int number) {
+  const int error = errno;
+  hand_over(number);
   errno = error;
 }
 
-const char* words_of(int number) {
+// This thread cannot go on; the listener ends the process, unless it is what failed.
+void on_fault(int number) {
+  if (pthread_equal(pthread_self(), listener) != 0) ::_exit(128 + number);
+  hand_over(number);
+  for (int i = 0; i < 3; ++i) ::sleep(1);
+  ::_exit(128 + number);
+}
+
+void end_at_the_latest(int) { ::_exit(code_at_the_latest); }
+
+// From now on the process ends within kLongestEnd.
+void begin_to_end(int exit_code) {
+  code_at_the_latest = exit_code;
+  std::signal(SIGALRM, end_at_the_latest);
+  itimerval timer{};
+  timer.it_value.tv_sec = kLongestEnd.count() / 1000;
+  timer.it_value.tv_usec = 1000 * (kLongestEnd.count() % 1000);
+  ::setitimer(ITIMER_REAL, &timer, nullptr);
+}
+
+std::string signal_words(int number) {
   switch (number) {
     case SIGINT:
       return "Ctrl-C (SIGINT)";
-    case SIGTERM:
-      return "SIGTERM";
-    default:
+    case SIGQUIT:
+      return "Ctrl-\\ (SIGQUIT)";
+    case SIGHUP:
       return "SIGHUP (the terminal closed)";
+    case SIGXCPU:
+      return "SIGXCPU (the limit of processor time, ulimit -t)";
+    default: {
+      const char* const name = ::sigabbrev_np(number);
+      return name != nullptr ? std::string("SIG") + name : "signal " + std::to_string(number);
+    }
   }
 }
 
-[[noreturn]] void end_at_once() {
+std::string sentence_of(int number) {
+  if (is_fault(number))
+    return "ended by " + signal_words(number) +
+           ": this is a fault in Burin or in a library that it calls, please report it with the command you gave; what "
+           "is unfinished counts as nothing";
+  return "stopped by " + signal_words(number) +
+         " before it was done; what is unfinished counts as nothing, and this goes on or begins anew: " +
+         wish().command_line;
+}
+
+// Ends the process, unless it has ended by itself and is just saying so.
+[[noreturn]] void end_at_once(const std::string& sentence, int code) {
   Wish& w = wish();
-  const int code = stop_exit_code();
-  if (!takes(w.last_word, Speaker::signal)) {  // it has ended by itself, and is just saying so
-    std::this_thread::sleep_for(kLongestEnd);
-    ::_exit(code);
-  }
-  std::thread([code] {
-    std::this_thread::sleep_for(kLongestEnd);
-    ::_exit(code);
-  }).detach();
+  begin_to_end(code);
+  while (!takes(w.last_word, Speaker::signal)) ::pause();
   abandon_unfinished();
   // What was said so far, unless its thread is in the midst of a line that nobody reads.
   if (::ftrylockfile(stdout) == 0) {
     std::fflush(stdout);
     ::funlockfile(stdout);
   }
-  if (w.say) w.say(stop_sentence(), code);
+  if (w.words.last) w.words.last(sentence, code);
   ::_exit(code);
 }
 
-void listen() {
+[[noreturn]] void end_at_once(int number) { end_at_once(sentence_of(number), 128 + number); }
+
+// One signal more; `first` is when the first one came.
+void take_signal(int number, Clock::time_point& first) {
   Wish& w = wish();
+  const std::lock_guard lock(w.mutex);
+  if (is_fault(number)) end_at_once(number);
+  if (w.number != 0) {
+    if (Clock::now() - first > kOneWish) end_at_once(w.number);
+    return;
+  }
+  first = Clock::now();
+  w.number = number;
+  if (w.keepers == 0 || number == SIGQUIT) end_at_once(number);
+  if (w.longest == StopOnSignal::kAnyTime && w.words.heard && w.last_word == Speaker::nobody)
+    w.words.heard("stopping with what there is so far; press Ctrl-C again to end at once");
+}
+
+// Milliseconds until the work that was asked to stop must have ended by itself; -1: any time.
+int time_left(Clock::time_point first) {
+  Wish& w = wish();
+  const std::lock_guard lock(w.mutex);
+  if (w.number == 0 || w.keepers == 0 || w.longest == StopOnSignal::kAnyTime) return -1;
+  const auto left = std::chrono::ceil<milliseconds>(first + w.longest - Clock::now());
+  if (left.count() <= 0) end_at_once(w.number);
+  return static_cast<int>(left.count());
+}
+
+void listen() {
   Clock::time_point first;
   for (;;) {
+    pollfd waits{wish().pipe[0], POLLIN, 0};
+    const int ready = ::poll(&waits, 1, time_left(first));
+    if (ready == 0 || (ready < 0 && errno == EINTR)) continue;
     char byte = 0;
-    const ssize_t got = ::read(w.pipe[0], &byte, 1);
+    const ssize_t got = ::read(waits.fd, &byte, 1);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return;
-    const std::lock_guard lock(w.mutex);
-    if (w.number == 0) {
-      first = Clock::now();
-      w.number = byte;
-      if (w.keepers == 0) end_at_once();
-    } else if (Clock::now() - first > kOneWish) {
-      end_at_once();
-    }
+    take_signal(byte, first);
   }
+}
+
+// An exception that nothing has caught: of a thread, or thrown where none may be.
+[[noreturn]] void end_uncaught() {
+  const std::exception_ptr thrown = std::current_exception();
+  const Wish& w = wish();
+  end_at_once(w.words.uncaught ? w.words.uncaught(thrown) : "ended without a reason", 1);
+}
+
+// Others than Ctrl-C and `kill` only where nobody has seen to them: nohup ignores SIGHUP, a sanitizer looks at faults.
+void handle(int number, void (*handler)(int)) {
+  struct sigaction before {};
+  if (::sigaction(number, nullptr, &before) != 0) return;
+  if (number != SIGINT && number != SIGTERM && before.sa_handler != SIG_DFL) return;
+  struct sigaction action {};
+  action.sa_handler = handler;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  ::sigaction(number, &action, nullptr);
 }
 
 }  // namespace
 
-void end_on_signals(const std::string& command_line, std::function<void(const std::string&, int)> say) {
+void end_on_signals(const std::string& command_line, StopWords words) {
   Wish& w = wish();
   w.command_line = command_line;
-  w.say = std::move(say);
+  w.words = std::move(words);
   if (::pipe2(w.pipe, O_CLOEXEC) != 0) fail("signals", "no pipe can be had", "close other programs' files (ulimit -n)");
   ::fcntl(w.pipe[1], F_SETFL, O_NONBLOCK);
   pipe_end = w.pipe[1];
-  std::thread(listen).detach();
-  for (const int number : kSignals) {
-    struct sigaction before {};
-    struct sigaction action {};
-    action.sa_handler = on_signal;
-    action.sa_flags = SA_RESTART;
-    sigemptyset(&action.sa_mask);
-    if (number == SIGHUP && ::sigaction(number, nullptr, &before) == 0 && before.sa_handler == SIG_IGN) continue;
-    ::sigaction(number, &action, nullptr);
+  try {
+    std::thread thread(listen);
+    listener = thread.native_handle();
+    thread.detach();
+  } catch (const std::system_error& error) {
+    fail("threads", "the system gives none: " + error_text(error.code().value()), error_remedy(error.code().value()));
   }
+  std::set_terminate(end_uncaught);
+  // Where writing fails, the write tells.
+  std::signal(SIGXFSZ, SIG_IGN);
+  std::signal(SIGPIPE, SIG_IGN);
+  for (const int number : kWishes) handle(number, on_wish);
+  for (int number = SIGRTMIN; number <= SIGRTMAX; ++number) handle(number, on_wish);
+  for (const int number : kFaults) handle(number, on_fault);
 }
 
 int stop_exit_code() {
@@ -140,10 +236,10 @@ int stop_exit_code() {
   return number == 0 ? 0 : 128 + number;
 }
 
-std::string stop_sentence() {
-  return std::string("stopped by ") + words_of(wish().number) +
-         " before it was done; what is unfinished counts as nothing, and this goes on or begins anew: " +
-         wish().command_line;
+std::string stop_sentence(bool kept) {
+  const int number = wish().number;
+  return kept ? "stopped by " + signal_words(number) + " before it was done; what there was by then is kept"
+              : sentence_of(number);
 }
 
 void take_last_word() {
@@ -154,13 +250,16 @@ void stop_if_asked() {
   if (StopOnSignal::asked()) throw Stopped{};
 }
 
-StopOnSignal::StopOnSignal() {
+StopOnSignal::StopOnSignal(milliseconds longest) {
   const std::lock_guard lock(wish().mutex);
+  longest_before_ = wish().longest;
+  wish().longest = longest;
   ++wish().keepers;
 }
 
 StopOnSignal::~StopOnSignal() {
   const std::lock_guard lock(wish().mutex);
+  wish().longest = longest_before_;
   --wish().keepers;
 }
 

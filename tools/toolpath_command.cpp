@@ -47,7 +47,9 @@ Scratches scratches_of(const ToolpathArguments& options, const Board& board, con
   bar.progress()("reading scratches", 0);
   Scratches scratches = read_scratches(options.scratches);
   if (!options.mend) return scratches;
-  Mended mended = mend(scratches, toolpath_limits(board, bench, machine));
+  const CarvingLimits limits = toolpath_limits(board, bench, machine);
+  fail_if_crowded(scratches, limits);
+  Mended mended = mend(scratches, limits);
   bar.clear();
   if (mended.rows.size() < scratches.size())
     note(make_warning(fmt::format("mended: {} of {} scratches are left out, {}", scratches.size() - mended.rows.size(),
@@ -123,37 +125,37 @@ void write(const ToolpathArguments& options) {
   for (const Finding& finding : report.findings) note(finding);
 
   for (std::size_t i = 0; i < report.files.size(); ++i)
-    fmt::print("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));
-  fmt::print("covers X {:.2f} to {:.2f}, Y {:.2f} to {:.2f} mm; {}\n", report.min_mm.x(), report.max_mm.x(),
+    print_text("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));
+  print_text("covers X {:.2f} to {:.2f}, Y {:.2f} to {:.2f} mm; {}\n", report.min_mm.x(), report.max_mm.x(),
              report.min_mm.y(), report.max_mm.y(),
              report.compensated ? "compensated by the measured machine.affine" : "not compensated");
   if (report.already_carved > 0)
-    fmt::print("{} scratches are carved already and are left out\n", report.already_carved);
+    print_text("{} scratches are carved already and are left out\n", report.already_carved);
   if (report.stepped_mm > kOnStep_mm)
-    fmt::print("the machine's steps of {:g} mm move ends by up to {:.4f} mm\n", machine.limits.step_mm,
+    print_text("the machine's steps of {:g} mm move ends by up to {:.4f} mm\n", machine.limits.step_mm,
                report.stepped_mm);
-  fmt::print("carves {:.1f} m, travels {:.1f} m in the air ({:.1f} m in the file's own order)\n",
+  print_text("carves {:.1f} m, travels {:.1f} m in the air ({:.1f} m in the file's own order)\n",
              report.carve_mm / 1000, report.travel_mm / 1000, report.file_order_travel_mm / 1000);
   if (report.kept_order && settings.after == std::nullopt)
-    fmt::print("in the file's order{}\n",
+    print_text("in the file's order{}\n",
                settings.keep_order.has_value()
                    ? ""
                    : ", which the board is designed for: on this bench it shows (wear, or the "
                      "groove carved last rules at crossings)");
   if (!options.resume.empty()) {
     const CarvingStep& next = report.order.front();
-    fmt::print(
+    print_text(
         "{}: {} scratches are done before line {}; the first that is left is row {} of {}. Controllers are told lines "
         "ahead of what they carve: look whether the last ones are there, and name an earlier line if not.\n",
         options.resume.string(), report.done_before, options.at_line, next.scratch + 1, options.scratches.string());
-    fmt::print(
+    print_text(
         "Wrote the {} scratches left, about {}: home the machine, set work zero where it was, and carve{}; then go on "
         "with the next file.\n",
         report.scratch_count, duration_text(report.duration_s),
         options.frame ? " (the frame first: it goes round them in the air)" : "");
     return;
   }
-  fmt::print("Wrote {} scratches for {}, about {}: {}.\n", report.scratch_count, machine.name,
+  print_text("Wrote {} scratches for {}, about {}: {}.\n", report.scratch_count, machine.name,
              duration_text(report.duration_s), zero_text(machine, report));
 }
 
@@ -178,17 +180,17 @@ void replay(const ToolpathArguments& options) {
     bar.clear();
     carved.insert(carved.end(), done.scratches.begin(), done.scratches.end());
     duration_s += done.duration_s;
-    fmt::print("{}: {} lines, {} scratches, {:.1f} m in the metal, {:.1f} m in the air, {}\n", file.string(),
+    print_text("{}: {} lines, {} scratches, {:.1f} m in the metal, {:.1f} m in the air, {}\n", file.string(),
                done.lines, done.scratches.size(), done.carve_mm / 1000, done.travel_mm / 1000,
                duration_text(done.duration_s));
-    fmt::print("  X {:.3f} to {:.3f}, Y {:.3f} to {:.3f}, Z {:.3f} to {:.3f} mm\n", done.min_mm.x(), done.max_mm.x(),
+    print_text("  X {:.3f} to {:.3f}, Y {:.3f} to {:.3f}, Z {:.3f} to {:.3f} mm\n", done.min_mm.x(), done.max_mm.x(),
                done.min_mm.y(), done.max_mm.y(), done.min_mm.z(), done.max_mm.z());
   }
   bar.progress()("comparing with what was planned", 0);
   fail_unless_good(check_toolpath(carved, planned.scratches, 1e-3, depth_share(planned.face)),
                    options.replay.front().string());
   bar.clear();
-  fmt::print("Replayed: all {} scratches are carved once and as planned, in about {} on {}.\n", carved.size(),
+  print_text("Replayed: all {} scratches are carved once and as planned, in about {} on {}.\n", carved.size(),
              duration_text(duration_s), machine.name);
 }
 

@@ -138,14 +138,14 @@ void run(const fs::path& file, const fs::path& project) {
   }
   follow(trace, name, hash, 0);
   bar.clear();
-  fmt::print("{}", trace.lines);
+  print_text("{}", trace.lines);
   if (!trace.changed.empty())
     fail(file.string(),
          fmt::format("{} of the files that it rests on {} what {} when it was made", trace.changed.size(),
                      trace.changed.size() == 1 ? "is not" : "are not",
                      trace.changed.size() == 1 ? "it was" : "they were"),
          "they are marked above");
-  fmt::print("All {} files that it rests on are what they were.\n", trace.told.size() - 1);
+  print_text("All {} files that it rests on are what they were.\n", trace.told.size() - 1);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ void run(const ViewArguments& o) {
   for (const Finding& finding : findings) note(finding);
   std::size_t most = 0;
   for (const ViewedBoard& board : view.boards) most = std::max(most, grooves_of(board.carved));
-  fmt::print(
+  print_text(
       "Wrote {}: {} groove{}, {} place{} to look from, {:.1f} MB, all in one file; next: open it in a browser, "
       "or send it to a phone and tilt it.\n",
       out.string(), most, most == 1 ? "" : "s", view.boards.front().pictures.size(),

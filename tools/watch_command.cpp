@@ -1,5 +1,6 @@
 // burin watch - photos of a board are judged as they arrive in a folder, while the camera still stands there.
-// The work is in tools/watch: photo_inbox.h (what has arrived), shoot.h (what it is and what is missing).
+// The work is in tools/watch: photo_inbox.h (which files have arrived), kept_copies.h (copies of them), shoot.h (what
+// they show and what is missing).
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include "tools/commands.h"
 #include "tools/stop_signal.h"
 #include "tools/tether/tethered_shoot.h"
+#include "tools/watch/kept_copies.h"
 #include "tools/watch/photo_inbox.h"
 #include "tools/watch/say_shoot.h"
 #include "tools/watch/watched_project.h"
@@ -27,8 +29,11 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-// A photo is judged 0.2 to 0.4 s after its last byte has come.
-constexpr auto kBetweenLooks = 100ms, kStays = 200ms;
+// A photo is judged 0.2 to 0.4 s after its last byte has come, and copied when none has come for two seconds more.
+constexpr auto kBetweenLooks = 100ms, kStays = 200ms, kStaysForCopies = 2000ms;
+
+// After a wish to stop, a photo that is being looked at is given up.
+constexpr auto kLongestStop = 1500ms;
 
 struct WatchArguments {
   fs::path project, photos, plan;
@@ -48,7 +53,7 @@ class Teller {
       if (!file.empty()) line["photo"] = file.string();
       fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
     } else {
-      fmt::print("{}\n", words);
+      print_text("{}\n", words);
     }
     std::fflush(stdout);
   }
@@ -57,26 +62,13 @@ class Teller {
     if (json_)
       fmt::print("{}\n", last_photo_json(shoot, seconds, processor_seconds));
     else
-      fmt::print("{}", last_photo_words(shoot));
+      print_text("{}", last_photo_words(shoot));
     std::fflush(stdout);
   }
 
  private:
   bool json_;
 };
-
-// A copy for the loop; a file of that name that is there already stays.
-void copy_photo(const fs::path& file, const fs::path& into, const Teller& teller) {
-  const fs::path to = into / file.filename();
-  std::error_code ignored;
-  if (fs::exists(to, ignored)) {
-    if (fs::file_size(to, ignored) != fs::file_size(file, ignored))
-      teller.say("not copied", file, "    not copied: " + to.string() + " is there already, and is another photo");
-    return;
-  }
-  make_output_folder(into);
-  copy_whole(file, to);
-}
 
 std::string why_unreadable(const fs::path& file, const std::string& error) {
   std::error_code ignored;
@@ -92,7 +84,10 @@ class Watch {
       : options_(options),
         teller_(options.json),
         project_(watched_project(options.project, options.photos, options.plan)),
-        inbox_(project_.photos, project_.lamps, kStays) {
+        inbox_(project_.photos, project_.lamps, kStays),
+        copies_(kStaysForCopies, [this](const std::string& event, const fs::path& photo, const std::string& words) {
+          teller_.say(event, photo, words);
+        }) {
     take_light();
     if (options.copy && project_.keep.empty())
       fail("--copy", "the project has no round yet whose photos these could be",
@@ -105,7 +100,11 @@ class Watch {
   void run() {
     say_what_is_wanted();
     options_.tether ? take_photos() : wait_for_photos();
+    copies_.report_rest();
     say_summary();
+    if (const int left = copies_.waiting(); left > 0 && !StopOnSignal::asked())
+      fail("--copy", fmt::format("{} photo{} not copied", left, left == 1 ? " is" : "s are"),
+           "mend what is said above, and do not delete them where they are; then the same command goes on");
   }
 
  private:
@@ -154,11 +153,13 @@ class Watch {
   }
 
   void wait_for_photos() {
-    const StopOnSignal stop;
+    const StopOnSignal stop(kLongestStop);
     while (!StopOnSignal::asked()) {
       take_news(inbox_.look());
-      const bool waits = inbox_.expects();
-      if (options_.once && !waits && there_) break;
+      for (const fs::path& file : copies_.look()) judge(file);
+      const bool waits = inbox_.expects() || copies_.waiting() > 0;
+      // What cannot be copied is tried again only as long as somebody watches.
+      if (options_.once && there_ && !inbox_.expects() && copies_.waiting() == copies_.refused()) break;
       if (!waits && there_ && !project_.shoot.photos.empty() &&
           next_step(project_.shoot).kind == NextStep::Kind::finished)
         break;
@@ -232,7 +233,7 @@ class Watch {
     if (several_lamps() && shoot.light.empty())
       teller_.say("not copied", file, "    not copied: nothing tells which lamp was on");
     else
-      copy_photo(file, folder_for(project_.keep, shoot.light), teller_);
+      copies_.want(file, folder_for(project_.keep, shoot.light));
   }
 
   // Of several lamps `burin capture` must know which was on; here the order of the shots is gone by.
@@ -248,6 +249,7 @@ class Watch {
 
   void rename(const fs::path& from, const fs::path& to) {
     Shoot& shoot = project_.shoot;
+    copies_.rename(from, to);
     const auto photo = std::find_if(shoot.photos.begin(), shoot.photos.end(),
                                     [&](const JudgedPhoto& p) { return p.facts.file == from; });
     if (photo != shoot.photos.end() && photo->light != light_of(to)) {  // into its lamp's folder: perhaps another shot
@@ -259,6 +261,8 @@ class Watch {
       find_no_lamp(to);
       teller_.say("renamed", to, fmt::format("{} is {} now", from.string(), to.string()));
       teller_.say_last(shoot, 0, 0);
+      if (options_.copy && !has_errors(shoot.photos.back().faults) && !shoot.light.empty())
+        copies_.want(to, folder_for(project_.keep, shoot.light));
       return;
     }
     if (photo != shoot.photos.end()) photo->facts.file = to;
@@ -303,6 +307,7 @@ class Watch {
   Teller teller_;
   WatchedProject project_;
   PhotoInbox inbox_;
+  KeptCopies copies_;
   std::map<fs::path, std::string> errors_;
   bool there_ = true;
   int unreadable_ = 0;

@@ -1,14 +1,13 @@
 #include "tools/work_lock.h"
 
 #include <fcntl.h>
-#include <fmt/chrono.h>
+#include <fmt/core.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <ctime>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -18,6 +17,8 @@
 #include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/named_paths.h"
+#include "tools/local_time.h"
 
 namespace burin {
 namespace {
@@ -76,11 +77,6 @@ bool is_round(const std::string& name) {
   constexpr std::string_view kRound = "round-";
   return name.starts_with(kRound) && name.size() > kRound.size() &&
          name.find_first_not_of("0123456789", kRound.size()) == std::string::npos;
-}
-
-bool is_project(const fs::path& folder) {
-  std::error_code error;
-  return fs::is_regular_file(folder / "design.json", error) && fs::is_regular_file(folder / "board.json", error);
 }
 
 // The lock's file, locked; none where the one that was opened is no more (its holder removed it).
@@ -151,8 +147,7 @@ WorkLock::WorkLock(const fs::path& folder, const std::string& work, Where where)
     throw;
   }
   held = {std::move(file), 1, name};
-  const std::string text =
-      fmt::format("{}, process {} since {:%Y-%m-%d %H:%M:%S}\n", work, ::getpid(), fmt::localtime(std::time(nullptr)));
+  const std::string text = fmt::format("{}, process {} since {}\n", work, ::getpid(), local_time("%Y-%m-%d %H:%M:%S"));
   // It only tells the other one who is here; the lock holds without it.
   if (::ftruncate(held.file.number(), 0) != 0 || ::pwrite(held.file.number(), text.data(), text.size(), 0) < 0) return;
 }

@@ -8,7 +8,9 @@
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/printable.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -106,7 +108,20 @@ void find_other_folders(const fs::path& folder, const PhotoLamps& lamps, const s
   }
 }
 
+// What was passed over, where nothing else is there: " (a.jpg: is ...)".
+std::string passed_over_text(const std::vector<Finding>& findings) {
+  constexpr std::size_t kNamed = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(findings.size(), kNamed); ++i)
+    text += (i == 0 ? " (" : ", ") + sentence(findings[i]);
+  if (findings.size() > kNamed) text += ", and " + std::to_string(findings.size() - kNamed) + " more";
+  return text.empty() ? text : text + ")";
+}
+
 PhotoSource source_of(std::vector<IncomingPhoto> photos) {
+  require_at_most(
+      photos.size(), limit::kPhotos, "the photos", "files",
+      "take some of them into a folder of their own: a few dozen from many directions tell all there is to know");
   const auto list = std::make_shared<const std::vector<IncomingPhoto>>(std::move(photos));
   return [list, next = std::size_t{0}]() mutable -> std::optional<IncomingPhoto> {
     if (next == list->size()) return std::nullopt;
@@ -146,7 +161,7 @@ PhotoSource folder_source(const fs::path& folder, const PhotoLamps& lamps, std::
     for (const fs::path& file : photos_in(lamp.folder, findings)) photos.push_back({file, {}, {}, lamp.light});
   find_other_folders(folder, lamps, known, findings);
   if (photos.empty())
-    fail(folder.string(), "holds no photo",
+    fail(folder.string(), "holds no photo" + passed_over_text(findings),
          lamps.names.size() > 1
              ? "put photos into the folders of their lamps: " + lamp_folders_in_words(folder, lamps.names)
              : "give the folder that holds the photos (JPEG, HEIC, PNG, TIFF, EXR or camera raw)");
@@ -164,7 +179,7 @@ PhotoSource named_source(const std::vector<fs::path>& names, std::vector<Finding
     if (fs::is_directory(name, error)) {
       here = photos_in(name, findings);
       if (here.empty())
-        fail(name.string(), "holds no photo",
+        fail(name.string(), "holds no photo" + passed_over_text(findings),
              "give the folder that holds the photos (JPEG, HEIC, PNG, TIFF, EXR or camera raw)");
     } else if (!fs::exists(name, error)) {
       fail(name.string(), "there is no such file or folder", "give photos, or the folder that holds them");

@@ -82,8 +82,8 @@ struct DesignOptions {
   /// Told what was found of bench and pictures before the work begins; may be empty.
   std::function<void(const std::vector<Finding>&)> found;
   std::function<void(const DesignFrame&)> watch;  ///< called as the start grows, then once an iteration; may be empty
-  std::function<bool()> stop;  ///< true ends the search or the iterations, keeping what there is; asked often, within
-                               ///< a sweep of the search too, by several threads at once
+  std::function<bool()> stop;  ///< true ends the search, the iterations or a measurement that the scratches do not
+                               ///< need, keeping what there is; asked often, by several threads at once
 };
 
 }  // namespace burin

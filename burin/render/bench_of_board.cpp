@@ -1,11 +1,14 @@
 #include "burin/render/bench_of_board.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "burin/render/error.h"
 #include "burin/render/files/camera_json.h"
 #include "burin/render/files/decimals.h"
+#include "burin/render/lens.h"
 #include "burin/render/parameter_name.h"
 
 namespace burin {
@@ -125,6 +128,59 @@ Bench read_bench_of(const Board& board, const std::filesystem::path& board_file,
   Bench bench = read_bench(bench_file);
   settle_material(bench, bench_file, board, board_file);
   return bench;
+}
+
+namespace {
+
+bool is_flat(const Board& board) { return board.mesh.empty() && !board.bend; }
+
+// Places all over the board, in camera coordinates.
+std::vector<Eigen::Vector3d> places_seen_from(const View& view, const Board& board) {
+  constexpr int kPlaces = 9;  // a side
+  std::vector<Eigen::Vector3d> places;
+  for (int j = 0; j < kPlaces; ++j)
+    for (int i = 0; i < kPlaces; ++i)
+      places.push_back(view.T_camera_board * Eigen::Vector3d(board.size_mm.x() * i / (kPlaces - 1),
+                                                             board.size_mm.y() * j / (kPlaces - 1), 0));
+  return places;
+}
+
+bool is_dark(const Light& light) { return !(light.intensity.maxCoeff() > 0); }
+
+bool is_behind(const Light& light) { return light.is_near() && !(light.position_mm.z() > 0); }
+
+}  // namespace
+
+void fail_unless_sees(const View& view, const Board& board) {
+  if (!is_flat(board)) return;
+  if (!(view.T_camera_board.inverse().translation().z() > 0))
+    fail("view " + view.name, "its camera lies in or behind the board's face, and sees nothing of it",
+         "the board frame has z out of the metal: check the view's eye_mm or T_camera_board in the bench");
+  const std::vector<Eigen::Vector3d> places = places_seen_from(view, board);
+  if (std::none_of(places.begin(), places.end(), [](const Eigen::Vector3d& p) { return p.z() > 0; }))
+    fail("view " + view.name, "its camera looks away from the board",
+         "turn it round: T_camera_board takes places of the board to the camera's axes, whose z looks forward");
+}
+
+void fail_unless_lights(const Light& light, const Board& board) {
+  std::vector<const Light*> all{&light};
+  for (const Light& more : light.also) all.push_back(&more);
+  if (std::all_of(all.begin(), all.end(), [](const Light* one) { return is_dark(*one); }))
+    fail("light " + light.id, "shines with an intensity of 0", "give it one above 0 in the bench");
+  if (is_flat(board) &&
+      std::all_of(all.begin(), all.end(), [](const Light* one) { return is_dark(*one) || is_behind(*one); }))
+    fail("light " + light.id, "lies in or behind the board's face, which it cannot reach",
+         "the board frame has z out of the metal: check its position_mm in the bench");
+}
+
+bool is_in_picture(const Bench& bench, const View& view, const Board& board) {
+  std::vector<Eigen::Vector3d> places = places_seen_from(view, board);
+  std::erase_if(places, [](const Eigen::Vector3d& p) { return !(p.z() > 0); });
+  std::vector<Eigen::Vector2d> pixels(places.size());
+  project(bench.lens, places, pixels);
+  return std::any_of(pixels.begin(), pixels.end(), [&](const Eigen::Vector2d& q) {
+    return q.x() > -0.5 && q.y() > -0.5 && q.x() < bench.lens.width - 0.5 && q.y() < bench.lens.height - 0.5;
+  });
 }
 
 }  // namespace burin

@@ -30,4 +30,17 @@ void aim_views(Bench& bench, const Board& board);
 /// What the bench leaves out becomes the board's; nothing is compared. For looking back at what was believed once.
 void fill_material(Bench& bench, const Board& board);
 
+// Whether a camera looks at a board and a light reaches it: numbers that are sound one by one may show nothing
+// together.
+
+/// Throws Error naming the view where its camera lies in or behind the face of a flat board, or looks away from it.
+void fail_unless_sees(const View& view, const Board& board);
+
+/// Throws Error naming the light where it shines with no intensity, or a lamp lies in or behind the face of a flat
+/// board. Of several at once, where that holds for all.
+void fail_unless_lights(const Light& light, const Board& board);
+
+/// Whether any of a grid of places over the board lies in the camera's picture.
+bool is_in_picture(const Bench& bench, const View& view, const Board& board);
+
 }  // namespace burin

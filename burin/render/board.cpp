@@ -23,6 +23,32 @@ double fraction(JsonObject& json, const std::string& key, double fallback) {
   return v;
 }
 
+// Modules across the square whose corners AprilTag reports, and across all of the tag with its border, and how many
+// tags there are: width_at_border, total_width and ncodes of AprilTag's families.
+struct FamilyLayout {
+  const char* name;
+  int border_modules, total_modules, tags;
+  /// Data reaches out to the edge of the paper; the others have a white border there, which neighbors may share.
+  bool printed_to_edge() const { return total_modules > border_modules + 2; }
+};
+constexpr std::array<FamilyLayout, 9> kFamilies{{{"tag16h5", 6, 8, 30},
+                                                 {"tag25h9", 7, 9, 35},
+                                                 {"tag36h10", 8, 10, 2320},
+                                                 {"tag36h11", 8, 10, 587},
+                                                 {"tagCircle21h7", 5, 9, 38},
+                                                 {"tagCircle49h12", 5, 11, 65535},
+                                                 {"tagCustom48h12", 6, 10, 42211},
+                                                 {"tagStandard41h12", 5, 9, 2115},
+                                                 {"tagStandard52h13", 6, 10, 48714}}};
+
+FamilyLayout layout_of(const std::string& family, const std::string& where) {
+  for (const FamilyLayout& f : kFamilies)
+    if (family == f.name) return f;
+  std::string known;
+  for (const FamilyLayout& f : kFamilies) known += (known.empty() ? "" : ", ") + std::string(f.name);
+  fail(where + ".family", "\"" + family + "\" is not known", "use one of " + known);
+}
+
 TagSet read_tags(JsonObject json, const Eigen::Vector2d& size_mm) {
   TagSet tags;
   tags.family = json.text("family", tags.family);
@@ -36,10 +62,13 @@ TagSet read_tags(JsonObject json, const Eigen::Vector2d& size_mm) {
     require_at_most(json.raw("list").size(), limit::kTags, json.where() + ".list", "tags",
                     "list fewer: a few dozen tell all there is to know");
     std::set<int> ids;
+    const int of_family = layout_of(tags.family, json.where()).tags;
     for (JsonObject& item : json.objects("list")) {
       Tag tag;
       tag.id = item.integer("id");
-      if (tag.id < 0) item.fail_field("id", "is " + std::to_string(tag.id), "write the number of a tag, from 0");
+      if (tag.id < 0 || tag.id >= of_family)
+        item.fail_field("id", "is " + std::to_string(tag.id),
+                        "write the number of a tag of " + tags.family + ", 0 to " + std::to_string(of_family - 1));
       if (!ids.insert(tag.id).second)
         item.fail_field("id", "tag " + std::to_string(tag.id) + " is listed twice", "give every tag an id of its own");
       tag.center_mm = item.vec2("center_mm");
@@ -55,24 +84,6 @@ TagSet read_tags(JsonObject json, const Eigen::Vector2d& size_mm) {
   json.finish();
   return tags;
 }
-
-// Modules across the square whose corners AprilTag reports, and across all of the tag with its border: width_at_border
-// and total_width of AprilTag's families.
-struct FamilyLayout {
-  const char* name;
-  int border_modules, total_modules;
-  /// Data reaches out to the edge of the paper; the others have a white border there, which neighbors may share.
-  bool printed_to_edge() const { return total_modules > border_modules + 2; }
-};
-constexpr std::array<FamilyLayout, 9> kFamilies{{{"tag16h5", 6, 8},
-                                                 {"tag25h9", 7, 9},
-                                                 {"tag36h10", 8, 10},
-                                                 {"tag36h11", 8, 10},
-                                                 {"tagCircle21h7", 5, 9},
-                                                 {"tagCircle49h12", 5, 11},
-                                                 {"tagCustom48h12", 6, 10},
-                                                 {"tagStandard41h12", 5, 9},
-                                                 {"tagStandard52h13", 6, 10}}};
 
 bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c, const Eigen::Vector2d& d) {
   const auto side = [](const Eigen::Vector2d& p, const Eigen::Vector2d& q, const Eigen::Vector2d& r) {
@@ -136,14 +147,6 @@ std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag) {
 }
 
 namespace {
-
-FamilyLayout layout_of(const std::string& family, const std::string& where) {
-  for (const FamilyLayout& f : kFamilies)
-    if (family == f.name) return f;
-  std::string known;
-  for (const FamilyLayout& f : kFamilies) known += (known.empty() ? "" : ", ") + std::string(f.name);
-  fail(where + ".family", "\"" + family + "\" is not known", "use one of " + known);
-}
 
 std::array<Eigen::Vector2d, 4> corners_at(const Tag& tag, double times) {
   Tag larger = tag;

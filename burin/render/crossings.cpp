@@ -52,16 +52,20 @@ class CellIndex {
       x1 = std::max({x1, strips.x_mm[i], ex});
       y1 = std::max({y1, strips.y_mm[i], ey});
     }
-    // About a cell a scratch, but none smaller than what a strip is wide.
-    constexpr double kMostCells = 16e6, kLargestMm = 2;
+    // About a cell a scratch, but none smaller than what a strip is wide, and no more than a few for each strip.
+    constexpr double kMostCells = 16e6, kLargestMm = 2, kCellsAStrip = 16;
+    const double mean_mm =
+        std::accumulate(strips.length_mm.begin(), strips.length_mm.end(), 0.0) / static_cast<double>(strips.size());
     const double area = std::max(0.0, x1 - x0_) * std::max(0.0, y1 - y0_);
     cell_mm_ = std::min(kLargestMm, std::sqrt(area / static_cast<double>(strips.size())));
-    cell_mm_ = std::max({cell_mm_, 2 * reach, std::sqrt(area / kMostCells), 1e-3});
+    cell_mm_ = std::max({cell_mm_, 2 * reach, std::sqrt(area / kMostCells), mean_mm / kCellsAStrip, 1e-3});
     columns_ = static_cast<int>((x1 - x0_) / cell_mm_) + 1;
     rows_ = static_cast<int>((y1 - y0_) / cell_mm_) + 1;
     first_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
     for (std::size_t i = 0; i < strips.size(); ++i)
       for_cells(strips, i, strips.half_width_mm[i], [&](std::size_t cell) { ++first_[cell + 1]; });
+    for (const std::size_t in_cell : first_) near_ += static_cast<double>(in_cell) * static_cast<double>(in_cell);
+    if (is_crowded()) return;
     std::partial_sum(first_.begin(), first_.end(), first_.begin());
     listed_.resize(first_.back());
     std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
@@ -69,6 +73,9 @@ class CellIndex {
       for_cells(strips, i, strips.half_width_mm[i],
                 [&](std::size_t cell) { listed_[next[cell]++] = static_cast<std::uint32_t>(i); });
   }
+
+  /// Whether so many lie near one another that they are too many to look at; then there is nothing to find.
+  bool is_crowded() const { return near_ > static_cast<double>(limit::kNear); }
 
   /// Those that scratch i's center line may meet, from `least` on, in order.
   void find_near(const Strips& strips, std::size_t i, std::size_t least, std::vector<std::uint32_t>& near) const {
@@ -109,7 +116,7 @@ class CellIndex {
     }
   }
 
-  double cell_mm_ = 0, x0_ = 0, y0_ = 0;
+  double cell_mm_ = 0, x0_ = 0, y0_ = 0, near_ = 0;
   int columns_ = 0, rows_ = 0;
   std::vector<std::size_t> first_;  // of a cell's list in listed_
   std::vector<std::uint32_t> listed_;
@@ -374,10 +381,14 @@ std::string_view in_words(Crossings crossings) {
 
 namespace {
 
-// Pieces of all scratches in parts, in carving order; nothing where there are more than `most`.
-std::optional<std::vector<VisiblePieces>> pieces_in_parts(const Scratches& carved, double tool_width_um,
-                                                          double depth_um, const GrooveProfile& profile, Crossings rule,
-                                                          int steps, std::size_t most) {
+struct Pieces {
+  std::vector<VisiblePieces> parts;  // of all scratches, in carving order
+  bool too_many = false;             // then there are no parts
+  bool too_near = false;             // so many scratches lie near one another that they were not looked at
+};
+
+Pieces pieces_in_parts(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,
+                       Crossings rule, int steps, std::size_t most) {
   std::vector<Section> sections(carved.size());
   std::vector<double> half_width_mm(carved.size());
   for (std::size_t i = 0; i < carved.size(); ++i) {
@@ -398,6 +409,7 @@ std::optional<std::vector<VisiblePieces>> pieces_in_parts(const Scratches& carve
                         steps,
                         std::move(sections),
                         Strips(carved, std::move(half_width_mm))};
+  if (cutting.index.is_crowded()) return {{}, true, true};
   constexpr std::size_t kAtOnce = 512;  // pieces come in carving order, whoever cuts them
   std::vector<VisiblePieces> parts((carved.size() + kAtOnce - 1) / kAtOnce);
   std::atomic<std::size_t> made{0};
@@ -413,8 +425,8 @@ std::optional<std::vector<VisiblePieces>> pieces_in_parts(const Scratches& carve
       made += parts[part].source.size() - before;
     }
   });
-  if (made > most) return std::nullopt;
-  return parts;
+  if (made > most) return {{}, true, false};
+  return {std::move(parts), false, false};
 }
 
 }  // namespace
@@ -429,21 +441,22 @@ VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, doub
                              const GrooveProfile& profile, Crossings rule, int steps) {
   if (carved.size() == 0) return {};
   const std::size_t most = carved.size() + limit::kCuts;
-  std::optional<std::vector<VisiblePieces>> parts =
+  Pieces made =
       pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, std::clamp(steps, 1, kMostCrossingSteps), most);
-  if (!parts)
+  if (made.too_many)
     fail("crossings of " + std::to_string(carved.size()) + " scratches",
-         "cut grooves into more than " + std::to_string(most) + " pieces",
+         made.too_near ? "are too many: they lie more than " + std::to_string(limit::kNear) + " times near one another"
+                       : "cut grooves into more than " + std::to_string(most) + " pieces",
          "let their light add there (\"crossings\": \"add\" in bench.json's material, burin refine --crossings add), "
          "or carve "
          "fewer or shorter scratches");
-  return joined(std::move(*parts));
+  return joined(std::move(made.parts));
 }
 
 bool are_more_pieces(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,
                      Crossings rule, std::size_t most) {
   return rule != Crossings::add && carved.size() > 0 &&
-         !pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, kCrossingSteps, most);
+         pieces_in_parts(carved, tool_width_um, depth_um, profile, rule, kCrossingSteps, most).too_many;
 }
 
 double expected_pieces(double length_mm, double area_mm2) {

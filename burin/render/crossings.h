@@ -66,12 +66,13 @@ int crossing_steps_for(double covered);
 
 /// Cuts scratches by all later ones (Crossings::last), or by all others (Crossings::deepest, in `steps` of their
 /// width). Widths and depths come from the scratches, else from the two numbers given. Throws Error where that makes
-/// more than limit::kCuts pieces more than there are scratches.
+/// more than limit::kCuts pieces more than there are scratches, and before any work where they lie near one another
+/// more than limit::kNear times.
 VisiblePieces visible_pieces(const Scratches& carved, double tool_width_um, double depth_um,
                              const GrooveProfile& profile = {}, Crossings rule = Crossings::last,
                              int steps = kCrossingSteps);
 
-/// Whether that rule, by the usual steps, cuts them into more pieces than `most`.
+/// Whether that rule, by the usual steps, cuts them into more pieces than `most`, or they lie too near one another.
 bool are_more_pieces(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,
                      Crossings rule, std::size_t most);
 

@@ -37,6 +37,7 @@ constexpr std::int64_t kTileBytes = 256 * (1 << 20);  ///< a tile or a strip tha
 constexpr int kNesting = 100;             ///< brackets within brackets, in JSON
 constexpr std::size_t kScratches = 1e7;   ///< rows of a scratches.csv; random ones in a truth
 constexpr std::size_t kCuts = 5'000'000;  ///< pieces more than scratches, where grooves are cut by one another
+constexpr std::size_t kNear = 1e8;        ///< times that a scratch lies near another, where pairs are looked at
 constexpr std::size_t kColumns = 1'000;   ///< of a table
 constexpr std::size_t kTriangles = 2e6;   ///< of a mesh, after its faces are cut; its vertices as well
 constexpr std::size_t kTags = 2'000;      ///< of a board

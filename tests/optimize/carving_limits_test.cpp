@@ -55,6 +55,32 @@ const std::vector<KeepOut> kPlaces{
     {"hook", {{60, 20}, {90, 20}, {90, 50}, {80, 50}, {80, 30}, {60, 30}}, {}, 0},  // hollow: an L
 };
 
+// Pairs are counted before they are looked at: a star of 20,000 would take hours, one of 300 does not.
+TEST(CarvingLimits, ACrowdIsRefusedBeforeItIsJudged) {
+  const auto star = [](int count) {
+    Scratches s;
+    for (int i = 0; i < count; ++i) {
+      const double turn = std::numbers::pi * i / count, x = 20 * std::cos(turn), y = 20 * std::sin(turn);
+      s.x0_mm.push_back(50 - x), s.y0_mm.push_back(50 - y);
+      s.x1_mm.push_back(50 + x), s.y1_mm.push_back(50 + y);
+    }
+    return s;
+  };
+  MachineLimits distance, overlap, grooves;
+  distance.distance_mm = 0.1;
+  overlap.max_overlap = 0.5;
+  grooves.max_grooves = 3;
+  for (const MachineLimits& machine : {distance, overlap, grooves}) {
+    const CarvingLimits limits = limits_for(board_100(), machine);
+    EXPECT_THAT([&] { fail_if_crowded(star(20'000), limits); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("20000 scratches: lie more than 100000000 times near one another"),
+                                           HasSubstr("max_overlap"))));
+    EXPECT_NO_THROW(fail_if_crowded(star(300), limits));
+  }
+  EXPECT_NO_THROW(fail_if_crowded(star(20'000), limits_for(board_100()))) << "nothing concerns pairs";
+  EXPECT_EQ(broken(check_limits(star(300), limits_for(board_100(), grooves)), Rule::grooves), 300U);
+}
+
 TEST(KeepOut, FreePartsAreThoseThatBruteForceFindsFree) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(0, 100);

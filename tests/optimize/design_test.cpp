@@ -368,6 +368,45 @@ TEST_F(DesignTest, AWishToStopIsHeardWithinTheStartAndWithinASweep) {
   EXPECT_LT(iterating.relocated, 200U);  // of 2500
 }
 
+// Whichever stage a wish to stop comes in: none begins after it that the scratches do not need, and what there is is
+// whole.
+TEST_F(DesignTest, AfterAWishToStopNoOtherStageBeginsThatCanWait) {
+  bench_.crossings = Crossings::last;  // the order of carving matters
+  options_.iterations = 8;
+  const double whole_s = carving_time_s(design(spec_, board_, bench_, options_, {}).scratches, bench_.material.depth_um,
+                                        options_.carve_machine);
+  options_.report_tolerance = true;
+  options_.carve_hours = 0.5 * whole_s / 3600;
+  const std::set<std::string> can_wait{"searching places",    "dropping weak scratches",
+                                       "ordering scratches",  "keeping to the carving time",
+                                       "measuring tolerance", "measuring the curve over carving time"};
+  std::vector<std::string> stages, after;
+  std::string wanted;
+  bool wished = false;
+  options_.stop = [&] { return wished; };
+  const Progress progress = [&](std::string_view stage, double) {
+    if (stages.empty() || stages.back() != stage) stages.emplace_back(stage);
+    if (wished) after.emplace_back(stage);
+    wished = wished || stage == wanted;
+  };
+  const DesignResult whole = design(spec_, board_, bench_, options_, progress);
+  const std::set<std::string> all(stages.begin(), stages.end());
+  for (const std::string& stage : can_wait) EXPECT_TRUE(all.contains(stage)) << stage << " is no stage of this design";
+  for (const std::string& stage : all) {
+    wanted = stage;
+    wished = false;
+    after.clear();
+    const DesignResult result = design(spec_, board_, bench_, options_, progress);
+    EXPECT_TRUE(result.stopped_early) << stage;
+    EXPECT_GT(result.scratches.size(), 0U) << stage;
+    EXPECT_EQ(result.views.size(), 2U) << stage;
+    for (const std::string& later : after)
+      EXPECT_TRUE(!can_wait.contains(later) || later == stage) << later << " after a wish in " << stage;
+    EXPECT_LE(std::count(after.begin(), after.end(), std::string("measuring tolerance")), 1) << stage;
+  }
+  EXPECT_FALSE(whole.stopped_early);
+}
+
 TEST_F(DesignTest, FreeDepthIsReportedAndWritten) {
   options_.iterations = 5;
   options_.optimize_depth = true;

@@ -1,16 +1,20 @@
 // Proves: a number that board.json and bench.json both know is one number. A nominal bench may leave it out and then
 // has the board's; it may not say another; what photos measured stands, as long as the board is the one that was
-// measured; what they did not tell is still the board's. Oracle: the files, written here.
+// measured; what they did not tell is still the board's. Oracle: the files, written here. And: a camera that cannot see
+// a board and a light that cannot reach it are named, others are not.
 #include "burin/render/bench_of_board.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "burin/render/error.h"
+#include "burin/render/far_light.h"
+#include "burin/render/lens.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"
 
@@ -126,6 +130,68 @@ TEST_F(BenchOfBoard, WhatABoardWasToldIsWrittenAndReadAgain) {
   EXPECT_EQ(again.told.depth_um, 18);
   EXPECT_EQ(again.told.alpha, 0.05);
   EXPECT_EQ(again.told.tool_width_um, 400);
+}
+
+Board board_200() {
+  Board board;
+  board.size_mm = board.carve_max_mm = {200, 100};
+  return board;
+}
+
+// The camera at a place of the board frame, its axes turned so that it looks along `forward`.
+View view_from(const Eigen::Vector3d& center_mm, const Eigen::Vector3d& forward) {
+  View view;
+  view.name = "v00";
+  const Eigen::Vector3d z = forward.normalized(), x = z.unitOrthogonal(), y = z.cross(x);
+  Eigen::Matrix3d R;
+  R << x.transpose(), y.transpose(), z.transpose();
+  view.T_camera_board.linear() = R;
+  view.T_camera_board.translation() = -R * center_mm;
+  return view;
+}
+
+TEST(Facing, CamerasThatSeeNothingAreNamed) {
+  const Board board = board_200();
+  EXPECT_NO_THROW(fail_unless_sees(view_from({100, -300, 400}, {0, 350, -400}), board));
+  EXPECT_THAT(
+      [&] {
+        fail_unless_sees(view_from({100, 50, -400}, {0, 0, 1}), board);
+      },
+      ThrowsMessage<Error>(HasSubstr("view v00: its camera lies in or behind the board's face")));
+  EXPECT_THROW(fail_unless_sees(view_from({500, 50, 0}, {-1, 0, 0}), board), Error);
+  EXPECT_THAT(
+      [&] {
+        fail_unless_sees(view_from({100, -300, 400}, {0, -350, 400}), board);
+      },
+      ThrowsMessage<Error>(HasSubstr("looks away from the board")));
+}
+
+TEST(Facing, LightsThatReachNothingAreNamed) {
+  const Board board = board_200();
+  Light lamp;
+  lamp.position_mm = {100, 500, 600};
+  EXPECT_NO_THROW(fail_unless_lights(lamp, board));
+  Light below = lamp, dark = lamp;
+  below.position_mm.z() = 0;
+  dark.intensity.setZero();
+  EXPECT_THAT([&] { fail_unless_lights(below, board); }, ThrowsMessage<Error>(HasSubstr("cannot reach")));
+  EXPECT_THAT([&] { fail_unless_lights(dark, board); }, ThrowsMessage<Error>(HasSubstr("an intensity of 0")));
+  below.also = {dark};
+  EXPECT_THROW(fail_unless_lights(below, board), Error);
+  below.also = {dark, lamp};
+  EXPECT_NO_THROW(fail_unless_lights(below, board));
+  Light sun = lamp;
+  sun.position_mm.z() = -1;
+  sun.far = std::make_shared<FarLight>();
+  EXPECT_NO_THROW(fail_unless_lights(sun, board)) << "a far light is judged by its directions";
+}
+
+TEST(Facing, ABoardBesideThePictureIsFound) {
+  Bench bench;
+  bench.lens = nominal_lens(50, 600, 400);
+  const Board board = board_200();
+  EXPECT_TRUE(is_in_picture(bench, view_from({100, 50, 600}, {0, 0, -1}), board));
+  EXPECT_FALSE(is_in_picture(bench, view_from({100, 50, 600}, {1, 0, -0.2}), board));
 }
 
 }  // namespace

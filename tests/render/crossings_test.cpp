@@ -308,5 +308,25 @@ TEST(VisiblePieces, MoreThanAMachineHoldsAreRefused) {
               testing::ThrowsMessage<Error>(testing::HasSubstr("more than 5002400 pieces; let their light add there")));
 }
 
+// All cross all, at one place or over their whole length: as many pairs as would take minutes, of which hardly a piece
+// is left. As few as a person may carve are cut.
+TEST(VisiblePieces, ACrowdIsRefusedBeforeItIsLookedAt) {
+  const auto crowd = [](int count, bool star) {
+    Scratches s;
+    for (int i = 0; i < count; ++i) {
+      const double turn = star ? std::numbers::pi * i / count : 0.5, x = 20 * std::cos(turn), y = 20 * std::sin(turn);
+      add(s, 40 - x, 40 - y, 40 + x, 40 + y);
+    }
+    return s;
+  };
+  for (const Crossings rule : {Crossings::last, Crossings::deepest})
+    for (const bool star : {false, true}) {
+      EXPECT_THAT([&] { visible_pieces(crowd(20'000, star), 60, kDepthUm, {}, rule); },
+                  testing::ThrowsMessage<Error>(testing::HasSubstr("lie more than 100000000 times near one another")));
+      EXPECT_TRUE(are_more_pieces(crowd(20'000, star), 60, kDepthUm, {}, rule, 1'000'000'000));
+      EXPECT_NO_THROW(visible_pieces(crowd(500, star), 60, kDepthUm, {}, rule));
+    }
+}
+
 }  // namespace
 }  // namespace burin

@@ -32,6 +32,13 @@ TEST(JsonFile, BrokenJsonIsNamedWithLineAndColumn) {
   EXPECT_THAT([&] { parsed(folder, ",\n\"a\": NaN}"); },
               ThrowsMessage<Error>(AllOf(HasSubstr("line 2"), HasSubstr("no NaN"))));
   EXPECT_THAT([&] { parsed(folder, ",\"a\": 1e999}"); }, ThrowsMessage<Error>(HasSubstr("1e999")));
+  const Json large = parsed(folder, ",\"a\": -1e300, \"b\": [1, 1e19], \"c\": [[1e300]], \"d\": 1e18}");
+  JsonObject object(large, "thing.json");
+  EXPECT_THAT([&] { object.number("a"); },
+              ThrowsMessage<Error>(HasSubstr("a: is beyond anything that can be measured")));
+  EXPECT_THAT([&] { object.numbers("b", 2); }, ThrowsMessage<Error>(HasSubstr("b[1]: is beyond")));
+  EXPECT_THAT([&] { object.matrix("c", 1, 1); }, ThrowsMessage<Error>(HasSubstr("c[0][0]: is beyond")));
+  EXPECT_EQ(object.number("d"), 1e18);
   EXPECT_THAT([&] { parsed(folder, ",\"a\": {\"b\": 1, \"b\": 2}}"); },
               ThrowsMessage<Error>(AllOf(HasSubstr("b: the key appears twice"))));
   EXPECT_THROW(read_json(folder.write("empty.json", ""), "burin/thing", 1), Error);

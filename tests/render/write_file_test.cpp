@@ -219,6 +219,19 @@ TEST(FilesTogether, AMoveThatFailsIsTakenBackWithAllBeforeIt) {
   EXPECT_FALSE(fs::exists(folder / "b.json"));
 }
 
+ino_t inode_of(const fs::path& file) {
+  struct stat found {};
+  return ::stat(file.c_str(), &found) == 0 ? found.st_ino : 0;
+}
+
+// A journal with these fields, as a change of several files lays it down.
+void lay_journal(const fs::path& file, const std::vector<std::string>& fields) {
+  std::string text("burin/change 2");
+  text += '\0';
+  for (const std::string& field : fields) (text += field) += '\0';
+  std::ofstream(file, std::ios::binary) << text + "end";
+}
+
 // The process dies at its n-th rename, by a file system's mishap that only a debugger could time: its journal and part
 // files are laid down as they are then.
 void die_between(const fs::path& folder, const char* journal, int moved) {
@@ -228,16 +241,16 @@ void die_between(const fs::path& folder, const char* journal, int moved) {
     const auto lay = [&](const std::string& name, const std::string& text) {
       std::ofstream(folder / name, std::ios::binary) << text;
     };
-    std::string text("burin/change 1");
-    text += '\0';
+    std::vector<std::string> fields;
     for (const std::string name : {"a", "b"}) {
       const std::string part = "." + name + mark + "0.json", former = "." + name + mark + "1.json";
       lay(part, "new " + name);
-      const bool there = fs::exists(folder / (name + ".json"));
-      for (const std::string& field : {name + ".json", part, former, std::string(there ? "1" : "0")})
-        (text += field) += '\0';
+      for (const std::string& field :
+           {name + ".json", part, former, std::to_string(inode_of(folder / (name + ".json"))),
+            std::to_string(inode_of(folder / part))})
+        fields.push_back(field);
     }
-    lay(journal, text + "end");
+    lay_journal(folder / journal, fields);
     int left = moved;
     for (const std::string name : {"a", "b"}) {
       if (left-- <= 0) break;
@@ -255,10 +268,56 @@ TEST(FilesTogether, WhoComesNextCompletesWhatADeadProcessBegan) {
     const TemporaryFolder folder;
     folder.write("a.json", "old a");
     die_between(folder.path(), ".burin-change", moved);
+    std::string said;
+    report_settled_changes([&](const std::string& sentence) { said += sentence; });
     EXPECT_EQ(read_text(folder / "a.json"), "new a") << moved;  // read_text puts it in order
+    report_settled_changes({});
     EXPECT_EQ(file_text(folder / "b.json"), "new b") << moved;
     EXPECT_THAT(names_in(folder.path()), ElementsAre("a.json", "b.json")) << moved;
+    EXPECT_THAT(said, HasSubstr("a change of 2 files had been cut off here, and is now completed"));
   }
+}
+
+// A person unpacks a stranger's archive: a journal in it acts only where something was named, or in its project.
+TEST(FilesTogether, AJournalActsWithinWhatWasNamedOnly) {
+  for (const bool is_project : {false, true}) {
+    const TemporaryFolder folder;
+    folder.write("up/a.json", "old a");
+    folder.write("up/sub/board.csv", "x");
+    if (is_project) {
+      folder.write("up/design.json", "{}");
+      folder.write("up/board.json", "{}");
+    }
+    die_between(folder / "up", ".burin-change", 0);
+    {
+      const NamedPaths named({"view", (folder / "up/sub/board.csv").string()});
+      read_text(folder / "up/sub/board.csv");
+      EXPECT_EQ(file_text(folder / "up/a.json"), is_project ? "new a" : "old a");
+      if (!is_project) {
+        EXPECT_THAT([&] { read_text(folder / "up/a.json"); },
+                    ThrowsMessage<Error>(AllOf(HasSubstr("was cut off in"), HasSubstr("name that folder"))));
+      }
+    }
+    const NamedPaths named({"view", (folder / "up").string()});
+    EXPECT_EQ(read_text(folder / "up/a.json"), "new a");
+  }
+}
+
+// Nor on other files than those that were written for it: an archive cannot know their numbers.
+TEST(FilesTogether, AJournalOfAnotherDiskChangesNothing) {
+  const TemporaryFolder folder;
+  folder.write("thesis.txt", "mine");
+  folder.write("b.json", "mine too");
+  folder.write(".b.part-1-0.json", "theirs");
+  lay_journal(folder / ".burin-change", {"b.json", ".b.part-1-0.json", ".b.part-1-1.json", "0", "1"});
+  EXPECT_THAT([&] { read_text(folder / "b.json"); }, ThrowsMessage<Error>(HasSubstr(".burin-change to take what is")));
+  fs::remove(folder / ".b.part-1-0.json");
+  lay_journal(folder / ".burin-change", {"thesis.txt", "", ".thesis.part-1-1.txt", "1", "0"});  // a removal
+  EXPECT_EQ(read_text(folder / "b.json"), "mine too");
+  lay_journal(folder / ".burin-change-back", {"thesis.txt", ".thesis.part-1-0.txt", ".thesis.part-1-1.txt", "0", "1"});
+  EXPECT_EQ(read_text(folder / "b.json"), "mine too");
+  EXPECT_EQ(file_text(folder / "thesis.txt"), "mine");
+  EXPECT_THAT(names_in(folder.path()), ElementsAre("b.json", "thesis.txt"));
 }
 
 TEST(FilesTogether, OrTakesBackWhatItWasTakingBack) {
@@ -276,21 +335,21 @@ TEST(FilesTogether, AStrangersJournalRenamesNothingElse) {
   fs::create_directories(folder / "project");
   folder.write("secret.txt", "mine");
   folder.write("project/plain.txt", "a");
-  const auto journal = [&](const std::vector<std::string>& fields) {
-    std::string text("burin/change 1");
-    text += '\0';
-    for (const std::string& field : fields) (text += field) += '\0';
-    folder.write("project/.burin-change", text + "end");
-    settle_folder(folder / "project");
+  const auto journal = [&](std::vector<std::string> fields) {
+    fields.insert(fields.end(),
+                  {std::to_string(inode_of(folder / "project" / fields[0])), fields[1].empty() ? "0" : "1"});
+    lay_journal(folder / "project/.burin-change", fields);
+    settle_changes(folder / "project/any.json");
     EXPECT_FALSE(fs::exists(folder / "project/.burin-change"));
   };
-  journal({"../secret.txt", "../.x.part-1-0", "../.y.part-1-0", "1"});
-  journal({(folder / "secret.txt").string(), ".x.part-1-0", ".y.part-1-0", "1"});
-  journal({"taken.txt", "plain.txt", ".y.part-1-0", "0"});              // no part file
-  journal({"plain.txt", "", "../stolen", "1"});                         // moved out
-  journal({".a.part-1-0.txt", ".b.part-1-0.txt", ".c.part-1-0", "0"});  // hidden
+  journal({"../secret.txt", "../.secret.part-1-0.txt", "../.secret.part-1-1.txt"});
+  journal({(folder / "secret.txt").string(), ".secret.part-1-0.txt", ".secret.part-1-1.txt"});
+  journal({"taken.txt", "plain.txt", ".taken.part-1-0.txt"});                              // no part file
+  journal({"plain.txt", ".other.part-1-0.txt", ".plain.part-1-1.txt"});                    // another file's
+  journal({"plain.txt", "", "../stolen"});                                                 // moved out
+  journal({".a.part-1-0.txt", "..a.part-1-0.part-1-0.txt", "..a.part-1-0.part-1-1.txt"});  // hidden
   fs::create_directory_symlink(folder.path(), folder / "project/out");
-  journal({"out/secret.txt", "", "out/.y.part-1-0", "1"});
+  journal({"out/secret.txt", "", "out/.secret.part-1-0.txt"});
   EXPECT_EQ(file_text(folder / "secret.txt"), "mine");
   EXPECT_EQ(file_text(folder / "project/plain.txt"), "a");
   EXPECT_THAT(names_in(folder.path()), ElementsAre("project", "secret.txt"));
@@ -316,6 +375,12 @@ TEST(FileNames, DistinctInAnyScript) {
               ElementsAre("左", "右", "v00", "a_b", "a_b-2", "A_B-3"));
   // A view's second file is not another view's first.
   EXPECT_THAT(distinct_file_names({"left", "left-start"}, {"-start"}), ElementsAre("left", "left-start-2"));
+  // The same letters with marks in one or apart are one name on some systems; letters that differ are not.
+  EXPECT_THAT(distinct_file_names({"caf\u00e9", "cafe\u0301", "\u00e4", "\u00f6", "\u304c", "\u304b\u3099"}),
+              ElementsAre("caf\u00e9", "cafe\u0301-2", "\u00e4", "\u00f6", "\u304c", "\u304b\u3099-2"));
+  EXPECT_THAT(distinct_file_names({"\ud55c", "\u1112\u1161\u11ab"}), ElementsAre("\ud55c", "\u1112\u1161\u11ab-2"));
+  EXPECT_THAT(distinct_file_names({"cafe\u0301", "caf\u00e9", "cafe"}),
+              ElementsAre("cafe\u0301", "caf\u00e9-2", "cafe"));
   EXPECT_EQ(file_name_of("..") + file_name_of("") + file_name_of(".hidden"), "_.__hidden");
   EXPECT_EQ(file_name_of("../../etc/passwd"), "_._.._etc_passwd");
   EXPECT_EQ(file_name_of("-rf"), "_rf");

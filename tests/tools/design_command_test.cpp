@@ -90,7 +90,9 @@ TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {
           "for i in $(seq 600); do [ -e out/live.png ] && break; sleep 0.1; done; sleep 0.3; "
           "kill -INT $pid; wait $pid; echo exit code $?; }");
   EXPECT_THAT(run.out, HasSubstr("exit code 130")) << run.err;
-  EXPECT_THAT(run.err, HasSubstr("burin: stopped by Ctrl-C (SIGINT)"));
+  EXPECT_THAT(run.err, HasSubstr("note: stopping with what there is so far; press Ctrl-C again to end at once"));
+  EXPECT_THAT(run.err,
+              HasSubstr("burin: stopped by Ctrl-C (SIGINT) before it was done; what there was by then is kept"));
   EXPECT_THAT(run.out, HasSubstr("Go on with: burin design bench/design.json --out out --from out/scratches.csv"));
   const Json stopped = read(folder_ / "out" / "design-report.json");
   EXPECT_TRUE(stopped["stopped_early"].get<bool>());
@@ -102,6 +104,29 @@ TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {
   EXPECT_EQ(gone_on["started_with"], stopped["scratches"]);
   for (std::size_t k = 0; k < stopped["views"].size(); ++k)
     EXPECT_NEAR(gone_on["views"][k]["start_psnr_db"].get<double>(), stopped["views"][k]["psnr_db"].get<double>(), 0.01);
+}
+
+// Hours of work end on a disk without room for the pictures: the scratches stay, and the rest is made of them later.
+TEST_F(DesignCommand, WhereTheRestFindsNoRoomTheScratchesAreKept) {
+  const std::string line =
+      quoted(places::program()) + " design bench/design.json --scratches 300 --pixels 96 --iterations 2 --out ";
+  const Outcome whole = run_shell(folder_, "cd " + quoted(folder_.path().string()) + " && " + line + "whole");
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  ASSERT_GT(fs::file_size(folder_ / "whole/contact-sheet.png"), 30U * 1024);
+  // Files of at most 30 KiB stand for a full disk (blocks of 512 bytes).
+  const Outcome full =
+      run_shell(folder_, "cd " + quoted(folder_.path().string()) + " && ulimit -f 60 && " + line + "out");
+  EXPECT_EQ(full.exit_code, 1);
+  EXPECT_THAT(full.err, AllOf(HasSubstr("out/contact-sheet.png: could not be written whole"),
+                              HasSubstr("The scratches alone found room"),
+                              HasSubstr("--from out/scratches-kept.csv --iterations 0 --drop-error 0")));
+  EXPECT_EQ(file_text(folder_ / "out/scratches-kept.csv"), file_text(folder_ / "whole/scratches.csv"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "out"), fs::directory_iterator()), 1);
+  const Outcome later = run_burin(folder_, {"design", "bench/design.json", "--out", "out", "--from",
+                                            "out/scratches-kept.csv", "--iterations", "0", "--drop-error", "0"});
+  EXPECT_EQ(later.exit_code, 0) << later.err;
+  EXPECT_EQ(file_text(folder_ / "out/scratches.csv"), file_text(folder_ / "whole/scratches.csv"));
+  EXPECT_FALSE(fs::exists(folder_ / "out/scratches-kept.csv"));
 }
 
 TEST_F(DesignCommand, TimeEndsTheStartToo) {

@@ -1,6 +1,7 @@
 // Proves: wherever a command is, a signal ends it with its own exit code and one sentence, nothing half done stays, and
 // the same command then ends as if it had never been stopped; kills and second loops do no harm either.
 #include <gmock/gmock.h>
+#include <signal.h>
 
 #include "burin/render/image.h"
 #include "tests/tools/program.h"
@@ -97,6 +98,63 @@ TEST_F(Stop, ASignalDuringTheLastWordsAddsNone) {
           " status nowhere 2>&3 3>&- & pid=$!; sleep 1; kill -INT $pid; sleep 0.5; head -c 65536 <&3 >/dev/null; wait "
           "$pid; echo exit code $?; timeout 1 cat <&3; }");
   EXPECT_THAT(ended.out, AllOf(HasSubstr("exit code 1\n"), HasSubstr("nowhere"), Not(HasSubstr("stopped by"))));
+}
+
+// Each signal whose default is to end a process, after which a part file would stay. Faults are none of Burin's making:
+// they are sent.
+TEST_F(Stop, NoSignalLeavesAnythingBehind) {
+  for (const int number : {SIGQUIT, SIGUSR1, SIGUSR2, SIGALRM, SIGVTALRM, SIGPROF, SIGXCPU, SIGPOLL, SIGRTMIN, SIGSEGV,
+                           SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
+    // The shell lets what it runs in the background ignore SIGQUIT.
+    const Outcome ended =
+        run(stopped("env --default-signal=QUIT " + endless_, "kill -" + std::to_string(number) + " $pid"));
+    const bool is_fault =
+        number == SIGSEGV || number == SIGBUS || number == SIGABRT || number == SIGFPE || number == SIGILL;
+    EXPECT_THAT(ended.out, HasSubstr("exit code " + std::to_string(128 + number)));
+    EXPECT_THAT(ended.err, HasSubstr(is_fault ? "burin: ended by SIG" : "burin: stopped by ")) << number;
+    EXPECT_EQ(ended.err.find("fault in Burin") != std::string::npos, is_fault) << ended.err;
+    EXPECT_EQ(std::count(ended.err.begin(), ended.err.end(), '\n'), 1) << ended.err;
+    EXPECT_FALSE(left()) << number;
+  }
+}
+
+// A limit on files' sizes and a pipe whose reader has ended are errors of a write, in one sentence.
+TEST_F(Stop, WhatCannotBeWrittenEndsInASentence) {
+  const Outcome large = run("ulimit -f 8; " + burin() +
+                            " view --board bench/board.json --bench bench/bench.json "
+                            "--scratches some.csv --out view.html; echo exit code $?");
+  EXPECT_THAT(large.out, HasSubstr("exit code 1"));
+  EXPECT_THAT(large.err, AllOf(HasSubstr("view.html: could not be written whole: File too large"),
+                               HasSubstr("write to a disk that takes files of that size")));
+  EXPECT_FALSE(left());
+  const Outcome closed = run("{ sleep 1; " + burin() + " design --help; echo exit code $? >&2; } | true");
+  EXPECT_THAT(closed.err, HasSubstr("exit code 1\n"));
+  EXPECT_THAT(closed.err, HasSubstr("burin: standard output: what was said could not be written"));
+  for (const char* command : {" status nowhere", " report nowhere", " watch nowhere", " --json status nowhere"}) {
+    const Outcome none = run(burin() + command + " <&- >&- 2>&-; echo exit code $?");
+    EXPECT_THAT(none.out, HasSubstr("exit code 1\n")) << command;
+  }
+}
+
+// No thread can be had, or too few: one sentence, never an abort.
+TEST_F(Stop, WithoutThreadsASentenceIsSaid) {
+  const std::string library = places::binary() + "/tests/libburin_few_threads.so";
+  if (!std::filesystem::exists(library)) GTEST_SKIP() << "preloading is not tried beside a sanitizer";
+  const std::string few = "LD_PRELOAD=" + quoted(library) + " BURIN_MOST_THREADS=";
+  for (const std::string command : {" design bench/design.json --out out --scratches 50 --pixels 48 --iterations 1",
+                                    " status bench", " watch bench --once", " print bench --out tags.pdf",
+                                    " --json render bench/board.json --bench bench/bench.json --view d0 --out d0.png"})
+    for (int threads = 0; threads < 9; ++threads) {  // libraries begin some while they are loaded
+      const Outcome ended = run(few + std::to_string(threads) + " " + burin() + command + "; echo exit code $?");
+      const std::string said = ended.out + ended.err;
+      if (threads == 0) {
+        EXPECT_THAT(ended.out, HasSubstr("exit code 1\n")) << command;
+        EXPECT_THAT(said, HasSubstr("raise the limit on processes and threads (ulimit -u)")) << command;
+      }
+      EXPECT_THAT(ended.out, ::testing::MatchesRegex("(.|\n)*exit code [01]\n")) << command << said;
+      EXPECT_THAT(said, Not(HasSubstr("fault in Burin"))) << command;
+      EXPECT_FALSE(left()) << command;
+    }
 }
 
 // The short form of `tests/reliability/stops signals --minutes M`: every command once, at a random moment. Kills of a

@@ -18,6 +18,7 @@
 #include "burin/render/files/json_file.h"
 #include "tests/drawn_photo.h"
 #include "tests/tools/program.h"
+#include "tools/watch/kept_copies.h"
 #include "tools/watch/photo_inbox.h"
 
 namespace burin {
@@ -263,8 +264,12 @@ TEST_F(WatchCommand, RoundsPhotosAndCopies) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_TRUE(file_text(folder / "my board/round-01/photos/a-1.jpg") == file_text(folder / "in/a-1.jpg"));
   EXPECT_EQ(file_text(folder / "my board/round-01/photos/a-2.jpg"), "of another day");
-  EXPECT_THAT(run.out, AllOf(HasSubstr("not copied: my board/round-01/photos/a-2.jpg is there already"),
+  EXPECT_TRUE(file_text(folder / "my board/round-01/photos/a-2-2.jpg") == file_text(folder / "in/a-2.jpg"));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("copied as a-2-2.jpg: my board/round-01/photos/a-2.jpg is there already"),
                              HasSubstr("next: burin loop 'my board'")));
+  run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once"});
+  EXPECT_THAT(run.out, Not(HasSubstr("copied")));
+  EXPECT_FALSE(fs::exists(folder / "my board/round-01/photos/a-2-3.jpg"));
   // The round's own folder, made where it is missing.
   fs::remove_all(folder / "my board/round-01/photos");
   run = run_burin(folder, {"watch", "my board", "--once"});
@@ -272,6 +277,132 @@ TEST_F(WatchCommand, RoundsPhotosAndCopies) {
   EXPECT_THAT(run.err, HasSubstr("my board/round-01/photos: holds no photo"));
   folder.write("my board/round-01/bench.json", "{}");
   EXPECT_THAT(run_burin(folder, {"watch", "my board", "--once"}).err, HasSubstr("its photos are measured already"));
+}
+
+// A copy is never left as a half: neither where a photo changes after it was copied, nor where the watching ended
+// before.
+TEST_F(WatchCommand, NoCopyStaysAHalf) {
+  take(0, "a");
+  const std::string whole = file_text(folder / "a-1.jpg"), photos = "my board/round-01/photos/";
+  fs::create_directories(folder / "my board/round-01");
+  fs::rename(folder / "my board/plan.json", folder / "my board/round-01/plan.json");
+  const auto watch_once = [&] {
+    return run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once"});
+  };
+  // Of the whole size, and zero behind its middle; and cut off.
+  std::string half = whole;
+  std::fill(half.begin() + static_cast<std::ptrdiff_t>(half.size() / 2), half.end(), '\0');
+  for (const std::string& begun : {half, whole.substr(0, whole.size() / 2), std::string()}) {
+    folder.write("in/a-1.jpg", whole);
+    folder.write(photos + "a-1.jpg", begun);
+    const Outcome run = watch_once();
+    EXPECT_TRUE(file_text(folder / (photos + "a-1.jpg")) == whole) << begun.size();
+    EXPECT_THAT(run.out, HasSubstr("a-1.jpg was a copy of it before all of it was there"));
+  }
+  // What cannot be copied is no success.
+  fs::remove_all(folder / "my board/round-01/photos");
+  folder.write("my board/round-01/photos", "in the way");
+  const Outcome refused = watch_once();
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.out, HasSubstr("a-1.jpg: is not copied yet"));
+  EXPECT_THAT(refused.err, HasSubstr("--copy: 1 photo is not copied"));
+  fs::remove(folder / "my board/round-01/photos");
+  // The photo changes while it is watched, its size does not: a byte behind the JPEG's end, which nobody decodes.
+  folder.write("in/a-1.jpg", whole + "x");
+  fs::remove(folder / (photos + "a-1.jpg"));
+  const Outcome run = run_shell(
+      folder, "cd " + quoted(folder.path().string()) + "; timeout 90 " + quoted(places::program()) +
+                  " watch 'my board' --photos in --copy >log & pid=$!; copy=" + quoted(photos + "a-1.jpg") +
+                  "; for i in $(seq 300); do [ -e \"$copy\" ] && break; sleep 0.1; done; "
+                  "printf y | dd of=in/a-1.jpg bs=1 seek=" +
+                  std::to_string(whole.size()) +
+                  " conv=notrunc 2>/dev/null; for i in $(seq 300); do cmp -s in/a-1.jpg \"$copy\" && break; sleep 0.1; "
+                  "done; kill $pid; wait $pid; cat log");
+  EXPECT_TRUE(file_text(folder / (photos + "a-1.jpg")) == whole + "y");
+  EXPECT_THAT(run.out, HasSubstr("copied again"));
+}
+
+struct KeptCopiesTest : testing::Test {
+  TemporaryFolder folder;
+  std::vector<std::string> said;
+  KeptCopies copies{0ms,
+                    [this](const std::string& event, const fs::path&, const std::string&) { said.push_back(event); }};
+  fs::path at(const std::string& name) const { return folder / name; }
+  std::string copy(const std::string& name) const { return fs::exists(at(name)) ? file_text(at(name)) : "none"; }
+  void look(int times) {
+    for (int i = 0; i < times; ++i) copies.look();
+  }
+};
+
+TEST_F(KeptCopiesTest, CopiesOnlyWhatHasStayedBetweenTwoLooks) {
+  folder.write("in/a.jpg", "begun");
+  copies.want(at("in/a.jpg"), at("kept"));
+  look(1);
+  EXPECT_EQ(copy("kept/a.jpg"), "none");
+  folder.write("in/a.jpg", "BEGUN");  // of the same size, and perhaps of the same time
+  look(1);
+  EXPECT_EQ(copy("kept/a.jpg"), "none");
+  EXPECT_EQ(copies.waiting(), 1);
+  look(1);
+  EXPECT_EQ(copy("kept/a.jpg"), "BEGUN");
+  EXPECT_EQ(copies.waiting(), 0);
+  EXPECT_TRUE(said.empty());
+}
+
+TEST_F(KeptCopiesTest, WhatChangesUnderTheSameSizeAndTimeIsToBeJudgedAnew) {
+  folder.write("in/a.jpg", "half of");
+  const auto time = fs::last_write_time(at("in/a.jpg"));
+  copies.want(at("in/a.jpg"), at("kept"));
+  look(3);
+  EXPECT_EQ(copy("kept/a.jpg"), "half of");
+  folder.write("in/a.jpg", "all of ");
+  fs::last_write_time(at("in/a.jpg"), time);
+  EXPECT_THAT(copies.look(), ElementsAre(at("in/a.jpg")));
+  copies.want(at("in/a.jpg"), at("kept"));
+  look(2);
+  EXPECT_EQ(copy("kept/a.jpg"), "all of ");
+}
+
+TEST_F(KeptCopiesTest, AnotherPhotoOfTheSameNameKeepsItsOwn) {
+  folder.write("kept/IMG_1.jpg", "another");
+  folder.write("in/IMG_1.jpg", "this one");
+  copies.want(at("in/IMG_1.jpg"), at("kept"));
+  look(2);
+  EXPECT_EQ(copy("kept/IMG_1.jpg") + "|" + copy("kept/IMG_1-2.jpg"), "another|this one");
+  // A person changed the copy: it is theirs.
+  folder.write("kept/IMG_1-2.jpg", "edited");
+  folder.write("in/IMG_1.jpg", "this one, changed");
+  copies.want(at("in/IMG_1.jpg"), at("kept"));
+  look(2);
+  EXPECT_EQ(copy("kept/IMG_1-2.jpg") + "|" + copy("kept/IMG_1-3.jpg"), "edited|this one, changed");
+}
+
+TEST_F(KeptCopiesTest, AHalfReplacesNoWholeCopyAndVanishedPhotosAreReported) {
+  const std::string whole(10'000, 'x');
+  folder.write("kept/a.jpg", whole);
+  folder.write("in/a.jpg", whole.substr(0, 5000));
+  folder.write("in/b.jpg", "b");
+  copies.want(at("in/a.jpg"), at("kept"));
+  copies.want(at("in/b.jpg"), at("kept"));
+  look(1);
+  fs::remove(at("in/b.jpg"));
+  look(1);
+  EXPECT_EQ(copy("kept/a.jpg"), whole);
+  EXPECT_THAT(said, UnorderedElementsAre("not copied", "not copied"));
+  EXPECT_EQ(copies.waiting(), 0);
+}
+
+TEST_F(KeptCopiesTest, WhatCannotBeCopiedIsTriedAgain) {
+  folder.write("in/a.jpg", "a");
+  folder.write("kept", "a file where the folder should be");
+  copies.want(at("in/a.jpg"), at("kept"));
+  look(4);
+  EXPECT_THAT(said, ElementsAre("not copied")) << "once";
+  EXPECT_EQ(copies.waiting(), 1);
+  EXPECT_EQ(copies.refused(), 1);
+  fs::remove(at("kept"));
+  look(1);
+  EXPECT_EQ(copy("kept/a.jpg"), "a");
 }
 
 // One place under two lamps: each photo counts for the lamp whose folder it lies in, and is copied into it.

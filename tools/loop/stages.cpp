@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 void run_step(const std::vector<std::string>& arguments) {
   stop_if_asked();
-  fmt::print("> {}\n", command_text(arguments));
+  print_text("> {}\n", command_text(arguments));
   std::fflush(stdout);
   run_command(arguments);
 }

@@ -116,7 +116,7 @@ void keep(Turn& turn, const StageState& state) {
     }
   }
   write_record(record, record_file(loop.project, state.at));
-  fmt::print("Kept: {} ({})\n", name_of(loop.project, state.at),
+  print_text("Kept: {} ({})\n", name_of(loop.project, state.at),
              state.changes.empty() ? in_words(state) : in_words(state.changes));
 }
 
@@ -125,7 +125,7 @@ void settle(Turn& turn) {
   const std::vector<StageState> states = states_of(turn.loop, turn.hashes);
   const bool begun = std::any_of(states.begin(), states.end(),
                                  [](const StageState& state) { return state.condition != Condition::not_begun; });
-  if (begun) fmt::print("{}", table_of(turn.loop, states));
+  if (begun) print_text("{}", table_of(turn.loop, states));
   std::vector<StageState> open, kept;
   for (const StageState& state : states) {
     const bool asks = is_open(turn, state) && needs_answer_now(state, states);
@@ -164,7 +164,7 @@ void refuse_unknown(Turn& turn, int round) {
   const LoopProject& loop = turn.loop;
   const ToldByRound told = told_by_round(loop, round, turn.answers.accept_unknown);
   if (!told.open.empty()) {
-    fmt::print("\n{}", in_words(told.open));
+    print_text("\n{}", in_words(told.open));
     std::fflush(stdout);
     const LoopQuestion question = question_of(loop, round, told.open);
     fail(loop.project.round(round).string(), question.what, question.remedy);
@@ -212,11 +212,11 @@ void say_begin(Turn& turn, const StageState& state) {
   const std::string name = state.at.round == 0 ? "report of the whole loop"
                                                : turn.loop.project.round(state.at.round).filename().string() + ": " +
                                                      name_of(state.at.stage);
-  if (turn.some_done && !turn.said) fmt::print("Going on with: {}\n", name);
+  if (turn.some_done && !turn.said) print_text("Going on with: {}\n", name);
   turn.said = true;
-  fmt::print("\n== {}{}\n", name,
+  print_text("\n== {}{}\n", name,
              state.at.stage == StageKind::photos ? " (carve and photograph, simulated from truth.json)" : "");
-  if (!state.changes.empty()) fmt::print("since it was made: {}\n", in_words(state.changes));
+  if (!state.changes.empty()) print_text("since it was made: {}\n", in_words(state.changes));
   std::fflush(stdout);
 }
 
@@ -231,11 +231,11 @@ void make(Turn& turn, const StageState& state) {
   record.options = basis.options;
   record.inputs = hashes_of(loop.project, basis.files, turn.hashes);
   const fs::path aside = begin_stage(loop, state.at, record, turn.hashes);
-  if (!aside.empty()) fmt::print("what was there is now in {}\n", aside.string());
+  if (!aside.empty()) print_text("what was there is now in {}\n", aside.string());
   if (!turn.again.contains(state.at)) {
     const fs::path from = restore_former(loop, state.at, record, turn.hashes);
     if (!from.empty()) {
-      fmt::print("the same was made of the same before: it is taken back from {}\n", from.string());
+      print_text("the same was made of the same before: it is taken back from {}\n", from.string());
       return;
     }
   }
@@ -290,7 +290,7 @@ void turn_loop(const LoopProject& loop, const LoopAnswers& answers) {
   Turn turn{loop, answers, {}, {}, false, false};
   for (const std::string& words : answers.again) turn.again.insert(stage_of(loop, words));
   remove_half_written(project);
-  fmt::print("{}: {}\n", project.folder.string(), in_words(loop.options));
+  print_text("{}: {}\n", project.folder.string(), in_words(loop.options));
   settle(turn);
   int round = 1;
   for (bool photographed = true; photographed; ++round)
@@ -300,12 +300,12 @@ void turn_loop(const LoopProject& loop, const LoopAnswers& answers) {
   // The last round is designed and not yet carved: for the bench as it is, if any board was photographed.
   turn_stage(turn, {0, StageKind::report});
   const bool simulated = fs::exists(project.folder / "truth.json");
-  fmt::print("\n");
+  print_text("\n");
   if (!simulated) {
     make_lamp_folders(project, round);
-    fmt::print("{}", your_turn(loop, round));
+    print_text("{}", your_turn(loop, round));
   }
-  fmt::print(
+  print_text(
       "The loop has turned {} time{}; the next board to carve is {}.{}\n", round - 1, round == 2 ? "" : "s",
       (project.round(round) / "board.gcode").string(),
       simulated ? fmt::format(" To simulate that too: {}", loop_line(project, fmt::format("--rounds {}", round))) : "");

@@ -120,7 +120,10 @@ SaidLamp lamp_in_words(const std::string& text) {
       if (!rest.starts_with(name)) continue;
       direction += way;
       rest = trimmed_lower(rest.substr(name.size()));
-      if (rest.starts_with('-')) rest = trimmed_lower(rest.substr(1));  // "above-left"
+      // "above-left"; "above -600mm" is a length below 0
+      const std::string behind = rest.starts_with('-') ? trimmed_lower(rest.substr(1)) : "";
+      if (!behind.empty() && std::string_view("0123456789.,").find(behind.front()) == std::string_view::npos)
+        rest = behind;
       more = true;
     }
   }

@@ -175,10 +175,10 @@ void shoot_tethered(const TetheredShoot& how, Shoot& shoot, const PhotoTold& tol
   make_output_folder(how.photos);
   const StopOnSignal stop;
   TetheredCamera camera(how.port);
-  fmt::print("Connected to a {}; photos go to {}, and stay on its card.\n", camera.model(), how.photos.string());
+  print_text("Connected to a {}; photos go to {}, and stay on its card.\n", camera.model(), how.photos.string());
   while (!StopOnSignal::asked()) {
     if (!how.once) {
-      fmt::print("now: {}\nEnter takes the bracket from here, q and Enter ends: ", next_words(shoot));
+      print_text("now: {}\nEnter takes the bracket from here, q and Enter ends: ", next_words(shoot));
       std::fflush(stdout);
       if (!wait_for_enter()) break;
     }
@@ -186,7 +186,7 @@ void shoot_tethered(const TetheredShoot& how, Shoot& shoot, const PhotoTold& tol
     if (!why.empty() && !StopOnSignal::asked()) note(make_warning("the bracket is not whole: " + why));
     if (how.once) break;
   }
-  fmt::print("\n");
+  print_text("\n");
   camera.put_back();
 }
 

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <random>
+#include <set>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -107,6 +108,15 @@ void exact_exif_of_jpeg(std::string& jpeg, const BenchTruth& truth, const Photo&
   set_fractions(std::span(jpeg).subspan(static_cast<std::size_t>(mark - jpeg.begin()) + 6), truth, photo);
 }
 
+// Folders that were made for photos; gone at the end unless a photo lies in them.
+struct EmptyFolders {
+  std::set<fs::path> folders;
+  ~EmptyFolders() {
+    std::error_code not_empty;
+    for (const fs::path& folder : folders) fs::remove(folder, not_empty);
+  }
+};
+
 void write_photo(const BenchTruth& truth, const TruthPhoto& photo, const Image& value, const fs::path& file) {
   const std::string extension = lower_extension(file);
   const bool srgb = truth.sensor.encoding == Encoding::srgb;
@@ -199,6 +209,7 @@ void simulate(const fs::path& truth_json, const fs::path& out_dir, const Simulat
   const PointSampler sampler(truth, carved);
 
   make_output_folder(out_dir);
+  EmptyFolders empty;
   FilesTogether all;
   // A session that stands from an earlier run would vouch for photos that are about to change.
   if (!truth.writes_session) remove_file(out_dir / "session.json");
@@ -235,6 +246,7 @@ void simulate(const fs::path& truth_json, const fs::path& out_dir, const Simulat
       for (const TruthPhoto* photo : photos) {
         const fs::path file = out_dir / photo->file;
         make_output_folder(file.parent_path());
+        empty.folders.insert(file.parent_path());
         const std::uint64_t seed = seed_of(truth, *photo);
         write_photo(
             truth, *photo,

@@ -113,8 +113,9 @@ void fail_unless_carved(const Work& work, const Scratches& scratches) {
 // The files may be the tool path of what the machine's limits leave of the scratches (burin toolpath --mend).
 bool carved_mended(const Work& work, CarveCheck& check) {
   const CarveCheckInput& input = work.input;
-  const Mended mended =
-      mend(*input.scratches, toolpath_limits(input.board, input.bench ? &*input.bench : nullptr, input.machine));
+  const CarvingLimits limits = toolpath_limits(input.board, input.bench ? &*input.bench : nullptr, input.machine);
+  fail_if_crowded(*input.scratches, limits);
+  const Mended mended = mend(*input.scratches, limits);
   const std::size_t lost = input.scratches->size() - mended.rows.size();
   try {
     fail_unless_carved(work, mended.scratches);

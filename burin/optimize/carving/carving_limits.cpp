@@ -13,6 +13,7 @@
 #include "burin/render/files/decimals.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
+#include "burin/render/limits.h"
 
 namespace burin {
 namespace {
@@ -88,11 +89,23 @@ std::vector<std::vector<Eigen::Vector2d>> crowded(const Groove& groove,
     shadows.emplace_back(low, high);
   }
   std::vector<bool> wanted(parts.size(), false);
-  // Shadows share a place where one of them begins.
-  for (const auto& [at, unused] : shadows) {
-    const auto over = [at = at](const auto& s) { return s.first <= at && at <= s.second; };
-    if (std::count_if(shadows.begin(), shadows.end(), over) < others) continue;
-    for (std::size_t k = 0; k < shadows.size(); ++k) wanted[k] = wanted[k] || over(shadows[k]);
+  // Shadows share a place where one of them begins. Over it are those that begin until there less those that have
+  // ended.
+  std::vector<double> begins, ends, shared;
+  for (const auto& [begin, end] : shadows) {
+    begins.push_back(begin);
+    ends.push_back(end);
+  }
+  std::sort(begins.begin(), begins.end());
+  std::sort(ends.begin(), ends.end());
+  for (const double at : begins)
+    if ((std::upper_bound(begins.begin(), begins.end(), at) - begins.begin()) -
+            (std::lower_bound(ends.begin(), ends.end(), at) - ends.begin()) >=
+        others)
+      shared.push_back(at);
+  for (std::size_t k = 0; k < shadows.size(); ++k) {
+    const auto first = std::lower_bound(shared.begin(), shared.end(), shadows[k].first);
+    wanted[k] = first != shared.end() && *first <= shadows[k].second;
   }
   std::vector<std::vector<Eigen::Vector2d>> out;
   for (std::size_t k = 0; k < parts.size(); ++k)
@@ -454,6 +467,22 @@ LimitsCheck check_limits(const Scratches& scratches, const CarvingLimits& limits
     if (!scratches.is_carved(i)) judge.alone(i);
   if (has_pair_rules(limits.machine) && scratches.size() > 0) judge.pairs();
   return judge.check;
+}
+
+void fail_if_crowded(const Scratches& scratches, const CarvingLimits& limits) {
+  if (!has_pair_rules(limits.machine) || scratches.size() == 0) return;
+  const std::vector<Groove> grooves = grooves_of(scratches, limits);
+  GrooveIndex index = index_for(scratches, limits);
+  for (std::size_t i = 0; i < grooves.size(); ++i) index.insert(static_cast<std::uint32_t>(i), grooves[i]);
+  const double widest = widest_of(grooves);
+  std::size_t near = 0;
+  for (const Groove& groove : grooves)
+    if ((near += index.near_at_most(groove, std::max(limits.machine.distance_mm, groove.half_width_mm + widest))) >
+        limit::kNear)
+      fail(std::to_string(grooves.size()) + " scratches",
+           "lie more than " + std::to_string(limit::kNear) +
+               " times near one another, too often to judge their distance and overlap",
+           "carve fewer or shorter ones, or take distance_mm, max_overlap and max_grooves out of the machine's limits");
 }
 
 void fail_unless_good(const LimitsCheck& check, const std::string& name) {

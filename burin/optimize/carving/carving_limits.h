@@ -67,6 +67,10 @@ struct LimitsCheck {
 /// Judges every scratch. `edge_tolerance_mm`: by how much ends may leave the carve area.
 LimitsCheck check_limits(const Scratches& scratches, const CarvingLimits& limits, double edge_tolerance_mm = 0);
 
+/// Throws Error where rules concern pairs of scratches, and these lie so near one another that judging or mending them
+/// would take hours (limit::kNear). Quick.
+void fail_if_crowded(const Scratches& scratches, const CarvingLimits& limits);
+
 /// Throws Error with the first fault and how many there are of each kind, unless the check is good.
 void fail_unless_good(const LimitsCheck& check, const std::string& name);
 

@@ -196,7 +196,7 @@ std::vector<End> greedy_order(const Tour& tour, const Progress& progress) {
 /// 2-opt and Or-opt until neither shortens the tour.
 class Improvement {
  public:
-  Improvement(Tour& tour, int neighbors) : tour_(tour), k_(neighbors) {
+  Improvement(Tour& tour, int neighbors, const std::function<bool()>& stop) : tour_(tour), k_(neighbors), stop_(stop) {
     const std::size_t count = tour.ends().size() - 2;
     const std::vector<Eigen::Vector2d> ends(tour.ends().begin(), tour.ends().end() - 2);
     const EndGrid grid(ends);
@@ -229,6 +229,7 @@ class Improvement {
     most_steps_ =
         std::max(1000, 50'000'000 / n);  // turning round longer runs, and back again, would cost more than it finds
     for (std::size_t k = 0; k < kicks; ++k) {
+      if (k % 256 == 0 && stop_ && stop_()) return;
       if (progress && k % 16384 == 0)
         progress("ordering scratches", 0.2 + 0.8 * static_cast<double>(k) / static_cast<double>(kicks));
       const int first = below(n), first_run = 1 + below(longest), second_run = 1 + below(longest);
@@ -251,6 +252,7 @@ class Improvement {
  private:
   void work_off_queue(const Progress& progress) {
     for (std::size_t done = 0; !queue_.empty(); ++done) {
+      if (done % 1024 == 1023 && stop_ && stop_()) return;
       if (progress && done % 16384 == 0)
         progress("ordering scratches",
                  0.1 + 0.1 * static_cast<double>(done) / static_cast<double>(done + queue_.size()));
@@ -352,6 +354,7 @@ class Improvement {
 
   Tour& tour_;
   int k_;
+  const std::function<bool()>& stop_;
   std::vector<End> neighbors_;
   std::vector<bool> waiting_;
   std::deque<End> queue_;
@@ -367,7 +370,7 @@ std::vector<CarvingStep> carving_order(const Scratches& scratches, const Carving
   if (scratches.size() == 0) return {};
   Tour tour(scratches, options);
   tour.set_order(greedy_order(tour, progress));
-  Improvement improvement(tour, options.neighbors);
+  Improvement improvement(tour, options.neighbors, options.stop);
   improvement.run(progress);
   improvement.kick(static_cast<std::size_t>(std::max(0, options.kicks_per_scratch)) * scratches.size(), progress);
 

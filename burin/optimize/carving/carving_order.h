@@ -12,6 +12,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "burin/render/bench.h"
@@ -32,6 +33,7 @@ struct CarvingOrderOptions {
   bool return_to_start = false;    ///< whether the way back counts
   int kicks_per_scratch = 5;       ///< random changes tried; they shorten 5,000 scratches' way by 8 %, 60,000's by 1 %
   int neighbors = 12;              ///< nearest ends looked at for each end
+  std::function<bool()> stop;      ///< true ends the search with the order found so far; may be empty
 };
 
 /// The order to carve in: every scratch once.

@@ -148,6 +148,12 @@ void GrooveIndex::insert(std::uint32_t name, const Groove& groove) {
   cells_along(groove, 0, [&](std::size_t cell) { cells_[cell].push_back(name); });
 }
 
+std::size_t GrooveIndex::near_at_most(const Groove& groove, double reach_mm) const {
+  std::size_t count = 0;
+  cells_along(groove, reach_mm, [&](std::size_t cell) { count += cells_[cell].size(); });
+  return count;
+}
+
 std::vector<std::uint32_t> GrooveIndex::near(const Groove& groove, double reach_mm) const {
   std::vector<std::uint32_t> names;
   cells_along(groove, reach_mm,

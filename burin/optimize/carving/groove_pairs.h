@@ -43,6 +43,9 @@ class GrooveIndex {
 
   void insert(std::uint32_t name, const Groove& groove);
 
+  /// At most so many names come from near(), those that come several times counted.
+  std::size_t near_at_most(const Groove& groove, double reach_mm) const;
+
   /// Names of all inserted grooves whose lines come within `reach_mm` of this one's line (and of some others near),
   /// ascending, each once.
   std::vector<std::uint32_t> near(const Groove& groove, double reach_mm) const;

@@ -141,6 +141,7 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
   if (path.already_carved == scratches.size())
     fail("tool path", "all " + std::to_string(scratches.size()) + " scratches are carved already",
          "design some more, or take the column carved away to carve all again");
+  fail_if_crowded(carved, limits);
   fail_unless_good(check_limits(carved, limits, kEdgeTolerance_mm), "tool path");
   check_travel(sent, machine, path.compensated);
 

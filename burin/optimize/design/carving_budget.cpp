@@ -26,12 +26,13 @@ std::vector<double> carving_costs_s(const Scratches& scratches, double depth_um,
 
 std::vector<std::size_t> spare_for_time(std::vector<StrokeView> views, const StrokeRules& rules,
                                         const Scratches& scratches, std::size_t movable,
-                                        const std::vector<double>& cost_s, double save_s) {
+                                        const std::vector<double>& cost_s, double save_s,
+                                        const std::function<bool()>& stop) {
   double saved = 0;
   std::size_t gone = 0;
   std::vector<std::size_t> spared =
       spare_order(std::move(views), rules, scratches, movable, cost_s, [&](std::size_t i, double) {
-        if (saved >= save_s || gone + 1 >= scratches.size()) return false;
+        if (saved >= save_s || gone + 1 >= scratches.size() || (stop && stop())) return false;
         saved += cost_s[i];
         ++gone;
         return true;
@@ -42,7 +43,9 @@ std::vector<std::size_t> spare_for_time(std::vector<StrokeView> views, const Str
 
 std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, const std::vector<double>& log_exposure,
                                         const StrokeRules& rules, const Scratches& scratches, std::size_t movable,
-                                        const Metal& metal, const MachineProfile& machine) {
+                                        const Metal& metal, const MachineProfile& machine,
+                                        const std::function<bool()>& stop) {
+  const auto stopped = [&stop] { return stop && stop(); };
   constexpr int kPoints = 10;
   const double depth_um = metal.bench.material.depth_um;
   std::vector<std::size_t> rows(movable);
@@ -50,11 +53,12 @@ std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, const std:
   const std::vector<double> cost = carving_costs_s(selected(scratches, rows), depth_um, machine);
   const double total = std::accumulate(cost.begin(), cost.end(), 0.0);
   const std::vector<std::size_t> order = spare_order(stroke_views(views, log_exposure, false), rules, scratches,
-                                                     movable, cost, [](std::size_t, double) { return true; });
+                                                     movable, cost, [&](std::size_t, double) { return !stopped(); });
   std::vector<CarvingPoint> curve;
   std::size_t next = 0;
   double saved = 0;
   for (int k = kPoints; k > 0; --k) {
+    if (stopped()) return {};
     while (next < order.size() && saved < total * (kPoints - k) / kPoints) saved += cost[order[next++]];
     const std::vector<std::size_t> gone(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(next));
     const Scratches left = selected(scratches, all_but(scratches.size(), gone));

@@ -16,6 +16,7 @@
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/render/brdf.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {
@@ -216,7 +217,7 @@ bool DesignRun::searches_are_over() const {
 
 // The order that the board is carved in, once no scratch is searched another place any more.
 void DesignRun::settle_order() {
-  if (in_last_order_ || !order_matters(bench_)) return;
+  if (in_last_order_ || !order_matters(bench_) || deadline_.wished()) return;
   report("ordering scratches", 0);
   put_in_carving_order(true);
   in_last_order_ = true;
@@ -289,7 +290,8 @@ void DesignRun::drop_weak() {
     for (std::size_t i = 0; i < count(); ++i) light_sum[i] += std::exp(log_exposure_[v.exposure_group]) * light[i];
   }
   const std::vector<std::size_t> weak =
-      weak_scratches(stroke_views(views_, log_exposure_, false), rules_, scratches_, movable_, light_sum, options_);
+      weak_scratches(stroke_views(views_, log_exposure_, false), rules_, scratches_, movable_, light_sum, options_,
+                     [this] { return deadline_.wished(); });
   result_.dropped += weak.size();
   keep_only(all_but(count(), weak));
 }
@@ -301,10 +303,17 @@ void DesignRun::keep_to_budget(double allowed_s) {
     const std::vector<double> cost = carving_costs_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
     const double now_s = std::accumulate(cost.begin(), cost.end(), 0.0);
     if (now_s <= allowed_s) return;
+    if (deadline_.wished()) {
+      result_.findings.push_back(make_warning(
+          "was stopped before its scratches were few enough: they take " + fixed(now_s / 3600, 1) + " hours to carve",
+          "go on with it, or design anew"));
+      return;
+    }
     report("keeping to the carving time", 0);
     render_all(views_, in_the_metal());
-    const std::vector<std::size_t> spared = spare_for_time(stroke_views(views_, log_exposure_, false), rules_,
-                                                           scratches_, movable_, cost, now_s - allowed_s);
+    const std::vector<std::size_t> spared =
+        spare_for_time(stroke_views(views_, log_exposure_, false), rules_, scratches_, movable_, cost,
+                       now_s - allowed_s, [this] { return deadline_.wished(); });
     result_.dropped += spared.size();
     keep_only(all_but(count(), spared));
     // Fewer have to be brighter.
@@ -317,6 +326,7 @@ void DesignRun::keep_to_part_of_budget() {
   const double budget_s = 3600 * options_.carve_hours;
   if (!(budget_s > 0 && full_carving_s_ > budget_s) || drop_at_ < kBudgetSteps) return;
   if (iteration_ == 0 || iteration_ > drop_at_ || iteration_ % (drop_at_ / kBudgetSteps) != 0) return;
+  if (deadline_.wished()) return;
   const double part = std::min(1.0, static_cast<double>(iteration_) / drop_at_);
   keep_to_budget(full_carving_s_ * std::pow(budget_s / full_carving_s_, part));
 }

@@ -77,6 +77,7 @@ DesignResult DesignRun::run() {
   iterate();
   obey_all_rules();
   measure();
+  result_.stopped_early = result_.stopped_early || deadline_.wished();
   result_.total_seconds = deadline_.seconds();
   return std::move(result_);
 }
@@ -271,6 +272,7 @@ void DesignRun::join_carved() {
 void DesignRun::put_in_carving_order(bool thoroughly) {
   if (!order_matters(bench_)) return;
   CarvingOrderOptions options;
+  options.stop = [this] { return deadline_.wished(); };
   if (!thoroughly) options.kicks_per_scratch = 0;
   std::vector<CarvingStep> order = carving_order(new_ones(), options);
   for (std::size_t i = movable_; i < count(); ++i) order.push_back({static_cast<std::uint32_t>(i), false});
@@ -335,18 +337,21 @@ void DesignRun::obey_all_rules() {
 
 void DesignRun::measure() {
   measure_pictures();
-  if (options_.report_tolerance || options_.tolerance_mm > 0) {
+  // Whoever wishes the work to end waits for nothing that the scratches do not need.
+  const auto wished = [this] { return deadline_.wished(); };
+  if ((options_.report_tolerance || options_.tolerance_mm > 0) && !wished()) {
     std::vector<ToleranceTarget> targets;
     const auto shown = shown_views();
     for (std::size_t k = 0; k < shown_; ++k)
       targets.push_back({result_.views[k].target, shown[k][0].target.mask, result_.views[k].best_exposure,
                          result_.views[k].color ? result_.views[k].color->white_gain : std::array<double, 3>{1, 1, 1}});
-    result_.tolerance = measure_tolerance(spec_, board_, bench_, targets, scratches_, progress_);
+    result_.tolerance = measure_tolerance(spec_, board_, bench_, targets, scratches_, progress_, wished);
   }
   measure_ghosts();
-  if (options_.carve_curve || options_.carve_hours > 0) {
+  if ((options_.carve_curve || options_.carve_hours > 0) && !wished()) {
     report("measuring the curve over carving time", 0);
-    result_.curve = carving_curve(views_, log_exposure_, rules_, scratches_, movable_, metal_, options_.carve_machine);
+    result_.curve =
+        carving_curve(views_, log_exposure_, rules_, scratches_, movable_, metal_, options_.carve_machine, wished);
   }
   if (options_.optimize_width) result_.width_um = std::exp(log_shared_[0]);
   if (options_.optimize_depth) result_.depth_um = std::exp(log_shared_[1]);

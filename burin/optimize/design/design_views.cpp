@@ -17,6 +17,7 @@
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
+#include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/groove.h"
@@ -256,6 +257,7 @@ GrooveShape groove_of(const Board& board, const Bench& bench, const Eigen::Vecto
 // Before any picture is loaded: a bench that cannot work is the first thing to know.
 void check_bench(const DesignSpec& spec, const std::vector<std::vector<GlintView>>& glints, const Board& board,
                  const Bench& bench, std::vector<Finding>& findings) {
+  for (const DesignView& v : spec.views) fail_unless_sees(find_view(bench, v.view, "design"), board);
   std::vector<GlintView> of_lamps;  // what other lights do is measured below
   for (std::size_t k = 0; k < glints.size(); ++k)
     for (std::size_t l = 0; l < glints[k].size(); ++l)

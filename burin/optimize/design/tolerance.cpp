@@ -118,7 +118,8 @@ double range_of(const Lost& lost, double first_mm, double most_mm) {
 
 std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board& board, const Bench& bench,
                                              const std::vector<ToleranceTarget>& targets, const Scratches& scratches,
-                                             const Progress& progress) {
+                                             const Progress& progress, const std::function<bool()>& stop) {
+  const auto stopped = [&stop] { return stop && stop(); };
   const Carved grooves = carve(Designed(scratches), bench, board);
   std::vector<ViewTolerance> out(spec.views.size());
   for (std::size_t k = 0; k < spec.views.size(); ++k) {
@@ -134,9 +135,11 @@ std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board
     };
     const auto range = [&](const Eigen::Vector3d& axis, double distance_mm, bool lamp) {
       const auto one_way = [&](double way) {
+        if (stopped()) return 0.0;  // this view is left out
         tell();
         return range_of(
             [&](double d) {
+              if (stopped()) return kLostDb;
               const Eigen::Vector3d shift = way * d * axis;
               return t.psnr_db - (lamp ? moved.psnr(still, shift) : moved.psnr(shift, still));
             },
@@ -152,18 +155,21 @@ std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board
              range(eye.depth, eye.distance_mm, false)};
     t.lamp = {range(lamp.sideways, lamp.distance_mm, true), range(lamp.up, lamp.distance_mm, true),
               range(lamp.depth, lamp.distance_mm, true)};
-    tell();
+    if (!stopped()) tell();
     // The map shows the whole of the eye's range and as much again.
     const MovedView small(spec, k, board, bench, targets[k], kMapPixels, grooves);
     const double here = small.psnr(still, still);
     t.map_half_mm = 2 * std::min(t.eye.sideways.least(), t.eye.up.least());
     t.lost_db = Image(kMapPlaces, kMapPlaces, 1);
     for (int y = 0; y < kMapPlaces; ++y)
-      for (int x = 0; x < kMapPlaces; ++x) {
+      for (int x = 0; x < kMapPlaces && !stopped(); ++x) {
         const double right = (2.0 * x / (kMapPlaces - 1) - 1) * t.map_half_mm,
                      up = (1 - 2.0 * y / (kMapPlaces - 1)) * t.map_half_mm;
         t.lost_db.at(x, y) = static_cast<float>(here - small.psnr(right * eye.sideways + up * eye.up, still));
       }
+    if (!stopped()) continue;
+    out.resize(k);
+    break;
   }
   return out;
 }

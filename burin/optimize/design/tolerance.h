@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -52,10 +53,11 @@ struct ToleranceTarget {
   std::array<double, 3> gains{1, 1, 1};  ///< of a target in color: DesignedColor::white_gain
 };
 
-/// One for each of the spec's views, whose `targets` come in the same order.
+/// One for each of the spec's views, whose `targets` come in the same order. Once `stop` (may be empty) returns true,
+/// only of those that were measured until then.
 std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board& board, const Bench& bench,
                                              const std::vector<ToleranceTarget>& targets, const Scratches& scratches,
-                                             const Progress& progress);
+                                             const Progress& progress, const std::function<bool()>& stop = {});
 
 /// "view v2 holds within 18 mm sideways, 20 mm up or down, 40 mm in depth; its lamp within 17, 22 and 41 mm".
 std::string tolerance_text(const std::string& view, const ViewTolerance& tolerance);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "burin/optimize/design/design_views.h"
@@ -12,9 +13,11 @@ namespace burin {
 
 /// Which of the first `movable` scratches go, in the order in which they are best spared: as many as drop_share,
 /// drop_light or drop_error allow. One always stays. `views` must show the scratches; `light_sum` is each one's light
-/// in all views, in units of each view's own white, so that a bright lamp's views do not rule.
+/// in all views, in units of each view's own white, so that a bright lamp's views do not rule. Fewer where `stop` (may
+/// be empty) returns true before.
 std::vector<std::size_t> weak_scratches(std::vector<StrokeView> views, const StrokeRules& rules,
                                         const Scratches& scratches, std::size_t movable,
-                                        const std::vector<double>& light_sum, const DesignOptions& options);
+                                        const std::vector<double>& light_sum, const DesignOptions& options,
+                                        const std::function<bool()>& stop = {});
 
 }  // namespace burin

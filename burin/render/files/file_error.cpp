@@ -36,6 +36,10 @@ std::string error_remedy(int error) {
     case EMFILE:
     case ENFILE:
       return "too many files are open: raise the limit (ulimit -n), or end other programs";
+    case EAGAIN:
+      return "raise the limit on processes and threads (ulimit -u), or end other programs";
+    case EPIPE:
+      return "send it to a program that reads all of it, or to a file";
     case ENOMEM:
       return "end other programs, or use a machine with more memory";
     default:

@@ -1,6 +1,8 @@
 #include "burin/render/files/file_names.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
 #include <set>
 
 namespace burin {
@@ -34,6 +36,59 @@ bool is_invisible(std::string_view c) {
   return (second == 0x80 && (third < 0x90 || (third >= 0xA8 && third <= 0xAF))) || (second == 0x81 && third >= 0x9F);
 }
 
+// The number of a whole character.
+std::uint32_t code_of(std::string_view c) {
+  const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(c[i])); };
+  if (c.size() == 1) return byte(0);
+  std::uint32_t code = byte(0) & (0xFFU >> (c.size() + 1));
+  for (std::size_t i = 1; i < c.size(); ++i) code = code << 6U | (byte(i) & 0x3FU);
+  return code;
+}
+
+template <std::size_t N>
+bool is_among(std::uint32_t code, const std::uint32_t (&ranges)[N][2]) {
+  return std::any_of(std::begin(ranges), std::end(ranges),
+                     [code](const auto& range) { return code >= range[0] && code <= range[1]; });
+}
+
+// A mark that changes the letter before it; Hangul's vowels and endings are written so, too.
+bool is_mark(std::uint32_t code) {
+  constexpr std::uint32_t kMarks[][2] = {{0x300, 0x36F},   {0x1160, 0x11FF}, {0x1AB0, 0x1AFF}, {0x1DC0, 0x1DFF},
+                                         {0x20D0, 0x20FF}, {0x3099, 0x309A}, {0xFE20, 0xFE2F}};
+  return is_among(code, kMarks);
+}
+
+// A letter that may also be written as another one with marks: Latin, Greek, Cyrillic, Hebrew, Arabic, Indic scripts,
+// Kana, Hangul.
+bool may_hold_marks(std::uint32_t code) {
+  constexpr std::uint32_t kLetters[][2] = {{0xC0, 0x24F},    {0x370, 0x6FF},   {0x900, 0xDFF},   {0x1100, 0x115F},
+                                           {0x1E00, 0x1FFF}, {0x3041, 0x30FF}, {0xAC00, 0xD7A3}, {0xFB1D, 0xFB4F}};
+  return is_among(code, kLetters);
+}
+
+// A file system, or the way to one, may write the same letters with marks apart or in one: those are equal here, and a
+// few more. `has_marks`: whether it is written with marks apart.
+std::string without_marks(std::string_view name, bool& has_marks) {
+  std::string out;
+  has_marks = false;
+  std::size_t last = 0;  // where the last letter begins
+  for (std::size_t at = 0; at < name.size();) {
+    const std::size_t length = std::max<std::size_t>(1, character_at(name, at));
+    const std::string_view c = name.substr(at, length);
+    at += length;
+    const std::uint32_t code = code_of(c);
+    if (is_mark(code)) {
+      has_marks = true;
+      out.resize(last);
+      out += '?';
+      continue;
+    }
+    last = out.size();
+    out += may_hold_marks(code) ? "?" : c;
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string file_name_of(std::string_view name) {
@@ -57,7 +112,19 @@ std::string file_name_of(std::string_view name) {
 std::vector<std::string> distinct_file_names(const std::vector<std::string>& names,
                                              const std::vector<std::string>& endings) {
   std::vector<std::string> out;
-  std::set<std::string> taken;
+  std::set<std::string> taken, shapes, shapes_with_marks;  // shapes: without marks
+  const auto is_taken = [&](const std::string& each) {
+    bool has_marks = false;
+    const std::string shape = without_marks(each, has_marks);
+    return taken.contains(each) || (has_marks ? shapes : shapes_with_marks).contains(shape);
+  };
+  const auto take = [&](const std::string& each) {
+    bool has_marks = false;
+    const std::string shape = without_marks(each, has_marks);
+    taken.insert(each);
+    shapes.insert(shape);
+    if (has_marks) shapes_with_marks.insert(shape);
+  };
   for (const std::string& name : names) {
     const std::string wanted = file_name_of(name);
     const auto all_of = [&](const std::string& candidate) {
@@ -68,8 +135,8 @@ std::vector<std::string> distinct_file_names(const std::vector<std::string>& nam
     std::string candidate = wanted;
     for (int number = 2;; ++number) {
       const std::vector<std::string> all = all_of(candidate);
-      if (std::none_of(all.begin(), all.end(), [&](const std::string& each) { return taken.contains(each); })) {
-        taken.insert(all.begin(), all.end());
+      if (std::none_of(all.begin(), all.end(), is_taken)) {
+        std::for_each(all.begin(), all.end(), take);
         break;
       }
       candidate = wanted + "-" + std::to_string(number);

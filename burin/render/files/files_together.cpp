@@ -8,14 +8,17 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <optional>
 #include <set>
 #include <string_view>
+#include <utility>
 
 #include "burin/render/error.h"
 #include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/files/unfinished.h"
 
 namespace burin {
@@ -26,9 +29,14 @@ namespace fs = std::filesystem;
 // On, the change is to be completed; back, to be taken back. A rename turns the one into the other, without needing
 // room on the disk.
 constexpr const char *kOn = ".burin-change", *kBack = ".burin-change-back";
-constexpr std::string_view kBegin = "burin/change 1", kEnd = "end";
+constexpr std::string_view kBegin = "burin/change 2", kEnd = "end";
 
 thread_local FilesTogether* change_of_thread = nullptr;
+
+std::function<void(const std::string&)>& report_of_settled() {
+  static std::function<void(const std::string&)> report;
+  return report;
+}
 
 // The same file by whatever name, where links have been followed.
 std::string key_of(const fs::path& file) {
@@ -40,20 +48,24 @@ std::string key_of(const fs::path& file) {
 // A file's move, relative to the journal's folder. Names are separated by zero bytes, which no name holds.
 struct Move {
   std::string file, part, former;
-  bool there = false;
+  ino_t old_inode = 0;  // of what was there; 0: nothing
+  ino_t new_inode = 0;  // of the part file; 0: it is a removal
+
+  bool there() const { return old_inode != 0; }
 };
 
 std::string text_of(const std::vector<Move>& moves) {
   std::string text(kBegin);
   text += '\0';
   for (const Move& m : moves)
-    for (const std::string& field : {m.file, m.part, m.former, std::string(m.there ? "1" : "0")})
+    for (const std::string& field :
+         {m.file, m.part, m.former, std::to_string(m.old_inode), std::to_string(m.new_inode)})
       (text += field) += '\0';
   return text += kEnd;
 }
 
-// A journal may come from a stranger: all that it can do is to rename a part file to a name in the same folder, within
-// the folder that it lies in.
+// A journal may come from a stranger: all that it can name is a file within the folder that it lies in, and that file's
+// part files beside it.
 bool is_within(const fs::path& name, const fs::path& folder) {
   if (name.empty() || name.is_absolute()) return false;
   for (const fs::path& step : name)
@@ -67,10 +79,16 @@ bool is_within(const fs::path& name, const fs::path& folder) {
 bool is_harmless(const Move& m, const fs::path& folder) {
   if (!is_within(m.file, folder) || is_part_name(fs::path(m.file).filename().native())) return false;
   for (const std::string& other : {m.part, m.former})
-    if (!other.empty() && (!is_part_name(fs::path(other).filename().native()) ||
+    if (!other.empty() && (!is_part_name_of(fs::path(other).filename().native(), m.file) ||
                            fs::path(other).parent_path() != fs::path(m.file).parent_path()))
       return false;
-  return !m.former.empty();
+  return !m.former.empty() && m.part.empty() == (m.new_inode == 0) && (m.there() || !m.part.empty());
+}
+
+ino_t number_in(const std::string& text) {
+  ino_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() ? number : 0;
 }
 
 // The moves of a journal; none where it was cut off before anything was moved.
@@ -81,19 +99,32 @@ std::optional<std::vector<Move>> moves_of(const std::string& text, const fs::pat
     fields.push_back(text.substr(at, end - at));
     at = end + 1;
   }
-  if (fields.size() < 2 || fields.front() != kBegin || fields.back() != kEnd || fields.size() % 4 != 2)
+  if (fields.size() < 2 || fields.front() != kBegin || fields.back() != kEnd || fields.size() % 5 != 2)
     return std::nullopt;
   std::vector<Move> moves;
-  for (std::size_t i = 1; i + 1 < fields.size(); i += 4) {
-    moves.push_back({fields[i], fields[i + 1], fields[i + 2], fields[i + 3] == "1"});
-    if (!is_harmless(moves.back(), folder)) return std::nullopt;
+  std::set<std::string> names;
+  for (std::size_t i = 1; i + 1 < fields.size(); i += 5) {
+    moves.push_back({fields[i], fields[i + 1], fields[i + 2], number_in(fields[i + 3]), number_in(fields[i + 4])});
+    if (!is_harmless(moves.back(), folder) || !names.insert(fields[i]).second) return std::nullopt;
   }
   return moves;
+}
+
+// The number of the file or the link by that name; 0: there is none.
+ino_t inode_of(const fs::path& file) {
+  struct stat found {};
+  return ::lstat(file.c_str(), &found) == 0 && !S_ISDIR(found.st_mode) ? found.st_ino : 0;
 }
 
 bool is_there(const fs::path& file) {
   struct stat found {};
   return ::lstat(file.c_str(), &found) == 0;
+}
+
+// Whether part files that are there are those that were written for this change, on this disk.
+bool is_of_here(const Move& m, const fs::path& folder) {
+  return (m.part.empty() || !is_there(folder / m.part) || inode_of(folder / m.part) == m.new_inode) &&
+         (!is_there(folder / m.former) || (m.there() && inode_of(folder / m.former) == m.old_inode));
 }
 
 // 0, or what went wrong.
@@ -102,9 +133,9 @@ int renamed(const fs::path& from, const fs::path& to) { return std::rename(from.
 // One file on its way; what it was stays as `former`. 0, or what went wrong.
 int move_on(const Move& m, const fs::path& folder) {
   const fs::path file = folder / m.file, former = folder / m.former;
-  if (m.part.empty()) return m.there ? renamed(file, former) : 0;
+  if (m.part.empty()) return m.there() ? renamed(file, former) : 0;
   // A second name for the old file, or, where the file system knows none, the old file by that name.
-  if (m.there && ::link(file.c_str(), former.c_str()) != 0)
+  if (m.there() && ::link(file.c_str(), former.c_str()) != 0)
     if (const int error = renamed(file, former)) return error;
   return renamed(folder / m.part, file);
 }
@@ -113,7 +144,7 @@ int move_on(const Move& m, const fs::path& folder) {
 int complete(const Move& m, const fs::path& folder) {
   const fs::path file = folder / m.file;
   if (!m.part.empty()) return is_there(folder / m.part) ? renamed(folder / m.part, file) : 0;
-  return m.there && is_there(file) && !is_there(folder / m.former) ? renamed(file, folder / m.former) : 0;
+  return inode_of(file) == m.old_inode && !is_there(folder / m.former) ? renamed(file, folder / m.former) : 0;
 }
 
 int take_back(const Move& m, const fs::path& folder) {
@@ -122,7 +153,7 @@ int take_back(const Move& m, const fs::path& folder) {
   if (is_there(former)) {
     if (const int error = renamed(former, file)) return error;
     ::unlink(former.c_str());  // two names of one file: the rename did nothing, and there was nothing to do
-  } else if (moved && !m.there) {
+  } else if (moved && !m.there() && inode_of(file) == m.new_inode) {
     ::unlink(file.c_str());
   }
   if (!m.part.empty()) ::unlink((folder / m.part).c_str());
@@ -151,24 +182,31 @@ std::string text_in(int file) {
   return text;
 }
 
+std::string count_of(const std::vector<Move>& moves) {
+  return std::to_string(moves.size()) + (moves.size() == 1 ? " file" : " files");
+}
+
 [[noreturn]] void fail_mixed(const fs::path& folder, int error) {
   fail(folder.string(), "a change of several files here was cut off, and cannot be completed: " + error_text(error),
        "run the command as the owner of that folder, on a disk that can be written to");
 }
 
-void settle_journal(const fs::path& folder, const char* name) {
+// `wanted`: the file that is to be read or written; empty: whatever lies here may be changed. False: it was left as it
+// is.
+bool settle_journal(const fs::path& folder, const char* name, const fs::path& wanted) {
   const fs::path journal = folder / name;
   // A link or a FIFO by that name is none of ours.
   const Descriptor file(::open(journal.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat found {};
   if (!file) {
-    if (errno == ENOENT || errno == ELOOP) return;
+    if (errno == ENOENT || errno == ELOOP) return true;
     fail_mixed(folder, errno);
   }
-  if (::fstat(file.number(), &found) != 0 || !S_ISREG(found.st_mode)) return;
+  if (::fstat(file.number(), &found) != 0 || !S_ISREG(found.st_mode)) return true;
   // In /tmp and the like anybody can lay one down.
   struct stat around {};
-  if (::stat(folder.c_str(), &around) == 0 && (around.st_mode & S_ISVTX) != 0 && found.st_uid != ::geteuid()) return;
+  if (::stat(folder.c_str(), &around) == 0 && (around.st_mode & S_ISVTX) != 0 && found.st_uid != ::geteuid())
+    return true;
   // Its process holds it while it lives; a change takes milliseconds.
   for (int tries = 0; ::flock(file.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++tries) {
     constexpr int kTries = 1000, kTry_us = 10'000;
@@ -177,16 +215,36 @@ void settle_journal(const fs::path& folder, const char* name) {
            "wait until it has ended, or stop it");
     ::usleep(kTry_us);
   }
-  if (!is_at(file.number(), journal)) return;  // it has ended
+  if (!is_at(file.number(), journal)) return true;  // it has ended
   const auto moves = moves_of(text_in(file.number()), folder);
+  if (!wanted.empty() && !may_change_in(folder, wanted)) {
+    // None of ours to settle; only what it is about cannot be trusted.
+    const auto is_wanted = [&](const Move& m) { return key_of(folder / m.file) == key_of(wanted); };
+    if (moves && std::any_of(moves->begin(), moves->end(), is_wanted))
+      fail(wanted.string(), "belongs to a change of several files that was cut off in " + folder.string(),
+           "name that folder in the command, and it is completed; or, if it came from elsewhere, remove " +
+               journal.string());
+    return !moves;
+  }
   if (!moves) {
     if (::unlink(journal.c_str()) != 0) fail_mixed(folder, errno);
-    return;
+    return true;
   }
+  if (!std::all_of(moves->begin(), moves->end(), [&](const Move& m) { return is_of_here(m, folder); }))
+    fail(
+        folder.string(),
+        "holds a change of several files that was cut off somewhere else, and was copied since: what lies there may be "
+        "old and new together",
+        "copy the folder again after a command has read it where it comes from; or remove " + journal.string() +
+            " to take what is there");
   const bool on = std::string_view(name) == kOn;
   for (const Move& m : *moves)
     if (const int error = on ? complete(m, folder) : take_back(m, folder)) fail_mixed(folder, error);
   finish(*moves, folder, journal);
+  if (report_of_settled())
+    report_of_settled()(folder.string() + ": a change of " + count_of(*moves) + " had been cut off here, and is now " +
+                        (on ? "completed" : "taken back"));
+  return true;
 }
 
 // The folder that holds them all, for a journal that their readers find: at most two above each.
@@ -222,13 +280,14 @@ void put_with_journal(std::vector<FilesTogether::Item>& items, const fs::path& f
     const auto name = [&](const fs::path& file) {
       return file.empty() ? std::string() : (below == "." ? file.filename() : below / file.filename()).native();
     };
-    moves.push_back({name(item.place.file), name(item.part), name(item.former), item.place.there});
+    moves.push_back({name(item.place.file), name(item.part), name(item.former),
+                     item.place.there ? inode_of(item.place.file) : 0, item.part.empty() ? 0 : inode_of(item.part)});
   }
   const fs::path journal = folder / kOn;
   Descriptor file;
   constexpr int kTries = 100;
   for (int tries = 0;; ++tries) {
-    settle_folder(folder);
+    for (const char* name : {kOn, kBack}) settle_journal(folder, name, {});
     file = Descriptor(::open(journal.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
     if (!file && (errno != EEXIST || tries == kTries)) fail_with(journal, "cannot be written", errno);
     if (!file) continue;
@@ -281,7 +340,7 @@ void FilesTogether::put() {
     return;
   }
   const fs::path common = common_folder(items_);
-  constexpr std::ptrdiff_t kFarthest = 2;  // as settle_folder looks
+  constexpr std::ptrdiff_t kFarthest = 2;  // as settle_changes looks
   const bool near = std::all_of(items_.begin(), items_.end(), [&](const Item& item) {
     return depth_below(common, fs::canonical(item.place.folder())) <= kFarthest;
   });
@@ -323,16 +382,20 @@ fs::path as_written(const fs::path& file) {
   return file;
 }
 
-void settle_folder(const fs::path& folder) {
+bool settle_changes(const fs::path& file) {
   std::error_code error;
-  fs::path at = fs::absolute(folder.empty() ? fs::path(".") : folder, error).lexically_normal();
-  if (error) return;
-  if (!at.has_filename()) at = at.parent_path();
+  const fs::path wanted = fs::absolute(file, error).lexically_normal();
+  if (error) return true;
+  bool all = true;
+  fs::path at = wanted.parent_path();
   for (int up = 0; up < 3; ++up, at = at.parent_path()) {
     for (const char* name : {kOn, kBack})
-      if (::access((at / name).c_str(), F_OK) == 0) settle_journal(at, name);
+      if (::access((at / name).c_str(), F_OK) == 0) all = settle_journal(at, name, wanted) && all;
     if (at == at.parent_path()) break;
   }
+  return all;
 }
+
+void report_settled_changes(std::function<void(const std::string&)> report) { report_of_settled() = std::move(report); }
 
 }  // namespace burin

@@ -52,7 +52,7 @@ std::pair<Descriptor, std::uintmax_t> open_plain(const fs::path& file) {
   if (name.empty()) fail("the name of a file", "is empty", "name a file");
   if (name.find('\0') != std::string::npos)
     fail(name.substr(0, name.find('\0')), "has a zero byte in its name, which no file has", "correct the name");
-  settle_folder(file.parent_path());  // a change that was cut off is none that may be read
+  settle_changes(file);  // a change that was cut off is none that may be read
   // O_NONBLOCK: a FIFO that nobody writes to would wait forever.
   Descriptor open(::open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
   if (!open) fail_to_open(file, errno);

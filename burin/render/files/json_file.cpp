@@ -132,11 +132,15 @@ const Json& JsonObject::raw(const std::string& key) {
   return (*json_)[key];
 }
 
-double JsonObject::number(const std::string& key) {
-  const Json& value = raw(key);
+double JsonObject::number(const std::string& key) { return number_in(raw(key), key); }
+
+double JsonObject::number_in(const Json& value, const std::string& key) const {
   if (!value.is_number()) fail_field(key, described(value), "write a number");
+  // No length, time or brightness of a bench comes near it, and its square is still a number of single precision.
+  constexpr double kLargest = 1e18;
   const double v = value.get<double>();
-  if (!std::isfinite(v)) fail_field(key, "is not finite", "write a finite number");
+  if (!(std::abs(v) <= kLargest))
+    fail_field(key, "is beyond anything that can be measured", "write a number up to 1e18");
   return v;
 }
 
@@ -188,8 +192,7 @@ std::vector<double> JsonObject::numbers(const std::string& key, int count) {
   std::vector<double> v;
   v.reserve(value.size());
   for (std::size_t i = 0; i < value.size(); ++i) {
-    if (!value[i].is_number()) fail_field(key + "[" + std::to_string(i) + "]", described(value[i]), "write a number");
-    v.push_back(value[i].get<double>());
+    v.push_back(number_in(value[i], key + "[" + std::to_string(i) + "]"));
   }
   return v;
 }
@@ -219,8 +222,7 @@ Eigen::MatrixXd JsonObject::matrix(const std::string& key, int rows, int cols) {
     const std::string row_key = key + "[" + std::to_string(r) + "]";
     if (!row.is_array() || row.size() != static_cast<std::size_t>(cols)) fail_field(row_key, described(row), expected);
     for (int c = 0; c < cols; ++c) {
-      if (!row[c].is_number()) fail_field(row_key + "[" + std::to_string(c) + "]", described(row[c]), "write a number");
-      m(r, c) = row[c].get<double>();
+      m(r, c) = number_in(row[c], row_key + "[" + std::to_string(c) + "]");
     }
   }
   return m;

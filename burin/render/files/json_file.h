@@ -25,7 +25,7 @@ class JsonObject {
   const std::string& where() const { return where_; }
   bool has(const std::string& key) const;  ///< the key then counts as known
 
-  double number(const std::string& key);  ///< finite
+  double number(const std::string& key);  ///< at most 1e18, of either sign
   double number(const std::string& key, double fallback);
   double positive(const std::string& key);
   double positive(const std::string& key, double fallback);
@@ -52,6 +52,8 @@ class JsonObject {
   [[noreturn]] void fail_field(const std::string& key, const std::string& what, const std::string& remedy) const;
 
  private:
+  double number_in(const Json& value, const std::string& key) const;
+
   const Json* json_;
   std::string where_;
   mutable std::set<std::string> asked_;

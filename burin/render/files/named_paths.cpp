@@ -40,6 +40,17 @@ fs::path first_link(const fs::path& file, const fs::path& folder) {
   return file;
 }
 
+// The innermost project that a folder belongs to: it itself, or one of the three above it (round-01/session/photos).
+// Empty: none.
+fs::path project_of(fs::path folder) {
+  constexpr int kLevels = 4;
+  for (int i = 0; i < kLevels && !folder.empty(); ++i, folder = folder.parent_path()) {
+    if (is_project(folder)) return folder;
+    if (folder == folder.parent_path()) break;
+  }
+  return {};
+}
+
 }  // namespace
 
 NamedPaths::NamedPaths(const std::vector<std::string>& words) : before_(std::move(named_now())) {
@@ -74,6 +85,28 @@ void fail_if_led_outside(const fs::path& named, const fs::path& real) {
            real.string(),
        "remove that link if you did not make it; files are written elsewhere only where the command line names them "
        "by their own path (--out FILE)");
+}
+
+bool is_project(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_regular_file(folder / "design.json", error) && fs::is_regular_file(folder / "board.json", error);
+}
+
+bool may_change_in(const fs::path& folder, const fs::path& file) {
+  const fs::path in = whole_name(folder), whole = whole_name(file);
+  const auto is_within_project_of = [&](const fs::path& named) {
+    const fs::path project = project_of(named);
+    return !project.empty() && begins_with(in, project);
+  };
+  if (named_now().empty()) return in == whole.parent_path() || is_within_project_of(whole.parent_path());
+  std::error_code error;
+  // The first is the folder that is current, which nobody has named.
+  return std::any_of(std::next(named_now().begin()), named_now().end(), [&](const fs::path& named) {
+    if (named == whole && in == whole.parent_path()) return true;
+    if (!fs::exists(named, error)) return false;  // an option's value, a command's name
+    const bool is_folder = fs::is_directory(named, error);
+    return (is_folder && begins_with(in, named)) || is_within_project_of(is_folder ? named : named.parent_path());
+  });
 }
 
 }  // namespace burin

@@ -1,5 +1,6 @@
-// burin/render/files/named_paths.h - which files and folders a person named, so that no symbolic link within a folder
-// leads what Burin writes out of it: a project may come from a stranger (docs/security.md).
+// burin/render/files/named_paths.h - which files and folders a person named, so that nothing within a folder, neither a
+// symbolic link nor a change that was cut off (burin/render/files/files_together.h), makes Burin write out of it: a
+// project may come from a stranger (docs/security.md).
 //
 // A file that the command line names by its own path (`--out FILE`) is written wherever links lead. All other names are
 // Burin's own (report.html, round-01/bench.json): they stay within the innermost folder that was named.
@@ -28,5 +29,14 @@ class NamedPaths {
 /// of the innermost folder that was named. `real`: where it leads to, without links. Nothing is refused that was named
 /// by its own path.
 void fail_if_led_outside(const std::filesystem::path& named, const std::filesystem::path& real);
+
+/// Whether something that lies in `folder` may change files there when `file` is read or written. `folder` is that
+/// file's, or lies above it. Yes within a folder that was named, and within the project of whatever was named; and for
+/// a file that was named by its own path, in its own folder. Where nobody has named anything, in the file's own folder
+/// and within its project.
+bool may_change_in(const std::filesystem::path& folder, const std::filesystem::path& file);
+
+/// Whether a folder is a project of `burin loop`: one with a design.json and a board.json.
+bool is_project(const std::filesystem::path& folder);
 
 }  // namespace burin

@@ -234,6 +234,16 @@ void sync_part(const FilePlace& place, const fs::path& part) {
 
 bool is_part_name(std::string_view name) { return process_of(name) > 0; }
 
+bool is_part_name_of(std::string_view name, const fs::path& file) {
+  if (!is_part_name(name)) return false;
+  const std::size_t mark = name.rfind(kMark), dot = std::min(name.find('.', mark + 1), name.size());
+  const std::string_view stem = name.substr(1, mark - 1), extension = name.substr(dot);
+  const std::string whole_stem = file.stem().native(), whole_extension = file.extension().native();
+  if (stem == whole_stem && extension == whole_extension) return true;
+  constexpr std::size_t kCutFrom = kLongestName - 3;  // no more than a part of a character less
+  return name.size() >= kCutFrom && whole_stem.starts_with(stem) && whole_extension.starts_with(extension);
+}
+
 void clear_leftovers(const fs::path& folder) {
   std::error_code error;
   std::vector<fs::path> left;

@@ -50,6 +50,9 @@ void remove_part(const std::filesystem::path& part);
 /// Whether this is a part file's name.
 bool is_part_name(std::string_view name);
 
+/// Whether it is the name of a part file of this very file.
+bool is_part_name_of(std::string_view name, const std::filesystem::path& file);
+
 /// Removes the part files of processes that are no more, in this folder alone. Says nothing where it cannot.
 void clear_leftovers(const std::filesystem::path& folder);
 

@@ -22,8 +22,8 @@ int result_output = -1;
 
 FilePlace place_to_write(const fs::path& file) {
   FilePlace place = find_place(file);
-  settle_folder(place.folder());
-  clear_leftovers_once(place.folder());
+  // Part files of a change that is still to be completed are no leftovers.
+  if (settle_changes(place.file)) clear_leftovers_once(place.folder());
   // A change that was cut off may just have put it there.
   return find_place(file);
 }
