@@ -37,6 +37,4 @@ __attribute__((section(".preinit_array"), used)) void (*const kCatchBeforeMain)(
 }  // namespace
 #endif
 
-int main(int argc, char** argv) {
-  return burin::run_program({argv + 1, argv + argc});
-}
+int main(int argc, char** argv) { return burin::run_program({argv + 1, argv + argc}); }

@@ -76,7 +76,7 @@ std::string pictures_here() {
   std::vector<std::string> found;
   std::error_code error;
   for (fs::directory_iterator entry(".", error), end; !error && entry != end; entry.increment(error))
-    if (entry->is_regular_file(error) && is_photo_name(entry->path()) && !is_raw_name(entry->path()))
+    if (entry->is_regular_file(error) && is_photo(entry->path()) && !is_raw(entry->path()))
       found.push_back(entry->path().filename().string());
   std::sort(found.begin(), found.end());
   constexpr std::size_t kUsual = 3;

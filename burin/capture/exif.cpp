@@ -98,27 +98,27 @@ bool png_says_srgb(const fs::path& file) {
   return false;
 }
 
-// libheif turns pixels as the file's `irot` boxes say (ISO 23008-12, 6.5.10), and tells nobody.
-int heic_turned_deg(const fs::path& file) {
-  const std::string head = read_head(file, 1U << 18U);
-  const std::string_view box("\0\0\0\x09irot", 8);
-  const std::size_t at = head.find(box);
-  return at == std::string::npos || at + box.size() >= head.size() ? 0 : 90 * (head[at + box.size()] & 3);
-}
+constexpr std::array<std::string_view, 20> kPictures{".jpg", ".jpeg", ".jpe",  ".jfif", ".png",  ".tif",  ".tiff",
+                                                     ".exr", ".heic", ".heif", ".hif",  ".avif", ".webp", ".bmp",
+                                                     ".gif", ".hdr",  ".pnm",  ".ppm",  ".pgm",  ".pbm"};
+constexpr std::array<std::string_view, 16> kSidecars{".xmp", ".aae", ".thm", ".mov", ".mp4", ".m4v", ".avi", ".lrv",
+                                                     ".3gp", ".mts", ".wav", ".txt", ".ini", ".db",  ".pp3", ".dop"};
 
-constexpr std::array<std::string_view, 9> kPictures{".jpg", ".jpeg", ".png",  ".tif", ".tiff",
-                                                    ".exr", ".jpe",  ".heic", ".heif"};
-constexpr std::array<std::string_view, 18> kRaws{".dng", ".cr2", ".cr3", ".crw", ".nef", ".nrw",
-                                                 ".arw", ".sr2", ".raf", ".orf", ".rw2", ".pef",
-                                                 ".srw", ".erf", ".3fr", ".iiq", ".rwl", ".x3f"};
+// Whatever they hold: a film's small picture, and what programs that copy or sync have not finished.
+constexpr std::array<std::string_view, 8> kNoPhotos{".thm",      ".part",       ".tmp",      ".partial",
+                                                    ".download", ".crdownload", ".filepart", ".icloud"};
+
+template <std::size_t kCount>
+bool has_extension_of(const std::array<std::string_view, kCount>& extensions, const fs::path& file) {
+  return std::find(extensions.begin(), extensions.end(), lower_extension(file)) != extensions.end();
+}
 
 }  // namespace
 
 Exif read_exif(const fs::path& file) {
-  const std::unique_ptr<OIIO::ImageInput> input =
-      open_picture(file, {limit::kPhotoPixels, "a photo", "copy it from the camera again, or take it out of the folder",
-                          is_raw_name(file)});
-  const OIIO::ImageSpec& spec = input->spec();
+  const std::unique_ptr<OIIO::ImageInput> input = open_picture(
+      file, {limit::kPhotoPixels, "a photo", "copy it from the camera again, or take it out of the folder", true});
+  const OIIO::ImageSpec spec = described(*input, file);
   Exif exif;
   exif.width = spec.width;
   exif.height = spec.height;
@@ -138,7 +138,6 @@ Exif read_exif(const fs::path& file) {
   exif.time_s = time_of(spec);
   // The raw plugin turns pixels unless told not to, and then says 1; what the camera noted is kept beside it.
   exif.orientation = spec.get_int_attribute("raw:Orientation", spec.get_int_attribute("Orientation", 1));
-  if (exif.kind == "heif") exif.turned_deg = heic_turned_deg(file);
   exif.make = printable(spec.get_string_attribute("Make"));
   exif.model = printable(spec.get_string_attribute("Model"));
   const int white = spec.get_int_attribute("Exif:WhiteBalance", -1);  // EXIF 2.32: 0 automatic, 1 manual
@@ -157,12 +156,15 @@ AssumedEncoding encoding_of(const Exif& exif) {
   return {exif.bits == 16 ? Encoding::linear : Encoding::srgb, true};
 }
 
-bool is_raw_name(const fs::path& file) {
-  return std::find(kRaws.begin(), kRaws.end(), lower_extension(file)) != kRaws.end();
+bool is_sidecar_name(const fs::path& file) { return has_extension_of(kSidecars, file); }
+
+bool is_photo_name(const fs::path& file) { return has_raw_name(file) || has_extension_of(kPictures, file); }
+
+bool is_raw(const fs::path& file) {
+  const std::string kind = picture_kind(file);
+  return kind == "raw" || (kind.empty() && has_raw_name(file));
 }
 
-bool is_photo_name(const fs::path& file) {
-  return is_raw_name(file) || std::find(kPictures.begin(), kPictures.end(), lower_extension(file)) != kPictures.end();
-}
+bool is_photo(const fs::path& file) { return !has_extension_of(kNoPhotos, file) && !picture_kind(file).empty(); }
 
 }  // namespace burin

@@ -19,7 +19,6 @@ struct Exif {
   std::optional<double> sensor_width_mm;  ///< of the pixels' longer side, by the focal plane's resolution
   std::optional<double> time_s;           ///< when it was taken, seconds since 1970 on the camera's clock
   int orientation = 1;                    ///< EXIF's code; 1: as stored. Never applied to pixels
-  int turned_deg = 0;  ///< counter-clockwise: what a phone's HEIC asks its readers to do, and what they do
   std::string make, model;
   std::optional<bool> auto_white;  ///< whether the camera chose the white balance anew for this photo
   bool says_srgb = false;          ///< the file itself says that its values lie along the sRGB curve
@@ -37,8 +36,17 @@ struct AssumedEncoding {
 };
 AssumedEncoding encoding_of(const Exif& exif);
 
-/// The file endings of photos that can be read, lower case with the dot; raw ones among them.
+/// Whether a file holds a photo, and whether it is a camera's raw file, by its first bytes and not by its name; but a
+/// film's small picture (.thm) is no photo, nor is what a program has not finished (.part, .tmp, ...), and what holds
+/// no picture of any kind is a raw file that has not come yet, or is damaged, if it has a raw file's name.
+bool is_photo(const std::filesystem::path& file);
+bool is_raw(const std::filesystem::path& file);
+
+/// Whether a file that is no photo is one of those that cameras and programs put beside photos, by its name: such are
+/// passed over without a word.
+bool is_sidecar_name(const std::filesystem::path& file);
+
+/// Whether a file that has not come yet (a camera names it before it sends it) has the name of a photo.
 bool is_photo_name(const std::filesystem::path& file);
-bool is_raw_name(const std::filesystem::path& file);
 
 }  // namespace burin

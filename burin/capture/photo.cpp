@@ -12,7 +12,6 @@
 #include <memory>
 #include <utility>
 
-#include "burin/capture/exif.h"
 #include "burin/capture/photo_memory.h"
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
@@ -49,23 +48,12 @@ OIIO::ImageSpec raw_settings() {
   return config;
 }
 
-// libjpeg fills a file that was cut short with gray and only warns; so look for its end marker. Segments are walked so
-// that an embedded thumbnail's end is not taken for the photo's.
-bool jpeg_is_complete(const fs::path& file) {
-  const std::string text = read_bytes(file, limit::kPictureBytes, "a photo");
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
-  std::size_t i = 2;
-  while (i + 4 <= text.size() && byte(i) == 0xFF && byte(i + 1) != 0xDA)
-    i += byte(i + 1) == 0xFF ? 1 : 2 + byte(i + 2) * std::size_t{256} + byte(i + 3);
-  return text.find("\xFF\xD9", i) != std::string::npos;
-}
-
 std::unique_ptr<OIIO::ImageInput> open_photo(const Photo& photo) {
-  auto input = open_picture(photo.file,
-                            {limit::kPhotoPixels, "a photo",
-                             "give a PNG, TIFF, JPEG, HEIC, EXR or camera raw file, and copy it again if it is damaged",
-                             is_raw_name(photo.file)},
-                            raw_settings());
+  auto input =
+      open_picture(photo.file,
+                   {limit::kPhotoPixels, "a photo",
+                    "give a PNG, TIFF, JPEG, HEIC, EXR or camera raw file, and copy it again if it is damaged", true},
+                   raw_settings());
   const bool is_raw = std::string(input->format_name()) == "raw";
   if (is_raw != (photo.encoding == Encoding::raw))
     fail(photo.file.string(), is_raw ? "is a raw file, but its encoding is not \"raw\"" : "is not a raw file",
@@ -98,8 +86,8 @@ float own_top(const std::vector<float>& values, float white_from) {
 }
 
 void read_pixels(OIIO::ImageInput& input, const Photo& photo, const OIIO::TypeDesc& type, int channels, void* data) {
-  if (!input.read_image(0, 0, 0, channels, type, data))
-    fail(photo.file.string(), "is damaged or cut short (" + input.geterror() + ")", "copy it from the camera again");
+  require_whole(input, photo.file);
+  require_read(input.read_image(0, 0, 0, channels, type, data), input, photo.file, "copy it from the camera again");
 }
 
 bool is_stored_linear(const Photo& photo) { return photo.encoding != Encoding::srgb && photo.response.is_none(); }
@@ -164,8 +152,6 @@ LinearPhoto read_photo(const Photo& photo) {
   OIIO::ImageInput& input = *opened;
   const OIIO::ImageSpec spec = input.spec();
   const std::string kind = input.format_name();
-  if (kind == "jpeg" && !jpeg_is_complete(photo.file))
-    fail(photo.file.string(), "is cut short", "copy it from the camera again");
   const int channels = spec.nchannels >= 3 ? 3 : 1;  // 2 and 4 hold an alpha channel as well
 
   LinearPhoto result;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <string>
 
-#include "burin/capture/exif.h"
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/picture_file.h"
@@ -13,7 +12,7 @@ namespace burin {
 
 double pixels_of(const std::filesystem::path& file) {
   try {
-    const PictureHeader header = read_picture_header(file, is_raw_name(file));
+    const PictureHeader header = read_picture_header(file);
     if (header.width > 0) return static_cast<double>(header.width) * static_cast<double>(header.height);
   } catch (const Error&) {  // said where the photo is read
   }

@@ -65,17 +65,21 @@ std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& fi
                           "was passed over: its name holds bytes that are no text", "rename the file"});
       continue;
     }
-    if (!is_photo_name(entry.path())) {
-      findings.push_back({Finding::Severity::note, entry.path(), "is no photo and was passed over", ""});
-      continue;
+    if (!is_photo(entry.path())) {
+      // A photo's name with other bytes is a photo that was damaged, which is said where it is read.
+      if (is_sidecar_name(entry.path())) continue;
+      if (!is_photo_name(entry.path())) {
+        findings.push_back({Finding::Severity::note, entry.path(), "is no photo and was passed over", ""});
+        continue;
+      }
     }
-    if (is_raw_name(entry.path())) raw_of[entry.path().stem().string()] = entry.path();
+    if (is_raw(entry.path())) raw_of[entry.path().stem().string()] = entry.path();
     files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end(), in_name_order);
   std::erase_if(files, [&](const fs::path& file) {
     const auto raw = raw_of.find(file.stem().string());
-    if (raw == raw_of.end() || is_raw_name(file)) return false;
+    if (raw == raw_of.end() || raw->second == file) return false;
     findings.push_back({Finding::Severity::note, file, "was passed over for " + raw->second.filename().string(), ""});
     return true;
   });
@@ -96,7 +100,7 @@ void find_other_folders(const fs::path& folder, const PhotoLamps& lamps, const s
   for (const fs::path& other : others) {
     fs::directory_iterator inside(other, error), end;
     bool photos = false;
-    for (; !error && !photos && inside != end; inside.increment(error)) photos = is_photo_name(inside->path());
+    for (; !error && !photos && inside != end; inside.increment(error)) photos = is_photo(inside->path());
     if (!photos) continue;
     if (lamps.names.size() == 1)
       findings.push_back({Finding::Severity::note, other, "holds photos, and folders within are passed over",

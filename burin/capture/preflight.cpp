@@ -66,21 +66,10 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
                             return a.second < b.second;
                           })->first;
 
-  std::map<int, int> turns;
-  for (const Exif& e : exif) ++turns[e.turned_deg];
-  const int usually_turned = std::max_element(turns.begin(), turns.end(), [](const auto& a, const auto& b) {
-                               return a.second < b.second;
-                             })->first;
-
   for (std::size_t i = 0; i < exif.size(); ++i) {
     const Exif& e = exif[i];
     const auto& file = session.photos[i].file;
-    if (e.turned_deg != usually_turned)
-      findings.push_back({error, file,
-                          "was turned by " + std::to_string(e.turned_deg) + " degrees by the phone, others by " +
-                              std::to_string(usually_turned) + ": one lens cannot explain both",
-                          "hold the phone the same way for all photos, or set it to save JPEG (\"most compatible\")"});
-    else if (e.width == usual.second && e.height == usual.first && e.width != e.height)
+    if (e.width == usual.second && e.height == usual.first && e.width != e.height)
       findings.push_back({error, file,
                           "is " + pixels_text(e.width, e.height) + " pixels where others are " +
                               pixels_text(usual.first, usual.second) + ": it was rotated",

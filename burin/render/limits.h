@@ -29,7 +29,10 @@ constexpr std::int64_t kPhotoPixels = 110'000'000;    ///< a photo, and what a c
 constexpr std::int64_t kBracketPixels = 200'000'000;  ///< all exposures of one view under one lamp together
 constexpr std::int64_t kPicturePixels = 1LL << 28;    ///< a picture to be shown: 16,384 x 16,384
 constexpr std::int64_t kDesignPixels = 70'000'000;    ///< of all views of a design: 100 of 800 x 800
-constexpr int kPictureSide = 100'000;                 ///< width or height of either
+constexpr int kPictureSide = 100'000;                 ///< width or height of a picture to be shown
+constexpr int kPhotoSide = 32'767;                    ///< of a photo: AprilTag counts pixels by 15 bits
+constexpr int kJpegScans = 500;                       ///< of a progressive JPEG: each goes over all of its pixels
+constexpr double kJpegScanPixels = 5e9;               ///< pixels that all scans of one go over
 constexpr int kChannels = 16;                         ///< of a picture's pixel; what is used are three, and alpha
 constexpr std::int64_t kTileBytes = 256 * (1 << 20);  ///< a tile or a strip that a file is cut into
 

@@ -4,9 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <string>
 
-#include "burin/render/files/file_names.h"
 #include "burin/render/files/upright_picture.h"
 
 namespace burin {
@@ -15,7 +13,7 @@ namespace {
 // A side of a huge picture in color, which would take six times the memory of its luminance.
 constexpr int kMostColored_px = 4096;
 
-/// Reads a picture, averaging huge ones over squares of what `decode` makes of each value.
+/// Reads a picture, averaging huge ones over squares of what `decode` makes of each value, given whether it is linear.
 template <typename Decode>
 Image read_in_squares(const std::filesystem::path& file, int longest_px, int& width, int& height,
                       const Decode& decode) {
@@ -34,7 +32,7 @@ Image read_in_squares(const std::filesystem::path& file, int longest_px, int& wi
     if (column >= image.width || row >= image.height) return;
     for (int c = 0; c < image.channels; ++c) {
       float& sum = image.at(column, row, c);
-      const float value = decode(values[static_cast<std::size_t>(c)]);
+      const float value = decode(values[static_cast<std::size_t>(c)], picture.linear);
       sum = square == 1 ? value : sum + share * value;
     }
   });
@@ -44,28 +42,25 @@ Image read_in_squares(const std::filesystem::path& file, int longest_px, int& wi
 }  // namespace
 
 Image read_linear_luminance(const std::filesystem::path& file) {
-  const std::string extension = lower_extension(file);
-  const bool linear = extension == ".exr" || extension == ".hdr";
   UprightPicture picture = open_upright(file);
   Image image(picture.width, picture.height, 1);
   for_each_pixel(picture, file, [&](int x, int y, std::array<float, 3> values) {
     for (float& v : values)
-      if (!linear) v = srgb_to_linear(std::clamp(v, 0.0F, 1.0F));
+      if (!picture.linear) v = srgb_to_linear(std::clamp(v, 0.0F, 1.0F));
     image.at(x, y) = picture.channels == 3 ? luminance_of(values.data()) : values[0];
   });
   return image;
 }
 
 Image read_linear_picture(const std::filesystem::path& file) {
-  const std::string extension = lower_extension(file);
-  const bool linear = extension == ".exr" || extension == ".hdr";
   int width = 0, height = 0;
-  return read_in_squares(file, kMostColored_px, width, height,
-                         [&](float value) { return linear ? value : srgb_to_linear(std::clamp(value, 0.0F, 1.0F)); });
+  return read_in_squares(file, kMostColored_px, width, height, [](float value, bool linear) {
+    return linear ? value : srgb_to_linear(std::clamp(value, 0.0F, 1.0F));
+  });
 }
 
 Image read_large_picture(const std::filesystem::path& file, int longest_px, int& width, int& height) {
-  return read_in_squares(file, longest_px, width, height, [](float value) { return value; });
+  return read_in_squares(file, longest_px, width, height, [](float value, bool) { return value; });
 }
 
 }  // namespace burin

@@ -187,11 +187,12 @@ TEST_F(FolderSessionTest, BrokenPhotosAreNamed) {
 
 TEST_F(FolderSessionTest, OtherFilesArePassedOver) {
   take_photos();
-  folder.write("photos/notes.txt", "f/8");
+  folder.write("photos/notes.md", "f/8");
+  folder.write("photos/notes.txt", "f/8");  // cameras and programs write such beside photos
   folder.write("photos/.hidden", "");
   const CaptureResult result = capture();
   EXPECT_EQ(result.session.photos.size(), 12U);
-  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("notes.txt"));
+  EXPECT_THAT(text_of(result.findings, Severity::note), AllOf(HasSubstr("notes.md"), Not(HasSubstr("notes.txt"))));
 }
 
 // Two lamps: photos lie in the folder of theirs, and one place is one view under both, whatever its grooves show; the

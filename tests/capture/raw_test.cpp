@@ -162,6 +162,20 @@ TEST_F(RawTest, ClipsAtTheMakersWhite) {
   EXPECT_NEAR(p.value.at(50, 50, 0), 0.5, 1e-3) << "no exposure of LibRaw's own";
 }
 
+TEST_F(RawTest, ACutIsRefusedOrTakesNoPixel) {
+  write(1);
+  const std::string whole = file_text(photo.file);
+  const std::vector<float> pixels = read_photo(photo).value.data;
+  for (std::size_t percent = 0; percent < 100; ++percent) {
+    folder.write("p.dng", whole.substr(0, whole.size() * percent / 100));
+    try {
+      EXPECT_EQ(read_photo(photo).value.data, pixels) << percent << " %";
+    } catch (const Error& refused) {
+      EXPECT_NE(std::string(refused.what()).find("p.dng"), std::string::npos);
+    }
+  }
+}
+
 TEST_F(RawTest, ExifIsRead) {
   write(6);
   const Exif exif = read_exif(photo.file);
@@ -170,7 +184,9 @@ TEST_F(RawTest, ExifIsRead) {
   EXPECT_NEAR(exif.exposure_s.value_or(0), 0.02, 1e-9);
   EXPECT_NEAR(exif.f_number.value_or(0), 8, 1e-6);
   EXPECT_FALSE(exif.iso) << "the file holds none";
-  EXPECT_TRUE(is_raw_name(photo.file));
+  EXPECT_TRUE(is_raw(photo.file));
+  std::filesystem::copy_file(photo.file, folder / "p.tif");
+  EXPECT_TRUE(is_raw(folder / "p.tif")) << "by what it holds";
 }
 
 TEST_F(RawTest, WrongEncodingIsRefused) {

@@ -144,9 +144,9 @@ void duration(const fs::path& file) { duration_text(duration_from_text(read_text
 /// As a photo: EXIF, then pixels; and as a target. Large ones only as far as their headers: memory is what limits are
 /// for, and the fuzzer is to be quick.
 void picture(const fs::path& file) {
-  const bool raw = is_raw_name(file);
+  const bool raw = is_raw(file);
   constexpr std::int64_t kManyPixels = 1'000'000;
-  const PictureHeader header = read_picture_header(file, raw);
+  const PictureHeader header = read_picture_header(file);
   if (header.width > kManyPixels || header.height > kManyPixels || header.width * header.height > kManyPixels) {
     require_picture_size(header.width, header.height, 0, file.string(), "a fuzzed picture");
     return;

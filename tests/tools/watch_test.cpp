@@ -59,11 +59,20 @@ TEST_F(PhotoInboxTest, PassesOverWhatIsInTheMakingAndWhatIsNoPhoto) {
   for (const char* name :
        {".hidden.jpg", "~a.jpg", "a.jpg.part", "b.jpg.tmp", ".c.jpg.icloud", "film.mov", "notes.txt"})
     folder.write(name, "abc");
+  folder.write("c.jpg.part", "\xFF\xD8\xFF\xE1 and so on");
   fs::create_directories(at("folder.jpg"));
   EXPECT_THAT(whole(), IsEmpty());
   fs::rename(at("a.jpg.part"), at("a.jpg"));
   EXPECT_THAT(whole(), IsEmpty());
   EXPECT_THAT(whole(), ElementsAre(at("a.jpg")));
+}
+
+TEST_F(PhotoInboxTest, TakesPhotosByTheirFirstBytes) {
+  folder.write("IMG_1.jfif", "\xFF\xD8\xFF\xE0 and so on");
+  folder.write("IMG_2", "\xFF\xD8\xFF\xE0 and so on");
+  folder.write("IMG_3.HIF", "\xFF\xD8\xFF\xE0 and so on");
+  folder.write("IMG_3.THM", "\xFF\xD8\xFF\xE0 and so on");
+  EXPECT_THAT(whole(), ElementsAre(at("IMG_1.jfif"), at("IMG_2"), at("IMG_3.HIF")));
 }
 
 // Looked at often, a copy that pauses between two bursts is not taken.

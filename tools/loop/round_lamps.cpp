@@ -33,7 +33,7 @@ std::vector<std::string> lamps_named(const fs::path& bench) {
 
 void add_photos(const fs::path& folder, std::vector<fs::path>& photos) {
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.is_regular_file() && entry.path().filename().string().front() != '.' && is_photo_name(entry.path()))
+    if (entry.is_regular_file() && entry.path().filename().string().front() != '.' && is_photo(entry.path()))
       photos.push_back(entry.path());
 }
 

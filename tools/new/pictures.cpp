@@ -16,6 +16,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/file_names.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/picture_file.h"
 #include "burin/render/linear_picture.h"
 
 namespace burin {
@@ -34,8 +35,8 @@ Image at_most(const Image& image, int longest) {
 }
 
 bool is_linear(const fs::path& file) {
-  const std::string extension = lower_extension(file);
-  return extension == ".exr" || extension == ".hdr";
+  const std::string kind = picture_kind(file);
+  return kind == "openexr" || kind == "hdr";
 }
 
 // "My cat (2).jpg" becomes "My-cat-2".
@@ -100,7 +101,10 @@ ChosenPicture read_chosen(const fs::path& file) {
   p.small = luminance_encoded(at_most(p.smaller ? *p.smaller : image, kSmall), linear);
   const auto [low, high] = std::minmax_element(p.small.data.begin(), p.small.data.end());
   if (*high - *low < 0.02F)
-    fail(file.string(), "is of one tone, so there is nothing to show", "choose another picture");
+    fail(file.string(),
+         read_picture_header(file).moves ? "its first picture, which alone is used of several, is of one tone"
+                                         : "is of one tone, so there is nothing to show",
+         "choose another picture");
   return p;
 }
 

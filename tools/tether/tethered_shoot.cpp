@@ -27,7 +27,7 @@ constexpr int kMostDarker = 5;  // steps of three stops for the glints
 
 // A raw file goes before its JPEG, as in `burin capture`.
 fs::path one_of(const std::vector<fs::path>& files) {
-  const auto raw = std::find_if(files.begin(), files.end(), [](const fs::path& file) { return is_raw_name(file); });
+  const auto raw = std::find_if(files.begin(), files.end(), [](const fs::path& file) { return is_raw(file); });
   return raw != files.end() ? *raw : files.front();
 }
 

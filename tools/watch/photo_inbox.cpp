@@ -58,16 +58,21 @@ InboxNews PhotoInbox::look() {
     struct stat status {};
     // Gone again since the folder was read, or no file: a share that drops out shows in the folder itself.
     if (::stat(file.c_str(), &status) != 0) continue;
-    if (!S_ISREG(status.st_mode) || !is_photo_name(file)) {
-      ++passed_over;
-      continue;
-    }
     Entry found;
     found.size = static_cast<std::uintmax_t>(status.st_size);
     found.inode = status.st_ino;
     std::error_code ignored;
     found.time = fs::last_write_time(file, ignored);
-    if (is_raw_name(file)) raws.insert(without_extension(file));
+    // What was a photo at the last look, and is unchanged, need not be opened again. One that has not come yet has a
+    // name only.
+    const auto before = entries_.find(file);
+    const bool known = before != entries_.end() && before->second == found;
+    found.raw = known ? before->second.raw : is_raw(file);
+    if (!S_ISREG(status.st_mode) || (!known && !is_photo(file) && (is_sidecar_name(file) || !is_photo_name(file)))) {
+      ++passed_over;
+      continue;
+    }
+    if (found.raw) raws.insert(without_extension(file));
     seen.emplace(file, found);
   }
   if (error) {
@@ -76,8 +81,7 @@ InboxNews PhotoInbox::look() {
     return news;
   }
   passed_over_ = passed_over;
-  std::erase_if(seen,
-                [&](const auto& s) { return !is_raw_name(s.first) && raws.contains(without_extension(s.first)); });
+  std::erase_if(seen, [&](const auto& s) { return raws.contains(without_extension(s.first)) && !s.second.raw; });
 
   for (auto& one : seen) {
     const fs::path& file = one.first;

@@ -46,7 +46,7 @@ class PhotoInbox {
   /// A photo that was given out could not be read: it may not be whole after all.
   void not_yet(const std::filesystem::path& file);
 
-  /// How many files and folders were passed over at the last look that hold no photo as far as their names tell.
+  /// How many files and folders were passed over at the last look that hold no photo by their first bytes.
   int passed_over() const { return passed_over_; }
 
   /// Whether a file is on its way: seen, and not yet whole or given up.
@@ -58,6 +58,7 @@ class PhotoInbox {
     std::uintmax_t size = 0;
     std::filesystem::file_time_type time;
     std::uint64_t inode = 0;
+    bool raw = false;
     enum class State { growing, taken, doubted, given_up } state = State::growing;
     Clock::time_point since;
     bool operator==(const Entry& other) const {

@@ -25,9 +25,9 @@ std::vector<const PhotoFacts*> others_of(const Shoot& shoot, const std::filesyst
 }
 
 // Whether a camera is turned about its line of sight as another: upside down is as good as upright.
-bool same_way_up(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, int turned_deg) {
+bool same_way_up(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   const Eigen::Matrix3d R = a.linear() * b.linear().transpose();
-  const double roll = std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1)) + turned_deg * std::numbers::pi / 180;
+  const double roll = std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
   return std::cos(2 * roll) > 0;  // within 45 degrees
 }
 
@@ -89,8 +89,7 @@ void find_shot(const Shoot& shoot, JudgedPhoto& photo) {
     const WantedShot& shot = shoot.wanted[i];
     if (!photo.light.empty() && shot.light != photo.light) continue;
     const Offset offset = offset_of(shot.eye_mm, *eye, shoot.board, shot.tolerance);
-    const bool wrong = shot.T_camera_board && !same_way_up(*shot.T_camera_board, photo.facts.pose->T_camera_board,
-                                                           photo.facts.exif.turned_deg);
+    const bool wrong = shot.T_camera_board && !same_way_up(*shot.T_camera_board, photo.facts.pose->T_camera_board);
     const auto rank = [](bool wrong_way_up, const Offset& o) {
       return std::pair(o.reaches <= 1 ? (wrong_way_up ? 1 : 0) : 2, o.reaches <= 1 ? o.reaches : o.mm);
     };

@@ -168,7 +168,7 @@ void read_lens(JsonObject json, BenchTruth& truth) {
   truth.lens.model = json.text("lensmodel");
   const auto size = json.numbers("imagersize", 2);
   for (const double v : size)
-    if (!(v >= 1 && v <= limit::kPictureSide && v == std::floor(v)))
+    if (!(v >= 1 && v <= limit::kPhotoSide && v == std::floor(v)))
       json.fail_field("imagersize", "is no picture's size", "write [width, height] in whole pixels");
   truth.lens.width = static_cast<int>(size[0]);
   truth.lens.height = static_cast<int>(size[1]);

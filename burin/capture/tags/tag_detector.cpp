@@ -338,6 +338,10 @@ TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
 
 std::vector<TagDetection> TagDetector::detect_coarse(std::span<const std::uint8_t> gray, int width, int height) {
   if (std::min(width, height) < limit::kLeastPhotoSide) return {};  // libapriltag reads past the rows of less
+  if (std::max(width, height) > limit::kPhotoSide)                  // and ends the program for more
+    fail("a photo of " + std::to_string(width) + " x " + std::to_string(height) + " pixels",
+         "has a side of more than " + std::to_string(limit::kPhotoSide) + ", which no tag can be searched in",
+         "make it smaller with another program (docs/limits.md)");
   const bool half = 1e-6 * width * height > state_->options.half_resolution_above_mpx;
   state_->detector->quad_decimate = half ? 2.0F : 1.0F;
   state_->detector->refine_edges = half;

@@ -5,10 +5,14 @@
 
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
+
+#include "burin/render/files/heif_boxes.h"
+#include "burin/render/files/hevc_decoder.h"
 
 namespace burin {
 namespace {
@@ -17,6 +21,7 @@ struct Free {
   void operator()(heif_context* context) const { heif_context_free(context); }
   void operator()(heif_image_handle* handle) const { heif_image_handle_release(handle); }
   void operator()(heif_image* image) const { heif_image_release(image); }
+  void operator()(heif_decoding_options* options) const { heif_decoding_options_free(options); }
 };
 
 /// EXIF as HEIF holds it, from its TIFF header on: four bytes say how many come before that (ISO 23008-12, annex
@@ -41,9 +46,10 @@ std::string exif_of(const heif_image_handle* handle) {
 
 class HeifInput final : public OIIO::ImageInput {
  public:
-  HeifInput() {
+  explicit HeifInput(bool as_the_sensor) : as_the_sensor_(as_the_sensor) {
     static const heif_error ready = heif_init(nullptr);  // decoders that are plug-ins are loaded by it
     (void)ready;
+    use_hevc_decoder();
   }
   const char* format_name() const override { return "heif"; }
 
@@ -57,14 +63,15 @@ class HeifInput final : public OIIO::ImageInput {
       return false;
     handle_.reset(handle);
     const bool has_alpha = heif_image_handle_has_alpha_channel(handle) != 0;
-    m_spec = OIIO::ImageSpec(heif_image_handle_get_width(handle), heif_image_handle_get_height(handle),
-                             has_alpha ? 4 : 3, OIIO::TypeDesc::UINT8);
+    crop_ = {0, 0, heif_image_handle_get_width(handle), heif_image_handle_get_height(handle)};
+    if (as_the_sensor_ && !find_crop(name)) return false;
+    m_spec = OIIO::ImageSpec(crop_.width, crop_.height, has_alpha ? 4 : 3, OIIO::TypeDesc::UINT8);
     m_spec.attribute("oiio:ColorSpace", "sRGB");
     if (has_alpha && heif_image_handle_is_premultiplied_alpha(handle) == 0)
       m_spec.attribute("oiio:UnassociatedAlpha", 1);
     if (const std::string exif = exif_of(handle); !exif.empty())
       OIIO::decode_exif(OIIO::string_view(exif.data(), exif.size()), m_spec);
-    m_spec.attribute("Orientation", 1);  // whatever the camera noted, what is read is turned
+    if (!as_the_sensor_) m_spec.attribute("Orientation", 1);  // whatever the camera noted, what is read is turned
     spec = m_spec;
     return true;
   }
@@ -89,15 +96,35 @@ class HeifInput final : public OIIO::ImageInput {
       errorfmt("it was decoded to pixels of another kind");
       return false;
     }
-    std::memcpy(data, pixels + static_cast<std::size_t>(y) * static_cast<std::size_t>(stride), row_bytes);
+    const std::size_t row = static_cast<std::size_t>(crop_.top + y) * static_cast<std::size_t>(stride),
+                      column = static_cast<std::size_t>(crop_.left) * m_spec.pixel_bytes(true);
+    std::memcpy(data, pixels + row + column, row_bytes);
     return true;
   }
 
  private:
   bool succeeded(const heif_error& error) {
     if (error.code == heif_error_Ok) return true;
-    errorfmt("{}", error.message);
+    // libheif puts what kind of error it is before a decoder's own words.
+    const std::string_view words = error.message;
+    const std::size_t own = error.code == heif_error_Decoder_plugin_error ? words.rfind(": ") : std::string_view::npos;
+    errorfmt("{}", std::string(own == std::string_view::npos ? words : words.substr(own + 2)));
     return false;
+  }
+
+  /// The part of the coded picture that is not filling.
+  bool find_crop(const std::string& name) {
+    const int width = heif_image_handle_get_ispe_width(handle_.get()),
+              height = heif_image_handle_get_ispe_height(handle_.get());
+    try {
+      const std::filesystem::path file(name);
+      PictureBytes bytes(file, std::filesystem::file_size(file));
+      crop_ = heif_crop(bytes, width, height);
+    } catch (const std::exception& broken) {
+      errorfmt("{}", broken.what());
+      return false;
+    }
+    return true;
   }
 
   bool decoded() {
@@ -106,25 +133,24 @@ class HeifInput final : public OIIO::ImageInput {
     const bool has_alpha = m_spec.nchannels == 4;
     const heif_chroma layout = has_alpha ? heif_chroma_interleaved_RGBA : heif_chroma_interleaved_RGB;
     if (!handle_) return false;
-    const heif_error error = heif_decode_image(handle_.get(), &image, heif_colorspace_RGB, layout, nullptr);
-    if (error.code != heif_error_Ok && heif_have_decoder_for_format(heif_compression_HEVC) == 0) {
-      errorfmt("{}; no decoder of HEIC is installed: on Debian 13, sudo apt-get install libheif-plugin-libde265",
-               error.message);
-      return false;
-    }
+    const std::unique_ptr<heif_decoding_options, Free> options(heif_decoding_options_alloc());
+    options->ignore_transformations = as_the_sensor_;
+    const heif_error error = heif_decode_image(handle_.get(), &image, heif_colorspace_RGB, layout, options.get());
     if (!succeeded(error)) return false;
     std::unique_ptr<heif_image, Free> kept(image);
     const int width = heif_image_get_width(image, heif_channel_interleaved),
               height = heif_image_get_height(image, heif_channel_interleaved);
-    if (width < m_spec.width || height < m_spec.height) {
-      errorfmt("its container says that it is of {} x {} pixels, but {} x {} are coded in it", m_spec.width,
-               m_spec.height, width, height);
+    if (width < crop_.left + crop_.width || height < crop_.top + crop_.height) {
+      errorfmt("its container says that it is of {} x {} pixels, but {} x {} are coded in it", crop_.left + crop_.width,
+               crop_.top + crop_.height, width, height);
       return false;
     }
     image_ = std::move(kept);
     return true;
   }
 
+  bool as_the_sensor_ = false;
+  HeifCrop crop_;
   std::unique_ptr<heif_context, Free> context_;
   std::unique_ptr<heif_image_handle, Free> handle_;
   std::unique_ptr<heif_image, Free> image_;  // empty until a row is read
@@ -132,6 +158,8 @@ class HeifInput final : public OIIO::ImageInput {
 
 }  // namespace
 
-std::unique_ptr<OIIO::ImageInput> make_heif_input() { return std::make_unique<HeifInput>(); }
+std::unique_ptr<OIIO::ImageInput> make_heif_input(bool as_the_sensor) {
+  return std::make_unique<HeifInput>(as_the_sensor);
+}
 
 }  // namespace burin

@@ -1,61 +1,28 @@
 // The sizes that pictures say they have, read by hand: a few fixed places, or a walk over sections whose lengths are
 // held against the file's. Nothing is taken for granted, and nothing is decoded.
+#include <zlib.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdint>
 #include <cstdlib>
 #include <fstream>
 #include <string_view>
 
 #include "burin/render/error.h"
+#include "burin/render/files/file_names.h"
+#include "burin/render/files/heif_boxes.h"
 #include "burin/render/files/input_file.h"
+#include "burin/render/files/picture_bytes.h"
 #include "burin/render/files/picture_file.h"
+#include "burin/render/files/tiff_directory.h"
 #include "burin/render/limits.h"
 
 namespace burin {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Bytes of a file by their place. What lies behind its end is refused.
-class FileBytes {
- public:
-  FileBytes(const fs::path& file, std::uintmax_t size) : file_(file), size_(size), in_(file, std::ios::binary) {}
-
-  std::uintmax_t size() const { return size_; }
-
-  std::string at(std::uintmax_t place, std::uintmax_t count) {
-    if (place > size_ || count > size_ - place) broken("ends within its header");
-    std::string bytes(count, '\0');
-    in_.clear();
-    in_.seekg(static_cast<std::streamoff>(place));
-    in_.read(bytes.data(), static_cast<std::streamsize>(count));
-    if (!in_) broken("cannot be read to its end");
-    return bytes;
-  }
-  /// As many as there are, up to `count`.
-  std::string up_to(std::uintmax_t place, std::uintmax_t count) {
-    return at(place, place > size_ ? 0 : std::min(count, size_ - place));
-  }
-  std::uint64_t big_endian(std::uintmax_t place, int bytes) { return number(place, bytes, true); }
-  std::uint64_t little_endian(std::uintmax_t place, int bytes) { return number(place, bytes, false); }
-  std::uint64_t number(std::uintmax_t place, int bytes, bool big) {
-    const std::string b = at(place, static_cast<std::uintmax_t>(bytes));
-    std::uint64_t value = 0;
-    for (int i = 0; i < bytes; ++i)
-      value = value << 8U | static_cast<unsigned char>(b[static_cast<std::size_t>(big ? i : bytes - 1 - i)]);
-    return value;
-  }
-
-  [[noreturn]] void broken(const std::string& what) const {
-    fail(file_.string(), "is a broken picture: " + what, "copy it again from where it came from, or export it again");
-  }
-
- private:
-  const fs::path& file_;
-  std::uintmax_t size_;
-  std::ifstream in_;
-};
 
 /// Two sizes in one file: the larger counts.
 void take(PictureHeader& header, std::int64_t width, std::int64_t height) {
@@ -70,7 +37,7 @@ void take(PictureHeader& header, std::int64_t width, std::int64_t height) {
 std::int64_t as_signed(std::uint64_t v) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(v)); }
 
 // Segments up to the frame's (ITU T.81, B.2.2).
-void jpeg_size(FileBytes& file, PictureHeader& header) {
+void jpeg_size(PictureBytes& file, PictureHeader& header) {
   constexpr int kMostSegments = 10'000;
   std::uintmax_t at = 2;
   for (int segment = 0; segment < kMostSegments; ++segment) {
@@ -96,62 +63,43 @@ void jpeg_size(FileBytes& file, PictureHeader& header) {
   file.broken("its segments do not end");
 }
 
-/// One directory of a TIFF (version 6, section 2; BigTIFF with 8 bytes instead of 4). Its sub-directories go to `more`.
-std::uint64_t tiff_directory(FileBytes& file, std::uint64_t at, bool big, bool large, PictureHeader& header,
-                             std::vector<std::uint64_t>& more) {
-  const int word = large ? 8 : 4;
-  const std::uint64_t count = file.number(at, large ? 8 : 2, big), entry_bytes = large ? 20 : 12;
-  const std::uint64_t first = at + (large ? 8 : 2);
-  if (count > 4096 || first + count * entry_bytes > file.size()) file.broken("a directory is larger than the file");
-  std::int64_t width = 0, height = 0, tile_width = 0, tile_height = 0, strip_height = 0, samples = 1, bits = 8;
-  for (std::uint64_t i = 0; i < count; ++i) {
-    const std::uint64_t entry = first + i * entry_bytes, value_at = entry + 4 + static_cast<std::uint64_t>(word);
-    const auto tag = file.number(entry, 2, big), type = file.number(entry + 2, 2, big),
-               values = file.number(entry + 4, word, big);
-    const auto value = [&] {
-      return static_cast<std::int64_t>(
-          std::min<std::uint64_t>(file.number(value_at, type == 3 ? 2 : 4, big), 0xFFFFFFFFU));
-    };
-    if (tag == 256) width = value();
-    if (tag == 257) height = value();
-    if (tag == 258 && values == 1) bits = value();
-    if (tag == 277) samples = value();
-    if (tag == 278) strip_height = value();
-    if (tag == 322) tile_width = value();
-    if (tag == 323) tile_height = value();
-    if (tag == 330) {  // SubIFDs
-      const std::uint64_t most = std::min<std::uint64_t>(values, 16);
-      const bool inside = values * static_cast<std::uint64_t>(word) <= static_cast<std::uint64_t>(word);
-      const std::uint64_t list = inside ? value_at : file.number(value_at, word, big);
-      for (std::uint64_t k = 0; k < most; ++k)
-        more.push_back(file.number(list + k * static_cast<std::uint64_t>(word), word, big));
-    }
-  }
-  take(header, width, height);
-  if (samples > limit::kChannels || bits > 64)
-    file.broken("its pixels have " + std::to_string(samples) + " values of " + std::to_string(bits) + " bits");
-  if (tile_width > 0 && tile_height > 0 &&
-      (tile_width > (1 << 16) || tile_height > (1 << 16) || tile_width * tile_height * samples * 8 > limit::kTileBytes))
-    file.broken("its tiles are of " + std::to_string(tile_width) + " x " + std::to_string(tile_height) + " pixels");
-  // Strips may be higher than the picture, and 2^32 - 1 is what a writer says that thinks of none; OpenImageIO takes
-  // memory for whatever a signed number holds.
-  if (strip_height > height && strip_height <= std::numeric_limits<std::int32_t>::max() &&
-      strip_height > limit::kTileBytes / (8 * std::max<std::int64_t>(1, width * samples)))
-    file.broken("its strips are of " + std::to_string(width) + " x " + std::to_string(strip_height) + " pixels");
-  return file.number(first + count * entry_bytes, word, big);
+/// Whether the first bytes are those of a camera's raw file, but for those that begin as a TIFF does.
+bool is_raw_head(std::string_view head) {
+  using namespace std::string_view_literals;
+  for (const std::string_view raw : {"FUJIFILMCCD-RAW"sv, "IIU\0"sv, "IIRO"sv, "IIRS"sv, "MMOR"sv, "FOVb"sv, "\0MRM"sv})
+    if (head.starts_with(raw)) return true;
+  return (head.size() >= 14 && head.substr(6, 8) == "HEAPCCDR"sv) ||
+         (head.size() >= 12 && head.substr(4, 8) == "ftypcrx "sv);
 }
 
-void tiff_size(FileBytes& file, PictureHeader& header) {
-  const bool big = file.at(0, 1) == "M";
-  const auto version = file.number(2, 2, big);
-  const bool large = version == 43;
-  std::vector<std::uint64_t> wanted{file.number(large ? 8 : 4, large ? 8 : 4, big)};
-  constexpr std::size_t kMostDirectories = 64;
-  for (std::size_t i = 0; i < wanted.size() && i < kMostDirectories; ++i) {
-    if (wanted[i] == 0) continue;
-    const std::uint64_t at = wanted[i], next = tiff_directory(file, at, big, large, header, wanted);
-    if (next != 0 && next > at) wanted.push_back(next);  // forward only: no circles
+/// Whether a file that begins as a TIFF does is a camera's raw file: by what its directories hold, by what stands
+/// behind its first bytes (Canon, Phase One), or, where these leave it open, by its name: the maker's own ways of
+/// storing what the sensor measured have no mark in common.
+bool is_raw_tiff(std::string_view head, const std::vector<TiffDirectory>& directories, const fs::path& file) {
+  const std::string_view mark = head.size() >= 12 ? head.substr(8, 4) : std::string_view();
+  return mark.starts_with("CR") || mark == "IIII" || mark == "MMMM" ||
+         std::any_of(directories.begin(), directories.end(),
+                     [](const TiffDirectory& d) { return d.dng || d.sensor_values(); }) ||
+         has_raw_name(file);
+}
+
+/// The library that reads raw files cannot unpack it.
+void refuse_jpeg_xl(const std::vector<TiffDirectory>& directories, const std::string& name) {
+  constexpr std::int64_t kJpegXl = 52546;  // DNG 1.7
+  if (std::any_of(directories.begin(), directories.end(),
+                  [](const TiffDirectory& d) { return d.compression == kJpegXl && d.sensor_values(); }))
+    fail(name, "is a raw file (DNG) compressed by JPEG XL, which Burin does not read",
+         "on an iPhone choose JPEG Lossless, not JPEG-XL (Settings > Camera > Formats > ProRAW Format); or convert it "
+         "with Adobe DNG Converter, compatibility Camera Raw 15.3 or older");
+}
+
+void tiff_size(PictureBytes& file, PictureHeader& header) {
+  const std::vector<TiffDirectory> directories = read_tiff_directories(file);
+  for (const TiffDirectory& d : directories) {
+    take(header, d.width, d.height);
+    if (header.iso == 0) header.iso = d.iso;
   }
+  if (!directories.empty()) require_parts_within(file, directories.front());
 }
 
 /// Whether an EXR's attribute has the bytes that its type has. OpenEXR reads by the type and passes over the length
@@ -195,7 +143,7 @@ bool is_as_long_as_its_type(std::string_view type, std::string_view value) {
 }
 
 /// Header attributes of an EXR (openexr.com, file layout): name, type, length, value. Lengths must fit into the file.
-void exr_size(FileBytes& file, PictureHeader& header) {
+void exr_size(PictureBytes& file, PictureHeader& header) {
   const auto version = file.little_endian(4, 4);
   if (version & 0x1800U) file.broken("it holds several parts, or several values at a depth each");
   const std::string head = file.up_to(0, limit::kPictureHeadBytes);
@@ -237,7 +185,7 @@ void exr_size(FileBytes& file, PictureHeader& header) {
 }
 
 /// "-Y 480 +X 640" behind the first empty line: whichever stands first runs slower.
-void hdr_size(FileBytes& file, PictureHeader& header) {
+void hdr_size(PictureBytes& file, PictureHeader& header) {
   const std::string head = file.up_to(0, 64 * limit::kKiB);
   const std::size_t blank = head.find("\n\n");
   if (blank == std::string::npos) file.broken("its header does not end");
@@ -247,45 +195,77 @@ void hdr_size(FileBytes& file, PictureHeader& header) {
   take(header, std::atoll(line.c_str() + x + 1), std::atoll(line.c_str() + y + 1));
 }
 
-/// Every size that the boxes of the file's "meta" name ("ispe", ISO 23008-12, 6.5.3): tiles' and the whole's.
-void heif_size(FileBytes& file, PictureHeader& header) {
-  std::uintmax_t at = 0;
-  for (int box = 0; box < 1000 && at + 8 <= file.size(); ++box) {
-    std::uint64_t length = file.big_endian(at, 4);
-    const std::string type = file.at(at + 4, 4);
-    std::uint64_t header_bytes = 8;
-    if (length == 1) length = file.big_endian(at + 8, 8), header_bytes = 16;
-    if (length == 0) length = file.size() - at;
-    if (length < header_bytes || length > file.size() - at) file.broken("a box is longer than the file");
-    if (type == "meta" || type == "moov") {
-      if (length > limit::kPictureHeadBytes) file.broken("its description is longer than any camera writes");
-      const std::string meta = file.at(at, length);
-      for (std::size_t i = meta.find("ispe"); i != std::string::npos; i = meta.find("ispe", i + 4))
-        if (i + 16 <= meta.size())
-          take(header, as_signed(file.big_endian(at + i + 8, 4)), as_signed(file.big_endian(at + i + 12, 4)));
-    }
-    at += length;
-  }
-  if (header.width == 0) file.broken("it names no size");
+void heif_size(PictureBytes& file, PictureHeader& header) {
+  const HeifBoxes boxes = read_heif_boxes(file);
+  take(header, boxes.width, boxes.height);
+  header.moves = boxes.moves;
 }
 
-void webp_size(FileBytes& file, PictureHeader& header) {
+/// EXIF from its TIFF header on; nothing if none stands there. Some writers keep JPEG's name before it.
+std::string exif_within(std::string_view bytes) {
+  using namespace std::string_view_literals;
+  if (bytes.starts_with("Exif\0\0"sv)) bytes.remove_prefix(6);
+  return bytes.starts_with("II*\0"sv) || bytes.starts_with("MM\0*"sv) ? std::string(bytes) : std::string();
+}
+
+/// EXIF as programs wrote it before PNG had a chunk for it: a text "Raw profile type exif" (or APP1) of hexadecimal
+/// numbers, behind a line with its name and one with its length.
+std::string exif_of_raw_profile(std::string_view chunk, bool packed) {
+  using namespace std::string_view_literals;
+  constexpr std::string_view kExif = "Raw profile type exif\0"sv, kApp1 = "Raw profile type APP1\0"sv;
+  if (!chunk.starts_with(kExif) && !chunk.starts_with(kApp1)) return {};
+  chunk.remove_prefix(kExif.size());
+  std::string text(chunk);
+  if (packed) {
+    if (chunk.empty() || chunk[0] != '\0') return {};  // deflate is the only way to pack
+    text.resize(limit::kMiB);
+    uLongf length = static_cast<uLongf>(text.size());
+    if (uncompress(reinterpret_cast<Bytef*>(text.data()), &length, reinterpret_cast<const Bytef*>(chunk.data() + 1),
+                   static_cast<uLong>(chunk.size() - 1)) != Z_OK)
+      return {};
+    text.resize(length);
+  }
+  std::size_t at = text.find_first_not_of('\n');
+  for (int line = 0; line < 2 && at < text.size(); ++line) at = std::min(text.find('\n', at), text.size() - 1) + 1;
+  std::string bytes;
+  int high = -1;
+  for (; at < text.size(); ++at) {
+    const char c = static_cast<char>(std::tolower(static_cast<unsigned char>(text[at])));
+    if (!std::isxdigit(static_cast<unsigned char>(c))) continue;
+    const int digit = c <= '9' ? c - '0' : c - 'a' + 10;
+    if (high >= 0) bytes += static_cast<char>(16 * high + digit);
+    high = high >= 0 ? -1 : digit;
+  }
+  return exif_within(bytes);
+}
+
+/// Sizes; and EXIF, which stands in a chunk behind the pixels (WebP container specification).
+void webp_size(PictureBytes& file, PictureHeader& header) {
   const std::string kind = file.at(12, 4);
   const auto v = [&](std::uintmax_t at, int bytes) { return static_cast<std::int64_t>(file.little_endian(at, bytes)); };
-  if (kind == "VP8X") return take(header, v(24, 3) + 1, v(27, 3) + 1);
   if (kind == "VP8 ") return take(header, v(26, 2) & 0x3FFF, v(28, 2) & 0x3FFF);
   if (kind == "VP8L") return take(header, (v(21, 4) & 0x3FFF) + 1, (v(21, 4) >> 14 & 0x3FFF) + 1);
-  file.broken("it names no size");
+  if (kind != "VP8X") file.broken("it names no size");
+  take(header, v(24, 3) + 1, v(27, 3) + 1);
+  constexpr std::uint64_t kMoves = 2;
+  header.moves = (file.little_endian(20, 1) & kMoves) != 0;
+  constexpr int kMostChunks = 100'000;
+  std::uintmax_t at = 12;
+  for (int chunk = 0; at + 8 <= file.size() && chunk < kMostChunks; ++chunk) {
+    const auto length = file.little_endian(at + 4, 4);
+    if (file.at(at, 4) == "EXIF" && length <= limit::kMiB) header.exif = exif_within(file.up_to(at + 8, length));
+    at += 8 + length + length % 2;
+  }
 }
 
-void bmp_size(FileBytes& file, PictureHeader& header) {
+void bmp_size(PictureBytes& file, PictureHeader& header) {
   if (file.little_endian(14, 4) == 12)
     return take(header, static_cast<std::int64_t>(file.little_endian(18, 2)),
                 static_cast<std::int64_t>(file.little_endian(20, 2)));
   take(header, as_signed(file.little_endian(18, 4)), std::abs(as_signed(file.little_endian(22, 4))));
 }
 
-void pnm_size(FileBytes& file, PictureHeader& header) {
+void pnm_size(PictureBytes& file, PictureHeader& header) {
   const std::string head = file.up_to(0, 4 * limit::kKiB);
   std::size_t at = 2;
   std::int64_t size[2] = {0, 0};
@@ -300,12 +280,12 @@ void pnm_size(FileBytes& file, PictureHeader& header) {
 
 struct Kind {
   const char* name;  // OpenImageIO's
-  void (*size)(FileBytes&, PictureHeader&);
+  void (*size)(PictureBytes&, PictureHeader&);
 };
 
 // Chunks (PNG 1.2, 3.2): libpng takes memory for a whole note, however long it says that it is. Pixels come piece by
-// piece.
-void png_size(FileBytes& file, PictureHeader& header) {
+// piece; EXIF may stand behind them, of which OpenImageIO 2.4 reads nothing.
+void png_size(PictureBytes& file, PictureHeader& header) {
   take(header, static_cast<std::int64_t>(file.big_endian(16, 4)), static_cast<std::int64_t>(file.big_endian(20, 4)));
   constexpr std::uintmax_t kFrame = 12;  // length and name before, checksum behind
   constexpr int kMostChunks = 2'000'000;
@@ -318,28 +298,83 @@ void png_size(FileBytes& file, PictureHeader& header) {
     if (name != "IDAT") {
       if (length > file.size() - at - kFrame) file.broken("a chunk is longer than the file");
       if (length > limit::kPictureHeadBytes) file.broken("a chunk of notes is longer than 16 MiB");
+      if (name == "eXIf") header.exif = exif_within(file.at(at + 8, length));
+      if (name == "acTL") header.moves = true;
+      const bool text = name == "zTXt" || name == "tEXt";
+      if (text && header.exif.empty()) header.exif = exif_of_raw_profile(file.at(at + 8, length), name == "zTXt");
     }
     at += kFrame + length;
   }
 }
 
-void gif_size(FileBytes& file, PictureHeader& header) {
+/// Size; and whether a second picture follows the first (GIF89a, 18 to 23).
+void gif_size(PictureBytes& file, PictureHeader& header) {
   take(header, static_cast<std::int64_t>(file.little_endian(6, 2)),
        static_cast<std::int64_t>(file.little_endian(8, 2)));
+  constexpr int kMostBlocks = 100'000;
+  const auto colors = [](std::uint64_t flags) {
+    return (flags & 0x80U) != 0 ? 3 * (std::uintmax_t{2} << (flags & 7U)) : 0;
+  };
+  const auto byte = [&](std::uintmax_t at) { return at < file.size() ? file.little_endian(at, 1) : 0; };
+  std::uintmax_t at = 13 + colors(byte(10));
+  int pictures = 0;
+  for (int block = 0; block < kMostBlocks && at < file.size() && !header.moves; ++block) {
+    const auto kind = byte(at);
+    if (kind != 0x2C && kind != 0x21) break;
+    if (kind == 0x2C) header.moves = ++pictures > 1;
+    at += kind == 0x2C ? 11 + colors(byte(at + 9)) : 2;
+    for (; block < kMostBlocks && byte(at) != 0; ++block) at += 1 + byte(at);
+    ++at;
+  }
 }
 
 /// LibRaw 0.20 and 0.21 put a Hasselblad's model together from several notes, and write past its place where these are
-/// long or have no end. A camera is a Hasselblad to them if its maker's note has that word, in whatever case.
-void refuse_hasselblad(FileBytes& file, const std::string& name) {
+/// long or have no end. A camera is one to them if its maker's note has that word, in whatever case. Files built as a
+/// TIFF have directories that name the maker; of others the word anywhere counts.
+void refuse_hasselblad(PictureBytes& file, const std::vector<TiffDirectory>& directories, const std::string& name) {
   constexpr std::string_view kMaker = "hasselblad";
   constexpr std::uintmax_t kPiece = limit::kMiB;
   const auto in_lower_case = [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; };
-  for (std::uintmax_t at = 0; at + kMaker.size() <= file.size(); at += kPiece) {
-    const std::string piece = file.up_to(at, kPiece + kMaker.size() - 1);
-    if (std::search(piece.begin(), piece.end(), kMaker.begin(), kMaker.end(), in_lower_case) != piece.end())
-      fail(name, "is a Hasselblad's raw file, for which the library that reads raw files cannot be trusted",
-           "export it as a TIFF of 16 bits, linear, with the program that came with the camera");
+  const auto named_in = [&](std::string_view text) {
+    return std::search(text.begin(), text.end(), kMaker.begin(), kMaker.end(), in_lower_case) != text.end();
+  };
+  bool has_maker = false, is_one = false;
+  for (const TiffDirectory& d : directories) {
+    has_maker = has_maker || !d.maker.empty();
+    is_one = is_one || named_in(d.maker);
   }
+  for (std::uintmax_t at = 0; !has_maker && !is_one && at + kMaker.size() <= file.size(); at += kPiece)
+    is_one = named_in(file.up_to(at, kPiece + kMaker.size() - 1));
+  if (is_one)
+    fail(name, "is a Hasselblad's raw file, for which the library that reads raw files cannot be trusted",
+         "export it as a TIFF of 16 bits, linear, with the program that came with the camera");
+}
+
+/// Whether a file of boxes ("ftyp", ISO/IEC 14496-12, 4.3) holds pictures: films are built like it.
+bool is_heif_head(std::string_view head) {
+  using namespace std::string_view_literals;
+  if (head.size() < 12 || head.substr(4, 4) != "ftyp"sv) return false;
+  constexpr std::array<std::string_view, 12> kBrands{"heic", "heix", "heim", "heis", "hevc", "hevx",
+                                                     "mif1", "mif2", "msf1", "avif", "avis", "miaf"};
+  const std::size_t length = std::min<std::size_t>(static_cast<unsigned char>(head[3]), head.size());
+  for (std::size_t at = 8; at + 4 <= length; at += at == 8 ? 8 : 4)  // the version is passed over
+    if (std::find(kBrands.begin(), kBrands.end(), head.substr(at, 4)) != kBrands.end()) return true;
+  return false;
+}
+
+/// "P6" and a number, or a comment.
+bool is_pnm_head(std::string_view head) {
+  if (head.size() < 4 || head[0] != 'P' || head[1] < '1' || head[1] > '6') return false;
+  std::size_t at = 2;
+  while (at < head.size() && std::isspace(static_cast<unsigned char>(head[at]))) ++at;
+  return at > 2 && at < head.size() && (head[at] == '#' || std::isdigit(static_cast<unsigned char>(head[at])));
+}
+
+/// "BM", and a header of one of the lengths that there are.
+bool is_bmp_head(std::string_view head) {
+  constexpr std::string_view kLengths = "\x0c\x10\x28\x34\x38\x40\x6c\x7c";
+  return head.starts_with("BM") && head.size() >= 18 && kLengths.find(head[14]) != std::string_view::npos &&
+         head[15] == '\0' && head[16] == '\0' && head[17] == '\0';
 }
 
 /// What a file's first bytes say that it is; nothing for what is none of ours.
@@ -351,33 +386,93 @@ Kind kind_of(std::string_view head) {
     if (head.starts_with(tiff)) return {"tiff", tiff_size};
   if (head.starts_with("\x76\x2f\x31\x01"sv)) return {"openexr", exr_size};
   if (head.starts_with("#?RADIANCE"sv) || head.starts_with("#?RGBE"sv)) return {"hdr", hdr_size};
-  if (head.size() >= 12 && head.substr(4, 4) == "ftyp"sv && head.substr(8, 3) != "crx"sv) return {"heif", heif_size};
+  if (is_raw_head(head)) return {"raw", nullptr};
+  if (is_heif_head(head)) return {"heif", heif_size};
   if (head.starts_with("RIFF"sv) && head.size() >= 16 && head.substr(8, 4) == "WEBP"sv) return {"webp", webp_size};
-  if (head.starts_with("BM"sv)) return {"bmp", bmp_size};
-  if (head.starts_with("GIF8"sv)) return {"gif", gif_size};
-  if (head.size() >= 3 && head[0] == 'P' && head[1] >= '1' && head[1] <= '6' &&
-      (std::isspace(static_cast<unsigned char>(head[2])) || head[2] == '#'))
-    return {"pnm", pnm_size};
+  if (is_bmp_head(head)) return {"bmp", bmp_size};
+  if (head.starts_with("GIF87a"sv) || head.starts_with("GIF89a"sv)) return {"gif", gif_size};
+  if (is_pnm_head(head)) return {"pnm", pnm_size};
   return {"", nullptr};
 }
 
+/// Programs' files that people take for pictures, by their first bytes: what they are, and what helps.
+std::pair<std::string, std::string> other_kind(std::string_view head) {
+  using namespace std::string_view_literals;
+  constexpr const char* kExport = "export it as PNG";
+  const std::size_t text = std::min(head.find_first_not_of("\xEF\xBB\xBF \t\r\n"sv), head.size());
+  if (head.substr(text).starts_with("<svg"sv) ||
+      (head.substr(text).starts_with("<?xml"sv) && head.find("<svg"sv) != std::string_view::npos))
+    return {"is a drawing of lines (SVG), which has no pixels", kExport};
+  if (head.starts_with("%PDF"sv)) return {"is a PDF, which has no pixels of its own", kExport};
+  if (head.starts_with("%!PS"sv)) return {"is PostScript, which has no pixels of its own", kExport};
+  if (head.starts_with("8BPS"sv)) return {"is a Photoshop document", kExport};
+  if (head.starts_with("\xFF\x0A"sv) || head.starts_with("\0\0\0\x0CJXL "sv)) return {"is a JPEG XL picture", kExport};
+  if (head.starts_with("\0\0\0\x0CjP  "sv) || head.starts_with("\xFF\x4F\xFF\x51"sv))
+    return {"is a JPEG 2000 picture", kExport};
+  if (head.size() >= 12 && head.substr(4, 4) == "ftyp"sv) return {"is a film", "take a frame of it out, as PNG"};
+  return {"is no picture of a kind that Burin reads", "use PNG, JPEG, TIFF, EXR, HDR, HEIC, WebP, BMP, GIF or PNM"};
+}
+
+constexpr std::uintmax_t kMagicBytes = 512;
+
 }  // namespace
 
-PictureHeader read_picture_header(const fs::path& file, bool raw_name) {
-  constexpr std::uintmax_t kMagicBytes = 32;
+bool has_raw_name(const fs::path& file) {
+  constexpr std::array<std::string_view, 18> kRaws{".dng", ".cr2", ".cr3", ".crw", ".nef", ".nrw",
+                                                   ".arw", ".sr2", ".raf", ".orf", ".rw2", ".pef",
+                                                   ".srw", ".erf", ".3fr", ".iiq", ".rwl", ".x3f"};
+  return std::find(kRaws.begin(), kRaws.end(), lower_extension(file)) != kRaws.end();
+}
+
+std::string picture_kind(const fs::path& file) {
+  std::string kind;
+  try {
+    const std::string head = read_head(file, kMagicBytes);
+    kind = kind_of(head).name;
+    if (kind != "tiff") return kind;
+    if (has_raw_name(file)) return "raw";
+    PictureBytes bytes(file, require_plain_file(file, limit::kPictureBytes, "a picture"));
+    return is_raw_tiff(head, read_tiff_directories(bytes), file) ? "raw" : "tiff";
+  } catch (const Error&) {  // said where it is read
+    return kind;
+  }
+}
+
+PictureHeader read_picture_header(const fs::path& file) {
   const std::string head = read_head(file, kMagicBytes);
   const std::uintmax_t size = require_plain_file(file, limit::kPictureBytes, "a picture");
   if (size == 0) fail(file.string(), "is empty", "copy it again from where it came from");
-  FileBytes bytes(file, size);
+  PictureBytes bytes(file, size);
   PictureHeader header;
   const Kind kind = kind_of(head);
-  header.kind = raw_name ? "raw" : kind.name;
-  if (kind.size != nullptr) kind.size(bytes, header);
-  if (raw_name) refuse_hasselblad(bytes, file.string());
-  if (header.kind.empty())
-    fail(file.string(), "is no picture of a kind that Burin reads",
-         "use PNG, JPEG, TIFF, EXR, HDR, HEIC, WebP, BMP, GIF or PNM, or a camera's raw file under its own name");
+  header.kind = kind.name;
+  std::vector<TiffDirectory> directories;
+  if (header.kind == "tiff") {
+    directories = read_tiff_directories(bytes);
+    if (is_raw_tiff(head, directories, file)) header.kind = "raw";
+  }
+  if (header.kind == "raw") {
+    refuse_hasselblad(bytes, directories, file.string());
+    refuse_jpeg_xl(directories, file.string());
+    for (const TiffDirectory& d : directories) {
+      take(header, d.width, d.height);
+      if (d.sensor_values()) require_parts_within(bytes, d);
+    }
+    return header;
+  }
+  if (kind.size == nullptr) {
+    const auto [what, remedy] = other_kind(head);
+    fail(file.string(), what, remedy);
+  }
+  kind.size(bytes, header);
   return header;
+}
+
+void require_whole(const OIIO::ImageInput& input, const fs::path& file) {
+  if (std::string_view(input.format_name()) != "tiff") return;
+  PictureBytes bytes(file, require_plain_file(file, limit::kPictureBytes, "a picture"));
+  const std::vector<TiffDirectory> directories = read_tiff_directories(bytes);
+  if (!directories.empty()) require_parts_unpack(bytes, directories.front());
 }
 
 }  // namespace burin

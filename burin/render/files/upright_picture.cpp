@@ -9,19 +9,8 @@
 #include "burin/render/limits.h"
 
 namespace burin {
-namespace {
 
 namespace fs = std::filesystem;
-
-/// libjpeg fills a file that was cut short with gray and only warns. The end marker stands behind the last scan: within
-/// a scan neither marker can occur.
-bool jpeg_is_whole(const fs::path& file) {
-  const std::string bytes = read_bytes(file, limit::kPictureBytes, "a picture");
-  const std::size_t end = bytes.rfind("\xFF\xD9"), scan = bytes.rfind("\xFF\xDA");
-  return end != std::string::npos && (scan == std::string::npos || end > scan);
-}
-
-}  // namespace
 
 UprightPicture open_upright(const fs::path& file) {
   // Colors as stored, not multiplied by alpha in 8 bits behind our back.
@@ -29,9 +18,10 @@ UprightPicture open_upright(const fs::path& file) {
   config["oiio:UnassociatedAlpha"] = 1;
   UprightPicture picture;
   picture.input = open_picture(file, {limit::kPicturePixels, "a picture", kPictureRemedy}, config);
-  picture.spec = picture.input->spec();
-  if (std::string_view(picture.input->format_name()) == "jpeg" && !jpeg_is_whole(file))
-    fail(file.string(), "is cut short", "copy it again from where it came from");
+  picture.spec = described(*picture.input, file);
+  require_whole(*picture.input, file);
+  const std::string_view kind = picture.input->format_name();
+  picture.linear = kind == "openexr" || kind == "hdr";
   const int said = picture.spec.get_int_attribute("Orientation", 1);
   picture.orientation = said >= 1 && said <= 8 ? said : 1;
   picture.width = picture.lies() ? picture.spec.height : picture.spec.width;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/picture_file.h"
 
 namespace burin {
 
@@ -26,6 +27,7 @@ struct UprightPicture {
   OIIO::ImageSpec spec;
   int orientation = 1;
   int width = 0, height = 0, channels = 1;  ///< upright; 1 or 3 channels
+  bool linear = false;                      ///< its kind stores light itself (EXR, HDR), and not sRGB
 
   bool lies() const { return orientation >= 5; }
 
@@ -81,7 +83,7 @@ void for_each_pixel(UprightPicture& picture, const std::filesystem::path& file, 
                                                       spec.z, spec.z + 1, 0, stored, OIIO::TypeDesc::FLOAT, rows.data())
                           : picture.input->read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, stored,
                                                           OIIO::TypeDesc::FLOAT, rows.data());
-    if (!read) fail(file.string(), "is broken: " + picture.input->geterror(), kPictureRemedy);
+    require_read(read, *picture.input, file, kPictureRemedy);
     const float* pixels = rows.data();
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < spec.width; ++x, pixels += stored) {
