@@ -24,6 +24,9 @@ endif()
 if(NOT TARGET PkgConfig::heif)
   pkg_check_modules(heif REQUIRED IMPORTED_TARGET libheif)
 endif()
+if(NOT TARGET PkgConfig::lcms2)
+  pkg_check_modules(lcms2 REQUIRED IMPORTED_TARGET lcms2)
+endif()
 
 # mrcal ships neither a CMake config nor a .pc file.
 if(NOT TARGET mrcal::mrcal)

@@ -1,4 +1,8 @@
+#include <fmt/ranges.h>
+
 #include <CLI/Error.hpp>
+#include <CLI/Validators.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -22,11 +26,18 @@ namespace {
 
 // The lamps of the photos: the one that was said, or that the bench has, for those in no lamp's folder; and the names
 // that folders within may have.
-PhotoLamps photo_lamps(const std::string& said, const std::filesystem::path& bench_file) {
+PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesystem::path& bench_file) {
   if (bench_file.empty()) return {said.empty() ? Photo().light : said, {}};
   const Bench bench = read_bench(bench_file);
   PhotoLamps out{said, lamps_of(bench)};
-  if (!said.empty()) return out;
+  if (!said.empty()) {
+    if (!is_new && std::find(out.names.begin(), out.names.end(), said) == out.names.end())
+      fail("--light " + said, fmt::format("{} has no lamp of that name", bench_file.string()),
+           out.names.empty() ? "add --new-lamp if it is to be measured now"
+                             : fmt::format("known are {}; add --new-lamp if it is another, which is to be measured now",
+                                           fmt::join(out.names, ", ")));
+    return out;
+  }
   if (bench.lights.size() == 1)
     out.of_folder = bench.lights.front().id;
   else if (out.names.size() == 1)  // beside the sun, or in a room
@@ -40,7 +51,8 @@ struct CaptureArguments {
   std::filesystem::path photos, board, bench, plan, out;
   std::string light, port;
   std::vector<double> stops;
-  bool tether = false, once = false;
+  double f_number = 0;
+  bool tether = false, once = false, new_lamp = false;
 };
 
 // By a connected camera, into the folder of photos, or of their lamp where there are several; each is told as it comes.
@@ -82,6 +94,11 @@ void add_capture_command(CLI::App& burin) {
                       "The bench that the board was designed for: its lamp's name is taken; of several lamps, photos "
                       "lie in folders of their names: PHOTOS_DIR/red, PHOTOS_DIR/green");
   command->add_option("--light", options->light, "The lamp of the photos that lie in no lamp's folder");
+  command->add_flag("--new-lamp", options->new_lamp, "The lamp of --light is not in the bench yet");
+  command
+      ->add_option("--f-number", options->f_number,
+                   "The aperture of photos whose EXIF has none or 0 (a lens without contacts): 8 for f/8")
+      ->check(CLI::Range(0.5, 128.0));
   CLI::Option* tether = command->add_flag("--tether", options->tether,
                                           "Take the photos now, by a camera on a USB cable (libgphoto2), at M: a "
                                           "bracket from each place, each photo judged "
@@ -97,11 +114,12 @@ void add_capture_command(CLI::App& burin) {
       if (!options->tether) throw CLI::RequiredError("PHOTOS_DIR");
       options->photos = options->out / "photos";
     }
-    const PhotoLamps lamps = photo_lamps(options->light, options->bench);
+    const PhotoLamps lamps = photo_lamps(options->light, options->new_lamp, options->bench);
     if (options->tether) take_photos(*options, lamps);
     const WorkLock lock(options->out, "burin capture", WorkLock::Where::new_folders);
     ProgressBar bar;
-    const CaptureResult result = capture_folder(options->photos, options->board, options->out, bar.progress(), lamps);
+    const CaptureResult result =
+        capture_folder(options->photos, options->board, options->out, bar.progress(), lamps, options->f_number);
     bar.clear();
     int errors = 0;
     std::string first;

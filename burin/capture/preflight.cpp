@@ -40,6 +40,10 @@ constexpr double kPaperBrightness = 1.4;  // between views, at one tag: lens and
 
 std::string pixels_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
+std::string shutter_text(double exposure_s) {
+  return exposure_s < 0.4 ? "1/" + fixed(1 / exposure_s, 0) + " s" : general(exposure_s, 2) + " s";
+}
+
 std::string percent(double share) { return fixed(100 * share, 0) + " %"; }
 
 void judge_files(const Session& session, std::span<const Exif> exif, std::vector<Finding>& findings) {
@@ -66,21 +70,10 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
                             return a.second < b.second;
                           })->first;
 
-  std::map<int, int> turns;
-  for (const Exif& e : exif) ++turns[e.turned_deg];
-  const int usually_turned = std::max_element(turns.begin(), turns.end(), [](const auto& a, const auto& b) {
-                               return a.second < b.second;
-                             })->first;
-
   for (std::size_t i = 0; i < exif.size(); ++i) {
     const Exif& e = exif[i];
     const auto& file = session.photos[i].file;
-    if (e.turned_deg != usually_turned)
-      findings.push_back({error, file,
-                          "was turned by " + std::to_string(e.turned_deg) + " degrees by the phone, others by " +
-                              std::to_string(usually_turned) + ": one lens cannot explain both",
-                          "hold the phone the same way for all photos, or set it to save JPEG (\"most compatible\")"});
-    else if (e.width == usual.second && e.height == usual.first && e.width != e.height)
+    if (e.width == usual.second && e.height == usual.first && e.width != e.height)
       findings.push_back({error, file,
                           "is " + pixels_text(e.width, e.height) + " pixels where others are " +
                               pixels_text(usual.first, usual.second) + ": it was rotated",
@@ -168,6 +161,39 @@ void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& c
          "raw photos, or the camera's flattest picture style, need no such curve"});
 }
 
+// Views whose exposure times differ from those of most views by a step or two of the camera's dial: it took a neighbor
+// of the time that was set. Its EXIF has the time that it took, which is what counts.
+void judge_shutter_times(const Session& session, const std::vector<Bracket>& brackets, std::vector<Finding>& findings) {
+  constexpr double kOneStep = 1.1, kTwoSteps = 1.7;               // a dial's steps are a third or half of a stop
+  std::vector<std::vector<std::pair<double, int>>> times;         // with the photo; one list a bracket, ascending
+  std::map<std::vector<long>, std::pair<int, std::size_t>> sets;  // in sixteenths of a stop: how often, where first
+  for (std::size_t b = 0; b < brackets.size(); ++b) {
+    auto& of_bracket = times.emplace_back();
+    for (const int i : brackets[b].photos) of_bracket.emplace_back(session.photos[i].exposure_s, i);
+    std::sort(of_bracket.begin(), of_bracket.end());
+    std::vector<long> key;
+    for (const auto& [seconds, photo] : of_bracket) key.push_back(std::lround(16 * std::log2(seconds)));
+    const auto [at, is_new] = sets.try_emplace(key, 0, b);
+    ++at->second.first;
+  }
+  const auto usual = std::max_element(sets.begin(), sets.end(),
+                                      [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
+  if (usual == sets.end() || usual->first.size() < 2 || 2 * usual->second.first <= static_cast<int>(brackets.size()))
+    return;
+  const auto& wanted = times[usual->second.second];
+  for (const auto& of_bracket : times) {
+    if (of_bracket.size() != wanted.size()) continue;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      const double ratio = of_bracket[k].first / wanted[k].first, steps = std::max(ratio, 1 / ratio);
+      if (steps > kOneStep && steps < kTwoSteps)
+        findings.push_back({note, session.photos[of_bracket[k].second].file,
+                            "was exposed for " + shutter_text(of_bracket[k].first) + " where most views have " +
+                                shutter_text(wanted[k].first) + "; the time in its EXIF is used",
+                            ""});
+    }
+  }
+}
+
 void judge_views(const Session& session, std::span<const PhotoLook> looks, std::vector<Finding>& findings) {
   std::vector<double> edges;
   for (const PhotoLook& look : looks)
@@ -176,7 +202,9 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
   const double usual_edge = edges.empty() ? 0 : edges[edges.size() / 2];
 
   std::vector<ComparedPhoto> compared;
-  for (const Bracket& bracket : brackets_of(session)) {
+  const std::vector<Bracket> brackets = brackets_of(session);
+  judge_shutter_times(session, brackets, findings);
+  for (const Bracket& bracket : brackets) {
     const auto factor = [&](int i) { return exposure_factor(session.photos[i]); };
     const auto [shortest, longest] = std::minmax_element(bracket.photos.begin(), bracket.photos.end(),
                                                          [&](int a, int b) { return factor(a) < factor(b); });
