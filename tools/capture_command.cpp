@@ -14,6 +14,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/error.h"
 #include "tools/commands.h"
+#include "tools/loop/round_lamps.h"
 #include "tools/photographed_lamps.h"
 #include "tools/progress_bar.h"
 #include "tools/tether/tethered_shoot.h"
@@ -117,6 +118,7 @@ void add_capture_command(CLI::App& burin) {
     const PhotoLamps lamps = photo_lamps(options->light, options->new_lamp, options->bench);
     if (options->tether) take_photos(*options, lamps);
     const WorkLock lock(options->out, "burin capture", WorkLock::Where::new_folders);
+    refuse_photos_of_other_rounds(options->photos);
     ProgressBar bar;
     const CaptureResult result =
         capture_folder(options->photos, options->board, options->out, bar.progress(), lamps, options->f_number);

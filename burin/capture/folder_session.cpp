@@ -91,8 +91,9 @@ double missing_aperture(const std::vector<IncomingPhoto>& incoming, double said,
   if (said > 0) {
     findings.push_back({note,
                         {},
-                        std::to_string(count) + " photos hold no aperture in their EXIF; f/" + general(said, 3) +
-                            " is used, as --f-number says",
+                        (count == 1 ? "1 photo has no aperture in its EXIF; f/"
+                                    : std::to_string(count) + " photos have no aperture in their EXIF; f/") +
+                            general(said, 3) + " is used, as --f-number says",
                         ""});
     return said;
   }

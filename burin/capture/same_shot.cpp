@@ -42,6 +42,16 @@ std::string same_file_words(const fs::path& other) {
   return "holds the same bytes as " + other.filename().string() + " and was passed over";
 }
 
+// Notes that say the same of many files, each beside another one: the first stands for all.
+void add_notes(std::vector<Finding>&& notes, std::vector<Finding>& findings) {
+  constexpr std::size_t kMost = 4;
+  if (notes.size() > kMost) {
+    notes.front().what += "; " + std::to_string(notes.size() - 1) + " more files likewise for others";
+    notes.resize(1);
+  }
+  append(findings, notes);
+}
+
 // Details of a small copy, by which pictures of any tone curve and size can be compared.
 cv::Mat details_of(const PhotoLook& look) {
   constexpr int kWidth = 160;
@@ -128,7 +138,9 @@ bool share_noise(const Photo& a, const Photo& b) {
     aa += blocks[i].aa;
     bb += blocks[i].bb;
   }
-  constexpr double kShared = 0.5;
+  // Noise of two exposures correlates by less than 0.01; saved anew at JPEG quality 95, 88 and 75, one photo's keeps
+  // 0.96, 0.5 and 0.2. If the scene is rough everywhere, two exposures pass for one, which loses no more than a repeat.
+  constexpr double kShared = 0.1;
   return aa <= 0 || bb <= 0 || ab > kShared * std::sqrt(aa * bb);
 }
 
@@ -195,6 +207,10 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
     const std::uintmax_t bytes = fs::file_size(photos[i].file, error);
     if (!error) by_size[bytes].push_back(i);
   }
+  for (auto& [bytes, alike] : by_size)  // "IMG_1 (1)" is the copy of "IMG_1"
+    std::stable_sort(alike.begin(), alike.end(), [&](std::size_t a, std::size_t b) {
+      return photos[a].file.stem().string().size() < photos[b].file.stem().string().size();
+    });
   std::vector<std::pair<std::size_t, std::size_t>> copies;  // copy, kept
   for (const auto& [bytes, alike] : by_size)
     for (std::size_t k = 1; k < alike.size(); ++k)
@@ -205,13 +221,16 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
           break;
         }
   std::sort(copies.begin(), copies.end());
+  std::vector<Finding> notes;
   for (const auto& [copy, kept] : copies) {
     if (photos[copy].light == photos[kept].light)
-      findings.push_back({note, photos[copy].file, same_file_words(photos[kept].file), ""});
+      notes.push_back({note, photos[copy].file, same_file_words(photos[kept].file), ""});
     else
       findings.push_back({error, photos[copy].file, "holds the same bytes as " + photos[kept].file.string(),
                           "one photo shows one lamp: leave it in the folder of the lamp that was on"});
   }
+  add_notes(std::move(notes), findings);
+  notes.clear();
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (out[i] || is_raw_name(photos[i].file)) continue;
     for (std::size_t k = 0; k < photos.size(); ++k) {
@@ -219,28 +238,30 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
           photos[k].file.stem() != photos[i].file.stem() || !may_be_one_shot(photos[i].exif, photos[k].exif))
         continue;
       out[i] = true;
-      findings.push_back({note, photos[i].file, "was passed over for " + photos[k].file.filename().string(), ""});
+      notes.push_back({note, photos[i].file, "was passed over for " + photos[k].file.filename().string(), ""});
       break;
     }
   }
+  add_notes(std::move(notes), findings);
   std::size_t i = 0;
   std::erase_if(photos, [&](const IncomingPhoto&) { return out[i++]; });
 }
 
 std::vector<bool> twins_of(const std::vector<ExifPhoto>& photos, const std::vector<std::optional<PhotoLook>>& looks,
                            std::vector<Finding>& findings) {
-  // Kept of one shot is the raw file, then what most photos are, then HEIC (JPEGs are made from it), then the shortest
-  // name.
+  // Kept of one shot is a file of a kind that many shots have: raw before more bits before HEIC, from which phones make
+  // JPEGs; then one of the usual size, and the shortest name.
   std::map<std::pair<int, int>, int> sizes;
   std::map<std::string, int> kinds;
+  int most = 0;
   for (const auto& [photo, exif] : photos) {
     ++sizes[std::minmax(exif.width, exif.height)];
-    ++kinds[exif.kind];
+    most = std::max(most, ++kinds[exif.kind]);
   }
   const auto rank = [&](std::size_t i) {
     const auto& [photo, exif] = photos[i];
-    return std::tuple(exif.kind != "raw", -sizes[std::minmax(exif.width, exif.height)], -kinds[exif.kind],
-                      exif.kind != "heif", photo.file.stem().string().size(), i);
+    return std::tuple(2 * kinds[exif.kind] < most, exif.kind != "raw", -exif.bits, exif.kind != "heif",
+                      -sizes[std::minmax(exif.width, exif.height)], photo.file.stem().string().size(), i);
   };
   std::vector<std::size_t> by_rank(photos.size());
   for (std::size_t i = 0; i < by_rank.size(); ++i) by_rank[i] = i;
@@ -261,13 +282,15 @@ std::vector<bool> twins_of(const std::vector<ExifPhoto>& photos, const std::vect
     const auto& [other, exif] = photos[*twin];
     const std::string name = other.file.filename().string();
     said[i] = {note, photos[i].first.file,
-               exif.kind == "raw" || exif.kind != photos[i].second.kind
-                   ? "shows the shot of " + name + " and was passed over for " + name
-                   : "shows the shot of " + name + " once more, saved anew, and was passed over",
+               "was passed over for " + name +
+                   (exif.kind == photos[i].second.kind ? ", of which it is a version that was saved anew"
+                                                       : ", which shows the same shot"),
                ""};
   }
+  std::vector<Finding> notes;
   for (std::size_t i = 0; i < photos.size(); ++i)
-    if (out[i]) findings.push_back(std::move(said[i]));
+    if (out[i]) notes.push_back(std::move(said[i]));
+  add_notes(std::move(notes), findings);
   return out;
 }
 
