@@ -161,6 +161,25 @@ void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& c
          "raw photos, or the camera's flattest picture style, need no such curve"});
 }
 
+// Photos of another board: several tags that board.json does not list, and hardly one that it does.
+void judge_strays(const Session& session, std::span<const PhotoLook> looks, std::vector<Finding>& findings) {
+  constexpr std::size_t kFewStrays = 3, kFewOwn = 3;
+  // If no photo shows this board, its board.json is the wrong one, which judge_tags() says.
+  if (std::none_of(looks.begin(), looks.end(), [](const PhotoLook& look) { return look.tags.size() >= kFewOwn; }))
+    return;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    const std::vector<int>& stray = looks[i].stray_tags;
+    if (stray.size() < kFewStrays || looks[i].tags.size() >= kFewOwn) continue;
+    std::string list;
+    for (std::size_t k = 0; k < std::min<std::size_t>(stray.size(), 5); ++k)
+      list += (k == 0 ? "" : ", ") + std::to_string(stray[k]);
+    findings.push_back({error, session.photos[i].file,
+                        "its tags are not this board's: it shows " + list + (stray.size() > 5 ? ", ..." : "") +
+                            ", which board.json does not list",
+                        "take the photo out, or give the board.json of the board that it shows"});
+  }
+}
+
 // Views whose exposure times differ from those of most views by a step or two of the camera's dial: it took a neighbor
 // of the time that was set. Its EXIF has the time that it took, which is what counts.
 void judge_shutter_times(const Session& session, const std::vector<Bracket>& brackets, std::vector<Finding>& findings) {
@@ -380,6 +399,7 @@ std::vector<Finding> preflight(const Session& session, std::span<const Exif> exi
                                const TagSet& tags) {
   std::vector<Finding> findings;
   if (session.photos.empty()) return findings;
+  judge_strays(session, looks, findings);
   judge_files(session, exif, findings);
   judge_views(session, looks, findings);
   if (!has_errors(findings)) judge_tags(session, looks, tags, findings);

@@ -607,6 +607,23 @@ TEST_F(FolderSessionTest, ANeighboringShutterTimeIsNamed) {
               HasSubstr("IMG_121.png: was exposed for 1/20 s where most views have 1/25 s"));
 }
 
+TEST_F(FolderSessionTest, TagsOfAnotherBoardAreNamed) {
+  take_photos();
+  TagSet tags = read_board(folder / "board.json").tags;
+  std::vector<Finding> ignored;
+  FolderSession taken = session_from(folder_source(folder / "photos", ignored), tags);
+  // The same photo for somebody whose board has other tags.
+  TagSet others = tags;
+  for (Tag& tag : others.list) tag.id += 50;
+  const PhotoLook other = look_at(taken.session.photos[1], &others);
+  EXPECT_TRUE(other.tags.empty());
+  EXPECT_EQ(other.stray_tags.size(), taken.looks[1].tags.size());
+  EXPECT_TRUE(taken.looks[1].stray_tags.empty());
+  taken.looks[1] = other;
+  EXPECT_THAT(text_of(preflight(taken.session, taken.exif, taken.looks, tags), Severity::error),
+              HasSubstr("its tags are not this board's: it shows 3, 4, 5"));
+}
+
 TEST_F(FolderSessionTest, PhotosInAFolderOfNoLampAreNamed) {
   take_photos();
   fs::rename(folder / "photos", folder / "Lampe");
