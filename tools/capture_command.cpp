@@ -8,6 +8,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "burin/capture/folder_session.h"
@@ -25,6 +26,16 @@
 namespace burin {
 namespace {
 
+// Whether a name is that of a light of the bench, or of several: "lamp + room".
+bool names_lights_of(const std::string& name, const Bench& bench) {
+  const std::string_view between = " + ";
+  const std::size_t end = name.find(between);
+  const std::string first = name.substr(0, end);
+  const bool known =
+      std::any_of(bench.lights.begin(), bench.lights.end(), [&](const Light& light) { return light.id == first; });
+  return known && (end == std::string::npos || names_lights_of(name.substr(end + between.size()), bench));
+}
+
 // The lamps of the photos: the one that was said, or that the bench has, for those in no lamp's folder; and the names
 // that folders within may have.
 PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesystem::path& bench_file) {
@@ -32,7 +43,7 @@ PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesyst
   const Bench bench = read_bench(bench_file);
   PhotoLamps out{said, lamps_of(bench)};
   if (!said.empty()) {
-    if (!is_new && std::find(out.names.begin(), out.names.end(), said) == out.names.end())
+    if (!is_new && !names_lights_of(said, bench))
       fail("--light " + said, fmt::format("{} has no lamp of that name", bench_file.string()),
            out.names.empty() ? "add --new-lamp if it is to be measured now"
                              : fmt::format("known are {}; add --new-lamp if it is another, which is to be measured now",
