@@ -35,6 +35,10 @@ struct Exif {
 /// Reads the header. Throws Error for a file that is missing or no picture.
 Exif read_exif(const std::filesystem::path& file);
 
+/// The f-number of photos of which none has one. An aperture ring that stays as it is scales all photos alike, so the
+/// number itself changes nothing but the scale of their brightness.
+inline constexpr double kAssumedAperture = 8;
+
 /// How the file's values become linear: raw files "raw"; others "linear" or "srgb" by the color profile that they carry
 /// ("srgb" also for a curve of its own, which read_photo() undoes). Without a profile, JPEG and HEIC are "srgb", and
 /// EXR and other floating-point files "linear". For a PNG or TIFF that states nothing, 16 bits are taken as linear

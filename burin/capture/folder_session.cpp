@@ -69,9 +69,13 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, st
                         "statement out: exiftool -ColorSpace= FILE"});
     return std::nullopt;
   }
+  if (exif.uncalibrated && encoding.encoding == Encoding::srgb)
+    findings.push_back({note, incoming.file,
+                        "has a color space other than sRGB by its EXIF, and no profile; sRGB's curve was assumed",
+                        "set the camera to sRGB, or export with the profile embedded"});
   if (exif.gain_map)
     findings.push_back({note, incoming.file, "carries a gain map for HDR displays; its base picture is used", ""});
-  if (encoding.assumed)
+  if (encoding.assumed && !exif.uncalibrated)
     findings.push_back({note, incoming.file,
                         encoding.encoding == Encoding::linear
                             ? "does not say how its values are encoded; linear was assumed, as it has 16 bits"

@@ -38,10 +38,6 @@ struct FolderSession {
 FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress = {},
                            const std::string& light = Photo().light, double f_number = 0);
 
-/// The f-number of photos of which none has one. An aperture ring that stays as it is scales all photos alike, so the
-/// number itself changes nothing but the scale of their brightness.
-inline constexpr double kAssumedAperture = 8;
-
 /// What became of a folder of photos.
 struct CaptureResult {
   Session session;
