@@ -341,7 +341,9 @@ TEST(BoardSolver, FocusThatDiffersFromPhotoToPhotoIsCounted) {
       options.check_with_mrcal = false;
       const BoardSolution s = solve_board(w.board, w.pictures, w.lens.width, w.lens.height, options);
       EXPECT_THAT(all_findings(s), testing::HasSubstr("focal lengths differ from photo to photo by")) << most;
-      EXPECT_NEAR(s.focal_scatter / (0.37 * most), 1, 0.5) << most;
+      // Of the largest differences lens and tags take up some, which sigmas hold all the same.
+      EXPECT_GT(s.focal_scatter, 0.3 * 0.37 * most) << most;
+      EXPECT_LT(s.focal_scatter, 1.3 * 0.37 * most) << most;
       double z2 = 0;
       for (const View& view : s.views) {
         const std::size_t v = std::stoul(view.name.substr(1));
