@@ -28,6 +28,9 @@ endif()
 if(NOT TARGET PkgConfig::de265)
   pkg_check_modules(de265 REQUIRED IMPORTED_TARGET libde265)
 endif()
+if(NOT TARGET PkgConfig::lcms2)
+  pkg_check_modules(lcms2 REQUIRED IMPORTED_TARGET lcms2)
+endif()
 
 # mrcal ships neither a CMake config nor a .pc file.
 if(NOT TARGET mrcal::mrcal)

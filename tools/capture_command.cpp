@@ -1,15 +1,21 @@
+#include <fmt/ranges.h>
+
 #include <CLI/Error.hpp>
+#include <CLI/Validators.hpp>
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "burin/capture/folder_session.h"
 #include "burin/render/bench.h"
 #include "burin/render/error.h"
 #include "tools/commands.h"
+#include "tools/loop/round_lamps.h"
 #include "tools/photographed_lamps.h"
 #include "tools/progress_bar.h"
 #include "tools/tether/tethered_shoot.h"
@@ -20,13 +26,30 @@
 namespace burin {
 namespace {
 
+// Whether a name is that of a light of the bench, or of several: "lamp + room".
+bool names_lights_of(const std::string& name, const Bench& bench) {
+  const std::string_view between = " + ";
+  const std::size_t end = name.find(between);
+  const std::string first = name.substr(0, end);
+  const bool known =
+      std::any_of(bench.lights.begin(), bench.lights.end(), [&](const Light& light) { return light.id == first; });
+  return known && (end == std::string::npos || names_lights_of(name.substr(end + between.size()), bench));
+}
+
 // The lamps of the photos: the one that was said, or that the bench has, for those in no lamp's folder; and the names
 // that folders within may have.
-PhotoLamps photo_lamps(const std::string& said, const std::filesystem::path& bench_file) {
+PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesystem::path& bench_file) {
   if (bench_file.empty()) return {said.empty() ? Photo().light : said, {}};
   const Bench bench = read_bench(bench_file);
   PhotoLamps out{said, lamps_of(bench)};
-  if (!said.empty()) return out;
+  if (!said.empty()) {
+    if (!is_new && !names_lights_of(said, bench))
+      fail("--light " + said, fmt::format("{} has no lamp of that name", bench_file.string()),
+           out.names.empty() ? "add --new-lamp if it is to be measured now"
+                             : fmt::format("known are {}; add --new-lamp if it is another, which is to be measured now",
+                                           fmt::join(out.names, ", ")));
+    return out;
+  }
   if (bench.lights.size() == 1)
     out.of_folder = bench.lights.front().id;
   else if (out.names.size() == 1)  // beside the sun, or in a room
@@ -40,7 +63,8 @@ struct CaptureArguments {
   std::filesystem::path photos, board, bench, plan, out;
   std::string light, port;
   std::vector<double> stops;
-  bool tether = false, once = false;
+  double f_number = 0;
+  bool tether = false, once = false, new_lamp = false;
 };
 
 // By a connected camera, into the folder of photos, or of their lamp where there are several; each is told as it comes.
@@ -82,6 +106,11 @@ void add_capture_command(CLI::App& burin) {
                       "The bench that the board was designed for: its lamp's name is taken; of several lamps, photos "
                       "lie in folders of their names: PHOTOS_DIR/red, PHOTOS_DIR/green");
   command->add_option("--light", options->light, "The lamp of the photos that lie in no lamp's folder");
+  command->add_flag("--new-lamp", options->new_lamp, "The lamp of --light is not in the bench yet");
+  command
+      ->add_option("--f-number", options->f_number,
+                   "The aperture of photos whose EXIF has none or 0 (a lens without contacts): 8 for f/8")
+      ->check(CLI::Range(0.5, 128.0));
   CLI::Option* tether = command->add_flag("--tether", options->tether,
                                           "Take the photos now, by a camera on a USB cable (libgphoto2), at M: a "
                                           "bracket from each place, each photo judged "
@@ -97,11 +126,13 @@ void add_capture_command(CLI::App& burin) {
       if (!options->tether) throw CLI::RequiredError("PHOTOS_DIR");
       options->photos = options->out / "photos";
     }
-    const PhotoLamps lamps = photo_lamps(options->light, options->bench);
+    const PhotoLamps lamps = photo_lamps(options->light, options->new_lamp, options->bench);
     if (options->tether) take_photos(*options, lamps);
     const WorkLock lock(options->out, "burin capture", WorkLock::Where::new_folders);
+    refuse_photos_of_other_rounds(options->photos);
     ProgressBar bar;
-    const CaptureResult result = capture_folder(options->photos, options->board, options->out, bar.progress(), lamps);
+    const CaptureResult result =
+        capture_folder(options->photos, options->board, options->out, bar.progress(), lamps, options->f_number);
     bar.clear();
     int errors = 0;
     std::string first;

@@ -160,6 +160,7 @@ void add_refine_command(CLI::App& burin) {
       if (options->crossings == name) o.crossings = crossings;
     o.fit_lamp = !options->keep_lamp;
     o.finest_pixel_mm = options->pixel_mm;
+    o.session = &session;
     ProgressBar bar;
     bar.progress()("reading photos", 0);
     const std::vector<MergedView> merged = photos_for_refine(session, board, measured);

@@ -16,6 +16,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
+#include "tools/content_hash.h"
 #include "tools/stop_signal.h"
 #include "tools/tether/tethered_shoot.h"
 #include "tools/watch/kept_copies.h"
@@ -222,6 +223,7 @@ class Watch {
       shoot.light = light_of(file);
       add_photo(std::move(facts), shoot);
       find_no_lamp(file);
+      find_other_round(file);
     } catch (const Error& error) {
       errors_[file] = error.what();
       inbox_.not_yet(file);
@@ -234,6 +236,17 @@ class Watch {
       teller_.say("not copied", file, "    not copied: nothing tells which lamp was on");
     else
       copies_.want(file, folder_for(project_.keep, shoot.light));
+  }
+
+  // `burin capture` refuses photos of another round; here the person still stands at the board.
+  void find_other_round(const fs::path& file) {
+    if (project_.other_rounds.empty()) return;
+    const auto other = project_.other_rounds.find(content_hash(file));
+    if (other == project_.other_rounds.end()) return;
+    project_.shoot.photos.back().faults.push_back({Finding::Severity::error,
+                                                   {},
+                                                   "is, byte for byte, " + other->second + ": it shows another board",
+                                                   "take it out, and photograph this round's board"});
   }
 
   // Of several lamps `burin capture` must know which was on; here the order of the shots is gone by.

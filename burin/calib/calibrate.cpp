@@ -8,6 +8,8 @@
 #include <set>
 #include <thread>
 
+#include "burin/calib/change_in_time.h"
+#include "burin/calib/geometry/own_focal.h"
 #include "burin/calib/light/lamp.h"
 #include "burin/calib/light/lamp_colors.h"
 #include "burin/calib/light/light_samples.h"
@@ -155,11 +157,77 @@ Pictures read_as_stored(const Session& given, const std::vector<Bracket>& bracke
   return read();
 }
 
+// Views whose focal length is known too poorly to tell on which side of a change by `log_ratio` they were taken.
+std::vector<std::string> views_of_unknown_zoom(const BoardSolution& solved, const std::vector<ViewTags>& pictures,
+                                               double log_ratio) {
+  constexpr double kTells = 5;  // sigmas
+  const std::vector<std::optional<OwnFocal>> focals = own_focals(solved.bundle);
+  std::vector<std::string> names, out;  // in the bundle's order
+  for (const ViewTags& picture : pictures)
+    if (std::find(names.begin(), names.end(), picture.view) == names.end()) names.push_back(picture.view);
+  for (const View& view : solved.views) {
+    const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), view.name) - names.begin());
+    if (at >= focals.size() || !focals[at] || kTells * focals[at]->sigma > std::abs(log_ratio))
+      out.push_back(view.name);
+  }
+  return out;
+}
+
+// Lens, poses and tags. If the views that were left out for their focal length are all that were taken before, or
+// after, one moment, the zoom was turned then: views of that side which look straight at the board cannot tell their
+// focal length, fit any, and go with them.
+BoardSolution solve_with_one_zoom(const Session& session, const Board& board, const std::vector<ViewTags>& pictures,
+                                  PhotoSize size, BoardSolverOptions& solver, const Progress& progress) {
+  BoardSolution solved = solve_board(board, pictures, size.width, size.height, solver, progress);
+  if (solved.odd_views.size() < 2 || solver.fix_lens) return solved;
+  std::vector<std::string> names;
+  for (const ViewTags& picture : pictures)
+    if (std::find(names.begin(), names.end(), picture.view) == names.end()) names.push_back(picture.view);
+  const std::vector<std::optional<OwnFocal>> focals = own_focals(solved.bundle);
+  std::vector<double> ratios;
+  for (const std::string& odd : solved.odd_views) {
+    const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), odd) - names.begin());
+    if (at < focals.size() && focals[at]) ratios.push_back(focals[at]->log_ratio);
+  }
+  const double log_ratio = median_of(ratios);
+  constexpr double kLeastZoom = 0.004;
+  if (ratios.size() < 2 || std::abs(log_ratio) < kLeastZoom) return solved;
+  const std::vector<std::string> unknown = views_of_unknown_zoom(solved, pictures, log_ratio);
+  const auto change = change_in_time(session, solved.odd_views, unknown);
+  if (!change) return solved;
+  // What lies between the last view of one side and the first of the other may be of either, and goes as well.
+  solver.leave_out = solved.odd_views;
+  std::string with_them;
+  const auto index_of = [&](const std::string& view) {
+    return std::find(names.begin(), names.end(), view) - names.begin();
+  };
+  for (const std::string& view : unknown) {
+    const bool of_their_side = change->odd_after ? index_of(view) > index_of(change->view_before)
+                                                 : index_of(view) < index_of(change->view_after);
+    if (!of_their_side) continue;
+    solver.leave_out.push_back(view);
+    with_them += (with_them.empty() ? "" : ", ") + view;
+  }
+  std::string list;
+  for (const std::string& name : solved.odd_views) list += (list.empty() ? "" : ", ") + name;
+  const Finding turned = make_warning(
+      "the zoom or focus was turned between " + change->photo_before + " and " + change->photo_after + ": views " +
+          list + (change->odd_after ? ", taken after it," : ", taken before it,") + " fit a focal length " +
+          fixed(std::exp(log_ratio), 3) + " times the others' and are left out" +
+          (with_them.empty() ? ""
+                             : "; so is " + with_them + ", which cannot tell its focal length and shares their time"),
+      "leave zoom and focus alone during a session, and take these photos again");
+  solved = solve_board(board, pictures, size.width, size.height, solver, progress);
+  solved.findings.insert(solved.findings.begin(), turned);
+  return solved;
+}
+
 // A view under one light.
 using LitView = std::pair<std::string, std::string>;
 
 // The lamps from the pictures that are left, and which of those were lit otherwise than the rest: these are returned.
-std::set<LitView> find_lamps(std::vector<MergedView>&& merged, const Board& board, Calibration& out) {
+std::set<LitView> find_lamps(const Session& session, std::vector<MergedView>&& merged, const Board& board,
+                             Calibration& out) {
   std::set<LitView> odd;
   const Sent sent(board.scratches.empty() ? Scratches{} : read_scratches(board.scratches));
   std::vector<Finding> notes;
@@ -179,14 +247,17 @@ std::set<LitView> find_lamps(std::vector<MergedView>&& merged, const Board& boar
     }
     std::string list;
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-    out.findings.push_back(
-        {Finding::Severity::warning,
-         {},
-         "the lamp \"" + group.light + "\" lights the paper in view" + (names.size() > 1 ? "s " : " ") + list +
-             " differently from the other photos (by " + std::to_string(std::lround(100 * group.spread)) +
-             " % over the board): " + (names.size() > 1 ? "they are" : "it is") + " left out",
-         "if the lamp was moved, give these photos a light of their own in session.json (\"light\": \"" + group.light +
-             "-2\")"});
+    const auto change = change_in_time(session, {names.begin(), names.end()});
+    out.findings.push_back({Finding::Severity::warning,
+                            {},
+                            "the lamp \"" + group.light + "\" lights the paper in view" +
+                                (names.size() > 1 ? "s " : " ") + list + " differently from the other photos (by " +
+                                std::to_string(std::lround(100 * group.spread)) +
+                                " % over the board): " + (names.size() > 1 ? "they are" : "it is") + " left out",
+                            (change ? "the lamp was moved between " + change->photo_before + " and " +
+                                          change->photo_after + ": take these photos again, or give them a light"
+                                    : std::string("if the lamp was moved, give these photos a light")) +
+                                " of their own in session.json (\"light\": \"" + group.light + "-2\")"});
     std::erase_if(samples, [&](const LightSample& s) { return left_out.count(s.light_view) > 0; });
     std::erase_if(named.views, [&](const View& v) { return names.count(v.name) > 0; });
     for (const std::string& name : names) named.verdict.erase(parameter::pose(name));
@@ -278,7 +349,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   solver.lens = options.lens;
   solver.fix_lens = options.fix_lens;
   solver.check_with_mrcal = options.check_with_mrcal;
-  out.geometry = solve_board(board, tags, width, height, solver, progress);
+  out.geometry = solve_with_one_zoom(session, board, tags, {width, height}, solver, progress);
   const auto tell = [&out](const std::vector<Finding>& more) { append(out.findings, more); };
   tell(out.geometry.findings);
   tell(rejected_tags(tags, board, out.geometry));
@@ -302,7 +373,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
 
   if (options.find_lamps) {
     report("looking for the lamp", 0);
-    const std::set<LitView> odd = find_lamps(std::move(pictures.merged), board, out);
+    const std::set<LitView> odd = find_lamps(session, std::move(pictures.merged), board, out);
     find_colors(session, brackets, std::move(pictures.paper_light), odd, board, out);
     report("looking for the lamp", 1);
   }

@@ -27,6 +27,7 @@
 #include "burin/calib/verdict/at_bounds.h"
 #include "burin/calib/verdict/effect_findings.h"
 #include "burin/calib/verdict/green_alone.h"
+#include "burin/calib/verdict/groove_agreement.h"
 #include "burin/calib/verdict/model_tests.h"
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/calib/verdict/odd_photos.h"
@@ -170,6 +171,7 @@ struct RefineRun {
   void find_large_lamps();
   void choose_crossings();
   void fit_middle();
+  void compare_grooves();
   void drop_spots();
   void find_spots();
   void drop_stray();
@@ -359,6 +361,36 @@ void RefineRun::fit_middle() {
   stage.free(Group::blur);
   fit(options.max_iterations, 1e-5, "fitting binned photos");
   fit_before_asking(1e-5, "fitting binned photos");
+}
+
+// Photos of another board have tags that fit, and every number that is fitted to them is a phantom's.
+void RefineRun::compare_grooves() {
+  tell("comparing grooves", 0);
+  light_around(state, data);
+  const std::vector<GrooveAgreement> agreements = groove_agreements(data, state);
+  const std::vector<std::size_t> other = photos_of_other_grooves(agreements);
+  if (other.empty()) return;
+  std::vector<std::string> names;
+  for (const std::size_t k : other) {
+    const std::string& view = out.bench.views[data.photos[k].photo.view].name;
+    if (std::find(names.begin(), names.end(), view) == names.end()) names.push_back(view);
+  }
+  std::string list;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  const auto telling =
+      std::count_if(agreements.begin(), agreements.end(), [](const GrooveAgreement& a) { return a.tells; });
+  const std::string scratches = board.scratches.empty() ? "the scratches" : board.scratches.string();
+  if (2 * static_cast<std::ptrdiff_t>(other.size()) > telling)
+    fail(scratches,
+         "the grooves in the photos are not the ones that it lists: are these photos of another board, or of "
+         "another round? (" +
+             std::to_string(other.size()) + " of " + std::to_string(telling) + " photos, of views " + list +
+             ", show none of them at its place)",
+         "give the photos of the board that was carved from it, or name the scratches of the board that they show");
+  out.findings.push_back(make_warning("view" + std::string(names.size() > 1 ? "s " : " ") + list + " show" +
+                                          (names.size() > 1 ? "" : "s") + " other grooves than " + scratches +
+                                          " lists: photos of another board or round?",
+                                      "take these photos out, and run burin capture and burin calibrate again"));
 }
 
 // A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other,
@@ -770,7 +802,7 @@ void RefineRun::judge() {
   for (std::size_t k = 0; k < data.photos.size(); ++k)
     out.photos.push_back(photo_fit(data, k, state, carved, out.bench));
   add_odd_photos(out.photos, judged_by);
-  const Combinations judged = fill_bench(data, state, judged_by, stage, out);
+  const Combinations judged = fill_bench(data, state, judged_by, stage, options.session, out);
   admit_what_machines_hide();
   constexpr double kWorthTelling = 4;  // twice the weight
   if (data.geometry && data.geometry->weight > kWorthTelling)
@@ -799,25 +831,16 @@ void RefineRun::judge() {
 }
 
 // From rough and quick to fine: each stage starts where the one before ended.
-constexpr std::array kStages{&RefineRun::find_lamp,
-                             &RefineRun::try_grooves,
-                             &RefineRun::fit_coarse,
-                             &RefineRun::drop_spots,
-                             &RefineRun::find_large_lamps,
-                             &RefineRun::find_stray,
-                             &RefineRun::choose_crossings,
-                             &RefineRun::fit_middle,
-                             &RefineRun::drop_spots,
-                             &RefineRun::find_spots,
-                             &RefineRun::drop_stray,
-                             &RefineRun::find_effects,
-                             &RefineRun::fit_finest,
-                             &RefineRun::drop_stray,
-                             &RefineRun::leave_out_what_lies_on_the_board,
-                             &RefineRun::free_geometry,
-                             &RefineRun::free_depth_field,
-                             &RefineRun::doubt_profile,
-                             &RefineRun::judge};
+constexpr std::array kStages{&RefineRun::find_lamp,        &RefineRun::try_grooves,
+                             &RefineRun::fit_coarse,       &RefineRun::drop_spots,
+                             &RefineRun::find_large_lamps, &RefineRun::find_stray,
+                             &RefineRun::choose_crossings, &RefineRun::fit_middle,
+                             &RefineRun::compare_grooves,  &RefineRun::drop_spots,
+                             &RefineRun::find_spots,       &RefineRun::drop_stray,
+                             &RefineRun::find_effects,     &RefineRun::fit_finest,
+                             &RefineRun::drop_stray,       &RefineRun::leave_out_what_lies_on_the_board,
+                             &RefineRun::free_geometry,    &RefineRun::free_depth_field,
+                             &RefineRun::doubt_profile,    &RefineRun::judge};
 
 }  // namespace
 
@@ -855,7 +878,9 @@ std::vector<MergedView> photos_for_refine(const Session& session, const Board& b
 Refinement refine(const Session& session, const Board& board, const Sent& sent, const Bench& measured,
                   const RefineOptions& options, const Progress& progress) {
   if (progress) progress("reading photos", 0);
-  return refine(photos_for_refine(session, board, measured), board, sent, measured, options, progress);
+  RefineOptions named = options;
+  named.session = &session;
+  return refine(photos_for_refine(session, board, measured), board, sent, measured, named, progress);
 }
 
 }  // namespace burin

@@ -47,12 +47,14 @@ struct RefineOptions {
   /// predictions on the photos' own pixels (correct_binning).
   double finest_pixel_mm = 0.8;
   int max_iterations = 12;              ///< of the trust region, at each resolution
+  const Session* session = nullptr;     ///< whose photos these are, to name files in findings
   std::size_t max_pixels = 12'000'000;  ///< of all photos together at the finest resolution; they are binned to fit
 };
 
 /// Reads the session's photos and completes `measured` (lens, poses, tags, bow from calibration; its lamps, where they
 /// have no position sigma, are found from scratch). `sent` is what the machine was told. Throws Error if too
-/// little is left to work on: no photo with a pose, no scratch in view.
+/// little is left to work on: no photo with a pose, no scratch in view; and for photos that show other grooves than
+/// those of `sent`.
 Refinement refine(const Session& session, const Board& board, const Sent& sent, const Bench& measured,
                   const RefineOptions& options = {}, const Progress& progress = {});
 

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "burin/render/error.h"
+#include "burin/render/files/file_colors.h"
 #include "burin/render/files/file_names.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/picture_file.h"
@@ -78,26 +79,6 @@ std::optional<double> time_of(const OIIO::ImageSpec& spec) {
   return std::nullopt;
 }
 
-// OpenImageIO calls every PNG sRGB, so the file's own words count: an sRGB chunk, or a gamma of 1/2.2.
-bool png_says_srgb(const fs::path& file) {
-  const std::string head = read_head(file, limit::kMiB);
-  const auto big_endian = [&](std::size_t at) {
-    double value = 0;
-    for (std::size_t i = 0; i < 4; ++i) value = 256 * value + static_cast<unsigned char>(head[at + i]);
-    return value;
-  };
-  for (std::size_t at = 8; at + 12 <= head.size();) {
-    const std::string_view type = std::string_view(head).substr(at + 4, 4);
-    if (type == "IDAT") return false;
-    if (type == "sRGB") return true;
-    if (type == "gAMA") return std::abs(big_endian(at + 8) - 45455) < 1000;
-    const double next = static_cast<double>(at) + big_endian(at) + 12;
-    if (next > static_cast<double>(head.size())) return false;
-    at = static_cast<std::size_t>(next);
-  }
-  return false;
-}
-
 constexpr std::array<std::string_view, 20> kPictures{".jpg", ".jpeg", ".jpe",  ".jfif", ".png",  ".tif",  ".tiff",
                                                      ".exr", ".heic", ".heif", ".hif",  ".avif", ".webp", ".bmp",
                                                      ".gif", ".hdr",  ".pnm",  ".ppm",  ".pgm",  ".pbm"};
@@ -142,16 +123,22 @@ Exif read_exif(const fs::path& file) {
   exif.model = printable(spec.get_string_attribute("Model"));
   const int white = spec.get_int_attribute("Exif:WhiteBalance", -1);  // EXIF 2.32: 0 automatic, 1 manual
   if (white == 0 || white == 1) exif.auto_white = white == 0;
-  exif.says_srgb = spec.get_int_attribute("Exif:ColorSpace") == 1 ||
-                   spec.get_string_attribute("ICCProfile:profile_description").find("sRGB") != std::string::npos ||
-                   (exif.kind == "png" && png_says_srgb(file));
+  const FileColors colors = file_colors(*input, file);
+  exif.says_srgb = colors.curve == FileColors::Curve::srgb;
+  exif.says_linear = colors.curve == FileColors::Curve::linear;
+  exif.says_curve = colors.curve == FileColors::Curve::other;
+  exif.uncalibrated = colors.uncalibrated;
+  exif.gain_map = has_gain_map(*input, file);
+  // EXIF 2.32, 4.6.5: bit 0 of Flash; DigitalZoomRatio is 0 if it was not used.
+  if (const int flash = spec.get_int_attribute("Exif:Flash", -1); flash >= 0) exif.flash = (flash & 1) != 0;
+  exif.digital_zoom = positive(spec, {"Exif:DigitalZoomRatio"});
   return exif;
 }
 
 AssumedEncoding encoding_of(const Exif& exif) {
   if (exif.kind == "raw") return {Encoding::raw, false};
-  if (exif.kind == "jpeg" || exif.kind == "heif") return {Encoding::srgb, false};
-  if (exif.says_srgb) return {Encoding::srgb, false};
+  if (exif.says_linear) return {Encoding::linear, false};
+  if (exif.says_srgb || exif.says_curve || exif.kind == "jpeg" || exif.kind == "heif") return {Encoding::srgb, false};
   if (exif.kind == "openexr" || exif.bits > 16) return {Encoding::linear, false};
   return {exif.bits == 16 ? Encoding::linear : Encoding::srgb, true};
 }

@@ -21,15 +21,27 @@ struct Exif {
   int orientation = 1;                    ///< EXIF's code; 1: as stored. Never applied to pixels
   std::string make, model;
   std::optional<bool> auto_white;  ///< whether the camera chose the white balance anew for this photo
-  bool says_srgb = false;          ///< the file itself says that its values lie along the sRGB curve
+  /// By its own words (burin/render/files/file_colors.h) the file's values lie along the sRGB curve, are in proportion
+  /// to light, or lie along another curve, which read_photo() undoes.
+  bool says_srgb = false, says_linear = false, says_curve = false;
+  /// Its EXIF calls its color space uncalibrated, and no profile tells which it is.
+  bool uncalibrated = false;
+  bool gain_map = false;               ///< a second picture in the file brightens this one on HDR displays
+  std::optional<bool> flash;           ///< whether the flash fired
+  std::optional<double> digital_zoom;  ///< EXIF's ratio, from 1
 };
 
 /// Reads the header. Throws Error for a file that is missing or no picture.
 Exif read_exif(const std::filesystem::path& file);
 
-/// How the file's values become linear: raw files "raw", JPEG and HEIC "srgb", EXR and other floating-point files
-/// "linear", and PNG and TIFF as they say; where these say nothing, 16 bits are taken as linear (machine-vision and raw
-/// converters' linear output) and 8 bits as sRGB.
+/// The f-number of photos of which none has one. An aperture ring that stays as it is scales all photos alike, so the
+/// number itself changes nothing but the scale of their brightness.
+inline constexpr double kAssumedAperture = 8;
+
+/// How the file's values become linear: raw files "raw"; others "linear" or "srgb" by the color profile that they carry
+/// ("srgb" also for a curve of its own, which read_photo() undoes). Without a profile, JPEG and HEIC are "srgb", and
+/// EXR and other floating-point files "linear". For a PNG or TIFF that states nothing, 16 bits are taken as linear
+/// (machine-vision and raw converters' linear output) and 8 bits as sRGB.
 struct AssumedEncoding {
   Encoding encoding = Encoding::linear;
   bool assumed = false;  ///< nothing in the file says so

@@ -11,6 +11,7 @@
 
 #include "burin/capture/photo_memory.h"
 #include "burin/capture/preflight.h"
+#include "burin/capture/same_shot.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
@@ -31,26 +32,29 @@ constexpr double kSameDetails = 0.6;  // one pose gives 0.94 and more, two poses
 constexpr double kSamePlace_px = 0.5;
 constexpr double kTouched_px = 10;  // a tripod that was touched; further aside it was meant
 
-// A photo with the exposure that its EXIF tells. Nothing where EXIF tells too little; the findings then say so.
-std::optional<Photo> photo_of(const IncomingPhoto& incoming, std::vector<Finding>& findings) {
+// A photo with the exposure that its EXIF tells, and `f_number` if that has none. Nothing where it tells too little;
+// the findings then say so.
+std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, std::vector<Finding>& findings) {
   if (!incoming.unreadable.empty()) {
     findings.push_back({error, {}, incoming.unreadable, ""});  // names file and remedy already
     return std::nullopt;
   }
   const Exif& exif = incoming.exif;
+  const double aperture = exif.f_number.value_or(f_number);
   std::string missing = exif.exposure_s ? "" : "exposure time";
-  if (!exif.f_number) missing += missing.empty() ? "aperture" : " and aperture";
+  if (!(aperture > 0)) missing += missing.empty() ? "aperture" : " and aperture";
   if (!missing.empty()) {
     findings.push_back(
         {warning, incoming.file, "is left out: its EXIF holds no " + missing,
-         "copy the photo from the camera itself (chats and editors strip EXIF), set what is missing with "
-         "exiftool -ExposureTime=1/60 -FNumber=8, or write session.json by hand"});
+         std::string(exif.exposure_s ? "say the aperture with burin capture --f-number 8, " : "") +
+             "copy the photo from the camera itself (chats and editors strip EXIF), set what is missing with "
+             "exiftool -ExposureTime=1/60 -FNumber=8, or write session.json by hand"});
     return std::nullopt;
   }
   Photo photo;
   photo.file = incoming.file;
   photo.exposure_s = *exif.exposure_s;
-  photo.f_number = *exif.f_number;
+  photo.f_number = aperture;
   if (exif.iso)
     photo.iso = *exif.iso;
   else
@@ -58,7 +62,20 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, std::vector<Finding
         {warning, incoming.file, "its EXIF holds no ISO; 100 was assumed", "correct iso in session.json"});
   const AssumedEncoding encoding = encoding_of(exif);
   photo.encoding = encoding.encoding;
-  if (encoding.assumed)
+  if (encoding.assumed && encoding.encoding == Encoding::linear && exif.uncalibrated) {
+    findings.push_back({error, incoming.file,
+                        "does not tell its tone curve: its EXIF has a color space other than sRGB, and no profile",
+                        "export it with its color profile embedded, or as sRGB; if its values are linear, take the "
+                        "statement out: exiftool -ColorSpace= FILE"});
+    return std::nullopt;
+  }
+  if (exif.uncalibrated && encoding.encoding == Encoding::srgb)
+    findings.push_back({note, incoming.file,
+                        "has a color space other than sRGB by its EXIF, and no profile; sRGB's curve was assumed",
+                        "set the camera to sRGB, or export with the profile embedded"});
+  if (exif.gain_map)
+    findings.push_back({note, incoming.file, "carries a gain map for HDR displays; its base picture is used", ""});
+  if (encoding.assumed && !exif.uncalibrated)
     findings.push_back({note, incoming.file,
                         encoding.encoding == Encoding::linear
                             ? "does not say how its values are encoded; linear was assumed, as it has 16 bits"
@@ -68,6 +85,84 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, std::vector<Finding
 }
 
 using ExifPhoto = std::pair<Photo, Exif>;
+
+// The aperture of files that have none: the one that was said; if no file has one, an assumed one, which is told.
+double missing_aperture(const std::vector<IncomingPhoto>& incoming, double said, std::vector<Finding>& findings) {
+  const auto lacks = [](const IncomingPhoto& photo) { return photo.exif.exposure_s && !photo.exif.f_number; };
+  const auto count = std::count_if(incoming.begin(), incoming.end(), lacks);
+  if (count == 0) return said;
+  const bool some_have = std::any_of(incoming.begin(), incoming.end(), [](const auto& p) { return !!p.exif.f_number; });
+  if (said > 0) {
+    findings.push_back({note,
+                        {},
+                        (count == 1 ? "1 photo has no aperture in its EXIF; f/"
+                                    : std::to_string(count) + " photos have no aperture in their EXIF; f/") +
+                            general(said, 3) + " is used, as --f-number says",
+                        ""});
+    return said;
+  }
+  if (some_have) return 0;
+  findings.push_back({warning,
+                      {},
+                      "no photo holds an aperture in its EXIF (a lens that the camera does not know); f/" +
+                          general(kAssumedAperture, 3) + " is used for all",
+                      "that does no harm if the aperture ring stayed as it was; if it did not, leave out the photos at "
+                      "other apertures"});
+  return kAssumedAperture;
+}
+
+// The zoom that the camera made of its pixels: EXIF's ratio, and its 35 mm equivalent beside the focal length.
+struct DigitalZoom {
+  double ratio = 1, equivalent = 0;
+};
+
+DigitalZoom digital_zoom_of(const Exif& exif) {
+  return {exif.digital_zoom.value_or(1), exif.focal_35mm && exif.focal_mm ? *exif.focal_35mm / *exif.focal_mm : 0};
+}
+
+// Photos whose pixels the camera magnified or cropped, or that the flash lit, unlike most: their EXIF knows.
+void leave_out_by_exif(std::vector<ExifPhoto>& photos, std::vector<Finding>& findings) {
+  if (photos.size() < 3) return;
+  constexpr double kSameZoom = 0.045;  // a 35 mm equivalent of 13 mm is rounded by as much
+  std::vector<double> ratios, equivalents;
+  std::size_t fired = 0;
+  for (const auto& [photo, exif] : photos) {
+    const DigitalZoom zoom = digital_zoom_of(exif);
+    ratios.push_back(zoom.ratio);
+    if (zoom.equivalent > 0) equivalents.push_back(zoom.equivalent);
+    fired += exif.flash.value_or(false);
+  }
+  const double ratio = median_of(ratios), equivalent = median_of(equivalents);
+  const bool mostly_fired = 2 * fired > photos.size();
+  std::erase_if(photos, [&](const ExifPhoto& one) {
+    const auto& [photo, exif] = one;
+    const DigitalZoom zoom = digital_zoom_of(exif);
+    const bool by_equivalent = zoom.equivalent > 0 && std::abs(zoom.equivalent / equivalent - 1) > kSameZoom;
+    if (std::abs(zoom.ratio / ratio - 1) > kSameZoom || by_equivalent) {
+      const double times = by_equivalent ? zoom.equivalent / equivalent : zoom.ratio / ratio;
+      findings.push_back({warning, photo.file,
+                          "is left out: by its EXIF the camera zoomed digitally or cropped, " + general(times, 3) +
+                              " times the other photos",
+                          "set the zoom to 1x for all photos, switch crop modes off, and take it again"});
+      return true;
+    }
+    if (fired > 0 && exif.flash.value_or(false) != mostly_fired) {
+      findings.push_back({warning, photo.file,
+                          mostly_fired ? "is left out: by its EXIF the flash did not fire, as it did for other photos"
+                                       : "is left out: by its EXIF the flash fired, and lit the board beside the lamp",
+                          "switch the flash off for all photos, and take it again"});
+      return true;
+    }
+    return false;
+  });
+  if (fired > 0 && mostly_fired)
+    findings.push_back(
+        {warning,
+         {},
+         "the flash fired in " + std::to_string(fired) + " photos, by their EXIF",
+         "a flash on the camera moves with it, and is no lamp that can be measured: switch it off, unless "
+         "it fires a strobe that stands still"});
+}
 
 // How far the tags that both photos show lie apart in them; nothing where they share too few.
 std::optional<double> tags_moved_px(const PhotoLook& a, const PhotoLook& b) {
@@ -177,14 +272,18 @@ void merge_notes(std::vector<Finding>& findings) {
 }  // namespace
 
 FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress,
-                           const std::string& light) {
+                           const std::string& light, double f_number) {
   FolderSession result;
+  std::vector<IncomingPhoto> all;
+  while (auto incoming = source()) all.push_back(std::move(*incoming));
+  const double aperture = missing_aperture(all, f_number, result.findings);
   std::vector<ExifPhoto> photos;
-  while (const auto incoming = source())
-    if (auto photo = photo_of(*incoming, result.findings)) {
-      photo->light = incoming->light.empty() ? light : incoming->light;
-      photos.emplace_back(*photo, incoming->exif);
+  for (const IncomingPhoto& incoming : all)
+    if (auto photo = photo_of(incoming, aperture, result.findings)) {
+      photo->light = incoming.light.empty() ? light : incoming.light;
+      photos.emplace_back(*photo, incoming.exif);
     }
+  leave_out_by_exif(photos, result.findings);
   require_at_most(
       photos.size(), limit::kPhotos, "the photos", "files",
       "take some of them into a folder of their own: a few dozen from many directions tell all there is to know");
@@ -221,6 +320,14 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
     });
   }
 
+  const std::vector<bool> twin = twins_of(photos, looks, result.findings);
+  const auto keep_others = [&twin](auto& list) {
+    std::size_t i = 0;
+    std::erase_if(list, [&](const auto&) { return twin[i++]; });
+  };
+  keep_others(photos);
+  keep_others(looks);
+  keep_others(broken);
   const std::vector<std::size_t> views = views_of(photos, looks, timed, result.findings);
   for (std::size_t i = 0; i < photos.size(); ++i) {
     auto& [photo, exif] = photos[i];
@@ -240,12 +347,12 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
 }
 
 CaptureResult capture_folder(const fs::path& photos_dir, const fs::path& board_json, const fs::path& out_dir,
-                             const Progress& progress, const PhotoLamps& lamps) {
+                             const Progress& progress, const PhotoLamps& lamps, double f_number) {
   const Board board =
       read_board(board_json);  // a session whose board cannot be read is of no use: say so before the photos are read
   CaptureResult result;
   const PhotoSource source = folder_source(photos_dir, lamps, result.findings);
-  FolderSession folder = session_from(source, board.tags, progress, lamps.of_folder);
+  FolderSession folder = session_from(source, board.tags, progress, lamps.of_folder, f_number);
   const auto add = [&](std::vector<Finding>&& more) {
     result.findings.insert(result.findings.end(), std::make_move_iterator(more.begin()),
                            std::make_move_iterator(more.end()));

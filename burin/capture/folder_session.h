@@ -31,10 +31,12 @@ struct FolderSession {
 
 /// Takes all photos of a source and looks for `tags` in them. Broken files become errors among the findings. A file
 /// without exposure time or aperture is left out with a warning, and an error where no file has them; a missing ISO is
-/// taken as 100 with a warning. Throws if `progress` does, and for tags of an unknown family. `light`: what the lamp is
-/// called of photos whose source does not say it.
+/// taken as 100 with a warning. If no file has an aperture (a lens that the camera does not know), all are taken at
+/// kAssumedAperture. Of several files of one shot one is taken; photos that were zoomed digitally or lit by the flash,
+/// unlike most, are left out with a warning. Throws if `progress` does, and for tags of an unknown family. `light`: the
+/// lamp's name for photos whose source has none. `f_number`: of photos whose EXIF has none; 0: not known.
 FolderSession session_from(const PhotoSource& source, const TagSet& tags, const Progress& progress = {},
-                           const std::string& light = Photo().light);
+                           const std::string& light = Photo().light, double f_number = 0);
 
 /// What became of a folder of photos.
 struct CaptureResult {
@@ -49,6 +51,6 @@ struct CaptureResult {
 /// read, a folder that cannot be written, and photos of which nobody knows the lamp.
 CaptureResult capture_folder(const std::filesystem::path& photos_dir, const std::filesystem::path& board_json,
                              const std::filesystem::path& out_dir, const Progress& progress = {},
-                             const PhotoLamps& lamps = {Photo().light, {}});
+                             const PhotoLamps& lamps = {Photo().light, {}}, double f_number = 0);
 
 }  // namespace burin

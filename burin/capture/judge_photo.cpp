@@ -256,8 +256,10 @@ PhotoFacts judge_photo(const std::filesystem::path& file, const Board& board, co
   PhotoFacts facts;
   facts.file = file;
   facts.exif = read_exif(file);
-  if (facts.exif.exposure_s && facts.exif.f_number)
-    facts.exposure_factor = exposure_factor(*facts.exif.exposure_s, facts.exif.iso.value_or(100), *facts.exif.f_number);
+  const bool other_has_aperture = before != nullptr && before->exif.f_number;
+  if (facts.exif.exposure_s && (facts.exif.f_number || !other_has_aperture))
+    facts.exposure_factor = exposure_factor(*facts.exif.exposure_s, facts.exif.iso.value_or(100),
+                                            facts.exif.f_number.value_or(kAssumedAperture));
   Photo photo;
   photo.file = file;
   photo.encoding = encoding_of(facts.exif).encoding;

@@ -35,7 +35,7 @@ struct PhotoFacts {
   std::filesystem::path file;
   int width = 0, height = 0;
   Exif exif;
-  std::optional<double> exposure_factor;  ///< exposure_s iso / 100 / f_number^2; ISO 100 where EXIF has none
+  std::optional<double> exposure_factor;  ///< exposure_s iso / 100 / f_number^2; ISO 100 and f/8 if EXIF has none
   std::vector<TagLook> tags;              ///< the board's, sorted by id
   std::vector<int> missing_tags;          ///< ids of the board's that are not seen
   std::vector<int> stray_tags;            ///< ids that are seen where the board does not have them

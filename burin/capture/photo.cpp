@@ -14,6 +14,7 @@
 
 #include "burin/capture/photo_memory.h"
 #include "burin/render/error.h"
+#include "burin/render/files/file_colors.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/picture_file.h"
 #include "burin/render/glare.h"
@@ -97,6 +98,11 @@ float linear_of(const Photo& photo, float stored) {
   return photo.encoding == Encoding::srgb ? srgb_to_linear(plain) : plain;
 }
 
+// Stored values as sRGB would have stored them, by the curves that the file's own profile has.
+void undo_own_curves(const std::vector<ToSrgbCurve>& curves, std::vector<float>& v) {
+  for (std::size_t i = 0; i < v.size(); ++i) v[i] = curve_at(curves[i % curves.size()], v[i]);
+}
+
 // Pixels of eight bits made linear: a table has all values.
 void read_bytes_linear(OIIO::ImageInput& input, const Photo& photo, int channels, std::vector<float>& v) {
   std::vector<std::uint8_t> stored(v.size());
@@ -159,7 +165,11 @@ LinearPhoto read_photo(const Photo& photo) {
   result.stored.lossy = kind == "jpeg";
   std::vector<float>& v = result.value.data;
   const bool sharpened = photo.sharpening.amount > 0;  // which is taken back from what is stored
-  const bool by_table = spec.format == OIIO::TypeDesc::UINT8 && !sharpened && !is_stored_linear(photo);
+  const std::vector<ToSrgbCurve> own_curves = photo.encoding == Encoding::srgb
+                                                  ? to_srgb_curves(file_colors(input, photo.file), channels)
+                                                  : std::vector<ToSrgbCurve>();
+  const bool by_table =
+      spec.format == OIIO::TypeDesc::UINT8 && !sharpened && own_curves.empty() && !is_stored_linear(photo);
   if (spec.format == OIIO::TypeDesc::UINT16) {
     std::vector<std::uint16_t> stored(v.size());
     read_pixels(input, photo, OIIO::TypeDesc::UINT16, channels, stored.data());
@@ -175,6 +185,7 @@ LinearPhoto read_photo(const Photo& photo) {
     if (spec.format == OIIO::TypeDesc::UINT8) result.stored.step = 1.0 / 255;
   }
 
+  if (!own_curves.empty()) undo_own_curves(own_curves, v);
   unsharpened(photo.sharpening, result.value);
   result.stored.srgb = photo.encoding == Encoding::srgb;
   if (!photo.response.is_none()) result.stored.bent_steps = bent_steps(photo, result.stored.step);

@@ -102,6 +102,9 @@ void judge_file(const PhotoFacts& facts, std::span<const PhotoFacts* const> othe
                                                         : exif.f_number ? "exposure time"
                                                                         : "exposure time and aperture"),
                    "copy the photo from the camera itself: chats, editors and some apps strip EXIF"});
+  else if (!exif.f_number && others.empty())
+    out.push_back({warning, facts.file, words("its EXIF holds no aperture; f/%.3g is taken", kAssumedAperture),
+                   "leave the aperture ring as it is for all photos"});
   const auto size = usual<std::pair<int, int>>(others, [](const auto& f) { return std::pair(f.width, f.height); });
   if (size && *size != std::pair(facts.width, facts.height)) {
     const bool rotated = size->first == facts.height && size->second == facts.width;

@@ -39,7 +39,8 @@ std::optional<double> edge_sigma_px(const cv::Mat& gray, double low, double high
   return 1 / (quantile_of(std::move(steepness), 0.99) * std::sqrt(2 * std::numbers::pi));
 }
 
-std::vector<TagLook> look_for_tags(const Image& gray, std::span<const std::uint8_t> clipped, const TagSet& tags) {
+std::vector<TagLook> look_for_tags(const Image& gray, std::span<const std::uint8_t> clipped, const TagSet& tags,
+                                   std::vector<int>& stray) {
   // A highlight may be far brighter than paper: with more light until every tag is found.
   std::vector<TagDetection> found;
   for (const double brighter : {1., 8., 64.}) {
@@ -49,11 +50,14 @@ std::vector<TagLook> look_for_tags(const Image& gray, std::span<const std::uint8
       const bool known = std::any_of(found.begin(), found.end(), [&](const TagDetection& f) {
         return f.id == t.id && (f.coarse_px[0] - t.coarse_px[0]).norm() < (t.coarse_px[1] - t.coarse_px[0]).norm();
       });
+      if (!listed && t.hamming == 0) stray.push_back(t.id);
       return t.hamming > 1 || !listed || known;
     });
     found.insert(found.end(), seen.begin(), seen.end());
     if (found.size() >= tags.list.size()) break;
   }
+  std::sort(stray.begin(), stray.end());
+  stray.erase(std::unique(stray.begin(), stray.end()), stray.end());
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
   return look_at_tags(found, gray, clipped, tags.family);
 }
@@ -90,7 +94,7 @@ PhotoLook look_at(const Photo& photo, const TagSet* tags) {
 
   look.width = value.width;
   look.height = value.height;
-  if (tags) look.tags = look_for_tags(gray, linear.clipped, *tags);
+  if (tags) look.tags = look_for_tags(gray, linear.clipped, *tags, look.stray_tags);
   look.scale = std::max(1.0, std::max(value.width, value.height) / 800.0);
   const cv::Size size(std::max(1, static_cast<int>(value.width / look.scale)),
                       std::max(1, static_cast<int>(value.height / look.scale)));

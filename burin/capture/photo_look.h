@@ -35,6 +35,7 @@ struct PhotoLook {
   std::optional<double> edge_sigma_px;  ///< width of the sharpest edges as a Gaussian; none if there are too few edges
   int width = 0, height = 0;            ///< of the photo
   std::vector<TagLook> tags;            ///< the board's, sorted by id; of an id that is seen twice, none
+  std::vector<int> stray_tags;          ///< ids of its family that it does not list, sorted
 };
 
 /// Reads the photo, and looks for the board's tags if one is given. Throws Error as read_photo does, and for a family

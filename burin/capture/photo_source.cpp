@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
-#include <map>
 #include <memory>
 #include <string_view>
 #include <utility>
 
+#include "burin/capture/same_shot.h"
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/printable.h"
@@ -56,7 +56,6 @@ fs::directory_iterator entries_of(const fs::path& folder) {
 std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& findings) {
   std::vector<fs::path> files;
   std::error_code error;
-  std::map<std::string, fs::path> raw_of;  // by stem
   for (const fs::directory_entry& entry : entries_of(folder)) {
     const std::string name = entry.path().filename().string();
     if (name.front() == '.' || !entry.is_regular_file(error)) continue;
@@ -73,24 +72,16 @@ std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& fi
         continue;
       }
     }
-    if (is_raw(entry.path())) raw_of[entry.path().stem().string()] = entry.path();
     files.push_back(entry.path());
   }
   std::sort(files.begin(), files.end(), in_name_order);
-  std::erase_if(files, [&](const fs::path& file) {
-    const auto raw = raw_of.find(file.stem().string());
-    if (raw == raw_of.end() || raw->second == file) return false;
-    findings.push_back({Finding::Severity::note, file, "was passed over for " + raw->second.filename().string(), ""});
-    return true;
-  });
   return files;
 }
 
-// Folders with photos that are no lamp's: nothing is left out in silence.
-void find_other_folders(const fs::path& folder, const PhotoLamps& lamps, const std::vector<LampFolder>& known,
-                        std::vector<Finding>& findings) {
-  if (lamps.names.empty()) return;
-  std::vector<fs::path> others;
+// Folders with photos that are no lamp's, which are named: nothing is left out in silence.
+std::vector<fs::path> find_other_folders(const fs::path& folder, const PhotoLamps& lamps,
+                                         const std::vector<LampFolder>& known, std::vector<Finding>& findings) {
+  std::vector<fs::path> others, with_photos;
   std::error_code error;
   for (const fs::directory_entry& entry : entries_of(folder))
     if (entry.path().filename().string().front() != '.' && entry.is_directory(error) &&
@@ -102,7 +93,8 @@ void find_other_folders(const fs::path& folder, const PhotoLamps& lamps, const s
     bool photos = false;
     for (; !error && !photos && inside != end; inside.increment(error)) photos = is_photo(inside->path());
     if (!photos) continue;
-    if (lamps.names.size() == 1)
+    with_photos.push_back(other);
+    if (lamps.names.size() < 2)
       findings.push_back({Finding::Severity::note, other, "holds photos, and folders within are passed over",
                           "if it is a lamp's that shone on them alone, list that lamp in bench.json (\"lights\")"});
     else
@@ -110,6 +102,7 @@ void find_other_folders(const fs::path& folder, const PhotoLamps& lamps, const s
                           "rename it: " + lamp_folders_in_words(folder, lamps.names) +
                               " are known; or, if its photos are not to be used, put a dot before its name"});
   }
+  return with_photos;
 }
 
 // What was passed over, where nothing else is there: " (a.jpg: is ...)".
@@ -122,20 +115,23 @@ std::string passed_over_text(const std::vector<Finding>& findings) {
   return text.empty() ? text : text + ")";
 }
 
-PhotoSource source_of(std::vector<IncomingPhoto> photos) {
+// Headers are read at once: which files are one shot is known by them.
+PhotoSource source_of(std::vector<IncomingPhoto> photos, std::vector<Finding>& findings) {
   require_at_most(
       photos.size(), limit::kPhotos, "the photos", "files",
       "take some of them into a folder of their own: a few dozen from many directions tell all there is to know");
-  const auto list = std::make_shared<const std::vector<IncomingPhoto>>(std::move(photos));
-  return [list, next = std::size_t{0}]() mutable -> std::optional<IncomingPhoto> {
-    if (next == list->size()) return std::nullopt;
-    IncomingPhoto photo = (*list)[next++];
+  for (IncomingPhoto& photo : photos) {
     try {
       photo.exif = read_exif(photo.file);
     } catch (const Error& unreadable) {
       photo.unreadable = unreadable.what();
     }
-    return photo;
+  }
+  pass_over_copies(photos, findings);
+  const auto list = std::make_shared<const std::vector<IncomingPhoto>>(std::move(photos));
+  return [list, next = std::size_t{0}]() mutable -> std::optional<IncomingPhoto> {
+    if (next == list->size()) return std::nullopt;
+    return (*list)[next++];
   };
 }
 
@@ -163,16 +159,21 @@ PhotoSource folder_source(const fs::path& folder, const PhotoLamps& lamps, std::
   const std::vector<LampFolder> known = lamp_folders(folder, lamps.names);
   for (const LampFolder& lamp : known)
     for (const fs::path& file : photos_in(lamp.folder, findings)) photos.push_back({file, {}, {}, lamp.light});
-  find_other_folders(folder, lamps, known, findings);
+  const std::vector<fs::path> others = find_other_folders(folder, lamps, known, findings);
   if (photos.empty())
-    fail(folder.string(), "holds no photo" + passed_over_text(findings),
-         lamps.names.size() > 1
+    fail(folder.string(),
+         others.empty() ? "holds no photo" + passed_over_text(findings)
+                        : "holds no photo but in " + others.front().filename().string() +
+                              ", a folder that is called after no lamp",
+         !others.empty() && lamps.names.size() < 2
+             ? "move its photos into " + folder.string() + ", or name the folder that holds them"
+         : lamps.names.size() > 1
              ? "put photos into the folders of their lamps: " + lamp_folders_in_words(folder, lamps.names)
              : "give the folder that holds the photos (JPEG, HEIC, PNG, TIFF, EXR or camera raw)");
   // As the camera counted them, whichever lamp was on.
   std::stable_sort(photos.begin(), photos.end(),
                    [](const IncomingPhoto& a, const IncomingPhoto& b) { return in_name_order(a.file, b.file); });
-  return source_of(std::move(photos));
+  return source_of(std::move(photos), findings);
 }
 
 PhotoSource named_source(const std::vector<fs::path>& names, std::vector<Finding>& findings) {
@@ -193,7 +194,7 @@ PhotoSource named_source(const std::vector<fs::path>& names, std::vector<Finding
                        [&](const IncomingPhoto& photo) { return fs::equivalent(photo.file, file, error); }))
         photos.push_back({file, {}, {}, {}});
   }
-  return source_of(std::move(photos));
+  return source_of(std::move(photos), findings);
 }
 
 }  // namespace burin

@@ -30,7 +30,8 @@ using PhotoSource = std::function<std::optional<IncomingPhoto>()>;
 bool in_name_order(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// The photos of a folder (not of folders within), by name, IMG_9 before IMG_10. Hidden files are passed over in
-/// silence, other files that are no photos with a finding; of a raw file and a JPEG of one name the raw file is taken.
+/// silence, other files that are no photos with a finding; of the files of one shot, as far as headers, names and bytes
+/// show them (pass_over_copies() in burin/capture/same_shot.h), one is taken.
 /// Throws Error when the folder is missing, unreadable, or holds no photo.
 PhotoSource folder_source(const std::filesystem::path& folder, std::vector<Finding>& findings);
 

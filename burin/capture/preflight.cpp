@@ -40,6 +40,10 @@ constexpr double kPaperBrightness = 1.4;  // between views, at one tag: lens and
 
 std::string pixels_text(int width, int height) { return std::to_string(width) + " x " + std::to_string(height); }
 
+std::string shutter_text(double exposure_s) {
+  return exposure_s < 0.4 ? "1/" + fixed(1 / exposure_s, 0) + " s" : general(exposure_s, 2) + " s";
+}
+
 std::string percent(double share) { return fixed(100 * share, 0) + " %"; }
 
 void judge_files(const Session& session, std::span<const Exif> exif, std::vector<Finding>& findings) {
@@ -157,6 +161,58 @@ void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& c
          "raw photos, or the camera's flattest picture style, need no such curve"});
 }
 
+// Photos of another board: several tags that board.json does not list, and hardly one that it does.
+void judge_strays(const Session& session, std::span<const PhotoLook> looks, std::vector<Finding>& findings) {
+  constexpr std::size_t kFewStrays = 3, kFewOwn = 3;
+  // If no photo shows this board, its board.json is the wrong one, which judge_tags() says.
+  if (std::none_of(looks.begin(), looks.end(), [](const PhotoLook& look) { return look.tags.size() >= kFewOwn; }))
+    return;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    const std::vector<int>& stray = looks[i].stray_tags;
+    if (stray.size() < kFewStrays || looks[i].tags.size() >= kFewOwn) continue;
+    std::string list;
+    for (std::size_t k = 0; k < std::min<std::size_t>(stray.size(), 5); ++k)
+      list += (k == 0 ? "" : ", ") + std::to_string(stray[k]);
+    findings.push_back({error, session.photos[i].file,
+                        "its tags are not this board's: it shows " + list + (stray.size() > 5 ? ", ..." : "") +
+                            ", which board.json does not list",
+                        "take the photo out, or give the board.json of the board that it shows"});
+  }
+}
+
+// Views whose exposure times differ from those of most views by a step or two of the camera's dial: it took a neighbor
+// of the time that was set. Its EXIF has the time that it took, which is what counts.
+void judge_shutter_times(const Session& session, const std::vector<Bracket>& brackets, std::vector<Finding>& findings) {
+  constexpr double kOneStep = 1.1, kTwoSteps = 1.7;               // a dial's steps are a third or half of a stop
+  std::vector<std::vector<std::pair<double, int>>> times;         // with the photo; one list a bracket, ascending
+  std::map<std::vector<long>, std::pair<int, std::size_t>> sets;  // in sixteenths of a stop: how often, where first
+  for (std::size_t b = 0; b < brackets.size(); ++b) {
+    auto& of_bracket = times.emplace_back();
+    for (const int i : brackets[b].photos) of_bracket.emplace_back(session.photos[i].exposure_s, i);
+    std::sort(of_bracket.begin(), of_bracket.end());
+    std::vector<long> key;
+    for (const auto& [seconds, photo] : of_bracket) key.push_back(std::lround(16 * std::log2(seconds)));
+    const auto [at, is_new] = sets.try_emplace(key, 0, b);
+    ++at->second.first;
+  }
+  const auto usual = std::max_element(sets.begin(), sets.end(),
+                                      [](const auto& a, const auto& b) { return a.second.first < b.second.first; });
+  if (usual == sets.end() || usual->first.size() < 2 || 2 * usual->second.first <= static_cast<int>(brackets.size()))
+    return;
+  const auto& wanted = times[usual->second.second];
+  for (const auto& of_bracket : times) {
+    if (of_bracket.size() != wanted.size()) continue;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      const double ratio = of_bracket[k].first / wanted[k].first, steps = std::max(ratio, 1 / ratio);
+      if (steps > kOneStep && steps < kTwoSteps)
+        findings.push_back({note, session.photos[of_bracket[k].second].file,
+                            "was exposed for " + shutter_text(of_bracket[k].first) + " where most views have " +
+                                shutter_text(wanted[k].first) + "; the time in its EXIF is used",
+                            ""});
+    }
+  }
+}
+
 void judge_views(const Session& session, std::span<const PhotoLook> looks, std::vector<Finding>& findings) {
   std::vector<double> edges;
   for (const PhotoLook& look : looks)
@@ -165,7 +221,9 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
   const double usual_edge = edges.empty() ? 0 : edges[edges.size() / 2];
 
   std::vector<ComparedPhoto> compared;
-  for (const Bracket& bracket : brackets_of(session)) {
+  const std::vector<Bracket> brackets = brackets_of(session);
+  judge_shutter_times(session, brackets, findings);
+  for (const Bracket& bracket : brackets) {
     const auto factor = [&](int i) { return exposure_factor(session.photos[i]); };
     const auto [shortest, longest] = std::minmax_element(bracket.photos.begin(), bracket.photos.end(),
                                                          [&](int a, int b) { return factor(a) < factor(b); });
@@ -341,6 +399,7 @@ std::vector<Finding> preflight(const Session& session, std::span<const Exif> exi
                                const TagSet& tags) {
   std::vector<Finding> findings;
   if (session.photos.empty()) return findings;
+  judge_strays(session, looks, findings);
   judge_files(session, exif, findings);
   judge_views(session, looks, findings);
   if (!has_errors(findings)) judge_tags(session, looks, tags, findings);

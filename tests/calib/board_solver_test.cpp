@@ -229,6 +229,7 @@ TEST(BoardSolver, SyntheticWorldsLieWithinTheirPredictedUncertainty) {
     options.check_with_mrcal = false;
     const BoardSolution s = solve_board(w.board, w.pictures, w.lens.width, w.lens.height, options);
     ASSERT_EQ(s.views.size(), w.T_camera_board.size()) << all_findings(s);
+    EXPECT_EQ(s.focal_scatter, 0) << "seed " << seed;
     for (std::size_t v = 0; v < s.views.size(); ++v) {
       const Eigen::Vector3d e =
           s.views[v].T_camera_board.inverse().translation() - w.T_camera_board[v].inverse().translation();
@@ -324,6 +325,37 @@ TEST_F(Contradictions, APhotoWithAnotherFocalLength) {
   EXPECT_THAT(all_findings(s), testing::HasSubstr("view v3 is left out"));
   EXPECT_EQ(s.views.size(), world.T_camera_board.size() - 1) << all_findings(s);
   EXPECT_LT(worst_difference_mm(s, solve(without)), kNoHarm_mm);
+}
+
+// A camera that focuses anew for each photo: named, and the cameras lie within what their sigmas say.
+TEST(BoardSolver, FocusThatDiffersFromPhotoToPhotoIsCounted) {
+  for (const double most : {0.003, 0.009, 0.03})
+    for (const unsigned seed : {11U, 12U, 13U}) {
+      World w = make_world(seed, 12);
+      for (std::size_t v = 0; v < w.pictures.size(); ++v)
+        for (TagDetection& tag : w.pictures[v].tags)
+          for (Eigen::Vector2d& q : tag.corner_px)
+            q = Eigen::Vector2d(1000, 750) +
+                (1 + most * static_cast<double>((v * 7) % 4) / 3) * (q - Eigen::Vector2d(1000, 750));
+      BoardSolverOptions options;
+      options.check_with_mrcal = false;
+      const BoardSolution s = solve_board(w.board, w.pictures, w.lens.width, w.lens.height, options);
+      EXPECT_THAT(all_findings(s), testing::HasSubstr("focal lengths differ from photo to photo by")) << most;
+      // Of the largest differences lens and tags take up some, which sigmas hold all the same.
+      EXPECT_GT(s.focal_scatter, 0.3 * 0.37 * most) << most;
+      EXPECT_LT(s.focal_scatter, 1.3 * 0.37 * most) << most;
+      double z2 = 0;
+      for (const View& view : s.views) {
+        const std::size_t v = std::stoul(view.name.substr(1));
+        const Eigen::Vector3d e =
+            view.T_camera_board.inverse().translation() - w.T_camera_board[v].inverse().translation();
+        const Eigen::Vector3d z = e.cwiseQuotient(*view.center_sigma_mm);
+        EXPECT_LT(z.cwiseAbs().maxCoeff(), 4) << most << ", seed " << seed << ", " << view.name;
+        z2 += z.squaredNorm() / static_cast<double>(3 * s.views.size());
+      }
+      std::printf("focus to %.1f %%: scatter %.2f %%, errors %.2f sigmas\n", 100 * most, 100 * s.focal_scatter,
+                  std::sqrt(z2));
+    }
 }
 
 TEST_F(Contradictions, FalseCorners) {

@@ -136,6 +136,29 @@ TEST(Refine, ADepthThatPhotosSpeakAgainstIsNotGoneBackTo) {
   EXPECT_NE(sentence(depth).find("speak against the " + significant(believed_um, 3)), std::string::npos);
 }
 
+// Photos of a board whose tags fit, and whose grooves are others: here the same scratches on the other side of the
+// board, and all of them a centimeter aside.
+TEST(Refine, RefusesPhotosOfOtherGrooves) {
+  const Rig rig = read_rig("b-small", {"v01", "v03", "v05", "v07", "v09"});
+  const Scratches own = rig.sent.scratches;
+  Scratches mirrored = own, aside = own;
+  const double width = rig.board.size_mm.x();
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    mirrored.x0_mm[i] = width - own.x0_mm[i];
+    mirrored.x1_mm[i] = width - own.x1_mm[i];
+    aside.y0_mm[i] += 10;
+    aside.y1_mm[i] += 10;
+  }
+  for (const Scratches& other : {mirrored, aside}) try {
+      refine(rig.session, rig.board, Sent(other), rig.true_poses, quick());
+      ADD_FAILURE() << "measured grooves that are not there";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("the grooves in the photos are not the ones that it lists"),
+                std::string::npos)
+          << error.what();
+    }
+}
+
 TEST(Refine, RefusesWhatItCannotWorkOn) {
   Board board;
   board.size_mm << 100, 100;

@@ -108,7 +108,7 @@ TEST_F(FolderSessionTest, BracketsBecomeViews) {
   const CaptureResult result = capture();
   EXPECT_EQ(text_of(result.findings, Severity::error), "");
   EXPECT_EQ(text_of(result.findings, Severity::warning), "");
-  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("linear was assumed"));
+  EXPECT_EQ(text_of(result.findings, Severity::note), "") << "their gAMA chunks state a linear curve";
   EXPECT_EQ(result.views, 4);
   const Session session = read_session(folder / "out/session.json");
   ASSERT_EQ(session.photos.size(), 12U);
@@ -487,6 +487,150 @@ TEST_F(FolderSessionTest, AWrittenSessionIsJudgedTheSameWay) {
   EXPECT_TRUE(preflight(session).empty());
   folder.write("photos/IMG_100.png", "no picture");
   EXPECT_THAT(text_of(preflight(session), Severity::error), HasSubstr("IMG_100.png"));
+}
+
+// One exposure of the sensor in several files is one measurement. Which file is kept, and of which others it is said,
+// does not hang on names.
+TEST_F(FolderSessionTest, OnePhotoPerShot) {
+  take_photos();
+  fs::copy_file(folder / "photos/IMG_111.png", folder / "photos/IMG_111 (1).png");
+  // A cover with a tone curve of its own, under another stem, of every shot; one is smaller.
+  const auto save_as = [&](const std::string& from, const std::string& to, const auto& how) {
+    auto in = OIIO::ImageInput::open((folder / "photos" / from).string());
+    OIIO::ImageSpec spec = in->spec();
+    std::vector<float> pixels(spec.image_pixels() * spec.nchannels);
+    ASSERT_TRUE(in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()));
+    for (float& v : pixels) v = how(v);
+    spec.set_format(OIIO::TypeDesc::UINT8);
+    spec.attribute("Compression", "jpeg:90");
+    spec.erase_attribute("oiio:ColorSpace");
+    auto out = OIIO::ImageOutput::create((folder / "photos" / to).string());
+    ASSERT_TRUE(out->open((folder / "photos" / to).string(), spec));
+    ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, pixels.data()));
+  };
+  const auto s_curve = [](float v) {
+    const float stored = std::pow(std::clamp(v, 0.0F, 1.0F), 1 / 2.2F);
+    return stored * stored * (3 - 2 * stored);
+  };
+  for (int v = 0; v < 4; ++v)
+    for (int k = 0; k < 3; ++k) {
+      const std::string shot = "IMG_" + std::to_string(100 + 10 * v + k);
+      save_as(shot + ".png", "PXL_" + shot + ".COVER.jpg", s_curve);
+    }
+  const CaptureResult result = capture();
+  EXPECT_EQ(text_of(result.findings, Severity::error), "");
+  EXPECT_EQ(result.views, 4);
+  ASSERT_EQ(result.session.photos.size(), 12U);
+  for (const Photo& photo : result.session.photos) EXPECT_EQ(photo.file.extension(), ".png") << photo.file;
+  EXPECT_THAT(text_of(result.findings, Severity::note),
+              AllOf(HasSubstr("IMG_111 (1).png: holds the same bytes as IMG_111.png"),
+                    HasSubstr(".COVER.jpg: was passed over for IMG_"), HasSubstr("11 more files likewise")));
+}
+
+TEST_F(FolderSessionTest, APhotoSavedAnewIsNoSecondMeasurement) {
+  take_photos();
+  for (const char* name : {"IMG_100.png", "IMG_112.png", "IMG_131.png"}) {
+    const std::string copy = std::string(name).substr(0, 7) + "~2.png";
+    fs::copy_file(folder / "photos" / name, folder / "photos" / copy);
+    change(copy, [](auto& pixels, OIIO::ImageSpec&) {
+      for (float& v : pixels) v = std::round(v * 1000) / 1000;
+    });
+  }
+  const CaptureResult result = capture();
+  EXPECT_EQ(result.session.photos.size(), 12U);
+  EXPECT_THAT(text_of(result.findings, Severity::note),
+              AllOf(HasSubstr("IMG_100~2.tif: was passed over for IMG_100.png"),
+                    HasSubstr("IMG_131~2.tif: was passed over for IMG_131.png")));
+}
+
+// A burst and a bracket share a second: none of these photos is another's copy. Repeats from a tripod have noise of
+// their own.
+TEST_F(FolderSessionTest, PhotosOfOneSecondAreDifferentPhotos) {
+  json["views"] = Json::array();
+  for (int v = 0; v < 4; ++v) add_view(v, 8.0 * v, 0, {0.01, 0.01, 0.04, 0.0025});
+  for (auto& view : json["views"])
+    for (auto& photo : view["photos"]) photo["datetime"] = "2024:05:01 12:00:00";
+  take_photos();
+  const CaptureResult result = capture();
+  EXPECT_EQ(result.session.photos.size(), 16U) << text_of(result.findings, Severity::note);
+  EXPECT_THAT(text_of(result.findings, Severity::note), Not(HasSubstr("passed over")));
+}
+
+// EXIF knows what the lamp and the lens cannot explain.
+TEST_F(FolderSessionTest, FlashAndDigitalZoomAreKnownByExif) {
+  take_photos();
+  change("IMG_110.png", [](auto&, OIIO::ImageSpec& spec) { spec.attribute("Exif:Flash", 25); });
+  change("IMG_121.png", [](auto&, OIIO::ImageSpec& spec) { spec.attribute("Exif:DigitalZoomRatio", 2.0F); });
+  for (int v = 0; v < 4; ++v)
+    for (int k = 0; k < 3; ++k)
+      if (const std::string name = "IMG_" + std::to_string(100 + 10 * v + k) + ".png";
+          fs::exists(folder / "photos" / name))
+        change(name, [&](auto&, OIIO::ImageSpec& spec) {
+          spec.attribute("Exif:FocalLength", 5.0F);
+          spec.attribute("Exif:FocalLengthIn35mmFilm", v == 3 && k == 2 ? 39 : 26);
+        });
+  const CaptureResult result = capture();
+  EXPECT_THAT(
+      text_of(result.findings, Severity::warning),
+      AllOf(HasSubstr("IMG_110.tif: is left out: by its EXIF the flash fired"),
+            HasSubstr("IMG_121.tif: is left out: by its EXIF the camera zoomed digitally or cropped, 2 times"),
+            HasSubstr("IMG_132.tif: is left out: by its EXIF the camera zoomed digitally or cropped, 1.5 times")));
+  EXPECT_EQ(result.session.photos.size(), 9U);
+}
+
+TEST_F(FolderSessionTest, ALensThatTheCameraDoesNotKnow) {
+  take_photos();
+  const auto forget = [](auto&, OIIO::ImageSpec& spec) {
+    spec.erase_attribute("FNumber");
+    spec.erase_attribute("Exif:ApertureValue");
+  };
+  change("IMG_100.png", forget);
+  CaptureResult result = capture();
+  EXPECT_THAT(text_of(result.findings, Severity::warning),
+              AllOf(HasSubstr("IMG_100.tif: is left out: its EXIF holds no aperture"), HasSubstr("--f-number 8")));
+  result = capture_folder(folder / "photos", folder / "board.json", folder / "out", {}, {Photo().light, {}}, 8);
+  EXPECT_EQ(result.session.photos.size(), 12U);
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("1 photo has no aperture in its EXIF; f/8 is used"));
+  for (int v = 0; v < 4; ++v)
+    for (int k = 0; k < 3; ++k)
+      if (v + k > 0) change("IMG_" + std::to_string(100 + 10 * v + k) + ".png", forget);
+  result = capture();
+  ASSERT_EQ(result.session.photos.size(), 12U);
+  for (const Photo& photo : result.session.photos) EXPECT_EQ(photo.f_number, kAssumedAperture);
+  EXPECT_THAT(text_of(result.findings, Severity::warning), HasSubstr("no photo holds an aperture in its EXIF"));
+}
+
+TEST_F(FolderSessionTest, ANeighboringShutterTimeIsNamed) {
+  json["views"] = Json::array();
+  for (int v = 0; v < 4; ++v) add_view(v, 8.0 * v, 0, {0.01, v == 2 ? 0.05 : 0.04, 0.0025});
+  take_photos();
+  EXPECT_THAT(text_of(capture().findings, Severity::note),
+              HasSubstr("IMG_121.png: was exposed for 1/20 s where most views have 1/25 s"));
+}
+
+TEST_F(FolderSessionTest, TagsOfAnotherBoardAreNamed) {
+  take_photos();
+  TagSet tags = read_board(folder / "board.json").tags;
+  std::vector<Finding> ignored;
+  FolderSession taken = session_from(folder_source(folder / "photos", ignored), tags);
+  // The same photo for somebody whose board has other tags.
+  TagSet others = tags;
+  for (Tag& tag : others.list) tag.id += 50;
+  const PhotoLook other = look_at(taken.session.photos[1], &others);
+  EXPECT_TRUE(other.tags.empty());
+  EXPECT_EQ(other.stray_tags.size(), taken.looks[1].tags.size());
+  EXPECT_TRUE(taken.looks[1].stray_tags.empty());
+  taken.looks[1] = other;
+  EXPECT_THAT(text_of(preflight(taken.session, taken.exif, taken.looks, tags), Severity::error),
+              HasSubstr("its tags are not this board's: it shows 3, 4, 5"));
+}
+
+TEST_F(FolderSessionTest, PhotosInAFolderOfNoLampAreNamed) {
+  take_photos();
+  fs::rename(folder / "photos", folder / "Lampe");
+  fs::create_directories(folder / "photos");
+  fs::rename(folder / "Lampe", folder / "photos/Lampe");
+  EXPECT_THAT([&] { capture(); }, testing::ThrowsMessage<Error>(HasSubstr("holds no photo but in Lampe")));
 }
 
 // The rig's truth says which photos belong together; only this test reads it.

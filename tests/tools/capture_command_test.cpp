@@ -82,6 +82,17 @@ TEST(CaptureCommand, LampTakesItsNameFromTheBenchOfTheDesign) {
   said.insert(said.end(), {"--light", "window"});
   ASSERT_EQ(run_burin(folder, said).exit_code, 0);
   EXPECT_EQ(lamp(), "window");
+  // A name that the bench does not have is a slip, unless it is said to be new.
+  std::vector<std::string> slip = capture;
+  slip.insert(slip.end(), {"--light", "windwo"});
+  const Outcome refused = run_burin(folder, slip);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err,
+              AllOf(HasSubstr("--light windwo"), HasSubstr("known are ceiling, window"), HasSubstr("--new-lamp")));
+  EXPECT_EQ(lamp(), "window") << "nothing was written";
+  slip.emplace_back("--new-lamp");
+  ASSERT_EQ(run_burin(folder, slip).exit_code, 0);
+  EXPECT_EQ(lamp(), "windwo");
   // Or by its folder; what is said counts for the others.
   for (const char* name : {"ceiling", "window"}) std::filesystem::create_directories(folder / "bench/photos" / name);
   std::filesystem::rename(folder / "bench/photos/IMG_1.png", folder / "bench/photos/ceiling/IMG_1.png");
@@ -97,6 +108,30 @@ TEST(CaptureCommand, LampTakesItsNameFromTheBenchOfTheDesign) {
   std::filesystem::rename(folder / "bench/photos/window/IMG_0.png", folder / "bench/photos/IMG_0.png");
   ASSERT_EQ(run_burin(folder, capture).exit_code, 0);
   EXPECT_EQ(lamp(), "ceiling");
+}
+
+// The photos of the round before, in a project's new round: known by their bytes, before anything is made of them.
+TEST(CaptureCommand, PhotosOfAnotherRoundAreRefused) {
+  const TemporaryFolder folder;
+  folder.write("truth.json", truth().dump());
+  ASSERT_EQ(run_burin(folder, {"simulate", "truth.json", "--out", "bench"}).exit_code, 0);
+  const auto copy = [&](const std::string& from, const std::string& to) {
+    std::filesystem::create_directories((folder / to).parent_path());
+    std::filesystem::copy_file(folder / from, folder / to);
+  };
+  copy("bench/photos/IMG_0.png", "p/round-01/photos/IMG_0.png");
+  copy("bench/photos/IMG_1.png", "p/round-02/photos/IMG_1.png");
+  const auto capture = [&] {
+    return run_burin(folder, {"capture", "p/round-02/photos", "--board", "bench/board.json", "--out", "p/round-02"});
+  };
+  EXPECT_EQ(capture().exit_code, 0);
+  std::filesystem::remove(folder / "p/round-02/session.json");
+  copy("bench/photos/IMG_0.png", "p/round-02/photos/IMG_9.png");
+  const Outcome refused = capture();
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("p/round-02/photos/IMG_9.png: is, byte for byte, round-01/photos/IMG_0.png"),
+                                 HasSubstr("another board")));
+  EXPECT_FALSE(std::filesystem::exists(folder / "p/round-02/session.json"));
 }
 
 TEST(CaptureCommand, PhotosThatDoNotServeAreNamedAndNothingIsWritten) {

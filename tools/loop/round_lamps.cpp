@@ -11,6 +11,7 @@
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/limits.h"
+#include "tools/loop/record.h"
 #include "tools/photographed_lamps.h"
 
 namespace burin {
@@ -67,6 +68,43 @@ std::vector<fs::path> photos_of_round(const Project& project, int round) {
     add_photos(lamp.folder, photos);
   std::sort(photos.begin(), photos.end());
   return photos;
+}
+
+std::map<std::string, std::string> photos_of_other_rounds(const Project& project, int round, ContentHashes& hashes) {
+  std::map<std::string, std::string> out;
+  for (int other = 1; other <= project.rounds(); ++other) {
+    if (other == round) continue;
+    const std::string within = photos_folder(Project{}, other).generic_string() + "/";
+    const auto record = read_record(project.round(other) / "made" / "capture.json");
+    if (record)
+      for (const auto& [name, hash] : record->inputs)
+        if (name.starts_with(within)) out.try_emplace(hash, name);
+    if (!record)
+      for (const fs::path& photo : photos_of_round(project, other))
+        out.try_emplace(hashes.of(photo), path_in_project(project.folder, photo));
+  }
+  return out;
+}
+
+void refuse_photos_of_other_rounds(const fs::path& photos) {
+  const fs::path folder = fs::absolute(photos).lexically_normal();
+  const fs::path at = folder.has_filename() ? folder : folder.parent_path();
+  const Project project{at.parent_path().parent_path()};
+  int round = 1;
+  while (round <= project.rounds() && project.round(round) != at.parent_path()) ++round;
+  if (at.filename() != "photos" || round > project.rounds() || project.rounds() < 2) return;
+  ContentHashes hashes;
+  const auto others = photos_of_other_rounds(project, round, hashes);
+  std::vector<fs::path> known;
+  for (const fs::path& photo : photos_of_round(project, round))
+    if (others.contains(hashes.of(photo))) known.push_back(photo);
+  if (known.empty()) return;
+  const std::string first = others.at(hashes.of(known.front()));
+  fail((photos / known.front().lexically_relative(at)).string(),
+       "is, byte for byte, " + first +
+           (known.size() == 1 ? ""
+                              : ", and " + std::to_string(known.size() - 1) + " more are photos of other rounds too"),
+       "they show another board: take them out, and put photos of this round's board there");
 }
 
 std::string photo_folders_in_words(const Project& project, int round) {

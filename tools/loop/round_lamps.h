@@ -1,11 +1,14 @@
-// tools/loop/round_lamps.h - the lamps that a round's photos are taken under, and the folders of photos/ that tell
-// which was on: photos/red/ and so on where there are several (burin/capture/lamp_folders.h).
+// tools/loop/round_lamps.h - a round's photos: the lamps that they are taken under, the folders of photos/ that tell
+// which was on (photos/red/ and so on where there are several, burin/capture/lamp_folders.h), and whether they are
+// those of another round.
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
+#include "tools/content_hash.h"
 #include "tools/project.h"
 
 namespace burin {
@@ -16,6 +19,13 @@ std::vector<std::string> lamps_of_round(const Project& project, int round);
 
 /// The photos of a round, those in its lamps' folders too, in the order of their paths.
 std::vector<std::filesystem::path> photos_of_round(const Project& project, int round);
+
+/// The photos of the project's other rounds, "round-01/photos/IMG_1.JPG" by content_hash(): as recorded when they were
+/// measured, or as they lie there.
+std::map<std::string, std::string> photos_of_other_rounds(const Project& project, int round, ContentHashes& hashes);
+
+/// Throws Error if a folder of photos is that of a project's round and holds photos, byte for byte, of another one.
+void refuse_photos_of_other_rounds(const std::filesystem::path& photos);
 
 /// Where a round's photos go: "round-01/photos", or "round-01/photos/red and round-01/photos/green, each photo into the
 /// folder of the lamp that shone on it alone".

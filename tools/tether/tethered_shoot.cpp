@@ -52,7 +52,8 @@ void drop(const std::vector<fs::path>& files, Shoot& shoot) {
 }
 
 double time_for(double factor, const PhotoFacts& like) {
-  return factor * *like.exif.f_number * *like.exif.f_number / (like.exif.iso.value_or(100) / 100);
+  const double f_number = like.exif.f_number.value_or(kAssumedAperture);
+  return factor * f_number * f_number / (like.exif.iso.value_or(100) / 100);
 }
 
 // What a photo of these exposures has that no other exposure mends; empty if nothing.

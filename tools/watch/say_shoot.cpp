@@ -80,10 +80,11 @@ std::string shows_words(const JudgedPhoto& photo, const Shoot& shoot) {
 
 // The exposure on the camera's dials, aperture and ISO as in that photo.
 std::string exposure_words(double factor, const PhotoFacts& like) {
-  if (!(factor > 0) || !like.exif.f_number) return "";
-  const double f_number = *like.exif.f_number, iso = like.exif.iso.value_or(100);
-  return fmt::format("{} (f/{:.3g}, ISO {:.0f})", shutter_words(factor * f_number * f_number / (iso / 100)), f_number,
-                     iso);
+  if (!(factor > 0)) return "";
+  const double f_number = like.exif.f_number.value_or(kAssumedAperture), iso = like.exif.iso.value_or(100);
+  const std::string time = shutter_words(factor * f_number * f_number / (iso / 100));
+  return like.exif.f_number ? fmt::format("{} (f/{:.3g}, ISO {:.0f})", time, f_number, iso)
+                            : fmt::format("{} (ISO {:.0f})", time, iso);
 }
 
 std::string move_words(const NextStep& next, const Shoot& shoot) {

@@ -7,6 +7,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
+#include "tools/loop/round_lamps.h"
 #include "tools/loop/say.h"
 #include "tools/photographed_lamps.h"
 #include "tools/project.h"
@@ -66,6 +67,8 @@ WatchedProject watched_project(const fs::path& folder, const fs::path& photos, c
   if (out.shoot.board.tags.list.empty())
     fail(board.string(), "lists no tags, and photos are judged by them", "give the board its tags (tags.list)");
   find_photos(project, round, photos, out);
+  ContentHashes hashes;
+  if (rounds > 1) out.other_rounds = photos_of_other_rounds(project, rounds, hashes);
 
   const fs::path bench_file =
       first_there({rounds > 0 ? project.bench_before(rounds) : fs::path(), folder / "bench.json"});

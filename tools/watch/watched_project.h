@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,8 @@ struct WatchedProject {
   std::filesystem::path photos;  ///< the folder
   std::filesystem::path keep;    ///< the folder that `burin loop` takes photos from; empty without a round
   Shoot shoot;
+  /// Photos of other rounds, by content (photos_of_other_rounds() of tools/loop/round_lamps.h).
+  std::map<std::string, std::string> other_rounds;
   /// The bench's lamps that photos are wanted under: of several, each has a folder of its name in `photos` and `keep`.
   std::vector<std::string> lamps;
   std::string wanted_from;  ///< "plan/plan.json", "design.json"; empty where nothing says which photos are wanted

@@ -9,6 +9,7 @@
 #include <set>
 
 #include "burin/calib/geometry/lens_solver.h"
+#include "burin/calib/geometry/own_focal.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/median.h"
@@ -67,6 +68,7 @@ struct Solver {
     view_dropped[view] = true;
     for (BundleCorner& c : bundle.corners)
       if (c.view == view) c.used = false;
+    if (remedy == kOddPhoto) out.odd_views.push_back(view_names[view]);
     finding(Finding::Severity::warning, file_of(view), "view " + view_names[view] + " is left out: " + what, remedy);
   }
   void drop_tag(int tag, const std::string& what, const std::string& remedy) {
@@ -142,6 +144,12 @@ struct Solver {
     view_dropped.assign(view_names.size(), false);
     tag_dropped.assign(bundle.tags.size(), false);
     for (std::size_t v = 0; v < view_names.size(); ++v) {
+      if (std::find(options.leave_out.begin(), options.leave_out.end(), view_names[v]) != options.leave_out.end()) {
+        view_dropped[v] = true;
+        for (BundleCorner& c : bundle.corners)
+          if (c.view == static_cast<int>(v)) c.used = false;
+        continue;
+      }
       const int n = tags_in(static_cast<int>(v));
       if (n >= options.min_tags) continue;
       std::map<TagFault, std::vector<RejectedTag>> refused;
@@ -634,6 +642,32 @@ void tell_tags(Solver& s, const BundleUncertainty& u) {
   }
 }
 
+// Focus that differs from photo to photo moves each camera along its axis by as much, which no corner shows: all sigmas
+// are raised until those of the cameras count it.
+void count_focal_scatter(Solver& s, const BundleOptions& o, BundleUncertainty& u) {
+  std::vector<bool> counts;
+  for (const bool dropped : s.view_dropped) counts.push_back(!dropped);
+  const double scatter = focal_scatter(own_focals(s.bundle), counts);
+  constexpr double kLeast = 1e-4;  // a tenth of a millimeter at a meter
+  if (scatter < kLeast || s.options.fix_lens) return;
+  double times = 1;
+  for (std::size_t v = 0; v < s.view_names.size(); ++v) {
+    if (s.view_dropped[v]) continue;
+    const Eigen::Vector3d center = s.bundle.views[v].inverse().translation();
+    const Eigen::Vector3d axis = center.normalized();
+    const double along_mm = std::sqrt(std::max(1e-12, axis.dot(u.center_mm2[v] * axis)));
+    times = std::max(times, std::hypot(1.0, center.norm() * scatter / along_mm));
+  }
+  s.out.focal_scatter = scatter;
+  for (BundleCorner& c : s.bundle.corners) c.sigma_px *= times;
+  u = bundle_uncertainty(s.bundle, o);
+  s.finding(Finding::Severity::warning, {},
+            "focal lengths differ from photo to photo by " + general(100 * scatter, 2) +
+                " %: the camera focused anew for some, or its zoom crept; cameras may be off by as much of their "
+                "distance, which their sigmas count",
+            "focus once by hand, switch autofocus off, tape the zoom ring, and take the photos again");
+}
+
 }  // namespace
 
 BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictures, int width, int height,
@@ -651,7 +685,8 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
 
   const auto residuals = bundle_residuals_px(s.bundle);
   scale_weights(s, residuals);
-  const BundleUncertainty u = bundle_uncertainty(s.bundle, o);
+  BundleUncertainty u = bundle_uncertainty(s.bundle, o);
+  count_focal_scatter(s, o, u);
   s.name_contradictions(residuals);
   s.out.lens = s.bundle.lens;
   s.out.lens_covariance = u.lens;

@@ -40,8 +40,9 @@ struct BoardSolverOptions {
   std::optional<Lens> lens;  ///< a lens that is known: a start, or fixed
   bool fix_lens = false;
   bool check_with_mrcal = true;
-  int min_tags = 3;          ///< views with fewer are left out
-  double outlier_sigma = 5;  ///< corners further from their prediction are left out
+  int min_tags = 3;                    ///< views with fewer are left out
+  std::vector<std::string> leave_out;  ///< views that do not count; whoever names them says why
+  double outlier_sigma = 5;            ///< corners further from their prediction are left out
 };
 
 /// One measured corner and what became of it.
@@ -69,8 +70,12 @@ struct BoardSolution {
   std::vector<Eigen::Vector3d> tag_sigma;  ///< x, y (mm), turn (rad), one a tag
   double edge_mm = 0, edge_sigma_mm = 0;   ///< how much further out the tags' sides are than size_mm says
   std::vector<SolvedCorner> corners;
-  double rms_px = 0;                        ///< of the used corners, per axis
-  double rms_board_mm = 0;                  ///< the same on the board, roughly: rms_px over pixels per mm
+  double rms_px = 0;                   ///< of the used corners, per axis
+  double rms_board_mm = 0;             ///< the same on the board, roughly: rms_px over pixels per mm
+  std::vector<std::string> odd_views;  ///< left out as of another focal length, or moved
+  /// By how much focal lengths differ from view to view: the standard deviation of their logarithms. 0: they do not.
+  /// Covariances and the bundle's sigmas count it.
+  double focal_scatter = 0;
   std::vector<std::string> not_determined;  ///< names of parameters that the photos hardly determine
   std::vector<Finding> findings;            ///< views, tags and corners left out, and why
   std::optional<MrcalCheck> check;

@@ -8,6 +8,7 @@
 #include "burin/calib/geometry/information.h"
 #include "burin/render/board_face.h"
 #include "burin/render/lens.h"
+#include "burin/render/median.h"
 #include "burin/render/parameter_name.h"
 
 namespace burin {
@@ -31,6 +32,20 @@ Eigen::Matrix<double, 6, 6> bundle_pose_by_move(const Eigen::Isometry3d& T) {
   out.topLeftCorner<3, 3>() = Eigen::Matrix3d::Identity() - half * K + third * K * K;
   out.bottomLeftCorner<3, 3>() = -cross(T.translation());
   return out;
+}
+
+// How many times larger the cameras' sigmas in the bench are than the tags' noise alone makes them: focus that differed
+// from photo to photo is in them, and in no residual. 1 unless that is much.
+double beyond_noise(const Bundle& bundle, const BundleOptions& options, const std::vector<View>& views) {
+  const BundleUncertainty u = bundle_uncertainty(bundle, options);
+  std::vector<double> times;
+  for (std::size_t v = 0; v < views.size(); ++v)
+    if (const double noise_mm = std::sqrt(std::max(0.0, u.center_mm2[v].trace()));
+        views[v].center_sigma_mm && noise_mm > 0)
+      times.push_back(views[v].center_sigma_mm->norm() / noise_mm);
+  constexpr double kMuch = 2;
+  const double usual = median_of(std::move(times));
+  return usual > kMuch ? usual : 1;
 }
 
 }  // namespace
@@ -74,6 +89,9 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
     prior.information.diagonal().setConstant(kExact);
     return prior;
   }
+
+  if (const double times = beyond_noise(bundle, options, bench.views); times > 1)
+    for (BundleCorner& corner : bundle.corners) corner.sigma_px *= times;
 
   // Poses, then what all views share, with bow and lens in front.
   const BundleEquations equations = bundle_equations(bundle, options);

@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "burin/calib/change_in_time.h"
 #include "burin/calib/light/lamp_area.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
@@ -271,7 +273,7 @@ void compare_with_noise(const Uncertainty& uncertainty, const Stage& stage, Refi
 }
 
 // Names what the model misses, in the verdicts of what it moves and as findings.
-void tell_misfits(const Uncertainty& uncertainty, Refinement& out) {
+void tell_misfits(const Uncertainty& uncertainty, const Session* session, Refinement& out) {
   Bench& bench = out.bench;
   bench.misfits = uncertainty.misfits;
   if (bench.misfits.empty()) return;
@@ -287,8 +289,25 @@ void tell_misfits(const Uncertainty& uncertainty, Refinement& out) {
   for (const std::string& name : touched)
     if (const auto verdict = bench.verdict.find(name); verdict != bench.verdict.end() && verdict->second.sigma)
       verdict->second.causes.push_back({Cause::Kind::model_misses, {most, count}, tests});
+  // Odd photos that were all taken before, or after, one moment are one finding.
+  std::vector<std::string> odd;
+  std::string odd_list;
+  for (const Misfit& m : bench.misfits)
+    if (is_of_photo(m)) {
+      odd.push_back(m.test.substr(std::string_view("photo ").size()));
+      odd_list += (odd_list.empty() ? "" : ", ") + odd.back();
+    }
+  const auto change = session == nullptr ? std::nullopt : change_in_time(*session, odd);
+  if (change)
+    out.findings.push_back(make_warning(
+        "the lamp was moved between " + change->photo_before + " and " + change->photo_after + ": views " + odd_list +
+            ", all taken " + (change->odd_after ? "after" : "before") +
+            " it, are lit otherwise than the rest; sigmas count that",
+        "leave the lamp where it stands, and take these photos again; or give them a light of their own in "
+        "session.json"));
   for (const Misfit& m : bench.misfits) {
     const bool of_photo = is_of_photo(m);
+    if (of_photo && change) continue;
     const std::string off = "alpha by " + significant(std::abs(m.alpha_percent)) + " %, depth by " +
                             significant(std::abs(m.depth_percent)) + " %, base_alpha by " +
                             significant(std::abs(m.base_alpha_percent)) + " %";
@@ -305,7 +324,7 @@ void tell_misfits(const Uncertainty& uncertainty, Refinement& out) {
 }  // namespace
 
 Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
-                        Refinement& out) {
+                        const Session* session, Refinement& out) {
   Bench& bench = out.bench;
   put_state(state, data, bench);
   bench.material.f0 = data.model.board->material.f0;
@@ -314,7 +333,7 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
   fill_sigmas(data, state, uncertainty, stage, bench);
   Combinations judged = judge_light(data, state, uncertainty, stage, bench);
   compare_with_noise(uncertainty, stage, out);
-  tell_misfits(uncertainty, out);
+  tell_misfits(uncertainty, session, out);
   return judged;
 }
 

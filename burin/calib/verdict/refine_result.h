@@ -28,8 +28,9 @@ std::set<std::size_t> fit_colors(const Problem& data, std::span<const MergedView
 std::vector<Finding> keep_colors(std::span<const Light> given, const std::set<std::size_t>& told, Bench& bench);
 
 /// Writes state and uncertainty into out.bench, and judges each parameter (burin/calib/verdict/identifiability.h).
+/// `session`: whose files the findings name; null: none.
 Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
-                        Refinement& out);
+                        const Session* session, Refinement& out);
 
 /// What the photos do not tell of grooves and face goes back to what board.json believes, in `state` and `bench`, and
 /// the verdict says so: where an optimizer strayed to is no knowledge. Not what the verdict calls refuted

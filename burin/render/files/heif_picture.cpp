@@ -3,6 +3,8 @@
 #include <OpenImageIO/tiffutils.h>
 #include <libheif/heif.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
@@ -10,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "burin/render/files/heif_boxes.h"
 #include "burin/render/files/hevc_decoder.h"
@@ -44,6 +47,47 @@ std::string exif_of(const heif_image_handle* handle) {
   return {};
 }
 
+/// The colors that the container states (burin/render/files/file_colors.h): OpenImageIO's names of them.
+void state_colors(const heif_image_handle* handle, OIIO::ImageSpec& spec) {
+  if (const std::size_t bytes = heif_image_handle_get_raw_color_profile_size(handle); bytes > 0) {
+    std::vector<std::uint8_t> profile(bytes);
+    if (heif_image_handle_get_raw_color_profile(handle, profile.data()).code == heif_error_Ok)
+      spec.attribute("ICCProfile", OIIO::TypeDesc(OIIO::TypeDesc::UINT8, static_cast<int>(bytes)), profile.data());
+  }
+  heif_color_profile_nclx* points = nullptr;
+  if (heif_image_handle_get_nclx_color_profile(handle, &points).code == heif_error_Ok && points != nullptr) {
+    const std::array<int, 4> codes{points->color_primaries, points->transfer_characteristics,
+                                   points->matrix_coefficients, points->full_range_flag};
+    spec.attribute("CICP", OIIO::TypeDesc(OIIO::TypeDesc::INT, 4), codes.data());
+    heif_nclx_color_profile_free(points);
+  }
+}
+
+/// Whether an auxiliary picture is a gain map: Apple's type, or ISO 21496-1's.
+bool carries_gain_map(const heif_image_handle* handle) {
+  const int count = heif_image_handle_get_number_of_auxiliary_images(
+      handle, LIBHEIF_AUX_IMAGE_FILTER_OMIT_ALPHA | LIBHEIF_AUX_IMAGE_FILTER_OMIT_DEPTH);
+  std::vector<heif_item_id> ids(static_cast<std::size_t>(std::max(0, count)));
+  const int got = heif_image_handle_get_list_of_auxiliary_image_IDs(
+      handle, LIBHEIF_AUX_IMAGE_FILTER_OMIT_ALPHA | LIBHEIF_AUX_IMAGE_FILTER_OMIT_DEPTH, ids.data(), count);
+  bool found = false;
+  for (int i = 0; i < got; ++i) {
+    heif_image_handle* auxiliary = nullptr;
+    if (heif_image_handle_get_auxiliary_image_handle(handle, ids[static_cast<std::size_t>(i)], &auxiliary).code !=
+        heif_error_Ok)
+      continue;
+    const char* type = nullptr;
+    if (heif_image_handle_get_auxiliary_type(auxiliary, &type).code == heif_error_Ok && type != nullptr) {
+      const std::string_view name(type);
+      found =
+          found || name.find("hdrgainmap") != std::string_view::npos || name.find("21496") != std::string_view::npos;
+      heif_image_handle_free_auxiliary_types(auxiliary, &type);
+    }
+    heif_image_handle_release(auxiliary);
+  }
+  return found;
+}
+
 class HeifInput final : public OIIO::ImageInput {
  public:
   explicit HeifInput(bool as_the_sensor) : as_the_sensor_(as_the_sensor) {
@@ -71,6 +115,8 @@ class HeifInput final : public OIIO::ImageInput {
       m_spec.attribute("oiio:UnassociatedAlpha", 1);
     if (const std::string exif = exif_of(handle); !exif.empty())
       OIIO::decode_exif(OIIO::string_view(exif.data(), exif.size()), m_spec);
+    state_colors(handle, m_spec);
+    if (carries_gain_map(handle)) m_spec.attribute("heif:GainMap", 1);
     if (!as_the_sensor_) m_spec.attribute("Orientation", 1);  // whatever the camera noted, what is read is turned
     spec = m_spec;
     return true;

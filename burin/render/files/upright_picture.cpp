@@ -27,6 +27,7 @@ UprightPicture open_upright(const fs::path& file) {
   picture.width = picture.lies() ? picture.spec.height : picture.spec.width;
   picture.height = picture.lies() ? picture.spec.width : picture.spec.height;
   picture.channels = picture.spec.nchannels >= 3 ? 3 : 1;
+  picture.to_srgb = ToSrgbColors(file_colors(*picture.input, file), picture.channels);
   return picture;
 }
 

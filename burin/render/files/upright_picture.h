@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/file_colors.h"
 #include "burin/render/files/picture_file.h"
 
 namespace burin {
@@ -25,6 +26,7 @@ inline constexpr const char* kPictureRemedy = "use a PNG, TIFF, JPEG or EXR pict
 struct UprightPicture {
   std::unique_ptr<OIIO::ImageInput> input;
   OIIO::ImageSpec spec;
+  ToSrgbColors to_srgb;  ///< takes back the colors that the file states
   int orientation = 1;
   int width = 0, height = 0, channels = 1;  ///< upright; 1 or 3 channels
   bool linear = false;                      ///< its kind stores light itself (EXR, HDR), and not sRGB
@@ -58,8 +60,8 @@ struct UprightPicture {
 /// Throws Error for a file that is missing, cut short or no picture.
 UprightPicture open_upright(const std::filesystem::path& file);
 
-/// Hands each pixel's values, over white, to take(x, y, values), x and y being upright. Throws
-/// Error for a broken file.
+/// Hands each pixel's values as sRGB stores them (linear values of EXR and HDR as they are), over white, to take(x, y,
+/// values), x and y being upright. Throws Error for a broken file.
 template <typename Take>
 void for_each_pixel(UprightPicture& picture, const std::filesystem::path& file, const Take& take) {
   const OIIO::ImageSpec& spec = picture.spec;
@@ -84,6 +86,8 @@ void for_each_pixel(UprightPicture& picture, const std::filesystem::path& file, 
                           : picture.input->read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, stored,
                                                           OIIO::TypeDesc::FLOAT, rows.data());
     require_read(read, *picture.input, file, kPictureRemedy);
+    picture.to_srgb.convert(rows.data(), static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(y1 - y0),
+                            stored);
     const float* pixels = rows.data();
     for (int y = y0; y < y1; ++y)
       for (int x = 0; x < spec.width; ++x, pixels += stored) {
