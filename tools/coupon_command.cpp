@@ -108,8 +108,7 @@ void write_coupon_files(WriteOptions options) {
     for (const Finding& finding : check_place(*on, options.coupon.at_mm)) note(finding);
   CouponPlan plan = make_coupon(machine, options.coupon);
   make_output_folder(options.out);
-  Board on_machine = coupon_on_machine(plan);
-  if (on) on_machine.flatness_um = on->flatness_um;
+  const Board on_machine = coupon_on_machine(plan, on ? &*on : nullptr);
   ToolpathOptions settings;
   settings.keep_order = true;
   settings.frame = true;

@@ -8,6 +8,7 @@
 #include "burin/optimize/carving/gcode.h"
 #include "burin/optimize/carving/probe.h"
 #include "burin/optimize/carving/probe_check.h"
+#include "burin/optimize/carving/release_check.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/write_file.h"
@@ -37,6 +38,7 @@ void write_probing(const ProbeArguments& options) {
     fail_unless_probes(read_back(written, gcode, name), plan, machine, name);
   });
   bar.clear();
+  for (const Finding& finding : reach_findings(machine)) note(finding);
   const Eigen::Vector2d& first = plan.points_mm.front();
   print_text("touches the face at {} points, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
              plan.points_mm.size() - 1, first.x(), first.y());

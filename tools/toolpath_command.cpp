@@ -8,6 +8,7 @@
 
 #include "burin/optimize/carving/carving_limits.h"
 #include "burin/optimize/carving/height_map.h"
+#include "burin/optimize/carving/release_check.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/optimize/duration.h"
 #include "burin/optimize/toolpath.h"
@@ -38,6 +39,9 @@ MachineProfile machine_of(const ToolpathArguments& options) {
   MachineProfile machine = machine_profile(options.machine);
   if (options.decimals > 0) machine.decimals = options.decimals;
   if (options.max_lines >= 0) machine.max_lines = options.max_lines;
+  if (machine.max_lines != 0 && machine.max_lines < kLeastLines)
+    fail("--max-lines", fmt::format("is {}", machine.max_lines),
+         fmt::format("allow at least {} lines a file, or 0: no limit", kLeastLines));
   return machine;
 }
 
@@ -175,7 +179,7 @@ void replay(const ToolpathArguments& options) {
   double duration_s = 0;
   for (const std::filesystem::path& file : options.replay) {
     bar.progress()("replaying", 0);
-    const Replay done = replay_gcode(read_text(file), machine, file.string(), &planned.face);
+    const Replay done = fail_unless_released(read_text(file), machine, planned.workpiece, planned.face, file.string());
     fail_unless_ended(done, machine, file.string());
     bar.clear();
     carved.insert(carved.end(), done.scratches.begin(), done.scratches.end());

@@ -9,6 +9,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/physical_bounds.h"
 
 namespace burin {
 namespace {
@@ -107,7 +108,10 @@ void read_depth_table(JsonObject& json, MachineProfile& machine) {
       wrong("has a row " + row.dump());
     const DepthStep step{row[0].get<double>(), row[1].get<double>(), row.size() == 3 ? row[2].get<double>() : 0};
     if (step.sigma_um < 0) wrong("has a negative sigma in row " + row.dump());
-    if (!(step.depth_um > 0)) wrong("has a depth of " + row[0].dump() + " um");
+    if (!(step.depth_um > 0 && step.depth_um <= bound::kDepth_um)) wrong("has a depth of " + row[0].dump() + " um");
+    if (machine.depth_by != DepthBy::servo && step.command > bound::kPreload_mm)
+      wrong("has a preload of " + row[1].dump() + " mm, more than " + shortest(bound::kPreload_mm));
+    if (std::abs(step.command) > 1e6) wrong("has a command of " + row[1].dump());
     std::vector<DepthStep>& done = machine.depth_table.rows;
     if (!done.empty() && !(step.depth_um > done.back().depth_um)) wrong("has depths that do not rise at " + row.dump());
     if (machine.depth_by != DepthBy::servo && !(step.command > (done.empty() ? 0 : done.back().command)))
@@ -238,7 +242,7 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
   within("rapid_z_mm_min", machine.rapid_z_mm_min, kSlowest, kFastest, "mm/min");
   within("acceleration_mm_s2", machine.acceleration_mm_s2, 0.1, 1e6, "mm/s^2");
   within("acceleration_z_mm_s2", machine.acceleration_z_mm_s2, 0.1, 1e6, "mm/s^2");
-  within("safe_z_mm", machine.safe_z_mm, 0.01, 1000, "mm, clear of the face and of what lies on it");
+  within("safe_z_mm", machine.safe_z_mm, 0.01, bound::kSafeZ_mm, "mm, clear of the face and of what lies on it");
   machine.dwell_s = json.number("dwell_s", machine.dwell_s);
   if (machine.dwell_s < 0) json.fail_field("dwell_s", "is negative", "write 0 or a time in seconds");
   within("dwell_s", machine.dwell_s, 0, 600, "s");
@@ -246,7 +250,7 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
   if (machine.decimals < 2 || machine.decimals > 6)
     json.fail_field("decimals", "is " + std::to_string(machine.decimals), "write 2 to 6");
   machine.max_lines = json.integer("max_lines", machine.max_lines);
-  if (machine.max_lines != 0 && machine.max_lines < 100)
+  if (machine.max_lines != 0 && machine.max_lines < kLeastLines)
     json.fail_field("max_lines", "is " + std::to_string(machine.max_lines), "write 0 for no limit, or at least 100");
   machine.max_line_characters = json.integer("max_line_characters", machine.max_line_characters);
   if (machine.max_line_characters != 0 && (machine.max_line_characters < 40 || machine.max_line_characters > 1000))
@@ -301,6 +305,20 @@ double plunge_mm(const MachineProfile& machine, double depth_mm) {
   if (!by_preload(machine.depth_by)) return depth_mm;
   return command_for_depth(machine.depth_table, 1e3 * depth_mm, "machine profile \"" + machine.name + "\"");
 }
+
+namespace {
+bool any_holds(const std::vector<std::string>& block, const char* word) {
+  return std::any_of(block.begin(), block.end(),
+                     [&](const std::string& line) { return line.find(word) != std::string::npos; });
+}
+}  // namespace
+
+bool presses_by_itself(const MachineProfile& machine) {
+  return machine.depth_by == DepthBy::fixed_z && !any_holds(machine.per_scratch, "{z_carve}") &&
+         !any_holds(machine.per_scratch, "{z1}");
+}
+
+bool keeps_z(const MachineProfile& machine) { return !any_holds(machine.per_scratch, "{z_safe}"); }
 
 double depth_of_plunge_mm(const MachineProfile& machine, double below_mm) {
   if (!by_preload(machine.depth_by)) return below_mm;

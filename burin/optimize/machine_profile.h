@@ -17,6 +17,9 @@
 //
 // In TOML the same keys stand before `=`, and `limits` is a table of its own.
 //
+// {z_safe} is Z of the ways beside its line: safe_z_mm above the face, higher where a way crosses what stands on the
+// sheet, and in `start` and `end` above all of it (burin/optimize/carving/workpiece.h).
+//
 // Blocks are lines in which {name} is replaced: {z_safe} {feed} {plunge_feed} {rapid} {rapid_z} {force} everywhere, and
 // in `per_scratch` also {x0} {y0} {x1} {y1} {z_carve} (below the face, so negative) {z1} (the same at the other end,
 // where the face's height is followed) {servo} {depth_um} {number}; {servo_up} everywhere. Heads that press with a
@@ -101,6 +104,9 @@ struct MachineProfile {
   std::vector<std::string> start, per_scratch, end;
 };
 
+/// The least that `max_lines` may be: shorter files would be little but their own heads.
+inline constexpr int kLeastLines = 100;
+
 /// The names of the built-in profiles, as a sentence lists them: "grbl, grbl-spring, ... or laser-z".
 std::string built_in_machines();
 
@@ -113,6 +119,13 @@ double plunge_mm(const MachineProfile& machine, double depth_mm);
 
 /// The other way: the depth that Z so far below the face makes, mm; NaN beyond the table.
 double depth_of_plunge_mm(const MachineProfile& machine, double below_mm);
+
+/// Whether a head presses by itself where the file cannot see it (a solenoid, air): Z is no part of the depth, and the
+/// moves of its blocks along the board are scratches above the face as well.
+bool presses_by_itself(const MachineProfile& machine);
+
+/// Whether Z stays while scratches are carved: no line of `per_scratch` lifts to {z_safe}.
+bool keeps_z(const MachineProfile& machine);
 
 /// Throws Error naming file, field, value and remedy, and of a TOML file the line.
 MachineProfile read_machine_profile(const std::filesystem::path& file);

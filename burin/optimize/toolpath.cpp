@@ -6,6 +6,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "burin/optimize/carving/release_check.h"
 #include "burin/optimize/carving/sheet.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/render/error.h"
@@ -112,6 +113,7 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
     return report;
   }
   report.findings = sheet_findings(path, board, measured, machine);
+  append(report.findings, reach_findings(machine));
   for (const Finding& finding : report.findings)
     if (finding.severity == Finding::Severity::error) fail("tool path", finding.what, finding.remedy);
   tell("making G-code", 0, 1);

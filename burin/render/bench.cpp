@@ -24,6 +24,7 @@
 #include "burin/render/files/verdict_json.h"
 #include "burin/render/groove.h"
 #include "burin/render/limits.h"
+#include "burin/render/physical_bounds.h"
 
 namespace burin {
 namespace {
@@ -248,8 +249,10 @@ void read_profile_sigmas(JsonObject& material, MaterialSigma& sigma) {
 
 // {"alpha": 0.04, "depth_um": 11, "width_um": 400}
 ToldMaterial read_told(JsonObject json) {
-  const auto number = [&](const char* key) { return json.has(key) ? std::optional(json.positive(key)) : std::nullopt; };
-  const ToldMaterial told{number("alpha"), number("depth_um"), number("width_um")};
+  ToldMaterial told;
+  if (json.has("alpha")) told.alpha = json.positive("alpha");
+  if (json.has("depth_um")) told.depth_um = read_depth_um(json, "depth_um");
+  if (json.has("width_um")) told.tool_width_um = read_tool_width_um(json, "width_um");
   json.finish();
   return told;
 }
@@ -365,7 +368,7 @@ Bench read_bench(const std::filesystem::path& file) {
   bench.ambient = light_color(json, "ambient", bench.ambient);
   if (json.has("board")) {
     JsonObject board = json.object("board");
-    bench.bow_mm = board.vec3("bow_mm", bench.bow_mm);
+    bench.bow_mm = read_bow_mm(board, "bow_mm");
     if (board.has("bend")) {
       bench.bend = read_bend(board.object("bend"), {});
       if (board.has("bend_sigma")) bench.bend_sigma = read_bend_sigma(board.object("bend_sigma"));

@@ -12,6 +12,7 @@
 #include "burin/render/files/material_json.h"
 #include "burin/render/files/profile_json.h"
 #include "burin/render/limits.h"
+#include "burin/render/physical_bounds.h"
 
 namespace burin {
 namespace {
@@ -52,7 +53,7 @@ FamilyLayout layout_of(const std::string& family, const std::string& where) {
 TagSet read_tags(JsonObject json, const Eigen::Vector2d& size_mm) {
   TagSet tags;
   tags.family = json.text("family", tags.family);
-  tags.z_mm = json.number("z_mm", tags.z_mm);
+  tags.z_mm = require_within(json, "z_mm", json.number("z_mm", tags.z_mm), 0, bound::kStanding_mm, "mm above the face");
   tags.sigma_mm = json.positive("sigma_mm", tags.sigma_mm);
   tags.white_albedo = fraction(json, "white_albedo", tags.white_albedo);
   tags.black_albedo = fraction(json, "black_albedo", tags.black_albedo);
@@ -133,6 +134,9 @@ KeepOut read_keep_out(JsonObject& json) {
   } else {
     place.polygon_mm = read_polygon(json, "polygon_mm", json.raw("polygon_mm"));
   }
+  if (json.has("height_mm"))
+    place.height_mm =
+        require_within(json, "height_mm", json.number("height_mm"), 0, bound::kStanding_mm, "mm above the face");
   json.finish();
   return place;
 }
@@ -243,7 +247,7 @@ Board read_board(const std::filesystem::path& file) {
   if (json.has("scratches")) board.scratches = resolve_path(file, json.text("scratches"));
   if (json.has("tool")) {
     JsonObject tool = json.object("tool");
-    board.tool_width_um = tool.positive("width_um", board.tool_width_um);
+    board.tool_width_um = read_tool_width_um(tool, "width_um", board.tool_width_um);
     tool.finish();
   }
   board.said = {false, false, false, false};
@@ -285,6 +289,7 @@ void write_board(const Board& board, const std::filesystem::path& file) {
     } else {
       for (const Eigen::Vector2d& p : place.polygon_mm) item["polygon_mm"].push_back(to_json(p));
     }
+    if (place.height_mm) item["height_mm"] = *place.height_mm;
     json["keep_out"].push_back(item);
   }
   Json& tags = json["tags"];

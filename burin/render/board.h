@@ -42,6 +42,9 @@ struct KeepOut {
   std::vector<Eigen::Vector2d> polygon_mm;  ///< empty for a circle
   Eigen::Vector2d center_mm{0, 0};
   double radius_mm = 0;
+  /// How high it stands above the face; 0: nothing stands there (a hole). Nothing: nobody said, and no tool may be sent
+  /// over the sheet before somebody does.
+  std::optional<double> height_mm{};
 };
 
 /// `board.json`. docs/file-formats.md.

@@ -2,6 +2,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/physical_bounds.h"
 
 namespace burin {
 namespace {
@@ -23,7 +24,7 @@ Json to_json(const CouponFan& fan) {
 CouponCell read_cell(JsonObject& json) {
   CouponCell cell;
   cell.command = json.number("command");
-  cell.depth_um = json.positive("depth_um");
+  cell.depth_um = read_depth_um(json, "depth_um");
   cell.feed_mm_min = json.positive("feed_mm_min");
   cell.reached_mm_min = json.positive("reached_mm_min");
   cell.spacing_mm = json.positive("spacing_mm");

@@ -47,6 +47,7 @@ constexpr std::size_t kTags = 2'000;      ///< of a board
 constexpr std::size_t kViews = 500;       ///< of a bench, a design or a truth
 constexpr std::size_t kLights = 100;      ///< of a bench or a truth
 constexpr std::size_t kPhotos = 5'000;    ///< of a session, or in a folder
+constexpr std::size_t kHeights = 40'000;  ///< points of a height map
 constexpr std::size_t kKeepOut = 10'000;  ///< places that nothing is carved on
 constexpr double kBoard_mm = 100'000;     ///< a board's width or height
 constexpr int kLeastPhotoSide = 16;       ///< px: no tag is found in less

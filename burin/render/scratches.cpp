@@ -7,8 +7,10 @@
 #include <string>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/table.h"
+#include "burin/render/physical_bounds.h"
 
 namespace burin {
 namespace {
@@ -19,15 +21,16 @@ struct Column {
   const char* name;
   std::vector<double> Scratches::*values;
   bool required, positive;
+  double most;
 };
-constexpr std::array<Column, 8> kColumns{{{"x0_mm", &Scratches::x0_mm, true, false},
-                                          {"y0_mm", &Scratches::y0_mm, true, false},
-                                          {"x1_mm", &Scratches::x1_mm, true, false},
-                                          {"y1_mm", &Scratches::y1_mm, true, false},
-                                          {"width_um", &Scratches::width_um, false, true},
-                                          {"depth_um", &Scratches::depth_um, false, true},
-                                          {"alpha", &Scratches::alpha, false, true},
-                                          {"carved", &Scratches::carved, false, false}}};
+constexpr std::array<Column, 8> kColumns{{{"x0_mm", &Scratches::x0_mm, true, false, bound::kPlace_mm},
+                                          {"y0_mm", &Scratches::y0_mm, true, false, bound::kPlace_mm},
+                                          {"x1_mm", &Scratches::x1_mm, true, false, bound::kPlace_mm},
+                                          {"y1_mm", &Scratches::y1_mm, true, false, bound::kPlace_mm},
+                                          {"width_um", &Scratches::width_um, false, true, bound::kToolWidth_um},
+                                          {"depth_um", &Scratches::depth_um, false, true, bound::kDepth_um},
+                                          {"alpha", &Scratches::alpha, false, true, 1e9},
+                                          {"carved", &Scratches::carved, false, false, 1e9}}};
 
 /// All columns, those that are not in files too.
 constexpr std::array<std::vector<double> Scratches::*, kColumns.size() + 1> all_columns() {
@@ -75,6 +78,10 @@ Scratches read_scratches(const std::filesystem::path& file) {
       (scratches.*columns[c]->values).push_back(columns[c]->positive ? table.positive(c) : table.number(c));
     if (!scratches.carved.empty() && scratches.carved.back() != 0 && scratches.carved.back() != 1)
       fail(table.where(), "carved is neither 0 nor 1", "write 1 for what is carved already, 0 for the rest");
+    for (std::size_t c = 0; c < columns.size(); ++c)
+      if (std::abs((scratches.*columns[c]->values).back()) > columns[c]->most)
+        table.fail_at(c, "is " + std::string(table.text(c).substr(0, 40)) + ", beyond what any board holds",
+                      "write at most " + shortest(columns[c]->most) + ", and check its unit");
     if (!scratches.alpha.empty() && scratches.alpha.back() > 1)
       fail(table.where(), "alpha is greater than 1", "write a roughness above 0 and up to 1");
     if (std::hypot(scratches.x1_mm.back() - scratches.x0_mm.back(), scratches.y1_mm.back() - scratches.y0_mm.back()) <

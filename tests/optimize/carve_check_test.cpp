@@ -30,7 +30,7 @@ class CarveChecked : public ::testing::Test {
     board_.material.depth_um = 14;
     board_.flatness_um = 1;
     board_.tags.list = {{3, {10, 10}, 8, 0}};
-    board_.keep_out = {{"hole", {}, {100, 50}, 5}};
+    board_.keep_out = {{"hole", {}, {100, 50}, 5, 0}};
     bench_.material = board_.material;
     // Straight above the middle; the lamp 30 degrees aside.
     View view;

@@ -55,8 +55,10 @@ TEST(GcodeSafety, AMachinesNameMovesNothing) {
   // What a profile's numbers and lines would do wrong is found before a file is there.
   machine.name = "grbl";
   const std::string before = read_text(folder / "board.gcode");
+  const Scratches three =
+      read_scratches(folder.write("s.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n30,30,34,33\n40,30,44,33\n50,30,54,33\n"));
   const auto refused = [&](const std::string& why) {
-    EXPECT_THAT([&] { write_toolpath(scratches, board, nullptr, machine, {}, folder / "board.gcode"); },
+    EXPECT_THAT([&] { write_toolpath(three, board, nullptr, machine, {}, folder / "board.gcode"); },
                 ThrowsMessage<Error>(HasSubstr(why)));
     EXPECT_EQ(read_text(folder / "board.gcode"), before);
   };
@@ -64,7 +66,7 @@ TEST(GcodeSafety, AMachinesNameMovesNothing) {
   refused("a feed of 0 mm/min");
   machine.carve_feed_mm_min = 1200;
   machine.safe_z_mm = 1e-9;
-  refused("before the tool was lifted");
+  refused("travels on the face");
   machine.safe_z_mm = 1;
   machine.end = {"G0 Z1", "M2", "G0 X0 Y0"};
   refused("goes on after its end");
@@ -117,10 +119,36 @@ TEST(GcodeSafety, TheStrictReaderIsStrict) {
   EXPECT_EQ(done.strokes[0].z, 12500);
 }
 
+TEST(GcodeSafety, TheStrictReaderKnowsWhatASheetIs) {
+  strict::Sheet sheet;
+  sheet.width = 60, sheet.height = 50, sheet.deepest = 0.1;
+  sheet.standing = {{{{20, 10}, {25, 10}, {25, 40}, {20, 40}}, 0, 0, 0, 8}, {{}, 40, 25, 3, 0}};
+  strict::Controller controller;
+  controller.sheet = &sheet;
+  const auto alarm = [&](const std::string& lines) {
+    return strict::execute("G21 G90\n" + lines + "G0 Z9\nM2\n", controller).alarm;
+  };
+  const std::string there = "G0 Z9\nG0 X10 Y25\n";
+  EXPECT_EQ(alarm(there + "G1 Z-0.05 F99\nX15\nG0 Z9\nG0 X45 Y30\n"), "");
+  EXPECT_EQ(alarm("G0 Z1\nG0 X10 Y25\n"), "a first way too low");
+  EXPECT_EQ(alarm(there + "G0 X70\n"), "off the sheet");
+  EXPECT_EQ(alarm(there + "G1 Z-0.2 F99\nX15\n"), "deeper than the tip");
+  EXPECT_EQ(alarm(there + "G0 Z1\nG0 X30\n"), "through what stands there");
+  EXPECT_EQ(alarm(there + "G0 X36\nG1 Z-0.05 F99\nX44\n"), "carves what stands there");
+  sheet.face = [](double x, double) { return x < 32 ? 0.0 : 2.0; };
+  sheet.face_top = 2;
+  EXPECT_EQ(alarm("G0 Z11\nG0 X45 Y5\nG1 Z1.5 F99\nX46\n"), "deeper than the tip");
+  sheet.face = {};
+  EXPECT_EQ(strict::words_off_sheet("(X999)\nG0 X10 Y-2\nG1 Z-0.05\nG53 G0 X-400 Z0\n", sheet), "");
+  for (const char* line : {"G0 X66", "G1 Y-5.1", "G1 Z-0.2", "G0 Z151", "G53 G0 Z-3"})
+    EXPECT_NE(strict::words_off_sheet(line, sheet), "") << line;
+}
+
 // The short form of tests/reliability/gcode_fuzz_main.cpp.
 TEST(GcodeSafety, ChangedFilesAreReadAsStrictlyAsAControllerReads) {
   const GcodeFuzz fuzz = fuzz_gcode(20260101, 40000, 20);
   EXPECT_GT(fuzz.accepted, fuzz.runs / 50) << "too few good ones to say anything";
+  EXPECT_GT(fuzz.released, fuzz.runs / 100);
   for (const std::string& finding : fuzz.findings) ADD_FAILURE() << finding;
 }
 
@@ -128,6 +156,13 @@ TEST(GcodeSafety, ChangedProfilesWriteNothingThatIsUnsafe) {
   const TemporaryFolder folder;
   const GcodeFuzz fuzz = fuzz_profiles(20260102, 5000, 10, folder.path());
   EXPECT_GT(fuzz.accepted, fuzz.runs / 50) << "too few good ones to say anything";
+  for (const std::string& finding : fuzz.findings) ADD_FAILURE() << finding;
+}
+
+TEST(GcodeSafety, FilesWithAChangedNumberWriteNothingThatIsUnsafe) {
+  const TemporaryFolder folder;
+  const GcodeFuzz fuzz = fuzz_inputs(20260103, 3000, 10, folder.path());
+  EXPECT_GT(fuzz.accepted, fuzz.runs / 10) << "too few good ones to say anything";
   for (const std::string& finding : fuzz.findings) ADD_FAILURE() << finding;
 }
 

@@ -38,7 +38,7 @@ Board board() {
   b.carve_min_mm = {10, 10};
   b.carve_max_mm = {90, 70};
   b.tags.list = {{0, {15, 15}, 10, 0}};
-  b.keep_out = {{"hole", {}, {50, 40}, 6}};
+  b.keep_out = {{"hole", {}, {50, 40}, 6, 0}};
   return b;
 }
 
@@ -142,7 +142,8 @@ TEST(Probe, FilesAreReadAsTheMachineWouldBeforeTheyAreKept) {
           << name << ": " << what;
     };
     const std::size_t grid = good.rfind("G10 ");
-    const std::string lift = good.substr(good.find("G0 Z"), good.find('\n', good.find("G0 Z")) - good.find("G0 Z") + 1);
+    const std::size_t lifts = good.find("G0 Z", good.find("G38.2", grid));
+    const std::string lift = good.substr(lifts, good.find('\n', lifts) - lifts + 1);
     refused(lift, "", good.find("G38.2", grid), "without being lifted");
     refused(lift, "G0 Z-1\n", good.find("G38.2", grid), "goes down without probing");
     refused("G38.2", "G1", grid, "");

@@ -73,7 +73,8 @@ TEST(Toolpath, GcodeOfEveryMachineIsTheDesignReplayed) {
     EXPECT_LT(worst_mm(s, report.order, found), 0.51e-4) << name;  // four decimals
     EXPECT_THAT(text, AllOf(HasSubstr("G21"), HasSubstr("G90")));
     EXPECT_NEAR(replay.min_mm.z(), -0.014, 1e-9);
-    EXPECT_NEAR(replay.max_mm.z(), machine.safe_z_mm, 1e-9);
+    EXPECT_NEAR(replay.max_mm.z(), kFirstWay_mm, 1e-9);  // the first way, and behind the last scratch
+    EXPECT_NEAR(replay.lowest_travel_mm, machine.safe_z_mm, 1e-9);
     EXPECT_NEAR(report.duration_s, replay.duration_s, 1e-9);
     EXPECT_LT(report.travel_mm, report.file_order_travel_mm);
     for (std::istringstream lines(text); lines;) {

@@ -13,6 +13,7 @@ namespace burin {
 struct GcodeFuzz {
   std::uint64_t runs = 0;
   std::uint64_t accepted = 0;         ///< by the replay, or profiles that G-code was written with
+  std::uint64_t released = 0;         ///< of changed files: given out by the release check
   std::vector<std::string> findings;  ///< what was wrong, and the input; at most ten
 };
 
@@ -21,5 +22,9 @@ GcodeFuzz fuzz_gcode(std::uint64_t seed, std::uint64_t runs, double seconds);
 
 /// So many profiles; each is written to `folder` and read back by the ordinary reader.
 GcodeFuzz fuzz_profiles(std::uint64_t seed, std::uint64_t runs, double seconds, const std::filesystem::path& folder);
+
+/// So many times a tool path from files of which one number was changed: board, bench, heights, scratches or profile.
+/// Whatever is given out has to obey strict::Sheet.
+GcodeFuzz fuzz_inputs(std::uint64_t seed, std::uint64_t runs, double seconds, const std::filesystem::path& folder);
 
 }  // namespace burin

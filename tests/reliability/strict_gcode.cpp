@@ -1,5 +1,7 @@
 #include "tests/reliability/strict_gcode.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <set>
@@ -100,6 +102,39 @@ std::vector<Word> words_of(std::string_view line, const Controller& c) {
   return words;
 }
 
+constexpr double kSlack = 0.03;  // mm: what a file's decimals leave
+
+bool lies_in(const Standing& s, double x, double y) {
+  if (s.corners.empty()) return (x - s.x) * (x - s.x) + (y - s.y) * (y - s.y) < s.radius * s.radius;
+  // Turns round the place: a whole one if it lies inside.
+  double turned = 0;
+  for (std::size_t i = 0; i < s.corners.size(); ++i) {
+    const auto &p = s.corners[i], &q = s.corners[(i + 1) % s.corners.size()];
+    const double ax = p[0] - x, ay = p[1] - y, bx = q[0] - x, by = q[1] - y;
+    turned += std::atan2(ax * by - ay * bx, ax * bx + ay * by);
+  }
+  return std::abs(turned) > 3;
+}
+
+// A way looked at every quarter of a millimeter.
+void look_along(const Sheet& sheet, const double from[3], const double to[3], bool carves) {
+  const double length = std::hypot(to[0] - from[0], to[1] - from[1]);
+  const int looks = std::clamp(static_cast<int>(length / 0.25) + 2, 2, 4000);
+  for (int k = 0; k <= looks; ++k) {
+    const double t = static_cast<double>(k) / looks;
+    const double x = from[0] + t * (to[0] - from[0]), y = from[1] + t * (to[1] - from[1]);
+    const double above = from[2] + t * (to[2] - from[2]) - (sheet.face ? sheet.face(x, y) : 0);
+    if (above < -sheet.deepest - kSlack) throw Alarm{"deeper than the tip"};
+    const double bx = sheet.map[0] * x + sheet.map[1] * y + sheet.map[2],
+                 by = sheet.map[3] * x + sheet.map[4] * y + sheet.map[5];
+    for (const Standing& s : sheet.standing) {
+      if (!lies_in(s, bx, by)) continue;
+      if (carves && k > 0 && k < looks) throw Alarm{"carves what stands there"};
+      if (!carves && above < s.height - kSlack) throw Alarm{"through what stands there"};
+    }
+  }
+}
+
 struct State {
   const Controller& c;
   Executed& out;
@@ -121,6 +156,44 @@ struct State {
       throw Alarm{"a place out of reach"};
   }
 
+  // Height above the face, nanometers; where the file does not tell the place, above its highest one.
+  Int above(const Int p[3]) const {
+    if (p[2] == kUnknown || c.sheet == nullptr || !c.sheet->face) return p[2];
+    const double face = p[0] == kUnknown || p[1] == kUnknown ? c.sheet->face_top
+                                                             : c.sheet->face(1e-6 * double(p[0]), 1e-6 * double(p[1]));
+    return p[2] - std::llround(1e6 * face);
+  }
+
+  void meet_sheet(const Int to[3], bool goes, bool carves) const {
+    const Sheet& sheet = *c.sheet;
+    for (int axis = 0; axis < 2; ++axis)
+      if (to[axis] != kUnknown &&
+          (1e-6 * double(to[axis]) < -sheet.beside - kSlack ||
+           1e-6 * double(to[axis]) > (axis == 0 ? sheet.width : sheet.height) + sheet.beside + kSlack))
+        throw Alarm{"off the sheet"};
+    const auto height = [&](const Int p[3]) {
+      const double z = p[2] == kUnknown ? NAN : 1e-6 * double(p[2]);
+      return c.by_s && !pressed() ? std::fmax(z, c.servo_lift) : z;
+    };
+    if (c.by_s && to[2] != kUnknown && above(to) < 0) throw Alarm{"a servo below the face"};
+    double top = 0;
+    for (const Standing& s : sheet.standing) top = std::max(top, s.height);
+    const bool known = at[0] != kUnknown && at[1] != kUnknown && to[0] != kUnknown && to[1] != kUnknown;
+    if (!known) {
+      if (!goes) return;
+      const bool by_z = at[2] != kUnknown || to[2] != kUnknown;
+      if (std::fmin(height(at), height(to)) < (by_z ? sheet.face_top + std::max(top, sheet.first) : top) - kSlack)
+        throw Alarm{"a first way too low"};
+      return;
+    }
+    // A head that S presses is at its stroke's height, whatever Z is.
+    const double z1 = c.by_s && carves ? 0 : height(to);
+    const double z0 = c.by_s && carves ? 0 : std::isnan(height(at)) ? z1 : height(at);
+    const double from[3] = {1e-6 * double(at[0]), 1e-6 * double(at[1]), z0},
+                 end[3] = {1e-6 * double(to[0]), 1e-6 * double(to[1]), z1};
+    if (!std::isnan(z1)) look_along(sheet, from, end, carves);
+  }
+
   void move(const std::map<char, Int>& value) {
     if (units == 0 || !absolute || motion < 0) throw Alarm{"a move before its modes"};
     Int to[3] = {at[0], at[1], at[2]};
@@ -134,6 +207,9 @@ struct State {
     }
     if (motion == 1 && feed == 0) throw Alarm{"no feed"};
     const bool goes = (at[0] != to[0] || at[1] != to[1]);
+    const std::size_t strokes = out.strokes.size();
+    const bool followed = c.sheet != nullptr && c.sheet->face;
+    const Int above0 = above(at), above1 = above(to);
     if (c.by_s) {
       if (sideways && !spindle_known) throw Alarm{"a head that nobody lifted"};
       if (goes && pressed()) {
@@ -144,16 +220,16 @@ struct State {
         carved = true;
       }
     } else {
-      const bool below0 = at[2] != kUnknown && at[2] < 0, below1 = to[2] != kUnknown && to[2] < 0;
+      const bool below0 = at[2] != kUnknown && above0 < 0, below1 = to[2] != kUnknown && above1 < 0;
       if (sideways && at[2] == kUnknown) throw Alarm{"along the board at no known height"};
       if (goes && (below0 || below1)) {
         if (motion == 0) throw Alarm{"G0 in the metal"};
-        if (at[2] != to[2]) throw Alarm{"a slant"};
+        if (followed ? below0 != below1 : at[2] != to[2]) throw Alarm{"a slant"};
         if (at[0] == kUnknown || at[1] == kUnknown || to[0] == kUnknown || to[1] == kUnknown)
           throw Alarm{"from nowhere"};
         out.strokes.push_back({at[0], at[1], to[0], to[1], -to[2]});
         carved = true;
-      } else if (goes && (at[2] < kScrape || to[2] < kScrape)) {
+      } else if (goes && (above0 < kScrape || above1 < kScrape)) {
         throw Alarm{"scrapes along the face"};
       } else if (!goes && below1 && !below0) {
         if (motion == 0 || at[2] == kUnknown || to[0] == kUnknown || to[1] == kUnknown) throw Alarm{"a wild plunge"};
@@ -164,6 +240,7 @@ struct State {
         throw Alarm{"a hole"};
       }
     }
+    if (c.sheet != nullptr) meet_sheet(to, goes, out.strokes.size() > strokes);
     moved = true;
     for (int axis = 0; axis < 3; ++axis) at[axis] = to[axis];
   }
@@ -363,6 +440,30 @@ void execute_line(State& state, std::string_view text) {
 }
 
 }  // namespace
+
+std::string words_off_sheet(std::string_view text, const Sheet& sheet) {
+  int open = 0;
+  bool rest_is_comment = false, of_machine = false;  // G53: what is sent is a place of the machine
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\n') rest_is_comment = of_machine = false, open = 0;
+    if (text.substr(i, 3) == "G53") of_machine = true;
+    if (c == ';') rest_is_comment = true;
+    if (c == '(') ++open;
+    if (c == ')') --open;
+    if (rest_is_comment || open > 0 || (c != 'X' && c != 'Y' && c != 'Z')) continue;
+    if (of_machine && c != 'Z') continue;
+    const std::string number(text.substr(i + 1, 24));
+    const double mm = std::atof(number.c_str());
+    const double most = c == 'X' ? sheet.width + sheet.beside : c == 'Y' ? sheet.height + sheet.beside : 150;
+    // A face that is followed lies lower somewhere, by what a clamped sheet may tilt.
+    const double least = of_machine ? 0
+                         : c == 'Z' ? -sheet.deepest - (sheet.face ? 0.03 * std::hypot(sheet.width, sheet.height) : 0)
+                                    : -sheet.beside;
+    if (!(mm >= least - kSlack && mm <= most + kSlack)) return std::string(1, c) + number.substr(0, number.find('\n'));
+  }
+  return "";
+}
 
 Executed execute(std::string_view text, const Controller& controller) {
   Executed out;

@@ -17,6 +17,7 @@
 #include "burin/render/files/picture_file.h"
 #include "burin/render/files/profile_json.h"
 #include "burin/render/limits.h"
+#include "burin/render/physical_bounds.h"
 
 namespace burin {
 namespace {
@@ -56,7 +57,7 @@ int at_least(JsonObject& json, const std::string& key, int least, int fallback) 
 // The fields of a material; what is not there stays. The caller calls finish().
 void read_material_into(JsonObject& json, Material& material) {
   material.alpha = roughness(json, "alpha", material.alpha);
-  material.depth_um = json.positive("depth_um", material.depth_um);
+  material.depth_um = read_depth_um(json, "depth_um", material.depth_um);
   material.base_alpha = roughness(json, "base_alpha", material.base_alpha);
   material.f0 = color(json, "f0", material.f0);
 }
@@ -81,7 +82,7 @@ void read_board_truth(JsonObject json, BenchTruth& truth) {
   board.carve_max_mm = carve.row(1).transpose();
   if (!(board.carve_min_mm.array() < board.carve_max_mm.array()).all())
     json.fail_field("carve_mm", "is no rectangle", "write the lower-left and the upper-right corner");
-  truth.surface = {board.size_mm, json.vec3("bow_mm", Eigen::Vector3d::Zero())};
+  truth.surface = {board.size_mm, read_bow_mm(json, "bow_mm")};
   if (json.has("bend")) {
     board.bend = read_bend(json.object("bend"), board.size_mm);
     if (!truth.surface.bow_mm.isZero())
@@ -111,7 +112,7 @@ void read_board_truth(JsonObject json, BenchTruth& truth) {
     tags.finish();
   }
   JsonObject tool = json.object("tool");
-  board.tool_width_um = tool.positive("width_um");
+  board.tool_width_um = read_tool_width_um(tool, "width_um");
   tool.finish();
   json.finish();
 }

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "burin/optimize/carving/ends.h"
+#include "burin/optimize/carving/release_check.h"
 #include "burin/optimize/carving/sheet.h"
 #include "burin/optimize/carving/toolpath_check.h"
 #include "burin/optimize/design/glint.h"
@@ -37,7 +38,6 @@ struct Work {
   Bench bench;    ///< as given, or one that knows nothing
   Toolpath told;  ///< what the files carve, as they tell it
   std::vector<ReplayedScratch> replayed;
-  double lowest_travel_mm = std::numeric_limits<double>::infinity();
 };
 
 Work begin(const CarveCheckInput& input) {
@@ -46,6 +46,7 @@ Work begin(const CarveCheckInput& input) {
     work.bench = *input.bench;
   else
     work.bench.material = input.board.material;
+  work.told.workpiece = workpiece_of(input.board, input.bench ? &*input.bench : nullptr);
   work.told.face = face_to_follow(input.board, work.bench, input.heights, input.follow_bow);
   return work;
 }
@@ -57,7 +58,10 @@ void replay_files(Work& work, CarveCheck& check) {
   for (const std::filesystem::path& file : work.input.files) {
     CheckedFile done{file};
     try {
-      const Replay replay = replay_gcode(read_text(file), work.input.machine, file.string(), &work.told.face);
+      const ReleasedFile released =
+          check_release(read_text(file), work.input.machine, work.told.workpiece, work.told.face, file.string());
+      const Replay& replay = released.replay;
+      append(check.findings, released.faults);
       fail_unless_ended(replay, work.input.machine, file.string());
       done.scratches = replay.scratches.size();
       done.lines = replay.lines;
@@ -75,7 +79,6 @@ void replay_files(Work& work, CarveCheck& check) {
       check.carve_mm += replay.carve_mm;
       check.travel_mm += replay.travel_mm;
       if (done.scratches > 0) check.duration_s += replay.duration_s;
-      work.lowest_travel_mm = std::min(work.lowest_travel_mm, replay.lowest_travel_mm);
     } catch (const Error& error) {
       add(check, Severity::error, error.what(), "");
     }
@@ -212,25 +215,6 @@ void judge_places(const Work& work, CarveCheck& check) {
                "design again with these tags and keep-outs in board.json, or leave these scratches out (--mend)");
 }
 
-// What the machine itself cannot reach or would run into.
-void judge_machine(const Work& work, CarveCheck& check) {
-  const MachineProfile& machine = work.input.machine;
-  if (machine.travel && !work.told.scratches.empty() &&
-      ((check.tool_min_mm.head<2>().array() < machine.travel->min_mm.array()).any() ||
-       (check.tool_max_mm.head<2>().array() > machine.travel->max_mm.array()).any()))
-    add(check, Severity::error,
-        "the tool would leave the travel of " + machine.name + ": it is sent to X " + fixed(check.tool_min_mm.x(), 2) +
-            " to " + fixed(check.tool_max_mm.x(), 2) + ", Y " + fixed(check.tool_min_mm.y(), 2) + " to " +
-            fixed(check.tool_max_mm.y(), 2) + " mm",
-        "place the board elsewhere, or correct travel_mm");
-  const TagSet& tags = work.input.board.tags;
-  if (machine.depth_by != DepthBy::servo && !tags.list.empty() && work.lowest_travel_mm < tags.z_mm)
-    add(check, Severity::error,
-        "the tool travels " + fixed(work.lowest_travel_mm, 2) + " mm above the face, and the tags' paper is " +
-            fixed(tags.z_mm, 2) + " mm thick",
-        "raise safe_z_mm of the machine profile and make the tool path again");
-}
-
 // The way round all scratches in the air: there, and round these.
 void judge_frame(const Work& work, CarveCheck& check) {
   const auto frame = std::find_if(check.files.begin(), check.files.end(),
@@ -320,8 +304,8 @@ CarveCheck check_carve(const CarveCheckInput& input) {
   compare_with_design(work, check);
   carve_them(work, check);
   judge_places(work, check);
-  judge_machine(work, check);
   judge_frame(work, check);
+  append(check.findings, reach_findings(input.machine));
   append(check.findings, sheet_findings(work.told, input.board, input.bench ? &*input.bench : nullptr, input.machine));
   judge_glints(work, check);
   judge_crossings(work, check);

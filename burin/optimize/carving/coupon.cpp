@@ -14,6 +14,7 @@
 #include "burin/render/files/decimals.h"
 #include "burin/render/groove.h"
 #include "burin/render/keep_out.h"
+#include "burin/render/physical_bounds.h"
 
 namespace burin {
 namespace {
@@ -23,6 +24,7 @@ using Eigen::Vector2d;
 constexpr double kSize_mm = 60, kTag_mm = 5, kTagCenter_mm = 5, kCarve_mm = 10;  // paper reaches to 9.5 mm
 constexpr double kSpacing_mm = 0.27, kCloser_mm = 0.2;
 constexpr double kDeeper = 1.3;          // grooves may come out so much deeper than is believed without touching
+constexpr double kBeyondTable = 2;       // times the table's last preload
 constexpr int kMostAcross = 6;           // fans in a row
 constexpr double kFanGap_mm = 0.25;      // between fans
 constexpr double kShortestSpoke_mm = 1;  // shorter ones hardly show in a photo
@@ -80,6 +82,15 @@ std::vector<double> commands_of(const MachineProfile& machine, const CouponOptio
     for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) commands.push_back(first + share * (last - first));
   }
   check_rising(commands, fixed ? "depths" : "commands", falls(machine));
+  if (by_preload(machine.depth_by)) {
+    // Beyond the table lies what a coupon is to find out; far beyond it lies the spring's stop.
+    const double hardest_mm = std::min(kBeyondTable * machine.depth_table.rows.back().command, bound::kPreload_mm);
+    if (commands.back() > hardest_mm)
+      fail(kWhere,
+           "has a preload of " + significant(commands.back(), 4) + " mm, and the table of " + machine.name +
+               " ends at " + significant(machine.depth_table.rows.back().command, 4) + " mm",
+           "try " + significant(hardest_mm, 3) + " mm at most, and more once the machine's table holds that");
+  }
   for (const double command : commands)
     if (!(believed_depth_um(machine, command) > 0.05))
       fail(kWhere,
@@ -352,6 +363,9 @@ CouponPlan make_coupon(const MachineProfile& machine, const CouponOptions& optio
   if (options.number < 1 || options.number > kMostCoupons)
     fail(kWhere, "is number " + std::to_string(options.number),
          "number coupons from 1 to " + std::to_string(kMostCoupons));
+  if (!(options.tool_width_um > 0 && options.tool_width_um <= bound::kToolWidth_um))
+    fail(kWhere, "is for a tool of wt " + significant(options.tool_width_um, 4) + " um",
+         "give four times the tip's radius, at most " + shortest(bound::kToolWidth_um) + " um (--tool-width)");
   CouponPlan plan;
   const std::vector<double> commands = commands_of(machine, options);
   plan.machine = with_commands(machine, commands);
@@ -429,16 +443,24 @@ std::vector<Finding> check_place(const Board& board, const Vector2d& at_mm) {
   return {make_warning("the coupon lies in the board's carve area",
                        "keep designs off it: \"keep_out\": [{ \"name\": \"coupon\", \"rect_mm\": [[" +
                            shortest(at_mm.x()) + ", " + shortest(at_mm.y()) + "], [" + shortest(end_mm.x()) + ", " +
-                           shortest(end_mm.y()) + "]] }] in its board.json")};
+                           shortest(end_mm.y()) + "]], \"height_mm\": 0 }] in its board.json")};
 }
 
-Board coupon_on_machine(const CouponPlan& plan) {
+Board coupon_on_machine(const CouponPlan& plan, const Board* on) {
   Board board = plan.board;
   const Vector2d& at = plan.coupon.at_mm;
   board.size_mm += at;
   board.carve_min_mm += at;
   board.carve_max_mm += at;
   for (Tag& tag : board.tags.list) tag.center_mm += at;
+  if (on == nullptr) return board;
+  board.size_mm = on->size_mm;
+  board.flatness_um = on->flatness_um;
+  board.keep_out = on->keep_out;
+  for (const Tag& tag : on->tags.list) {
+    board.keep_out.push_back(tag_paper(tag, on->tags.family));
+    board.keep_out.back().height_mm = on->tags.z_mm;
+  }
   return board;
 }
 

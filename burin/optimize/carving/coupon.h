@@ -50,7 +50,8 @@ CouponPlan make_coupon(const MachineProfile& machine, const CouponOptions& optio
 /// tells where it lies in the carve area, where designs must be kept off it.
 std::vector<Finding> check_place(const Board& board, const Eigen::Vector2d& at_mm);
 
-/// The board with everything shifted by the coupon's place: as the machine sees it.
-Board coupon_on_machine(const CouponPlan& plan);
+/// The board with everything shifted by the coupon's place: as the machine sees it. `on`: the board on whose face it is
+/// carved, with what stands there; null on scrap.
+Board coupon_on_machine(const CouponPlan& plan, const Board* on = nullptr);
 
 }  // namespace burin

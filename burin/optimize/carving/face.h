@@ -25,6 +25,16 @@ struct Face {
 /// Height of the face at a place; the probed one where there are both.
 double height_mm(const Face& face, const Eigen::Vector2d& p_mm);
 
+/// Least and greatest height of a straight way above the face, mm: exact, since the face is looked at on each line of
+/// the height map's grid that the way crosses, and where it is nearest and farthest between two of them.
+struct HeightRange {
+  double least_mm = 0, most_mm = 0;
+};
+HeightRange height_above(const Face& face, const Eigen::Vector3d& from_mm, const Eigen::Vector3d& to_mm);
+
+/// Height of the face's highest place: of a probed one's points, of a bowed one's over the sheet; at least 0.
+double highest_mm(const Face& face);
+
 /// By which share of its depth a scratch may leave the depth that it is to have where a face is followed.
 inline constexpr double kFollowShare = 0.1;
 inline double depth_share(const Face& face) { return face.followed() ? kFollowShare : 0; }

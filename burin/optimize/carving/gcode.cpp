@@ -1,6 +1,7 @@
 #include "burin/optimize/carving/gcode.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -9,6 +10,7 @@
 
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/carving/gcode_line.h"
+#include "burin/optimize/carving/release_check.h"
 #include "burin/optimize/duration.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
@@ -23,11 +25,11 @@ struct BlockValues {
   const PlannedScratch* scratch = nullptr;
   std::size_t number = 0;
   const Face* face = nullptr;  ///< that depths follow
-  double highest_mm = 0;       ///< of the face: travel clears it
+  double z_safe_mm = 0;        ///< Z of travel before and after these lines
   double until = 1;            ///< how far along the scratch this line goes
 
   BlockValues(const MachineProfile& profile, const Toolpath& path)
-      : machine(profile), face(&path.face), highest_mm(path.highest_mm) {}
+      : machine(profile), face(&path.face), z_safe_mm(path.first_z_mm) {}
 };
 
 /// A feed, a force or a servo's position: no more decimals than a controller keeps.
@@ -55,7 +57,7 @@ std::vector<double> bends(const Face& face, const PlannedScratch& s) {
 std::optional<std::string> placeholder(const std::string& name, const BlockValues& values) {
   const MachineProfile& m = values.machine;
   const PlannedScratch* s = values.scratch;
-  if (name == "z_safe") return fixed(m.safe_z_mm + values.highest_mm, m.decimals);
+  if (name == "z_safe") return fixed(values.z_safe_mm, m.decimals);
   if (name == "feed") return plain(s != nullptr && s->feed_mm_min > 0 ? s->feed_mm_min : m.carve_feed_mm_min);
   if (name == "plunge_feed") return plain(m.plunge_feed_mm_min);
   if (name == "rapid") return plain(m.rapid_mm_min);
@@ -116,9 +118,17 @@ bool goes_along(const std::string& line) {
   return line.find("{x1}") != std::string::npos || line.find("{y1}") != std::string::npos;
 }
 
+/// Z of travel before and after a scratch: both, since blocks lift first or last. A part begins and ends above all.
+double travel_z(const Toolpath& path, const GcodePart& part, std::size_t i) {
+  if (i == part.first || i + 1 == part.first + part.count) return path.first_z_mm;
+  return std::max(path.scratches[i].travel_z_mm, path.scratches[i + 1].travel_z_mm);
+}
+
 /// Appends a scratch. Where the face is followed, the line along it says Z as well, and comes once for each bend.
-void append_scratch(std::string& text, const MachineProfile& machine, const Toolpath& path, std::size_t i) {
+void append_scratch(std::string& text, const MachineProfile& machine, const Toolpath& path, const GcodePart& part,
+                    std::size_t i) {
   BlockValues values(machine, path);
+  values.z_safe_mm = travel_z(path, part, i);
   values.scratch = &path.scratches[i];
   values.number = i + 1;
   const bool follows = path.face.followed() && machine.depth_by != DepthBy::servo;
@@ -140,13 +150,32 @@ void append_scratch(std::string& text, const MachineProfile& machine, const Tool
   }
 }
 
-/// A comment of ours. Words from outside come into it by comment_word() alone.
+/// Whether the profile's start lifts to {z_safe}: its files then know how high their first way lies.
+bool starts_lifted(const MachineProfile& machine) {
+  return std::any_of(machine.start.begin(), machine.start.end(),
+                     [](const std::string& line) { return line.find("{z_safe}") != std::string::npos; });
+}
+
+/// Ways in the air that no block of a profile makes. Marlin goes with the last feed unless told.
+void append_way(std::string& text, const MachineProfile& machine, const Eigen::Vector2d& to) {
+  text += "G0 X" + fixed(to.x(), machine.decimals) + " Y" + fixed(to.y(), machine.decimals) +
+          (machine.dialect == GcodeDialect::marlin ? " F" + plain(machine.rapid_mm_min) : "") + "\n";
+}
+void append_z(std::string& text, const MachineProfile& machine, double z_mm) {
+  text += "G0 Z" + fixed(z_mm, machine.decimals) +
+          (machine.dialect == GcodeDialect::marlin ? " F" + plain(machine.rapid_z_mm_min) : "") + "\n";
+}
+
+/// A comment of ours, in lines that the machine reads. Words from outside come into it by comment_word() alone.
 void append_comment(std::string& text, const MachineProfile& machine, const std::string& comment) {
-  text += machine.dialect == GcodeDialect::marlin ? "; " + comment + "\n" : "(" + comment + ")\n";
+  text += comment_lines(machine, comment);
 }
 
 /// What a person at the machine has to know of its depths.
 void append_notes(std::string& text, const MachineProfile& machine, const Toolpath& path) {
+  if (starts_lifted(machine))
+    append_comment(text, machine,
+                   "first way along X and Y: " + fixed(path.first_z_mm, 1) + " mm above zero, over sheet and clamps");
   if (path.face.followed())
     append_comment(text, machine,
                    "Z zero: the face at X" + fixed(path.face.zero_mm.x(), 3) + " Y" + fixed(path.face.zero_mm.y(), 3) +
@@ -158,7 +187,8 @@ void append_notes(std::string& text, const MachineProfile& machine, const Toolpa
 /// Scratches [first, first + count) of the path for each file: as many as its time and lines allow.
 std::vector<std::pair<std::size_t, std::size_t>> split(const Toolpath& path, const MachineProfile& machine,
                                                        double part_s) {
-  constexpr std::size_t kCommentLines = 10;
+  constexpr std::size_t kCommentLines = 30;  // at most, where lines are short
+  constexpr std::size_t kMostParts = 999;
   const std::size_t fixed_lines = machine.start.size() + machine.end.size() + kCommentLines;
   const std::size_t room = machine.max_lines == 0 ? std::numeric_limits<std::size_t>::max()
                            : static_cast<std::size_t>(machine.max_lines) > fixed_lines
@@ -174,8 +204,16 @@ std::vector<std::pair<std::size_t, std::size_t>> split(const Toolpath& path, con
     const double s = scratch_time(at, scratch.from_mm, scratch.to_mm, scratch.depth_mm, machine).total_s();
     at = scratch.to_mm;
     const std::size_t more = lines_each * (path.face.followed() ? bends(path.face, scratch).size() : 1);
+    if (more > room)
+      fail("tool path",
+           "has a scratch of " + std::to_string(more) + " lines, and max_lines of " +
+               std::to_string(machine.max_lines) + " leaves room for " + std::to_string(room),
+           "allow longer files (--max-lines, or max_lines of the machine profile)");
     const bool full = !parts.empty() && (more > room - std::min(room, lines) || (part_s > 0 && elapsed_s + s > part_s));
     if (parts.empty() || full) {
+      if (parts.size() == kMostParts)
+        fail("tool path", "would be more than " + std::to_string(kMostParts) + " files",
+             "allow longer ones (--chunks, --max-lines, or max_lines of the machine profile)");
       parts.emplace_back(i, 0);
       elapsed_s = 0;
       lines = 0;
@@ -196,11 +234,16 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
     GcodePart part{{}, parts[k].first, parts[k].second, 0};
     std::string body;
     append_block(body, machine.start, {machine, path});
-    for (std::size_t i = part.first; i < part.first + part.count; ++i) append_scratch(body, machine, path, i);
+    if (keeps_z(machine) && starts_lifted(machine)) {
+      append_way(body, machine, path.scratches[part.first].from_mm);
+      append_z(body, machine, path.kept_z_mm);
+    }
+    for (std::size_t i = part.first; i < part.first + part.count; ++i) append_scratch(body, machine, path, part, i);
     append_block(body, machine.end, {machine, path});
-    const Replay replay = replay_gcode(body, machine, "tool path, part " + std::to_string(k + 1), &path.face);
+    const std::string name = "tool path, part " + std::to_string(k + 1);
+    const Replay replay = fail_unless_released(body, machine, path.workpiece, path.face, name);
     part.duration_s = replay.duration_s;
-    fail_unless_carves(replay, path, part, machine, "tool path, part " + std::to_string(k + 1));
+    fail_unless_carves(replay, path, part, machine, name);
 
     // Short lines: grbl reads 79 characters. What is written is read back and replayed whole (replay_written).
     append_comment(part.text, machine, "Burin tool path for " + comment_word(machine.name) + ", mm");
@@ -232,7 +275,7 @@ std::string read_back(const std::filesystem::path& written, std::string_view tex
 
 Replay replay_written(const std::filesystem::path& written, std::string_view text, const Toolpath& path,
                       const MachineProfile& machine, const std::string& name) {
-  Replay replay = replay_gcode(read_back(written, text, name), machine, name, &path.face);
+  Replay replay = fail_unless_released(read_back(written, text, name), machine, path.workpiece, path.face, name);
   fail_unless_ended(replay, machine, name);
   return replay;
 }
@@ -247,16 +290,18 @@ void fail_unless_carves(const Replay& replay, const Toolpath& path, const GcodeP
 std::string frame_gcode(const Toolpath& path, const MachineProfile& machine) {
   std::string text;
   append_comment(text, machine, "Burin frame for " + comment_word(machine.name) + ", mm, in the air");
+  append_notes(text, machine, path);
   append_block(text, machine.start, {machine, path});
-  const auto go = [&](const std::string& how, double x, double y) {
-    text += how + " X" + fixed(x, machine.decimals) + " Y" + fixed(y, machine.decimals) + " F" +
+  const Eigen::Vector2d &low = path.min_mm, &high = path.max_mm;
+  const std::array<Eigen::Vector2d, 5> corners{low, {high.x(), low.y()}, high, {low.x(), high.y()}, low};
+  double z_mm = path.kept_z_mm;
+  for (std::size_t k = 0; k + 1 < corners.size() && !keeps_z(machine); ++k)
+    z_mm = std::max(z_mm, travel_z_mm(path.workpiece, path.face, machine, corners[k], corners[k + 1]));
+  append_way(text, machine, low);
+  if (starts_lifted(machine)) append_z(text, machine, z_mm);
+  for (std::size_t k = 1; k < corners.size(); ++k)
+    text += "G1 X" + fixed(corners[k].x(), machine.decimals) + " Y" + fixed(corners[k].y(), machine.decimals) + " F" +
             plain(machine.carve_feed_mm_min) + "\n";
-  };
-  go("G0", path.min_mm.x(), path.min_mm.y());
-  go("G1", path.max_mm.x(), path.min_mm.y());
-  go("G1", path.max_mm.x(), path.max_mm.y());
-  go("G1", path.min_mm.x(), path.max_mm.y());
-  go("G1", path.min_mm.x(), path.min_mm.y());
   append_block(text, machine.end, {machine, path});
   return text;
 }

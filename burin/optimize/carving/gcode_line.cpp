@@ -378,4 +378,19 @@ std::string comment_word(std::string_view text) {
   return word;
 }
 
+std::string comment_lines(const MachineProfile& machine, std::string_view text) {
+  const bool marlin = machine.dialect == GcodeDialect::marlin;
+  const std::size_t room = static_cast<std::size_t>(longest_line(machine)) - 2;
+  std::string lines;
+  while (!text.empty()) {
+    std::size_t end = text.size();
+    if (end > room) end = text.rfind(' ', room);
+    if (end == std::string_view::npos || end == 0) end = std::min(room, text.size());
+    lines += (marlin ? "; " : "(") + std::string(text.substr(0, end)) + (marlin ? "\n" : ")\n");
+    text.remove_prefix(end);
+    while (text.starts_with(' ')) text.remove_prefix(1);
+  }
+  return lines;
+}
+
 }  // namespace burin

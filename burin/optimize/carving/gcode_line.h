@@ -48,4 +48,8 @@ int longest_line(const MachineProfile& machine);
 /// all else becomes _, and what is longer than 40 characters is cut. No such text reaches G-code by another way.
 std::string comment_word(std::string_view text);
 
+/// A text of ours as comments of the machine's dialect, as many lines as it takes: none is longer than the machine
+/// reads.
+std::string comment_lines(const MachineProfile& machine, std::string_view text);
+
 }  // namespace burin

@@ -5,10 +5,22 @@
 #include <cmath>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
+#include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/limits.h"
+#include "burin/render/median.h"
+#include "burin/render/physical_bounds.h"
 
 namespace burin {
 namespace {
+
+constexpr double kLeastOutlier_mm = 0.03, kMostOutlier_mm = 0.15;  // chips and dust; a sheet's own waves are smooth
+constexpr double kOnGrid_mm = 0.05;
+constexpr double kZero_mm = 0.005;  // what rounding leaves of a height that is 0
+
+std::string place_text(const Eigen::Vector2d& p) { return "X" + fixed(p.x(), 2) + " Y" + fixed(p.y(), 2); }
+std::string um_text(double mm) { return fixed(1e3 * mm, 1) + " um"; }
 
 // Terms of the smooth surface at a place of the grid, X and Y from -1 to 1 over it.
 Eigen::VectorXd smooth_terms(const HeightMap& map, std::size_t i, int count) {
@@ -51,6 +63,8 @@ void read_rows(JsonObject& json, HeightMap& map) {
       map.probed.push_back(probed);
     }
   }
+  require_at_most(map.z_mm.size(), limit::kHeights, json.where() + ": z_mm", "heights",
+                  "probe at a greater distance: a sheet bends slowly");
   if (std::count(map.probed.begin(), map.probed.end(), true) < 4)
     json.fail_field("z_mm", "has fewer than four heights", "probe the face again (burin probe)");
 }
@@ -109,12 +123,50 @@ void fill_in(HeightMap& map) {
     double weights = 0, left = 0;
     for (std::size_t k = 0; k < map.z_mm.size(); ++k) {
       if (!map.probed[k]) continue;
-      const double weight = std::pow((map.at(k) - map.at(i)).squaredNorm(), -2);
+      const double square = (map.at(k) - map.at(i)).squaredNorm(), weight = 1 / (square * square);
       weights += weight;
       left += weight * (map.z_mm[k] - smooth[k]);
     }
     map.z_mm[i] = smooth[i] + left / weights;
   }
+}
+
+void fail_unless_plausible(const HeightMap& map, const std::string& name) {
+  const std::vector<double> smooth = smooth_heights(map);
+  const std::size_t last_column = map.columns - 1, last_row = map.z_mm.size() - map.columns;
+  const Eigen::Vector2d size = map.at(map.z_mm.size() - 1) - map.first_mm;
+  const Eigen::Vector2d tilt((smooth[last_column] - smooth[0] + smooth.back() - smooth[last_row]) / (2 * size.x()),
+                             (smooth[last_row] - smooth[0] + smooth.back() - smooth[last_column]) / (2 * size.y()));
+  if (!(tilt.norm() <= bound::kTilt))
+    fail(name,
+         "the face tilts by " + significant(100 * tilt.norm(), 3) + " mm in 100 mm, more than a clamped sheet does (" +
+             shortest(100 * bound::kTilt) + " mm)",
+         "clamp the sheet flat on the table and probe again");
+  std::vector<double> left;
+  for (std::size_t i = 0; i < map.z_mm.size(); ++i)
+    if (map.probed[i]) left.push_back(std::abs(map.z_mm[i] - smooth[i]));
+  const double limit_mm = std::clamp(8 * 1.4826 * median_of(left), kLeastOutlier_mm, kMostOutlier_mm);
+  for (std::size_t i = 0; i < map.z_mm.size(); ++i)
+    if (map.probed[i] && !(std::abs(map.z_mm[i] - smooth[i]) <= limit_mm))
+      fail(name,
+           "the point at " + place_text(map.at(i)) + " lies " + um_text(std::abs(map.z_mm[i] - smooth[i])) +
+               (map.z_mm[i] > smooth[i] ? " above" : " below") + " the smooth face round it (more than " +
+               um_text(limit_mm) + ")",
+           "look for a chip or dust there, clean the sheet and the tool, and probe again");
+  // A step between neighbors: two sheets, a contact that slipped. What the plane tells of it is taken away first.
+  for (std::size_t i = 0; i < map.z_mm.size(); ++i)
+    for (const std::size_t next : {i + 1, i + map.columns}) {
+      const bool along = next == i + 1;
+      if (next >= map.z_mm.size() || (along && next % map.columns == 0) || !map.probed[i] || !map.probed[next])
+        continue;
+      const double way_mm = along ? map.step_mm.x() : map.step_mm.y();
+      const double step_mm = std::abs(map.z_mm[next] - map.z_mm[i] - way_mm * (along ? tilt.x() : tilt.y()));
+      if (step_mm > bound::kTilt * way_mm + kLeastOutlier_mm)
+        fail(name,
+             "the face steps by " + um_text(step_mm) + " between " + place_text(map.at(i)) + " and " +
+                 place_text(map.at(next)) + ", more than a sheet does",
+             "look for a chip, dust or a second sheet there, and probe again");
+    }
 }
 
 HeightMap read_heights(const std::filesystem::path& file) {
@@ -131,6 +183,13 @@ HeightMap read_heights(const std::filesystem::path& file) {
   read_rows(json, map);
   json.finish();
   fill_in(map);
+  fail_unless_plausible(map, file.string());
+  if (!(beyond_mm(map, map.zero_mm) <= kOnGrid_mm))
+    json.fail_field("zero_mm", "is " + to_json(map.zero_mm).dump() + ", beyond the grid",
+                    "write the place where Z zero was set, in machine coordinates");
+  if (!(std::abs(height_mm(map, map.zero_mm)) <= kZero_mm))
+    json.fail_field("z_mm", "has the face at zero_mm at " + fixed(height_mm(map, map.zero_mm), 4) + " mm, and not at 0",
+                    "count heights from the place where Z zero was set, or probe again (burin probe)");
   return map;
 }
 

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace burin {
@@ -45,7 +46,12 @@ std::vector<double> smooth_heights(const HeightMap& map);
 /// Gives the points that were not probed the smooth surface's height, corrected by what their neighbors leave over.
 void fill_in(HeightMap& map);
 
-/// Reads `heights.json`. Throws Error naming file and field for anything missing, unknown or out of range.
+/// Throws Error naming `name` for heights that no sheet on a machine has: its plane tilts, a point stands out of the
+/// smooth face round it, or neighbors differ by a step (chips, dust, a contact that bounced, another file's numbers).
+void fail_unless_plausible(const HeightMap& map, const std::string& name);
+
+/// Reads `heights.json`. Throws Error naming file and field for anything missing, unknown or out of range, for
+/// heights that are not plausible, and where the face at `zero_mm` does not lie at 0 or that place is beyond the grid.
 HeightMap read_heights(const std::filesystem::path& file);
 
 /// Writes `heights.json`, atomically.

@@ -9,6 +9,7 @@
 
 #include "burin/optimize/carving/carving_order.h"
 #include "burin/optimize/carving/face.h"
+#include "burin/optimize/carving/workpiece.h"
 #include "burin/render/carve.h"
 
 namespace burin {
@@ -19,6 +20,7 @@ struct PlannedScratch {
   Eigen::Vector2d from_mm, to_mm;  ///< machine coordinates, compensated
   double depth_mm = 0;             ///< below the face, positive
   double feed_mm_min = 0;          ///< along it; 0: the machine's
+  double travel_z_mm = 0;          ///< Z of the way to it from the scratch before
 };
 
 struct Toolpath {
@@ -29,7 +31,9 @@ struct Toolpath {
   double carve_mm = 0, travel_mm = 0;     ///< ways in the metal and in the air (from work zero)
   double file_order_travel_mm = 0;        ///< what the travel would be in the order of the scratches given
   Face face;                              ///< that the depths follow
-  double highest_mm = 0;                  ///< of the face, where the path goes: what the tool's travel must clear
+  double first_z_mm = 0;                  ///< Z of a file's first way along X and Y, and of its last
+  double kept_z_mm = 0;                   ///< Z while scratches are carved, of machines whose Z stays (keeps_z())
+  Workpiece workpiece;                    ///< that it is carved into
   double duration_s = 0;                  ///< estimate, with acceleration, for the built-in way to carve a scratch
   bool kept_order = false;                ///< whether the order is that of the scratches given
   bool compensated = false;               ///< whether a measured map, or a machine's errors, were undone

@@ -11,18 +11,15 @@
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/table.h"
 #include "burin/render/keep_out.h"
-#include "burin/render/median.h"
 
 namespace burin {
 namespace {
 
-constexpr double kSearch_mm = 2;           // how far below zero the face is looked for
-constexpr double kStop_mm = 5e-4;          // way that stopping may take
-constexpr double kTravel_mm = 2;           // above the first point, at least: the sheet may tilt
-constexpr double kClear_mm = 1.5;          // of tags and keep-outs
-constexpr double kSamePlace_mm = 0.05;     // between a probed point and where it should be
-constexpr double kMostTilt = 0.02;         // mm a mm: more is a sheet that is not clamped, or a wrong log
-constexpr double kLeastOutlier_mm = 0.03;  // chips and dust; a sheet's own waves are smooth
+constexpr double kSearch_mm = 2;        // how far below zero the face is looked for
+constexpr double kStop_mm = 5e-4;       // way that stopping may take
+constexpr double kTravel_mm = 2;        // above the first point, at least: the sheet may tilt
+constexpr double kClear_mm = 1.5;       // of tags and keep-outs
+constexpr double kSamePlace_mm = 0.05;  // between a probed point and where it should be
 constexpr double kDrift_mm = 0.005, kMostDrift_mm = 0.025;
 
 struct Point {
@@ -183,44 +180,21 @@ HeightMap map_of(const std::vector<Point>& run, const std::string& name) {
   return map;
 }
 
-// Points that stand out of the smooth surface by far more than the others: chips, dust, a contact that bounced.
-void check_plausible(const HeightMap& map, const std::string& name) {
-  const std::vector<double> smooth = smooth_heights(map);
-  const std::size_t last_column = map.columns - 1, last_row = map.z_mm.size() - map.columns;
-  const Eigen::Vector2d size = map.at(map.z_mm.size() - 1) - map.first_mm;
-  const double tilt_x = (smooth[last_column] - smooth[0] + smooth.back() - smooth[last_row]) / (2 * size.x());
-  const double tilt_y = (smooth[last_row] - smooth[0] + smooth.back() - smooth[last_column]) / (2 * size.y());
-  if (std::hypot(tilt_x, tilt_y) > kMostTilt)
-    fail(name,
-         "the face tilts by " + fixed(100 * std::hypot(tilt_x, tilt_y), 2) +
-             " mm in 100 mm, more than a clamped sheet " + "does (" + shortest(100 * kMostTilt) + " mm)",
-         "clamp the sheet flat on the table and probe again");
-  std::vector<double> left;
-  for (std::size_t i = 0; i < map.z_mm.size(); ++i)
-    if (map.probed[i]) left.push_back(std::abs(map.z_mm[i] - smooth[i]));
-  const double limit_mm = std::max(kLeastOutlier_mm, 8 * 1.4826 * median_of(left));
-  for (std::size_t i = 0; i < map.z_mm.size(); ++i)
-    if (map.probed[i] && std::abs(map.z_mm[i] - smooth[i]) > limit_mm)
-      fail(name,
-           "the point at " + word_of_place(map.at(i)) + " lies " + um(std::abs(map.z_mm[i] - smooth[i])) +
-               (map.z_mm[i] > smooth[i] ? " above" : " below") + " the smooth face round it (more than " +
-               um(limit_mm) + ")",
-           "look for a chip or dust there, clean the sheet and the tool, and probe again");
-}
-
 }  // namespace
 
 ProbePlan probe_plan(const Board& board, double spacing_mm) {
   const Eigen::Vector2d size = board.carve_max_mm - board.carve_min_mm;
   if (!(spacing_mm > 0)) fail("probe", "a spacing of " + shortest(spacing_mm) + " mm", "give a distance in mm above 0");
-  const auto count = [&](double side) { return std::max(3L, std::lround(side / spacing_mm) + 1); };
-  const long columns = count(size.x()), rows = count(size.y());
-  constexpr long kMostPoints = 10000;
-  if (columns * rows > kMostPoints)
-    fail("probe", "a spacing of " + shortest(spacing_mm) + " mm makes " + std::to_string(columns * rows) + " points",
-         "probe at a greater distance; a sheet bends slowly");
+  constexpr double kMostPoints = 10000;
+  const auto count = [&](double side) { return std::max(3.0, std::round(side / spacing_mm) + 1); };
+  if (!(count(size.x()) * count(size.y()) <= kMostPoints))
+    fail("probe",
+         "a spacing of " + shortest(spacing_mm) + " mm makes " + coarse(count(size.x()) * count(size.y())) + " points",
+         "probe at a greater distance, for at most " + shortest(kMostPoints) + "; a sheet bends slowly");
+  const auto columns = static_cast<long>(count(size.x())), rows = static_cast<long>(count(size.y()));
   const CarvingLimits limits = carving_limits(board, {}, board.material.depth_um, CarvingLimits().affine);
   ProbePlan plan;
+  plan.workpiece = workpiece_of(board, nullptr);
   for (long r = 0; r < rows; ++r)
     for (long k = 0; k < columns; ++k) {
       const long c = r % 2 == 0 ? k : columns - 1 - k;
@@ -251,22 +225,34 @@ std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine) {
     return "G0 X" + fixed(p.x(), machine.decimals) + " Y" + fixed(p.y(), machine.decimals) + "\n";
   };
   const double feed = 60 * std::sqrt(2 * machine.acceleration_z_mm_s2 * kStop_mm);
-  const std::string slow = " F" + fixed(std::max(1.0, std::floor(feed)), 0) + "\n";
+  const std::string slow = " F" + fixed(std::clamp(std::floor(feed), 1.0, kTouchFeed_mm_min), 0) + "\n";
   const std::string touch = "G38.2 Z" + z(-kSearch_mm) + slow;
-  const std::string lift = "G0 Z" + z(std::max(machine.safe_z_mm, kTravel_mm)) + "\n";
+  const double lift_mm = std::max(machine.safe_z_mm, kTravel_mm);
+  const double first_mm = std::max(first_z_mm(plan.workpiece, {}, machine), lift_mm);
+  const auto lift = [&](double mm) { return "G0 Z" + z(mm) + "\n"; };
 
-  std::string text = "(Burin probing for " + comment_word(machine.name) + ", mm)\n(" +
-                     std::to_string(plan.points_mm.size() - 1) +
-                     " points of the face)\n(tool and sheet close the probe's contact; try that by hand first)\n" +
-                     "(before: work zero at the lower left corner, Z zero on the face by eye)\n" +
-                     "(this file sets Z zero at the first point; leave it so until carved)\n";
+  std::string text;
+  for (const std::string& line :
+       {"Burin probing for " + comment_word(machine.name) + ", mm",
+        std::to_string(plan.points_mm.size() - 1) + " points of the face",
+        std::string("tool and sheet close the contact of the probe, try that by hand first"),
+        std::string("before: work zero at the lower left corner, Z zero on the face by eye"),
+        "first way along X and Y: " + fixed(first_mm, 1) + " mm above zero, over sheet and clamps",
+        std::string("this file sets Z zero at the first point, leave it so until carved")})
+    text += comment_lines(machine, line);
   if (machine.laser) text += "M5 S0\n";
-  text += "G21 G90 G17 G94 G54\n" + lift + go(plan.points_mm.front());
+  text += "G21 G90 G17 G94 G54\n" + lift(first_mm) + go(plan.points_mm.front());
   // Quickly to find the face, then slowly for its height.
-  text += "G38.2 Z" + z(-kSearch_mm) + " F60\nG10 L20 P1 Z0\nG0 Z" + z(0.3) + "\n" + touch + "G10 L20 P1 Z0\n" + lift;
+  text += "G38.2 Z" + z(-kSearch_mm) + " F" + fixed(kTouchFeed_mm_min, 0) + "\nG10 L20 P1 Z0\nG0 Z" + z(0.3) + "\n" +
+          touch + "G10 L20 P1 Z0\n" + lift(lift_mm);
   const bool logs = machine.dialect == GcodeDialect::linuxcnc;
   if (logs) text += "(PROBEOPEN burin-probe.txt)\n";
-  for (const Eigen::Vector2d& p : plan.points_mm) text.append(go(p)).append(touch).append(lift);
+  for (std::size_t k = 0; k < plan.points_mm.size(); ++k) {
+    const Eigen::Vector2d& p = plan.points_mm[k];
+    const bool last = k + 1 == plan.points_mm.size();
+    const double next_mm = last ? first_mm : travel_z_mm(plan.workpiece, {}, machine, p, plan.points_mm[k + 1]);
+    text.append(go(p)).append(touch).append(lift(std::max(lift_mm, next_mm)));
+  }
   if (logs) text += "(PROBECLOSE)\n";
   return text + "M2\n";
 }
@@ -283,7 +269,7 @@ ProbedHeights read_probe_log(std::string_view log, const std::filesystem::path& 
   ProbedHeights out;
   out.map = map_of(run, name);
   out.map.log = log_file;
-  check_plausible(out.map, name);
+  fail_unless_plausible(out.map, name);
   const double drift = std::abs(out.map.drift_mm);
   if (drift > kMostDrift_mm)
     fail(name, "the first point lies " + um(drift) + " elsewhere at the end than at the beginning",

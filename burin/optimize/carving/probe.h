@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "burin/optimize/carving/height_map.h"
+#include "burin/optimize/carving/workpiece.h"
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/board.h"
 #include "burin/render/finding.h"
@@ -24,11 +25,15 @@ namespace burin {
 /// side to side. The last one is the first again.
 struct ProbePlan {
   std::vector<Eigen::Vector2d> points_mm;
+  Workpiece workpiece;  ///< that is probed
 };
 
 /// A grid over the carve area with about this distance between its points. Throws Error where fewer than four points
 /// are free.
 ProbePlan probe_plan(const Board& board, double spacing_mm);
+
+/// The fastest that the face is touched, mm/min.
+inline constexpr double kTouchFeed_mm_min = 60;
 
 /// The file for the machine. Throws Error for machines that cannot say heights finely enough (Marlin), and for those
 /// whose depth does not come from Z (servos).

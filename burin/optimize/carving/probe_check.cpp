@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "burin/optimize/carving/gcode_line.h"
+#include "burin/optimize/carving/release_check.h"
 #include "burin/render/error.h"
 
 namespace burin {
@@ -25,13 +26,15 @@ std::optional<double> probing_depth(std::string_view line) {
   if (z_error != std::errc() || !line.starts_with(" F")) return std::nullopt;
   line.remove_prefix(2);
   const auto [f_end, f_error] = std::from_chars(line.data(), line.data() + line.size(), feed, std::chars_format::fixed);
-  if (f_error != std::errc() || f_end != line.data() + line.size() || !(feed > 0)) return std::nullopt;
+  if (f_error != std::errc() || f_end != line.data() + line.size()) return std::nullopt;
+  if (!(feed >= 1 && feed <= kTouchFeed_mm_min)) return std::nullopt;
   return z;
 }
 
 class ProbingMachine {
  public:
-  ProbingMachine(const MachineProfile& machine, const std::string& name) : machine_(machine), name_(name) {}
+  ProbingMachine(const MachineProfile& machine, const std::string& name, ReleaseCheck& release)
+      : machine_(machine), name_(name), release_(release) {}
 
   void run(std::string_view line) {
     ++number_;
@@ -64,8 +67,10 @@ class ProbingMachine {
     require_ready();
     if (!at_mm_.allFinite() || on_face_ || !(depth_mm < 0)) error("probes from no place above the face");
     touched_mm_.push_back(at_mm_);
+    release_.judge_touch({{at_mm_.x(), at_mm_.y(), z_mm_}, {at_mm_.x(), at_mm_.y(), 0}, number_, false});
     on_face_ = true;
     lifted_ = false;
+    z_mm_ = 0;
   }
 
   void set_zero() {
@@ -92,14 +97,17 @@ class ProbingMachine {
     if (!line.has_axis()) return;
     require_ready();
     if (!line.has_g(0)) error("is no rapid move and no probing one");
+    const Eigen::Vector3d from(at_mm_.x(), at_mm_.y(), z_mm_);
     if (line.has('Z')) {
       if (!(line['Z'] > 0)) error("goes down without probing");
+      z_mm_ = line['Z'];
       on_face_ = false;
       lifted_ = line['Z'] >= machine_.safe_z_mm - rounded_mm_;
     }
-    if (!line.has('X') && !line.has('Y')) return;
+    if (!line.has('X') && !line.has('Y')) return release_.judge({from, {from.x(), from.y(), z_mm_}, number_, false});
     if (!lifted_ || line.has('Z')) error("travels along the board without being lifted clear of it");
     at_mm_ = {line.has('X') ? line['X'] : at_mm_.x(), line.has('Y') ? line['Y'] : at_mm_.y()};
+    release_.judge({from, {at_mm_.x(), at_mm_.y(), z_mm_}, number_, false});
     if (machine_.travel && at_mm_.allFinite() &&
         ((at_mm_.array() < machine_.travel->min_mm.array() - rounded_mm_).any() ||
          (at_mm_.array() > machine_.travel->max_mm.array() + rounded_mm_).any()))
@@ -112,6 +120,8 @@ class ProbingMachine {
   double rounded_mm_ = std::pow(10.0, -machine_.decimals);
   std::vector<Eigen::Vector2d> touched_mm_;
   Eigen::Vector2d at_mm_{NAN, NAN};
+  double z_mm_ = NAN;
+  ReleaseCheck& release_;
   std::size_t number_ = 0, zeros_ = 0;
   bool mm_ = false, absolute_ = false, lifted_ = false, on_face_ = false, ended_ = false;
 };
@@ -120,7 +130,9 @@ class ProbingMachine {
 
 void fail_unless_probes(std::string_view gcode, const ProbePlan& plan, const MachineProfile& machine,
                         const std::string& name) {
-  ProbingMachine probe(machine, name);
+  const Face even;
+  ReleaseCheck release(plan.workpiece, machine, even);
+  ProbingMachine probe(machine, name, release);
   for (std::string_view rest = gcode; !rest.empty();) {
     const std::size_t end = rest.find('\n');
     probe.run(rest.substr(0, end));
@@ -136,6 +148,7 @@ void fail_unless_probes(std::string_view gcode, const ProbePlan& plan, const Mac
     as_planned = (probe.touched_mm()[i] - planned[i]).norm() < rounded_mm;
   if (!as_planned)
     fail(name, "does not touch each planned point once, in order, and end", "write it again, and report this");
+  release.fail_unless_safe(name);
 }
 
 }  // namespace burin

@@ -7,6 +7,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/parameter_name.h"
+#include "burin/render/physical_bounds.h"
 #include "burin/render/surface.h"
 
 namespace burin {
@@ -98,6 +99,7 @@ Face face_to_follow(const Board& board, const Bench& bench, const std::optional<
   if (follow_bow) {
     if (bench.bow_mm.isZero())
       fail("tool path", "there is no measured bow to follow", "give the bench.json that photos of this sheet measured");
+    fail_unless_bow_fits(bench.bow_mm, board.size_mm, "tool path");
     face.bow = Surface{board.size_mm, bench.bow_mm};
   }
   face.zero_mm = face.map ? face.map->zero_mm : board.carve_min_mm;
@@ -124,6 +126,10 @@ double depth_error_mm(const MachineProfile& machine, double depth_mm, double une
 std::vector<Finding> sheet_findings(const Toolpath& path, const Board& board, const Bench* measured,
                                     const MachineProfile& machine) {
   std::vector<Finding> findings;
+  if (!board.mesh.empty())
+    add(findings, Finding::Severity::warning,
+        "this board has the shape of " + board.mesh.filename().string() + ", and G-code is for the flat sheet",
+        "carve it flat, before it is given its shape; on a face that is shaped already no file of Burin's is right");
   const DepthRange depth = depth_range(path);
   const double rounding_mm = 0.5 * std::pow(10.0, -machine.decimals);
   if (depth_error_mm(machine, depth.least_mm, rounding_mm) > kNoticed * depth.least_mm)

@@ -29,15 +29,16 @@ constexpr double kTravelRounding_mm = 1e-3;  // of the machine's bounds
 
 class Machine {
  public:
-  Machine(const MachineProfile& profile, std::string name, const Face* face)
-      : profile_(profile), name_(std::move(name)), face_(face != nullptr && face->followed() ? face : nullptr) {
+  Machine(const MachineProfile& profile, std::string name, const Face* face,
+          const std::function<void(const ToolWay&)>& each_way)
+      : profile_(profile),
+        name_(std::move(name)),
+        face_(face != nullptr && face->followed() ? face : nullptr),
+        each_way_(each_way) {
     replay_.min_mm.setConstant(kUnknown);
     replay_.max_mm.setConstant(kUnknown);
-    // A head that never goes below the face presses: its feed moves are its scratches.
     by_servo_ = profile.depth_by == DepthBy::servo;
-    carves_below_face_ =
-        !by_servo_ && std::any_of(profile.per_scratch.begin(), profile.per_scratch.end(),
-                                  [](const std::string& line) { return line.find("{z_carve}") != std::string::npos; });
+    presses_ = presses_by_itself(profile);
   }
 
   void line(std::string_view text) {
@@ -66,8 +67,7 @@ class Machine {
   }
 
   Replay finish() {
-    if (carves_below_face_ && clearance_mm(at_) < 0)
-      error("the file ends with the tool in the metal", "lift it at the end");
+    if (clearance_mm(at_) < 0) error("the file ends with the tool in the metal", "lift it at the end");
     if (by_servo_ && head_depth_mm_ > 0) error("the file ends with the head pressed down", "lift it at the end");
     if (spindle_on_ && !by_servo_ && !replay_.ended) error("the file ends with the spindle on", "add M5 at the end");
     return std::move(replay_);
@@ -180,7 +180,7 @@ class Machine {
     return face_ == nullptr || !p.allFinite() ? p.z() : p.z() - height_mm(*face_, p.head<2>());
   }
 
-  bool in_metal() const { return by_servo_ ? head_depth_mm_ > 0 : carves_below_face_ && clearance_mm(at_) < 0; }
+  bool in_metal() const { return by_servo_ ? head_depth_mm_ > 0 : clearance_mm(at_) < 0; }
 
   /// Home, or another place that was stored on the machine: where that is the file does not tell.
   void go_home(const GcodeLine& words = {}) {
@@ -188,21 +188,35 @@ class Machine {
     // All but Marlin take the words for a place of the board to go by.
     if (words.has_axis() && profile_.dialect != GcodeDialect::marlin)
       error("goes home by a place of the board", "lift the tool by a line of its own, and take X, Y and Z away");
+    leave_for_unknown(words);
+  }
+
+  /// To a place that the file does not tell, along the axes that the words name, or all.
+  void leave_for_unknown(const GcodeLine& words) {
+    const Eigen::Vector3d from = at_;
     for (int axis = 0; axis < 3; ++axis)
       if (!words.has_axis() || words.has("XYZ"[axis])) at_[axis] = kUnknown;
     moved_ = true;
+    if (each_way_) each_way_({from, at_, replay_.lines, false});
   }
 
   /// G53: a place in the machine's own coordinates.
   void go_in_machine_coordinates(const GcodeLine& words) {
     if (in_metal()) error("leaves for a place of the machine with the tool in the metal", "lift it first");
     const bool along = words.has('X') || words.has('Y');
-    if (along && (words.has('Z') || (carves_below_face_ && !(clearance_mm(at_) >= kLeastTravel_mm))))
+    if (along && (words.has('Z') || (!by_servo_ && !clear_of_face(at_))))
       error("moves along the board in machine coordinates before the tool was lifted", "lift it by a line of its own");
+    if (words.has('Z') && words['Z'] < 0)
+      error("goes down to a place of the machine (G53 Z), and what is there the file does not tell",
+            "write G53 G0 Z0, the highest place that it has");
     if (!moving_ || !words.has_axis()) error("has a G53 without a move", "write G0 and a place, or take it away");
-    for (int axis = 0; axis < 3; ++axis)
-      if (words.has("XYZ"[axis])) at_[axis] = kUnknown;
-    moved_ = true;
+    leave_for_unknown(words);
+  }
+
+  /// Whether a place is high enough for a way along the board. A head that presses by itself needs no Z.
+  bool clear_of_face(const Eigen::Vector3d& p) const {
+    const double mm = clearance_mm(p);
+    return presses_ ? !(mm < 0) : mm >= kLeastTravel_mm;
   }
 
   void dwell(const GcodeLine& words) {
@@ -237,7 +251,7 @@ class Machine {
 
   /// Straight down and up: into the metal once for each scratch, and not deeper meanwhile.
   void check_plunge(const Eigen::Vector3d& to, double along_mm, double up_mm) {
-    if (by_servo_ || !carves_below_face_ || along_mm > 0) return;
+    if (by_servo_ || along_mm > 0) return;
     const double from_mm = clearance_mm(at_), to_mm = clearance_mm(to);
     if (to_mm < 0 && !(from_mm < 0)) {
       if (rapid_) error("goes into the metal with G0", "plunge with G1");
@@ -264,15 +278,19 @@ class Machine {
     moved_ = true;
     const Eigen::Vector2d along = to.head<2>() - at_.head<2>();
     const bool along_board = words.has('X') || words.has('Y');
-    if (along_board && std::isnan(at_.z()) && carves_below_face_)
+    if (along_board && std::isnan(at_.z()) && !by_servo_ && !presses_)
       error("moves along the board before the tool was lifted", "go to a safe height first");
     if (along_board && by_servo_ && std::isnan(head_depth_mm_))
       error("moves along the board before the head was lifted", "lift it first");
     if (along_board && by_servo_ && head_depth_mm_ > 0 && !along.allFinite())
       error("carves from a place that the file does not tell", "go to its beginning first, lifted");
-    if (along_board && carves_below_face_ && !along.allFinite() &&
-        !(clearance_mm(to) >= kLeastTravel_mm && clearance_mm(at_) >= kLeastTravel_mm))
+    if (by_servo_ && clearance_mm(to) < 0)
+      error("goes below the face to Z" + fixed(to.z(), 4) + ", and a servo presses the head, not Z",
+            "keep Z at the safe height");
+    if (along_board && !by_servo_ && !along.allFinite() && !(clear_of_face(to) && clear_of_face(at_)))
       error("moves along the board before the tool was lifted", "go to a safe height first");
+    if (presses_ && along_board && !rapid_ && !along.allFinite())
+      error("carves from a place that the file does not tell", "go to its beginning first, lifted");
     for (int axis = 0; axis < 3; ++axis) {
       if (std::isnan(to[axis])) continue;
       replay_.min_mm[axis] = std::fmin(replay_.min_mm[axis], to[axis]);
@@ -284,6 +302,7 @@ class Machine {
     const double up_mm = std::isnan(to.z() - at_.z()) ? 0 : std::abs(to.z() - at_.z());
     const bool in_metal = along_mm > 0 && goes_through_metal(to, up_mm);
     check_plunge(to, along_mm, up_mm);
+    if (each_way_) each_way_({at_, to, replay_.lines, in_metal});
     if (!rapid_ && feed_mm_min_ <= 0) error("a G1 without a feed rate", "add F");
     replay_.duration_s += duration_s(along_mm, up_mm);
     if (in_metal)
@@ -300,14 +319,14 @@ class Machine {
       if (head_depth_mm_ > 0 && rapid_) error("moves with G0 through the metal", "carve with G1");
       return head_depth_mm_ > 0;
     }
-    if (!carves_below_face_) return !rapid_;
     const double from_mm = clearance_mm(at_), to_mm = clearance_mm(to);
+    if (presses_ && !(from_mm < 0) && !(to_mm < 0) && !(height_along(to).least_mm < 0)) return !rapid_;
     if (std::max(from_mm, to_mm) >= 0) {
       if (std::min(from_mm, to_mm) < 0) error("goes into or out of the metal at a slant", "plunge and lift straight");
-      if (face_ != nullptr && depth_along(to).second > 0)
-        error("goes through a high place of the face", "travel higher: raise safe_z_mm");
-      if (std::min(from_mm, to_mm) < kLeastTravel_mm)
-        error("travels on the face, " + fixed(std::min(from_mm, to_mm), 4) + " mm above it", "raise safe_z_mm");
+      const double least_mm = height_along(to).least_mm;
+      if (least_mm < 0) error("goes through a high place of the face", "travel higher: raise safe_z_mm");
+      if (least_mm < kLeastTravel_mm)
+        error("travels on the face, " + fixed(least_mm, 4) + " mm above it", "raise safe_z_mm");
       return false;
     }
     if (rapid_) error("moves with G0 through the metal", "carve with G1");
@@ -315,31 +334,26 @@ class Machine {
     return true;
   }
 
-  /// How far below the face the tool comes on its way from here, least and most.
-  std::pair<double, double> depth_along(const Eigen::Vector3d& to) const {
-    constexpr int kLooks = 32;
-    double least = -clearance_mm(at_), most = least;
-    for (int k = 1; k <= kLooks && face_ != nullptr; ++k) {
-      const double below = -clearance_mm(at_ + k * (to - at_) / kLooks);
-      least = std::min(least, below);
-      most = std::max(most, below);
-    }
-    return {least, most};
+  /// Heights above the face on the way from here.
+  HeightRange height_along(const Eigen::Vector3d& to) const {
+    if (face_ != nullptr && at_.allFinite() && to.allFinite()) return height_above(*face_, at_, to);
+    return {std::fmin(clearance_mm(at_), clearance_mm(to)), std::fmax(clearance_mm(at_), clearance_mm(to))};
   }
 
   void travel(const Eigen::Vector3d& to, double along_mm) {
     replay_.travel_mm += along_mm;
     if (along_mm > 0 && to.allFinite() && at_.allFinite())
-      replay_.lowest_travel_mm = std::min(replay_.lowest_travel_mm, -depth_along(to).second);
+      replay_.lowest_travel_mm = std::fmin(replay_.lowest_travel_mm, height_along(to).least_mm);
   }
 
   void carve(const Eigen::Vector3d& to, double along_mm) {
     replay_.carve_mm += along_mm;
     carved_since_ = true;
     ReplayedScratch s{at_.head<2>(), to.head<2>(), by_servo_ ? head_depth_mm_ : kUnknown, replay_.lines};
-    if (carves_below_face_) {
-      const auto [least_mm, most_mm] = depth_along(to);
-      const double least = depth_of_plunge_mm(profile_, least_mm), most = depth_of_plunge_mm(profile_, most_mm);
+    if (!by_servo_ && clearance_mm(at_) < 0) {
+      const HeightRange height = height_along(to);
+      const double least = depth_of_plunge_mm(profile_, -height.most_mm),
+                   most = depth_of_plunge_mm(profile_, -height.least_mm);
       if (std::isnan(most))
         error("presses harder than the machine's depth_table tells", "correct the file or the table");
       s.depth_mm = (least + most) / 2;
@@ -383,7 +397,9 @@ class Machine {
   std::string name_;
   const Face* face_;  ///< null where it is even
   Replay replay_;
-  bool carves_below_face_ = true, by_servo_ = false;
+  const std::function<void(const ToolWay&)>& each_way_;
+  bool by_servo_ = false;
+  bool presses_ = false;  ///< by itself, above the face: its feed moves are its scratches
   bool goes_on_ = false;  ///< the move before carved
   bool spindle_on_ = false;
   double spindle_s_ = kUnknown, head_depth_mm_ = kUnknown;
@@ -482,8 +498,9 @@ std::size_t found_when_mirrored(std::span<const ReplayedScratch> carved, std::sp
 
 }  // namespace
 
-Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name, const Face* face) {
-  Machine replayed(machine, name, face);
+Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name, const Face* face,
+                    const std::function<void(const ToolWay&)>& each_way) {
+  Machine replayed(machine, name, face, each_way);
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
     replayed.line(text.substr(0, end));

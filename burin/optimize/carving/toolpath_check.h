@@ -7,12 +7,14 @@
 // offsets, unknown codes and words, feeds that are none, numbers too long, lines too long, bytes that are not ASCII,
 // ways outside the machine's travel, and anything behind the end. Depths are told from Z, from the machine's table
 // where it presses (a preload, a servo's S by M3, M4, M67, M68 or M280), and from the face's height where a path
-// follows one: strokes that go on without a lift in a straight line are then one scratch. A laser's axis must never see
-// its beam turned on. Machine coordinates (burin/optimize/machine_profile.h), mm.
+// follows one: strokes that go on without a lift in a straight line are then one scratch. Below the face is metal,
+// whatever a profile's blocks look like. A laser's axis must never see its beam turned on. Machine coordinates
+// (burin/optimize/machine_profile.h), mm.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <span>
 #include <string>
@@ -32,6 +34,13 @@ struct ReplayedScratch {
   double depth_spread_mm = 0;  ///< by how much the depth leaves depth_mm, up or down, along the scratch
 };
 
+/// One move, as a line of the file makes it. NaN: a place that the file does not tell.
+struct ToolWay {
+  Eigen::Vector3d from_mm, to_mm;
+  std::size_t line = 0;  ///< of the file, from 1
+  bool carves = false;   ///< along the board in the metal, or with the head pressed down
+};
+
 struct Replay {
   std::vector<ReplayedScratch> scratches;
   Eigen::Vector3d min_mm, max_mm;      ///< of all places the tool was sent to; NaN for an axis never named
@@ -47,9 +56,10 @@ struct Replay {
 /// (G20 or G21) and absolute coordinates (G90) are set, for a move along the board before the tool was lifted or
 /// placed, for a rapid move (G0) into or through the metal, for ways in the air that touch the face, for holes (the
 /// tool goes down and up and carves nothing), for an end below the face, and for a beam or a spindle left on. `face`:
-/// that the file follows; without one it is even.
+/// that the file follows; without one it is even. `each_way` is called for
+/// every move that the file makes, ways home and to places of the machine among them.
 Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name,
-                    const Face* face = nullptr);
+                    const Face* face = nullptr, const std::function<void(const ToolWay&)>& each_way = {});
 
 /// What a replay did against what was planned.
 struct ToolpathCheck {

@@ -94,11 +94,22 @@ void append(Toolpath& path, const PlannedScratch& s, const MachineProfile& machi
   path.max_mm = path.max_mm.cwiseMax(s.from_mm).cwiseMax(s.to_mm);
   path.carve_mm += (s.to_mm - s.from_mm).norm();
   if (path.face.map) check_within(*path.face.map, s);
-  constexpr int kLooks = 4;
-  for (int k = 0; k <= kLooks && path.face.followed(); ++k)
-    path.highest_mm = std::max(path.highest_mm, height_mm(path.face, s.from_mm + k * (s.to_mm - s.from_mm) / kLooks));
   path.duration_s += scratch_time(at, s.from_mm, s.to_mm, s.depth_mm, machine).total_s();
   path.scratches.push_back(s);
+}
+
+// How high the tool travels between scratches: as the face lies and as things stand on that way.
+void plan_heights(Toolpath& path, const MachineProfile& machine) {
+  path.first_z_mm = first_z_mm(path.workpiece, path.face, machine);
+  const Workpiece bare;  // Z that stays is the face's affair: what stands on it is cleared by the head's own lift
+  path.kept_z_mm = machine.safe_z_mm;
+  for (std::size_t k = 0; k < path.scratches.size(); ++k) {
+    PlannedScratch& s = path.scratches[k];
+    const Eigen::Vector2d& before = k == 0 ? s.from_mm : path.scratches[k - 1].to_mm;
+    s.travel_z_mm = k == 0 ? path.first_z_mm : travel_z_mm(path.workpiece, path.face, machine, before, s.from_mm);
+    path.kept_z_mm = std::max({path.kept_z_mm, travel_z_mm(bare, path.face, machine, before, s.from_mm),
+                               travel_z_mm(bare, path.face, machine, s.from_mm, s.to_mm)});
+  }
 }
 
 // What the machine is told, in the order and the ways in which it will carve: a scratch that is carved backwards meets
@@ -133,6 +144,7 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
          "give one each, or none");
   const CarvingLimits limits = toolpath_limits(board, measured, machine);
   Toolpath path;
+  path.workpiece = workpiece_of(board, measured);
   path.face = face_to_follow(board, measured != nullptr ? *measured : Bench{}, options.heights, options.follow_bow);
   path.compensated = !limits.affine.isApprox(CarvingLimits().affine, 1e-12) ||
                      (measured != nullptr && !measured->machine_errors.none());
@@ -166,6 +178,7 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
     const double feed_mm_min = options.feed_mm_min.empty() ? 0 : options.feed_mm_min[path.order[k].scratch];
     append(path, {path.order[k].scratch, e.a, e.b, 1e-3 * depth_um, feed_mm_min}, machine);
   }
+  plan_heights(path, machine);
   return path;
 }
 
@@ -195,6 +208,7 @@ Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std:
   Toolpath left;
   left.done_before = static_cast<std::size_t>(first - replay.scratches.begin());
   left.face = planned.face;
+  left.workpiece = planned.workpiece;
   left.compensated = planned.compensated;
   left.kept_order = planned.kept_order;
   left.already_carved = planned.already_carved;
@@ -214,6 +228,7 @@ Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std:
     rows.push_back({static_cast<std::uint32_t>(i), step.reversed != planned.order[i].reversed});
     append(left, s, machine);
   }
+  plan_heights(left, machine);
   left.file_order_travel_mm = left.travel_mm;
   left.sent = Sent(in_carving_order(planned.sent.scratches, rows));
   return left;

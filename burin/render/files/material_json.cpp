@@ -4,6 +4,7 @@
 #include <string>
 
 #include "burin/render/files/profile_json.h"
+#include "burin/render/physical_bounds.h"
 
 namespace burin {
 
@@ -15,7 +16,7 @@ Material read_material(JsonObject& json) {
     return v;
   };
   material.alpha = roughness("alpha", material.alpha);
-  material.depth_um = json.positive("depth_um", material.depth_um);
+  material.depth_um = read_depth_um(json, "depth_um", material.depth_um);
   material.base_alpha = roughness("base_alpha", material.base_alpha);
   material.f0 = json.vec3("f0", material.f0);
   if ((material.f0.array() < 0).any() || (material.f0.array() > 1).any())
