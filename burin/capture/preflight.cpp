@@ -111,7 +111,8 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
     findings.push_back(
         {note,
          {},
-         std::to_string(turned) + " photos carry an EXIF orientation; their pixels are used as the sensor had them",
+         std::to_string(turned) + (turned == 1 ? " photo carries" : " photos carry") +
+             " an EXIF orientation; pixels are used as the sensor had them",
          ""});
 }
 
@@ -337,7 +338,7 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
     findings.push_back({warning,
                         {},
                         "the tags reach over " + percent(coverage.frame_share) + " of the frame only",
-                        "let the board fill the frame, and move it into the corners of some photos"});
+                        "come nearer where the wanted places allow it, and let the board lie in the corners of some photos"});
   if (brackets.size() > 1 && coverage.direction_deg < kOneDirection_deg)
     findings.push_back(
         {warning,

@@ -131,6 +131,21 @@ FileHashes hashes_of(const Project& project, const std::vector<fs::path>& files,
   return hashes_of(project, std::set<fs::path>(files.begin(), files.end()), hashes);
 }
 
+void record_check(const LoopProject& loop, int number, bool good) {
+  const StageOfRound at{number, StageKind::check};
+  std::optional<MadeRecord> record = read_record(record_file(loop.project, at));
+  if (!record) return;
+  ContentHashes hashes;
+  const StageBasis basis = basis_of(loop, at);
+  record->status = good ? MadeRecord::Status::done : MadeRecord::Status::begun;
+  record->burin = BURIN_VERSION;
+  record->options = basis.options;
+  record->inputs = hashes_of(loop.project, basis.files, hashes);
+  record->outputs = hashes_of(loop.project, outputs_of(loop, at), hashes);
+  record->kept = {};
+  write_record(*record, record_file(loop.project, at));
+}
+
 StageState state_of(const LoopProject& loop, const StageOfRound& at, ContentHashes& hashes) {
   StageState state;
   state.at = at;
@@ -209,7 +224,7 @@ std::string in_words(const std::vector<StageChange>& changes) {
                                           {Kind::input, How::added, "is new", "are new"},
                                           {Kind::input, How::gone, "is gone", "are gone"},
                                           {Kind::input, How::unused, "is not used any more", "are not used any more"},
-                                          {Kind::output, How::changed, "was changed by hand", "were changed by hand"},
+                                          {Kind::output, How::changed, "is another than the loop made", "are others than the loop made"},
                                           {Kind::output, How::added, "is new", "are new"},
                                           {Kind::output, How::gone, "is gone", "are gone"}}};
   for (const Group& group : kGroups) {

@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "tools/report/html.h"
 #include "tools/report/section.h"
@@ -19,12 +20,13 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
   const auto absolute = std::filesystem::absolute(folder).lexically_normal();
   Page all{"Burin · " + (absolute.has_filename() ? absolute : absolute.parent_path()).filename().string(), ""};
   bool any = false, scene = false;
-  std::string parts;
+  std::string parts, rounds;
   for (const auto& section :
        {first, project_section(folder, progress), session_section(folder, session, progress), design_section(folder)}) {
     if (!section) continue;
     append(all.findings, section->findings);
     scene = scene || section->has_scene;
+    if (!section->rounds.empty()) rounds = section->rounds;
     if (any) {
       parts += folded(html(section->title), section->outcome, whole_section(*section));
       continue;
@@ -47,7 +49,10 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
   WrittenReport out{plain_text(all.outcome), folder / "report.html"};
   for (const Finding& finding : all.findings) out.told += "\n- " + sentence(finding);
   const std::string text = page(all);
+  FilesTogether both;
   write_text(text, out.page);
+  if (!rounds.empty()) write_text(rounds, folder / "rounds.json");
+  both.put();
   out.bytes = text.size();
   return out;
 }

@@ -29,6 +29,7 @@
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/report/bench_section.h"
+#include "tools/project.h"
 #include "tools/report/html.h"
 #include "tools/report/misfits.h"
 #include "tools/report/pictures.h"
@@ -494,6 +495,9 @@ std::string next_of(const Loaded& in, const std::filesystem::path& session, cons
   if (!refined)
     return "the grooves themselves are not measured yet: <code>" +
            html("burin refine " + shell_word(session.string()) + " --bench " + shell_word(bench.string())) + "</code>";
+  if (const std::optional<PlaceInProject> at = project_of(fs::absolute(bench)); at && at->round > 0)
+    return "the next board, designed for the bench as it is: <code>" +
+           html("burin loop " + shell_word(at->project.folder.string())) + "</code>";
   return fmt::format(
       "design for the bench as it is: name <code>{}</code> as <code>\"bench\"</code> in a design.json, then "
       "<code>burin design DESIGN.json --out DIR</code>",
