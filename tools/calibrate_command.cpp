@@ -24,7 +24,10 @@ void add_calibrate_command(CLI::App& burin) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       burin.add_subcommand("calibrate", "Find lens, camera poses, bow, tags and lamp from a session's photos");
-  command->add_option("SESSION.json", options->session, "The session, as burin capture writes it; or its folder, such as a loop's round")->required();
+  command
+      ->add_option("SESSION.json", options->session,
+                   "The session, as burin capture writes it; or its folder, such as a loop's round")
+      ->required();
   command->add_option("--out", options->out, "The folder for bench.json, camera.cameramodel and residuals.vnl")
       ->required();
   auto* camera = command->add_option("--camera", options->camera,

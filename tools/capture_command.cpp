@@ -100,9 +100,10 @@ void add_capture_command(CLI::App& burin) {
   command->add_option("PHOTOS_DIR", options->photos,
                       "The folder of photos: JPEG, HEIC, PNG, TIFF, EXR or camera raw, with EXIF; with --tether, where "
                       "they go (photos in --out unless given)");
-  command->add_option("--board", options->board, 
-                      "The board in the photos: board.json; like the bench, taken from the project whose round they lie "
-                      "in, unless said");
+  command->add_option(
+      "--board", options->board,
+      "The board in the photos: board.json; like the bench, taken from the project whose round they lie "
+      "in, unless said");
   command->add_option("--out", options->out, "The folder for session.json")->required();
   command->add_option("--bench", options->bench,
                       "The bench that the board was designed for: its lamp's name is taken; of several lamps, photos "

@@ -9,10 +9,10 @@
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
-#include "tools/project_settings.h"
 #include "tools/loop/options.h"
 #include "tools/loop/round_design.h"
 #include "tools/loop/turn.h"
+#include "tools/project_settings.h"
 #include "tools/work_lock.h"
 
 namespace burin {
@@ -50,8 +50,9 @@ void add_loop_command(CLI::App& burin) {
   auto o = std::make_shared<LoopArguments>();
   CLI::App* command = burin.add_subcommand(
       "loop", "Design, carve, photograph, measure, and design again for the bench as it is; goes on where it stopped");
-  command
-      ->add_option("PROJECT_DIR", o->project.folder, "A folder with board.json, design.json and a nominal bench.json; left out: the working directory's project");
+  command->add_option(
+      "PROJECT_DIR", o->project.folder,
+      "A folder with board.json, design.json and a nominal bench.json; left out: the working directory's project");
   command->add_option("--again", o->answers.again,
                       "Make this stage anew, and what follows from it: design, toolpath, board, capture, calibrate, "
                       "refine, report (of the last round that has it), or round-02/refine; what it replaces is kept in "

@@ -320,10 +320,9 @@ std::vector<MatchTolerance> tolerances_of(const DesignSpec& design, const Bench&
 std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
                                              const std::filesystem::path& design_report) {
   // A coarse picture tolerates much: no reason to take a far place for the designed one.
-  return tolerances_of(design, designed, board, design_report,
-                       [](const PlaceTolerance& usual, const PlaceTolerance& measured) {
-                         return smaller(usual, measured);
-                       });
+  return tolerances_of(
+      design, designed, board, design_report,
+      [](const PlaceTolerance& usual, const PlaceTolerance& measured) { return smaller(usual, measured); });
 }
 
 std::vector<MatchTolerance> shown_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,

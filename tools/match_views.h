@@ -61,8 +61,9 @@ struct DesignedLamp {
 std::vector<DesignedLamp> designed_lamps(const DesignSpec& design, const Bench& designed, const Board& board,
                                          const std::vector<MatchTolerance>& tolerances);
 
-/// How far eye and lamp of each picture may stand aside until it is lost: as `burin design` measured it and design, check
-/// and report say it, or else default_tolerance(). For people; match_tolerances() takes no far place for a designed one.
+/// How far eye and lamp of each picture may stand aside until it is lost: as `burin design` measured it and design,
+/// check and report say it, or else default_tolerance(). For people; match_tolerances() takes no far place for a
+/// designed one.
 std::vector<MatchTolerance> shown_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
                                              const std::filesystem::path& design_report);
 

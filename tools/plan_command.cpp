@@ -185,11 +185,11 @@ void run(const PlanArguments& arguments) {
   // A project's board.json that is given alone stands for the project: that knows the bench.
   const std::optional<PlaceInProject> own = project_of(arguments.board);
   const bool is_board = arguments.board.filename() == "board.json" && own && arguments.design.empty();
-  const std::filesystem::path folder =
-      is_board ? own->project.folder : project_folder(arguments.board, "BOARD.json");
+  const std::filesystem::path folder = is_board ? own->project.folder : project_folder(arguments.board, "BOARD.json");
   const bool is_project = arguments.bench.empty() && std::filesystem::is_directory(folder);
   Inputs in = is_project ? inputs_of_project(folder)
-                         : inputs_of_files(arguments.board.empty() ? folder : arguments.board, arguments.bench, arguments.design);
+                         : inputs_of_files(arguments.board.empty() ? folder : arguments.board, arguments.bench,
+                                           arguments.design);
   PlanOptions plan_options = arguments.plan;
   if (!arguments.camera.empty()) {
     in.bench.lens = read_cameramodel(arguments.camera);
@@ -245,11 +245,10 @@ void add_plan_command(CLI::App& burin) {
   auto options = std::make_shared<PlanArguments>();
   CLI::App* command = burin.add_subcommand(
       "plan", "Say which photos to take of a board: where to put camera and lamp, and what they would tell");
-  command
-      ->add_option(
-          "BOARD.json", options->board,
-          "The board that is to be photographed; or a project's folder: its board, its bench as measured last, "
-          "and the views of its design. Left out: the project of the working directory");
+  command->add_option(
+      "BOARD.json", options->board,
+      "The board that is to be photographed; or a project's folder: its board, its bench as measured last, "
+      "and the views of its design. Left out: the project of the working directory");
   command->add_option("--bench", options->bench,
                       "The bench as it is believed or was measured: lens and lamps; without it, a 50 mm lens on full "
                       "frame and a lamp beyond the upper edge");

@@ -15,7 +15,7 @@
 namespace burin {
 namespace {
 
-constexpr double kPaperAt = 0.6, kPlannedAperture = 8;
+constexpr double kPlannedPaper = 0.6, kPlannedAperture = 8;
 
 // A number at the start of `text`, which is then cut off it; false if there is none.
 bool take_number(std::string_view& text, double& value) {
@@ -129,7 +129,7 @@ bool is_measured(const Plan& plan) {
 }
 
 double exposure_s(const Plan& plan, const PlannedShot& shot) {
-  return kPaperAt / (plan.bench.sensor.gain * shot.paper_radiance) * kPlannedAperture * kPlannedAperture;
+  return kPlannedPaper / (plan.bench.sensor.gain * shot.paper_radiance) * kPlannedAperture * kPlannedAperture;
 }
 
 std::string exposures_in_words(const Plan& plan, const PlannedShot& shot) {

@@ -8,9 +8,9 @@
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
-#include "tools/project_settings.h"
 #include "tools/drawing/pdf.h"
 #include "tools/print/print_pages.h"
+#include "tools/project_settings.h"
 
 namespace burin {
 namespace {

@@ -84,7 +84,8 @@ void add_probe_command(CLI::App& burin) {
   auto options = std::make_shared<ProbeArguments>();
   CLI::App* write = probe->add_subcommand(
       "write", "Write G-code that touches the face on a grid over the carve area, clear of tags and keep-outs");
-  write->add_option("BOARD.json", options->board, "Carve area, tags, keep-outs; or the folder of a project")->required();
+  write->add_option("BOARD.json", options->board, "Carve area, tags, keep-outs; or the folder of a project")
+      ->required();
   write->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
       ->capture_default_str();
   write->add_option("--spacing", options->spacing_mm, "About how far the points lie apart, mm")->capture_default_str();

@@ -27,7 +27,7 @@ int number_of_round(const fs::path& name) {
   return read.ec == std::errc() && read.ptr == end && Project{{}}.round(number) == name ? number : 0;
 }
 
-bool is_project(const fs::path& folder) {
+bool holds_project(const fs::path& folder) {
   std::error_code ignored;
   for (const char* file : {"board.json", "design.json", "bench.json"})
     if (!fs::is_regular_file(folder / file, ignored)) return false;
@@ -38,7 +38,7 @@ bool is_project(const fs::path& folder) {
 std::optional<PlaceInProject> project_above(fs::path at) {
   if (!at.has_filename()) at = at.parent_path();  // "round-01/"
   for (fs::path below;; below = at, at = at.parent_path()) {
-    if (is_project(at)) return PlaceInProject{{at}, number_of_round(below.filename())};
+    if (holds_project(at)) return PlaceInProject{{at}, number_of_round(below.filename())};
     if (at == at.parent_path()) return std::nullopt;
   }
 }
@@ -52,7 +52,8 @@ std::optional<PlaceInProject> project_of(const fs::path& path) {
     const fs::path leads_to = fs::weakly_canonical(path, error);
     if (!error) found = project_above(fs::absolute(leads_to));
   }
-  if (found && path.is_relative()) found->project.folder = found->project.folder.lexically_proximate(fs::current_path());
+  if (found && path.is_relative())
+    found->project.folder = found->project.folder.lexically_proximate(fs::current_path());
   return found;
 }
 

@@ -138,10 +138,14 @@ void add_refine_command(CLI::App& burin) {
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand(
       "refine", "Find roughness, depth, lamp and the machine's errors from the photos; completes bench.json");
-  command->add_option("SESSION.json", options->session, "The session that was calibrated; or its folder, such as a loop's round")->required();
-  command->add_option("--bench", options->bench, 
-                      "The bench.json that burin calibrate wrote; it is completed. Left out: the one of the loop's round "
-                      "that SESSION.json belongs to, with --out");
+  command
+      ->add_option("SESSION.json", options->session,
+                   "The session that was calibrated; or its folder, such as a loop's round")
+      ->required();
+  command->add_option(
+      "--bench", options->bench,
+      "The bench.json that burin calibrate wrote; it is completed. Left out: the one of the loop's round "
+      "that SESSION.json belongs to, with --out");
   command->add_option("--out", options->out,
                       "The folder for the completed bench.json and its lens; --bench then stays as it is");
   command

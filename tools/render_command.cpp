@@ -139,7 +139,8 @@ void add_render_command(CLI::App& burin) {
   auto o = std::make_shared<RenderArguments>();
   CLI::App* c = burin.add_subcommand("render", "Show what a camera of a bench sees of a board's metal");
   c->add_option("BOARD.json", o->board, "The board; or the folder of a project, or of one of its rounds")->required();
-  c->add_option("--bench", o->bench, "The bench: lens, views, lamps, material; in a project, the one measured last, unless said");
+  c->add_option("--bench", o->bench,
+                "The bench: lens, views, lamps, material; in a project, the one measured last, unless said");
   c->add_option("--view", o->views, "Name of the view; of an animation's, in order (default there: all)");
   c->add_option("--light", o->lights,
                 "Id of a lamp, sun or surroundings (default: the bench's first); several shine at once, "

@@ -20,8 +20,9 @@ void add_report_command(CLI::App& burin) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       burin.add_subcommand("report", "Show a measured session, a design or a loop project as one HTML page");
-  command->add_option("DIR", options->folder, 
-                      "A folder with bench.json, a design, or a loop project; left out: the working directory's project");
+  command->add_option(
+      "DIR", options->folder,
+      "A folder with bench.json, a design, or a loop project; left out: the working directory's project");
   command->add_option("--session", options->session,
                       "The session that DIR/bench.json was measured from, if not DIR/session.json");
   CLI::Option* before = command->add_option(

@@ -111,7 +111,8 @@ void add_status_command(CLI::App& burin) {
   auto o = std::make_shared<Options>();
   CLI::App* command =
       burin.add_subcommand("status", "Show a loop project: rounds, stages, what each rests on, what comes next");
-  command->add_option("PROJECT_DIR", o->folder, "The project, as burin loop takes it; left out: the working directory's");
+  command->add_option("PROJECT_DIR", o->folder,
+                      "The project, as burin loop takes it; left out: the working directory's");
   command->add_flag("--json", o->json, "The same for programs, with all hashes");
   command->footer(example("burin status samples/small-bench"));
   command->callback([o] { run(o->folder, o->json); });

@@ -253,9 +253,10 @@ void add_toolpath_command(CLI::App& burin) {
   auto options = std::make_shared<ToolpathArguments>();
   CLI::App* command = burin.add_subcommand("toolpath", "Turn scratches into files that a machine carves");
   command->add_option("SCRATCHES.csv", options->scratches, "The scratches to carve")->required();
-  command->add_option("--board", options->board,
-                      "board.json: size, carve area, depth; like the bench, the machine, heights and --follow-bow taken "
-                      "from the project in which SCRATCHES.csv lies, unless said");
+  command->add_option(
+      "--board", options->board,
+      "board.json: size, carve area, depth; like the bench, the machine, heights and --follow-bow taken "
+      "from the project in which SCRATCHES.csv lies, unless said");
   command->add_option("--bench", options->bench, "A measured bench.json: its machine.affine is compensated");
   command->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
       ->capture_default_str();

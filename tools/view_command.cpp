@@ -86,7 +86,8 @@ void run(ViewArguments o) {
 void add_view_command(CLI::App& burin) {
   auto o = std::make_shared<ViewArguments>();
   CLI::App* c = burin.add_subcommand("view", "Write a page with the board in it: move eye and lamp and see it glint");
-  c->add_option("PROJECT_DIR", o->folder, "The project: its newest design, before and after it was measured; left out: the working directory's");
+  c->add_option("PROJECT_DIR", o->folder,
+                "The project: its newest design, before and after it was measured; left out: the working directory's");
   c->add_option("--out", o->out, "Page to write (default: PROJECT_DIR/view.html)");
   c->add_option("--board", o->files.board, "Without a project: the board");
   c->add_option("--bench", o->files.bench, "Without a project: the bench, its views and lamps");

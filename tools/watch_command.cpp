@@ -315,7 +315,8 @@ void add_watch_command(CLI::App& burin) {
   auto o = std::make_shared<WatchArguments>();
   CLI::App* command = burin.add_subcommand(
       "watch", "Judge photos as they arrive in a folder: tags, exposure, blur, which shot it is, what to take now");
-  command->add_option("PROJECT_DIR", o->project, "The project whose board is photographed; left out: the working directory's");
+  command->add_option("PROJECT_DIR", o->project,
+                      "The project whose board is photographed; left out: the working directory's");
   command->add_option("--photos", o->photos,
                       "The folder that photos arrive in (a tethered camera's, a phone's sync), instead of the round's "
                       "own");

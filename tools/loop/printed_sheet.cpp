@@ -69,8 +69,8 @@ std::string changed_since_sheet(const Project& project) {
       if (then != record->options.end() &&
           (name == kScratches ? then->second == text : is_same_place(then->second, text)))
         continue;
-      out += (out.empty() ? "" : ", ") + (name == kScratches ? "the scratches, for which its photos are planned"
-                                                             : "the place of " + name);
+      out += (out.empty() ? "" : ", ") +
+             (name == kScratches ? "the scratches, for which its photos are planned" : "the place of " + name);
     }
     return out;
   } catch (const Error&) {  // a file that is being edited: what reads it next says what is wrong with it

@@ -27,7 +27,8 @@ std::optional<RoundDepth> depth_of_round(const LoopProject& loop, int number) {
   out.made_um = bench.material.depth_um;
   out.sigma_um = *bench.material_sigma.depth_um;
   constexpr double kSigmas = 2, kAlike = 0.03;
-  if (std::abs(out.made_um - out.told_um) <= std::max(kSigmas * out.sigma_um, kAlike * out.told_um)) return std::nullopt;
+  if (std::abs(out.made_um - out.told_um) <= std::max(kSigmas * out.sigma_um, kAlike * out.told_um))
+    return std::nullopt;
   const double gain = out.made_um / out.told_um;
   double least_um = 0, most_um = 1e9;  // that the machine can be told
   const MachineProfile machine = machine_profile(machine_argument(loop.options, project.folder));
@@ -48,7 +49,7 @@ std::string in_words(const RoundDepth& depth) {
   const double part = depth.sigma_um / depth.made_um;
   const bool as_wanted = std::abs(depth.depth_um - depth.wanted_um) < 0.01;
   return fmt::format(
-      "the machine made {} +- {} um of the {} um that it was told: this board is designed {} um deep{}, and told {} um "
+      "the machine makes {} +- {} um of {} um that it is told: this board is designed {} um deep{}, and told {} um "
       "for it (one sigma of what becomes of it: {} um)",
       fixed(depth.made_um, 1), significant(depth.sigma_um), significant(depth.told_um, 4),
       significant(depth.depth_um, 4),

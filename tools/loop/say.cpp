@@ -68,9 +68,9 @@ std::string why_not_designed(const LoopProject& loop, int round) {
     if (round > 1)
       if (const ToldByRound told = told_by_round(loop, round - 1); !told.open.empty()) {
         const std::optional<NextPhoto>& photo = told.open.front().verdict.next_photo;
-        const LoopQuestion question = question_of(
-            loop, round - 1, told.open,
-            photo ? "(" + sentence(*photo, told.open.front().verdict.unit) + ")" : "named above");
+        const LoopQuestion question =
+            question_of(loop, round - 1, told.open,
+                        photo ? "(" + sentence(*photo, told.open.front().verdict.unit) + ")" : "named above");
         return question.what + "; " + question.remedy;
       }
     require_designable(loop.project, round);
@@ -97,9 +97,20 @@ std::string next_of_stage(const LoopProject& loop, const StageState& state) {
 // Whether all stages of a round are done, and there is nothing to say of any.
 bool is_whole(const std::vector<StageState>& states, int round) {
   return std::all_of(states.begin(), states.end(), [&](const StageState& state) {
-    return state.at.round != round || (state.up_to_date() && (!state.record || (state.record->accepted_unknown.empty() &&
-                                                                                state.record->burin == BURIN_VERSION)));
+    return state.at.round != round ||
+           (state.up_to_date() &&
+            (!state.record || (state.record->accepted_unknown.empty() && state.record->burin == BURIN_VERSION)));
   });
+}
+
+// Before the first board: of what the design shows, pictures that few would recognize. Empty: none.
+std::string not_yet(const LoopProject& loop, int round) {
+  const std::vector<std::string> views = unreadable_views(loop.project.round(round) / "design");
+  if (round > 1 || views.empty()) return "";
+  std::string names;
+  for (const std::string& view : views) names += (names.empty() ? "" : ", ") + view;
+  return fmt::format("do not carve it yet: few would recognize {} (see {}); give the board fewer pictures or more room",
+                     names, (loop.project.round(round) / "carve-check.html").string());
 }
 
 }  // namespace
@@ -124,8 +135,7 @@ std::string table_of(const LoopProject& loop, const std::vector<StageState>& sta
       table += round == 0 ? "whole loop" : loop.project.round(round).filename().string();
       table += '\n';
     }
-    std::string words =
-        at_work && state.condition == Condition::stopped ? "is being made now" : in_words(state);
+    std::string words = at_work && state.condition == Condition::stopped ? "is being made now" : in_words(state);
     if (state.at.stage == StageKind::photos) {
       const std::size_t photos = photos_of(loop.project, round).size();
       words = fmt::format("{} photo{}{}{}", photos, photos == 1 ? "" : "s", state.changes.empty() ? "" : ", ",
@@ -217,14 +227,14 @@ LoopQuestion question_of(const LoopProject& loop, int round, const std::vector<U
     options += (options.empty() ? "" : " ") + ("--accept-unknown " + shell_word(u.name));
   LoopQuestion question;
   question.what = in_short(open) + ", and another board would be designed on a guess";
-  const bool one = std::any_of(open.begin(), open.end(),
-                               [](const UnknownParameter& u) { return u.verdict.next_photo.has_value(); });
-  question.remedy = fmt::format(
-      "take {}, put {} into {}, and say `{}` again; or go on without: `{}`",
-      one ? "the photo " + photo
-          : fmt::format("the photos that `burin plan {}` names", shell_word(loop.project.folder.string())),
-      one ? "it" : "them", photo_folders_in_words(loop.project, round), loop_line(loop.project),
-      loop_line(loop.project, options));
+  const bool one =
+      std::any_of(open.begin(), open.end(), [](const UnknownParameter& u) { return u.verdict.next_photo.has_value(); });
+  question.remedy =
+      fmt::format("take {}, put {} into {}, and say `{}` again; or go on without: `{}`",
+                  one ? "the photo " + photo
+                      : fmt::format("the photos that `burin plan {}` names", shell_word(loop.project.folder.string())),
+                  one ? "it" : "them", photo_folders_in_words(loop.project, round), loop_line(loop.project),
+                  loop_line(loop.project, options));
   return question;
 }
 
@@ -277,20 +287,6 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
                      loop_line(project));
 }
 
-namespace {
-
-// Before the first board: of what the design shows, pictures that few would recognize. Empty: none.
-std::string not_yet(const LoopProject& loop, int round) {
-  const std::vector<std::string> views = unreadable_views(loop.project.round(round) / "design");
-  if (round > 1 || views.empty()) return "";
-  std::string names;
-  for (const std::string& view : views) names += (names.empty() ? "" : ", ") + view;
-  return fmt::format("do not carve it yet: few would recognize {} (see {}); give the board fewer pictures or more room",
-                     names, (loop.project.round(round) / "carve-check.html").string());
-}
-
-}  // namespace
-
 std::optional<NextBoard> last_board(const Project& project) {
   const std::optional<RoundsQuality> rounds = read_rounds(project.folder / "rounds.json");
   if (!rounds || static_cast<int>(rounds->size()) != next_to_carve(project)) return std::nullopt;  // of another day
@@ -317,16 +313,19 @@ std::string your_turn(const LoopProject& loop, int round) {
                          "     without touching the camera.\n";
   std::string wait = not_yet(loop, round);
   if (!wait.empty()) wait = "D" + wait.substr(1) + ".\n";
-  return wait + fmt::format(
-      "Your turn:\n"
-      "  1. Read {}, run board-frame.gcode in the air, and carve {}.\n"
-      "  2. Stick the tags on it (burin print {} makes them and shows where), and photograph it from these places\n"
-      "     and from {} further ones that tell the rest of the bench. All of them in order, with drawings:\n"
-      "     burin sheet {}{}\n{}{}"
-      "  3. Put the photos into {}\n"
-      "     (burin watch {} judges each as it comes); then: {}\n\n",
-      (project.round(round) / "carve-check.html").string(), gcode_of(loop, round), here, PlanOptions{}.shots, here,
-      changed.empty() ? "" : fmt::format(" (print it again: {} changed since)", changed), where, one_lamp_at_once, photo_folders_in_words(project, round), here, loop_line(project));
+  return wait +
+         fmt::format(
+             "Your turn:\n"
+             "  1. Read {}, run board-frame.gcode in the air, and carve {}.\n"
+             "  2. Stick the tags on it (burin print {} makes them and shows where), and photograph it from these "
+             "places\n"
+             "     and from {} further ones that tell the rest of the bench. All of them in order, with drawings:\n"
+             "     burin sheet {}{}\n{}{}"
+             "  3. Put the photos into {}\n"
+             "     (burin watch {} judges each as it comes); then: {}\n\n",
+             (project.round(round) / "carve-check.html").string(), gcode_of(loop, round), here, PlanOptions{}.shots,
+             here, changed.empty() ? "" : fmt::format(" (print it again: {} changed since)", changed), where,
+             one_lamp_at_once, photo_folders_in_words(project, round), here, loop_line(project));
 }
 
 }  // namespace burin

@@ -166,13 +166,11 @@ void make_toolpath(const LoopProject& loop, int number) {
   const Project& project = loop.project;
   const fs::path round = project.round(number);
   const std::vector<std::string> options = toolpath_arguments(loop.options, project.folder);
-  std::vector<std::string> words{"toolpath",  (round / "scratches.csv").string(),
-                                 "--board",   (project.folder / "board.json").string(),
-                                 "--bench",   project.bench_before(number).string(),
-                                 "--machine", machine_argument(loop.options, project.folder),
-                                 "--out",     (round / "board.gcode").string(),
-                                 "--sent",    (round / "sent.csv").string(),
-                                 "--draw",    (round / "board.svg").string()};
+  std::vector<std::string> words{
+      "toolpath", (round / "scratches.csv").string(),    "--board",   (project.folder / "board.json").string(),
+      "--bench",  project.bench_before(number).string(), "--machine", machine_argument(loop.options, project.folder),
+      "--out",    (round / "board.gcode").string(),      "--sent",    (round / "sent.csv").string(),
+      "--draw",   (round / "board.svg").string()};
   if (const fs::path heights = project.heights(number); !heights.empty()) {
     words.emplace_back("--heights");
     words.push_back(heights.string());

@@ -224,14 +224,19 @@ std::string in_words(const std::vector<StageChange>& changes) {
                                           {Kind::input, How::added, "is new", "are new"},
                                           {Kind::input, How::gone, "is gone", "are gone"},
                                           {Kind::input, How::unused, "is not used any more", "are not used any more"},
-                                          {Kind::output, How::changed, "is another than the loop made", "are others than the loop made"},
+                                          {Kind::output, How::changed, "was changed by hand", "were changed by hand"},
                                           {Kind::output, How::added, "is new", "are new"},
                                           {Kind::output, How::gone, "is gone", "are gone"}}};
   for (const Group& group : kGroups) {
     std::vector<std::string> names;
+    std::vector<std::string> pages;  // which `burin check carve` and `burin report` write, too
     for (const StageChange& change : changes)
-      if (change.kind == group.kind && change.how == group.how) names.push_back(change.name);
+      if (change.kind == group.kind && change.how == group.how)
+        (change.kind == Kind::output && change.how == How::changed && change.name.ends_with(".html") ? pages : names)
+            .push_back(change.name);
     if (!names.empty()) add(list_of(names) + " " + (names.size() == 1 ? group.one : group.several));
+    if (!pages.empty())
+      add(list_of(pages) + (pages.size() == 1 ? " was" : " were") + " written again outside of the loop");
   }
   for (const StageChange& change : changes)
     if (change.kind == Kind::option) add(fmt::format("{} was {} and is {}", change.name, change.was, change.now));

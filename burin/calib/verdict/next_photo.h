@@ -26,9 +26,9 @@ namespace burin {
 /// For lens, tags and bow: fills in Verdict::next_photo of those of `judged` that are not determined.
 void advise_geometry(const BoardSolution& geometry, const Board& board, const Combinations& judged, Bench& bench);
 
-/// Whether a photo tells enough to be taken, and under the lamps as they stand, so that none has to be put elsewhere for
-/// one that tells more: what it leaves of the parameter's sigma is two thirds at most or, of a depth whose cut-off is not seen (else 0), how many half
-/// vectors then lie on either side of it, and how many do now.
+/// Whether a photo tells enough to be taken, and under the lamps as they stand, so that none has to be put elsewhere
+/// for one that tells more: what it leaves of the parameter's sigma is two thirds at most or, of a depth whose cut-off
+/// is not seen (else 0), how many half vectors then lie on either side of it, and how many do now.
 bool is_worth_taking(double sigma_ratio, std::size_t half_vectors, std::size_t half_vectors_now);
 
 /// What a photo needs that is taken under a lamp where none of `lamps` (the bench's; not empty) stands: where it is,
