@@ -78,7 +78,8 @@ void take_from_project(const CLI::App& command, CaptureArguments& o) {
     const int round = settings->at.round;
     TakenSettings taken(command);
     if (round > 0 && std::filesystem::exists(project.round(round) / "board.json")) {
-      if (std::filesystem::exists(o.photos / "photos")) o.photos /= "photos";
+      std::error_code ignored;
+      if (std::filesystem::equivalent(o.photos, project.round(round), ignored)) o.photos /= "photos";
       taken.take("--board", project.round(round) / "board.json", o.board);
       taken.take("--bench", bench_of_photos(project, round), o.bench);
       if (const std::vector<std::string> lamp = lamp_arguments(project, round); !lamp.empty())

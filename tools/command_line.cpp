@@ -66,7 +66,7 @@ std::unique_ptr<CLI::App> make_app() {
       ->add_option_function<std::string>(
           "--simd", [choice](const std::string& name) { *choice = simd_choice(name, "--simd"); },
           "Which of the processor's instructions pictures are computed with: sse2, avx2 or avx512 (the widest it has "
-          "unless given, here or as BURIN_SIMD); the same ones give the same design on another machine; ")
+          "unless given, here or as BURIN_SIMD); the same ones give the same design on another machine")
       ->type_name("NAME");
   // Taken out before anything is parsed (tools/output_mode.h); here for --help.
   burin->add_flag("--quiet")->description("Say nothing but notes and errors");

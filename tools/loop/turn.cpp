@@ -288,18 +288,19 @@ bool turn_stage(Turn& turn, const StageOfRound& at) {
 void say_end(const LoopProject& loop, int round, bool another) {
   const Project& project = loop.project;
   const bool simulated = fs::exists(project.folder / "truth.json");
-  const std::optional<NextBoard> next = last_board(project);
+  const std::optional<NextBoard> next = another ? std::nullopt : last_board(project);
   fmt::print("\n");
-  if (next && !another) {
-    fmt::print("Done: {}.\nTo carve it all the same: {}\n", hang_in_words(*next), loop_line(project, "--another"));
+  const std::string turned =
+      round == 1 ? "" : fmt::format("The loop has turned {} time{}; ", round - 1, round == 2 ? "" : "s");
+  if (next) {
+    fmt::print("Done: {}.\n{}to carve another board all the same: {}\n", hang_in_words(*next), turned,
+               loop_line(project, "--another"));
     return;
   }
   if (!simulated) {
     make_photo_folders(project, round);
     fmt::print("{}", your_turn(loop, round));
   }
-  const std::string turned =
-      round == 1 ? "" : fmt::format("The loop has turned {} time{}; ", round - 1, round == 2 ? "" : "s");
   fmt::print("{}{}he next board to carve is {}; {}: {}\n", turned, turned.empty() ? "T" : "t",
              (project.round(round) / "board.gcode").string(),
              simulated ? "to simulate that too, next" : "with its photos in their folder, next",
