@@ -46,6 +46,7 @@ std::optional<PlaceInProject> project_above(fs::path at) {
 }  // namespace
 
 std::optional<PlaceInProject> project_of(const fs::path& path) {
+  if (path.empty()) return std::nullopt;
   std::error_code error;
   std::optional<PlaceInProject> found = project_above(fs::absolute(path).lexically_normal());
   if (!found) {

@@ -57,7 +57,8 @@ void TakenSettings::take(const std::string& option, bool value, bool& into) {
 void TakenSettings::say(const ProjectSettings& settings) const {
   if (words_.empty()) return;
   const fs::path& folder = settings.at.project.folder;
-  note("from the project " + (folder == "." ? fs::current_path() : folder).string() + ": " + words_);
+  const bool dots = folder.string().starts_with('.');  // "." and ".." name nothing
+  note("from the project " + (dots ? fs::absolute(folder).lexically_normal() : folder).string() + ": " + words_);
 }
 
 }  // namespace burin

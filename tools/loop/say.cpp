@@ -67,10 +67,11 @@ std::string why_not_designed(const LoopProject& loop, int round) {
   try {
     if (round > 1)
       if (const ToldByRound told = told_by_round(loop, round - 1); !told.open.empty()) {
-        const std::optional<NextPhoto>& photo = told.open.front().verdict.next_photo;
-        const LoopQuestion question =
-            question_of(loop, round - 1, told.open,
-                        photo ? "(" + sentence(*photo, told.open.front().verdict.unit) + ")" : "named above");
+        const auto named = std::find_if(told.open.begin(), told.open.end(),
+                                        [](const UnknownParameter& u) { return u.verdict.next_photo.has_value(); });
+        const LoopQuestion question = question_of(
+            loop, round - 1, told.open,
+            named == told.open.end() ? "" : "(" + sentence(*named->verdict.next_photo, named->verdict.unit) + ")");
         return question.what + "; " + question.remedy;
       }
     require_designable(loop.project, round);

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -47,7 +48,13 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
     all.styles.push_back(bench_scene_style());
   }
   WrittenReport out{plain_text(all.outcome), folder / "report.html"};
-  for (const Finding& finding : all.findings) out.told += "\n- " + sentence(finding);
+  // A screen has room for the gravest.
+  constexpr std::size_t kMostTold = 8;
+  std::vector<Finding> told = all.findings;
+  std::stable_sort(told.begin(), told.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+  for (std::size_t i = 0; i < std::min(told.size(), kMostTold); ++i) out.told += "\n- " + sentence(told[i]);
+  if (told.size() > kMostTold) out.told += "\n- " + std::to_string(told.size() - kMostTold) + " more on the page";
   const std::string text = page(all);
   FilesTogether both;
   write_text(text, out.page);
