@@ -9,6 +9,7 @@
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"
+#include "tools/project.h"
 #include "tools/work_lock.h"
 
 namespace burin {
@@ -23,7 +24,10 @@ void add_calibrate_command(CLI::App& burin) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       burin.add_subcommand("calibrate", "Find lens, camera poses, bow, tags and lamp from a session's photos");
-  command->add_option("SESSION.json", options->session, "The session, as burin capture writes it")->required();
+  command
+      ->add_option("SESSION.json", options->session,
+                   "The session, as burin capture writes it; or its folder, such as a loop's round")
+      ->required();
   command->add_option("--out", options->out, "The folder for bench.json, camera.cameramodel and residuals.vnl")
       ->required();
   auto* camera = command->add_option("--camera", options->camera,
@@ -48,6 +52,7 @@ void add_calibrate_command(CLI::App& burin) {
           ->expected(0, 1);
   command->footer(example("burin calibrate session/session.json --out bench --hold-out"));
   command->callback([options, hold_out] {
+    if (std::filesystem::is_directory(options->session)) options->session /= "session.json";  // a round's folder
     const Session session = read_session(options->session);
     const Board board = read_board(session.board);
     const WorkLock lock(options->out, "burin calibrate", WorkLock::Where::new_folders);
@@ -92,14 +97,18 @@ void add_calibrate_command(CLI::App& burin) {
                  g.check->max_center_mm);
     if (held.corners) print_text("{}", corners_in_words(*held.corners));
     for (const Light& light : c.bench.lights) {
-      print_text("lamp     {} at {:.1f}, {:.1f}, {:.1f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
+      print_text("lamp     {} at {:.2f}, {:.2f}, {:.2f} mm", light.id, light.position_mm.x(), light.position_mm.y(),
                  light.position_mm.z());
       if (light.position_sigma_mm)
-        print_text(", +- {:.1f}, {:.1f}, {:.1f} mm", light.position_sigma_mm->x(), light.position_sigma_mm->y(),
+        print_text(", +- {:.2f}, {:.2f}, {:.2f} mm", light.position_sigma_mm->x(), light.position_sigma_mm->y(),
                    light.position_sigma_mm->z());
       print_text("\n");
     }
     const std::string bench = (options->out / "bench.json").string();
+    if (is_in_round(options->out)) {
+      print_text("Wrote {}.\n", bench);
+      return;
+    }
     print_text("Wrote {}; next: burin refine {} --bench {}\n", bench, shell_word(options->session.string()),
                shell_word(bench));
   });

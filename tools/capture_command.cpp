@@ -18,6 +18,7 @@
 #include "tools/loop/round_lamps.h"
 #include "tools/photographed_lamps.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/tether/tethered_shoot.h"
 #include "tools/watch/say_shoot.h"
 #include "tools/watch/wanted_shots.h"
@@ -92,6 +93,29 @@ void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
   });
 }
 
+// What the project knows in whose round the photos lie, unless the command line says it.
+void take_from_project(const CLI::App& command, CaptureArguments& o) {
+  const std::optional<ProjectSettings> settings = settings_around(o.photos.empty() ? o.out : o.photos);
+  if (settings) {
+    const Project& project = settings->at.project;
+    const int round = settings->at.round;
+    TakenSettings taken(command);
+    if (round > 0 && std::filesystem::exists(project.round(round) / "board.json")) {
+      std::error_code ignored;
+      if (std::filesystem::equivalent(o.photos, project.round(round), ignored)) o.photos /= "photos";
+      taken.take("--board", project.round(round) / "board.json", o.board);
+      taken.take("--bench", bench_of_photos(project, round), o.bench);
+      if (const std::vector<std::string> lamp = lamp_arguments(project, round); !lamp.empty())
+        taken.take("--light", lamp.back(), o.light);
+    } else {
+      taken.take("--board", settings->board, o.board);
+      taken.take("--bench", settings->bench, o.bench);
+    }
+    taken.say(*settings);
+  }
+  if (o.board.empty()) throw CLI::RequiredError("--board");
+}
+
 }  // namespace
 
 void add_capture_command(CLI::App& burin) {
@@ -100,7 +124,10 @@ void add_capture_command(CLI::App& burin) {
   command->add_option("PHOTOS_DIR", options->photos,
                       "The folder of photos: JPEG, HEIC, PNG, TIFF, EXR or camera raw, with EXIF; with --tether, where "
                       "they go (photos in --out unless given)");
-  command->add_option("--board", options->board, "The board in the photos: board.json")->required();
+  command->add_option(
+      "--board", options->board,
+      "The board in the photos: board.json; like the bench, taken from the project whose round they lie "
+      "in, unless said");
   command->add_option("--out", options->out, "The folder for session.json")->required();
   command->add_option("--bench", options->bench,
                       "The bench that the board was designed for: its lamp's name is taken; of several lamps, photos "
@@ -121,11 +148,10 @@ void add_capture_command(CLI::App& burin) {
   command->footer(
       example("burin capture photos --board board.json --bench bench.json --out session\n"
               "  burin capture --tether --board board.json --bench bench.json --plan plan/plan.json --out session"));
-  command->callback([options] {
-    if (options->photos.empty()) {
-      if (!options->tether) throw CLI::RequiredError("PHOTOS_DIR");
-      options->photos = options->out / "photos";
-    }
+  command->callback([options, command] {
+    if (options->photos.empty() && !options->tether) throw CLI::RequiredError("PHOTOS_DIR");
+    take_from_project(*command, *options);
+    if (options->photos.empty()) options->photos = options->out / "photos";
     const PhotoLamps lamps = photo_lamps(options->light, options->new_lamp, options->bench);
     if (options->tether) take_photos(*options, lamps);
     const WorkLock lock(options->out, "burin capture", WorkLock::Where::new_folders);
@@ -150,10 +176,13 @@ void add_capture_command(CLI::App& burin) {
            "correct or remove the photos named above");
     std::set<std::string> lit;
     for (const Photo& photo : result.session.photos) lit.insert(photo.light);
-    print_text("Wrote {}: {} photos of {} view{}{}; next: burin calibrate {} --out {}\n", result.written.string(),
-               result.session.photos.size(), result.views, result.views == 1 ? "" : "s",
-               lit.size() > 1 ? fmt::format(" under {} lamps", lit.size()) : "", shell_word(result.written.string()),
-               shell_word(options->out.string()));
+    const std::string next = is_in_round(options->out)
+                                 ? "."
+                                 : fmt::format("; next: burin calibrate {} --out {}",
+                                               shell_word(result.written.string()), shell_word(options->out.string()));
+    print_text("Wrote {}: {} photo{} of {} view{}{}{}\n", result.written.string(), result.session.photos.size(),
+               result.session.photos.size() == 1 ? "" : "s", result.views, result.views == 1 ? "" : "s",
+               lit.size() > 1 ? fmt::format(" under {} lamps", lit.size()) : "", next);
   });
 }
 

@@ -3,12 +3,16 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
+#include <system_error>
 #include <vector>
 
 #include "burin/render/error.h"
 #include "burin/render/footprint/ndf_cases.h"
 #include "tools/commands.h"
+#include "tools/loop/state.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/report/carve_check.h"
 #include "tools/work_lock.h"
 
@@ -43,35 +47,107 @@ struct CarveOptions {
   CarveCheckFiles files;
 };
 
-CarveCheckFiles files_of(const CarveOptions& options) {
-  if (!std::filesystem::is_directory(options.what)) {
-    CarveCheckFiles files = options.files;
-    files.scratches = options.what;
-    if (files.board.empty() || files.gcode.empty())
-      throw CLI::RequiredError("--board and --gcode (or the folder of a loop's round)");
-    return files;
-  }
-  CarveCheckFiles files = round_files(options.what, options.files.machine);
-  const CarveCheckFiles& said = options.files;
-  for (const auto member : {&CarveCheckFiles::board, &CarveCheckFiles::bench, &CarveCheckFiles::design,
-                            &CarveCheckFiles::folder, &CarveCheckFiles::heights})
-    if (!(said.*member).empty()) files.*member = said.*member;
-  if (!said.gcode.empty()) files.gcode = said.gcode;
-  files.follow_bow = said.follow_bow;
-  return files;
+// What is looked at, and where the page goes.
+struct CarveJob {
+  CarveCheckFiles files;
+  std::filesystem::path page;
+  std::optional<LoopProject> loop;  // if it is the loop's own check of `round`, under the loop's own settings
+  int round = 0;
+};
+
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code ignored;
+  return a == b || std::filesystem::equivalent(a, b, ignored);
 }
 
-void check_before_carving(const CarveOptions& options) {
-  std::filesystem::path page = options.out;
-  if (page.empty())
-    page = std::filesystem::is_directory(options.what) ? options.what / "carve-check.html" : "carve-check.html";
+// The folder of a loop's round that `what` names: itself, the newest designed one of a project's folder, or the one
+// that a table lies in. Empty: none.
+std::filesystem::path round_of(const std::filesystem::path& what, const std::optional<ProjectSettings>& project) {
+  const bool is_folder = std::filesystem::is_directory(what);
+  const std::filesystem::path otherwise = is_folder ? what : std::filesystem::path();
+  if (!project || !project_of(what)) return otherwise;
+  const Project& of = project->at.project;
+  int round = project->at.round;
+  if (round > 0) return is_folder || what.filename() == "scratches.csv" ? of.round(round) : otherwise;
+  if (!is_folder || !same_file(what, of.folder)) return otherwise;
+  for (round = of.rounds(); round > 1; --round)
+    if (std::filesystem::exists(of.round(round) / "scratches.csv")) break;
+  return round > 0 ? of.round(round) : otherwise;
+}
+
+// Whether the loop has checked that round itself.
+bool has_page(const Project& project, int round) {
+  return std::filesystem::exists(record_file(project, {round, StageKind::check}));
+}
+
+// Whether what was said is what the loop itself checks with: then the page is the loop's.
+bool is_loops_own(const CarveCheckFiles& files, const CarveCheckFiles& own, const ProjectSettings& project) {
+  const std::string machine = project.machine.empty() ? CarveCheckFiles().machine : project.machine;
+  bool same = files.follow_bow == project.follow_bow && files.gcode == own.gcode &&
+              (files.machine == machine || same_file(files.machine, machine));
+  for (const auto member : {&CarveCheckFiles::board, &CarveCheckFiles::bench, &CarveCheckFiles::design,
+                            &CarveCheckFiles::folder, &CarveCheckFiles::heights, &CarveCheckFiles::scratches})
+    same = same && same_file(files.*member, own.*member);
+  return same;
+}
+
+CarveJob job_of(const CarveOptions& options, const CLI::App& command) {
+  const CarveCheckFiles& said = options.files;
+  CarveJob job{said, options.out, std::nullopt, 0};
+  const std::optional<ProjectSettings> project = settings_around(options.what);
+  TakenSettings taken(command);
+  if (project) {
+    taken.take("--machine", project->machine, job.files.machine);
+    if (said.heights.empty()) taken.take("--follow-bow", project->follow_bow, job.files.follow_bow);
+  }
+  const std::filesystem::path round = said.gcode.empty() || std::filesystem::is_directory(options.what)
+                                          ? round_of(options.what, project)
+                                          : std::filesystem::path();
+  if (round.empty()) {
+    if (project) {
+      taken.take("--board", project->board, job.files.board);
+      taken.take("--bench", project->bench, job.files.bench);
+    }
+    job.files.scratches = options.what;
+    if (job.files.board.empty() || job.files.gcode.empty())
+      throw CLI::RequiredError("--board and --gcode (or the folder of a loop's round)");
+    if (job.page.empty()) job.page = "carve-check.html";
+    if (project) taken.say(*project);
+    return job;
+  }
+  if (project) taken.say(*project);
+  const CarveCheckFiles own = round_files(round, job.files.machine);
+  for (const auto member : {&CarveCheckFiles::board, &CarveCheckFiles::bench, &CarveCheckFiles::design,
+                            &CarveCheckFiles::folder, &CarveCheckFiles::heights})
+    if ((job.files.*member).empty()) job.files.*member = own.*member;
+  if (job.files.gcode.empty()) job.files.gcode = own.gcode;
+  job.files.scratches = own.scratches;
+  if (job.files.follow_bow) job.files.heights.clear();
+  const std::optional<PlaceInProject> at = project_of(round);
+  const bool of_loop = project && at && at->round > 0;
+  const bool as_loop = of_loop && is_loops_own(job.files, own, *project);
+  const bool beside = of_loop && !as_loop && has_page(at->project, at->round);
+  if (job.page.empty()) job.page = round / (beside ? "carve-check-otherwise.html" : "carve-check.html");
+  if (beside)
+    note("the loop checks this round under other settings (machine " +
+         (project->machine.empty() ? CarveCheckFiles().machine : project->machine) + "), and its page stays as it is");
+  if (as_loop && same_file(job.page, round / "carve-check.html")) {
+    job.loop = LoopProject{at->project, read_loop_options(at->project.folder)};
+    job.round = at->round;
+  }
+  return job;
+}
+
+void check_before_carving(const CarveOptions& options, const CLI::App& command) {
+  const CarveJob job = job_of(options, command);
+  const auto& [files, page, loop, round] = job;
   const WorkLock lock(page.parent_path(), "burin check carve", WorkLock::Where::projects);
-  const CarveCheckFiles files = files_of(options);
   ProgressBar bar;
   bar.progress()("replaying", 0);
   const CarveCheck check = check_carve_files(files);
   bar.progress()("writing", 0);
   write_carve_check_page(check, files, page);
+  if (loop) record_check(*loop, round, check.good());
   bar.clear();
   print_text("{}", carve_check_text(check));
   if (!check.good()) {
@@ -92,7 +168,8 @@ void add_carve_check(CLI::App& check) {
       "carve", "Before metal moves: one page of what the G-code will do to the board, and what would spoil it in red");
   carve
       ->add_option("SCRATCHES.csv", options->what,
-                   "The scratches that are to be carved, or the folder of a loop's round")
+                   "The scratches that are to be carved, or the folder of a loop's round; in a project, its machine, "
+                   "board and bench are taken unless they are said")
       ->required();
   carve->add_option("--gcode", files.gcode, "The files that the machine will get, in order");
   carve->add_option("--board", files.board, "board.json");
@@ -107,7 +184,7 @@ void add_carve_check(CLI::App& check) {
   carve->footer(example("burin check carve round-01\n"
                         "  burin check carve scratches.csv --board board.json --gcode board.gcode --out check.html") +
                 "\nExit code 1 if there is a red line.");
-  carve->callback([options] { check_before_carving(*options); });
+  carve->callback([options, carve] { check_before_carving(*options, *carve); });
 }
 
 }  // namespace

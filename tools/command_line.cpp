@@ -62,19 +62,18 @@ std::unique_ptr<CLI::App> make_app() {
             if (most_threads < 1) throw CLI::ValidationError("--threads", "no work is done by fewer than 1 thread");
             *limit = std::make_unique<ThreadLimit>(most_threads);
           },
-          "Use at most so many threads (all cores unless given); stands before COMMAND")
+          "Use at most so many threads (all cores unless given)")
       ->type_name("N");
   const auto choice = std::make_shared<std::unique_ptr<SimdChoice>>();
   burin
       ->add_option_function<std::string>(
           "--simd", [choice](const std::string& name) { *choice = simd_choice(name, "--simd"); },
           "Which of the processor's instructions pictures are computed with: sse2, avx2 or avx512 (the widest it has "
-          "unless given, here or as BURIN_SIMD); the same ones give the same design on another machine; stands before "
-          "COMMAND")
+          "unless given, here or as BURIN_SIMD); the same ones give the same design on another machine")
       ->type_name("NAME");
   // Taken out before anything is parsed (tools/output_mode.h); here for --help.
-  burin->add_flag("--quiet")->description("Say nothing but notes and errors; stands before COMMAND");
-  burin->add_flag("--json")->description("Say all in one JSON object when it is done; stands before COMMAND");
+  burin->add_flag("--quiet")->description("Say nothing but notes and errors");
+  burin->add_flag("--json")->description("Say all in one JSON object when it is done");
   add_new_command(*burin);
   add_simulate_command(*burin);
   add_print_command(*burin);
@@ -208,9 +207,44 @@ int run_in_words(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
+namespace {
+
+// The program's own options where they stand behind a command that has none of that name: before it.
+std::vector<std::string> program_options_first(const std::vector<std::string>& arguments) {
+  const auto app = make_app();
+  const std::size_t at = place_of_command(arguments);
+  const CLI::App* command = app.get();
+  for (std::size_t i = at; i < arguments.size(); ++i) {
+    const auto among = command->get_subcommands([&](const CLI::App* one) { return one->get_name() == arguments[i]; });
+    if (among.empty()) break;
+    command = among.front();
+  }
+  if (command == app.get()) return arguments;
+  std::vector<std::string> first(arguments.begin(), arguments.begin() + static_cast<std::ptrdiff_t>(at)), rest;
+  for (std::size_t i = at; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    const std::string name = word.substr(0, word.find('='));
+    const bool flag = word == "--json" || word == "--quiet", value = name == "--threads" || name == "--simd";
+    if (word == "--") {  // what follows is no option
+      rest.insert(rest.end(), arguments.begin() + static_cast<std::ptrdiff_t>(i), arguments.end());
+      break;
+    }
+    if (!(flag || value) || command->get_option_no_throw(name) != nullptr) {
+      rest.push_back(word);
+      continue;
+    }
+    first.push_back(word);
+    if (value && name == word && i + 1 < arguments.size()) first.push_back(arguments[++i]);
+  }
+  first.insert(first.end(), rest.begin(), rest.end());
+  return first;
+}
+
+}  // namespace
+
 int run_program(const std::vector<std::string>& arguments) {
   fill_closed_streams();
-  std::vector<std::string> command = arguments;
+  std::vector<std::string> command = program_options_first(arguments);
   const OutputMode mode = take_output_mode(command);
   int exit_code = kDone;
   const NamedPaths named(command);

@@ -25,6 +25,7 @@
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/work_lock.h"
 
 namespace burin {
@@ -89,7 +90,12 @@ void print_plan(const CouponPlan& plan, const ToolpathReport& report) {
   }
 }
 
-void write_coupon_files(WriteOptions options) {
+void write_coupon_files(WriteOptions options, const CLI::App& command) {
+  if (const std::optional<ProjectSettings> project = settings_around(options.out)) {
+    TakenSettings taken(command);
+    taken.take("--machine", project->machine, options.machine);
+    taken.say(*project);
+  }
   const WorkLock lock(options.out, "burin coupon write", WorkLock::Where::new_folders);
   const MachineProfile machine = machine_profile(options.machine);
   if (options.coupon.date.empty()) options.coupon.date = today();
@@ -290,7 +296,14 @@ void write_machine(const ReadOptions& options, const MachineProfile& machine, co
              options.out.string(), what, shell_word(options.out.string()));
 }
 
-void read_coupon_files(const ReadOptions& options) {
+void read_coupon_files(ReadOptions options, const CLI::App& command) {
+  const std::optional<ProjectSettings> project = settings_around(options.folder);
+  if (project && !options.out.empty()) {
+    TakenSettings taken(command);
+    taken.take("--machine", project->machine, options.machine);
+    taken.say(*project);
+  }
+  if (!options.out.empty() && options.machine.empty()) throw CLI::RequiredError("--machine");
   const WorkLock lock(options.folder, "burin coupon read");
   const Coupon coupon = read_coupon(options.folder / "coupon.json");
   std::optional<MachineProfile> machine;
@@ -332,7 +345,8 @@ void read_coupon_files(const ReadOptions& options) {
   else
     print_text(
         "Read coupon {}; next, into the machine's file: burin coupon read {} --photos {} --machine {} --out {}\n",
-        coupon.number, shell_word(options.folder.string()), shell_word(options.photos.string()), "MACHINE",
+        coupon.number, shell_word(options.folder.string()), shell_word(options.photos.string()),
+        project && !project->machine.empty() ? shell_word(project->machine) : "MACHINE",
         shell_word((options.folder / "machine.json").string()));
 }
 
@@ -374,7 +388,7 @@ void add_coupon_command(CLI::App& burin) {
   write->footer(
       example("burin coupon write --machine grbl-spring --number 3 --out coupon-3\n"
               "  burin coupon write --machine grbl --depths 6 10 14 20 --feeds 300 --number 4 --out coupon-4"));
-  write->callback([options] { write_coupon_files(*options); });
+  write->callback([options, write] { write_coupon_files(*options, *write); });
   auto reading = std::make_shared<ReadOptions>();
   CLI::App* read = coupon->add_subcommand(
       "read", "Measure depth and roughness for each preload and speed from three photos or more");
@@ -389,9 +403,8 @@ void add_coupon_command(CLI::App& burin) {
                                       "The machine's file to write (.json); the one of --machine itself is brought up "
                                       "to date, and kept beside as .former");
   machine->needs(out);
-  out->needs(machine);
   read->footer(example("burin coupon read coupon-3 --photos photos --machine grbl-spring --out machine.json"));
-  read->callback([reading] { read_coupon_files(*reading); });
+  read->callback([reading, read] { read_coupon_files(*reading, *read); });
 }
 
 }  // namespace burin

@@ -18,10 +18,12 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/write_file.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/project.h"
 #include "tools/stop_signal.h"
 #include "tools/work_lock.h"
 
@@ -89,6 +91,7 @@ struct DesignArguments {
   std::string start = "guided", exposure = "view", time, carve_time, machine;
   DesignOptions design;
   bool live = false;
+  double depth_um = 0;  // of the grooves; 0: the bench's
 };
 
 // The options that a design which goes on needs again, to be pasted.
@@ -98,6 +101,7 @@ std::string said_again(const DesignArguments& o) {
   if (!o.board.empty()) line += " --board " + shell_word(o.board.string());
   for (const std::filesystem::path& file : o.carved) line += " --carved " + shell_word(file.string());
   if (!o.machine.empty()) line += " --machine " + shell_word(o.machine);
+  if (o.depth_um > 0) line += " --depth " + shortest(o.depth_um);
   return line;
 }
 
@@ -145,13 +149,20 @@ void write_or_keep(const DesignResult& result, const DesignSpec& spec, const Boa
   }
 }
 
+// What rows leave to the bench they carry themselves from now on.
+void give_depth(double depth_um, Scratches& rows) {
+  if (rows.depth_um.empty()) rows.depth_um.assign(rows.size(), depth_um);
+}
+
 void run(const DesignArguments& o) {
   DesignSpec spec = read_design(o.spec);
   if (!o.bench.empty()) spec.bench = o.bench;
   if (!o.board.empty()) spec.board = o.board;
   if (o.scratches > 0) spec.scratches = o.scratches;
   const Board board = read_board(spec.board);
-  const Bench bench = read_bench_of(board, spec.board, spec.bench);
+  const Bench as_known = read_bench_of(board, spec.board, spec.bench);
+  Bench bench = as_known;
+  if (o.depth_um > 0) bench.material.depth_um = o.depth_um;
   for (const Finding& finding : bench.findings) note(finding);
   DesignOptions options = o.design;
   options.start = o.start == "guided" ? Start::guided : Start::random;
@@ -163,10 +174,11 @@ void run(const DesignArguments& o) {
     options.carve_machine = machine_profile(o.machine);
     options.machine = options.carve_machine.limits;
   }
-  Bench whole = bench;  // what crosses what shows once all rows are together
+  Bench whole = as_known;  // what crosses what shows once all rows are together
   whole.crossings = Crossings::add;
   for (const std::filesystem::path& file : o.carved) {
-    const Scratches carved = carve(Sent(read_scratches(file)), whole, board).scratches;
+    Scratches carved = carve(Sent(read_scratches(file)), whole, board).scratches;
+    if (o.depth_um > 0) give_depth(as_known.material.depth_um, carved);
     options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
   const WorkLock lock(o.out, "burin design", WorkLock::Where::new_folders);
@@ -197,6 +209,7 @@ void run(const DesignArguments& o) {
   };
   const KeptMemory kept;
   DesignResult result = design(spec, board, bench, options, with_losses);
+  if (o.depth_um > 0) give_depth(o.depth_um, result.scratches);
   result.stopped_early = result.stopped_early || StopOnSignal::asked();  // wherever it was when it was asked
   write_or_keep(result, spec, board, bench, o);
   bar.clear();
@@ -217,7 +230,7 @@ void run(const DesignArguments& o) {
   }
   for (std::size_t k = 0; k < result.tolerance.size(); ++k)
     print_text("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));
-  print_text("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} scratches of {} kept\n", result.history.front().loss,
+  print_text("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} of {} scratches kept\n", result.history.front().loss,
              result.final_loss, result.history.size() - 1, result.iteration_seconds,
              result.scratches.size() - result.carved, result.started_with);
   double mean_db = 0;
@@ -237,6 +250,10 @@ void run(const DesignArguments& o) {
   if (result.stopped_early)
     print_text("Stopped early. Go on with: burin design {} --out {} --from {}{}\n", shell_word(o.spec.string()),
                shell_word(o.out.string()), shell_word((o.out / "scratches.csv").string()), said_again(o));
+  if (is_in_round(o.out)) {
+    print_text("Wrote {}: look at preview-*.png.\n", o.out.string());
+    return;
+  }
   print_text("Wrote {}: look at preview-*.png; next: burin toolpath {} --board {} --bench {}{} --out {}\n",
              o.out.string(), shell_word((o.out / "scratches.csv").string()),
              shell_word(spec.board.lexically_normal().string()), shell_word(spec.bench.lexically_normal().string()),
@@ -319,6 +336,11 @@ void add_options(CLI::App& command, DesignArguments& o) {
                    "Report quality over carving time (always with --carve-hours)");
   command.add_flag("--report-tolerance", o.design.report_tolerance,
                    "Report how far they may, without designing for it");
+  command
+      .add_option("--depth", o.depth_um,
+                  "How deep grooves are to be, um, instead of as the bench has them: scratches.csv says it, and a tool "
+                  "path tells the machine what makes it")
+      ->check(CLI::PositiveNumber);
   command.add_flag("--free-width", o.design.optimize_width, "Optimize the cutter's width too (one for all)");
   command.add_flag("--free-depth", o.design.optimize_depth, "Optimize the depth too (one for all)");
   command.add_flag("--free-alpha", o.design.optimize_alpha, "Optimize the roughness too (one for all)");

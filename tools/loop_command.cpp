@@ -12,6 +12,7 @@
 #include "tools/loop/options.h"
 #include "tools/loop/round_design.h"
 #include "tools/loop/turn.h"
+#include "tools/project_settings.h"
 #include "tools/work_lock.h"
 
 namespace burin {
@@ -26,7 +27,8 @@ struct LoopArguments {
   std::vector<std::string> views, lamps;
 };
 
-void run(const LoopArguments& o) {
+void run(LoopArguments o) {
+  o.project.folder = project_folder(o.project.folder, "PROJECT_DIR");
   for (const char* file : {"board.json", "design.json", "bench.json"})
     if (!fs::exists(o.project.folder / file))
       fail((o.project.folder / file).string(), "a loop project needs this file",
@@ -48,21 +50,24 @@ void add_loop_command(CLI::App& burin) {
   auto o = std::make_shared<LoopArguments>();
   CLI::App* command = burin.add_subcommand(
       "loop", "Design, carve, photograph, measure, and design again for the bench as it is; goes on where it stopped");
-  command
-      ->add_option("PROJECT_DIR", o->project.folder, "A folder with board.json, design.json and a nominal bench.json")
-      ->required();
+  command->add_option(
+      "PROJECT_DIR", o->project.folder,
+      "A folder with board.json, design.json and a nominal bench.json; left out: the working directory's project");
   command->add_option("--again", o->answers.again,
                       "Make this stage anew, and what follows from it: design, toolpath, board, capture, calibrate, "
                       "refine, report (of the last round that has it), or round-02/refine; what it replaces is kept in "
                       "the round's former/");
   command->add_flag("--keep", o->answers.keep,
                     "Go on with what is out of date, was changed by hand, was ended early or has no record, as it is");
+  command->add_flag("--another", o->answers.another,
+                    "Go on with another board where the last one shows what was promised and the next would gain less "
+                    "than is seen");
   command->add_option("--accept-unknown", o->answers.accept_unknown,
                       "Design the next board although the photos left this parameter open: depth_um, alpha, "
                       "machine.affine, light.ID.position_mm (depth and lamps: also where they tell it only weakly)");
   command->add_option("--view", o->views,
                       "Which measured view is the designed one, where the loop asks: middle=v01 (kept in the round's "
-                      "names.json)");
+                      "names.json; middle= takes it back)");
   command->add_option("--lamp", o->lamps, "The same of a lamp: ceiling=lamp");
   command
       ->add_option("--rounds", o->answers.simulated_rounds,

@@ -291,8 +291,12 @@ std::vector<DesignedLamp> designed_lamps(const DesignSpec& design, const Bench& 
   return out;
 }
 
-std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
-                                             const std::filesystem::path& design_report) {
+namespace {
+
+// The measured tolerances of a design's report instead of the usual ones, as `choose` takes one of both.
+template <typename Choose>
+std::vector<MatchTolerance> tolerances_of(const DesignSpec& design, const Bench& designed, const Board& board,
+                                          const std::filesystem::path& design_report, const Choose& choose) {
   std::vector<MatchTolerance> out;
   for (const DesignView& picture : design.views) out.push_back(default_tolerance(picture, designed, board));
   if (design_report.empty() || !std::filesystem::exists(design_report)) return out;
@@ -304,12 +308,27 @@ std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Ben
     for (MatchTolerance& t : out) {
       if (t.view != name || t.light != light) continue;
       JsonObject tolerance = view.object("tolerance");
-      // A coarse picture tolerates much: no reason to take a far place for the designed one.
-      t.eye = smaller(t.eye, read_place(tolerance.object("eye_mm")));
-      t.lamp = smaller(t.lamp, read_place(tolerance.object("lamp_mm")));
+      t.eye = choose(t.eye, read_place(tolerance.object("eye_mm")));
+      t.lamp = choose(t.lamp, read_place(tolerance.object("lamp_mm")));
     }
   }
   return out;
+}
+
+}  // namespace
+
+std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
+                                             const std::filesystem::path& design_report) {
+  // A coarse picture tolerates much: no reason to take a far place for the designed one.
+  return tolerances_of(
+      design, designed, board, design_report,
+      [](const PlaceTolerance& usual, const PlaceTolerance& measured) { return smaller(usual, measured); });
+}
+
+std::vector<MatchTolerance> shown_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
+                                             const std::filesystem::path& design_report) {
+  return tolerances_of(design, designed, board, design_report,
+                       [](const PlaceTolerance&, const PlaceTolerance& measured) { return measured; });
 }
 
 Offset offset_of(const Eigen::Vector3d& designed_mm, const Eigen::Vector3d& measured_mm, const Board& board,

@@ -61,6 +61,12 @@ struct DesignedLamp {
 std::vector<DesignedLamp> designed_lamps(const DesignSpec& design, const Bench& designed, const Board& board,
                                          const std::vector<MatchTolerance>& tolerances);
 
+/// How far eye and lamp of each picture may stand aside until it is lost: as `burin design` measured it and design,
+/// check and report say it, or else default_tolerance(). For people; match_tolerances() takes no far place for a
+/// designed one.
+std::vector<MatchTolerance> shown_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
+                                             const std::filesystem::path& design_report);
+
 /// Where a measured place lies, as seen from the designed one.
 struct Offset {
   double sideways_mm = 0, up_mm = 0;  ///< to the right as seen from there, upwards

@@ -25,55 +25,12 @@
 #include "tools/plan_drawing.h"
 #include "tools/plan_words.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/wanted_bench.h"
 #include "tools/work_lock.h"
 
 namespace burin {
 namespace {
-
-Json plan_json(const Plan& plan, const Board& board, const PlanFocus& focus) {
-  Json json;
-  json["format"] = "burin/plan";
-  json["version"] = 1;
-  json["straddles_cut_off"] = plan.straddles;
-  json["focus"] = {
-      {"distance_mm", focus.distance_mm}, {"near_mm", focus.range.near_mm}, {"far_mm", focus.range.far_mm}};
-  json["parameters"] = Json::array();
-  for (const PlanParameter& p : plan.parameters)
-    json["parameters"].push_back(
-        {{"name", p.name}, {"unit", in_words(p.unit)}, {"goal", p.goal}, {"before", p.before}});
-  json["shots"] = Json::array();
-  for (std::size_t i = 0; i < plan.shots.size(); ++i) {
-    const PlannedShot& shot = plan.shots[i];
-    const Light& light = plan.bench.lights[shot.light];
-    Json item;
-    item["view"] = shot.view.empty() ? fmt::format("p{:02}", i + 1) : shot.view;
-    if (!shot.view.empty()) item["designed"] = true;
-    item["camera"] = place_in_words(shot.camera, board);
-    item["center_mm"] = to_json(shot.camera.center_mm());
-    item["T_camera_board"] = to_json(shot.camera.T_camera_board.matrix());
-    item["distance_mm"] = shot.camera.distance_mm;
-    item["tilt_deg"] = shot.camera.tilt_rad * 180 / std::numbers::pi;
-    item["azimuth_deg"] = std::fmod(shot.camera.azimuth_rad * 180 / std::numbers::pi + 360, 360);
-    item["roll_deg"] = shot.camera.roll_rad * 180 / std::numbers::pi;
-    item["light"] = {{"id", light.id}, {"position_mm", to_json(light.position_mm)}};
-    item["exposure_stops"] = shot.stops;
-    if (is_measured(plan)) item["exposure_s"] = exposure_s(plan, shot);
-    Json& sigma = item["sigma_after"];
-    for (std::size_t p = 0; p < plan.parameters.size(); ++p) sigma[plan.parameters[p].name] = shot.sigma[p];
-    json["shots"].push_back(item);
-  }
-  json["at_depth"] = Json::array();
-  for (const PlanAtDepth& at : plan.at_depth) {
-    Json item;
-    item["depth_um"] = at.depth_um;
-    item["straddles_cut_off"] = at.straddles;
-    Json& sigma = item["sigma"];
-    for (std::size_t p = 0; p < plan.parameters.size(); ++p) sigma[plan.parameters[p].name] = at.sigma[p];
-    json["at_depth"].push_back(item);
-  }
-  return json;
-}
 
 // The depth is a guess before the first photos: what comes of the plan where it is another one.
 void print_depths(const Plan& plan) {
@@ -225,9 +182,14 @@ struct PlanArguments {
 void run(const PlanArguments& arguments) {
   std::optional<WorkLock> lock;
   if (!arguments.out.empty()) lock.emplace(arguments.out, "burin plan", WorkLock::Where::new_folders);
-  Inputs in = arguments.bench.empty() && std::filesystem::is_directory(arguments.board)
-                  ? inputs_of_project(arguments.board)
-                  : inputs_of_files(arguments.board, arguments.bench, arguments.design);
+  // A project's board.json that is given alone stands for the project: that knows the bench.
+  const std::optional<PlaceInProject> own = project_of(arguments.board);
+  const bool is_board = arguments.board.filename() == "board.json" && own && arguments.design.empty();
+  const std::filesystem::path folder = is_board ? own->project.folder : project_folder(arguments.board, "BOARD.json");
+  const bool is_project = arguments.bench.empty() && std::filesystem::is_directory(folder);
+  Inputs in = is_project ? inputs_of_project(folder)
+                         : inputs_of_files(arguments.board.empty() ? folder : arguments.board, arguments.bench,
+                                           arguments.design);
   PlanOptions plan_options = arguments.plan;
   if (!arguments.camera.empty()) {
     in.bench.lens = read_cameramodel(arguments.camera);
@@ -264,14 +226,14 @@ void run(const PlanArguments& arguments) {
            (plans_several_lamps(in) ? ", each into the folder of the lamp that shone on it alone (photos/" +
                                           file_name_of(in.designed.front().light) + " and so on)"
                                     : "") +
-           "; next: burin loop " + shell_word(arguments.board.string());
+           "; next: burin loop " + shell_word(folder.string());
   if (arguments.out.empty()) {
     print_text("Planned {} shots (--out DIR keeps the plan and draws it): {}\n", plan.shots.size(), next);
     return;
   }
   make_output_folder(arguments.out);
   FilesTogether all;
-  write_json(plan_json(plan, in.board, focus), arguments.out / "plan.json");
+  write_text(plan_text(plan, in.board, focus, arguments.out / "plan.json"), arguments.out / "plan.json");
   write_text(plan_drawing(plan, in.board), arguments.out / "plan.svg");
   all.put();
   print_text("Wrote {}, plan.svg shows where to stand: {}\n", (arguments.out / "plan.json").string(), next);
@@ -283,12 +245,10 @@ void add_plan_command(CLI::App& burin) {
   auto options = std::make_shared<PlanArguments>();
   CLI::App* command = burin.add_subcommand(
       "plan", "Say which photos to take of a board: where to put camera and lamp, and what they would tell");
-  command
-      ->add_option(
-          "BOARD.json", options->board,
-          "The board that is to be photographed; or a project's folder: its board, its bench as measured last, "
-          "and the views of its design")
-      ->required();
+  command->add_option(
+      "BOARD.json", options->board,
+      "The board that is to be photographed; or a project's folder: its board, its bench as measured last, "
+      "and the views of its design. Left out: the project of the working directory");
   command->add_option("--bench", options->bench,
                       "The bench as it is believed or was measured: lens and lamps; without it, a 50 mm lens on full "
                       "frame and a lamp beyond the upper edge");

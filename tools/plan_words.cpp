@@ -4,15 +4,18 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
+#include <numbers>
 
 #include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 #include "tools/photographed_lamps.h"
 #include "tools/where_to_stand.h"
 
 namespace burin {
 namespace {
 
-constexpr double kPaperAt = 0.6, kPlannedAperture = 8;
+constexpr double kPlannedPaper = 0.6, kPlannedAperture = 8;
 
 // A number at the start of `text`, which is then cut off it; false if there is none.
 bool take_number(std::string_view& text, double& value) {
@@ -126,7 +129,7 @@ bool is_measured(const Plan& plan) {
 }
 
 double exposure_s(const Plan& plan, const PlannedShot& shot) {
-  return kPaperAt / (plan.bench.sensor.gain * shot.paper_radiance) * kPlannedAperture * kPlannedAperture;
+  return kPlannedPaper / (plan.bench.sensor.gain * shot.paper_radiance) * kPlannedAperture * kPlannedAperture;
 }
 
 std::string exposures_in_words(const Plan& plan, const PlannedShot& shot) {
@@ -136,6 +139,50 @@ std::string exposures_in_words(const Plan& plan, const PlannedShot& shot) {
     out += fmt::format("{} {:.0f} stops", i == 1 ? "" : ",", shot.stops[i]);
   if (is_measured(plan)) out += fmt::format("; {:.3g} s at f/8 and ISO 100 to begin with", exposure_s(plan, shot));
   return out;
+}
+
+std::string plan_text(const Plan& plan, const Board& board, const PlanFocus& focus, const std::filesystem::path& file) {
+  Json json;
+  json["format"] = "burin/plan";
+  json["version"] = 1;
+  json["straddles_cut_off"] = plan.straddles;
+  json["focus"] = {
+      {"distance_mm", focus.distance_mm}, {"near_mm", focus.range.near_mm}, {"far_mm", focus.range.far_mm}};
+  json["parameters"] = Json::array();
+  for (const PlanParameter& p : plan.parameters)
+    json["parameters"].push_back(
+        {{"name", p.name}, {"unit", in_words(p.unit)}, {"goal", p.goal}, {"before", p.before}});
+  json["shots"] = Json::array();
+  for (std::size_t i = 0; i < plan.shots.size(); ++i) {
+    const PlannedShot& shot = plan.shots[i];
+    const Light& light = plan.bench.lights[shot.light];
+    Json item;
+    item["view"] = shot.view.empty() ? fmt::format("p{:02}", i + 1) : shot.view;
+    if (!shot.view.empty()) item["designed"] = true;
+    item["camera"] = place_in_words(shot.camera, board);
+    item["center_mm"] = to_json(shot.camera.center_mm());
+    item["T_camera_board"] = to_json(shot.camera.T_camera_board.matrix());
+    item["distance_mm"] = shot.camera.distance_mm;
+    item["tilt_deg"] = shot.camera.tilt_rad * 180 / std::numbers::pi;
+    item["azimuth_deg"] = std::fmod(shot.camera.azimuth_rad * 180 / std::numbers::pi + 360, 360);
+    item["roll_deg"] = shot.camera.roll_rad * 180 / std::numbers::pi;
+    item["light"] = {{"id", light.id}, {"position_mm", to_json(light.position_mm)}};
+    item["exposure_stops"] = shot.stops;
+    if (is_measured(plan)) item["exposure_s"] = exposure_s(plan, shot);
+    Json& sigma = item["sigma_after"];
+    for (std::size_t p = 0; p < plan.parameters.size(); ++p) sigma[plan.parameters[p].name] = shot.sigma[p];
+    json["shots"].push_back(item);
+  }
+  json["at_depth"] = Json::array();
+  for (const PlanAtDepth& at : plan.at_depth) {
+    Json item;
+    item["depth_um"] = at.depth_um;
+    item["straddles_cut_off"] = at.straddles;
+    Json& sigma = item["sigma"];
+    for (std::size_t p = 0; p < plan.parameters.size(); ++p) sigma[plan.parameters[p].name] = at.sigma[p];
+    json["at_depth"].push_back(item);
+  }
+  return json_text(json, file);
 }
 
 }  // namespace burin

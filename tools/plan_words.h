@@ -2,6 +2,7 @@
 // keep, the exposures of each. For `burin plan` and `burin sheet`.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -46,5 +47,8 @@ std::string exposures_in_words(const Plan& plan, const PlannedShot& shot);
 bool is_measured(const Plan& plan);
 /// Of the photo that shows paper at 60 % of white, at f/8 and ISO 100; of a measured bench.
 double exposure_s(const Plan& plan, const PlannedShot& shot);
+
+/// The plan as the text of a plan.json (docs/file-formats.md).
+std::string plan_text(const Plan& plan, const Board& board, const PlanFocus& focus, const std::filesystem::path& file);
 
 }  // namespace burin

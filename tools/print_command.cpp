@@ -10,6 +10,7 @@
 #include "tools/commands.h"
 #include "tools/drawing/pdf.h"
 #include "tools/print/print_pages.h"
+#include "tools/project_settings.h"
 
 namespace burin {
 namespace {
@@ -35,7 +36,8 @@ std::string pages_text(std::size_t first, std::size_t count, const std::string& 
                     : fmt::format("  pages {} to {}: {}\n", first, first + count - 1, what);
 }
 
-void run(const PrintArguments& options) {
+void run(PrintArguments options) {
+  options.project = project_folder(options.project, "PROJECT");
   const fs::path file = fs::is_directory(options.project) ? options.project / "board.json" : options.project;
   const Board board = read_board(file);
   const fs::path out = options.out.empty() ? file.parent_path() / "tags.pdf" : options.out;
@@ -99,7 +101,8 @@ void add_print_command(CLI::App& burin) {
   auto options = std::make_shared<PrintArguments>();
   CLI::App* command = burin.add_subcommand(
       "print", "Make a PDF of a board's tags at true scale, of where they go, and of a chessboard");
-  command->add_option("PROJECT", options->project, "The project's folder, or a board.json")->required();
+  command->add_option("PROJECT", options->project,
+                      "The project's folder, or a board.json; left out: the working directory's project");
   command->add_option("--out", options->out, "The PDF to write; without it, tags.pdf beside board.json");
   command->add_option("--paper", options->paper, "a4, letter, a3 or tabloid")->capture_default_str();
   command->add_option("--ruler-measured", options->across_mm,

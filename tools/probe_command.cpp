@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "burin/optimize/carving/gcode.h"
@@ -15,6 +16,7 @@
 #include "tools/commands.h"
 #include "tools/probe_light_command.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 
 namespace burin {
 namespace {
@@ -25,7 +27,13 @@ struct ProbeArguments {
   double spacing_mm = 15;
 };
 
-void write_probing(const ProbeArguments& options) {
+void write_probing(ProbeArguments options, const CLI::App& command) {
+  if (std::filesystem::is_directory(options.board)) options.board /= "board.json";
+  if (const std::optional<ProjectSettings> project = settings_around(options.board)) {
+    TakenSettings taken(command);
+    taken.take("--machine", project->machine, options.machine);
+    taken.say(*project);
+  }
   const MachineProfile machine = machine_profile(options.machine);
   const Board board = read_board(options.board);
   ProgressBar bar;
@@ -78,13 +86,14 @@ void add_probe_command(CLI::App& burin) {
   auto options = std::make_shared<ProbeArguments>();
   CLI::App* write = probe->add_subcommand(
       "write", "Write G-code that touches the face on a grid over the carve area, clear of tags and keep-outs");
-  write->add_option("BOARD.json", options->board, "Carve area, tags, keep-outs")->required();
+  write->add_option("BOARD.json", options->board, "Carve area, tags, keep-outs; or the folder of a project")
+      ->required();
   write->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
       ->capture_default_str();
   write->add_option("--spacing", options->spacing_mm, "About how far the points lie apart, mm")->capture_default_str();
   write->add_option("--out", options->out, "The G-code file")->required();
   write->footer(example("burin probe write board.json --machine grbl --out probe.gcode"));
-  write->callback([options] { write_probing(*options); });
+  write->callback([options, write] { write_probing(*options, *write); });
   CLI::App* read =
       probe->add_subcommand("read", "Turn what the controller logged meanwhile into a height map, heights.json");
   read->add_option("LOG", options->log, "grbl's serial log, or the file that LinuxCNC's PROBEOPEN wrote")->required();

@@ -3,16 +3,75 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <charconv>
+#include <string_view>
+#include <system_error>
 
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/limits.h"
 
 namespace burin {
+namespace {
+
+namespace fs = std::filesystem;
+
+// "round-07" is 7; 0: the name is no round's.
+int number_of_round(const fs::path& name) {
+  constexpr std::string_view kRound = "round-";
+  const std::string text = name.string();
+  int number = 0;
+  if (!text.starts_with(kRound)) return 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data() + kRound.size(), end, number);
+  return read.ec == std::errc() && read.ptr == end && Project{{}}.round(number) == name ? number : 0;
+}
+
+bool holds_project(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* file : {"board.json", "design.json", "bench.json"})
+    if (!fs::is_regular_file(folder / file, ignored)) return false;
+  return number_of_round(folder.filename()) == 0;  // a round holds the same files
+}
+
+// The nearest project above a path from the root, and which of its folders leads to the path.
+std::optional<PlaceInProject> project_above(fs::path at) {
+  if (!at.has_filename()) at = at.parent_path();  // "round-01/"
+  for (fs::path below;; below = at, at = at.parent_path()) {
+    if (holds_project(at)) return PlaceInProject{{at}, number_of_round(below.filename())};
+    if (at == at.parent_path()) return std::nullopt;
+  }
+}
+
+}  // namespace
+
+std::optional<PlaceInProject> project_of(const fs::path& path) {
+  if (path.empty()) return std::nullopt;
+  std::error_code error;
+  std::optional<PlaceInProject> found = project_above(fs::absolute(path).lexically_normal());
+  if (!found) {
+    const fs::path leads_to = fs::weakly_canonical(path, error);
+    if (!error) found = project_above(fs::absolute(leads_to));
+  }
+  if (found && path.is_relative())
+    found->project.folder = found->project.folder.lexically_proximate(fs::current_path());
+  return found;
+}
+
+bool is_in_round(const fs::path& path) {
+  const std::optional<PlaceInProject> at = project_of(path);
+  return at && at->round > 0;
+}
+
 std::filesystem::path Project::round(int number) const { return folder / fmt::format("round-{:02}", number); }
 
 std::filesystem::path Project::bench_before(int number) const {
   return (number == 1 ? folder : round(number - 1)) / "bench.json";
+}
+
+std::filesystem::path Project::heights(int number) const {
+  const std::filesystem::path file = round(number) / "heights.json";
+  return std::filesystem::exists(file) ? file : std::filesystem::path();
 }
 
 std::optional<int> Project::pixels(int number) const {

@@ -14,6 +14,7 @@
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/work_lock.h"
 
 namespace burin {
@@ -26,7 +27,9 @@ std::string measured(const Bench& bench, const std::string& name, double value, 
   if (verdict == nullptr) return fmt::format("{:.{}f}{}, not fitted", value, digits, unit);
   if (!sigma || !verdict->known())
     return fmt::format("not determined ({:.{}f}{}): {}", value, digits, unit, sentence(*verdict));
-  const std::string known = fmt::format("{:.{}f} +- {:.{}f}{}", value, digits, *sigma, digits + 1, unit);
+  // Both as far as the sigma has two digits that count.
+  const int both = *sigma > 0 ? std::max(digits, 1 - static_cast<int>(std::floor(std::log10(*sigma)))) : digits;
+  const std::string known = fmt::format("{:.{}f} +- {:.{}f}{}", value, both, *sigma, both, unit);
   return verdict->determined() ? known : fmt::format("{}, only weakly: {}", known, sentence(*verdict));
 }
 
@@ -48,6 +51,20 @@ void print_panel(const LampSize& size) {
                *size.turn_sigma_deg);
   else
     print_text("; a panel of {:.0f} x {:.0f} mm, as told,", size.panel_mm.x(), size.panel_mm.y());
+}
+
+// A screen has room for so many; the report has all.
+void print_photos(std::vector<PhotoFit> photos) {
+  constexpr std::size_t kMost = 6;
+  const std::size_t all = photos.size();
+  std::stable_sort(photos.begin(), photos.end(),
+                   [](const PhotoFit& a, const PhotoFit& b) { return a.residual_rms > b.residual_rms; });
+  photos.resize(std::min(all, kMost));
+  print_text("photos   {:>10} {:>9} {:>13} {:>12} {:>9}{}\n", "view", "pixels", "residual", "/ its noise", "outliers",
+             all > kMost ? fmt::format("  (the worst {} of {}; burin report shows all)", kMost, all) : "");
+  for (const PhotoFit& photo : photos)
+    print_text("         {:>10} {:>9} {:>11.2f} % {:>12.2f} {:>7.1f} %\n", photo.view, photo.pixels,
+               100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
 }
 
 void print_result(const Refinement& r, const Board& board) {
@@ -97,10 +114,7 @@ void print_result(const Refinement& r, const Board& board) {
   for (const auto& [name, sigma, bound, unit] : r.noise_bounds)
     print_text("         {:<24} {} {}; its sigma is {} times that\n", name, significant(bound), in_words(unit),
                significant(sigma / bound));
-  print_text("photos   {:>10} {:>9} {:>13} {:>12} {:>9}\n", "view", "pixels", "residual", "/ its noise", "outliers");
-  for (const PhotoFit& photo : r.photos)
-    print_text("         {:>10} {:>9} {:>11.2f} % {:>12.2f} {:>7.1f} %\n", photo.view, photo.pixels,
-               100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
+  print_photos(r.photos);
   print_text("         residual / its noise: 1 is a perfect model; this one misses {:.1f} % of a pixel's light\n",
              100 * r.model_error);
   print_text("crossing scratches: {}\n", in_words(r.bench.crossings));
@@ -115,7 +129,7 @@ void print_result(const Refinement& r, const Board& board) {
 
 void add_refine_command(CLI::App& burin) {
   struct Options {
-    std::filesystem::path session, bench;
+    std::filesystem::path session, bench, out;
     std::string crossings = "auto";
     bool keep_lamp = false;
     std::string hold_out;
@@ -124,9 +138,16 @@ void add_refine_command(CLI::App& burin) {
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand(
       "refine", "Find roughness, depth, lamp and the machine's errors from the photos; completes bench.json");
-  command->add_option("SESSION.json", options->session, "The session that was calibrated")->required();
-  command->add_option("--bench", options->bench, "The bench.json that burin calibrate wrote; it is completed")
+  command
+      ->add_option("SESSION.json", options->session,
+                   "The session that was calibrated; or its folder, such as a loop's round")
       ->required();
+  command->add_option(
+      "--bench", options->bench,
+      "The bench.json that burin calibrate wrote; it is completed. Left out: the one of the loop's round "
+      "that SESSION.json belongs to, with --out");
+  command->add_option("--out", options->out,
+                      "The folder for the completed bench.json and its lens; --bench then stays as it is");
   command
       ->add_option(
           "--crossings", options->crossings,
@@ -146,11 +167,24 @@ void add_refine_command(CLI::App& burin) {
       ->check(CLI::Range(0.0, 100.0))
       ->capture_default_str();
   command->footer(example("burin refine session/session.json --bench bench/bench.json"));
-  command->callback([options, hold_out] {
-    const WorkLock lock(options->bench.parent_path(), "burin refine");
+  command->callback([options, hold_out, command] {
+    if (std::filesystem::is_directory(options->session)) options->session /= "session.json";
+    if (const std::optional<ProjectSettings> settings = settings_around(options->session);
+        settings && settings->at.round > 0 && options->bench.empty()) {
+      if (options->out.empty()) throw CLI::RequiredError("--out (the round's own bench.json is the loop's)");
+      TakenSettings taken(*command);
+      taken.take("--bench", settings->at.project.round(settings->at.round) / "calibration" / "bench.json",
+                 options->bench);
+      taken.say(*settings);
+    }
+    if (options->bench.empty()) throw CLI::RequiredError("--bench");
+    const std::filesystem::path calibrated = options->bench;
+    if (!options->out.empty()) options->bench = options->out / "bench.json";
+    const WorkLock lock(options->bench.parent_path(), "burin refine",
+                        options->out.empty() ? WorkLock::Where::all_folders : WorkLock::Where::new_folders);
     const Session session = read_session(options->session);
     const Board board = read_board(session.board);
-    const Bench measured = read_bench(options->bench);
+    const Bench measured = read_bench(calibrated);
     if (board.scratches.empty())
       fail(session.board.string(), "it names no scratches",
            "give the designed scratches as \"scratches\": \"FILE.csv\"");
@@ -165,8 +199,10 @@ void add_refine_command(CLI::App& burin) {
     bar.progress()("reading photos", 0);
     const std::vector<MergedView> merged = photos_for_refine(session, board, measured);
     const Refinement result = refine(merged, board, sent, measured, o, bar.progress());
+    Bench completed = result.bench;
+    if (!options->out.empty()) completed.camera.clear();  // the lens lies beside it, too
     FilesTogether all;
-    write_bench(result.bench, board.tool_width_um, options->bench);
+    write_bench(completed, board.tool_width_um, options->bench);
     HoldOutFile held;
     if (hold_out->count() > 0) {
       std::vector<std::string> views;
@@ -184,7 +220,10 @@ void add_refine_command(CLI::App& burin) {
     print_result(result, board);
     if (!held.pixels.empty()) print_text("{}", pixels_in_words(held.pixels));
     const std::string bench = options->bench.string();
-    print_text("Completed {}; next: burin design DESIGN.json --bench {} --out DIR\n", bench, shell_word(bench));
+    print_text("Completed {}{}\n", bench,
+               is_in_round(options->bench)
+                   ? "."
+                   : "; next: burin design DESIGN.json --bench " + shell_word(bench) + " --out DIR");
   });
 }
 

@@ -22,6 +22,7 @@
 #include "tools/automatic_exposure.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/work_lock.h"
 
 namespace burin {
@@ -70,7 +71,28 @@ bool is_float_format(const std::filesystem::path& file) {
   return e == ".exr" || e == ".tif" || e == ".tiff";
 }
 
-void run(const RenderArguments& o) {
+// A board's folder, or a file of a project: what it knows is taken. Of a round its own scratches, as designed, and the
+// bench as its photos measured it, if they did.
+void take_from_project(const CLI::App& command, RenderArguments& o) {
+  const std::optional<ProjectSettings> settings = settings_around(o.board);
+  TakenSettings taken(command);
+  if (settings && std::filesystem::is_directory(o.board)) {
+    const Project& project = settings->at.project;
+    const int round = settings->at.round > 0 ? settings->at.round : project.rounds();
+    if (round > 0 && std::filesystem::exists(project.round(round) / "scratches.csv"))
+      taken.take("--scratches", project.round(round) / "scratches.csv", o.scratches);
+    const std::filesystem::path measured = project.round(round) / "bench.json";
+    taken.take("--bench", round > 0 && std::filesystem::exists(measured) ? measured : settings->bench, o.bench);
+    o.board = settings->board;
+  } else if (settings) {
+    taken.take("--bench", settings->bench, o.bench);
+  }
+  if (settings) taken.say(*settings);
+  if (o.bench.empty()) throw CLI::RequiredError("--bench");
+}
+
+void run(RenderArguments o, const CLI::App& command) {
+  take_from_project(command, o);
   require_command_line(o);
   if (!o.out.empty()) find_place(o.out);  // refused before the work
   if (o.animation.has_extension()) find_place(o.animation);
@@ -122,8 +144,9 @@ void run(const RenderArguments& o) {
 void add_render_command(CLI::App& burin) {
   auto o = std::make_shared<RenderArguments>();
   CLI::App* c = burin.add_subcommand("render", "Show what a camera of a bench sees of a board's metal");
-  c->add_option("BOARD.json", o->board, "The board")->required();
-  c->add_option("--bench", o->bench, "The bench: lens, views, lamps, material")->required();
+  c->add_option("BOARD.json", o->board, "The board; or the folder of a project, or of one of its rounds")->required();
+  c->add_option("--bench", o->bench,
+                "The bench: lens, views, lamps, material; in a project, the one measured last, unless said");
   c->add_option("--view", o->views, "Name of the view; of an animation's, in order (default there: all)");
   c->add_option("--light", o->lights,
                 "Id of a lamp, sun or surroundings (default: the bench's first); several shine at once, "
@@ -155,7 +178,7 @@ void add_render_command(CLI::App& burin) {
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   c->footer(example("burin render board.json --bench bench.json --view v00 --out v00.exr"));
-  c->callback([o] { run(*o); });
+  c->callback([o, c] { run(*o, *c); });
 }
 
 }  // namespace burin

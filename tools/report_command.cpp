@@ -6,6 +6,7 @@
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/report/rerun.h"
 #include "tools/report/section.h"
 #include "tools/work_lock.h"
@@ -19,7 +20,9 @@ void add_report_command(CLI::App& burin) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
       burin.add_subcommand("report", "Show a measured session, a design or a loop project as one HTML page");
-  command->add_option("DIR", options->folder, "A folder with bench.json, a design, or a loop project")->required();
+  command->add_option(
+      "DIR", options->folder,
+      "A folder with bench.json, a design, or a loop project; left out: the working directory's project");
   command->add_option("--session", options->session,
                       "The session that DIR/bench.json was measured from, if not DIR/session.json");
   CLI::Option* before = command->add_option(
@@ -33,6 +36,7 @@ void add_report_command(CLI::App& burin) {
       example("burin report round-01\n"
               "  burin report second --before first --under bench.json --board board.json"));
   command->callback([options] {
+    if (options->folder.empty()) options->folder = project_folder({}, "DIR");
     const WorkLock lock(options->folder, "burin report", WorkLock::Where::projects);
     ProgressBar bar;
     std::optional<Section> rerun;

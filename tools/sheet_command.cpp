@@ -11,9 +11,11 @@
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
 #include "tools/drawing/pdf.h"
+#include "tools/loop/printed_sheet.h"
 #include "tools/plan_words.h"
 #include "tools/print/printed_page.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/sheet/sheet.h"
 #include "tools/wanted_bench.h"
 #include "tools/work_lock.h"
@@ -29,10 +31,11 @@ struct SheetArguments {
   std::string paper = "a4", focus_range;
   std::optional<double> hang_height_mm;
   double focus_mm = 0;
-  int shots = 8;
+  int shots = PlanOptions{}.shots;
 };
 
-void run(const SheetArguments& options) {
+void run(SheetArguments options) {
+  options.project = project_folder(options.project, "PROJECT");
   std::vector<fs::path> out = options.out;
   if (out.empty()) out = {options.project / "sheet.pdf", options.project / "sheet.html"};
   for (const fs::path& file : out)
@@ -67,7 +70,10 @@ void run(const SheetArguments& options) {
                file);
     written += (written.empty() ? "" : " and ") + file.string();
   }
+  const fs::path plan = options.project / "plan.json";  // the same photos for burin watch
+  write_text(plan_text(sheet.plan, wanted.board, sheet.focus, plan), plan);
   all.put();
+  record_sheet({options.project}, wanted, out);
   for (const Finding& finding : findings(sheet)) note(finding);
   for (const Finding& finding : focus_findings(sheet.plan, sheet.focus)) note(finding);
   print_text("Wrote {}: {} and {} photos in order; print it, or open it on a phone; next: {}\n", written,
@@ -81,7 +87,7 @@ void add_sheet_command(CLI::App& burin) {
   auto options = std::make_shared<SheetArguments>();
   CLI::App* command = burin.add_subcommand(
       "sheet", "Draw where lamps hang and eyes stand, with the photos to take: a page for the wall and for the phone");
-  command->add_option("PROJECT", options->project, "The project's folder")->required();
+  command->add_option("PROJECT", options->project, "The project's folder; left out: the working directory's");
   command
       ->add_option("--out", options->out,
                    "What to write, a .pdf or an .html (give it twice for both); without it, sheet.pdf and sheet.html "

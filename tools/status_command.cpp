@@ -8,6 +8,7 @@
 #include "tools/loop/say.h"
 #include "tools/loop/state.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/work_lock.h"
 
 namespace burin {
@@ -67,7 +68,8 @@ std::string rests_on(const StageState& state) {
   return words;
 }
 
-void run(const fs::path& folder, bool as_json) {
+void run(const fs::path& given, bool as_json) {
+  const fs::path folder = project_folder(given, "PROJECT_DIR");
   if (!fs::exists(folder / "design.json"))
     fail((folder / "design.json").string(), "a loop project needs this file", "name a project folder");
   const LoopProject loop{{folder}, read_loop_options(folder)};
@@ -87,7 +89,7 @@ void run(const fs::path& folder, bool as_json) {
     fmt::print("{}\n", json.dump(1));
     return;
   }
-  print_text("{}: {}\n{}", folder.string(), in_words(loop.options), table_of(loop, states));
+  print_text("{}: {}\n{}", folder.string(), in_words(loop.options), table_of(loop, states, false, !at_work.empty()));
   bool head = false;
   for (const StageState& state : states)
     if (const std::string words = rests_on(state); !words.empty()) {
@@ -109,7 +111,8 @@ void add_status_command(CLI::App& burin) {
   auto o = std::make_shared<Options>();
   CLI::App* command =
       burin.add_subcommand("status", "Show a loop project: rounds, stages, what each rests on, what comes next");
-  command->add_option("PROJECT_DIR", o->folder, "The project, as burin loop takes it")->required();
+  command->add_option("PROJECT_DIR", o->folder,
+                      "The project, as burin loop takes it; left out: the working directory's");
   command->add_flag("--json", o->json, "The same for programs, with all hashes");
   command->footer(example("burin status samples/small-bench"));
   command->callback([o] { run(o->folder, o->json); });

@@ -21,13 +21,14 @@
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/work_lock.h"
 
 namespace burin {
 namespace {
 
 struct ToolpathArguments {
-  std::filesystem::path scratches, board, bench, out, sent, resume, heights;
+  std::filesystem::path scratches, board, bench, out, sent, resume, heights, drawing;
   std::vector<std::filesystem::path> replay;
   std::string machine = "grbl", part, order;
   bool keep_order = false, frame = false, mend = false, follow_bow = false;
@@ -118,6 +119,12 @@ void write(const ToolpathArguments& options) {
   FilesTogether all;
   const ToolpathReport report =
       write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
+  if (!options.drawing.empty()) {
+    ToolpathOptions whole = settings;
+    whole.frame = false;
+    whole.part_s = 0;
+    write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, whole, options.drawing, bar.progress());
+  }
   bar.progress()("writing", 0);
   if (!options.sent.empty()) {
     const bool drawing = report.files.front().extension() == ".svg" || report.files.front().extension() == ".dxf" ||
@@ -198,6 +205,20 @@ void replay(const ToolpathArguments& options) {
              duration_text(duration_s), machine.name);
 }
 
+// What the project knows in which the scratches lie, unless the command line says it.
+void take_from_project(const CLI::App& command, ToolpathArguments& options) {
+  if (const std::optional<ProjectSettings> project = settings_around(options.scratches)) {
+    TakenSettings taken(command);
+    taken.take("--board", project->board, options.board);
+    taken.take("--bench", project->bench, options.bench);
+    taken.take("--machine", project->machine, options.machine);
+    if (options.heights.empty()) taken.take("--follow-bow", project->follow_bow, options.follow_bow);
+    if (!options.follow_bow) taken.take("--heights", project->heights, options.heights);
+    taken.say(*project);
+  }
+  if (options.board.empty()) throw CLI::RequiredError("--board");
+}
+
 void add_options(CLI::App& command, ToolpathArguments& options) {
   command
       .add_option("--chunks", options.part,
@@ -238,7 +259,10 @@ void add_toolpath_command(CLI::App& burin) {
   auto options = std::make_shared<ToolpathArguments>();
   CLI::App* command = burin.add_subcommand("toolpath", "Turn scratches into files that a machine carves");
   command->add_option("SCRATCHES.csv", options->scratches, "The scratches to carve")->required();
-  command->add_option("--board", options->board, "board.json: size, carve area, depth")->required();
+  command->add_option(
+      "--board", options->board,
+      "board.json: size, carve area, depth; like the bench, the machine, heights and --follow-bow taken "
+      "from the project in which SCRATCHES.csv lies, unless said");
   command->add_option("--bench", options->bench, "A measured bench.json: its machine.affine is compensated");
   command->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
       ->capture_default_str();
@@ -249,6 +273,7 @@ void add_toolpath_command(CLI::App& burin) {
   add_options(*command, *options);
   command->add_option("--sent", options->sent,
                       "Also write the scratches as the machine is told them, in carving order: the board's sent.csv");
+  command->add_option("--draw", options->drawing, "Also draw what is carved: .svg or .dxf");
   CLI::Option* resume = command->add_option(
       "--resume", options->resume, "Write what this interrupted G-code file left, in its order (with --at-line)");
   resume->needs(command
@@ -266,8 +291,9 @@ void add_toolpath_command(CLI::App& burin) {
       "  burin toolpath scratches.csv --board board.json --bench bench.json --replay board.gcode\n"
       "  burin toolpath scratches.csv --board board.json --bench bench.json --resume board-03.gcode --at-line 812 "
       "--out rest.gcode"));
-  command->callback([options] {
+  command->callback([options, command] {
     if (options->out.empty() && options->replay.empty()) throw CLI::RequiredError("--out FILE (or --replay FILE)");
+    take_from_project(*command, *options);
     if (options->replay.empty())
       write(*options);
     else

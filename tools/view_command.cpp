@@ -14,6 +14,7 @@
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
+#include "tools/project_settings.h"
 #include "tools/view/view_page.h"
 #include "tools/view/view_sources.h"
 #include "tools/work_lock.h"
@@ -45,7 +46,9 @@ void require_command_line(const ViewArguments& o) {
     throw CLI::ValidationError("PROJECT_DIR", "give a project, or --board and --bench (and --scratches, --design)");
 }
 
-void run(const ViewArguments& o) {
+void run(ViewArguments o) {
+  const bool no_files = o.files.board.empty() && o.files.bench.empty() && o.files.scratches.empty();
+  if (!o.folder.empty() || (no_files && project_of("."))) o.folder = project_folder(o.folder, "PROJECT_DIR");
   require_command_line(o);
   const fs::path out = !o.out.empty() ? o.out : o.folder.empty() ? fs::path("view.html") : o.folder / "view.html";
   const WorkLock lock(out.parent_path(), "burin view", WorkLock::Where::projects);
@@ -83,7 +86,8 @@ void run(const ViewArguments& o) {
 void add_view_command(CLI::App& burin) {
   auto o = std::make_shared<ViewArguments>();
   CLI::App* c = burin.add_subcommand("view", "Write a page with the board in it: move eye and lamp and see it glint");
-  c->add_option("PROJECT_DIR", o->folder, "The project: its newest design, before and after it was measured");
+  c->add_option("PROJECT_DIR", o->folder,
+                "The project: its newest design, before and after it was measured; left out: the working directory's");
   c->add_option("--out", o->out, "Page to write (default: PROJECT_DIR/view.html)");
   c->add_option("--board", o->files.board, "Without a project: the board");
   c->add_option("--bench", o->files.bench, "Without a project: the bench, its views and lamps");

@@ -39,7 +39,7 @@ WantedBench wanted_bench(const Project& project) {
       if (out.scratches.empty() && fs::exists(project.round(rounds) / file))
         out.scratches = project.round(rounds) / file;
   }
-  out.tolerances = match_tolerances(out.design, out.bench, out.board, report);
+  out.tolerances = shown_tolerances(out.design, out.bench, out.board, report);
   return out;
 }
 

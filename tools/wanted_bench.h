@@ -22,7 +22,7 @@ struct WantedBench {
   std::filesystem::path
       scratches;            ///< of the board on which they are or will be carved; empty if none are designed yet
   int measured_rounds = 0;  ///< how many rounds have measured it; 0: it is nominal
-  std::vector<MatchTolerance> tolerances;  ///< one a view of the design, by match_tolerances()
+  std::vector<MatchTolerance> tolerances;  ///< one a view of the design, by shown_tolerances()
 };
 
 /// Reads PROJECT/design.json and what it names, and the rounds there are. Throws Error for a folder without a

@@ -17,6 +17,7 @@
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/content_hash.h"
+#include "tools/project_settings.h"
 #include "tools/stop_signal.h"
 #include "tools/tether/tethered_shoot.h"
 #include "tools/watch/kept_copies.h"
@@ -332,7 +333,8 @@ void add_watch_command(CLI::App& burin) {
   auto o = std::make_shared<WatchArguments>();
   CLI::App* command = burin.add_subcommand(
       "watch", "Judge photos as they arrive in a folder: tags, exposure, blur, which shot it is, what to take now");
-  command->add_option("PROJECT_DIR", o->project, "The project whose board is photographed")->required();
+  command->add_option("PROJECT_DIR", o->project,
+                      "The project whose board is photographed; left out: the working directory's");
   command->add_option("--photos", o->photos,
                       "The folder that photos arrive in (a tethered camera's, a phone's sync), instead of the round's "
                       "own");
@@ -351,7 +353,10 @@ void add_watch_command(CLI::App& burin) {
       example("burin watch my-board\n"
               "  burin watch my-board --photos ~/Phone/Camera --copy\n"
               "  burin watch my-board --tether"));
-  command->callback([o] { Watch(*o).run(); });
+  command->callback([o] {
+    o->project = project_folder(o->project, "PROJECT_DIR");
+    Watch(*o).run();
+  });
 }
 
 }  // namespace burin

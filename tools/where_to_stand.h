@@ -14,7 +14,7 @@
 namespace burin {
 
 /// Lines, each ending in a newline and none indented: the lamps, each designed view with how far its eye may stand
-/// aside (`tolerances`: by match_tolerances()), focus, and exposures: in seconds where the bench was measured. Throws
+/// aside (`tolerances`: by shown_tolerances()), focus, and exposures: in seconds where the bench was measured. Throws
 /// Error for views and lamps that the bench lacks.
 std::string where_to_stand(const DesignSpec& design, const Bench& bench, const Board& board,
                            const std::vector<MatchTolerance>& tolerances);

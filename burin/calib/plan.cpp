@@ -174,7 +174,7 @@ std::vector<double> bracket_stops(const PredictedLight& light) {
   const double needed = std::log2(std::max(1e-9, kPaperAt * light.metal / light.paper / kGlintsAt));
   constexpr int kMost = 4;  // photos of a bracket
   while (stops.back() > -needed && static_cast<int>(stops.size()) < kMost)
-    stops.push_back(std::max(stops.back() - kStep, -std::ceil(needed)));
+    stops.push_back(stops.back() - kStep);  // as a person is told who has no plan
   return stops;
 }
 

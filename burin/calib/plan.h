@@ -32,7 +32,7 @@ struct DesignedPlace {
 
 /// How many photos a plan may ask for, and what it assumes of them.
 struct PlanOptions {
-  int shots = 12;                            ///< beside the designed places
+  int shots = 8;                             ///< beside the designed places
   std::vector<DesignedPlace> designed = {};  ///< these come first
   /// What is sharp with the one focus that all photos keep: no shot but the designed places lies outside of it.
   /// Nothing: anywhere.

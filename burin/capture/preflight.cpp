@@ -101,11 +101,11 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
     turned += e.orientation != 1;
   }
   if (turned > 0)
-    findings.push_back(
-        {note,
-         {},
-         std::to_string(turned) + " photos carry an EXIF orientation; their pixels are used as the sensor had them",
-         ""});
+    findings.push_back({note,
+                        {},
+                        std::to_string(turned) + (turned == 1 ? " photo carries" : " photos carry") +
+                            " an EXIF orientation; pixels are used as the sensor had them",
+                        ""});
 }
 
 // A photo beside the longest exposure of its view.
@@ -381,10 +381,11 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
   if (coverage.size_ratio > 0 && std::abs(coverage.size_ratio - 1) > kWrongSize)
     findings.push_back(wrong_size(coverage.size_ratio, tags));
   if (coverage.frame_share < kLittleOfFrame)
-    findings.push_back({warning,
-                        {},
-                        "the tags reach over " + percent(coverage.frame_share) + " of the frame only",
-                        "let the board fill the frame, and move it into the corners of some photos"});
+    findings.push_back(
+        {warning,
+         {},
+         "the tags reach over " + percent(coverage.frame_share) + " of the frame only",
+         "come nearer where the wanted places allow it, and let the board lie in the corners of some photos"});
   if (brackets.size() > 1 && coverage.direction_deg < kOneDirection_deg)
     findings.push_back(
         {warning,

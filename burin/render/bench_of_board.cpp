@@ -69,9 +69,10 @@ struct Settling {
     fail(board_file,
          field + " is " + significant(now, 6) + ", but " + bench_file + " was measured on a board with " +
              significant(*then, 6) + " (its material.told)",
-         "write " + significant(*then, 6) +
-             " there again, or begin from a nominal bench.json: what the machine makes of " + significant(now, 6) +
-             " was not measured");
+         "write " + significant(*then, 6) + " there again: what the machine makes of it is what was measured" +
+             (field == "material.depth_um" ? "; grooves of another depth are a matter of the design (--depth " +
+                                                 significant(now, 6) + " of burin loop or burin design)"
+                                           : ", or begin from a nominal bench.json"));
   }
 };
 

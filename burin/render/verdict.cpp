@@ -72,6 +72,18 @@ std::string of_what(const Cause& cause) {
   }
 }
 
+// Most of a sigma over the carve area is what photos do not tell, and what does.
+std::string tags_in_words(const Verdict& verdict) {
+  constexpr double kPhotosPart = 2.0 / 3;  // a third less would be worth a photo
+  for (const Cause& cause : verdict.causes)
+    if (cause.kind == Cause::Kind::of_carve_area && verdict.sigma && cause.numbers[0] < kPhotosPart * *verdict.sigma &&
+        !verdict.determined())
+      return "the tags' places make most of it, and no photo tells these: measure with a ruler where two tags or more "
+             "lie from the board's edges, write their center_mm and a smaller tags.sigma_mm into board.json. Without it "
+             "all pictures lie aside by as much, which hardly shows";
+  return "";
+}
+
 std::string in_words(const Cause& cause) {
   const auto& n = cause.numbers;
   switch (cause.kind) {
@@ -156,6 +168,7 @@ std::string sentence(const Verdict& verdict) {
     if (verdict.degree == Degree::not_determined) out += ", so the photos do not tell it";
   }
   for (const Cause& cause : verdict.causes) add(in_words(cause));
+  add(tags_in_words(verdict));
   return out;
 }
 

@@ -18,8 +18,8 @@ using ::testing::HasSubstr;
 
 TEST(NextPhoto, LampsStayWhereTheyAreIfThatTellsEnough) {
   EXPECT_TRUE(is_worth_taking(0.5, 0, 0));
-  EXPECT_TRUE(is_worth_taking(0.79, 0, 0));
-  EXPECT_FALSE(is_worth_taking(0.95, 0, 0));
+  EXPECT_TRUE(is_worth_taking(0.66, 0, 0));
+  EXPECT_FALSE(is_worth_taking(0.7, 0, 0)) << "less than a third less is not worth the way";
   EXPECT_FALSE(is_worth_taking(1, 0, 0)) << "no such photo was found";
   // A depth: 25 half vectors on either side show the cut-off; what two such photos show is enough.
   EXPECT_TRUE(is_worth_taking(1, 30, 0));

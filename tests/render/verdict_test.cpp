@@ -11,7 +11,9 @@
 namespace burin {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 TEST(Verdict, EveryCauseHasAFormAndWords) {
   for (int kind = 0; kind <= static_cast<int>(Cause::Kind::told); ++kind) {
@@ -44,6 +46,12 @@ TEST(Verdict, SaysWhatItsFactsSay) {
   EXPECT_EQ(sentence(depth),
             "0 half vectors lean a little less and 1234567 a little more than the grooves' steepest wall, so no photo "
             "shows where the glints end; photograph the board from nearer to the lamp's mirror image");
+  // No photo makes smaller what the tags' places add: that is named where it is most of a sigma.
+  Verdict map{Source::measured, Degree::weakly, 0.21, Unit::mm, {}};
+  map.causes = {{Cause::Kind::of_carve_area, {0.008}}};
+  EXPECT_THAT(sentence(map), AllOf(HasSubstr("0.008 mm without"), HasSubstr("with a ruler"), HasSubstr("tags.sigma_mm")));
+  map.causes = {{Cause::Kind::of_carve_area, {0.19}}};
+  EXPECT_THAT(sentence(map), Not(HasSubstr("ruler")));
   NextPhoto next{NextPhoto::Kind::at_place, "camera 620 mm above the board's middle", 4.25, {}};
   EXPECT_EQ(sentence(next, Unit::mm), "camera 620 mm above the board's middle; its sigma would come to about 4.2 mm");
 }

@@ -123,7 +123,10 @@ TEST(CheckCarve, TheRoundOfALoop) {
   // The same files on a machine that goes to a fixed Z would dig 0.4 mm deep.
   EXPECT_EQ(run_burin(folder, {"check", "carve", "p/round-01", "--machine", "grbl"}).exit_code, 1);
   EXPECT_EQ(run_burin(folder, {"check", "carve", "p/targets"}).exit_code, 1);
-  EXPECT_EQ(run_burin(folder, {"check", "carve", "p/round-01/scratches.csv"}).exit_code, 2);
+  // A round's table stands for the round; one that lies in no project says nothing of its board.
+  EXPECT_EQ(run_burin(folder, {"check", "carve", "p/round-01/scratches.csv", "--machine", "grbl-spring"}).exit_code, 0);
+  std::filesystem::copy_file(round / "scratches.csv", folder / "scratches.csv");
+  EXPECT_EQ(run_burin(folder, {"check", "carve", "scratches.csv"}).exit_code, 2);
 }
 
 }  // namespace

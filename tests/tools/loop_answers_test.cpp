@@ -10,6 +10,7 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,18 +18,22 @@
 #include "burin/render/bench.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
+#include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/parameter_name.h"
 #include "burin/render/scratches.h"
 #include "tests/tools/loop_bench.h"
 #include "tools/loop/aside.h"
 #include "tools/loop/record.h"
+#include "tools/loop/round_depth.h"
 #include "tools/loop/round_design.h"
 #include "tools/loop/round_lamps.h"
 #include "tools/loop/say.h"
 #include "tools/loop/state.h"
 #include "tools/loop/turn.h"
 #include "tools/loop/unknown.h"
+#include "tools/report/carve_check.h"
+#include "tools/rounds_quality.h"
 
 namespace burin {
 namespace {
@@ -376,6 +381,112 @@ TEST_F(LoopAnswering, NextIsThePhotoThatIsMissing) {
   loop_.options.accept_unknown = {"depth_um"};
   EXPECT_THAT(next(), HasSubstr("the design of the next board: `burin loop"));
   EXPECT_THAT(told_by_round(loop_, 1).accepted, SizeIs(1));
+}
+
+TEST_F(LoopAnswering, WhereNoOnePhotoTellsThePlanIsNamed) {
+  design_round(1);
+  Bench bench = measured_bench();
+  bench.verdict[parameter::kDepth] = told_by_photos(Degree::weakly);
+  measure_round_1(bench);
+  EXPECT_THAT(stopped(), AllOf(HasSubstr("the photos that `burin plan "), Not(HasSubstr("named above"))));
+}
+
+// Of 11 um that the machine was told it made 8.1: the next board is told what makes 11, as far as its table reaches.
+TEST_F(LoopAnswering, NextBoardIsToldTheDepthThatMakesTheWantedOne) {
+  loop_.options.machine = "grbl-spring";
+  loop_.options.design = {{"iterations", {"1"}}, {"pixels", {"48"}}, {"scratches", {"60"}}};
+  design_round(1);
+  Bench bench = measured_bench();
+  bench.material.depth_um = 8.1;
+  measure_round_1(bench);
+  const std::optional<RoundDepth> depth = depth_of_round(loop_, 2);
+  ASSERT_TRUE(depth);
+  EXPECT_NEAR(depth->depth_um, 11, 1e-9);
+  EXPECT_NEAR(depth->command_um, 11 * 11 / 8.1, 1e-9);
+  EXPECT_THAT(in_words(*depth), AllOf(HasSubstr("makes 8.1 +- 0.2 um of 11 um"), HasSubstr("told 14.9 um")));
+  EXPECT_FALSE(depth_of_round(loop_, 1));
+  stopped();  // no photo is there for its report
+  const Scratches designed = read_scratches(project() / "round-02" / "scratches.csv"),
+                  sent = read_scratches(project() / "round-02" / "sent.csv");
+  ASSERT_GT(designed.depth_um.size(), 0U);
+  EXPECT_NEAR(designed.depth_um[0], 11, 1e-6);
+  ASSERT_EQ(sent.depth_um.size(), sent.size());
+  for (const double um : sent.depth_um) EXPECT_NEAR(um, 11 * 11 / 8.1, 0.02) << "as far as the G-code's decimals go";
+  // And it becomes what was wanted, by what was measured.
+  const Board board = read_board(project() / "board.json");
+  const Carved carved = carve(Sent(sent), bench, board);
+  EXPECT_NEAR(carved.scratches.depth_um[0], 11, 0.02);
+  EXPECT_THAT(text("round-02/carve-check.html"), AllOf(HasSubstr("11.0 µm deep"), HasSubstr("told 14.9 µm")));
+
+  bench.material.depth_um = 3;
+  measure_round_1(bench);
+  const std::optional<RoundDepth> most = depth_of_round(loop_, 2);  // its table ends at 26 um
+  ASSERT_TRUE(most);
+  EXPECT_NEAR(most->depth_um, 26 * 3 / 11.0, 0.01);
+  EXPECT_LE(most->command_um, 26);
+  EXPECT_THAT(in_words(*most), HasSubstr("table ends there"));
+  // As it was told, within what the photos know: nothing is made up.
+  bench.material.depth_um = 10.8;
+  measure_round_1(bench);
+  EXPECT_FALSE(depth_of_round(loop_, 2));
+}
+
+TEST_F(LoopAnswering, BoardThatIsAsGoodAsItGetsIsHung) {
+  design_round(1);
+  measure_round_1(measured_bench());
+  design_round(2);
+  const auto rounds = [&](double shown_db, double next_db) {
+    write("rounds.json",
+          rounds_text({{{"d0", 27.2, shown_db}, {"d1", 27.0, shown_db}}, {{"d0", next_db}, {"d1", next_db}}},
+                      "rounds.json"));
+  };
+  EXPECT_THAT(next(), HasSubstr("carve ")) << "nobody knows";
+  rounds(26.9, 27.3);
+  EXPECT_THAT(next(), AllOf(HasSubstr("hang the board of round 1"), HasSubstr("gain 0.4 dB"), HasSubstr("--another")));
+  rounds(26.9, 27.5);
+  EXPECT_THAT(next(), HasSubstr("carve ")) << "0.6 dB are seen";
+  rounds(25.9, 26.0);
+  EXPECT_THAT(next(), HasSubstr("carve ")) << "it shows less than was promised: something else is to be found";
+  // Of another day: a board was photographed since.
+  rounds(26.9, 27.3);
+  write("round-02/photos/a.png", "no picture");
+  EXPECT_THAT(next(), Not(HasSubstr("hang")));
+}
+
+TEST_F(LoopAnswering, PicturesThatNobodyRecognizesAreSaidBeforeTheFirstBoard) {
+  design_round(1);
+  const auto report = [&](double like) {
+    write("round-01/design/design-report.json",
+          "{\"format\": \"burin/design-report\", \"version\": 1, \"views\": [{\"view\": \"d0\", \"ghost\": [" +
+              std::to_string(like) + ", 0.1]}, {\"view\": \"d1\", \"ghost\": [0.1, 0.9]}]}");
+  };
+  report(0.3);
+  EXPECT_THAT(unreadable_views(project() / "round-01" / "design"), ElementsAre("d0"));
+  EXPECT_THAT(next(), HasSubstr("do not carve it yet: few would recognize d0"));
+  report(0.8);
+  EXPECT_THAT(next(), Not(HasSubstr("do not carve it yet")));
+}
+
+TEST_F(LoopAnswering, NamesAreThoseThatThereAreAndCanBeTakenBack) {
+  design_round(1);
+  measure_round_1(measured_bench());
+  const auto refused = [&](const std::vector<std::string>& views,
+                           const std::vector<std::string>& lamps) -> std::string {
+    try {
+      remember_names(loop_.project, views, lamps);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refused({}, {"lamp=foo"}), AllOf(HasSubstr("\"foo\""), HasSubstr("choose among lamp")));
+  EXPECT_THAT(refused({"dd0=d0"}, {}), AllOf(HasSubstr("\"dd0\""), HasSubstr("d0, d1")));
+  EXPECT_THAT(refused({"d0="}, {}), HasSubstr("none was said"));
+  EXPECT_FALSE(fs::exists(project() / "round-01" / "names.json"));
+  EXPECT_EQ(refused({"d0=d1"}, {}), "");
+  EXPECT_THAT(text("round-01/names.json"), HasSubstr("\"d0\": \"d1\""));
+  EXPECT_EQ(refused({"d0="}, {}), "");
+  EXPECT_FALSE(fs::exists(project() / "round-01" / "names.json")) << "as if nothing had been said";
 }
 
 // The lamp is listed in the project's bench.json, also once an earlier round has measured a bench without it.

@@ -195,6 +195,10 @@ TEST_F(MatchViews, ToleranceOfTheDesignDecidesWhatIsNear) {
   EXPECT_EQ(found(report("3.9")), "v01");
   EXPECT_EQ(found(report("3.7")), "");
   EXPECT_EQ(found(folder / "none.json"), "v01");
+  // People are told what was measured, however much it is: design, check, report and sheet say one number.
+  const std::filesystem::path wide = report("345");
+  EXPECT_EQ(shown_tolerances(design_, designed_, board_, wide)[1].eye.sideways.least(), 345);
+  EXPECT_LT(match_tolerances(design_, designed_, board_, wide)[1].eye.sideways.least(), 345);
   EXPECT_THAT([&] { found(folder.write("design-report.json", "{")); },
               ThrowsMessage<Error>(HasSubstr("design-report.json")));
 }

@@ -1,5 +1,9 @@
 #include "tools/loop/round_design.h"
 
+#include <fmt/core.h>
+
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -49,6 +53,41 @@ void require_designable(const Project& project, int number) {
   if (number > 1) require_complete(match_round(project, number - 1), project.bench_before(number));
 }
 
+namespace {
+
+std::string listed(const std::set<std::string>& names) {
+  std::string out;
+  for (const std::string& name : names) out += (out.empty() ? "" : ", ") + name;
+  return out;
+}
+
+void require_among(const std::string& option, const std::string& name, const std::set<std::string>& names,
+                   const std::string& whose) {
+  if (!names.contains(name))
+    fail(option, fmt::format("\"{}\" is no name of {}", name, whose), fmt::format("choose among {}", listed(names)));
+}
+
+// What is said by one option, beside what is kept; "middle=" unsays it.
+void say_names(const std::string& option, const std::vector<std::string>& said, const std::set<std::string>& designed,
+               const std::set<std::string>& measured, std::map<std::string, std::string>& names) {
+  std::map<std::string, std::string> pairs;
+  for (const std::string& words : said) {
+    if (words.size() < 2 || words.find('=') + 1 != words.size()) {
+      add_given_name(option, words, pairs);
+    } else if (names.erase(words.substr(0, words.size() - 1)) == 0) {
+      fail(option + " " + words, "takes back a name, and none was said",
+           names.empty() ? "leave it out" : "names.json holds one of " + names.begin()->first);
+    }
+  }
+  for (const auto& [wanted, found] : pairs) {
+    require_among(option, wanted, designed, "the design");
+    require_among(option, found, measured, "the measured bench");
+    names[wanted] = found;
+  }
+}
+
+}  // namespace
+
 void remember_names(const Project& project, const std::vector<std::string>& views,
                     const std::vector<std::string>& lamps) {
   if (views.empty() && lamps.empty()) return;
@@ -56,14 +95,22 @@ void remember_names(const Project& project, const std::vector<std::string>& view
   if (measured == 0)
     fail(views.empty() ? "--lamp" : "--view", "says which photo is which, and no board of this project is measured yet",
          "leave it out until the loop asks for it");
-  GivenNames said;
-  for (const std::string& words : views) add_given_name("--view", words, said.views);
-  for (const std::string& words : lamps) add_given_name("--lamp", words, said.lamps);
   const fs::path file = project.round(measured) / "names.json";
-  const GivenNames kept = read_names(file);
-  said.views.insert(kept.views.begin(), kept.views.end());
-  said.lamps.insert(kept.lamps.begin(), kept.lamps.end());
-  write_names(said, file);
+  std::set<std::string> designed_views, designed_lamps, measured_views, measured_lamps;
+  for (const DesignView& view : read_design(project.folder / "design.json").views) {
+    designed_views.insert(view.view);
+    for (const std::string& lamp : light_names(view.light)) designed_lamps.insert(lamp);
+  }
+  const Bench bench = read_bench(project.round(measured) / "bench.json");
+  for (const View& view : bench.views) measured_views.insert(view.name);
+  for (const Light& light : bench.lights) measured_lamps.insert(light.id);
+  GivenNames names = read_names(file);
+  say_names("--view", views, designed_views, measured_views, names.views);
+  say_names("--lamp", lamps, designed_lamps, measured_lamps, names.lamps);
+  if (names.views.empty() && names.lamps.empty())
+    fs::remove(file);
+  else
+    write_names(names, file);
 }
 
 }  // namespace burin

@@ -26,8 +26,9 @@ void require_one_truth(const Project& project, int number);
 /// second round on, photos of which it is not certain which is which. To be asked before anything is moved.
 void require_designable(const Project& project, int number);
 
-/// Adds "middle=v01" of --view and "ceiling=lamp" of --lamp to the names.json of the round that was measured last.
-/// Throws Error for words that are no such pair, and where nothing is measured yet.
+/// Adds "middle=v01" of --view and "ceiling=lamp" of --lamp to the names.json of the round that was measured last;
+/// "middle=" takes out what was said of it before. Throws Error for words that are no such pair, for names that design
+/// or measured bench lack, with those that there are, and where nothing is measured yet.
 void remember_names(const Project& project, const std::vector<std::string>& views,
                     const std::vector<std::string>& lamps);
 

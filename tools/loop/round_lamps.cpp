@@ -125,10 +125,11 @@ std::vector<std::string> lamp_arguments(const Project& project, int round) {
   return {"--light", lamps.front()};
 }
 
-void make_lamp_folders(const Project& project, int round) {
+void make_photo_folders(const Project& project, int round) {
   const std::vector<std::string> lamps = lamps_of_round(project, round);
-  if (lamps.size() < 2) return;
   const fs::path folder = photos_folder(project, round);
+  make_output_folder(folder);
+  if (lamps.size() < 2) return;
   for (const std::string& lamp : lamps) make_output_folder(lamp_folder(folder, lamp, lamps));
 }
 

@@ -39,8 +39,8 @@ std::filesystem::path bench_of_photos(const Project& project, int round);
 /// tells, or where nobody knows.
 std::vector<std::string> lamp_arguments(const Project& project, int round);
 
-/// Makes the lamps' folders of a round that is to be photographed under several.
-void make_lamp_folders(const Project& project, int round);
+/// Makes the folder that a round's photos are put into and, where it is to be photographed under several lamps, theirs.
+void make_photo_folders(const Project& project, int round);
 
 /// Removes those that are empty.
 void remove_empty_lamp_folders(const Project& project, int round);

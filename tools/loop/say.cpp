@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <optional>
 #include <sstream>
 
+#include "burin/calib/plan.h"
 #include "burin/capture/lamp_folders.h"
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench_of_board.h"
@@ -12,10 +14,12 @@
 #include "burin/render/error.h"
 #include "tools/commands.h"
 #include "tools/loop/carved_board.h"
+#include "tools/loop/printed_sheet.h"
 #include "tools/loop/round_design.h"
 #include "tools/loop/round_lamps.h"
 #include "tools/match_views.h"
 #include "tools/photographed_lamps.h"
+#include "tools/report/carve_check.h"
 #include "tools/where_to_stand.h"
 
 namespace burin {
@@ -63,10 +67,11 @@ std::string why_not_designed(const LoopProject& loop, int round) {
   try {
     if (round > 1)
       if (const ToldByRound told = told_by_round(loop, round - 1); !told.open.empty()) {
-        const std::optional<NextPhoto>& photo = told.open.front().verdict.next_photo;
+        const auto named = std::find_if(told.open.begin(), told.open.end(),
+                                        [](const UnknownParameter& u) { return u.verdict.next_photo.has_value(); });
         const LoopQuestion question = question_of(
             loop, round - 1, told.open,
-            photo ? "(" + sentence(*photo, told.open.front().verdict.unit) + ")" : "that `burin plan` names");
+            named == told.open.end() ? "" : "(" + sentence(*named->verdict.next_photo, named->verdict.unit) + ")");
         return question.what + "; " + question.remedy;
       }
     require_designable(loop.project, round);
@@ -90,23 +95,48 @@ std::string next_of_stage(const LoopProject& loop, const StageState& state) {
   return next;
 }
 
+// Whether all stages of a round are done, and there is nothing to say of any.
+bool is_whole(const std::vector<StageState>& states, int round) {
+  return std::all_of(states.begin(), states.end(), [&](const StageState& state) {
+    return state.at.round != round ||
+           (state.up_to_date() &&
+            (!state.record || (state.record->accepted_unknown.empty() && state.record->burin == BURIN_VERSION)));
+  });
+}
+
+// Before the first board: of what the design shows, pictures that few would recognize. Empty: none.
+std::string not_yet(const LoopProject& loop, int round) {
+  const std::vector<std::string> views = unreadable_views(loop.project.round(round) / "design");
+  if (round > 1 || views.empty()) return "";
+  std::string names;
+  for (const std::string& view : views) names += (names.empty() ? "" : ", ") + view;
+  return fmt::format("do not carve it yet: few would recognize {} (see {}); give the board fewer pictures or more room",
+                     names, (loop.project.round(round) / "carve-check.html").string());
+}
+
 }  // namespace
 
 std::string loop_line(const Project& project, const std::string& more) {
   return "burin loop " + shell_word(project.folder.string()) + (more.empty() ? "" : " " + more);
 }
 
-std::string table_of(const LoopProject& loop, const std::vector<StageState>& states) {
+std::string table_of(const LoopProject& loop, const std::vector<StageState>& states, bool brief, bool at_work) {
   std::string table;
   int round = -1;
   for (const StageState& state : states) {
     if (state.condition == Condition::not_begun) continue;
+    if (brief && state.at.round > 0 && is_whole(states, state.at.round)) {
+      if (state.at.round != round)
+        table += fmt::format("{}: all is done\n", loop.project.round(state.at.round).filename().string());
+      round = state.at.round;
+      continue;
+    }
     if (state.at.round != round) {
       round = state.at.round;
       table += round == 0 ? "whole loop" : loop.project.round(round).filename().string();
       table += '\n';
     }
-    std::string words = in_words(state);
+    std::string words = at_work && state.condition == Condition::stopped ? "is being made now" : in_words(state);
     if (state.at.stage == StageKind::photos) {
       const std::size_t photos = photos_of(loop.project, round).size();
       words = fmt::format("{} photo{}{}{}", photos, photos == 1 ? "" : "s", state.changes.empty() ? "" : ", ",
@@ -198,9 +228,14 @@ LoopQuestion question_of(const LoopProject& loop, int round, const std::vector<U
     options += (options.empty() ? "" : " ") + ("--accept-unknown " + shell_word(u.name));
   LoopQuestion question;
   question.what = in_short(open) + ", and another board would be designed on a guess";
-  question.remedy = fmt::format("take the photo {}, put it into {}, and say `{}` again; or go on without: `{}`", photo,
-                                photo_folders_in_words(loop.project, round), loop_line(loop.project),
-                                loop_line(loop.project, options));
+  const bool one =
+      std::any_of(open.begin(), open.end(), [](const UnknownParameter& u) { return u.verdict.next_photo.has_value(); });
+  question.remedy =
+      fmt::format("take {}, put {} into {}, and say `{}` again; or go on without: `{}`",
+                  one ? "the photo " + photo
+                      : fmt::format("the photos that `burin plan {}` names", shell_word(loop.project.folder.string())),
+                  one ? "it" : "them", photo_folders_in_words(loop.project, round), loop_line(loop.project),
+                  loop_line(loop.project, options));
   return question;
 }
 
@@ -240,8 +275,24 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
     return fmt::format("{}: `{}`", states.size() <= 1 ? "the first design" : "the design of the next board",
                        loop_line(project));
   }
-  return fmt::format("carve {}, put photos of it into {}; then `{}`", gcode_of(loop, waiting),
-                     photo_folders_in_words(project, waiting), loop_line(project));
+  if (const std::optional<NextBoard> last = last_board(project))
+    return fmt::format("{}; `{}` says how to carve it all the same", hang_in_words(*last),
+                       loop_line(project, "--another"));
+  if (const std::string wait = not_yet(loop, waiting); !wait.empty()) return wait;
+  const std::string changed = changed_since_sheet(project);
+  return fmt::format("carve {}, put photos of it into {}{}; then `{}`", gcode_of(loop, waiting),
+                     photo_folders_in_words(project, waiting),
+                     changed.empty() ? ""
+                                     : fmt::format(" (print `burin sheet {}` again: {} changed since)",
+                                                   shell_word(project.folder.string()), changed),
+                     loop_line(project));
+}
+
+std::optional<NextBoard> last_board(const Project& project) {
+  const std::optional<RoundsQuality> rounds = read_rounds(project.folder / "rounds.json");
+  if (!rounds || static_cast<int>(rounds->size()) != next_to_carve(project)) return std::nullopt;  // of another day
+  const std::optional<NextBoard> next = next_board(*rounds);
+  return next && is_last(*next) ? next : std::nullopt;
 }
 
 std::string your_turn(const LoopProject& loop, int round) {
@@ -251,30 +302,31 @@ std::string your_turn(const LoopProject& loop, int round) {
   const Bench bench = read_bench_of(board, spec.board, spec.bench);
   std::istringstream places(
       where_to_stand(spec, bench, board,
-                     match_tolerances(spec, bench, board, project.round(round) / "design" / "design-report.json")));
+                     shown_tolerances(spec, bench, board, project.round(round) / "design" / "design-report.json")));
   std::string where;
   for (std::string line; std::getline(places, line);) where += "       " + line + "\n";
-  const std::string here = shell_word(project.folder.string());
+  const std::string here = shell_word(project.folder.string()), changed = changed_since_sheet(project);
   const std::vector<std::string> lamps = photographed_lamps(spec, bench);
   const std::string one_lamp_at_once =
       lamps.size() < 2 ? ""
                        : "     Photos do not tell which lamp was on: photograph each place under one lamp after the "
                          "other, each alone,\n"
                          "     without touching the camera.\n";
-  return fmt::format(
-      "Your turn:\n"
-      "  1. Read {}, run board-frame.gcode in the air, and carve {}.\n"
-      "  2. Stick the tags on it (burin print {} makes them and shows where), and photograph it\n"
-      "     (burin sheet {} draws the places):\n{}"
-      "     and from three places near the mirror direction, where the plain face shines, and from five or more\n"
-      "     further ones, with the camera tilted and the board in other parts of the frame. Keep focus and zoom as\n"
-      "     they are. Some views must hardly glint: only half vectors on both sides of the grooves' cut-off angle "
-      "tell\n"
-      "     how deep they are. The best such places, in words and mm: burin plan {}\n{}"
-      "  3. Put the photos into {}\n"
-      "     (burin watch {} judges each as it comes); then: {}\n\n",
-      (project.round(round) / "carve-check.html").string(), gcode_of(loop, round), here, here, where, here,
-      one_lamp_at_once, photo_folders_in_words(project, round), here, loop_line(project));
+  std::string wait = not_yet(loop, round);
+  if (!wait.empty()) wait = "D" + wait.substr(1) + ".\n";
+  return wait +
+         fmt::format(
+             "Your turn:\n"
+             "  1. Read {}, run board-frame.gcode in the air, and carve {}.\n"
+             "  2. Stick the tags on it (burin print {} makes them and shows where), and photograph it from these "
+             "places\n"
+             "     and from {} further ones that tell the rest of the bench. All of them in order, with drawings:\n"
+             "     burin sheet {}{}\n{}{}"
+             "  3. Put the photos into {}\n"
+             "     (burin watch {} judges each as it comes); then: {}\n\n",
+             (project.round(round) / "carve-check.html").string(), gcode_of(loop, round), here, PlanOptions{}.shots,
+             here, changed.empty() ? "" : fmt::format(" (print it again: {} changed since)", changed), where,
+             one_lamp_at_once, photo_folders_in_words(project, round), here, loop_line(project));
 }
 
 }  // namespace burin

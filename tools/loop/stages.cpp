@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <optional>
-#include <string_view>
 
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
@@ -15,6 +15,7 @@
 #include "burin/render/limits.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
+#include "tools/loop/round_depth.h"
 #include "tools/loop/round_design.h"
 #include "tools/loop/round_lamps.h"
 #include "tools/stop_signal.h"
@@ -77,17 +78,11 @@ std::set<fs::path> design_basis(const LoopProject& loop, int round) {
   return files;
 }
 
-// The face as it was probed, if it was.
-fs::path heights_of(const Project& project, int round) {
-  const fs::path file = project.round(round) / "heights.json";
-  return fs::exists(file) ? file : fs::path();
-}
-
 std::set<fs::path> toolpath_basis(const LoopProject& loop, int round) {
   const Project& project = loop.project;
   std::set<fs::path> files{project.round(round) / "scratches.csv", project.folder / "board.json"};
   add_bench(project.bench_before(round), files);
-  if (const fs::path heights = heights_of(project, round); !heights.empty()) files.insert(heights);
+  if (const fs::path heights = project.heights(round); !heights.empty()) files.insert(heights);
   for (const fs::path& file : toolpath_option_files(loop.options, project.folder)) files.insert(file);
   return files;
 }
@@ -153,6 +148,12 @@ bool make_design(const LoopProject& loop, int number) {
     words.emplace_back("--pixels");
     words.push_back(std::to_string(*pixels));
   }
+  if (const auto depth = depth_of_round(loop, number);
+      depth && !loop.options.design.contains("depth") && !loop.options.design.contains("free-depth")) {
+    note(make_warning(in_words(*depth)));
+    words.emplace_back("--depth");
+    words.push_back(shortest(depth->depth_um));
+  }
   run_step(words);
   const fs::path report = round / "design" / "design-report.json";
   const Json json = json_or_broken(report);
@@ -165,26 +166,19 @@ void make_toolpath(const LoopProject& loop, int number) {
   const Project& project = loop.project;
   const fs::path round = project.round(number);
   const std::vector<std::string> options = toolpath_arguments(loop.options, project.folder);
-  for (const char* file : {"board.svg", "board.gcode"}) {
-    std::vector<std::string> words{"toolpath",  (round / "scratches.csv").string(),
-                                   "--board",   (project.folder / "board.json").string(),
-                                   "--bench",   project.bench_before(number).string(),
-                                   "--machine", machine_argument(loop.options, project.folder),
-                                   "--out",     (round / file).string()};
-    const bool gcode = std::string_view(file).ends_with(".gcode");
-    if (gcode) {
-      words.emplace_back("--sent");
-      words.push_back((round / "sent.csv").string());
-    }
-    if (const fs::path heights = heights_of(project, number); !heights.empty()) {
-      words.emplace_back("--heights");
-      words.push_back(heights.string());
-    }
-    words.insert(words.end(), options.begin(), options.end());
-    if (gcode && !loop.options.toolpath.contains("frame"))
-      words.emplace_back("--frame");  // to be run in the air before anything is carved
-    run_step(words);
+  std::vector<std::string> words{
+      "toolpath", (round / "scratches.csv").string(),    "--board",   (project.folder / "board.json").string(),
+      "--bench",  project.bench_before(number).string(), "--machine", machine_argument(loop.options, project.folder),
+      "--out",    (round / "board.gcode").string(),      "--sent",    (round / "sent.csv").string(),
+      "--draw",   (round / "board.svg").string()};
+  if (const fs::path heights = project.heights(number); !heights.empty()) {
+    words.emplace_back("--heights");
+    words.push_back(heights.string());
   }
+  words.insert(words.end(), options.begin(), options.end());
+  if (!loop.options.toolpath.contains("frame"))
+    words.emplace_back("--frame");  // to be run in the air before anything is carved
+  run_step(words);
 }
 
 // Ends in an error where a red line is on the page: the loop goes no further.
@@ -356,6 +350,7 @@ std::vector<fs::path> outputs_of(const LoopProject& loop, const StageOfRound& at
       break;
     case StageKind::report:
       take(folder / "report.html");
+      take(folder / "rounds.json");  // the whole loop's
       break;
   }
   std::sort(files.begin(), files.end());
@@ -376,6 +371,8 @@ bool has_result(const LoopProject& loop, const StageOfRound& at) {
       return there("calibration/bench.json");
     case StageKind::refine:
       return there("bench.json");
+    case StageKind::report:
+      return there("report.html");
     default:
       return !files.empty();
   }

@@ -131,6 +131,21 @@ FileHashes hashes_of(const Project& project, const std::vector<fs::path>& files,
   return hashes_of(project, std::set<fs::path>(files.begin(), files.end()), hashes);
 }
 
+void record_check(const LoopProject& loop, int number, bool good) {
+  const StageOfRound at{number, StageKind::check};
+  std::optional<MadeRecord> record = read_record(record_file(loop.project, at));
+  if (!record) return;
+  ContentHashes hashes;
+  const StageBasis basis = basis_of(loop, at);
+  record->status = good ? MadeRecord::Status::done : MadeRecord::Status::begun;
+  record->burin = BURIN_VERSION;
+  record->options = basis.options;
+  record->inputs = hashes_of(loop.project, basis.files, hashes);
+  record->outputs = hashes_of(loop.project, outputs_of(loop, at), hashes);
+  record->kept = {};
+  write_record(*record, record_file(loop.project, at));
+}
+
 StageState state_of(const LoopProject& loop, const StageOfRound& at, ContentHashes& hashes) {
   StageState state;
   state.at = at;
@@ -214,9 +229,14 @@ std::string in_words(const std::vector<StageChange>& changes) {
                                           {Kind::output, How::gone, "is gone", "are gone"}}};
   for (const Group& group : kGroups) {
     std::vector<std::string> names;
+    std::vector<std::string> pages;  // which `burin check carve` and `burin report` write, too
     for (const StageChange& change : changes)
-      if (change.kind == group.kind && change.how == group.how) names.push_back(change.name);
+      if (change.kind == group.kind && change.how == group.how)
+        (change.kind == Kind::output && change.how == How::changed && change.name.ends_with(".html") ? pages : names)
+            .push_back(change.name);
     if (!names.empty()) add(list_of(names) + " " + (names.size() == 1 ? group.one : group.several));
+    if (!pages.empty())
+      add(list_of(pages) + (pages.size() == 1 ? " was" : " were") + " written again outside of the loop");
   }
   for (const StageChange& change : changes)
     if (change.kind == Kind::option) add(fmt::format("{} was {} and is {}", change.name, change.was, change.now));

@@ -56,6 +56,10 @@ std::vector<StageState> states_of(const LoopProject& loop, ContentHashes& hashes
 FileHashes hashes_of(const Project& project, const std::set<std::filesystem::path>& files, ContentHashes& hashes);
 FileHashes hashes_of(const Project& project, const std::vector<std::filesystem::path>& files, ContentHashes& hashes);
 
+/// After `burin check carve` was run by hand on a round, under the loop's own settings: the page is the loop's, made
+/// from what is there now. Nothing where the loop has not come to that stage yet.
+void record_check(const LoopProject& loop, int round, bool good);
+
 /// Whether a person has to say `--again` or `--keep` before the loop goes on; else what is out of date is made anew
 /// (measurements of photos, and what follows from a stage made anew) or stays as it is in the metal.
 bool needs_answer(const StageState& state);

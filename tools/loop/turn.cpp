@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 
 #include "burin/render/error.h"
 #include "tools/commands.h"
@@ -125,7 +126,7 @@ void settle(Turn& turn) {
   const std::vector<StageState> states = states_of(turn.loop, turn.hashes);
   const bool begun = std::any_of(states.begin(), states.end(),
                                  [](const StageState& state) { return state.condition != Condition::not_begun; });
-  if (begun) print_text("{}", table_of(turn.loop, states));
+  if (begun) print_text("{}", table_of(turn.loop, states, true));
   std::vector<StageState> open, kept;
   for (const StageState& state : states) {
     const bool asks = is_open(turn, state) && needs_answer_now(state, states);
@@ -283,6 +284,29 @@ bool turn_stage(Turn& turn, const StageOfRound& at) {
   return true;
 }
 
+// What is left to a person behind the last stage.
+void say_end(const LoopProject& loop, int round, bool another) {
+  const Project& project = loop.project;
+  const bool simulated = fs::exists(project.folder / "truth.json");
+  const std::optional<NextBoard> next = another ? std::nullopt : last_board(project);
+  print_text("\n");
+  const std::string turned =
+      round == 1 ? "" : fmt::format("The loop has turned {} time{}; ", round - 1, round == 2 ? "" : "s");
+  if (next) {
+    print_text("Done: {}.\n{}to carve another board all the same: {}\n", hang_in_words(*next), turned,
+               loop_line(project, "--another"));
+    return;
+  }
+  if (!simulated) {
+    make_photo_folders(project, round);
+    print_text("{}", your_turn(loop, round));
+  }
+  print_text("{}{}he next board to carve is {}; {}: {}\n", turned, turned.empty() ? "T" : "t",
+             (project.round(round) / "board.gcode").string(),
+             simulated ? "to simulate that too, next" : "with its photos in their folder, next",
+             loop_line(project, simulated ? fmt::format("--rounds {}", round) : ""));
+}
+
 }  // namespace
 
 void turn_loop(const LoopProject& loop, const LoopAnswers& answers) {
@@ -299,16 +323,7 @@ void turn_loop(const LoopProject& loop, const LoopAnswers& answers) {
   --round;
   // The last round is designed and not yet carved: for the bench as it is, if any board was photographed.
   turn_stage(turn, {0, StageKind::report});
-  const bool simulated = fs::exists(project.folder / "truth.json");
-  print_text("\n");
-  if (!simulated) {
-    make_lamp_folders(project, round);
-    print_text("{}", your_turn(loop, round));
-  }
-  print_text(
-      "The loop has turned {} time{}; the next board to carve is {}.{}\n", round - 1, round == 2 ? "" : "s",
-      (project.round(round) / "board.gcode").string(),
-      simulated ? fmt::format(" To simulate that too: {}", loop_line(project, fmt::format("--rounds {}", round))) : "");
+  say_end(loop, round, answers.another);
 }
 
 }  // namespace burin

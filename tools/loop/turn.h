@@ -16,6 +16,7 @@ struct LoopAnswers {
   bool keep = false;               ///< go on with what is out of date, changed by hand or ended early, as it is
   std::vector<std::string> accept_unknown;
   int simulated_rounds = 1;
+  bool another = false;  ///< carve the next board although it would gain hardly anything
 };
 
 /// Turns it until a person has to act, or all simulated rounds are done; says all of it. Throws Error where it has to

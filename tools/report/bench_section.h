@@ -12,7 +12,7 @@
 namespace burin {
 
 /// HTML with its heading (text), such as "The bench as measured". `tolerances`: how far eyes may stand aside, by
-/// match_tolerances(); may be empty. Frame: board, mm.
+/// shown_tolerances(); may be empty. Frame: board, mm.
 std::string bench_section(const Bench& bench, const Board& board, const std::vector<MatchTolerance>& tolerances,
                           const std::string& heading);
 

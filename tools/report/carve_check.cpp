@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <set>
@@ -41,9 +40,18 @@ std::string file_text(const CheckedFile& file) {
   return fmt::format("{} scratches, {}", file.scratches, duration_text(file.duration_s));
 }
 
-std::string depth_text(const CarveCheck& check) {
-  if (check.most_depth_um - check.least_depth_um < 0.05) return fmt::format("{:.1f} µm", check.most_depth_um);
-  return fmt::format("{:.1f} to {:.1f} µm", check.least_depth_um, check.most_depth_um);
+std::string range_text(double least_um, double most_um) {
+  if (most_um - least_um < 0.05) return fmt::format("{:.1f} µm", most_um);
+  return fmt::format("{:.1f} to {:.1f} µm", least_um, most_um);
+}
+
+// As deep as grooves become.
+std::string depth_text(const CarveCheck& check) { return range_text(check.least_made_um, check.most_made_um); }
+
+// What the machine is told for it, where that is another depth.
+std::string told_text(const CarveCheck& check) {
+  const std::string told = range_text(check.least_depth_um, check.most_depth_um);
+  return told == depth_text(check) ? "" : fmt::format(" (the machine is told {})", told);
 }
 
 // Where the tool goes, in numbers.
@@ -56,7 +64,7 @@ std::string tool_table(const CarveCheck& check, const MachineProfile& machine) {
   t.rows.push_back({"X", range(0, 2)});
   t.rows.push_back({"Y", range(1, 2)});
   t.rows.push_back({"Z", range(2, 4)});
-  t.rows.push_back({"depth", depth_text(check) + ", by " + depth_by_name(machine.depth_by)});
+  t.rows.push_back({"depth", depth_text(check) + told_text(check) + ", by " + depth_by_name(machine.depth_by)});
   t.rows.push_back({"scratches", fmt::format("{}, {:.1f} m in the metal, {:.1f} m in the air", check.carved.size(),
                                              check.carve_mm / 1000, check.travel_mm / 1000)});
   if (check.already_carved > 0)
@@ -132,6 +140,13 @@ struct Promise {
   std::vector<Finding> findings;
 };
 
+// How alike what a view shows and its own picture are: their correlation, as `burin design` measured it; `index` is the
+// view's place in the report.
+double likeness(JsonObject& view, std::size_t index) {
+  const std::vector<double> ghost = view.has("ghost") ? view.numbers("ghost", -1) : std::vector<double>{};
+  return index < ghost.size() ? ghost[index] : 1;
+}
+
 Promise promise_of(const fs::path& folder) {
   Promise out;
   const fs::path file = folder / "design-report.json";
@@ -139,6 +154,7 @@ Promise promise_of(const fs::path& folder) {
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
   std::string all;
+  std::size_t index = 0;
   for (JsonObject& view : report.objects("views")) {
     const std::string name = view.text("view");
     const double psnr = view.number("psnr_db"), allows = view.number("achievable_psnr_db");
@@ -152,6 +168,15 @@ Promise promise_of(const fs::path& folder) {
          fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", unbroken(decibels(psnr)), more),
          "As promised"}};
     all += compared("View " + name, figures, 0, 1);
+    if (const double like = likeness(view, index); like < kReadable)
+      out.findings.push_back({Severity::warning,
+                              {},
+                              fmt::format("view {}: what it will show is like its picture by {:.2f} only (1: alike; "
+                                          "below {} few recognize it)",
+                                          name, like, kReadable),
+                              "do not carve it like this: give the board fewer pictures or more room, or this picture "
+                              "more contrast"});
+    ++index;
     if (allows < kRecognizable_db)
       out.findings.push_back({Severity::warning,
                               {},
@@ -226,16 +251,30 @@ CarveCheck check_carve_files(const CarveCheckFiles& files) {
   return check;
 }
 
+std::vector<std::string> unreadable_views(const fs::path& folder) {
+  std::vector<std::string> out;
+  const fs::path file = folder / "design-report.json";
+  if (!fs::exists(file)) return out;
+  const Json json = read_json(file, "burin/design-report", 1);
+  JsonObject report(json, file.string());
+  std::size_t index = 0;
+  for (JsonObject& view : report.objects("views"))
+    if (likeness(view, index++) < kReadable) out.push_back(view.text("view"));
+  return out;
+}
+
 std::string carve_check_text(const CarveCheck& check) {
   std::string text;
-  constexpr std::array kWord{"note", "mind", "RED"};
   for (const Finding& f : check.findings)
-    text += fmt::format("{:<4}  {}\n", kWord[static_cast<std::size_t>(f.severity)], sentence(f));
+    if (f.severity != Severity::note)
+      text += fmt::format("{:<4}  {}\n", f.severity == Severity::error ? "RED" : "mind", sentence(f));
+  if (const std::size_t notes = count_of(check, Severity::note); notes > 0)
+    text += fmt::format("note  {} on the page\n", plural(notes, "more line"));
   for (const CheckedFile& f : check.files) text += fmt::format("{}  {}\n", f.file.string(), file_text(f));
   if (check.carved.size() > 0)
-    text += fmt::format("tool  X {:.2f} to {:.2f}, Y {:.2f} to {:.2f}, Z {:.4f} to {:.4f} mm; {} deep\n",
+    text += fmt::format("tool  X {:.2f} to {:.2f}, Y {:.2f} to {:.2f}, Z {:.4f} to {:.4f} mm; {} deep{}\n",
                         check.tool_min_mm.x(), check.tool_max_mm.x(), check.tool_min_mm.y(), check.tool_max_mm.y(),
-                        check.tool_min_mm.z(), check.tool_max_mm.z(), depth_text(check));
+                        check.tool_min_mm.z(), check.tool_max_mm.z(), depth_text(check), told_text(check));
   for (const ViewReach& v : check.views)
     text +=
         fmt::format("view {}: {} scratches, {:.0f} % of them beyond the cut-off\n", v.view, v.scratches, 100 * v.dark);

@@ -34,6 +34,7 @@
 #include "tools/report/rerun.h"
 #include "tools/report/section.h"
 #include "tools/round_names.h"
+#include "tools/rounds_quality.h"
 
 namespace burin {
 namespace {
@@ -442,12 +443,29 @@ std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) 
   return out + ".";
 }
 
-std::string next_of(const Rounds& in) {
+RoundsQuality quality_of(const Rounds& in, const std::vector<ViewHistory>& views) {
+  RoundsQuality out;
+  for (int r = 0; r < in.count; ++r) {
+    std::vector<ViewQuality>& round = out.emplace_back();
+    for (const ViewHistory& view : views) {
+      const ViewInRound& now = view.rounds[static_cast<std::size_t>(r)];
+      ViewQuality& quality = round.emplace_back(ViewQuality{view.view});
+      if (now.promised.there()) quality.promised_db = now.promised.psnr_db;
+      if (now.photographed.there()) quality.photographed_db = now.photographed.psnr_db;
+    }
+  }
+  return out;
+}
+
+std::string next_of(const Rounds& in, const RoundsQuality& quality) {
   // A page is read from anywhere: "." would say nothing.
   const bool here = in.project.folder.lexically_normal() == ".";
   const Project project{here ? fs::current_path() : in.project.folder};
   const std::string loop = "<code>" + html("burin loop " + shell_word(project.folder.string())) + "</code>";
   if (in.count == in.measured) return loop + " designs the next board for the bench as measured.";
+  if (const std::optional<NextBoard> next = next_board(quality); next && is_last(*next))
+    return html(hang_in_words(*next)) + ". <code>" +
+           html("burin loop " + shell_word(project.folder.string()) + " --another") + "</code> goes on with it.";
   const fs::path round = project.round(in.count);
   const fs::path gcode = round / "board.gcode";
   return fmt::format(
@@ -533,7 +551,9 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   Section out;
   out.title = "The project";
   out.outcome = outcome_of(in, views);
-  out.next = next_of(in);
+  const RoundsQuality quality = quality_of(in, views);
+  out.next = next_of(in, quality);
+  out.rounds = rounds_text(quality, folder / "rounds.json");
   out.findings = findings_of(in, views);
   std::string pictures;
   for (const ViewHistory& view : views) pictures += pictures_of(view);
@@ -555,7 +575,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   }
   if (!out.has_scene) {
     const fs::path report = in.project.round(in.count) / "design" / "design-report.json";
-    out.open += bench_section(in.nominal, in.board, match_tolerances(in.spec, in.nominal, in.board, report),
+    out.open += bench_section(in.nominal, in.board, shown_tolerances(in.spec, in.nominal, in.board, report),
                               "The bench as it is believed to be");
     out.has_scene = true;
   }

@@ -1,7 +1,9 @@
+#include <algorithm>
 #include <string>
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "tools/report/html.h"
 #include "tools/report/section.h"
@@ -19,12 +21,13 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
   const auto absolute = std::filesystem::absolute(folder).lexically_normal();
   Page all{"Burin · " + (absolute.has_filename() ? absolute : absolute.parent_path()).filename().string(), ""};
   bool any = false, scene = false;
-  std::string parts;
+  std::string parts, rounds;
   for (const auto& section :
        {first, project_section(folder, progress), session_section(folder, session, progress), design_section(folder)}) {
     if (!section) continue;
     append(all.findings, section->findings);
     scene = scene || section->has_scene;
+    if (!section->rounds.empty()) rounds = section->rounds;
     if (any) {
       parts += folded(html(section->title), section->outcome, whole_section(*section));
       continue;
@@ -45,9 +48,18 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
     all.styles.push_back(bench_scene_style());
   }
   WrittenReport out{plain_text(all.outcome), folder / "report.html"};
-  for (const Finding& finding : all.findings) out.told += "\n- " + sentence(finding);
+  // A screen has room for the gravest.
+  constexpr std::size_t kMostTold = 8;
+  std::vector<Finding> told = all.findings;
+  std::stable_sort(told.begin(), told.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
+  for (std::size_t i = 0; i < std::min(told.size(), kMostTold); ++i) out.told += "\n- " + sentence(told[i]);
+  if (told.size() > kMostTold) out.told += "\n- " + std::to_string(told.size() - kMostTold) + " more on the page";
   const std::string text = page(all);
+  FilesTogether both;
   write_text(text, out.page);
+  if (!rounds.empty()) write_text(rounds, folder / "rounds.json");
+  both.put();
   out.bytes = text.size();
   return out;
 }

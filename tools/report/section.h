@@ -22,6 +22,7 @@ struct Section {
   std::vector<Finding> findings;  ///< what to mind
   std::string open{};             ///< HTML, below what to mind: curves, the bench
   std::string parts{};            ///< HTML: folded() parts, one after the other
+  std::string rounds{};           ///< of a project, rounds.json's text; empty: none
   bool has_scene = false;         ///< whether `open` holds a bench_section(), which needs its script
 };
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <mutex>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,7 @@
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
+#include "tools/project.h"
 #include "tools/report/bench_section.h"
 #include "tools/report/html.h"
 #include "tools/report/misfits.h"
@@ -91,7 +93,7 @@ Agreement agreement(const Image& photo, const Image& predicted) {
 // --- photo beside prediction -----------------------------------------------------------------------------------------
 
 // One photo beside its prediction: HTML, and how far they are apart (infinite where that cannot be said).
-struct Comparison {
+struct PhotoComparison {
   std::string pictures;
   double relative_rms = std::numeric_limits<double>::infinity();
 };
@@ -107,7 +109,7 @@ std::string known_lights(const Bench& bench, const std::string& joined) {
   return joined_lights(known);
 }
 
-Comparison comparison(const Loaded& in, const MergedView& merged, const View& view, const Light& light) {
+PhotoComparison comparison(const Loaded& in, const MergedView& merged, const View& view, const Light& light) {
   const std::string title = "View " + merged.view + (in.bench.lights.size() > 1 ? ", lamp “" + merged.light + "”" : "");
   const Surface surface = surface_of(in);
   const PixelWindow window = carve_window(in.bench, in.board, view);
@@ -494,6 +496,9 @@ std::string next_of(const Loaded& in, const std::filesystem::path& session, cons
   if (!refined)
     return "the grooves themselves are not measured yet: <code>" +
            html("burin refine " + shell_word(session.string()) + " --bench " + shell_word(bench.string())) + "</code>";
+  if (const std::optional<PlaceInProject> at = project_of(std::filesystem::absolute(bench)); at && at->round > 0)
+    return "the next board, designed for the bench as it is: <code>" +
+           html("burin loop " + shell_word(at->project.folder.string())) + "</code>";
   return fmt::format(
       "design for the bench as it is: name <code>{}</code> as <code>\"bench\"</code> in a design.json, then "
       "<code>burin design DESIGN.json --out DIR</code>",
@@ -512,9 +517,9 @@ std::string residual_words(const Loaded& in, double factor) {
 }
 
 // Those that agree least first; the many behind them are folded.
-std::string photo_beside_prediction(std::vector<Comparison> comparisons) {
+std::string photo_beside_prediction(std::vector<PhotoComparison> comparisons) {
   constexpr std::size_t kOpen = 3;
-  std::ranges::stable_sort(comparisons, std::ranges::greater{}, &Comparison::relative_rms);
+  std::ranges::stable_sort(comparisons, std::ranges::greater{}, &PhotoComparison::relative_rms);
   std::string open, more;
   for (std::size_t i = 0; i < comparisons.size(); ++i) (i < kOpen ? open : more) += comparisons[i].pictures;
   if (open.empty()) return "";
@@ -596,7 +601,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
   out.outcome = outcome_of(in);
   out.next = next_of(in, session_file, folder / "bench.json");
   out.findings = findings_of(in);
-  std::vector<Comparison> comparisons;
+  std::vector<PhotoComparison> comparisons;
   std::vector<Figure> photos;
   const double factor = arrow_factor(in.residuals);
   for (ViewShown& shown : views_shown(in, factor, progress)) {

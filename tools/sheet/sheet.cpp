@@ -146,6 +146,11 @@ std::string introduction(const Sheet& sheet) {
          "ellipses.";
 }
 
+std::string begun_as_sentence(std::string words) {
+  if (!words.empty() && words[0] >= 'a' && words[0] <= 'z') words[0] = static_cast<char>(words[0] - 'a' + 'A');
+  return words;
+}
+
 std::vector<Finding> findings(const Sheet& sheet) {
   std::vector<Finding> out;
   if (std::isfinite(eye_range_mm(sheet.places).first)) out.push_back(eyes_and_floor(sheet));

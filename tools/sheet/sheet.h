@@ -57,6 +57,9 @@ std::string introduction(const Sheet& sheet);
 /// stands in the way of following it: a place below the floor.
 std::vector<Finding> findings(const Sheet& sheet);
 
+/// The same words with the capital letter that a sentence of its own begins with.
+std::string begun_as_sentence(std::string words);
+
 /// Pages of that paper, upright.
 std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& paper_mm);
 std::string sheet_html(const Sheet& sheet);

@@ -64,7 +64,7 @@ std::string sheet_html(const Sheet& sheet) {
                       sheet.hang_height_mm, sheet.hang_height_mm - sheet.board.size_mm.y() / 2);
   for (const Finding& finding : findings(sheet))
     body += fmt::format("<p{}>{}.</p>\n", finding.severity == Finding::Severity::note ? "" : " class=\"warning\"",
-                        xml_text(sentence(finding)));
+                        xml_text(begun_as_sentence(sentence(finding))));
   body += "<div class=\"figures\">" + figure_of(sheet, Projection::wall_side, "From the left: the wall at the left") +
           figure_of(sheet, Projection::wall_above, "From above: the wall at the top") +
           figure_of(sheet, Projection::wall_front, "As you look at it") + "</div>\n" +
@@ -73,7 +73,7 @@ std::string sheet_html(const Sheet& sheet) {
       "<section><h2>Photos, in this order</h2>\n<p>" + xml_text(focus_in_words(sheet.focus)) +
       "</p>\n<p>The board lies on a table, its lower edge towards you; mm above the face, and from its edges.</p>\n";
   for (const Finding& finding : focus_findings(sheet.plan, sheet.focus))
-    body += "<p class=\"warning\">" + xml_text(sentence(finding)) + ".</p>\n";
+    body += "<p class=\"warning\">" + xml_text(begun_as_sentence(sentence(finding))) + ".</p>\n";
   std::vector<std::vector<std::string>> rows;
   for (const PhotoInWords& p : photos_in_words(sheet))
     rows.push_back({"<label><input type=\"checkbox\"> " + xml_text(p.name) + "</label>", p.place, p.exposures, p.lamp});

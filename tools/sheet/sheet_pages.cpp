@@ -160,7 +160,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
   writer.begin(on_a_wall);
   writer.paragraph(fmt::format("The board's middle hangs {:.0f} mm above the floor, its lower edge at {:.0f} mm.",
                                sheet.hang_height_mm, sheet.hang_height_mm - sheet.board.size_mm.y() / 2));
-  for (const Finding& finding : findings(sheet)) writer.paragraph(sentence(finding) + ".");
+  for (const Finding& finding : findings(sheet)) writer.paragraph(begun_as_sentence(sentence(finding)) + ".");
   const double wall_room = room_for_drawings(), gap = 0.03;
   writer.heading("From the left: the wall at the left; and as you look at it");
   const BenchDrawing side = draw(Projection::wall_side, 0.55 * wall_room, (1 - gap) / 2),
@@ -178,7 +178,7 @@ std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& pape
   writer.paragraph(focus_in_words(sheet.focus));
   writer.paragraph("The board lies on a table, its lower edge towards you; mm above the face, and from its edges.");
   for (const Finding& finding : focus_findings(sheet.plan, sheet.focus))
-    writer.paragraph(sentence(finding) + ".", Tint::soft);
+    writer.paragraph(begun_as_sentence(sentence(finding)) + ".", Tint::soft);
   std::vector<std::vector<std::string>> rows;
   for (const PhotoInWords& p : photos_in_words(sheet)) rows.push_back({p.name, p.place, p.exposures, p.lamp});
   add_table(writer, {{"photo", 0.19}, {"place", 0.44}, {"exposures", 0.26}, {"lamp", 0.11}}, rows, true, photos);

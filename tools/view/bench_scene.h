@@ -20,7 +20,7 @@
 
 namespace burin {
 
-/// What the scene shows, as the JSON that tools/view/bench_scene.js reads. `tolerances`: by match_tolerances(), for
+/// What the scene shows, as the JSON that tools/view/bench_scene.js reads. `tolerances`: by shown_tolerances(), for
 /// rings on the floor around the eyes of views that have one; may be empty.
 std::string bench_scene_json(const Board& board, const Bench& bench, const std::vector<MatchTolerance>& tolerances);
 

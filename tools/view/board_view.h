@@ -32,7 +32,7 @@ struct ViewedBoard {
   Bench bench;
   Carved carved;
   std::vector<ViewedPicture> pictures;     ///< at least one
-  std::vector<MatchTolerance> tolerances;  ///< by match_tolerances(); may be empty
+  std::vector<MatchTolerance> tolerances;  ///< by shown_tolerances(); may be empty
 };
 
 /// All that goes into one page.

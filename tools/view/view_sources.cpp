@@ -68,7 +68,7 @@ ViewedBoard designed_round(const Project& project, int number, std::vector<Findi
   out.bench = bench_for(spec.bench, board, findings);
   out.carved = carve(Designed(read_scratches(round / "scratches.csv")), out.bench, board);
   out.pictures = pictures_of(spec, out.bench, board, file);
-  out.tolerances = match_tolerances(spec, out.bench, board, round / "design" / "design-report.json");
+  out.tolerances = shown_tolerances(spec, out.bench, board, round / "design" / "design-report.json");
   return out;
 }
 
@@ -90,7 +90,7 @@ std::optional<ViewedBoard> measured_round(const Project& project, int number, st
   fill_material(out.bench, board);
   out.carved = carve(Sent(read_scratches(round / "sent.csv")), out.bench, board);
   out.pictures = pictures_of(spec, out.bench, board, design);
-  out.tolerances = match_tolerances(spec, out.bench, board, round / "design" / "design-report.json");
+  out.tolerances = shown_tolerances(spec, out.bench, board, round / "design" / "design-report.json");
   return out;
 }
 
@@ -126,7 +126,7 @@ BoardView first_design(const fs::path& folder, std::vector<Finding>& findings) {
   }
   board.carved = carve(Designed(rows), board.bench, out.board);
   board.pictures = pictures_of(spec, board.bench, out.board, folder / "design.json");
-  board.tolerances = match_tolerances(spec, board.bench, out.board, scratches.parent_path() / "design-report.json");
+  board.tolerances = shown_tolerances(spec, board.bench, out.board, scratches.parent_path() / "design-report.json");
   out.boards.push_back(std::move(board));
   return out;
 }
@@ -217,7 +217,7 @@ BoardView view_of_files(const ViewFiles& files, std::vector<Finding>& findings) 
   if (!files.design.empty()) {
     const DesignSpec spec = read_design(files.design);
     board.pictures = pictures_of(spec, board.bench, out.board, files.design);
-    board.tolerances = match_tolerances(spec, board.bench, out.board, {});
+    board.tolerances = shown_tolerances(spec, board.bench, out.board, {});
   } else {
     for (const View& view : board.bench.views) {
       const DesignView seen{view.name, board.bench.lights.front().id, {}, 1};

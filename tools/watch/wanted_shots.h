@@ -16,7 +16,8 @@
 
 namespace burin {
 
-/// From so many places at least a board is photographed where no plan says from which: docs/calibration.md.
+/// From so many places at least a board is photographed, beside those of its design, where no plan says from which: as
+/// many as a plan has (docs/calibration.md).
 inline constexpr std::size_t kFewestPlaces = 8;
 
 /// One place to photograph from, and what counts as having stood there.

@@ -1,12 +1,15 @@
 #include "tools/watch/watched_project.h"
 
 #include <algorithm>
+#include <set>
+#include <string>
 
 #include "burin/optimize/design_file.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
+#include "tools/loop/printed_sheet.h"
 #include "tools/loop/round_lamps.h"
 #include "tools/loop/say.h"
 #include "tools/photographed_lamps.h"
@@ -25,9 +28,11 @@ fs::path first_there(std::initializer_list<fs::path> files) {
 }
 
 fs::path plan_of(const Project& project, const fs::path& round) {
+  // The sheet's own plan counts as long as the sheet does.
+  const bool stale = !changed_since_sheet(project).empty();
   return first_there({round.empty() ? fs::path() : round / "plan.json",
-                      round.empty() ? fs::path() : round / "plan" / "plan.json", project.folder / "plan.json",
-                      project.folder / "plan" / "plan.json"});
+                      round.empty() ? fs::path() : round / "plan" / "plan.json",
+                      stale ? fs::path() : project.folder / "plan.json", project.folder / "plan" / "plan.json"});
 }
 
 // The folder of photos: as given, or the round's.
@@ -94,12 +99,16 @@ WatchedProject watched_project(const fs::path& folder, const fs::path& photos, c
     take_tolerances(tolerances, out.shoot.wanted);
     out.wanted_from = found.string();
   } else {
-    out.shoot.least_places = kFewestPlaces;
+    std::set<std::string> designed;
+    for (const WantedShot& shot : out.shoot.wanted) designed.insert(shot.name);
+    out.shoot.least_places = designed.size() + kFewestPlaces;
     if (design) out.wanted_from = design_file.string();
-    out.plan_line = "burin plan " + shell_word(board.string()) +
-                    (bench ? " --bench " + shell_word(bench_file.string()) : "") +
-                    (design ? " --design " + shell_word(design_file.string()) : "") + " --out " +
-                    shell_word(((round.empty() ? folder : round) / "plan").string());
+    out.plan_line = design ? "burin sheet " + shell_word(folder.string())
+                           : "burin plan " + shell_word(board.string()) +
+                                 (bench ? " --bench " + shell_word(bench_file.string()) : "") + " --out " +
+                                 shell_word(((round.empty() ? folder : round) / "plan").string());
+    if (const std::string changed = changed_since_sheet(project); !changed.empty())
+      out.plan_line += " (the printed sheet is out of date: " + changed + " changed)";
   }
   if (bench)
     for (const std::string& lamp : lamps_of(*bench))

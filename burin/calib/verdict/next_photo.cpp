@@ -25,6 +25,17 @@ std::vector<std::string> left_open(const Combinations& judged, const Bench& benc
   return out;
 }
 
+// A photo is named if it leaves at most this much of the sigma that it is named for.
+constexpr double kWorthTaking = 2.0 / 3;
+
+// The part of a sigma's square that no photo makes smaller: of the machine's map what the tags' places add.
+double beyond_photos(const Verdict& verdict) {
+  for (const Cause& cause : verdict.causes)
+    if (cause.kind == Cause::Kind::of_carve_area && verdict.sigma && *verdict.sigma > 0)
+      return std::max(0.0, 1 - std::pow(cause.numbers[0] / *verdict.sigma, 2));
+  return 0;
+}
+
 double variance(const std::vector<Eigen::VectorXd>& rows, const Eigen::MatrixXd& covariance) {
   double sum = 0;
   for (const Eigen::VectorXd& a : rows) sum += a.dot(covariance.topLeftCorner(a.size(), a.size()) * a);
@@ -90,7 +101,7 @@ void advise_geometry(const BoardSolution& geometry, const Board& board, const Co
     }
   }
   for (std::size_t i = 0; i < open.size(); ++i)
-    if (best[i] < 1) {
+    if (best[i] <= kWorthTaking) {
       Verdict& verdict = bench.verdict[open[i]];
       verdict.next_photo = NextPhoto{NextPhoto::Kind::at_place, place_in_words(places[place[i]], board),
                                      to_be_expected(verdict, best[i])};
@@ -168,10 +179,12 @@ struct Best {
   std::size_t light = 0, straddling = 0;
 };
 
-// The best photo under a lamp as it stands, unless only one that is put elsewhere tells enough.
-const Best& chosen(const Best& own, const Best& moved, std::size_t rarer) {
+// The best photo under a lamp as it stands, unless only one that is put elsewhere tells enough; without a place where
+// none is worth it. Of a depth whose cut-off is not seen any photo that brings it nearer is.
+Best chosen(const Best& own, const Best& moved, std::size_t rarer) {
   if (own.place != nullptr && is_worth_taking(own.score, own.straddling, rarer)) return own;
-  return moved.place != nullptr && moved.score < own.score ? moved : own;
+  const Best& best = moved.place != nullptr && moved.score < own.score ? moved : own;
+  return best.straddling > 0 || best.score <= kWorthTaking ? best : Best{};
 }
 
 NextPhoto next_photo_of(const Best& best, const Verdict& verdict, const WiderBench& wider, const Board& board) {
@@ -197,8 +210,7 @@ bool is_worth_taking(double sigma_ratio, std::size_t half_vectors, std::size_t h
     const std::size_t by_two = half_vectors_now + 2 * (half_vectors - std::min(half_vectors, half_vectors_now));
     return Straddle{by_two, by_two}.both();
   }
-  constexpr double kEnough = 0.8;  // four such photos more than halve the sigma
-  return sigma_ratio <= kEnough;
+  return sigma_ratio <= kWorthTaking;
 }
 
 std::string moved_lamp_in_words(const Light& moved, const std::vector<Light>& lamps, const Board& board) {
@@ -233,7 +245,8 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
     const Eigen::MatrixXd after = inverse_information(H + scale * candidate.information);
     for (std::size_t i = 0; i < open.size(); ++i) {
       const auto& rows = judged.at(open[i]);
-      double score = std::sqrt(variance(rows, after) / variance(rows, before));
+      const double left = beyond_photos(bench.verdict.at(open[i]));
+      double score = std::sqrt(left + (1 - left) * variance(rows, after) / variance(rows, before));
       std::size_t straddling = 0;
       if (open[i] == parameter::kDepth && !straddle.both()) {
         // First of all the cut-off must come into sight, on both its sides.
@@ -263,7 +276,7 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
     }
   }
   for (std::size_t i = 0; i < open.size(); ++i) {
-    const Best& best = chosen(own[i], moved[i], rarer);
+    const Best best = chosen(own[i], moved[i], rarer);
     if (best.place == nullptr) continue;
     Verdict& verdict = bench.verdict[open[i]];
     verdict.next_photo = next_photo_of(best, verdict, wider, board);

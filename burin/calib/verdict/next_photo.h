@@ -2,8 +2,9 @@
 //
 // Every candidate (burin/calib/verdict/candidate_photo.h: the camera on a hemisphere, under each lamp and under the
 // first one moved round the board) adds its information to that of the photos taken; the one that makes the parameter's
-// variance smallest is named in the parameter's verdict, with what its sigma would come to. A moved lamp is another
-// lamp to the bench, and work: it is named only where no photo under the lamps as they stand tells enough. The camera
+// variance smallest is named in the parameter's verdict, with what its sigma would come to, if that is a third less: a
+// photo that brings less is not worth the way. A moved lamp is another lamp to the bench, and work: it is named only
+// where no photo under the lamps as they stand tells enough. The camera
 // stands within the focus that the photos taken have (FocusRange), wherever the whole board is seen from there. Frame:
 // board, mm.
 #pragma once
@@ -25,9 +26,9 @@ namespace burin {
 /// For lens, tags and bow: fills in Verdict::next_photo of those of `judged` that are not determined.
 void advise_geometry(const BoardSolution& geometry, const Board& board, const Combinations& judged, Bench& bench);
 
-/// Whether a photo under the lamps as they stand tells enough, so that none has to be put elsewhere for one that tells
-/// more: what it leaves of the parameter's sigma or, of a depth whose cut-off is not seen (else 0), how many half
-/// vectors then lie on either side of it, and how many do now.
+/// Whether a photo tells enough to be taken, and under the lamps as they stand, so that none has to be put elsewhere
+/// for one that tells more: what it leaves of the parameter's sigma is two thirds at most or, of a depth whose cut-off
+/// is not seen (else 0), how many half vectors then lie on either side of it, and how many do now.
 bool is_worth_taking(double sigma_ratio, std::size_t half_vectors, std::size_t half_vectors_now);
 
 /// What a photo needs that is taken under a lamp where none of `lamps` (the bench's; not empty) stands: where it is,

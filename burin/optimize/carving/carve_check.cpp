@@ -162,6 +162,24 @@ void carve_them(const Work& work, CarveCheck& check) {
   const DepthRange told = depth_range(work.told);
   check.least_depth_um = 1e3 * told.least_mm;
   check.most_depth_um = 1e3 * told.most_mm;
+  const auto [least, most] = std::minmax_element(check.carved.depth_um.begin(), check.carved.depth_um.end());
+  check.least_made_um = *least, check.most_made_um = *most;
+}
+
+// Design it deeper, if the machine can be told what makes that.
+std::string deeper(const Work& work, const CarveCheck& check, double lean) {
+  const Board& board = work.input.board;
+  const DepthTable& table = work.input.machine.depth_table;
+  const double depth_um = std::ceil(10 * depth_for_lean_um(lean, board.tool_width_um)) / 10;
+  const double gain = check.least_made_um / check.least_depth_um;
+  const bool by_table = work.input.machine.depth_by != DepthBy::fixed_z && !table.rows.empty();
+  const std::string closer = "bring lamp and eye closer to the mirror direction";
+  if (by_table && depth_um / gain > table.rows.back().depth_um)
+    return closer + ": " + fixed(depth_um, 1) + " um with this cutter would do, too (now " +
+           fixed(check.least_made_um, 1) + " um), but the depth table of " + work.input.machine.name +
+           " ends at what makes " + fixed(table.rows.back().depth_um * gain, 1) + " um";
+  return "design it " + fixed(depth_um, 1) + " um deep with this cutter (now " + fixed(check.least_made_um, 1) +
+         " um): --depth " + fixed(depth_um, 1) + " of burin loop or burin design; or " + closer;
 }
 
 // One red line for all strokes that break a rule.
@@ -267,12 +285,10 @@ void judge_glints(const Work& work, CarveCheck& check) {
     if (view.scratches == 0) continue;
     view.dark = static_cast<double>(dark[k]) / static_cast<double>(view.scratches);
     if (view.dark < kNoticed) continue;
-    const double depth_um = depth_for_lean_um(most_lean[k], work.input.board.tool_width_um);
     add(check, view.dark > kSpoiled ? Severity::error : Severity::warning,
         "view " + view.view + ": " + fixed(100 * view.dark, 0) + " % of its " + std::to_string(view.scratches) +
             " scratches lie beyond the cut-off: their walls are not steep enough to glint there",
-        "carve " + fixed(depth_um, 1) + " um deep (now " + fixed(check.least_depth_um, 1) +
-            " um) with this cutter and design again, or bring lamp and eye closer to the mirror direction");
+        deeper(work, check, most_lean[k]));
   }
 }
 

@@ -59,6 +59,7 @@ struct CarveCheck {
   std::size_t already_carved = 0;                              ///< of the designed ones: in the metal before
   Eigen::Vector3d tool_min_mm{0, 0, 0}, tool_max_mm{0, 0, 0};  ///< all places that the tool is sent to
   double least_depth_um = 0, most_depth_um = 0;                ///< as the machine is told
+  double least_made_um = 0, most_made_um = 0;                  ///< as the grooves become, by what photos measured
   double carve_mm = 0, travel_mm = 0, duration_s = 0;
   std::vector<ViewReach> views;
 

@@ -71,8 +71,9 @@ std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eig
            "position_mm in the bench");
     const Reached reached = reached_over(view, min_mm, max_mm, width_um, groove_at);
     const Lean lean = lean_at(view, {center.x(), center.y(), 0});
-    const std::string remedy = "carve at least " + number(depth_for_lean_um(reached.most_lean, width_um)) +
-                               " um deep with this cutter, or bring lamp and eye closer to the mirror direction until "
+    const std::string depth = number(std::ceil(10 * depth_for_lean_um(reached.most_lean, width_um)) / 10);
+    const std::string remedy = "carve at least " + depth + " um deep with this cutter (--depth " + depth +
+                               "), or bring lamp and eye closer to the mirror direction until "
                                "the half vector leans less than " +
                                degrees(reached.shallowest) + " degrees";
     if (reached.best < kNoGlint)
