@@ -14,6 +14,7 @@
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/svg.h"
 #include "burin/render/image.h"
+#include "tools/picture_quality.h"
 #include "tools/report/html.h"
 #include "tools/report/pictures.h"
 
@@ -139,18 +140,20 @@ Promise promise_of(const fs::path& folder) {
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
   std::string all;
+  const DesignQuality quality = quality_of_design(file);
+  std::size_t k = 0;
   for (JsonObject& view : report.objects("views")) {
-    const std::string name = view.text("view");
-    const double psnr = view.number("psnr_db"), allows = view.number("achievable_psnr_db");
-    std::string more = fmt::format("; the plain face's own light allows {}.", decibels(allows));
+    const std::string name = view.text("view"), promised = quality.in_decibels(k), looks = quality.in_words(k);
+    ++k;
+    const double allows = view.number("achievable_psnr_db");
+    std::string more = "; " + looks + ".";
     if (view.has("tolerance")) more += " " + html(view.object("tolerance").text("text")) + ".";
     const std::vector<Figure> figures{
         {picture_within(folder / view.text("target"), kCarvePictureSidePx), "View " + name + ": the target",
          "<b>Target</b>", "Target"},
         {picture_within(folder / view.text("preview"), kCarvePictureSidePx),
-         fmt::format("View {}, as promised: {}", name, decibels(psnr)),
-         fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", unbroken(decibels(psnr)), more),
-         "As promised"}};
+         fmt::format("View {}, as promised: {}", name, promised + ", " + looks),
+         fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", unbroken(promised), more), "As promised"}};
     all += compared("View " + name, figures, 0, 1);
     if (allows < kRecognizable_db)
       out.findings.push_back({Severity::warning,
