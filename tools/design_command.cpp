@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@
 #include "burin/render/files/write_file.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
+#include "tools/picture_quality.h"
 #include "tools/progress_bar.h"
 #include "tools/project.h"
 #include "tools/stop_signal.h"
@@ -52,36 +54,38 @@ class LivePreview {
   bool shown_ = false;
 };
 
-// When the mean of the views first reached each whole number of dB, from 20 on, and when the first look was.
+// When the mean of the views first reached each whole number of dB, and when the first look was: of the grooves as they
+// will be carved, as the table counts them.
 class QualityOverTime {
  public:
   void add(const DesignFrame& frame) {
-    if (line_.empty()) reached(frame.psnr_db, frame.seconds);
-    while (frame.psnr_db >= next_) reached(next_++, frame.seconds);
-    last_ = frame.psnr_db;
+    if (!frame.psnr_db) return;
+    if (reached_.empty()) reached_.push_back({std::floor(10 * *frame.psnr_db) / 10, frame.seconds});
+    for (double next = std::floor(reached_.back().db) + 1; next <= *frame.psnr_db; ++next)
+      reached_.push_back({next, frame.seconds});
+    last_db_ = *frame.psnr_db;
   }
-  /// "26.1 dB after 1.4 s, 27 after 2.0, ..."; empty where nobody looked. Under the light of a room pictures are worked
-  /// on darker or brighter than they are shown best: where the end is by more than half a dB above what was seen, that
-  /// is said.
+  /// "23.1 dB after 1.4 s, 24 after 2.0, ..."; empty where nobody looked. What the finished design does not keep is
+  /// left out. Under the light of a room pictures are worked on darker or brighter than they are shown best: where the
+  /// end is by more than half a dB above what was seen, that is said.
   std::string line(double end_db) const {
-    constexpr double kAlike = 0.5;
-    if (line_.empty() || end_db < last_ + kAlike) return line_;
-    return line_ + fmt::format("; {:.1f} at the exposures that show them best", end_db);
+    constexpr double kAlike = 0.5, kLast = 10;  // dB
+    std::string line;
+    for (const Reached& r : reached_)
+      if (line.empty())
+        line = fmt::format("{:.1f} dB after {:.1f} s", r.db, r.seconds);
+      else if (r.db <= end_db && r.db > end_db - kLast)
+        line += fmt::format(", {:.0f} after {:.1f}", r.db, r.seconds);
+    if (line.empty() || end_db < last_db_ + kAlike) return line;
+    return line + fmt::format("; {:.1f} at the exposures that show them best", end_db);
   }
 
  private:
-  void reached(double db, double seconds) {
-    if (line_.empty()) {
-      line_ = fmt::format("{:.1f} dB after {:.1f} s", std::floor(10 * db) / 10, seconds);
-      next_ = std::max(20, static_cast<int>(db) + 1);
-    } else {
-      line_ += fmt::format(", {:.0f} after {:.1f}", db, seconds);
-    }
-  }
-
-  std::string line_;
-  int next_ = 20;
-  double last_ = 0;
+  struct Reached {
+    double db = 0, seconds = 0;
+  };
+  std::vector<Reached> reached_;
+  double last_db_ = 0;
 };
 
 struct DesignArguments {
@@ -154,6 +158,32 @@ void give_depth(double depth_um, Scratches& rows) {
   if (rows.depth_um.empty()) rows.depth_um.assign(rows.size(), depth_um);
 }
 
+int longer_side(const Image& image) { return std::max(image.width, image.height); }
+
+// How good each view is, in the pixels that eyes tell apart and, where that is another number, in the design's.
+void print_views(const DesignResult& result) {
+  const int eye_px = result.eye_px, own_px = longer_side(result.views.front().shown);
+  const auto of = [](int px) { return fmt::format("({} px)", px); };
+  const bool own = own_px != eye_px;
+  const std::string no_word, close = own ? "  close by" : "", close_px = own ? fmt::format("  {:>8}", of(own_px)) : "";
+  print_text("view        PSNR dB {}   SSIM   plain face   own / highest other target's correlation\n", close);
+  print_text("            {:<8}{}          {}\n", of(eye_px), close_px, of(own_px));
+  for (std::size_t k = 0; k < result.views.size(); ++k) {
+    const DesignedView& v = result.views[k];
+    print_text("{:<10}  {:7.2f} {}  {:5.3f}   {:7.2f} dB   {:5.2f} / {:5.2f}\n", v.view, v.eye_psnr_db,
+               own ? fmt::format("  {:8.2f}", v.psnr_db) : no_word, v.ssim, v.achievable_psnr_db, v.ghost[k],
+               highest_other(v.ghost, k));
+    if (v.color)
+      print_text("            in color: red {:.2f}, green {:.2f}, blue {:.2f} dB, luminance {:.2f} dB {}\n",
+                 v.color->quality.channel_psnr_db[0], v.color->quality.channel_psnr_db[1],
+                 v.color->quality.channel_psnr_db[2], v.color->quality.luminance_psnr_db, of(own_px));
+  }
+  print_text(
+      "{} px along the longer side are what eyes {:.2g} m away tell apart: compare designs by them. Plain face: the "
+      "target, if nothing but the plain face's own light were wrong; grooves that cover the face may come nearer.\n",
+      eye_px, result.eye_from_m);
+}
+
 void run(const DesignArguments& o) {
   DesignSpec spec = read_design(o.spec);
   if (!o.bench.empty()) spec.bench = o.bench;
@@ -187,19 +217,17 @@ void run(const DesignArguments& o) {
   std::optional<StopOnSignal> keeps;  // from when there is something to keep
   options.stop = &StopOnSignal::asked;
   LivePreview live(o.out / "live.png", 2);
-  std::string losses;
+  std::string reached;
   QualityOverTime quality;
   options.watch = [&](const DesignFrame& frame) {
     if (!keeps) keeps.emplace();
     if (o.live) live.show(frame);
     quality.add(frame);
-    losses.clear();
-    for (std::size_t k = 0; k < std::min(frame.view_loss.size(), spec.views.size()); ++k)
-      losses += fmt::format("{} {} {:.0f}", k == 0 ? ": loss" : ",", spec.views[k].view, frame.view_loss[k]);
+    if (frame.psnr_db) reached = fmt::format(": {:.1f} dB", *frame.psnr_db);
   };
   const Progress on_terminal = bar.progress();
-  const Progress with_losses = [&](std::string_view stage, double fraction) {
-    on_terminal(std::string(stage) + (stage == "designing" ? losses : ""), fraction);
+  const Progress with_quality = [&](std::string_view stage, double fraction) {
+    on_terminal(std::string(stage) + (stage == "designing" ? reached : ""), fraction);
   };
   std::size_t told = 0;  // findings, before the work began
   options.found = [&](const std::vector<Finding>& findings) {
@@ -208,34 +236,23 @@ void run(const DesignArguments& o) {
     told = findings.size();
   };
   const KeptMemory kept;
-  DesignResult result = design(spec, board, bench, options, with_losses);
+  DesignResult result = design(spec, board, bench, options, with_quality);
   if (o.depth_um > 0) give_depth(o.depth_um, result.scratches);
   result.stopped_early = result.stopped_early || StopOnSignal::asked();  // wherever it was when it was asked
   write_or_keep(result, spec, board, bench, o);
   bar.clear();
 
   for (std::size_t i = told; i < result.findings.size(); ++i) note(result.findings[i]);
-  print_text("view        PSNR dB   SSIM    face allows   own / highest other target's correlation\n");
-  for (std::size_t k = 0; k < result.views.size(); ++k) {
-    const DesignedView& v = result.views[k];
-    double other = 0;
-    for (std::size_t j = 0; j < v.ghost.size(); ++j)
-      if (j != k && std::abs(v.ghost[j]) > std::abs(other)) other = v.ghost[j];
-    print_text("{:<10}  {:6.2f}   {:.3f}   {:6.2f} dB     {:5.2f} / {:5.2f}\n", v.view, v.psnr_db, v.ssim,
-               v.achievable_psnr_db, v.ghost[k], other);
-    if (v.color)
-      print_text("            in color: red {:.2f}, green {:.2f}, blue {:.2f} dB, luminance {:.2f} dB\n",
-                 v.color->quality.channel_psnr_db[0], v.color->quality.channel_psnr_db[1],
-                 v.color->quality.channel_psnr_db[2], v.color->quality.luminance_psnr_db);
-  }
+  print_views(result);
   for (std::size_t k = 0; k < result.tolerance.size(); ++k)
     print_text("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));
-  print_text("loss {:.0f} -> {:.0f} in {} iterations, {:.1f} s; {} of {} scratches kept\n", result.history.front().loss,
-             result.final_loss, result.history.size() - 1, result.iteration_seconds,
+  print_text("loss {:.0f} -> {:.0f} in {} iterations; {:.1f} s in all; {} of {} scratches kept\n",
+             result.history.front().loss, result.final_loss, result.history.size() - 1, result.total_seconds,
              result.scratches.size() - result.carved, result.started_with);
   double mean_db = 0;
   for (const DesignedView& v : result.views) mean_db += v.psnr_db / static_cast<double>(result.views.size());
-  if (const std::string line = quality.line(mean_db); !line.empty()) print_text("mean of the views: {}\n", line);
+  if (const std::string line = quality.line(mean_db); !line.empty())
+    print_text("mean of the views, of {} px: {}\n", longer_side(result.views.front().shown), line);
   if (const std::string dropped = dropped_text(result.dropped_by_rule); !dropped.empty())
     print_text("left out because they could not obey the machine's and the board's limits: {}\n", dropped);
   if (result.carved > 0)
@@ -261,7 +278,16 @@ void run(const DesignArguments& o) {
              shell_word((o.out / "board.gcode").string()));
 }
 
+// Those of the options from `first` on that are seldom needed stand below the others in the help.
+void set_seldom_ones_apart(CLI::App& command, std::size_t first) {
+  const std::set<std::string> often{"--scratches", "--time", "--pixels", "--carve-hours", "--from"};
+  const std::vector<CLI::Option*> all = command.get_options();
+  for (std::size_t i = first; i < all.size(); ++i)
+    if (!often.contains(all[i]->get_name())) all[i]->group("Options that are seldom needed");
+}
+
 void add_options(CLI::App& command, DesignArguments& o) {
+  const std::size_t first = command.get_options().size();
   command.add_option("--scratches", o.scratches, "How many to start with, instead of DESIGN.json's")
       ->check(CLI::Range(1, 2000000));
   command.add_option("--iterations", o.design.iterations, "Steps of the optimizer")->capture_default_str();
@@ -282,8 +308,10 @@ void add_options(CLI::App& command, DesignArguments& o) {
                   "Scratches that are in the metal already, as the machine was told them: they lie where the bench's "
                   "machine.affine brings them, and the rest is designed around them")
       ->type_name(kFile);
-  command.add_option("--start-length", o.design.start_length_mm,
-                     "Random start: mean length, mm; guided: scratches are a tenth to ten times as long (0: chosen)");
+  command.add_option(
+      "--start-length", o.design.start_length_mm,
+      "Mean length of scratches at the start, mm; those that are searched are a tenth of it to ten times "
+      "as long (0: chosen)");
   command
       .add_option("--start-light", o.design.start_light,
                   "Guided start: light that a scratch brings to a pixel that it crosses, of white")
@@ -353,6 +381,7 @@ void add_options(CLI::App& command, DesignArguments& o) {
       ->capture_default_str();
   command.add_option("--drop-light", o.design.drop_light, "Or those that carry this share of the light");
   command.add_option("--drop-share,--drop-count", o.design.drop_share, "Or this share of the scratches");
+  set_seldom_ones_apart(command, first);
 }
 
 }  // namespace

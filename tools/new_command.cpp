@@ -46,31 +46,6 @@ struct NewArguments {
 constexpr const char *kUsualFolder = "my-board", *kUsualBoard = "200x150", *kUsualCamera = "phone",
                      *kUsualLamp = "above", *kStand = "four times the board's diagonal", *kMachine = "grbl-spring";
 
-// "cat.jpg dog.jpg" as a person writes it: quotes hold spaces together.
-std::vector<std::string> words_of(const std::string& line) {
-  std::vector<std::string> words;
-  std::string word;
-  char quote = 0;
-  bool any = false;
-  for (const char c : line) {
-    if (quote == 0 && (c == '"' || c == '\'')) {
-      quote = c;
-      any = true;
-    } else if (c == quote) {
-      quote = 0;
-    } else if (quote == 0 && (c == ' ' || c == '\t')) {
-      if (any) words.push_back(word);
-      word.clear();
-      any = false;
-    } else {
-      word += c;
-      any = true;
-    }
-  }
-  if (any) words.push_back(word);
-  return words;
-}
-
 // The first pictures of the working directory, as the usual answer.
 std::string pictures_here() {
   std::vector<std::string> found;
@@ -92,33 +67,57 @@ double stand_of(const std::string& text) {
   return text.empty() || text == kStand ? 0 : length_in_words(text, "how far away one stands");
 }
 
+// The sheet in words. A bare 6x4 is mm, and hardly meant.
+Eigen::Vector2d board_size(const std::string& text) {
+  const Eigen::Vector2d mm = size_in_words(text, "board");
+  try {
+    tag_sizes(mm);
+  } catch (const Error&) {
+    constexpr double kHardlyMeant_mm = 60;
+    const bool bare =
+        std::all_of(text.begin(), text.end(), [](unsigned char c) { return std::isalpha(c) == 0 || c == 'x'; });
+    if (bare && mm.maxCoeff() < kHardlyMeant_mm)
+      fail("a board of " + text, fmt::format("is {:g} x {:g} mm, too small for tags around a picture", mm.x(), mm.y()),
+           fmt::format("if these are other units, name them: {0}in, {0}cm", text));
+    throw;
+  }
+  return mm;
+}
+
 // What of it can be used is decided question by question; everything else is said or usual.
 void ask_what_is_missing(NewArguments& o, Conversation& talk) {
-  const auto question = [&](std::string& value, const std::string& words, const std::string& usual,
+  std::vector<Question> questions;
+  const auto question = [&](std::string& value, const std::string& words, const char* usual,
                             const std::function<void(const std::string&)>& check) {
     if (!value.empty()) return;
-    ask(talk, words, usual, [&](const std::string& answer) {
-      check(answer);
-      value = answer;
-    });
+    questions.push_back({words, [usual] { return std::string(usual); },
+                         [&value, check](const std::string& answer) {
+                           check(answer);
+                           value = answer;
+                         }});
   };
-  talk.out << "A new board. Enter takes the answer in brackets, Ctrl-D ends without writing anything.\n";
-  question(o.folder, "Folder of the project", kUsualFolder, [](const std::string& a) { fail_unless_new(a); });
+  talk.out << "A new board. Enter takes the answer in brackets, \"back\" returns to the question before, Ctrl-D ends "
+              "without writing anything.\n";
+  question(o.folder, "Folder of the project", kUsualFolder,
+           [](const std::string& a) { fail_unless_new(file_in_words(a)); });
   if (o.pictures.empty())
-    ask(talk, "Pictures, one for each place to stand (1 to 9 files)", pictures_here(), [&](const std::string& answer) {
-      const std::vector<std::string> names = words_of(answer);
-      choose_pictures(as_paths(names), kMostPictures);
-      o.pictures = names;
-    });
-  question(o.board, "The sheet of metal, width x height", kUsualBoard,
-           [](const std::string& a) { tag_sizes(size_in_words(a, "board")); });
+    questions.push_back(
+        {"Pictures, one for each place to stand (1 to 9 files)", pictures_here, [&](const std::string& answer) {
+           const std::vector<std::string> names = files_in_words(answer);
+           choose_pictures(as_paths(names), kMostPictures);
+           o.pictures = names;
+         }});
+  question(o.board, "The sheet of metal, width x height (200x150 in mm, 20x15cm, 8x6in)", kUsualBoard,
+           [](const std::string& a) { board_size(a); });
   question(o.camera, "Camera: phone, a focal length as on film (50mm), or a photo that it took", kUsualCamera,
-           [](const std::string& a) { camera_in_words(a); });
+           [](const std::string& a) { camera_in_words(file_in_words(a)); });
   question(o.stand, "How far away you stand (1.2m)", kStand, [](const std::string& a) { stand_of(a); });
   question(o.lamp, "Lamp: above, left, right or below the board, with a distance if you like (above 600mm)", kUsualLamp,
            [](const std::string& a) { lamp_in_words(a); });
   question(o.machine, "Machine: " + built_in_machines() + ", or a file", kMachine,
-           [](const std::string& a) { machine_profile(a); });
+           [](const std::string& a) { machine_profile(file_in_words(a)); });
+  ask_all(talk, questions);
+  for (std::string* file : {&o.folder, &o.camera, &o.machine}) *file = file_in_words(*file);
 }
 
 // --fit and --keep: one for all pictures, or one for each.
@@ -182,18 +181,26 @@ void lay_pictures(const NewArguments& o, Conversation* talk, const Eigen::Vector
   }
 }
 
+// What a person said in units of his own stands before what it comes to in mm.
+std::string as_said(const std::string& words) {
+  for (const char* unit : {"in", "\"", "ft", "'", "cm"})
+    if (words.find(unit) != std::string::npos) return words + ", that is ";
+  return "";
+}
+
 void print_project(const NewArguments& o, const NewProject& project, const Eigen::Vector2d& area_mm) {
   const LaidOutBench& bench = project.bench;
   const Board& board = bench.board;
   const double tag = board.tags.list.front().size_mm;
   print_text(
-      "Board: {:g} x {:g} mm, pictures on {:g} x {:g} mm; {} tags {} of {:g} mm (paper {:.4g} mm), grooves {:g} um "
+      "Board: {}{:g} x {:g} mm, pictures on {:g} x {:g} mm; {} tags {} of {:g} mm (paper {:.4g} mm), grooves {:g} um "
       "deep\n",
-      board.size_mm.x(), board.size_mm.y(), area_mm.x(), area_mm.y(), board.tags.list.size(), board.tags.family, tag,
-      1.8 * tag, board.material.depth_um);
+      as_said(o.board), board.size_mm.x(), board.size_mm.y(), area_mm.x(), area_mm.y(), board.tags.list.size(),
+      board.tags.family, tag, 1.8 * tag, board.material.depth_um);
   print_text("Camera: {}; from these places a tag is at least {:.0f} pixels wide\n", project.camera.in_words,
              bench.tag_px);
-  print_text("Lamp: {}\n", place_in_words(bench.lamp_mm, board));
+  print_text("Lamp: {}{}\n", as_said(o.lamp), place_in_words(bench.lamp_mm, board));
+  if (!o.stand.empty()) print_text("Eyes: {}{:g} mm away\n", as_said(o.stand), bench.stand_mm);
   for (std::size_t k = 0; k < project.pictures.size(); ++k)
     print_text("Eye for {}: {}\n", project.pictures[k].view,
                place_in_words(camera_place_at(bench.eyes_mm[k], board, 0), board));
@@ -243,7 +250,7 @@ void run(NewArguments o) {
   fail_unless_one_each(o.keep, "--keep", o.pictures.size());
   const auto said_or = [](const std::string& said, const char* usual) { return said.empty() ? usual : said; };
   BenchWishes wanted;
-  wanted.board_mm = size_in_words(said_or(o.board, kUsualBoard), "board");
+  wanted.board_mm = board_size(said_or(o.board, kUsualBoard));
   wanted.camera = camera_in_words(said_or(o.camera, kUsualCamera));
   wanted.lamp = lamp_in_words(said_or(o.lamp, kUsualLamp));
   wanted.stand_mm = stand_of(o.stand);
@@ -262,10 +269,13 @@ void run(NewArguments o) {
   lay_pictures(o, person ? &talk : nullptr, area_mm, project.pictures);
   print_project(o, project, area_mm);
   for (const Finding& finding : project.bench.findings) note(finding);
+  for (const auto& [later, earlier] : same_pictures(project.pictures))
+    note(make_warning(fmt::format("{} and {} are the same picture, which would be shown to two places",
+                                  project.pictures[earlier].file.string(), project.pictures[later].file.string()),
+                      "name it once, if that is not meant"));
   const std::string preview = write_project(project);
   const std::string folder = shell_word(project.folder.string());
-  print_text("Preview: {}: {}; the whole design shows finer pixels, where dB come out lower\n",
-             shell_word((project.folder / "preview.png").string()), preview);
+  print_text("Preview: {}: {}\n", shell_word((project.folder / "preview.png").string()), preview);
   print_text(
       "         burin view {} shows it in the hand, burin print {} prints the tags, burin sheet {} draws where to "
       "stand\n",

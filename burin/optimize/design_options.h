@@ -29,7 +29,9 @@ struct DesignFrame {
   std::vector<double> view_loss;
   std::vector<const Image*> pictures;  ///< a view, gamma-encoded as optimized, valid during the call
   double seconds = 0;                  ///< since the design began
-  double psnr_db = 0;                  ///< of the pictures, mean of the views
+  /// Mean of the views, of the grooves as they will be cut; nothing while the start is made, and where a search held
+  /// what crossings leave. What hardly shows is held for some iterations, which may be a tenth of a dB.
+  std::optional<double> psnr_db{};
 };
 
 struct DesignOptions {

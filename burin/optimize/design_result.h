@@ -37,6 +37,7 @@ struct DesignedView {
   double best_exposure = 0;      ///< the one scalar with which `shown` comes closest to the target
   double psnr_db = 0, ssim = 0;  ///< of `shown`
   double start_psnr_db = 0, start_ssim = 0;
+  double eye_psnr_db = 0;                  ///< the same of DesignResult::eye_px pixels: the design's one figure
   double achievable_psnr_db = 0;           ///< of `achievable`: what the face's own light costs
   LossValue loss;                          ///< at `exposure`
   std::vector<double> ghost;               ///< correlation of `shown` with each view's target (its own included)
@@ -48,6 +49,8 @@ struct DesignIteration {
   double loss = 0;
   std::vector<double> view_loss;
   double seconds = 0;  ///< since the first iteration began
+  bool as_carved =
+      true;  ///< of grooves as they will be cut; else with what crossings left when they were looked at last
 };
 
 /// Frames of the contact sheet: one picture a view, small (for_contact_sheet()).
@@ -70,6 +73,8 @@ struct DesignResult {
   std::vector<ViewTolerance> tolerance;  ///< one a view, if it was asked for
   std::vector<CarvingPoint> curve;       ///< from all scratches on down, if it was asked for
   std::vector<DesignIteration> history;  ///< loss before each iteration's step
+  int eye_px = 0;  ///< along the carve area's longer side, of the pixels that eyes in the views' places tell apart
+  double eye_from_m = 0;  ///< how far away these eyes are: farther ones tell less
   std::vector<ContactFrame> frames;
   std::vector<Finding> findings;  ///< of bench, pictures and the run: what to mind
   double final_loss = 0;          ///< of the scratches as returned, at the optimized exposures

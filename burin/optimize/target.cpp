@@ -141,6 +141,8 @@ namespace {
 // The channels of a picture (linear) laid on the area; what is found and the mask stand in the first.
 std::vector<Target> laid_targets(const std::vector<Image>& channels, const TargetSpec& spec, double rotation_deg,
                                  const Eigen::Vector2d& area_mm, int width, int height) {
+  constexpr double kDark = 0.08, kWhite = 0.85, kHardlyAny = 0.01;  // as shown; of the pixels
+  constexpr float kBright = 0.4F;
   const std::string where = name_of(spec);
   std::vector<Target> all(channels.size());
   Target& target = all.front();
@@ -156,7 +158,7 @@ std::vector<Target> laid_targets(const std::vector<Image>& channels, const Targe
     warn("one of its pixels covers " + std::to_string(static_cast<int>(scale)) + " of the design's",
          "give a larger picture");
   float most = 0;  // contrast of a channel
-  double mean = 0;
+  double mean = 0, bright = 0;
   for (Target& one : all) {
     float low = 1, high = 0;
     for (float& v : one.picture.data) {
@@ -166,14 +168,21 @@ std::vector<Target> laid_targets(const std::vector<Image>& channels, const Targe
       low = std::min(low, v);
       high = std::max(high, v);
       mean += v;
+      bright += v > kBright ? 1 : 0;
     }
     most = std::max(most, high - low);
   }
   mean /= static_cast<double>(target.picture.data.size() * all.size());
+  bright /= static_cast<double>(target.picture.data.size() * all.size());
   if (most < 0.02F)
     fail(where, "is of one tone on the carve area, so there is nothing to show",
          "choose another picture, crop or \"levels\"");
-  if (mean < 0.08) warn("is nearly black", "the plain face will outshine it (\"levels\" can lift it)");
+  // White letters on black are few and show best of all; a dark photo has nothing bright.
+  if (mean < kDark && bright < kHardlyAny)
+    warn("is nearly black", "the plain face will outshine it (\"levels\" can lift it)");
+  if (mean > kWhite)
+    warn("is nearly white: almost all of the board is to shine, and what is dark in it hardly shows",
+         "what is to be seen should be lighter than its ground: invert the picture, or choose another");
   if (!spec.mask.empty() || spec.mask_image.width > 0) {
     const std::string mask = spec.mask_image.width > 0 ? "the mask in memory of " + where : spec.mask.string();
     double unused = 1;

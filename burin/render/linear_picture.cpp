@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <utility>
 
 #include "burin/render/files/upright_picture.h"
 
@@ -15,10 +17,9 @@ constexpr int kMostColored_px = 4096;
 
 /// Reads a picture, averaging huge ones over squares of what `decode` makes of each value, given whether it is linear.
 template <typename Decode>
-Image read_in_squares(const std::filesystem::path& file, int longest_px, int& width, int& height,
-                      const Decode& decode) {
+Image read_in_squares(UprightPicture picture, const std::filesystem::path& file, int longest_px, int& width,
+                      int& height, const Decode& decode) {
   constexpr std::int64_t kLargePixels = 64'000'000;
-  UprightPicture picture = open_upright(file);
   width = picture.width;
   height = picture.height;
   const int square = static_cast<std::int64_t>(width) * height <= kLargePixels
@@ -54,13 +55,21 @@ Image read_linear_luminance(const std::filesystem::path& file) {
 
 Image read_linear_picture(const std::filesystem::path& file) {
   int width = 0, height = 0;
-  return read_in_squares(file, kMostColored_px, width, height, [](float value, bool linear) {
+  return read_in_squares(open_upright(file), file, kMostColored_px, width, height, [](float value, bool linear) {
     return linear ? value : srgb_to_linear(std::clamp(value, 0.0F, 1.0F));
   });
 }
 
 Image read_large_picture(const std::filesystem::path& file, int longest_px, int& width, int& height) {
-  return read_in_squares(file, longest_px, width, height, [](float value, bool) { return value; });
+  return read_in_squares(open_upright(file), file, longest_px, width, height, [](float value, bool) { return value; });
+}
+
+std::optional<Image> read_large_picture_on_black(const std::filesystem::path& file, int longest_px) {
+  UprightPicture picture = open_upright(file);
+  if (picture.alpha_channel() < 0) return std::nullopt;
+  picture.ground = 0;
+  int width = 0, height = 0;
+  return read_in_squares(std::move(picture), file, longest_px, width, height, [](float value, bool) { return value; });
 }
 
 }  // namespace burin

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "burin/render/image.h"
 
@@ -20,5 +21,8 @@ Image read_linear_picture(const std::filesystem::path& file);
 /// while it is read, as far as its longer side stays above `longest_px`. `width` and `height` become those of the file,
 /// upright. Throws Error as read_picture does.
 Image read_large_picture(const std::filesystem::path& file, int longest_px, int& width, int& height);
+
+/// The same with what is see-through over black, not over white; nothing for a picture without an alpha channel.
+std::optional<Image> read_large_picture_on_black(const std::filesystem::path& file, int longest_px);
 
 }  // namespace burin

@@ -54,7 +54,8 @@ TEST_F(CrossingLossTest, HeldSharesStandForCutGrooves) {
   std::vector<WorkView> work = views();
   const Scratches scratches = any_scratches(2500, 7);
   const std::vector<double> log_exposure = log_exposure_for(work, cut(scratches));
-  see_crossings(work, log_exposure, cut(scratches), whole(scratches), cover(scratches, work[0]));
+  render_all(work, cut(scratches));
+  see_crossings(work, log_exposure, whole(scratches), cover(scratches, work[0]));
   for (WorkView& v : work) {
     Image exact, held;
     v.renderer.forward(cut(scratches), exact);
@@ -85,7 +86,8 @@ TEST_F(CrossingLossTest, CostIsWhatAStrokeTakesFromThoseItCrosses) {
     for (WorkView& v : work) std::fill(v.target.picture.data.begin(), v.target.picture.data.end(), target);
     const Scratches lying = any_scratches(1500, 7);
     const std::vector<double> log_exposure = log_exposure_for(work, cut(lying));
-    see_crossings(work, log_exposure, cut(lying), whole(lying), cover(lying, work[0]));
+    render_all(work, cut(lying));
+    see_crossings(work, log_exposure, whole(lying), cover(lying, work[0]));
     const Scratches added = any_scratches(60, 11);
     // Of those that lay there, whatever crosses them.
     const auto error = [&](const Scratches& s) {

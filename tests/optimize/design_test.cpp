@@ -333,6 +333,118 @@ TEST_F(DesignTest, GoesOnFromScratchesAndStopsWhenAsked) {
   EXPECT_LT(second.history.front().loss, 1.5 * first.final_loss);
 }
 
+// The pictures of these scratches on the test's bench, without designing anything.
+std::vector<double> decibels_of(const Scratches& scratches, const DesignSpec& spec, const Board& board,
+                                const Bench& bench, DesignOptions options) {
+  options.from = scratches;
+  options.iterations = 0;
+  options.drop_error = 0;
+  std::vector<double> db;
+  for (const DesignedView& v : design(spec, board, bench, options, {}).views) db.push_back(v.psnr_db);
+  return db;
+}
+
+double mean_of_views_db(const DesignResult& result, double DesignedView::*figure) {
+  double sum = 0;
+  for (const DesignedView& v : result.views) sum += v.*figure / static_cast<double>(result.views.size());
+  return sum;
+}
+
+// Steps and searches swing, and while places are searched it is only guessed how grooves cut each other. What is
+// written is the best that was looked at as it will be carved, and so is every figure on the way.
+TEST_F(DesignTest, HoweverEarlyItEndsADesignIsAsGoodAsTheBestThatWasSeenOfIt) {
+  double seen_db = 0;
+  int looks = 0;
+  options_.rate = 0;
+  options_.watch = [&](const DesignFrame& frame) {
+    if (!frame.psnr_db) return;
+    seen_db = std::max(seen_db, *frame.psnr_db);
+    ++looks;
+  };
+  const auto expect_the_best = [&](const DesignResult& result) {
+    EXPECT_GT(looks, 0);
+    const double mean_db = mean_of_views_db(result, &DesignedView::psnr_db);
+    // Where light adds, what hardly shows is held for some iterations. Else another search for exposures differs.
+    EXPECT_GE(mean_db, seen_db - (bench_.crossings == Crossings::add ? 0.1 : 1e-3));
+    EXPECT_GE(mean_db, mean_of_views_db(result, &DesignedView::start_psnr_db) - 1e-3);
+    seen_db = looks = 0;
+  };
+  for (const Crossings crossings : {Crossings::deepest, Crossings::add})
+    for (const int scratches : {900, 4000})
+      for (const int iterations : {1, 6, 12, 40}) {
+        SCOPED_TRACE(testing::Message() << (crossings == Crossings::add ? "adding, " : "cutting, ") << scratches
+                                        << " scratches, " << iterations << " iterations");
+        bench_.crossings = crossings;
+        spec_.scratches = scratches;
+        options_.iterations = iterations;
+        options_.seed = static_cast<std::uint64_t>(iterations);
+        expect_the_best(design(spec_, board_, bench_, options_, {}));
+      }
+  // Ended by hand after some iterations, and by a time limit, wherever that is.
+  bench_.crossings = Crossings::deepest;
+  options_.iterations = 40;
+  for (const int after : {1, 4, 7, 13}) {
+    SCOPED_TRACE(after);
+    int iteration = 0;
+    const auto watch = options_.watch;
+    options_.watch = [&](const DesignFrame& frame) {
+      watch(frame);
+      iteration = frame.iteration;
+    };
+    options_.stop = [&] { return iteration >= after; };
+    const DesignResult result = design(spec_, board_, bench_, options_, {});
+    EXPECT_TRUE(result.stopped_early);
+    expect_the_best(result);
+    options_.watch = watch;
+  }
+  options_.stop = {};
+  options_.iterations = 1000000;
+  options_.time_limit_s = 2;
+  const DesignResult in_time = design(spec_, board_, bench_, options_, {});
+  EXPECT_TRUE(in_time.stopped_early);
+  expect_the_best(in_time);
+}
+
+// Losses of guessed crossings are told from those of grooves as they are cut, and the first is one of these.
+TEST_F(DesignTest, LossesSayWhetherGroovesWereLookedAtAsTheyWillBeCut) {
+  options_.iterations = 12;
+  options_.rate = 0;
+  bench_.crossings = Crossings::deepest;
+  const DesignResult result = design(spec_, board_, bench_, options_, {});
+  const auto& history = result.history;
+  ASSERT_EQ(history.size(), 13U);
+  EXPECT_TRUE(history[0].as_carved);
+  EXPECT_TRUE(history[5].as_carved);
+  EXPECT_FALSE(history[4].as_carved);
+  for (std::size_t i = 9; i < history.size(); ++i) EXPECT_TRUE(history[i].as_carved) << i;
+  EXPECT_LT(result.final_loss, history[0].loss);
+  // A design of no iterations looks at its start as it is cut: the same.
+  options_.iterations = 0;
+  options_.drop_error = 0;
+  EXPECT_NEAR(design(spec_, board_, bench_, options_, {}).history[0].loss, history[0].loss, 1e-3 * history[0].loss);
+}
+
+// How good a design is counts in the pixels that eyes tell apart, whatever the design looked at.
+TEST_F(DesignTest, DesignsOfAnyPixelsAreComparedInThoseThatEyesTellApart) {
+  options_.iterations = 3;
+  const DesignResult coarse = design(spec_, board_, bench_, options_, {});
+  // Eyes 651 mm away: 50 mm are 176 times 1.5 minutes of arc.
+  EXPECT_NEAR(coarse.eye_from_m, 0.651, 0.001);
+  EXPECT_EQ(coarse.eye_px, 176);
+  options_.pixels = coarse.eye_px;
+  const std::vector<double> shows = decibels_of(coarse.scratches, spec_, board_, bench_, options_);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_NEAR(coarse.views[k].eye_psnr_db, shows[k], 0.01) << "view " << k;
+    EXPECT_GT(coarse.views[k].psnr_db, coarse.views[k].eye_psnr_db + 0.5) << "coarser pixels forgive more";
+  }
+  const DesignResult fine = design(spec_, board_, bench_, options_, {});
+  EXPECT_EQ(fine.eye_px, coarse.eye_px);
+  for (const DesignedView& v : fine.views) EXPECT_EQ(v.eye_psnr_db, v.psnr_db);
+  // From so far away that no picture would be left there are sixteen.
+  EXPECT_EQ(pixels_of_eyes({50, 40}, 1e5), 16);
+  EXPECT_EQ(pixels_of_eyes({500, 400}, 300), kUsualPixels);
+}
+
 TEST_F(DesignTest, AWishToStopIsHeardWithinTheStartAndWithinASweep) {
   std::string stage;
   std::atomic<int> asked{0}, asked_after{0};
@@ -415,17 +527,6 @@ TEST_F(DesignTest, FreeDepthIsReportedAndWritten) {
   EXPECT_NE(*result.depth_um, 14);
   EXPECT_EQ(result.scratches.depth_um.size(), result.scratches.size());
   EXPECT_EQ(result.scratches.depth_um.front(), *result.depth_um);
-}
-
-// The pictures of these scratches on the test's bench, without designing anything.
-std::vector<double> decibels_of(const Scratches& scratches, const DesignSpec& spec, const Board& board,
-                                const Bench& bench, DesignOptions options) {
-  options.from = scratches;
-  options.iterations = 0;
-  options.drop_error = 0;
-  std::vector<double> db;
-  for (const DesignedView& v : design(spec, board, bench, options, {}).views) db.push_back(v.psnr_db);
-  return db;
 }
 
 TEST_F(DesignTest, IsMadeForTheFieldsAndCrossingsThatTheBenchHas) {

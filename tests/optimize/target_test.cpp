@@ -108,6 +108,24 @@ TEST_F(TargetTest, KeepSaysWhichEdgeStays) {
   EXPECT_NEAR(laid.center_px.y(), 75, 1e-9);
 }
 
+// What is nearly black, or nearly white, is said; but letters on black are just what shows best.
+TEST_F(TargetTest, OnlyPicturesThatHardlyShowAreSaidTo) {
+  const auto said = [](float ground, float line, int lines) {
+    TargetSpec spec;
+    spec.image = Image(64, 64, 1, ground);
+    for (int y = 0; y < lines; ++y)
+      for (int x = 8; x < 40; ++x) spec.image.at(x, 4 + 5 * y) = line;
+    std::string all;
+    for (const Finding& f : load_target(spec, 0, {50, 50}, 64, 64).findings) all += sentence(f);
+    return all;
+  };
+  EXPECT_EQ(said(0, 1, 6), "") << "white letters on black";
+  EXPECT_THAT(said(0.01F, 0.2F, 6), testing::HasSubstr("is nearly black"));
+  EXPECT_THAT(said(0, 1, 1), testing::HasSubstr("is nearly black"));
+  EXPECT_THAT(said(1, 0, 6), testing::HasSubstr("is nearly white"));
+  EXPECT_EQ(said(0.5F, 0, 6), "");
+}
+
 TEST_F(TargetTest, LevelsStretch) {
   TargetSpec spec = corner_picture();
   spec.levels = std::array<double, 2>{0.3, 0.8};

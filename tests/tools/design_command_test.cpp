@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <OpenImageIO/imageio.h>
+#include <fmt/core.h>
 
 #include <chrono>
 #include <filesystem>
@@ -79,6 +80,40 @@ TEST_F(DesignCommand, WritesWhatItSays) {
   const Outcome next =
       run_burin(folder_, {"toolpath", "out/scratches.csv", "--board", "bench/board.json", "--out", "board.gcode"});
   EXPECT_EQ(next.exit_code, 0) << next.err;
+}
+
+// One figure, of the pixels that eyes tell apart, whatever the design looked at: in the table, in the report's file and
+// on its page, with the word that follows from it.
+TEST_F(DesignCommand, OneFigureWithItsPixelsEverywhere) {
+  const Outcome coarse = design({}, "coarse"),
+                fine = run_burin(folder_, {"design", "bench/design.json", "--out", "fine", "--scratches", "600",
+                                           "--pixels", "100", "--iterations", "2"});
+  ASSERT_EQ(coarse.exit_code, 0) << coarse.err;
+  ASSERT_EQ(fine.exit_code, 0) << fine.err;
+  const Json report = read(folder_ / "coarse" / "design-report.json");
+  const int px = report["eye"]["px"];
+  EXPECT_EQ(read(folder_ / "fine" / "design-report.json")["eye"]["px"], px);
+  for (const Outcome& run : {coarse, fine}) EXPECT_THAT(run.out, HasSubstr(fmt::format("\n            ({} px)", px)));
+  double mean_db = 0;
+  for (const Json& view : report["views"]) {
+    const double db = view["eye_psnr_db"];
+    EXPECT_NE(db, view["psnr_db"].get<double>());
+    mean_db += db / static_cast<double>(report["views"].size());
+    EXPECT_THAT(coarse.out, HasSubstr(fmt::format("{:<10}  {:7.2f}", view["view"].get<std::string>(), db)));
+  }
+  EXPECT_THAT(coarse.out, HasSubstr("mean of the views, of 64 px: "));
+  const Outcome page = run_burin(folder_, {"report", "coarse"});
+  ASSERT_EQ(page.exit_code, 0) << page.err;
+  EXPECT_THAT(page.out, HasSubstr(fmt::format("{:.1f} dB ({} px) on average", mean_db, px)));
+}
+
+TEST_F(DesignCommand, HelpBeginsWithTheOptionsThatMatter) {
+  const std::string help = run_burin(folder_, {"design", "--help"}).out;
+  const auto at = [&](const char* words) { return help.find(words); };
+  ASSERT_NE(at("Options that are seldom needed"), std::string::npos);
+  EXPECT_LT(at("Options that are seldom needed"), at("--start-sweeps"));
+  for (const char* option : {"--out", "--scratches", "--time", "--pixels", "--carve-hours", "--machine"})
+    EXPECT_LT(at((std::string("  ") + option + " ").c_str()), at("Options that are seldom needed")) << option;
 }
 
 TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {

@@ -2,7 +2,10 @@
 // what it writes is read back without a warning, and what cannot be is refused with nothing left behind.
 #include <gmock/gmock.h>
 
+#include <OpenImageIO/imageio.h>
+
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 
@@ -13,6 +16,7 @@
 #include "burin/render/error.h"
 #include "burin/render/image.h"
 #include "tests/places.h"
+#include "tests/temporary_folder.h"
 #include "tests/tools/program.h"
 #include "tools/new/ask.h"
 #include "tools/new/lay_out.h"
@@ -54,6 +58,37 @@ TEST(NewWords, SizesInAnyUnit) {
   is("200 \xC3\x97 150", 200, 150);
   for (const char* wrong : {"", "200", "200x", "x150", "200x150x3", "0x150", "-2x3", "200cmx150", "axb"})
     EXPECT_THROW(size_in_words(wrong, "board"), Error) << wrong;
+}
+
+TEST(NewWords, InchesAreWholeInMm) {
+  EXPECT_EQ(size_in_words("6x4in", "board").x(), 152.4);
+  EXPECT_EQ(length_in_words("6in", "stand"), 152.4);
+}
+
+// As people type them, and as terminals and file managers drop them.
+TEST(NewWords, FilesOfALine) {
+  using ::testing::ElementsAre;
+  const char* home = std::getenv("HOME");
+  ASSERT_NE(home, nullptr);
+  EXPECT_THAT(files_in_words("a.png  b.png"), ElementsAre("a.png", "b.png"));
+  EXPECT_THAT(files_in_words("a.png, b.png,c.png"), ElementsAre("a.png", "b.png", "c.png"));
+  EXPECT_THAT(files_in_words("'my cat.png', \"Käse, alt.png\" x.png"),
+              ElementsAre("my cat.png", "Käse, alt.png", "x.png"));
+  EXPECT_THAT(files_in_words("K\xC3\xA4se\\ Br\xC3\xBC"
+                             "cke.png it\\'s.png"),
+              ElementsAre("K\xC3\xA4se Br\xC3\xBC"
+                          "cke.png",
+                          "it's.png"));
+  EXPECT_THAT(files_in_words("~/pic.png ~ '~/kept.png' a~b"),
+              ElementsAre(std::string(home) + "/pic.png", home, "~/kept.png", "a~b"));
+  EXPECT_THAT(files_in_words("file:///home/me/my%20cat.png 100%25.png"),
+              ElementsAre("/home/me/my cat.png", "100%25.png"));
+  EXPECT_THAT(files_in_words("  "), IsEmpty());
+  EXPECT_EQ(file_in_words("~/my boards"), std::string(home) + "/my boards");
+  EXPECT_EQ(file_in_words("'my boards'"), "my boards");
+  const TemporaryFolder folder;
+  const std::string comma = folder.write("a,b.png", "").string();
+  EXPECT_THAT(files_in_words(comma), ElementsAre(comma)) << "a file that there is";
 }
 
 TEST(NewWords, Lamps) {
@@ -102,6 +137,20 @@ TEST(NewQuestions, TakeTheUsualAskAgainAndEnd) {
   EXPECT_THAT(out.str(), AllOf(HasSubstr("Name [usual]: "), HasSubstr("\"seven\" is not 7")));
   EXPECT_THAT([&] { ask(talk, "More", "", [](const std::string&) {}); },
               ThrowsMessage<Error>(HasSubstr("nothing was written")));
+}
+
+TEST(NewQuestions, BackReturnsToTheQuestionBefore) {
+  std::istringstream in("back\none\nback\nuno\n\nback\ntwo\nthree\n");
+  std::ostringstream out;
+  Conversation talk{in, out};
+  std::vector<std::string> answers(3);
+  std::vector<Question> questions;
+  for (std::size_t k = 0; k < 3; ++k)
+    questions.push_back({"Q" + std::to_string(k), [] { return std::string("usual"); },
+                         [&answers, k](const std::string& answer) { answers[k] = answer; }});
+  ask_all(talk, questions);
+  EXPECT_THAT(answers, ::testing::ElementsAre("uno", "two", "three"));
+  EXPECT_THAT(out.str(), HasSubstr("there is no question before this one"));
 }
 
 // ---- benches ----
@@ -169,15 +218,17 @@ TEST(NewBench, SaysWhatFallsShortAndWhatWouldDo) {
 class NewProjectTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    for (const char* name : {"a.png", "b.png", "c.png"}) drawing(150, 100, folder_ / name);
+    drawing(150, 100, folder_ / "a.png");
+    drawing(150, 100, folder_ / "b.png", 11);
+    drawing(150, 100, folder_ / "c.png", 24);
   }
 
   // Stripes with a bright upper left corner: not of one tone, and with an up and a left.
-  static void drawing(int width, int height, const fs::path& file) {
+  static void drawing(int width, int height, const fs::path& file, int square = 16) {
     Image image(width, height, 1, 0.2F);
     for (int y = 0; y < height; ++y)
       for (int x = 0; x < width; ++x) {
-        if ((x / 16 + y / 16) % 2 == 0) image.at(x, y) = 0.6F;
+        if ((x / square + y / square) % 2 == 0) image.at(x, y) = 0.6F;
         if (x < width / 4 && y < height / 4) image.at(x, y) = 1;
       }
     write_picture(image, file);
@@ -243,6 +294,66 @@ TEST_F(NewProjectTest, NotesNameFilesWhereTheyAreInTheEnd) {
   const Outcome made = make({"p", "--pictures", "night.png", "--scratches", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.err, HasSubstr("note: p/targets/night.png: is nearly black"));
+}
+
+TEST_F(NewProjectTest, BoardsInInchesAreEchoedAndBareSmallOnesAskedFor) {
+  const Outcome made =
+      make({"p", "--board", "6x4in", "--lamp", "above 24in", "--pictures", "a.png", "--scratches", "300"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.out,
+              AllOf(HasSubstr("Board: 6x4in, that is 152.4 x 101.6 mm"), HasSubstr("Lamp: above 24in, that is")));
+  EXPECT_THAT(file_text(folder_ / "p" / "board.json"), AllOf(HasSubstr("152.4"), Not(HasSubstr("152.39"))));
+  const Outcome bare = make({"q", "--board", "6x4", "--pictures", "a.png"});
+  EXPECT_EQ(bare.exit_code, 1);
+  EXPECT_THAT(bare.err, AllOf(HasSubstr("6 x 4 mm"), HasSubstr("6x4in, 6x4cm")));
+}
+
+// Dots that nothing on a board can show beside six large pictures.
+TEST_F(NewProjectTest, PicturesThatCannotBeRecognizedAreNotPraised) {
+  Image lines(300, 200, 1, 1.0F);
+  for (int y = 0; y < 200; y += 40)
+    for (int x = 20; x < 280; ++x) lines.at(x, y) = 0;
+  write_picture(lines, folder_ / "lines.png");
+  const Outcome made = make({"p", "--board", "6x4in", "--pictures", "a.png", "lines.png", "--scratches", "2000"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("lines.png: is nearly white"));
+  EXPECT_THAT(made.out, ::testing::ContainsRegex("lines [0-9.]+ dB \\((shows nothing of it|hard to recognize)\\)"));
+  EXPECT_THAT(made.out, AllOf(HasSubstr(" of 128 px "), HasSubstr(" px that eyes ")));
+}
+
+TEST_F(NewProjectTest, TooManyPicturesForABoardAreSaidBeforeTheLoop) {
+  std::vector<std::string> line{"p", "--board", "100x75", "--scratches", "3000", "--pictures"};
+  for (int k = 0; k < 9; ++k) {
+    Image image(120, 90, 1, 0.1F);
+    for (int y = 0; y < 90; ++y)
+      for (int x = 0; x < 120; ++x)
+        if (((x / (4 + k)) + (y / (12 - k))) % 2 == 0) image.at(x, y) = 0.8F;
+    line.push_back("p" + std::to_string(k) + ".png");
+    write_picture(image, folder_ / line.back());
+  }
+  const Outcome made = make(line);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.err, AllOf(HasSubstr("of the 9 pictures can hardly be recognized"),
+                              HasSubstr("are small for so many"), HasSubstr("fewer pictures")));
+}
+
+TEST_F(NewProjectTest, ThePreviewNamesItsPictures) {
+  ASSERT_EQ(make({"p", "--pictures", "a.png", "b.png", "--scratches", "300"}).exit_code, 0);
+  for (const char* file : {"preview.png", "crops.png"}) {
+    const Image picture = read_picture(folder_ / "p" / file);
+    float brightest = 0;  // in the line of names
+    for (int y = 0; y < (std::string(file) == "crops.png" ? 30 : 20); ++y)
+      for (int x = 0; x < 60; ++x) brightest = std::max(brightest, picture.at(x, y));
+    EXPECT_GT(brightest, 0.7F) << file;
+  }
+}
+
+TEST_F(NewProjectTest, OnePictureGivenTwiceIsNoticed) {
+  fs::copy_file(folder_ / "a.png", folder_ / "again.png");
+  const Outcome made = make({"p", "--pictures", "a.png", "b.png", "again.png", "--scratches", "300"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  EXPECT_THAT(made.err, HasSubstr("a.png and again.png are the same picture"));
+  EXPECT_THAT(made.err, Not(HasSubstr("b.png and")));
 }
 
 TEST_F(NewProjectTest, InAPipeWithoutArgumentsSaysWhatIsMissing) {
@@ -341,6 +452,42 @@ TEST(NewPictures, ReadAtTheSameTimeKeepTheirOrder) {
   fs::remove(files[8]);
   for (int again = 0; again < 10; ++again)
     EXPECT_THAT([&] { choose_pictures(files, 9); }, ThrowsMessage<Error>(HasSubstr("p4.png: is of one tone")));
+}
+
+// A logo without ground: white ones shine on black, black ones need white, and it is said.
+TEST(NewPictures, SeeThroughOnesAreLaidOnWhatShowsThem) {
+  const TemporaryFolder folder;
+  const auto logo = [&](float tone, const char* name) {
+    const fs::path file = folder.path() / name;
+    std::vector<float> pixels(80 * 60 * 4, 0.0F);
+    for (int y = 0; y < 60; ++y)
+      for (int x = 0; x < 80; ++x)
+        if (std::hypot(x - 40, y - 30) < 20) {
+          float* p = &pixels[static_cast<std::size_t>(4 * (80 * y + x))];
+          p[0] = p[1] = p[2] = tone;
+          p[3] = 1;
+        }
+    auto out = OIIO::ImageOutput::create(file.string());
+    out->open(file.string(), OIIO::ImageSpec(80, 60, 4, OIIO::TypeDesc::UINT8));
+    out->write_image(OIIO::TypeDesc::FLOAT, pixels.data());
+    out->close();
+    return file;
+  };
+  const ChosenPicture white = choose_pictures({logo(1, "white.png")}, 9).front();
+  EXPECT_EQ(white.ground, "black");
+  EXPECT_THAT(crop_in_words(white, {88, 66}), HasSubstr("is see-through, laid on black"));
+  store_picture(white, folder.path());
+  const Image stored = read_picture(folder.path() / white.stored);
+  EXPECT_GT(stored.at(40, 30), 0.99F);
+  EXPECT_LT(stored.at(2, 2), 0.01F);
+  const ChosenPicture black = choose_pictures({logo(0, "black.png")}, 9).front();
+  EXPECT_EQ(black.ground, "white");
+  EXPECT_LT(black.small.at(40, 30), 0.01F);
+  EXPECT_GT(black.small.at(2, 2), 0.99F);
+  Image opaque(80, 60, 1, 0.2F);
+  opaque.at(4, 4) = 1;
+  write_picture(opaque, folder / "opaque.png");
+  EXPECT_EQ(choose_pictures({folder / "opaque.png"}, 9).front().ground, "");
 }
 
 TEST(NewPictures, LargeOnesAreStoredSmaller) {

@@ -3,7 +3,12 @@
 #include <cairo-pdf.h>
 #include <cairo.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <numbers>
 
@@ -130,6 +135,27 @@ std::string pdf(std::span<const Drawing> pages, const PdfPaper& paper) {
   cairo_surface_finish(surface.get());
   require_good(cairo_surface_status(surface.get()), paper.title);
   return bytes;
+}
+
+Image drawn(const Drawing& drawing, double px_per_mm) {
+  const auto side = [&](double mm) { return std::max(1, static_cast<int>(std::lround(mm * px_per_mm))); };
+  Image out(side(drawing.size_mm.x()), side(drawing.size_mm.y()), 1);
+  const std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)> surface(
+      cairo_image_surface_create(CAIRO_FORMAT_RGB24, out.width, out.height), cairo_surface_destroy);
+  const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> cairo(cairo_create(surface.get()), cairo_destroy);
+  cairo_scale(cairo.get(), px_per_mm, px_per_mm);
+  for (const auto& element : drawing.elements) std::visit([&](const auto& one) { draw(cairo.get(), one); }, element);
+  require_good(cairo_status(cairo.get()), "a label");
+  cairo_surface_flush(surface.get());
+  const unsigned char* bytes = cairo_image_surface_get_data(surface.get());
+  const int stride = cairo_image_surface_get_stride(surface.get());
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      std::uint32_t pixel = 0;
+      std::memcpy(&pixel, bytes + static_cast<std::ptrdiff_t>(y) * stride + 4 * x, sizeof pixel);
+      out.at(x, y) = static_cast<float>((pixel >> 8U) & 0xFFU) / 255;  // green stands for gray
+    }
+  return out;
 }
 
 }  // namespace burin

@@ -1,10 +1,12 @@
-// tools/drawing/pdf.h - drawings as pages of a PDF, by cairo. Same drawings, same bytes: no date of the clock in it.
+// tools/drawing/pdf.h - drawings as pages of a PDF, or as pictures, by cairo. Same drawings, same bytes: no date of the
+// clock in it.
 #pragma once
 
 #include <Eigen/Core>
 #include <span>
 #include <string>
 
+#include "burin/render/image.h"
 #include "tools/drawing/drawing.h"
 
 namespace burin {
@@ -19,5 +21,8 @@ struct PdfPaper {
 
 /// The file's bytes. Throws Error where cairo cannot make it.
 std::string pdf(std::span<const Drawing> pages, const PdfPaper& paper);
+
+/// A drawing as a gray picture, encoded as in a file, on black. Throws as above.
+Image drawn(const Drawing& drawing, double px_per_mm);
 
 }  // namespace burin

@@ -28,4 +28,16 @@ void ask(Conversation& talk, const std::string& question, const std::string& usu
   }
 }
 
+void ask_all(Conversation& talk, const std::vector<Question>& questions) {
+  for (std::size_t k = 0; k < questions.size();) {
+    bool back = false;
+    ask(talk, questions[k].words, questions[k].usual(), [&](const std::string& answer) {
+      back = answer == "back";
+      if (!back) questions[k].use(answer);
+      if (back && k == 0) fail("back", "there is no question before this one", "answer it, or end with Ctrl-D");
+    });
+    k = back ? k - 1 : k + 1;
+  }
+}
+
 }  // namespace burin

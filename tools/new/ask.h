@@ -5,6 +5,7 @@
 #include <functional>
 #include <iosfwd>
 #include <string>
+#include <vector>
 
 namespace burin {
 
@@ -18,5 +19,15 @@ struct Conversation {
 /// An empty line answers `usual`. Throws Error where the answers end (Ctrl-D).
 void ask(Conversation& talk, const std::string& question, const std::string& usual,
          const std::function<void(const std::string&)>& use);
+
+/// One of several questions, after which `use` may be called again where a person goes back to it.
+struct Question {
+  std::string words;
+  std::function<std::string()> usual;
+  std::function<void(const std::string&)> use;
+};
+
+/// Asks them in their order; "back" returns to the one before.
+void ask_all(Conversation& talk, const std::vector<Question>& questions);
 
 }  // namespace burin

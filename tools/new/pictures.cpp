@@ -18,6 +18,7 @@
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/picture_file.h"
 #include "burin/render/linear_picture.h"
+#include "tools/drawing/label.h"
 
 namespace burin {
 namespace {
@@ -85,25 +86,47 @@ Image luminance_encoded(const Image& image, bool linear) {
   return gray;
 }
 
+// Where a picture is see-through, nothing is to be seen: on metal that is dark, but for what is dark itself, which only
+// shows on white. `image`: over white. Returns the word for the ground; empty where (nearly) all is opaque.
+std::string choose_ground(const fs::path& file, Image& image) {
+  std::optional<Image> on_black = read_large_picture_on_black(file, kLargest);
+  if (!on_black) return "";
+  double there = 0, light = 0;  // how much of it is opaque, and its luminance
+  const Image over_white = luminance(image), over_black = luminance(*on_black);
+  for (std::size_t i = 0; i < over_white.data.size(); ++i) {
+    there += 1 - (over_white.data[i] - over_black.data[i]);
+    light += over_black.data[i];
+  }
+  constexpr double kNearlyAll = 0.98, kLight = 0.5;
+  const double share = there / static_cast<double>(over_white.data.size());
+  if (share > kNearlyAll) return "";
+  if (!(light > kLight * there)) return "white";
+  image = std::move(*on_black);
+  return "black";
+}
+
 ChosenPicture read_chosen(const fs::path& file) {
   fail_unless_text(file);
   ChosenPicture p;
-  const Image image = read_large_picture(file, kLargest, p.width, p.height);
+  Image image = read_large_picture(file, kLargest, p.width, p.height);
   p.file = file;
   p.stored = file.filename();
-  const bool linear = is_linear(file);
-  if (std::max(p.width, p.height) > kLargest && !linear) {
+  const bool linear = is_linear(file), large = std::max(p.width, p.height) > kLargest;
+  if (!linear) p.ground = choose_ground(file, image);
+  if ((large || p.ground == "black") && !linear) {
     p.smaller = at_most(image, kLargest);
     const std::string extension = lower_extension(file);
-    p.stored =
-        file.stem().string() + (extension == ".png" || extension == ".tif" || extension == ".tiff" ? ".png" : ".jpg");
+    const bool exact = !large || extension == ".png" || extension == ".tif" || extension == ".tiff";
+    p.stored = file.stem().string() + (exact ? ".png" : ".jpg");
   }
   p.small = luminance_encoded(at_most(p.smaller ? *p.smaller : image, kSmall), linear);
   const auto [low, high] = std::minmax_element(p.small.data.begin(), p.small.data.end());
   if (*high - *low < 0.02F)
     fail(file.string(),
-         read_picture_header(file).moves ? "its first picture, which alone is used of several, is of one tone"
-                                         : "is of one tone, so there is nothing to show",
+         std::string(read_picture_header(file).moves
+                         ? "its first picture, which alone is used of several, is of one tone"
+                         : "is of one tone, so there is nothing to show") +
+             (p.ground.empty() ? "" : " (what is see-through counts as " + p.ground + ")"),
          "choose another picture");
   return p;
 }
@@ -181,6 +204,7 @@ void lay_as_usual(ChosenPicture& picture, const Eigen::Vector2d& area_mm) {
 std::string crop_in_words(const ChosenPicture& picture, const Eigen::Vector2d& area_mm) {
   std::string out = fmt::format("{}, {} x {} on {:g} x {:g} mm: ", picture.file.filename().string(), picture.width,
                                 picture.height, area_mm.x(), area_mm.y());
+  if (!picture.ground.empty()) out += "is see-through, laid on " + picture.ground + "; ";
   if (!has_other_shape(picture, area_mm)) return out + "fits";
   const LaidPicture now = laid(picture, area_mm);
   if (picture.fit == Fit::contain) {
@@ -195,6 +219,25 @@ std::string crop_in_words(const ChosenPicture& picture, const Eigen::Vector2d& a
   if (picture.keep == low) return out + fmt::format("the {} loses {}", high_name, percent(lost));
   if (picture.keep == high) return out + fmt::format("the {} loses {}", low_name, percent(lost));
   return out + fmt::format("{} and {} lose {} each", low_name, high_name, percent(lost / 2));
+}
+
+std::vector<std::pair<std::size_t, std::size_t>> same_pictures(const std::vector<ChosenPicture>& pictures) {
+  constexpr int kSide = 48;  // pixels: enough to tell pictures apart, and too few to tell how they were stored
+  constexpr double kAlike = 0.015;
+  std::vector<Image> small;
+  small.reserve(pictures.size());
+  for (const ChosenPicture& p : pictures) small.push_back(resized(p.small, kSide, kSide));
+  std::vector<std::pair<std::size_t, std::size_t>> out;
+  for (std::size_t later = 1; later < pictures.size(); ++later)
+    for (std::size_t earlier = 0; earlier < later; ++earlier) {
+      double sum = 0;
+      for (std::size_t i = 0; i < small[later].data.size(); ++i)
+        sum += std::pow(small[later].data[i] - small[earlier].data[i], 2);
+      if (!(sum < kAlike * kAlike * static_cast<double>(small[later].data.size()))) continue;
+      out.emplace_back(later, earlier);
+      break;
+    }
+  return out;
 }
 
 std::string lay_name(const ChosenPicture& picture) {
@@ -262,11 +305,14 @@ Image crop_sheet(const std::vector<ChosenPicture>& pictures, const Eigen::Vector
   int height = kGap;
   for (const ChosenPicture& p : pictures) {
     rows.push_back({framed(p, area_mm), on_area(p, area_mm)});
-    height += std::max(rows.back()[0].height, rows.back()[1].height) + kGap;
+    height += kLabelPx + std::max(rows.back()[0].height, rows.back()[1].height) + kGap;
   }
   Image sheet(2 * kCell + 3 * kGap, height, 3, 0.16F);
   int top = kGap;
-  for (const auto& row : rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& row = rows[i];
+    put(label(pictures[i].file.filename().string(), 2 * kCell + kGap), kGap, top, sheet);
+    top += kLabelPx;
     const int high = std::max(row[0].height, row[1].height);
     for (int k = 0; k < 2; ++k) {
       const Image& image = row[static_cast<std::size_t>(k)];

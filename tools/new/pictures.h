@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "burin/optimize/design_file.h"
@@ -20,7 +21,8 @@ struct ChosenPicture {
   std::filesystem::path stored;  ///< its name in the project's targets/, unique
   int width = 0, height = 0;     ///< upright, pixels
   Image small;                   ///< at most 640 pixels wide and high, one channel, encoded as in a file
-  std::optional<Image> smaller;  ///< what is stored instead of a copy of a very large picture
+  std::optional<Image> smaller;  ///< what is stored instead of a copy of a very large or a see-through picture
+  std::string ground;            ///< "black" or "white": on which it is laid where it is see-through; else empty
   Fit fit = Fit::cover;
   Keep keep = Keep::middle;
 };
@@ -40,6 +42,9 @@ bool has_other_shape(const ChosenPicture& picture, const Eigen::Vector2d& area_m
 std::string crop_in_words(const ChosenPicture& picture, const Eigen::Vector2d& area_mm);
 
 /// The answers to "how is it laid?": top, middle, bottom, left, right (cropped, that part kept) or contain.
+/// The later of two files that show the same, and the earlier; all such.
+std::vector<std::pair<std::size_t, std::size_t>> same_pictures(const std::vector<ChosenPicture>& pictures);
+
 std::string lay_name(const ChosenPicture& picture);
 /// Throws Error for any other text.
 void lay_as(ChosenPicture& picture, const std::string& name);

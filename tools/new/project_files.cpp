@@ -18,7 +18,9 @@
 #include "burin/render/files/unfinished.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
+#include "tools/drawing/label.h"
 #include "tools/loop/toml_line.h"
+#include "tools/picture_quality.h"
 #include "tools/progress_bar.h"
 
 namespace burin {
@@ -112,6 +114,36 @@ Image to_look_at(const Image& image, int pictures) {
                  std::max(1, static_cast<int>(std::lround(image.height * scale))));
 }
 
+// The names above the pictures' columns, which are `gap` apart.
+Image with_names(const std::vector<Image>& names, const Image& sheet, int gap) {
+  Image out(sheet.width, sheet.height + kLabelPx, sheet.channels, 0.15F);
+  std::copy(sheet.data.begin(), sheet.data.end(), out.data.end() - static_cast<std::ptrdiff_t>(sheet.data.size()));
+  int left = gap;
+  for (const Image& name : names) {
+    for (int y = 0; y < name.height; ++y)
+      for (int x = 0; x < name.width; ++x)
+        for (int c = 0; c < out.channels; ++c) out.at(left + x, y, c) = name.at(x, y);
+    left += name.width + gap;
+  }
+  return out;
+}
+
+// What is wrong with a board that shows some of its pictures badly.
+Finding why_unlike(int unlike, int views, const Board& board) {
+  const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
+  constexpr int kFew = 3;  // pictures that any board has room for
+  const std::string which = fmt::format("{} of the {} pictures", unlike, views);
+  if (views <= kFew)
+    return make_warning(
+        fmt::format("{} can hardly be recognized in the preview", views == 1 ? "the picture" : which),
+        "take pictures with large light shapes on a dark ground, a larger board (--board) or more scratches "
+        "(--scratches)");
+  return make_warning(
+      fmt::format("{} can hardly be recognized in the preview: {:.0f} x {:.0f} mm are small for so many", which,
+                  area.x(), area.y()),
+      "take a larger board (--board), or fewer pictures: one to three show most");
+}
+
 // A quick design of what is written in `folder`, which is to be `project`, `spent_s` after the work began. Says each
 // view's PSNR in words.
 std::string preview_project(const fs::path& folder, const fs::path& project, double spent_s) {
@@ -131,23 +163,35 @@ std::string preview_project(const fs::path& folder, const fs::path& project, dou
   options.time_limit_s = std::clamp(kWhole_s - spent_s, kLeast_s, kUsual_s);
   ProgressBar bar;
   const DesignResult result = design(spec, board, bench, options, bar.progress());
-  std::vector<Image> shown, targets;
+  std::vector<Image> names, shown, targets;
   std::string numbers;
-  for (const DesignedView& view : result.views) {
+  int unlike = 0;
+  for (std::size_t k = 0; k < result.views.size(); ++k) {
+    const DesignedView& view = result.views[k];
     shown.push_back(to_look_at(view.shown, views));
     targets.push_back(to_look_at(view.target, views));
-    numbers += fmt::format("{}{} {:.1f} dB", numbers.empty() ? "" : ", ", view.view, view.psnr_db);
+    names.push_back(label(view.view, shown.back().width));
+    const Likeness likeness = likeness_of(view.ghost, view.target_correlation, k);
+    numbers += fmt::format("{}{} {:.1f} dB ({})", numbers.empty() ? "" : ", ", view.view, view.psnr_db,
+                           quality_in_words(view.psnr_db, likeness));
+    if (is_unlike(likeness)) ++unlike;
   }
   write_scratches(result.scratches, folder / "scratches.csv");
-  write_picture(tiled({shown, targets}, 4), folder / "preview.png");
+  write_picture(with_names(names, tiled({shown, targets}, 4), 4), folder / "preview.png");
   bar.clear();
   for (Finding finding : result.findings) {
     if (finding.file.is_absolute()) finding.file = project / finding.file.lexically_relative(folder);
     note(finding);
   }
-  return fmt::format("{} ({} x {} pixels, {} scratches of {}, {:.0f} s)", numbers, result.views.front().shown.width,
-                     result.views.front().shown.height, result.scratches.size(), written.scratches,
-                     result.total_seconds);
+  if (unlike > 0) note(why_unlike(unlike, views, board));
+  const Image& picture = result.views.front().shown;
+  const int px = std::max(picture.width, picture.height);
+  return fmt::format(
+      "{}, of {} px ({} x {} pixels, {} scratches of {}, {:.0f} s), as from {:.2g} m; the whole design counts the {} "
+      "px "
+      "that eyes {:.2g} m away tell apart, where dB are fewer",
+      numbers, px, picture.width, picture.height, result.scratches.size(), written.scratches, result.total_seconds,
+      result.eye_from_m * result.eye_px / px, result.eye_px, result.eye_from_m);
 }
 
 // What a project that was being made left when its process died: ".my-board.new-4711".

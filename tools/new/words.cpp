@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <numbers>
 #include <string_view>
 #include <vector>
@@ -36,6 +39,9 @@ Measure measure_in(std::string_view text) {
   return {number_in(word.substr(0, end)), trimmed_lower(word.substr(end))};
 }
 
+// 6 inches are 152.4 mm, not 152.39999999999998.
+double to_a_nanometer(double mm) { return std::round(mm * 1e6) / 1e6; }
+
 std::optional<double> unit_mm(const std::string& unit) {
   if (unit == "mm") return 1;
   if (unit == "cm") return 10;
@@ -61,15 +67,81 @@ void replace_all(std::string& text, std::string_view from, const std::string& to
     text.replace(at, from.size(), to);
 }
 
+// "file:///home/a%20b.png" and "~/a.png" as the names that they stand for.
+std::string as_file_name(const std::string& word, bool bare_tilde) {
+  constexpr std::string_view kAddress = "file://";
+  if (word.starts_with(kAddress)) {
+    std::string out;
+    for (std::size_t i = kAddress.size(); i < word.size(); ++i) {
+      unsigned byte = 0;
+      const char* at = word.data() + i + 1;
+      const bool escaped = word[i] == '%' && i + 2 < word.size() && std::from_chars(at, at + 2, byte, 16).ptr == at + 2;
+      out += escaped ? static_cast<char>(byte) : word[i];
+      if (escaped) i += 2;
+    }
+    return out;
+  }
+  const char* home = std::getenv("HOME");
+  if (bare_tilde && home != nullptr && (word == "~" || word.starts_with("~/"))) return home + word.substr(1);
+  return word;
+}
+
 constexpr const char* kLengthRemedy = "write a number and its unit: 1.2m, 60cm, 600mm or 48in (a bare number is mm)";
 
 }  // namespace
+
+std::vector<std::string> files_in_words(const std::string& line) {
+  std::vector<std::string> files;
+  std::string word;
+  char quote = 0;
+  bool any = false, bare = true, bare_start = true;  // a word is begun; all of it, and its first letter, stand unquoted
+  const auto end = [&] {
+    const bool is_there = std::filesystem::exists(word);
+    if (any && bare && !is_there && word.find(',') != std::string::npos) {
+      for (const std::string& part : split(word, ','))
+        if (!part.empty()) files.push_back(as_file_name(part, true));
+    } else if (any) {
+      files.push_back(as_file_name(word, bare_start));
+    }
+    word.clear();
+    any = false;
+    bare = bare_start = true;
+  };
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    const char c = line[i];
+    const bool escape = c == '\\' && quote != '\'' && i + 1 < line.size();
+    const bool quotes = quote == 0 ? c == '"' || c == '\'' : c == quote;
+    if (quote == 0 && (c == ' ' || c == '\t')) {
+      end();
+      continue;
+    }
+    if ((escape || quotes) && !any) bare_start = false;
+    if (escape || quotes) bare = false;
+    any = true;
+    if (escape)
+      word += line[++i];
+    else if (quotes)
+      quote = quote == 0 ? c : '\0';
+    else
+      word += c;
+    // A quoted name that a comma follows.
+    if (quote == 0 && !bare && !escape && !quotes && c == ',' && (i + 1 == line.size() || line[i + 1] == ' '))
+      word.pop_back();
+  }
+  end();
+  return files;
+}
+
+std::string file_in_words(const std::string& line) {
+  const std::vector<std::string> files = files_in_words(line);
+  return files.size() == 1 ? files.front() : as_file_name(line, true);
+}
 
 double length_in_words(const std::string& text, const std::string& what) {
   const Measure m = measure_in(text);
   const std::optional<double> unit = m.unit.empty() ? 1.0 : unit_mm(m.unit);
   if (!m.number || !unit) fail(what, "\"" + text + "\" is no length", kLengthRemedy);
-  const double mm = *m.number * *unit;
+  const double mm = to_a_nanometer(*m.number * *unit);
   constexpr double kFurthest_mm = 100e3;
   if (!(mm > 0 && mm <= kFurthest_mm))
     fail(what, "\"" + text + "\" is no length above 0 and below 100 m", kLengthRemedy);
@@ -90,7 +162,7 @@ Eigen::Vector2d size_in_words(const std::string& text, const std::string& what) 
                               width_unit = width.unit.empty() ? height_unit : unit_mm(width.unit);
   if (!width.number || !height.number || !width_unit || !height_unit || (shared.empty() && !width.unit.empty()))
     fail(what, "\"" + text + "\" is no width and height", remedy);
-  Eigen::Vector2d mm(*width.number * *width_unit, *height.number * *height_unit);
+  Eigen::Vector2d mm(to_a_nanometer(*width.number * *width_unit), to_a_nanometer(*height.number * *height_unit));
   if (!(mm.minCoeff() > 0)) fail(what, "\"" + text + "\" has a side that is not above 0", remedy);
   return mm;
 }

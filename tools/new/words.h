@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "burin/render/lens.h"
 
@@ -13,6 +14,13 @@ namespace burin {
 
 /// A length in mm: "1.2m", "48in", "60cm", "600mm", "600" (mm). Throws Error for anything else, and for 0 and less.
 /// `what` is named in the message.
+/// The files of a line as a person types it or a terminal drops it: parted by spaces or commas, unless quotes or
+/// backslashes hold them together; ~ is the home folder, file:// addresses are names.
+std::vector<std::string> files_in_words(const std::string& line);
+
+/// The same of one file, whose name may have spaces all the same.
+std::string file_in_words(const std::string& line);
+
 double length_in_words(const std::string& text, const std::string& what);
 
 /// Width and height in mm: "200x150", "20x15cm", "8x6in", "20cm x 15cm". Throws Error for anything else.

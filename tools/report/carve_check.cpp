@@ -13,6 +13,7 @@
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/svg.h"
 #include "burin/render/image.h"
+#include "tools/picture_quality.h"
 #include "tools/report/html.h"
 #include "tools/report/pictures.h"
 
@@ -140,13 +141,6 @@ struct Promise {
   std::vector<Finding> findings;
 };
 
-// How alike what a view shows and its own picture are: their correlation, as `burin design` measured it; `index` is the
-// view's place in the report.
-double likeness(JsonObject& view, std::size_t index) {
-  const std::vector<double> ghost = view.has("ghost") ? view.numbers("ghost", -1) : std::vector<double>{};
-  return index < ghost.size() ? ghost[index] : 1;
-}
-
 Promise promise_of(const fs::path& folder) {
   Promise out;
   const fs::path file = folder / "design-report.json";
@@ -154,29 +148,29 @@ Promise promise_of(const fs::path& folder) {
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
   std::string all;
-  std::size_t index = 0;
+  const DesignQuality quality = quality_of_design(file);
+  std::size_t k = 0;
   for (JsonObject& view : report.objects("views")) {
-    const std::string name = view.text("view");
-    const double psnr = view.number("psnr_db"), allows = view.number("achievable_psnr_db");
-    std::string more = fmt::format("; the plain face's own light allows {}.", decibels(allows));
+    const std::string name = view.text("view"), promised = quality.in_decibels(k), looks = quality.in_words(k);
+    const Likeness likeness = quality.likeness[k++];
+    const double allows = view.number("achievable_psnr_db");
+    std::string more = "; " + looks + ".";
     if (view.has("tolerance")) more += " " + html(view.object("tolerance").text("text")) + ".";
     const std::vector<Figure> figures{
         {picture_within(folder / view.text("target"), kCarvePictureSidePx), "View " + name + ": the target",
          "<b>Target</b>", "Target"},
         {picture_within(folder / view.text("preview"), kCarvePictureSidePx),
-         fmt::format("View {}, as promised: {}", name, decibels(psnr)),
-         fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", unbroken(decibels(psnr)), more),
-         "As promised"}};
+         fmt::format("View {}, as promised: {}", name, promised + ", " + looks),
+         fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", unbroken(promised), more), "As promised"}};
     all += compared("View " + name, figures, 0, 1);
-    if (const double like = likeness(view, index); like < kReadable)
+    if (is_unlike(likeness))
       out.findings.push_back({Severity::warning,
                               {},
-                              fmt::format("view {}: what it will show is like its picture by {:.2f} only (1: alike; "
-                                          "below {} few recognize it)",
-                                          name, like, kReadable),
+                              fmt::format("view {}: few would recognize it: its correlation with its picture is {:.2f} "
+                                          "(1: alike), with another's {:.2f}",
+                                          name, likeness.own, likeness.other),
                               "do not carve it like this: give the board fewer pictures or more room, or this picture "
                               "more contrast"});
-    ++index;
     if (allows < kRecognizable_db)
       out.findings.push_back({Severity::warning,
                               {},
@@ -257,9 +251,10 @@ std::vector<std::string> unreadable_views(const fs::path& folder) {
   if (!fs::exists(file)) return out;
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
-  std::size_t index = 0;
+  const DesignQuality quality = quality_of_design(file);
+  std::size_t k = 0;
   for (JsonObject& view : report.objects("views"))
-    if (likeness(view, index++) < kReadable) out.push_back(view.text("view"));
+    if (is_unlike(quality.likeness[k++])) out.push_back(view.text("view"));
   return out;
 }
 

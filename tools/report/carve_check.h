@@ -28,8 +28,8 @@ CarveCheckFiles round_files(const std::filesystem::path& round, const std::strin
 /// Reads them and looks at everything (check_carve()).
 CarveCheck check_carve_files(const CarveCheckFiles& files);
 
-/// The views of a design (the folder that `burin design` filled) whose pictures few would recognize: kReadable
-/// (tools/report/html.h). None where there is no report.
+/// The views of a design (the folder that `burin design` filled) whose pictures few would recognize: is_unlike()
+/// (tools/picture_quality.h). None if there is no report.
 std::vector<std::string> unreadable_views(const std::filesystem::path& folder);
 
 /// What the page says, in a few lines for a terminal.

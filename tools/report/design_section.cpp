@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "burin/optimize/duration.h"
-#include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/image.h"
 #include "tools/commands.h"
+#include "tools/picture_quality.h"
 #include "tools/report/chart.h"
 #include "tools/report/html.h"
 #include "tools/report/pictures.h"
@@ -45,22 +45,30 @@ double number_or_nan(JsonObject& object, const char* key) {
   return object.raw(key).is_number() ? object.number(key) : std::numeric_limits<double>::quiet_NaN();
 }
 
-// A tolerance as the column "Holds" has it: without what the row says already.
-std::string holds_in_words(const std::string& view, const std::string& text) {
-  const std::string head = "view " + view + " holds ";
-  return text.starts_with(head) ? text.substr(head.size()) : text;
+// How far eyes may move, without the view's name, which stands in the row.
+std::string holds_text(JsonObject& view, const std::string& name) {
+  const std::string text = view.object("tolerance").text("text"), begin = "view " + name + " holds ";
+  return text.starts_with(begin) ? text.substr(begin.size()) : text;
 }
 
 struct Views {
   std::vector<std::string> names;
-  std::vector<double> psnr_db;
   std::string pictures;
-  Table numbers{{"View", "Preview, PSNR", "It looks", "SSIM", "Start", "The face allows", "Ghost", "Holds"}, {}};
+  Table numbers;
   Table colors{{"View in color", "Red, PSNR", "Green", "Blue", "Luminance", "White balance"}, {}};
 };
 
-Views read_views(JsonObject& report, const std::filesystem::path& home) {
+Views read_views(JsonObject& report, const DesignQuality& quality, const std::filesystem::path& home) {
   Views out;
+  const std::vector<double> pixels = report.numbers("pixels", 2);
+  const int own_px = static_cast<int>(std::max(pixels[0], pixels[1]));
+  const auto own = [&](const char* what) { return fmt::format("{} ({} px)", what, own_px); };
+  out.numbers.header = {"View", fmt::format("PSNR ({} px)", quality.px), "It looks"};
+  if (own_px != quality.px) out.numbers.header.push_back(own("Close by"));
+  out.colors.header[1] = own("Red, PSNR");
+  for (const std::string& more :
+       {own("Start"), own("Plain face"), own("SSIM"), std::string("Ghost"), std::string("Holds")})
+    out.numbers.header.push_back(more);
   std::vector<JsonObject> views = report.objects("views");
   for (JsonObject& view : views) out.names.push_back(view.text("view"));
   std::string all;
@@ -69,22 +77,25 @@ Views read_views(JsonObject& report, const std::filesystem::path& home) {
     const std::string& name = out.names[k];
     const double psnr = number_or_nan(view, "psnr_db"), start = number_or_nan(view, "start_psnr_db"),
                  allows = number_or_nan(view, "achievable_psnr_db");
-    out.psnr_db.push_back(psnr);
     const auto shown = [&](const char* key, const std::string& word, const std::string& value,
                            const std::string& more) {
       return Figure{picture_within(home / view.text(key), kPictureSidePx),
                     fmt::format("View {}: {}{}{}", name, more, value.empty() ? "" : ", ", value),
                     "<b>" + word + "</b>" + (value.empty() ? "" : " " + unbroken(value)), word};
     };
-    const std::vector<Figure> figures{shown("target", "Target", "", "the target, as it lies on the carve area"),
-                                      shown("preview", "Preview", decibels(psnr), "what this view will show"),
-                                      shown("start", "Start", decibels(start), "what the design began with")};
+    const std::vector<Figure> figures{
+        shown("target", "Target", "", "the target, as it lies on the carve area"),
+        shown("preview", "Preview", quality.in_decibels(k), "what this view will show"),
+        shown("start", "Start", decibels_of(start, own_px), "what the design began with")};
     all += compared("View " + name, figures, 0, 1);
-    out.numbers.rows.push_back(
-        {html(name), decibels(psnr), quality_in_words(psnr), fixed(number_or_nan(view, "ssim"), 2), decibels(start),
-         decibels(allows),
-         ghost_sentence(out.names, k, view.numbers("ghost", -1), view.numbers("target_correlation", -1)),
-         view.has("tolerance") ? html(holds_in_words(name, view.object("tolerance").text("text"))) : ""});
+    std::vector<std::string> row{html(name), decibels(quality.psnr_db[k]), quality.in_words(k)};
+    if (own_px != quality.px) row.push_back(decibels(psnr));
+    for (const std::string& more :
+         {decibels(start), decibels(allows), fixed(number_or_nan(view, "ssim"), 2),
+          ghost_sentence(out.names, k, view.numbers("ghost", -1), view.numbers("target_correlation", -1)),
+          view.has("tolerance") ? html(holds_text(view, name)) : std::string()})
+      row.push_back(more);
+    out.numbers.rows.push_back(std::move(row));
   }
   for (JsonObject& view : views) {
     if (!view.has("color")) continue;
@@ -104,16 +115,19 @@ std::string loss_chart(JsonObject& report, const std::vector<std::string>& names
   std::vector<Curve> curves(names.size() + 1);
   curves[0].name = "all views";
   for (std::size_t k = 0; k < names.size(); ++k) curves[k + 1].name = names[k];
+  std::size_t iterations = 0;
   for (JsonObject& step : report.objects("history")) {
+    ++iterations;
+    if (step.has("as_carved") && !step.boolean("as_carved")) continue;  // what grooves cut from each other is not known
     curves[0].values.push_back(step.number("loss"));
     const std::vector<double> each = step.numbers("views", static_cast<int>(names.size()));
     for (std::size_t k = 0; k < each.size(); ++k) curves[k + 1].values.push_back(each[k]);
   }
   if (curves[0].values.empty()) return "";
-  return chart(curves, {"iteration", "loss",
+  const bool some = curves[0].values.size() < iterations;
+  return chart(curves, {some ? "looks at it as it will be carved" : "iteration", "loss",
                         fmt::format("The design's loss over {} iterations, from {} to {}, in all and view by view",
-                                    curves[0].values.size(), number(curves[0].values.front()),
-                                    number(curves[0].values.back()))});
+                                    iterations, number(curves[0].values.front()), number(curves[0].values.back()))});
 }
 
 std::string how_it_got_there(JsonObject& report, const std::vector<std::string>& names,
@@ -143,39 +157,35 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
 
-  Views views = read_views(report, home);
-  if (views.names.empty()) fail(file.string(), "\"views\" is empty", "run burin design again");
-  double sum = 0;
-  std::size_t worst = 0;
-  for (std::size_t k = 0; k < views.names.size(); ++k) {
-    sum += views.psnr_db[k];
-    if (views.psnr_db[k] < views.psnr_db[worst]) worst = k;
-  }
+  const DesignQuality quality = quality_of_design(file);
+  Views views = read_views(report, quality, home);
   JsonObject seconds = report.object("seconds");
   const long long scratches = report.integer("scratches");
-  const std::string mean = decibels(sum / static_cast<double>(views.names.size()));
+  const std::string mean = decibels_of(quality.mean_db(), quality.px);
   Section out;
   out.title = "The design";
   out.outcome = fmt::format("The design shows {} with {}: {} on average, the worst is {}.",
                             counted(static_cast<long long>(views.names.size()), "picture"),
-                            counted(scratches, "scratch"), mean, quality_in_words(views.psnr_db[worst]));
+                            counted(scratches, "scratch"), mean, quality.in_words(quality.worst()));
   if (views.names.size() == 1)
     out.outcome = fmt::format("The design shows its picture with {}: {}, {}.", counted(scratches, "scratch"), mean,
-                              quality_in_words(views.psnr_db[0]));
+                              quality.in_words(0));
   const auto command = "burin toolpath " + shell_word((home / "scratches.csv").string()) +
                        " --board BOARD.json --bench BENCH.json --out board.gcode";
   out.next = fmt::format("turn it into a tool path: <code>{}</code>", html(command));
   out.heading = "What it will show";
   out.pictures =
       views.pictures +
-      "<p class=\"soft\">Pictures as they lie on the carve area, x right and y up. PSNR compares the preview "
-      "with its target at the best single exposure: 20 dB is recognizable, 25 dB good, 30 dB hard to tell "
-      "apart.</p>\n";
+      fmt::format(
+          "<p class=\"soft\">Pictures as they lie on the carve area, x right and y up. PSNR compares the "
+          "preview with its target at the best single exposure, in {} pixels along the longer side{}: 20 dB is "
+          "recognizable, 25 dB good, 30 dB hard to tell apart. In other pixels there are other dB.</p>\n",
+          quality.px, quality.from_m > 0 ? fmt::format(", which eyes {:.2g} m away tell apart", quality.from_m) : "");
   for (const auto& warning : report.raw("warnings"))
     out.findings.push_back({Finding::Severity::warning, {}, warning.get<std::string>(), ""});
   out.parts = folded("View by view",
-                     fmt::format("{} to {}", decibels(*std::ranges::min_element(views.psnr_db)),
-                                 decibels(*std::ranges::max_element(views.psnr_db))),
+                     fmt::format("{} to {}", decibels(*std::ranges::min_element(quality.psnr_db)),
+                                 decibels_of(*std::ranges::max_element(quality.psnr_db), quality.px)),
                      table(views.numbers) + (views.colors.rows.empty() ? "" : table(views.colors))) +
               folded("How it got there", fmt::format("designed in {}", html(duration_text(seconds.number("total")))),
                      how_it_got_there(report, views.names, home));

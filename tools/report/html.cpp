@@ -77,13 +77,6 @@ std::string decibels(double value) {
   return std::isfinite(value) ? fixed(value, 1) + " dB" : value > 0 ? "no difference" : "unknown";
 }
 
-const char* quality_in_words(double psnr_db) {
-  return psnr_db >= 30                 ? "hard to tell from the target"
-         : psnr_db >= 25               ? "good"
-         : psnr_db >= kRecognizable_db ? "recognizable"
-                                       : "hard to recognize";
-}
-
 std::string grouped(long long count) {
   std::string out = std::to_string(count);
   const std::size_t sign = count < 0 ? 1 : 0;

@@ -29,16 +29,6 @@ std::string number(double value);
 /// "23.8 dB"; "no difference" for an infinite one, "unknown" for none.
 std::string decibels(double value);
 
-/// What a PSNR in dB looks like: "hard to recognize", "recognizable", "good", "hard to tell from the target".
-const char* quality_in_words(double psnr_db);
-
-/// Below this a picture is hard to recognize, in dB.
-inline constexpr double kRecognizable_db = 20;
-
-/// The correlation with its own picture below which a view shows less than a quarter of what the picture does (its
-/// square): letters and faces are not read any more.
-inline constexpr double kReadable = 0.5;
-
 /// "1 view", "3 views"; thousands are parted as people write them: "29,798 scratches".
 std::string counted(long long count, const std::string& what);
 std::string grouped(long long count);

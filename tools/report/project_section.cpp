@@ -25,6 +25,7 @@
 #include "tools/commands.h"
 #include "tools/loop/round_lamps.h"
 #include "tools/match_views.h"
+#include "tools/picture_quality.h"
 #include "tools/project.h"
 #include "tools/report/bench_section.h"
 #include "tools/report/chart.h"
@@ -41,7 +42,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSidePx = 360;       // of what is compared, unless a design looked at fewer: PSNR counts these pixels
+constexpr int kSidePx = 360;       // of what is compared, unless eyes in the views' places tell fewer apart
 constexpr int kMostShownPx = 720;  // of what is shown, where the photos have as many on the carve area
 
 // Something that a view shows, or is to show, and how near it comes to the target.
@@ -185,6 +186,7 @@ struct Rounds {
   Board board;
   Bench nominal;
   int compared_px = kSidePx, shown_px = kSidePx;  // of the longer side of the pictures
+  std::optional<DesignQuality> designed;          // of the newest round, by its own report
   std::vector<Matching> names;                    // of the measured rounds
 };
 
@@ -331,8 +333,8 @@ std::string table_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   Table out;
   out.header = {"View"};
   for (int r = 1; r <= in.count; ++r) {
-    out.header.push_back(fmt::format("Round {}: promised", r));
-    if (r <= in.measured) out.header.push_back(fmt::format("Round {}: photographed", r));
+    out.header.push_back(fmt::format("Round {}: promised of a photo ({} px)", r, in.compared_px));
+    if (r <= in.measured) out.header.push_back(fmt::format("Round {}: photographed ({} px)", r, in.compared_px));
   }
   for (const ViewHistory& view : views) {
     std::vector<std::string> cells{html(view.view)};
@@ -408,13 +410,14 @@ std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) 
   constexpr auto kPromised = &ViewInRound::promised, kSeen = &ViewInRound::photographed;
   const int last = in.measured;
   if (last == 0) {
-    const Mean mean = mean_of(views, in.count, kPromised, in.count, kPromised);
-    if (mean.views == 0) return "The first board is designed, and has not been photographed yet.";
+    if (!in.designed) return "The first board is designed, and has not been photographed yet.";
+    const DesignQuality& q = *in.designed;
+    const bool one = views.size() == 1;
     return fmt::format(
-        "The first board should show {} at {} on average ({}), if the bench is as it is believed to be. It has not "
-        "been "
+        "The first board should show {} at {}{} ({}{}), if the bench is as it is believed to be. It has not been "
         "photographed yet.",
-        pictures_in_words(mean.views, views.size()), decibels(mean.db), quality_in_words(mean.db));
+        pictures_in_words(static_cast<int>(views.size()), views.size()), decibels_of(q.mean_db(), q.px),
+        one ? "" : " on average", one ? "" : "the worst: ", q.in_words(q.worst()));
   }
   const Mean seen = mean_of(views, last, kSeen, last, kSeen);
   if (seen.views == 0)
@@ -422,9 +425,10 @@ std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) 
         "The board of round {} was photographed and the bench measured, but no photo was taken from where one of its "
         "pictures is to be seen.",
         last);
-  std::string out = fmt::format("The board{} shows {} at {}{} ({})", last > 1 ? fmt::format(" of round {}", last) : "",
-                                pictures_in_words(seen.views, views.size()), decibels(seen.db),
-                                seen.views > 1 ? " on average" : "", quality_in_words(seen.db));
+  std::string out = fmt::format(
+      "The board{} shows {} at {}{} ({} px of its photo{}; {})", last > 1 ? fmt::format(" of round {}", last) : "",
+      pictures_in_words(seen.views, views.size()), decibels(seen.db), seen.views > 1 ? " on average" : "",
+      in.compared_px, seen.views > 1 ? "s" : "", quality_in_words(seen.db));
   if (last > 1) {
     const Mean now = mean_of(views, last, kSeen, last - 1, kSeen),
                before = mean_of(views, last - 1, kSeen, last, kSeen);
@@ -522,8 +526,8 @@ constexpr const char* kWhatIsCompared =
     "target, and compared with it after gamma 1/2.2, as PSNR (in color over red, green and blue); a view under several "
     "lamps by the sum of its photos under each alone (what else shines counts in each): 20 dB is recognizable, 25 dB "
     "good, 30 dB hard to tell "
-    "apart. A camera blurs the hatching: where a design's own figures count finer pixels than these, they are "
-    "lower.</p>\n";
+    "apart. A camera blurs the hatching, so what is promised of its photos has more dB than what the design counts for "
+    "eyes.</p>\n";
 
 }  // namespace
 
@@ -538,7 +542,13 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   in.board = read_board(in.spec.board);
   in.nominal = read_bench(in.spec.bench);
   aim_views(in.nominal, in.board);
-  for (int r = 1; r <= in.count; ++r) in.compared_px = std::min(in.compared_px, in.project.pixels(r).value_or(kSidePx));
+  for (int r = 1; r <= in.count; ++r) {
+    const fs::path report = in.project.round(r) / "design" / "design-report.json";
+    in.designed.reset();
+    if (!fs::exists(report)) continue;
+    in.designed = quality_of_design(report);
+    if (in.designed->px > 0) in.compared_px = std::min(in.compared_px, in.designed->px);
+  }
   in.shown_px = shown_side_px(in);
 
   for (int r = 1; r <= in.measured; ++r) in.names.push_back(match_round(in.project, r));
@@ -557,7 +567,11 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   out.findings = findings_of(in, views);
   std::string pictures;
   for (const ViewHistory& view : views) pictures += pictures_of(view);
-  out.pictures = compared_in_lockstep("carve area", pictures);
+  out.pictures = compared_in_lockstep("carve area", pictures) +
+                 fmt::format(
+                     "<p class=\"soft\">dB here are those of photos, which a camera blurs, in {} pixels along the "
+                     "longer side; the design's own are for eyes.</p>\n",
+                     in.compared_px);
   const std::string curves = curves_of(in, views);
   if (!curves.empty()) out.open += "<section><h2>Round after round</h2>\n" + curves + "</section>\n";
   out.parts = folded("What each round promised and showed", "view by view, and how it is compared",

@@ -29,20 +29,18 @@ void add(Image& sum, const Image& image) {
 
 }  // namespace
 
-void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, const Carved& cut,
-                   const Carved& whole, double cover) {
+void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, const Carved& whole,
+                   double cover) {
   // Over a pixel or two: what a stroke meets beside another is much the same.
   constexpr double kBlurPx = 1;
   std::vector<std::pair<Image, Image>> left(views.size());  // with crossings, and without
   Image all_left, all;
   for (std::size_t k = 0; k < views.size(); ++k) {
     WorkView& v = views[k];
-    const auto seen = [&](const Carved& grooves) {
-      v.renderer.forward(grooves, v.radiance);
-      return blurred(light_of_grooves(v, v.radiance, exposure_of(v, log_exposure)), kBlurPx);
-    };
-    left[k].first = seen(cut);
-    left[k].second = seen(whole);
+    const auto seen = [&] { return blurred(light_of_grooves(v, v.radiance, exposure_of(v, log_exposure)), kBlurPx); };
+    left[k].first = seen();
+    v.renderer.forward(whole, v.radiance);
+    left[k].second = seen();
     add(all_left, left[k].first);
     add(all, left[k].second);
   }

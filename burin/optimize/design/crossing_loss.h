@@ -12,10 +12,10 @@
 
 namespace burin {
 
-/// Renders what crossings leave into the views' CrossingLoss: `cut` as the grooves will lie, `whole` as the search has
-/// them. `cover`: as CrossingLoss has it.
-void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, const Carved& cut,
-                   const Carved& whole, double cover);
+/// What crossings leave, into the views' CrossingLoss. `views` must be as rendered with the grooves as they will be
+/// cut; `whole` are these as the search has them, and are rendered. `cover`: as CrossingLoss has it.
+void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, const Carved& whole,
+                   double cover);
 
 /// Nothing is lost any more: what is rendered is cut already.
 void forget_crossings(std::vector<WorkView>& views);

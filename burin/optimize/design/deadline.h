@@ -2,6 +2,7 @@
 // line on, or when somebody wishes it to.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -26,6 +27,14 @@ class Deadline {
   bool used(double share, double ahead_s = 0) const { return limit_s_ > 0 && seconds() + ahead_s > share * limit_s_; }
 
   bool wished_or_used(double share, double ahead_s = 0) { return wished() || used(share, ahead_s); }
+
+  /// The part of the time from `began_s` on that has passed, `ahead_s` being kept for what comes after; 0 without a
+  /// limit.
+  double part_since(double began_s, double ahead_s) const {
+    if (!(limit_s_ > 0)) return 0;
+    const double there_is_s = limit_s_ - ahead_s - began_s;
+    return there_is_s > 0 ? std::clamp((seconds() - began_s) / there_is_s, 0.0, 1.0) : 1;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;

@@ -1,9 +1,11 @@
 // The iterations of a DesignRun: Adam's steps, searches in between, and scratches that go.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "burin/optimize/carving/carving_time.h"
 #include "burin/optimize/carving/ends.h"
@@ -23,6 +25,13 @@ namespace {
 
 constexpr int kBudgetSteps = 6;  // in which scratches go, so that those that stay can make up for the others
 
+// Part of the iterations from which rims are counted exactly, and when an order of carving is settled. A new order
+// changes which groove rules where two cross. The second half of the iterations makes up for that: less is not enough
+// (measured: 0.5 dB), and strokes searched after it would stand in an order that is no short way.
+constexpr double kRimsFrom = 0.75, kSettledFrom = 0.5;
+
+constexpr double kLooksToEnd = 3;  // what comes after the iterations takes about so many looks
+
 // The iterations kept for the contact sheet: dense at first, where most happens.
 std::vector<int> contact_iterations(int iterations, int frames) {
   std::vector<int> kept;
@@ -41,7 +50,6 @@ void DesignRun::iterate() {
   momenta_ = {Adam(count()), Adam(count()), Adam(count()), Adam(count()), Adam(log_exposure_.size()), Adam(3)};
   contact_ = contact_iterations(options_.iterations, options_.contact_frames);
   iterations_began_s_ = deadline_.seconds();
-  // Weak scratches go before the end, so that the last iterations make up for them.
   drop_at_ = static_cast<int>(std::lround(options_.drop_at * options_.iterations));
   bright_.assign(views_.size(), {});
   // What starts at random learns from faint light which way to turn.
@@ -54,9 +62,17 @@ void DesignRun::iterate() {
   last_rate_ = options_.final_rate > 0 ? options_.final_rate : starts_at_random() ? 1e-4 : 0.0125 / pixels_;
   for (iteration_ = 0;; ++iteration_) {
     const bool last = iteration_ == options_.iterations || result_.stopped_early;
-    if (last || searches_are_over()) count_rims();
+    count_time();
+    // Who wishes an end does not wait for a look at how grooves that are searched whole would be cut now.
+    if (last && deadline_.wished() && !rims_count_ && best_) {
+      merit_ = -std::numeric_limits<double>::infinity();
+      rims_count_ = true;
+      forget_crossings(views_);
+      break;
+    }
+    const bool rendered = (last || searches_are_over()) && count_rims();
     look_at_crossings();
-    look(last);
+    look(last, rendered);
     record(last);
     if (last) break;
     move_ends();
@@ -64,22 +80,41 @@ void DesignRun::iterate() {
       settle_order();
     else
       relocate_some();
-    if (iteration_ == drop_at_ && iteration_ > 0) drop_weak();
+    if (is_time_to_drop()) drop_weak();
     keep_to_part_of_budget();
     if (options_.exposure_rate > 0) momenta_.exposure.step(log_exposure_, d_log_exposure_, options_.exposure_rate);
     move_shared();
     if (time_to_end()) result_.stopped_early = true;
   }
+  take_back_best();
+  if (!weak_dropped_ && !result_.stopped_early) {
+    drop_weak();
+    look_as_carved(in_the_metal());
+    take_back_best();
+  }
+  cut_look_.reset();
   result_.iteration_seconds = deadline_.seconds() - iterations_began_s_;
-  if (!weak_dropped_ && !result_.stopped_early) drop_weak();
   if (options_.carve_hours > 0) keep_to_budget(3600 * options_.carve_hours);
   if (options_.iterations > 0) settle_order();  // a design of no iterations measures what there is, as it is
 }
 
-// Room for the last look, dropping and the figures, which cost about two more.
-bool DesignRun::time_to_end() {
-  constexpr double kWithRims = 20;  // times as long as without
-  return deadline_.wished_or_used(1, 3 * look_s_ * (rims_count_ ? 1 : kWithRims));
+// The last look, dropping and the figures, which cost about two more.
+bool DesignRun::time_to_end() { return deadline_.wished_or_used(1, kLooksToEnd * look_s_); }
+
+// How far the iterations are. Those in which rims count are a quarter of them and take about half of the time.
+void DesignRun::count_time() {
+  constexpr double kSearched = 0.5;  // of the time
+  const double time = deadline_.part_since(iterations_began_s_, kLooksToEnd * look_s_);
+  time_part_ = !grooves_cut_each_other() ? time
+               : time < kSearched        ? kRimsFrom * time / kSearched
+                                         : kRimsFrom + (1 - kRimsFrom) * (time - kSearched) / (1 - kSearched);
+  part_ = std::max(time_part_, static_cast<double>(iteration_) / std::max(1, options_.iterations - 1));
+}
+
+// Weak scratches go before the end, so that the last iterations make up for them.
+bool DesignRun::is_time_to_drop() const {
+  if (weak_dropped_ || iteration_ == 0) return false;
+  return iteration_ == drop_at_ || time_part_ >= options_.drop_at;
 }
 
 Scratches DesignRun::new_ones() const {
@@ -93,8 +128,9 @@ void DesignRun::forget_others() {
   for (BrightPart& part : bright_) part.others = {};
 }
 
-// Every view's picture and loss and, unless it is the last look, the gradient.
-void DesignRun::look(bool last) {
+// Every view's picture and loss and, unless it is the last look, the gradient. `rendered`: all grooves, as they lie
+// now.
+void DesignRun::look(bool last, bool rendered) {
   const double began_s = deadline_.seconds();
   const Carved grooves = in_the_metal();
   by_carved_ = std::move(gradients_);  // its memory: the step has been made
@@ -109,10 +145,8 @@ void DesignRun::look(bool last) {
   for (std::size_t k = 0; k < views_.size(); ++k) {
     WorkView& v = views_[k];
     const double exposure = std::exp(log_exposure_[v.exposure_group]);
-    if (last)
-      v.renderer.forward(grooves, v.radiance);
-    else
-      render_view(v, bright_[k], bench_, grooves, true);
+    if (last && !rendered) v.renderer.forward(grooves, v.radiance);
+    if (!last) render_view(v, bright_[k], bench_, grooves, true);
     leave_what_crossings_do(v, v.radiance);
     picture_from_radiance(v.radiance, exposure, v.picture);
     v.value = v.loss.evaluate(v.picture, dE_dpicture_);
@@ -130,7 +164,10 @@ void DesignRun::look(bool last) {
     for (auto* g : {&gradients_.x0_mm, &gradients_.y0_mm, &gradients_.x1_mm, &gradients_.y1_mm})
       std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable_), g->end(), 0.0);  // what is carved stays
   }
-  if (all_seen) look_s_ = deadline_.seconds() - began_s;
+  if (all_seen && rims_count_) look_s_ = deadline_.seconds() - began_s;
+  if (rims_count_) judge(last ? Exposed::best : Exposed::as_optimized);
+  now.as_carved = rims_count_;
+  if (cut_look_) now = *std::exchange(cut_look_, std::nullopt);
   now.seconds = deadline_.seconds() - iterations_began_s_;
   result_.history.push_back(std::move(now));
   if (!std::isfinite(result_.history.back().loss))
@@ -138,9 +175,85 @@ void DesignRun::look(bool last) {
          "check the bench's numbers; report this if they are sound");
 }
 
+// What the grooves show as they will be carved, beside what the iterations see of them.
+void DesignRun::look_as_carved(const Carved& grooves) {
+  render_all(views_, grooves);
+  const std::vector<double> as_worked_on = std::exchange(log_exposure_, fitting_exposures(views_, log_exposure_));
+  cut_look_ = DesignIteration{0, std::vector<double>(shown_, 0.0), 0, true};
+  for (WorkView& v : views_) {
+    picture_from_radiance(v.radiance, std::exp(log_exposure_[v.exposure_group]), v.picture);
+    v.value = v.loss.evaluate(v.picture, dE_dpicture_);
+    cut_look_->loss += v.value.total;
+    cut_look_->view_loss[v.of] += v.value.total;
+  }
+  judge(Exposed::best);
+  record_start();
+  log_exposure_ = as_worked_on;
+}
+
+double DesignRun::psnr_db(std::span<const WorkView> channels, Exposed exposed) const {
+  const Image picture =
+      exposed == Exposed::best ? shown_of(channels, best_exposures(channels, log_exposure_)) : picture_of(channels);
+  return color_psnr_db(picture, target_of(channels), channels[0].target.mask);
+}
+
+// Whether what is minimized is what PSNR measures of the pictures in their places.
+bool DesignRun::psnr_is_minimized() const {
+  return options_.loss.perceptual == 0 && options_.loss.gram == 0 && !views_.back().aside &&
+         std::all_of(views_.begin(), views_.end(), [](const WorkView& v) { return v.wanted.data.empty(); });
+}
+
+// The last look, as the grooves will be carved. Views count by their weights; the logarithm keeps one of them from
+// being given up for another.
+void DesignRun::judge(Exposed exposed) {
+  const bool by_psnr = psnr_is_minimized();
+  std::vector<double> loss(shown_, 0.0);
+  for (const WorkView& v : views_) loss[v.of] += v.value.total;
+  double sum = 0, weights = 0, mean_db = 0;
+  const auto shown = shown_views();
+  for (std::size_t k = 0; k < shown_; ++k) {
+    const double db = psnr_db(shown[k], exposed), weight = spec_.views[k].weight;
+    sum += weight * (by_psnr ? db : -10 * std::log10(std::max(loss[k], 1e-12)));
+    weights += weight;
+    mean_db += db / static_cast<double>(shown_);
+  }
+  looked_db_ = mean_db;
+  merit_ = weights > 0 ? sum / weights : 0;
+  if (!best_ || merit_ > best_->merit) best_ = as_looked_at(exposed == Exposed::best);
+}
+
+DesignRun::Iterate DesignRun::as_looked_at(bool exactly) const {
+  return {scratches_, log_exposure_, log_shared_, movable_, result_.dropped, result_.loss_before_drop, merit_, exactly};
+}
+
+void DesignRun::go_back_to(const Iterate& iterate) {
+  scratches_ = iterate.scratches;
+  log_exposure_ = iterate.log_exposure;
+  log_shared_ = iterate.log_shared;
+  movable_ = iterate.movable;
+  result_.dropped = iterate.dropped;
+  result_.loss_before_drop = iterate.loss_before_drop;
+  merit_ = iterate.merit;
+}
+
+// Where the last look, which was exact, is not the best of those whose scratches there may be.
+void DesignRun::take_back_best() {
+  if (best_ && best_->merit > merit_) {
+    const Iterate last = as_looked_at(true);
+    go_back_to(*best_);
+    if (!best_->exactly) {
+      best_ = last;
+      look_as_carved(in_the_metal());
+      if (!(merit_ > last.merit)) go_back_to(last);
+    }
+  }
+  momenta_ = {Adam(count()), Adam(count()), Adam(count()), Adam(count()), Adam(log_exposure_.size()), Adam(3)};
+  forget_others();
+}
+
 // What people see of the last look.
 void DesignRun::record(bool last) {
-  if (iteration_ == 0) record_start();
+  record_start();
   if (last || std::find(contact_.begin(), contact_.end(), iteration_) != contact_.end()) {
     ContactFrame frame{iteration_, {}};
     for (const std::span<WorkView> channels : shown_views()) {
@@ -150,13 +263,14 @@ void DesignRun::record(bool last) {
     }
     result_.frames.push_back(std::move(frame));
   }
-  show(iteration_, result_.history.back().loss, result_.history.back().view_loss);
+  show(iteration_, result_.history.back().loss, result_.history.back().view_loss,
+       std::exchange(looked_db_, std::nullopt));
   report("designing", options_.iterations > 0 ? static_cast<double>(iteration_) / options_.iterations : 1);
 }
 
-void DesignRun::show(int iteration, double loss, const std::vector<double>& view_loss) {
+void DesignRun::show(int iteration, double loss, const std::vector<double>& view_loss, std::optional<double> psnr_db) {
   if (!options_.watch) return;
-  DesignFrame frame{iteration, loss, view_loss, {}, deadline_.seconds(), 0};
+  DesignFrame frame{iteration, loss, view_loss, {}, deadline_.seconds(), psnr_db};
   const auto shown = shown_views();
   color_pictures_.clear();
   color_pictures_.reserve(shown.size());
@@ -165,7 +279,6 @@ void DesignRun::show(int iteration, double loss, const std::vector<double>& view
     if (!gray) color_pictures_.push_back(picture_of(channels));
     const Image& picture = gray ? channels[0].picture : color_pictures_.back();
     frame.pictures.push_back(&picture);
-    frame.psnr_db += color_psnr_db(picture, target_of(channels), channels[0].target.mask) / static_cast<double>(shown_);
   }
   options_.watch(frame);
 }
@@ -176,10 +289,11 @@ void DesignRun::show_start() {
   for (const std::span<WorkView> channels : shown_views())
     for (WorkView& v : channels)
       picture_from_radiance(v.radiance, std::exp(log_exposure_[v.exposure_group]), v.picture);
-  show(0, 0, {});
+  show(0, 0, {}, std::nullopt);
 }
 
 void DesignRun::record_start() {
+  if (!result_.views.empty()) return;
   for (const std::span<WorkView> channels : shown_views()) {
     DesignedView out;
     const Image target = target_of(channels);
@@ -191,8 +305,7 @@ void DesignRun::record_start() {
 }
 
 void DesignRun::move_ends() {
-  const double t = static_cast<double>(iteration_) / std::max(1, options_.iterations - 1);
-  const double rate = last_rate_ + (first_rate_ - last_rate_) * 0.5 * (1 + std::cos(std::numbers::pi * t));
+  const double rate = last_rate_ + (first_rate_ - last_rate_) * 0.5 * (1 + std::cos(std::numbers::pi * part_));
   const Scratches before = scratches_;
   momenta_.x0.step(scratches_.x0_mm, gradients_.x0_mm, rate * board_.size_mm.x());
   momenta_.y0.step(scratches_.y0_mm, gradients_.y0_mm, rate * board_.size_mm.y());
@@ -205,14 +318,8 @@ void DesignRun::move_ends() {
 }
 
 bool DesignRun::searches_are_over() const {
-  // A new order changes which groove rules where two cross. The second half of the iterations makes up for that: less
-  // is not enough (measured: 0.5 dB), and strokes searched after it would stand in an order that is no short way. Rims
-  // are counted exactly from three quarters of them on.
-  constexpr double kSettledFrom = 0.5, kRimsFrom = 0.75;
   const double latest = order_matters(bench_) ? kSettledFrom : grooves_cut_each_other() ? kRimsFrom : 1;
-  const double until = std::min(options_.relocate_until, latest);
-  const double t = static_cast<double>(iteration_) / std::max(1, options_.iterations - 1);
-  return t >= until || deadline_.used(until);
+  return part_ >= std::min(options_.relocate_until, latest);
 }
 
 // The order that the board is carved in, once no scratch is searched another place any more.
@@ -220,19 +327,21 @@ void DesignRun::settle_order() {
   if (in_last_order_ || !order_matters(bench_) || deadline_.wished()) return;
   report("ordering scratches", 0);
   put_in_carving_order(true);
+  best_.reset();  // lies in another order
   in_last_order_ = true;
   forget_others();
 }
 
-// Grooves as they will cut each other, from now on; the pictures lose light by it.
-void DesignRun::count_rims() {
-  if (rims_count_) return;
+// Grooves as they will cut each other, from now on; the pictures lose light by it. Whether they were rendered so.
+bool DesignRun::count_rims() {
+  if (rims_count_) return false;
   report("cutting rims away where scratches cross", 0);
   rims_count_ = true;
   forget_crossings(views_);
   forget_others();
   render_all(views_, in_the_metal());
   log_exposure_ = fitting_exposures(views_, log_exposure_);
+  return true;
 }
 
 // Before rims count, what they leave is seen now and then.
@@ -244,7 +353,10 @@ void DesignRun::look_at_crossings() {
   double length_mm = 0;
   for (std::size_t i = 0; i < count(); ++i) length_mm += std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
   const double width_mm = length_mm > 0 ? area_mm2(whole.scratches, bench_, board_) / length_mm : 0;
-  see_crossings(views_, log_exposure_, carve(designed_, bench_, board_), whole, width_mm / views_.front().pitch_mm);
+  const double began_s = deadline_.seconds();
+  look_as_carved(carve(designed_, bench_, board_));
+  look_s_ = deadline_.seconds() - began_s;
+  see_crossings(views_, log_exposure_, whole, width_mm / views_.front().pitch_mm);
   if (iteration_ > 0) return;
   render_all(views_, whole);
   for (WorkView& v : views_) leave_what_crossings_do(v, v.radiance);
@@ -294,6 +406,9 @@ void DesignRun::drop_weak() {
                      [this] { return deadline_.wished(); });
   result_.dropped += weak.size();
   keep_only(all_but(count(), weak));
+  // Those that are said not to matter come back if all without them is worse in the end. Others go at any price.
+  constexpr double kHardlyMatters = 0.01;  // of the error
+  if (options_.drop_share > 0 || options_.drop_light > 0 || options_.drop_error > kHardlyMatters) best_.reset();
 }
 
 // Down to the time there is, the least worthy for what they cost first. What is carved already takes none.
@@ -316,6 +431,7 @@ void DesignRun::keep_to_budget(double allowed_s) {
                        now_s - allowed_s, [this] { return deadline_.wished(); });
     result_.dropped += spared.size();
     keep_only(all_but(count(), spared));
+    best_.reset();
     // Fewer have to be brighter.
     render_all(views_, in_the_metal());
     log_exposure_ = fitting_exposures(views_, log_exposure_);

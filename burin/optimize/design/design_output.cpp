@@ -94,6 +94,7 @@ Json write_view(const DesignResult& result, std::size_t k, const std::string& na
   write_picture(v.start, folder / json["start"].get<std::string>());
   write_picture(v.target, folder / json["target"].get<std::string>());
   write_picture(v.achievable, folder / json["achievable"].get<std::string>());
+  json["eye_psnr_db"] = v.eye_psnr_db;
   json["psnr_db"] = v.psnr_db;
   json["ssim"] = v.ssim;
   json["start_psnr_db"] = v.start_psnr_db;
@@ -203,6 +204,7 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
     if (result.dropped_by_rule[r] > 0)
       json["dropped_by_limits"][rule_name(static_cast<Rule>(r))] = result.dropped_by_rule[r];
   json["pixels"] = {result.views.front().shown.width, result.views.front().shown.height};
+  json["eye"] = {{"px", result.eye_px}, {"from_m", result.eye_from_m}};
   json["pairs"] = result.pairs;
   json["stopped_early"] = result.stopped_early;
   json["simd"] = name(SimdWidth::best);
@@ -232,8 +234,10 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
   json["warnings"] = Json::array();
   for (const Finding& finding : result.findings) json["warnings"].push_back(sentence(finding));
   json["history"] = Json::array();
-  for (const DesignIteration& i : result.history)
+  for (const DesignIteration& i : result.history) {
     json["history"].push_back({{"loss", i.loss}, {"views", list(i.view_loss)}, {"seconds", i.seconds}});
+    if (!i.as_carved) json["history"].back()["as_carved"] = false;
+  }
   write_json(json, folder / "design-report.json");
   all.put();
 }

@@ -10,9 +10,16 @@
 //   carved                                                                 of the scratches: in the metal before
 //   dropped_by_limits: { "overlap": 12 }                                   by the machine's and the board's limits
 //   loss_start, loss_final, loss_before_drop                                sums over views
-//   history: [ { "loss", "views": [..], "seconds" } ]                      before each iteration's step
+//   history: [ { "loss", "views": [..], "seconds", "as_carved" } ]         before each iteration's step; "as_carved":
+//                                                                          false (else left out) while it is not known
+//                                                                          what grooves leave of those that they cross
+//   eye: { "px", "from_m" }                                                the pixels along the longer side that eyes
+//                                                                          in the views' places tell apart, and how far
+//                                                                          away these are: how good the design is
+//                                                                          counts in them
 //   views: [ { "view", "light", "rotation_deg", "preview", "start", "target", "achievable" (file names),
-//              "psnr_db", "ssim", "start_psnr_db", "start_ssim", "achievable_psnr_db", "loss", "exposure",
+//              "eye_psnr_db" (of the eye's pixels: the one figure), "psnr_db", "ssim", "start_psnr_db", "start_ssim",
+//              "achievable_psnr_db" (of the pixels of "pixels"), "loss", "exposure",
 //              "best_exposure", "ghost": [correlation of the preview with each view's target],
 //              "target_correlation": [of this target with each view's target],
 //              "color" (of a view in color, whose other figures are over all channels): { "psnr_db": { "red", "green",

@@ -353,6 +353,7 @@ void DesignRun::measure() {
     result_.curve =
         carving_curve(views_, log_exposure_, rules_, scratches_, movable_, metal_, options_.carve_machine, wished);
   }
+  measure_for_eyes();
   if (options_.optimize_width) result_.width_um = std::exp(log_shared_[0]);
   if (options_.optimize_depth) result_.depth_um = std::exp(log_shared_[1]);
   if (options_.optimize_alpha) result_.alpha = std::exp(log_shared_[2]);
@@ -423,6 +424,28 @@ void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView
   for (std::size_t c = 0; c < 3; ++c)
     color.white_gain[c] = channels[c].gains[static_cast<Eigen::Index>(c)] * exposures[c] / out.best_exposure;
   out.color = color;
+}
+
+// What eyes in the views' places see: of the pixels that they tell apart, whatever the design looked at.
+void DesignRun::measure_for_eyes() {
+  const Eigen::Vector2d middle = (limits_.min_mm + limits_.max_mm) / 2;
+  double distance_mm = 0;
+  for (const DesignView& v : spec_.views)
+    distance_mm +=
+        (find_view(bench_, v.view, "design").T_camera_board * Eigen::Vector3d(middle.x(), middle.y(), 0)).norm() /
+        static_cast<double>(spec_.views.size());
+  result_.eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, distance_mm);
+  result_.eye_from_m = distance_mm / 1000;
+  if (result_.eye_px == pixels_) {
+    for (DesignedView& v : result_.views) v.eye_psnr_db = v.psnr_db;
+    return;
+  }
+  report("measuring what eyes see", 0);
+  views_.clear();  // their memory
+  views_ = views_to_look_at(spec_, board_, bench_, options_, result_.eye_px, limits_);
+  render_all(views_, in_the_metal());
+  const auto shown = shown_views();
+  for (std::size_t k = 0; k < shown_; ++k) result_.views[k].eye_psnr_db = psnr_db(shown[k], Exposed::best);
 }
 
 void DesignRun::measure_ghosts() {

@@ -8,10 +8,14 @@
 //
 // Everything that a stage needs stands in this class; what a stage does in detail stands in the files that it calls
 // (design_views, design_start, relocate, weak_scratches, carving_budget, obey). One deadline counts for all stages.
+//
+// Steps and searches swing: an iterate may be worse than one before it. So each that is looked at as it will be carved
+// is judged, and the best is taken back in the end.
 // Frame: board, mm. Same seed, same bits, for any number of threads.
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -78,16 +82,25 @@ class DesignRun {
   void put_in_carving_order(bool thoroughly);
 
   // Parts of iterate().
-  void look(bool last);
+  void count_time();
+  bool is_time_to_drop() const;
+  void look(bool last, bool rendered);
+  void look_as_carved(const Carved& grooves);
+  enum class Exposed { as_optimized, best };
+  double psnr_db(std::span<const WorkView> channels, Exposed exposed) const;
+  bool psnr_is_minimized() const;
+  void judge(Exposed exposed);
+  void take_back_best();
   void forget_others();
   void record(bool last);
   void record_start();
-  void show(int iteration, double loss, const std::vector<double>& view_loss);  // to those who watch
+  // To those who watch.
+  void show(int iteration, double loss, const std::vector<double>& view_loss, std::optional<double> psnr_db);
   void show_start();
   void move_ends();
   bool searches_are_over() const;
   void settle_order();
-  void count_rims();
+  bool count_rims();
   void look_at_crossings();
   void relocate_some();
   void drop_weak();
@@ -104,6 +117,7 @@ class DesignRun {
   void measure_pictures();
   void measure_picture(std::span<const WorkView> channels, DesignedView& out) const;
   void measure_ghosts();
+  void measure_for_eyes();
 
   void report(const char* stage, double fraction) const {
     if (progress_) progress_(stage, fraction);
@@ -158,6 +172,20 @@ class DesignRun {
     }
   };
   std::vector<double> log_shared_;  // width, depth, alpha
+  // What a look at the grooves as they will be carved came to. `merit`: more is better.
+  struct Iterate {
+    Scratches scratches;
+    std::vector<double> log_exposure, log_shared;
+    std::size_t movable = 0, dropped = 0;
+    double loss_before_drop = 0, merit = 0;
+    bool exactly = true;  // nothing of it was held (bright_part.h), at the exposures that show it best
+  };
+  Iterate as_looked_at(bool exactly) const;
+  void go_back_to(const Iterate& iterate);
+  std::optional<Iterate> best_;
+  double merit_ = 0;                         // of the last look
+  std::optional<double> looked_db_;          // mean of the views, of this iteration's look as carved
+  std::optional<DesignIteration> cut_look_;  // of this iteration, while grooves are searched whole
   Momenta momenta_{Adam(0), Adam(0), Adam(0), Adam(0), Adam(0), Adam(0)};
   Image dE_dpicture_, dE_dradiance_;        // of the view that is looked at
   ScratchGradients gradients_, by_carved_;  // by the designed rows, and by the grooves in the metal
@@ -169,7 +197,9 @@ class DesignRun {
   double first_rate_ = 0, last_rate_ = 0;
   double full_carving_s_ = 0;  // what it would take to carve all that the iterations began with
   double iterations_began_s_ = 0;
-  double look_s_ = 0;  // what all views' pictures and gradients took when all grooves were last looked at
+  double look_s_ = 0;     // what it took when all grooves were last looked at as they will be carved
+  double time_part_ = 0;  // of the iterations, by the time limit: 0 without one
+  double part_ = 0;       // of the iterations, by their number or the time limit, if that is more
   bool weak_dropped_ = false;
   bool in_last_order_ = false;  // nothing is searched any more that would leave the carving order
 };

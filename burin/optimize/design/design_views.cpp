@@ -267,6 +267,18 @@ void check_bench(const DesignSpec& spec, const std::vector<std::vector<GlintView
   append(findings, lamps_in_color(spec, board, bench));
 }
 
+// On which pixels views are rendered, how, and in whose memory.
+struct Rendering {
+  std::shared_ptr<const FootprintGrid> grid;
+  RenderOptions render;
+  std::shared_ptr<RenderWorkspace> workspace;
+};
+
+// The spec's views and their pictures, nothing measured yet. As prepare_views().
+std::vector<WorkView> lay_views(const DesignSpec& spec, const Board& board, const Bench& bench,
+                                const DesignOptions& options, int pixels, const CarvingLimits& limits,
+                                const Rendering& by, std::vector<Finding>& findings);
+
 std::string percent_text(double share) {
   const std::string text = std::to_string(std::round(1000 * share) / 10);
   return text.substr(0, text.find('.') + 2);
@@ -317,20 +329,50 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
 std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, const Bench& bench,
                                     const DesignOptions& options, int pixels, const CarvingLimits& limits,
                                     std::vector<Finding>& findings) {
+  RenderOptions render;
+  // Where depth or roughness vary over the board, a scratch's place moves them.
+  render.material_gradients = options.optimize_width || options.optimize_depth || options.optimize_alpha ||
+                              !bench.depth_field.is_constant() || !bench.alpha_field.is_constant();
+  const std::shared_ptr<RenderWorkspace> workspace =
+      make_render_workspace();  // one view's memory: they are worked on in turn
+  const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, pixels);
+  std::vector<WorkView> views =
+      lay_views(spec, board, bench, options, pixels, limits, {grid, render, workspace}, findings);
+  LampRenderers renderers(spec, board, bench, grid, render, workspace);
+  measure_lights(views, renderers, board, bench, findings);
+  mix_colors(views, findings);
+  const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
+  find_ghosts(views, groove_of(board, bench, middle).alpha, middle);
+  return views;
+}
+
+std::vector<WorkView> views_to_look_at(const DesignSpec& spec, const Board& board, const Bench& bench,
+                                       const DesignOptions& options, int pixels, const CarvingLimits& limits) {
+  DesignOptions in_place = options;
+  in_place.tolerance_mm = 0;
+  std::vector<Finding> known;
+  return lay_views(spec, board, bench, in_place, pixels, limits,
+                   {design_grid(board, bench, pixels), {}, make_render_workspace()}, known);
+}
+
+namespace {
+
+std::vector<WorkView> lay_views(const DesignSpec& spec, const Board& board, const Bench& bench,
+                                const DesignOptions& options, int pixels, const CarvingLimits& limits,
+                                const Rendering& by, std::vector<Finding>& findings) {
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
   const auto [width, height] = grid_size(board, pixels);
   require_size(spec, width, height);
   std::vector<std::vector<GlintView>> glints;  // a view of the spec, and its lights served
   const std::shared_ptr<const BoardFace> curved = curved_face(board, bench);
-  const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, pixels);
   if (curved) append(findings, check_stretch(*curved, board.mesh.string()));
   for (const DesignView& v : spec.views) {
     require_light(v, bench);
     glints.push_back(glints_served(v, bench));
     for (GlintView& glint : glints.back()) {
       glint.face = curved;
-      if (curved) append(findings, check_seen(glint.name, *grid, *curved, glint.camera_mm, glint.light_mm));
+      if (curved) append(findings, check_seen(glint.name, *by.grid, *curved, glint.camera_mm, glint.light_mm));
     }
     append(findings, check_gray(v, bench));
   }
@@ -347,17 +389,11 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   for (std::size_t k = 0; k < spec.views.size(); ++k) {
     laid.push_back(lay(spec.views[k], board, bench, width, height));
     append(findings, laid.back().targets.front().findings);
-    const Image seen = curved ? seen_from(*grid, *curved, glints[k].front().camera_mm) : Image{};
+    const Image seen = curved ? seen_from(*by.grid, *curved, glints[k].front().camera_mm) : Image{};
     for (Target& target : laid.back().targets)
       for (const Image* part : {&free, &seen}) restrict_mask(target, *part);
   }
   std::vector<WorkView> views;
-  const std::shared_ptr<RenderWorkspace> workspace =
-      make_render_workspace();  // one view's memory: they are worked on in turn
-  RenderOptions render;
-  // Where depth or roughness vary over the board, a scratch's place moves them.
-  render.material_gradients = options.optimize_width || options.optimize_depth || options.optimize_alpha ||
-                              !bench.depth_field.is_constant() || !bench.alpha_field.is_constant();
   std::vector<std::vector<int>> exposed_by;
   for (std::size_t k = 0; k < spec.views.size(); ++k)
     exposed_by.push_back(exposing_channels(spec.views[k], laid[k].targets, findings));
@@ -380,30 +416,29 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
         const int index = groups.emplace(group, static_cast<int>(groups.size())).first->second;
         const Target& target = laid[k].targets[static_cast<std::size_t>(c)];
         const LightPart part{v.color ? c : -1, laid[k].gains[c], ""};
-        WorkView view{v,
-                      lamps_of(v, glints[k], c, moved, bench),
-                      target,
-                      laid[k].rotation_deg,
-                      index,
-                      area.x() / width,
-                      k,
-                      share,
-                      c,
-                      channels,
-                      side != 0,
-                      exposed_by[k][static_cast<std::size_t>(c)],
-                      ViewRenderer(design_scene(spec, k, board, bench, grid, moved, moved, part), render, workspace),
-                      PictureLoss(with_gamma_offset(target.picture), target.mask, weights)};
+        WorkView view{
+            v,
+            lamps_of(v, glints[k], c, moved, bench),
+            target,
+            laid[k].rotation_deg,
+            index,
+            area.x() / width,
+            k,
+            share,
+            c,
+            channels,
+            side != 0,
+            exposed_by[k][static_cast<std::size_t>(c)],
+            ViewRenderer(design_scene(spec, k, board, bench, by.grid, moved, moved, part), by.render, by.workspace),
+            PictureLoss(with_gamma_offset(target.picture), target.mask, weights)};
         view.gains = laid[k].gains;
         views.push_back(std::move(view));
       }
     }
-  LampRenderers renderers(spec, board, bench, grid, render, workspace);
-  measure_lights(views, renderers, board, bench, findings);
-  mix_colors(views, findings);
-  find_ghosts(views, groove_of(board, bench, middle).alpha, middle);
   return views;
 }
+
+}  // namespace
 
 std::vector<std::span<WorkView>> shown_channels(std::vector<WorkView>& views) {
   std::vector<std::span<WorkView>> out;

@@ -94,6 +94,11 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                                     const DesignOptions& options, int pixels, const CarvingLimits& limits,
                                     std::vector<Finding>& findings);
 
+/// The same views to be looked at alone, on other pixels, eyes and lamps in their places. Faces and units are not
+/// measured. Throws Error as above.
+std::vector<WorkView> views_to_look_at(const DesignSpec& spec, const Board& board, const Bench& bench,
+                                       const DesignOptions& options, int pixels, const CarvingLimits& limits);
+
 /// In designs with a view in color: where else a scratch for a light that leads shows, one of the best direction more
 /// than a hundredth of the light there, the most two. What it does there counts in the search, so that of its two sides
 /// it turns to the one where it harms less. In another channel of its own view it shows its own light's share or, where

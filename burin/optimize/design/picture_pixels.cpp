@@ -32,6 +32,12 @@ std::string scratches(std::size_t count) { return std::to_string(count) + (count
 
 }  // namespace
 
+int pixels_of_eyes(const Eigen::Vector2d& area_mm, double distance_mm) {
+  constexpr double kFewest = 16;
+  return static_cast<int>(std::lround(
+      std::clamp(area_mm.maxCoeff() / (kAcuity_rad * distance_mm), kFewest, static_cast<double>(kUsualPixels))));
+}
+
 double pixels_a_stroke(const std::vector<WorkView>& views, std::size_t strokes) {
   return all_pixels(views) / static_cast<double>(strokes);
 }

@@ -6,6 +6,7 @@
 // hatching, and right for all eyes that do not see these apart.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -18,6 +19,10 @@ namespace burin {
 
 /// Along the longer side of the carve area, where strokes can fill them.
 inline constexpr int kUsualPixels = 512;
+
+/// Along the longer side, the pixels that an eye so far away just tells apart: no more than kUsualPixels. How good a
+/// design is counts in these, so that designs of any pixels can be compared.
+int pixels_of_eyes(const Eigen::Vector2d& area_mm, double distance_mm);
 
 /// Of all pictures, those that each of so many strokes has to fill.
 double pixels_a_stroke(const std::vector<WorkView>& views, std::size_t strokes);

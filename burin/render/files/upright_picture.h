@@ -30,7 +30,16 @@ struct UprightPicture {
   int orientation = 1;
   int width = 0, height = 0, channels = 1;  ///< upright; 1 or 3 channels
   bool linear = false;                      ///< its kind stores light itself (EXR, HDR), and not sRGB
+  float ground = 1;                         ///< on which what is see-through is laid: white
 
+  /// The stored channel that says how much is there; -1: all is.
+  int alpha_channel() const {
+    const int stored = spec.nchannels;
+    // OpenImageIO's reader of GIF names a fifth channel of four.
+    return spec.alpha_channel >= 0 && spec.alpha_channel < stored ? spec.alpha_channel
+           : stored == 2 || stored == 4                           ? stored - 1
+                                                                  : -1;
+  }
   bool lies() const { return orientation >= 5; }
 
   /// Where the stored pixel (x, y) stands upright (TIFF 6.0, Orientation).
@@ -60,16 +69,13 @@ struct UprightPicture {
 /// Throws Error for a file that is missing, cut short or no picture.
 UprightPicture open_upright(const std::filesystem::path& file);
 
-/// Hands each pixel's values as sRGB stores them (linear values of EXR and HDR as they are), over white, to take(x, y,
-/// values), x and y being upright. Throws Error for a broken file.
+/// Hands each pixel's values as sRGB stores them (linear values of EXR and HDR as they are), over the ground, to
+/// take(x, y, values), x and y being upright. Throws Error for a broken file.
 template <typename Take>
 void for_each_pixel(UprightPicture& picture, const std::filesystem::path& file, const Take& take) {
   const OIIO::ImageSpec& spec = picture.spec;
   const int stored = spec.nchannels, channels = picture.channels;
-  // OpenImageIO's reader of GIF names a fifth channel of four.
-  const int alpha = spec.alpha_channel >= 0 && spec.alpha_channel < stored ? spec.alpha_channel
-                    : stored == 2 || stored == 4                           ? stored - 1
-                                                                           : -1;
+  const int alpha = picture.alpha_channel();
   const bool unassociated = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
   const auto row_values = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(stored);
   constexpr std::size_t kValuesAtOnce = 1 << 22;
@@ -93,7 +99,8 @@ void for_each_pixel(UprightPicture& picture, const std::filesystem::path& file, 
       for (int x = 0; x < spec.width; ++x, pixels += stored) {
         for (int c = 0; c < channels; ++c) {
           float value = pixels[c];
-          if (alpha >= 0 && alpha != c) value = (unassociated ? value * pixels[alpha] : value) + (1 - pixels[alpha]);
+          if (alpha >= 0 && alpha != c)
+            value = (unassociated ? value * pixels[alpha] : value) + picture.ground * (1 - pixels[alpha]);
           if (!std::isfinite(value)) fail(file.string(), "has pixels that are not numbers", "export the picture again");
           values[static_cast<std::size_t>(c)] = value;
         }
