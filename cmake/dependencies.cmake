@@ -1,35 +1,46 @@
 # Everything Burin stands on, as Debian packages it (tools/packages.txt lists the package names). Read when Burin is built, and
-# by find_package(burin) in projects that use it, where `burin_needs` is find_dependency: what is missing is said in the user's
-# own terms, and QUIET and REQUIRED are passed on.
-macro(burin_needs)
-  if(COMMAND find_dependency)
-    find_dependency(${ARGV})
-  else()
-    find_package(${ARGV} REQUIRED)
-  endif()
-endmacro()
+# by find_package(burin) in projects that use it.
+include(${CMAKE_CURRENT_LIST_DIR}/burin_needs.cmake)
 
-burin_needs(Threads)
-burin_needs(Eigen3 3.4 NO_MODULE)
-burin_needs(TBB)
-burin_needs(OpenImageIO)
-burin_needs(embree)  # 3 or 4 (burin/render/embree_rays.h)
-burin_needs(OpenCV 4 COMPONENTS core imgproc calib3d features2d)
-burin_needs(Ceres 2.1)
-burin_needs(ZLIB)
-burin_needs(PkgConfig)
-if(NOT TARGET PkgConfig::apriltag)
-  pkg_check_modules(apriltag REQUIRED IMPORTED_TARGET apriltag)
+burin_needs(Threads "threads" build-essential https://cmake.org/cmake/help/latest/module/FindThreads.html)
+find_package(Eigen3 3.4 NO_MODULE QUIET)  # to which Eigen 5 does not answer
+if(NOT Eigen3_FOUND)
+  burin_needs(Eigen3 "Eigen 3.4 or newer" libeigen3-dev https://eigen.tuxfamily.org 5 NO_MODULE)
 endif()
-if(NOT TARGET PkgConfig::heif)
-  pkg_check_modules(heif REQUIRED IMPORTED_TARGET libheif)
+burin_needs(TBB "oneTBB" libtbb-dev https://uxlfoundation.github.io/oneTBB)
+burin_needs(OpenImageIO "OpenImageIO" libopenimageio-dev https://openimageio.readthedocs.io)
+burin_needs(embree "Embree 3 or 4" libembree-dev https://www.embree.org)  # burin/render/embree_rays.h
+burin_needs(Ceres "Ceres Solver 2.1 or newer" libceres-dev http://ceres-solver.org/installation.html 2.1)
+if(Ceres_FOUND)
+  burin_needs_what_links(Ceres::ceres "Ceres Solver" libceres-dev http://ceres-solver.org/installation.html)
+endif()
+burin_needs(ZLIB "zlib" zlib1g-dev https://zlib.net)
+burin_needs(PkgConfig "pkg-config" pkg-config https://www.freedesktop.org/wiki/Software/pkg-config)
+burin_needs(apriltag "AprilTag 3" libapriltag-dev https://github.com/AprilRobotics/apriltag MODULE apriltag)
+burin_needs(heif "libheif" libheif-dev https://github.com/strukturag/libheif MODULE libheif)
+
+# What OpenCV 4 calls calib3d, 5 has in parts.
+find_package(OpenCV 4 QUIET COMPONENTS core imgproc calib3d)
+set(burin_views_of_opencv opencv_calib3d)
+if(NOT OpenCV_FOUND)
+  burin_needs(OpenCV "OpenCV 4 or 5 with its calibration" libopencv-dev https://docs.opencv.org 5
+              COMPONENTS core imgproc geometry calib objdetect)
+  set(burin_views_of_opencv opencv_geometry opencv_calib opencv_objdetect)
+endif()
+if(NOT TARGET burin_opencv::calib3d)
+  add_library(burin_opencv::calib3d INTERFACE IMPORTED)
+  set_target_properties(burin_opencv::calib3d PROPERTIES INTERFACE_LINK_LIBRARIES "${burin_views_of_opencv}")
 endif()
 
 # mrcal ships neither a CMake config nor a .pc file.
 if(NOT TARGET mrcal::mrcal)
-  find_path(mrcal_INCLUDE_DIR mrcal/mrcal.h REQUIRED)
-  find_library(mrcal_LIBRARY mrcal REQUIRED)
-  add_library(mrcal::mrcal UNKNOWN IMPORTED)
-  set_target_properties(mrcal::mrcal PROPERTIES IMPORTED_LOCATION "${mrcal_LIBRARY}"
-                                                INTERFACE_INCLUDE_DIRECTORIES "${mrcal_INCLUDE_DIR}")
+  find_path(mrcal_INCLUDE_DIR mrcal/mrcal.h)
+  find_library(mrcal_LIBRARY mrcal)
+  if(mrcal_INCLUDE_DIR AND mrcal_LIBRARY)
+    add_library(mrcal::mrcal UNKNOWN IMPORTED)
+    set_target_properties(mrcal::mrcal PROPERTIES IMPORTED_LOCATION "${mrcal_LIBRARY}"
+                                                  INTERFACE_INCLUDE_DIRECTORIES "${mrcal_INCLUDE_DIR}")
+  else()
+    burin_lacks("mrcal 2.2 or newer" libmrcal-dev https://mrcal.secretsauce.net/install.html)
+  endif()
 endif()
