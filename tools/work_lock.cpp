@@ -8,7 +8,6 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <ctime>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -18,6 +17,7 @@
 #include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/json_file.h"
+#include "tools/local_time.h"
 
 namespace burin {
 namespace {
@@ -151,8 +151,7 @@ WorkLock::WorkLock(const fs::path& folder, const std::string& work, Where where)
     throw;
   }
   held = {std::move(file), 1, name};
-  const std::string text =
-      fmt::format("{}, process {} since {:%Y-%m-%d %H:%M:%S}\n", work, ::getpid(), fmt::localtime(std::time(nullptr)));
+  const std::string text = fmt::format("{}, process {} since {:%Y-%m-%d %H:%M:%S}\n", work, ::getpid(), local_time());
   // It only tells the other one who is here; the lock holds without it.
   if (::ftruncate(held.file.number(), 0) != 0 || ::pwrite(held.file.number(), text.data(), text.size(), 0) < 0) return;
 }

@@ -1,18 +1,18 @@
 #include "tools/report/html.h"
 
 #include <fmt/chrono.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <utility>
 
 #include "burin/render/files/decimals.h"
 #include "burin/render/files/svg.h"
 #include "embedded/report_files.h"
 #include "tools/content_policy.h"
+#include "tools/local_time.h"
 
 namespace burin {
 namespace {
@@ -148,7 +148,6 @@ std::string page(const Page& page) {
   for (const Finding& f : page.findings) (f.severity == Finding::Severity::error ? stop : mind).push_back(f);
   std::string inside = cards(stop) + page.pictures;
   if (!mind.empty()) inside += "<h2>What to mind</h2>\n" + cards(mind);
-  const std::time_t now = std::time(nullptr);
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">{}\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n{}</head>\n"
@@ -158,7 +157,7 @@ std::string page(const Page& page) {
       "</main>\n{}</body></html>\n",
       content_policy(scripts, styles), html(page.title), elements(styles, "style"), html(page.title), page.outcome,
       page.next.empty() ? "" : "<p class=\"next\"><b>" + page.next_word + ":</b> " + page.next + "</p>\n", inside,
-      page.body, BURIN_VERSION, fmt::localtime(now), elements(scripts, "script"));
+      page.body, BURIN_VERSION, local_time(), elements(scripts, "script"));
 }
 
 }  // namespace burin
