@@ -21,8 +21,8 @@ struct FakeSetting {
 struct FakeCamera {
   std::vector<std::pair<std::string, std::string>> cameras{{"Altair M12", "usb:001,004"}};  // model, port
   std::map<std::string, FakeSetting> settings;
-  DrawnPhoto like;  ///< what it sees; `paper` as 1/60 s has it
-  Image scene;      ///< drawn(like)
+  DrawnPhoto like;            ///< what it sees; `paper` as 1/60 s has it
+  Image scene;                ///< drawn(like)
   std::vector<double> light;  ///< on it, photo by photo; then 1
   int init_code = 0;
   int photos_left = 1000;                    ///< then the cable is pulled

@@ -61,23 +61,25 @@ TEST(Needs, AreNamedTogetherWithTheirPackages) {
                    "burin_needs_what_links(Solver::solver \"Solver\" libsolver-dev https://solver.example)\n"
                    "burin_settle_needs()\n");
   const std::string at = folder.path().string();
-  const Outcome run = run_shell(folder, "cmake -S " + quoted(at) + " -B " + quoted(at + "/build") + " -DCMAKE_PREFIX_PATH=" +
-                                            quoted(at + "/old") + " -DCMAKE_DISABLE_FIND_PACKAGE_CUDAToolkit=ON");
+  const Outcome run = run_shell(folder, "cmake -S " + quoted(at) + " -B " + quoted(at + "/build") +
+                                            " -DCMAKE_PREFIX_PATH=" + quoted(at + "/old") +
+                                            " -DCMAKE_DISABLE_FIND_PACKAGE_CUDAToolkit=ON");
   EXPECT_NE(run.exit_code, 0);
   using ::testing::HasSubstr;
   EXPECT_THAT(run.err, HasSubstr("  A missing one: Debian's libmissing-dev, or https://missing.example\n"));
   EXPECT_THAT(run.err, HasSubstr("  Old 2 or newer, and not 1.5: Debian's libold-dev, or https://old.example\n"));
-  EXPECT_THAT(run.err, HasSubstr("this Solver was built with CUDA and links CUDA::cublas, CUDA::cusolver (without CUDA: "
-                                 "libsolver-dev): Debian's nvidia-cuda-toolkit"));
+  EXPECT_THAT(run.err,
+              HasSubstr("this Solver was built with CUDA and links CUDA::cublas, CUDA::cusolver (without CUDA: "
+                        "libsolver-dev): Debian's nvidia-cuda-toolkit"));
   EXPECT_THAT(run.err, HasSubstr("  apt-get install libmissing-dev libold-dev nvidia-cuda-toolkit\n"));
 }
 
 TEST(Needs, OfBurinAreNamedWhereTheyAreMissing) {
   const TemporaryFolder folder;
   // mrcal has no CMake package to be disabled: its header is hidden, and all others of that folder with it.
-  const Outcome run =
-      run_shell(folder, "cmake -S " + quoted(places::source()) + " -B " + quoted((folder / "build").string()) +
-                            " -DBURIN_BUILD_TESTS=OFF -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON -DCMAKE_IGNORE_PATH=/usr/include");
+  const Outcome run = run_shell(
+      folder, "cmake -S " + quoted(places::source()) + " -B " + quoted((folder / "build").string()) +
+                  " -DBURIN_BUILD_TESTS=OFF -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON -DCMAKE_IGNORE_PATH=/usr/include");
   EXPECT_NE(run.exit_code, 0);
   EXPECT_THAT(run.err, ::testing::AllOf(::testing::HasSubstr("Ceres Solver 2.1 or newer: Debian's libceres-dev"),
                                         ::testing::HasSubstr("mrcal 2.2 or newer: Debian's libmrcal-dev, or "
