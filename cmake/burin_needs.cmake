@@ -1,9 +1,11 @@
-# burin_needs(<name> <what it is> <Debian's package> <its project's page> [MODULE <pkg-config's name>] [find_package's arguments])
+# burin_needs(<name> <what it is> <Debian's package> <its project's page> [MODULE <pkg-config's name>] [LEAST <version>]
+#             [find_package's arguments])
 #
-# Finds a library by find_package, or by pkg-config as the target PkgConfig::<name>. What is not there does not end the configuration
+# Finds a library by find_package, or by pkg-config as the target PkgConfig::<name>. LEAST is for packages whose next major version
+# serves as well, and would not answer to an older one's number. What is not there does not end the configuration
 # at once: burin_settle_needs() names all of it together, with the packages. Read where Burin is built and where it is used.
 macro(burin_needs name words package page)
-  cmake_parse_arguments(burin_need "" "MODULE" "" ${ARGN})
+  cmake_parse_arguments(burin_need "" "MODULE;LEAST" "" ${ARGN})
   if(NOT burin_need_MODULE)
     find_package(${name} ${burin_need_UNPARSED_ARGUMENTS} QUIET)
   elseif(NOT TARGET PkgConfig::${name} AND COMMAND pkg_check_modules)
@@ -17,6 +19,8 @@ macro(burin_needs name words package page)
       set(burin_need_why " (found, but: ${${name}_NOT_FOUND_MESSAGE})")
     endif()
     burin_lacks("${words}${burin_need_why}" ${package} ${page})
+  elseif(burin_need_LEAST AND "${${name}_VERSION}" VERSION_LESS "${burin_need_LEAST}")
+    burin_lacks("${words}, and not ${${name}_VERSION}" ${package} ${page})
   endif()
 endmacro()
 

@@ -3,10 +3,7 @@
 include(${CMAKE_CURRENT_LIST_DIR}/burin_needs.cmake)
 
 burin_needs(Threads "threads" build-essential https://cmake.org/cmake/help/latest/module/FindThreads.html)
-find_package(Eigen3 3.4 NO_MODULE QUIET)  # to which Eigen 5 does not answer
-if(NOT Eigen3_FOUND)
-  burin_needs(Eigen3 "Eigen 3.4 or newer" libeigen3-dev https://eigen.tuxfamily.org 5 NO_MODULE)
-endif()
+burin_needs(Eigen3 "Eigen 3.4 or newer" libeigen3-dev https://eigen.tuxfamily.org LEAST 3.4 NO_MODULE)
 burin_needs(TBB "oneTBB" libtbb-dev https://uxlfoundation.github.io/oneTBB)
 burin_needs(OpenImageIO "OpenImageIO" libopenimageio-dev https://openimageio.readthedocs.io)
 burin_needs(embree "Embree 3 or 4" libembree-dev https://www.embree.org)  # burin/render/embree_rays.h
@@ -20,13 +17,14 @@ burin_needs(apriltag "AprilTag 3" libapriltag-dev https://github.com/AprilRoboti
 burin_needs(heif "libheif" libheif-dev https://github.com/strukturag/libheif MODULE libheif)
 
 # What OpenCV 4 calls calib3d, 5 has in parts.
-find_package(OpenCV 4 QUIET COMPONENTS core imgproc calib3d)
-set(burin_views_of_opencv opencv_calib3d)
-if(NOT OpenCV_FOUND)
-  burin_needs(OpenCV "OpenCV 4 or 5 with its calibration" libopencv-dev https://docs.opencv.org 5
-              COMPONENTS core imgproc geometry calib objdetect)
-  set(burin_views_of_opencv opencv_geometry opencv_calib opencv_objdetect)
+find_package(OpenCV QUIET)
+set(burin_views_of_opencv geometry calib objdetect)
+if(OpenCV_FOUND AND OpenCV_VERSION VERSION_LESS 5)
+  set(burin_views_of_opencv calib3d)
 endif()
+burin_needs(OpenCV "OpenCV 4 or 5 with its calibration" libopencv-dev https://docs.opencv.org LEAST 4
+            COMPONENTS core imgproc ${burin_views_of_opencv})
+list(TRANSFORM burin_views_of_opencv PREPEND opencv_)
 if(NOT TARGET burin_opencv::calib3d)
   add_library(burin_opencv::calib3d INTERFACE IMPORTED)
   set_target_properties(burin_opencv::calib3d PROPERTIES INTERFACE_LINK_LIBRARIES "${burin_views_of_opencv}")
