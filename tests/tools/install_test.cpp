@@ -50,6 +50,7 @@ TEST(Needs, AreNamedTogetherWithTheirPackages) {
   const TemporaryFolder folder;
   folder.write("old/OldConfig.cmake", "");
   folder.write("old/OldConfigVersion.cmake", "set(PACKAGE_VERSION 1.5)\n");
+  folder.write("old/CudaConfig.cmake", "include(CMakeFindDependencyMacro)\nfind_dependency(CUDAToolkit)\n");
   folder.write("CMakeLists.txt",
                "cmake_minimum_required(VERSION 3.25)\nproject(needs NONE)\ninclude(" + places::source() +
                    "/cmake/burin_needs.cmake)\n"
@@ -59,6 +60,7 @@ TEST(Needs, AreNamedTogetherWithTheirPackages) {
                    "set_target_properties(Solver::solver PROPERTIES INTERFACE_LINK_LIBRARIES "
                    "\"$<LINK_ONLY:CUDA::cublas>;CUDA::cusolver;m\")\n"
                    "burin_needs_what_links(Solver::solver \"Solver\" libsolver-dev https://solver.example)\n"
+                   "burin_needs(Cuda \"A solver\" libcuda-dev https://cuda.example)\n"
                    "burin_settle_needs()\n");
   const std::string at = folder.path().string();
   const Outcome run = run_shell(folder, "cmake -S " + quoted(at) + " -B " + quoted(at + "/build") +
@@ -71,6 +73,7 @@ TEST(Needs, AreNamedTogetherWithTheirPackages) {
   EXPECT_THAT(run.err,
               HasSubstr("this Solver was built with CUDA and links CUDA::cublas, CUDA::cusolver (without CUDA: "
                         "libsolver-dev): Debian's nvidia-cuda-toolkit"));
+  EXPECT_THAT(run.err, HasSubstr("CUDA's toolkit, since this Cuda was built with CUDA (it is there, but: "));
   EXPECT_THAT(run.err, HasSubstr("  apt-get install libmissing-dev libold-dev nvidia-cuda-toolkit\n"));
 }
 
