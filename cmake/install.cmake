@@ -14,7 +14,7 @@ install(EXPORT burinTargets NAMESPACE burin:: DESTINATION ${burin_cmake_dir})
 configure_package_config_file(cmake/burinConfig.cmake.in burinConfig.cmake INSTALL_DESTINATION ${burin_cmake_dir})
 write_basic_package_version_file(burinConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/burinConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/burinConfigVersion.cmake
-              cmake/dependencies.cmake DESTINATION ${burin_cmake_dir})
+              cmake/burin_needs.cmake cmake/dependencies.cmake DESTINATION ${burin_cmake_dir})
 
 install(DIRECTORY examples samples DESTINATION ${CMAKE_INSTALL_DATADIR}/burin PATTERN "round-*" EXCLUDE)  # what a loop made of a sample
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})

@@ -6,8 +6,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <OpenImageIO/imageio.h>
-
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -20,7 +18,7 @@
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/files/descriptor.h"
-#include "burin/render/files/encoded_picture.h"
+#include "burin/render/files/encoded_bytes.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
@@ -77,8 +75,7 @@ std::string png_of(const Image& radiance, double exposure, const fs::path& file)
     const float shown = linear_to_srgb(std::clamp(static_cast<float>(exposure) * v, 0.0F, 1.0F));
     return static_cast<std::uint8_t>(std::lround(255 * shown));
   });
-  const OIIO::ImageSpec spec(radiance.width, radiance.height, radiance.channels, OIIO::TypeDesc::UINT8);
-  return encoded_picture(".png", spec, OIIO::TypeDesc::UINT8, stored.data(), file);
+  return png_bytes({radiance.width, radiance.height, radiance.channels, stored}, file);
 }
 
 fs::path numbered_frame(const fs::path& folder, int frame) {

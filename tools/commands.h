@@ -30,7 +30,7 @@
 // - `--help` ends with an example that works on the files it names.
 #pragma once
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/App.hpp>
 #include <memory>

@@ -1,6 +1,6 @@
 #include "tools/content_hash.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <openssl/evp.h>
 
 #include <array>

@@ -1,11 +1,11 @@
 #include "tools/content_policy.h"
 
-#include <OpenImageIO/strutil.h>
 #include <openssl/evp.h>
 
 #include <array>
 
 #include "burin/render/error.h"
+#include "tools/base64.h"
 
 namespace burin {
 namespace {
@@ -25,7 +25,7 @@ std::string content_hash_source(std::string_view text) {
   if (EVP_Digest(text.data(), text.size(), value.data(), &length, EVP_sha256(), nullptr) != 1)
     fail("the page", "cannot be hashed: OpenSSL has no SHA-256", "install Debian's own libssl3");
   const std::string_view bytes(reinterpret_cast<const char*>(value.data()), length);
-  return "'sha256-" + OIIO::Strutil::base64_encode(bytes) + "'";
+  return "'sha256-" + base64(bytes) + "'";
 }
 
 std::string content_policy(std::span<const std::string> scripts, std::span<const std::string> styles) {

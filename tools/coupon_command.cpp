@@ -1,9 +1,8 @@
 // burin coupon - a patch of test scratches that measures a machine. The work is in burin/optimize/carving/coupon.h
 // (layout) and burin/calib/coupon.h (reading).
+
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -24,6 +23,7 @@
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
+#include "tools/local_time.h"
 #include "tools/progress_bar.h"
 #include "tools/project_settings.h"
 #include "tools/work_lock.h"
@@ -40,13 +40,6 @@ struct WriteOptions {
   double tool_width_um = 0, depth_um = 0;
   CouponOptions coupon;
 };
-
-std::string today() {
-  const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
-  std::tm local{};
-  localtime_r(&now, &local);
-  return fmt::format("{:04}-{:02}-{:02}", local.tm_year + 1900, local.tm_mon + 1, local.tm_mday);
-}
 
 std::string unit_of(DepthBy depth_by) {
   switch (depth_by) {
@@ -98,7 +91,7 @@ void write_coupon_files(WriteOptions options, const CLI::App& command) {
   }
   const WorkLock lock(options.out, "burin coupon write", WorkLock::Where::new_folders);
   const MachineProfile machine = machine_profile(options.machine);
-  if (options.coupon.date.empty()) options.coupon.date = today();
+  if (options.coupon.date.empty()) options.coupon.date = local_time("%Y-%m-%d");
   std::optional<Board> on;
   if (!options.on.empty()) {
     on = read_board(options.on);

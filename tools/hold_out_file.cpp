@@ -1,6 +1,6 @@
 #include "tools/hold_out_file.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 

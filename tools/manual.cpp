@@ -1,6 +1,6 @@
 #include "tools/manual.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <string_view>
 

@@ -1,6 +1,6 @@
 #include "tools/picture_quality.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "tools/plan_drawing.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>

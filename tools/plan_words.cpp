@@ -1,6 +1,6 @@
 #include "tools/plan_words.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 struct PrintArguments {
   fs::path project, out;
-  std::string paper = "a4";
+  std::optional<std::string> paper;
   double across_mm = 100;
   std::optional<double> upright_mm;
   bool no_template = false, no_chessboard = false;
@@ -45,7 +45,8 @@ void run(PrintArguments options) {
     fail(out.string(), "is not the name of a PDF",
          "write --out " + shell_word(fs::path(out).replace_extension(".pdf").string()));
   PrintSetup setup;
-  setup.paper = find_paper(options.paper);
+  const UsualPaper usual = usual_paper();
+  setup.paper = find_paper(options.paper.value_or(usual.name));
   setup.across_mm = options.across_mm;
   setup.upright_mm = options.upright_mm.value_or(options.across_mm);
   constexpr double kName_mm = 80;  // of a page's title, whose end says which page it is
@@ -74,11 +75,17 @@ void run(PrintArguments options) {
     pages.push_back(board_page.page.drawing);
   }
   if (out.has_parent_path()) make_output_folder(out.parent_path());
-  write_text(pdf(pages, {setup.paper.size_mm, stretch(setup), setup.name + ": tags, template, chessboard"}), out);
+  write_text(pdf(pages, {setup.paper.size_mm, stretch(setup), setup.name + ": tags, template, chessboard", true}), out);
+  const std::string other = setup.paper.name == "letter" ? "a4" : "letter";
+  told += fmt::format("  on {} paper, {:g} x {:g} mm{}\n", setup.paper.name, setup.paper.size_mm.x(),
+                      setup.paper.size_mm.y(),
+                      options.paper       ? ""
+                      : usual.why.empty() ? fmt::format(" (else: --paper {})", other)
+                                          : fmt::format(" ({}; else: --paper {})", usual.why, other));
   print_text("{}", told);
   std::string again = "burin print " + shell_word(options.project.string());
   if (!options.out.empty()) again += " --out " + shell_word(options.out.string());
-  if (options.paper != "a4") again += " --paper " + options.paper;
+  if (options.paper) again += " --paper " + *options.paper;
   if (options.no_template) again += " --no-template";
   if (options.no_chessboard) again += " --no-chessboard";
   if (is_compensated(setup))
@@ -104,7 +111,8 @@ void add_print_command(CLI::App& burin) {
   command->add_option("PROJECT", options->project,
                       "The project's folder, or a board.json; left out: the working directory's project");
   command->add_option("--out", options->out, "The PDF to write; without it, tags.pdf beside board.json");
-  command->add_option("--paper", options->paper, "a4, letter, a3 or tabloid")->capture_default_str();
+  command->add_option("--paper", options->paper,
+                      "a4, letter, a3 or tabloid; without it, what the locale uses (LC_PAPER)");
   command->add_option("--ruler-measured", options->across_mm,
                       "How long the printed 100 mm ruler came out on your printer, mm: everything is put right by it");
   command->add_option("--upright-ruler-measured", options->upright_mm,

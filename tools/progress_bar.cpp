@@ -1,6 +1,6 @@
 #include "tools/progress_bar.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>

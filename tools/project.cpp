@@ -1,6 +1,6 @@
 #include "tools/project.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>

@@ -28,7 +28,8 @@ namespace fs = std::filesystem;
 struct SheetArguments {
   fs::path project;
   std::vector<fs::path> out;
-  std::string paper = "a4", focus_range;
+  std::optional<std::string> paper;
+  std::string focus_range;
   std::optional<double> hang_height_mm;
   double focus_mm = 0;
   int shots = PlanOptions{}.shots;
@@ -43,7 +44,7 @@ void run(SheetArguments options) {
       fail(file.string(), "is the name of neither a PDF nor a page",
            "write --out " + shell_word(fs::path(file).replace_extension(".pdf").string()) + " or .html");
   const WorkLock lock(out.front().parent_path(), "burin sheet", WorkLock::Where::projects);
-  const Paper paper = find_paper(options.paper);
+  const Paper paper = find_paper(options.paper.value_or(usual_paper().name));
   const WantedBench wanted = wanted_bench({options.project});
   Sheet sheet;
   sheet.name = fs::absolute(options.project / "x").lexically_normal().parent_path().filename().string();
@@ -105,7 +106,8 @@ void add_sheet_command(CLI::App& burin) {
   command->add_option("--focus-mm", options->focus_mm, "Where the lens is focused, instead of at the designed views")
       ->check(CLI::PositiveNumber);
   command->add_option("--focus-range", options->focus_range, "What is sharp then, like 900-1500mm (burin plan)");
-  command->add_option("--paper", options->paper, "a4, letter, a3 or tabloid")->capture_default_str();
+  command->add_option("--paper", options->paper,
+                      "a4, letter, a3 or tabloid; without it, what the locale uses (LC_PAPER)");
   command->footer(example("burin sheet my-board --hang-height 1800"));
   command->callback([options] { run(*options); });
 }

@@ -1,7 +1,7 @@
 #include "tools/standard_streams.h"
 
 #include <fcntl.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>

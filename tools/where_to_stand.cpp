@@ -1,6 +1,6 @@
 #include "tools/where_to_stand.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

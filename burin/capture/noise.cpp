@@ -202,7 +202,8 @@ NoiseModel fit_noise(std::span<const NoiseSample> samples) {
     std::vector<int> columns;
     for (int k = 0; k < 3; ++k)
       if ((set >> k) & 1) columns.push_back(k);
-    const Eigen::MatrixXd part = A(Eigen::all, columns);
+    Eigen::MatrixXd part(A.rows(), static_cast<Eigen::Index>(columns.size()));  // Eigen 5 has no Eigen::all
+    for (std::size_t k = 0; k < columns.size(); ++k) part.col(static_cast<Eigen::Index>(k)) = A.col(columns[k]);
     const Eigen::VectorXd x = part.completeOrthogonalDecomposition().solve(b);
     if (!(x.array() >= 0).all()) continue;
     const double cost = (part * x - b).squaredNorm();

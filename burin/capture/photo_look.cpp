@@ -26,7 +26,7 @@ std::optional<double> edge_sigma_px(const cv::Mat& gray, double low, double high
   cv::Mat top, bottom, dx, dy;
   cv::dilate(gray, top, window);
   cv::erode(gray, bottom, window);
-  const cv::Mat half = (cv::Mat_<float>(1, 3) << -0.5F, 0, 0.5F);
+  const cv::Matx13f half(-0.5F, 0, 0.5F);
   cv::filter2D(gray, dx, CV_32F, half);
   cv::filter2D(gray, dy, CV_32F, half.t());
   std::vector<float> steepness;

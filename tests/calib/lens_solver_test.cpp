@@ -6,15 +6,24 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/objdetect.hpp>  // findChessboardCorners
+#endif
 #include <random>
 
+#include "burin/calib/geometry/chessboard.h"
 #include "burin/render/error.h"
 #include "burin/render/image.h"
+#include "tests/temporary_folder.h"
 
 namespace burin {
 namespace {
@@ -61,6 +70,41 @@ TEST(LensSolver, ReproducesOpenCvsChessboards) {
   EXPECT_NEAR(s.lens.intrinsics[1], 535.91573, 535.91573e-3);
   EXPECT_NEAR(s.rms_point_px, 0.392591, 0.392591e-2);
   EXPECT_LT(s.check.max_shift_px, 0.01);
+}
+
+// Proves: a board in uneven light is found as in even light: the same photographs with one side, or all but the middle,
+// darkened by 13 and 60 times.
+TEST(Chessboards, AreFoundInUnevenLight) {
+  const Chessboard board{9, 6, 25};
+  const auto views_in = [&](const std::function<double(double, double)>& light) {
+    const TemporaryFolder folder;
+    for (const auto& entry : fs::directory_iterator(kData / "photos/opencv_samples")) {
+      if (entry.path().extension() != ".jpg") continue;
+      Image picture = read_picture(entry.path());
+      for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x)
+          for (int c = 0; c < picture.channels; ++c)
+            picture.at(x, y, c) *= static_cast<float>(light((x + 0.5) / picture.width, (y + 0.5) / picture.height));
+      write_picture(picture, folder / entry.path().stem().concat(".png"));
+    }
+    ChessboardViews found = find_chessboards(folder.path(), board);
+    std::sort(found.views.begin(), found.views.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+    return found.views;
+  };
+  const auto even = views_in([](double, double) { return 1.0; });
+  ASSERT_EQ(even.size(), 13U);
+  for (const double times : {13., 60.})
+    for (const int way : {0, 1}) {
+      const auto views = views_in([&](double u, double v) {
+        return std::pow(times, way == 0 ? -u : -2 * std::min(0.5, (u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5)));
+      });
+      ASSERT_EQ(views.size(), even.size()) << times << " times, way " << way;
+      double sum2 = 0;
+      for (std::size_t i = 0; i < views.size(); ++i)
+        for (std::size_t k = 0; k < views[i].q_px.size(); ++k)
+          sum2 += (views[i].q_px[k] - even[i].q_px[k]).squaredNorm() / (2.0 * 54 * 13);
+      EXPECT_LT(std::sqrt(sum2), 0.2) << times << " times, way " << way;
+    }
 }
 
 // Proves: mrcal's published calibration of an ultra-wide lens (186 real photos; f 2073.873, 2077.452, RMS 0.5513 an

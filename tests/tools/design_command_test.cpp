@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include <OpenImageIO/imageio.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <chrono>
 #include <filesystem>

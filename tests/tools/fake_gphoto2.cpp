@@ -1,14 +1,18 @@
 #include "tests/tools/fake_gphoto2.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <gphoto2/gphoto2.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <thread>
 
+#include "tests/drawn_dng.h"
 #include "tests/temporary_folder.h"
 #include "tools/tether/tethered_camera.h"
 
@@ -24,13 +28,29 @@ namespace {
 // What lies on its card under that name.
 std::string file_on_card(const std::string& name) {
   FakeCamera& fake = fake_camera();
-  if (name == fake.second_file) return "raw values";
-  const double time_s = seconds_of_dial(fake.settings["shutterspeed"].value);
+  const FakeCamera::OnCard& on_card = fake.card.at(name);
   Image exposed = fake.scene;
-  for (float& v : exposed.data) v = static_cast<float>(v * time_s * 60);
+  const auto photo = static_cast<std::size_t>(on_card.photo);
+  const double light = photo <= fake.light.size() ? fake.light[photo - 1] : 1;
+  for (float& v : exposed.data) v = static_cast<float>(v * on_card.exposure_s * 60 * light);
   DrawnPhoto like = fake.like;
-  like.exposure_s = time_s;
-  like.taken_at = fmt::format("2024:05:01 12:{:02}:{:02}", fake.taken / 60, fake.taken % 60);
+  like.exposure_s = on_card.exposure_s;
+  like.taken_at = fmt::format("2024:05:01 12:{:02}:{:02}", on_card.photo / 60, on_card.photo % 60);
+  if (name.ends_with(".DNG")) {
+    Dng dng;
+    dng.width = exposed.width;
+    dng.height = exposed.height;
+    dng.exposure_s[0] = static_cast<std::uint32_t>(std::lround(1e6 * on_card.exposure_s));
+    dng.exposure_s[1] = 1'000'000;
+    dng.f_number = static_cast<std::uint32_t>(like.f_number);
+    dng.iso = static_cast<std::uint32_t>(like.iso);
+    dng.make = "Altair";
+    dng.model = like.model;
+    for (const float v : exposed.data)
+      dng.pixels.push_back(static_cast<std::uint16_t>(
+          dng.black + std::lround(std::min(1.0F, v) * static_cast<float>(dng.white - dng.black))));
+    return dng_file(dng);
+  }
   const auto file = std::filesystem::temp_directory_path() / fmt::format("burin-fake-camera-{}.jpg", ::getpid());
   write_drawn(exposed, like, file);
   const std::string bytes = file_text(file);
@@ -194,23 +214,38 @@ int gp_camera_capture(Camera*, CameraCaptureType, CameraFilePath* path, GPContex
     return GP_ERROR_IO;
   }
   ++fake.taken;
-  fake.calls.push_back("capture " + fake.settings["shutterspeed"].value);
+  const std::string shutter = fake.settings["shutterspeed"].value;
+  fake.calls.push_back("capture " + shutter);
+  const auto now = std::chrono::steady_clock::now();
+  const std::string name = fmt::format("IMG_{:04}.JPG", fake.taken);
+  fake.card[name] = {burin::seconds_of_dial(shutter), fake.taken, now, true};
+  if (!fake.second_ending.empty())
+    fake.card[fmt::format("{}{:04}{}", fake.second_prefix, fake.taken, fake.second_ending)] = {
+        burin::seconds_of_dial(shutter), fake.taken, now + std::chrono::milliseconds(fake.second_after_ms), false};
   std::strcpy(path->folder, "/store_00010001/DCIM/100ALTR");
-  std::strcpy(path->name, fmt::format("IMG_{:04}.JPG", fake.taken).c_str());
+  std::strcpy(path->name, name.c_str());
   return GP_OK;
 }
-int gp_camera_wait_for_event(Camera*, int, CameraEventType* event, void** data, GPContext*) {
-  static int told_of = 0;
+int gp_camera_wait_for_event(Camera*, int timeout_ms, CameraEventType* event, void** data, GPContext*) {
   burin::FakeCamera& fake = fake_camera();
   *event = GP_EVENT_TIMEOUT;
   *data = nullptr;
-  if (fake.second_file.empty() || told_of == fake.taken) return GP_OK;
-  told_of = fake.taken;
-  auto* path = static_cast<CameraFilePath*>(std::calloc(1, sizeof(CameraFilePath)));  // freed by who is told
-  std::strcpy(path->folder, "/store_00010001/DCIM/100ALTR");
-  std::strcpy(path->name, fake.second_file.c_str());
-  *event = GP_EVENT_FILE_ADDED;
-  *data = path;
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(timeout_ms);
+  for (auto& [name, file] : fake.card) {
+    if (file.told || file.photo + fake.second_after_photos > fake.taken) continue;
+    if (file.told_at > until) {
+      std::this_thread::sleep_until(until);
+      return GP_OK;
+    }
+    std::this_thread::sleep_until(file.told_at);
+    file.told = true;
+    auto* path = static_cast<CameraFilePath*>(std::calloc(1, sizeof(CameraFilePath)));  // freed by who is told
+    std::strcpy(path->folder, "/store_00010001/DCIM/100ALTR");
+    std::strcpy(path->name, name.c_str());
+    *event = GP_EVENT_FILE_ADDED;
+    *data = path;
+    return GP_OK;
+  }
   return GP_OK;
 }
 int gp_file_new(CameraFile** file) {

@@ -45,5 +45,49 @@ TEST(Install, AnotherProjectFindsBurinAndUsesIt) {
   EXPECT_EQ(program.exit_code, 0) << program.err;
 }
 
+// What is missing is said at once, each with its package, and so are targets that a library links and nobody has.
+TEST(Needs, AreNamedTogetherWithTheirPackages) {
+  const TemporaryFolder folder;
+  folder.write("old/OldConfig.cmake", "");
+  folder.write("old/OldConfigVersion.cmake", "set(PACKAGE_VERSION 1.5)\n");
+  folder.write("old/CudaConfig.cmake", "include(CMakeFindDependencyMacro)\nfind_dependency(CUDAToolkit)\n");
+  folder.write("CMakeLists.txt",
+               "cmake_minimum_required(VERSION 3.25)\nproject(needs NONE)\ninclude(" + places::source() +
+                   "/cmake/burin_needs.cmake)\n"
+                   "burin_needs(Missing \"A missing one\" libmissing-dev https://missing.example)\n"
+                   "burin_needs(Old \"Old 2 or newer\" libold-dev https://old.example 2)\n"
+                   "add_library(Solver::solver INTERFACE IMPORTED)\n"
+                   "set_target_properties(Solver::solver PROPERTIES INTERFACE_LINK_LIBRARIES "
+                   "\"$<LINK_ONLY:CUDA::cublas>;CUDA::cusolver;m\")\n"
+                   "burin_needs_what_links(Solver::solver \"Solver\" libsolver-dev https://solver.example)\n"
+                   "burin_needs(Cuda \"A solver\" libcuda-dev https://cuda.example)\n"
+                   "burin_settle_needs()\n");
+  const std::string at = folder.path().string();
+  const Outcome run = run_shell(folder, "cmake -S " + quoted(at) + " -B " + quoted(at + "/build") +
+                                            " -DCMAKE_PREFIX_PATH=" + quoted(at + "/old") +
+                                            " -DCMAKE_DISABLE_FIND_PACKAGE_CUDAToolkit=ON");
+  EXPECT_NE(run.exit_code, 0);
+  using ::testing::HasSubstr;
+  EXPECT_THAT(run.err, HasSubstr("  A missing one: Debian's libmissing-dev, or https://missing.example\n"));
+  EXPECT_THAT(run.err, HasSubstr("  Old 2 or newer, and not 1.5: Debian's libold-dev, or https://old.example\n"));
+  EXPECT_THAT(run.err,
+              HasSubstr("this Solver was built with CUDA and links CUDA::cublas, CUDA::cusolver (without CUDA: "
+                        "libsolver-dev): Debian's nvidia-cuda-toolkit"));
+  EXPECT_THAT(run.err, HasSubstr("CUDA's toolkit, since this Cuda was built with CUDA (it is there, but: "));
+  EXPECT_THAT(run.err, HasSubstr("  apt-get install libmissing-dev libold-dev nvidia-cuda-toolkit\n"));
+}
+
+TEST(Needs, OfBurinAreNamedWhereTheyAreMissing) {
+  const TemporaryFolder folder;
+  // mrcal has no CMake package to be disabled: its header is hidden, and all others of that folder with it.
+  const Outcome run = run_shell(
+      folder, "cmake -S " + quoted(places::source()) + " -B " + quoted((folder / "build").string()) +
+                  " -DBURIN_BUILD_TESTS=OFF -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON -DCMAKE_IGNORE_PATH=/usr/include");
+  EXPECT_NE(run.exit_code, 0);
+  EXPECT_THAT(run.err, ::testing::AllOf(::testing::HasSubstr("Ceres Solver 2.1 or newer: Debian's libceres-dev"),
+                                        ::testing::HasSubstr("mrcal 2.2 or newer: Debian's libmrcal-dev, or "
+                                                             "https://mrcal.secretsauce.net/install.html")));
+}
+
 }  // namespace
 }  // namespace burin

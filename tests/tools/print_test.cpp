@@ -294,7 +294,7 @@ TEST(Print, LensFindsTheChessboardInItsSize) {
   EXPECT_EQ(page.square_mm, std::floor(page.square_mm));
   const TemporaryFolder folder;
   const std::vector<Image> paper =
-      rendered(folder, pdf({&page.page.drawing, 1}, {setup.paper.size_mm, stretch(setup), "c"}));
+      rendered(folder, pdf({&page.page.drawing, 1}, {setup.paper.size_mm, stretch(setup), "c", true}));
   ASSERT_EQ(paper.size(), 1U);
   std::filesystem::create_directory(folder / "photos");
   write_picture(paper[0], folder / "photos" / "page.png");
@@ -327,6 +327,47 @@ TEST(Print, LongNamesStayOnThePage) {
     together += line;
   }
   EXPECT_EQ(std::count(together.begin(), together.end(), 'w'), 200);
+}
+
+// Read as PDF is read: from the end, by the tables of objects. (That poppler takes it is seen above.)
+TEST(Print, AsksForItsTrueSize) {
+  const Drawing empty;
+  const std::string bytes = pdf({&empty, 1}, {{210, 297}, {1, 1}, "c", true});
+  const auto number_at = [&](std::size_t at) { return std::stoul(bytes.substr(at, 20)); };
+  const std::size_t table = number_at(bytes.rfind("startxref") + 9);
+  ASSERT_EQ(bytes.substr(table, 5), "xref\n");
+  const std::size_t row = bytes.find('\n', table + 5) + 1, object = number_at(row);
+  const std::string number = std::to_string(number_at(table + 5));
+  ASSERT_TRUE(bytes.substr(object).starts_with(number + " 0 obj"));
+  const std::string catalog = bytes.substr(object, bytes.find("endobj", object) - object);
+  EXPECT_THAT(catalog, AllOf(HasSubstr("/Type /Catalog"), HasSubstr("/Pages "),
+                             HasSubstr("/ViewerPreferences << /PrintScaling /None >>")));
+  const std::string trailer = bytes.substr(bytes.rfind("trailer"));
+  EXPECT_THAT(trailer, HasSubstr("/Root " + number + " 0 R"));
+  const std::size_t before = number_at(trailer.find("/Prev ") + bytes.rfind("trailer") + 6);
+  EXPECT_EQ(bytes.substr(before, 5), "xref\n");
+  EXPECT_LT(before, table);
+  EXPECT_EQ(pdf({&empty, 1}, {{210, 297}, {1, 1}, "c"}).find("PrintScaling"), std::string::npos);
+}
+
+TEST(PrintCommand, TakesThePaperOfTheLocale) {
+  const TemporaryFolder folder;
+  write_board(small_board("tag36h11"), folder / "board.json");
+  const auto printed = [&](const std::string& environment, const std::string& options) {
+    return run_shell(folder, "cd " + quoted(folder.path().string()) + " && env -u LC_ALL -u LC_PAPER -u LANG " +
+                                 environment + " " + quoted(places::program()) +
+                                 " print board.json --no-template --no-chessboard " + options)
+        .out;
+  };
+  EXPECT_THAT(printed("", ""), HasSubstr("on a4 paper, 210 x 297 mm (else: --paper letter)\n"));
+  EXPECT_THAT(printed("LANG=en_US.UTF-8", ""),
+              HasSubstr("on letter paper, 215.9 x 279.4 mm (LANG=en_US.UTF-8; else: --paper a4)\n"));
+  EXPECT_THAT(printed("LANG=en_US.UTF-8 LC_PAPER=de_DE.UTF-8", ""),
+              HasSubstr("on a4 paper, 210 x 297 mm (LC_PAPER=de_DE"));
+  EXPECT_THAT(printed("LANG=de_DE LC_PAPER=fr_CA", ""), HasSubstr("on letter paper"));
+  EXPECT_THAT(printed("LANG=es_MX LC_ALL=C", ""), HasSubstr("on a4 paper"));
+  EXPECT_THAT(printed("LANG=en_US.UTF-8", "--paper a4"), HasSubstr("on a4 paper, 210 x 297 mm\n"));
+  EXPECT_THAT(file_text(folder / "tags.pdf"), HasSubstr("/PrintScaling /None"));
 }
 
 TEST(Print, RefusesWhatCannotBePrinted) {

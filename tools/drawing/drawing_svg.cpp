@@ -1,6 +1,6 @@
 #include "tools/drawing/drawing_svg.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "burin/render/files/svg.h"
 

@@ -2,6 +2,7 @@
 
 #include <cairo-pdf.h>
 #include <cairo.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include <cstring>
 #include <memory>
 #include <numbers>
+#include <utility>
 
 #include "burin/render/error.h"
 
@@ -106,6 +108,38 @@ cairo_status_t append(void* out, const unsigned char* data, unsigned int length)
   return CAIRO_STATUS_SUCCESS;
 }
 
+// The dictionary of the object that `number` names, with its brackets; empty if there is none.
+std::string dictionary_of(const std::string& bytes, const std::string& number) {
+  const std::size_t object = bytes.find("\n" + number + " 0 obj"), from = bytes.find("<<", object),
+                    to = bytes.find("endobj", object);
+  if (object == std::string::npos || from == std::string::npos || to == std::string::npos || from > to) return "";
+  return bytes.substr(from, bytes.rfind(">>", to) + 2 - from);
+}
+
+// Cairo has no words for a viewer's preferences. They are appended as PDF has changes appended (ISO 32000-1, 7.5.6):
+// the catalog once more, with them, and where it lies.
+std::string with_true_size(std::string bytes) {
+  const std::size_t start = bytes.rfind("startxref"), trailer = bytes.rfind("trailer"),
+                    root = bytes.find("/Root ", trailer);
+  std::string catalog, number;
+  if (start != std::string::npos && trailer != std::string::npos && root != std::string::npos) {
+    number = bytes.substr(root + 6, bytes.find(' ', root + 6) - root - 6);
+    catalog = dictionary_of(bytes, number);
+  }
+  if (catalog.empty())
+    fail("the PDF", "cairo wrote it without a table of its objects", "check that Debian's own libcairo2 is installed");
+  const std::size_t from = bytes.find("<<", trailer);
+  std::string settings = bytes.substr(from, bytes.rfind(">>", start) - from);
+  settings += fmt::format("/Prev {}\n>>\n", std::stoul(bytes.substr(start + 9)));
+  catalog.resize(catalog.size() - 2);
+  if (bytes.back() != '\n') bytes += '\n';
+  const std::size_t object = bytes.size();
+  bytes += number + " 0 obj\n" + catalog + "/Version /1.6\n/ViewerPreferences << /PrintScaling /None >>\n>>\nendobj\n";
+  const std::size_t table = bytes.size();
+  return bytes +
+         fmt::format("xref\n{} 1\n{:010} 00000 n \ntrailer\n{}startxref\n{}\n%%EOF\n", number, object, settings, table);
+}
+
 void require_good(cairo_status_t status, const std::string& title) {
   if (status != CAIRO_STATUS_SUCCESS)
     fail(title, std::string("cannot be drawn: cairo says \"") + cairo_status_to_string(status) + "\"",
@@ -134,7 +168,7 @@ std::string pdf(std::span<const Drawing> pages, const PdfPaper& paper) {
   require_good(cairo_status(cairo.get()), paper.title);
   cairo_surface_finish(surface.get());
   require_good(cairo_surface_status(surface.get()), paper.title);
-  return bytes;
+  return paper.true_size ? with_true_size(std::move(bytes)) : bytes;
 }
 
 Image drawn(const Drawing& drawing, double px_per_mm) {

@@ -17,6 +17,8 @@ struct PdfPaper {
   /// A drawing's mm become so many mm of paper, across and upright; its size times this is the paper's.
   Eigen::Vector2d stretch{1, 1};
   std::string title;  ///< in the file's properties
+  /// Asks the program that prints it for its true size: fitting it to the page is then not what it offers first.
+  bool true_size = false;
 };
 
 /// The file's bytes. Throws Error where cairo cannot make it.

@@ -1,6 +1,6 @@
 #include "tools/loop/aside.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <optional>
 #include <utility>

@@ -1,6 +1,6 @@
 #include "tools/loop/options.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/Error.hpp>
 #include <algorithm>

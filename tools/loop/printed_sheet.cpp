@@ -1,6 +1,6 @@
 #include "tools/loop/printed_sheet.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <optional>
 #include <sstream>

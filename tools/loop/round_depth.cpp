@@ -1,6 +1,6 @@
 #include "tools/loop/round_depth.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

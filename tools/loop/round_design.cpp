@@ -1,6 +1,6 @@
 #include "tools/loop/round_design.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <map>
 #include <set>

@@ -1,6 +1,6 @@
 #include "tools/loop/say.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <optional>

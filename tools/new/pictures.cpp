@@ -1,6 +1,6 @@
 #include "tools/new/pictures.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 

@@ -1,6 +1,6 @@
 #include "tools/new/words.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>

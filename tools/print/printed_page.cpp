@@ -1,9 +1,12 @@
 #include "tools/print/printed_page.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdlib>
+#include <string_view>
 
 #include "burin/render/error.h"
 
@@ -69,6 +72,21 @@ Paper find_paper(const std::string& name) {
     known += (known.empty() ? "" : ", ") + paper.name;
   }
   fail("--paper", "\"" + name + "\" is no paper that Burin knows", "use one of " + known);
+}
+
+UsualPaper usual_paper() {
+  constexpr std::array<std::string_view, 15> kLetter{"BZ", "CA", "CL", "CO", "CR", "GT", "MX", "NI",
+                                                     "PA", "PH", "PR", "SV", "US", "VE", "UM"};
+  for (const char* name : {"LC_ALL", "LC_PAPER", "LANG"}) {
+    const char* value = std::getenv(name);
+    if (value == nullptr || *value == '\0') continue;
+    const std::string_view locale(value);
+    const std::size_t at = locale.find('_');
+    const std::string_view region = at == std::string_view::npos ? std::string_view() : locale.substr(at + 1, 2);
+    const bool letter = std::find(kLetter.begin(), kLetter.end(), region) != kLetter.end();
+    return {letter ? "letter" : "a4", fmt::format("{}={}", name, value)};
+  }
+  return {"a4", ""};
 }
 
 void require_good(const PrintSetup& setup) {

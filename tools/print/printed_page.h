@@ -23,6 +23,16 @@ std::vector<Paper> papers();
 /// Throws Error for a name that is none of these.
 Paper find_paper(const std::string& name);
 
+/// The paper that printers hold here, when nobody names one.
+struct UsualPaper {
+  std::string name;  ///< "a4" or "letter"
+  std::string why;   ///< the setting that says so: "LC_PAPER=en_US.UTF-8"; empty where none is set
+};
+
+/// By the region of LC_ALL, LC_PAPER or LANG, the first that is set: letter where Unicode's CLDR has it as the region's
+/// usual paper (supplemental data, paperSize), else A4. No locale need be installed for it.
+UsualPaper usual_paper();
+
 /// How all pages of one file are printed.
 struct PrintSetup {
   Paper paper;

@@ -1,6 +1,6 @@
 #include "tools/report/bench_section.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 

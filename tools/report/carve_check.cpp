@@ -1,6 +1,6 @@
 #include "tools/report/carve_check.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

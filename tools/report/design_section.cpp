@@ -1,5 +1,5 @@
 // How a design is shown: what each view is to show, what it began with, what it will show, and how it got there.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,37 +1,29 @@
 #include "tools/report/pictures.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-#include <OpenImageIO/strutil.h>
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <stdexcept>
-#include <string_view>
 #include <vector>
 
-#include "burin/render/error.h"
+#include "burin/render/files/encoded_bytes.h"
 #include "burin/render/linear_picture.h"
+#include "tools/base64.h"
 #include "tools/report/html.h"
 
 namespace burin {
 
 std::string data_address(const Image& shown, PictureKind kind) {
-  const char* extension = kind == PictureKind::jpeg ? "jpg" : "png";
-  std::vector<unsigned char> bytes;
-  OIIO::Filesystem::IOVecOutput memory(bytes);
-  const std::string name = std::string("picture.") + extension;
-  const auto output = OIIO::ImageOutput::create(name, &memory);
-  OIIO::ImageSpec spec(shown.width, shown.height, shown.channels, OIIO::TypeDesc::UINT8);
-  spec["Compression"] = "jpeg:86";
-  spec["jpeg:subsampling"] = "4:4:4";  // a difference is told by its colors alone
-  if (!output || !output->set_ioproxy(&memory) || !output->open(name, spec) ||
-      !output->write_image(OIIO::TypeDesc::FLOAT, shown.data.data()) || !output->close())
-    fail(std::string("a picture of the report (") + extension + ")", output ? output->geterror() : OIIO::geterror(),
-         "check that OpenImageIO was built with PNG and JPEG");
-  const std::string_view raw(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  return std::string("data:image/") + (kind == PictureKind::jpeg ? "jpeg" : "png") + ";base64," +
-         OIIO::Strutil::base64_encode(OIIO::string_view(raw.data(), raw.size()));
+  constexpr int kQuality = 86;  // at full color resolution: a difference is told by its colors alone
+  std::vector<std::uint8_t> stored(shown.data.size());
+  std::transform(shown.data.begin(), shown.data.end(), stored.begin(),
+                 [](float v) { return static_cast<std::uint8_t>(v > 0 ? std::lround(255 * std::min(v, 1.0F)) : 0); });
+  const EightBits picture{shown.width, shown.height, shown.channels, stored};
+  return kind == PictureKind::jpeg
+             ? "data:image/jpeg;base64," + base64(jpeg_bytes(picture, kQuality, "a picture of the report"))
+             : "data:image/png;base64," + base64(png_bytes(picture, "a picture of the report"));
 }
 
 std::string figure(const Figure& figure) {

@@ -1,5 +1,5 @@
 // How a loop project is shown: for every picture the target, and round after round what was promised and what came.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

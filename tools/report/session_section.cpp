@@ -1,5 +1,5 @@
 // How a calibrated session is shown: prediction beside photo, tags and residuals, numbers with their uncertainty.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "tools/sheet/bench_drawing.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <Eigen/LU>
 #include <algorithm>

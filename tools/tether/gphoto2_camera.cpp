@@ -1,4 +1,4 @@
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include "burin/render/error.h"
 #include "burin/render/files/file_names.h"
@@ -12,6 +12,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <set>
+#include <string_view>
 #include <utility>
 
 #include "burin/capture/exif.h"
@@ -58,6 +60,38 @@ struct FreeWidget {
 };
 using Widget = std::unique_ptr<CameraWidget, FreeWidget>;
 
+// How long one call waits for an event; then it is quiet.
+constexpr int kQuiet_ms = 300;
+// How long files are waited for where nobody knows how many come, from the last one on; and where one is known to lack.
+constexpr std::chrono::milliseconds kUnknownFiles(3000), kMissingFile(15000);
+
+// One release of the shutter, and what it brought.
+struct Release {
+  std::vector<CameraFilePath> on_card;
+  std::vector<fs::path> files;  // our copies
+  std::optional<Exif> exif;     // of the first that has an exposure
+};
+
+std::string stem_of(const CameraFilePath& path) { return fs::path(path.name).stem().string(); }
+std::string ending_of(const CameraFilePath& path) { return lower_case(fs::path(path.name).extension().string()); }
+
+bool has_ending(const Release& release, const CameraFilePath& path) {
+  return std::any_of(release.on_card.begin(), release.on_card.end(),
+                     [&](const CameraFilePath& other) { return ending_of(other) == ending_of(path); });
+}
+
+std::size_t kinds_of(const Release& release) {
+  std::set<std::string> endings;
+  for (const CameraFilePath& path : release.on_card) endings.insert(ending_of(path));
+  return endings.size();
+}
+
+bool is_of_one_exposure(const Exif& a, const Exif& b) {
+  constexpr double kStops = 0.1, kSeconds = 1.5;
+  return std::abs(std::log2(*a.exposure_s / *b.exposure_s)) < kStops &&
+         (!a.time_s || !b.time_s || std::abs(*a.time_s - *b.time_s) < kSeconds);
+}
+
 }  // namespace
 
 struct TetheredCamera::State {
@@ -69,6 +103,8 @@ struct TetheredCamera::State {
   std::vector<double> shutters_s;
   std::vector<std::pair<double, std::string>> dial;         // the times, and as the camera writes them
   std::vector<std::pair<std::string, std::string>> former;  // settings that were changed: name, value before
+  std::vector<Release> releases;
+  std::size_t kinds_of_one = 0;  // of files that a release makes (raw, JPEG), as far as is known; 0: not known
 
   State() {
     context = gp_context_new();
@@ -133,7 +169,11 @@ struct TetheredCamera::State {
   void read_dial();
   void fix_iso();
   void keep_on_card();
+  void read_formats();
   fs::path download(const CameraFilePath& path, const fs::path& folder) const;
+  std::size_t release_of(const CameraFilePath& path, const std::optional<Exif>& exif) const;
+  void take_in(const CameraFilePath& path, const fs::path& folder, std::vector<LateFile>& late);
+  CameraEventType take_in_next(const fs::path& folder, std::vector<LateFile>& late);
 };
 
 void TetheredCamera::State::connect(const std::string& port) {
@@ -227,6 +267,16 @@ void TetheredCamera::State::keep_on_card() {
     }
 }
 
+// "RAW + Large Fine JPEG", "NEF+Basic": two files a photo. Cameras without such a setting show how many they make.
+void TetheredCamera::State::read_formats() {
+  for (const char* name : {"imageformat", "imagequality"}) {
+    const Widget widget = setting(name);
+    if (!widget || !is_choice(widget.get())) continue;
+    const std::size_t files = value_of(widget.get()).find('+') == std::string::npos ? 1 : 2;
+    kinds_of_one = std::max(kinds_of_one, files);
+  }
+}
+
 fs::path TetheredCamera::State::download(const CameraFilePath& path, const fs::path& folder) const {
   CameraFile* made = nullptr;
   must(gp_file_new(&made), "libgphoto2 has no memory");
@@ -251,6 +301,7 @@ TetheredCamera::TetheredCamera(const std::string& port) : state_(new State) {
     state_->read_dial();
     state_->fix_iso();
     state_->keep_on_card();
+    state_->read_formats();
   } catch (...) {
     for (auto it = state_->former.rbegin(); it != state_->former.rend(); ++it) state_->set(it->first, it->second);
     throw;
@@ -281,28 +332,107 @@ double TetheredCamera::set_shutter(double exposure_s) {
   return nearest->first;
 }
 
-std::vector<fs::path> TetheredCamera::take(const fs::path& folder) {
+// The release that a file is of: the last one, unless its name or, failing that, its EXIF is that of an earlier one
+// which has no file of its kind.
+std::size_t TetheredCamera::State::release_of(const CameraFilePath& path, const std::optional<Exif>& exif) const {
+  const std::size_t last = releases.size() - 1;
+  const Release& now = releases[last];
+  for (std::size_t i = releases.size(); i-- > 0;) {
+    const Release& release = releases[i];
+    if (release.on_card.empty() || has_ending(release, path)) continue;  // cameras without a card use a name again
+    if (stem_of(release.on_card.front()) == stem_of(path)) return i;
+  }
+  if (!exif || (now.exif && is_of_one_exposure(*now.exif, *exif))) return last;
+  for (std::size_t i = last; i-- > 0;)
+    if (releases[i].exif && !has_ending(releases[i], path) && is_of_one_exposure(*releases[i].exif, *exif)) return i;
+  return last;
+}
+
+void TetheredCamera::State::take_in(const CameraFilePath& path, const fs::path& folder, std::vector<LateFile>& late) {
+  const fs::path file = download(path, folder);
+  std::optional<Exif> exif;
+  try {
+    exif = read_exif(file);
+    if (!exif->exposure_s) exif.reset();
+  } catch (const Error&) {  // whoever uses the file will say so
+  }
+  const std::size_t index = release_of(path, exif);
+  Release& release = releases[index];
+  if (index + 1 < releases.size()) late.push_back({file, release.files});
+  release.on_card.push_back(path);
+  release.files.push_back(file);
+  if (!release.exif) release.exif = exif;
+  if (index + 1 < releases.size()) kinds_of_one = std::max(kinds_of_one, kinds_of(release));
+}
+
+CameraEventType TetheredCamera::State::take_in_next(const fs::path& folder, std::vector<LateFile>& late) {
+  CameraEventType event{};
+  void* data = nullptr;
+  must(gp_camera_wait_for_event(camera, kQuiet_ms, &event, &data, context), "it says nothing of its photo");
+  const std::unique_ptr<void, void (*)(void*)> owner(data, std::free);
+  if (event != GP_EVENT_FILE_ADDED || data == nullptr || releases.empty()) return event;
+  const auto& path = *static_cast<const CameraFilePath*>(data);
+  // Events tell of files that are known, too, and of a second card's copies. Without a card each photo has the same
+  // name.
+  const auto has_name = [&](const Release& release) {
+    return std::any_of(release.on_card.begin(), release.on_card.end(),
+                       [&](const CameraFilePath& other) { return std::string_view(path.name) == other.name; });
+  };
+  const bool of_last = !releases.back().on_card.empty() && stem_of(releases.back().on_card.front()) == stem_of(path);
+  const bool known = of_last ? has_name(releases.back()) : std::any_of(releases.begin(), releases.end(), has_name);
+  if (!known && is_photo_name(path.name)) take_in(path, folder, late);
+  return event;
+}
+
+TakenPhoto TetheredCamera::take(const fs::path& folder, const std::function<bool()>& stopped) {
+  using Clock = std::chrono::steady_clock;
   State& s = *state_;
   s.text.clear();
+  TakenPhoto out;
+  if (!s.releases.empty()) out.late = late_files(folder);
   CameraFilePath path{};
   s.must(gp_camera_capture(s.camera, GP_CAPTURE_IMAGE, &path, s.context), "it took no photo");
-  std::vector<fs::path> files{s.download(path, folder)};
-  // A raw file's JPEG, or the other way round, is told by an event.
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);
-  while (std::chrono::steady_clock::now() < end) {
-    constexpr int kWait_ms = 300;
-    CameraEventType event{};
-    void* data = nullptr;
-    s.must(gp_camera_wait_for_event(s.camera, kWait_ms, &event, &data, s.context), "it says nothing of its photo");
-    const std::unique_ptr<void, void (*)(void*)> owner(data, std::free);
-    if (event == GP_EVENT_FILE_ADDED && data != nullptr) {
-      const auto& more = *static_cast<const CameraFilePath*>(data);
-      const bool known = std::string(more.name) == path.name && std::string(more.folder) == path.folder;
-      if (!known && is_photo_name(more.name)) files.push_back(s.download(more, folder));
-    }
-    if (event == GP_EVENT_TIMEOUT || event == GP_EVENT_CAPTURE_COMPLETE) break;
+  s.releases.emplace_back();
+  const auto released = Clock::now();
+  auto last_file = released;
+  s.take_in(path, folder, out.late);
+  const auto all_there = [&] {
+    const std::size_t kinds = kinds_of(s.releases.back());  // none where the file was an earlier photo's
+    if (kinds == 0 || kinds < s.kinds_of_one) return Clock::now() - released > kMissingFile;
+    return s.kinds_of_one > 0 || Clock::now() - last_file > kUnknownFiles;
+  };
+  const auto is_stopped = [&] { return stopped && stopped(); };
+  while (!is_stopped()) {
+    const CameraEventType event = s.take_in_next(folder, out.late);
+    if (event == GP_EVENT_FILE_ADDED) last_file = Clock::now();
+    // Some cameras are never quiet.
+    const bool quiet = event == GP_EVENT_TIMEOUT || Clock::now() - last_file > std::chrono::milliseconds(kQuiet_ms);
+    if (quiet && all_there()) break;
   }
-  return files;
+  out.files = s.releases.back().files;
+  if (!is_stopped()) {
+    if (out.files.empty())
+      fail("the camera", "it was released, and handed no file of that photo over",
+           "look whether its card is full or locked, and begin again: photos so far are kept");
+    s.kinds_of_one = kinds_of(s.releases.back());
+  }
+  return out;
+}
+
+std::vector<LateFile> TetheredCamera::late_files(const fs::path& folder) {
+  State& s = *state_;
+  std::vector<LateFile> late;
+  if (s.releases.empty()) return late;
+  const std::size_t before = s.releases.back().files.size();
+  const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(kQuiet_ms);
+  while (s.take_in_next(folder, late) != GP_EVENT_TIMEOUT && std::chrono::steady_clock::now() < until) {
+  }
+  // What came now is late for the last photo as well.
+  const std::vector<fs::path>& files = s.releases.back().files;
+  for (std::size_t i = before; i < files.size(); ++i)
+    late.push_back({files[i], {files.begin(), files.begin() + static_cast<std::ptrdiff_t>(before)}});
+  s.kinds_of_one = std::max(s.kinds_of_one, kinds_of(s.releases.back()));
+  return late;
 }
 
 void TetheredCamera::put_back() {
@@ -339,7 +469,8 @@ const std::string& TetheredCamera::model() const { return state_->model; }
 const std::vector<double>& TetheredCamera::shutters_s() const { return state_->shutters_s; }
 double TetheredCamera::shutter_s() const { return 0; }
 double TetheredCamera::set_shutter(double exposure_s) { return exposure_s; }
-std::vector<std::filesystem::path> TetheredCamera::take(const std::filesystem::path&) { return {}; }
+TakenPhoto TetheredCamera::take(const std::filesystem::path&, const std::function<bool()>&) { return {}; }
+std::vector<LateFile> TetheredCamera::late_files(const std::filesystem::path&) { return {}; }
 void TetheredCamera::put_back() {}
 
 }  // namespace burin

@@ -3,12 +3,25 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace burin {
+
+/// A file that a camera handed over only after it had been released again.
+struct LateFile {
+  std::filesystem::path file;                 ///< our copy
+  std::vector<std::filesystem::path> beside;  ///< the other files of the photo that it is of
+};
+
+/// What the camera handed over when it was released.
+struct TakenPhoto {
+  std::vector<std::filesystem::path> files;  ///< of this photo: raw and JPEG
+  std::vector<LateFile> late;                ///< of earlier ones
+};
 
 /// A connected camera, at manual exposure. Whatever of its settings is changed is put back at the end.
 class TetheredCamera {
@@ -35,8 +48,13 @@ class TetheredCamera {
 
   /// Takes a photo, and puts all files that it makes of it (raw and JPEG) into the folder, whole or not at all; files
   /// of their names that are there already stay, and these get "-2" behind theirs. They stay on the card as well.
+  /// Waits until as many files are there as the camera's settings promise, or as it made of a photo before; a file that
+  /// comes later still is put to the photo that its name, else its EXIF, says it is of. `stopped` ends the waiting.
   /// Throws Error where the camera does not answer any more, its card is full, or the folder cannot be written.
-  std::vector<std::filesystem::path> take(const std::filesystem::path& folder);
+  TakenPhoto take(const std::filesystem::path& folder, const std::function<bool()>& stopped = {});
+
+  /// Files that are late still, when no further photo will be taken.
+  std::vector<LateFile> late_files(const std::filesystem::path& folder);
 
   /// Puts settings back. Throws Error where the camera does not take them, naming what it is left at.
   void put_back();

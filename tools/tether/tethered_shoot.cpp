@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <limits>
 #include <set>
 
 #include "burin/capture/exif.h"
@@ -22,8 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostTries = 8;   // to find the paper's exposure: 3 bits of a dial of 55 times, and some
 constexpr int kMostDarker = 5;  // steps of three stops for the glints
+// Shares of white: darker ones lose tags in the dark, brighter ones in the light.
+constexpr double kDark = 0.3, kWhite = 0.97;
 
 // A raw file goes before its JPEG, as in `burin capture`.
 fs::path one_of(const std::vector<fs::path>& files) {
@@ -31,9 +33,22 @@ fs::path one_of(const std::vector<fs::path>& files) {
   return raw != files.end() ? *raw : files.front();
 }
 
-const JudgedPhoto& take_one(TetheredCamera& camera, const fs::path& photos, Shoot& shoot, const PhotoTold& told,
-                            std::vector<fs::path>& files) {
-  files = camera.take(photos);
+// A late file of a photo that is kept lies beside it; one of a try that was dropped goes as well.
+void put_late(const std::vector<LateFile>& late) {
+  std::error_code ignored;
+  for (const LateFile& one : late)
+    if (std::none_of(one.beside.begin(), one.beside.end(),
+                     [&](const fs::path& file) { return fs::exists(file, ignored); }))
+      fs::remove(one.file, ignored);
+}
+
+// The photo, judged; none where it was stopped before a file of it came.
+const JudgedPhoto* take_one(TetheredCamera& camera, const fs::path& photos, Shoot& shoot, const PhotoTold& told,
+                            const std::function<bool()>& stopped, std::vector<fs::path>& files) {
+  const TakenPhoto taken = camera.take(photos, stopped);
+  put_late(taken.late);
+  files = taken.files;
+  if (files.empty()) return nullptr;
   const auto began = std::chrono::steady_clock::now();
   const std::clock_t processor = std::clock();
   PhotoFacts facts = judge_photo(one_of(files), shoot.board, shoot.lens ? &*shoot.lens : nullptr,
@@ -41,7 +56,7 @@ const JudgedPhoto& take_one(TetheredCamera& camera, const fs::path& photos, Shoo
   add_photo(std::move(facts), shoot);
   told(shoot, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(),
        static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
-  return shoot.photos.back();
+  return &shoot.photos.back();
 }
 
 // Our own copies of a try that was of no use; the camera keeps its.
@@ -56,57 +71,113 @@ double time_for(double factor, const PhotoFacts& like) {
   return factor * f_number * f_number / (like.exif.iso.value_or(100) / 100);
 }
 
-// What a photo of these exposures has that no other exposure mends; empty if nothing.
+// What a photo has that no other exposure mends; empty if nothing. Tags are lost in the dark and in the light.
 std::string cannot_go_on(const JudgedPhoto& photo) {
-  const bool dark_or_bright = photo.facts.tags.empty();
+  const PhotoFacts& facts = photo.facts;
+  const bool lost = facts.tags.empty() || facts.paper_clipped > kPaperLost || facts.paper < kDark;
   for (const Finding& fault : photo.faults)
-    if (fault.severity == Finding::Severity::error && (!dark_or_bright || !photo.facts.exposure_factor))
+    if (fault.severity == Finding::Severity::error && (!lost || !facts.exposure_factor))
       return fault.what + (fault.remedy.empty() ? "" : "; " + fault.remedy);
   return "";
 }
 
-// The exposure time of the tags' paper: 0 where it was not found, and then `why` says so.
+// What tries have shown: the time that is wanted lies between these two.
+struct PaperSearch {
+  std::set<double> tried;
+  double dark_s = 0;                                          // the longest at which the paper was too dark
+  double bright_s = std::numeric_limits<double>::infinity();  // the shortest at which it was too bright
+  double dark_paper = 0;                                      // of white, at dark_s; 0 where no tag was seen
+  std::string no_tag;  // what is said of a photo that shows none of them, though it is neither dark nor clipped
+  bool tag_seen = false;
+  double useful_s = 0;  // of those that show the tags well, the nearest to 60 %
+  double useful_stops = std::numeric_limits<double>::infinity();  // how far it is from there
+};
+
+// The dial's time nearest to the wanted one, of those between that were not tried; 0 if there is none.
+double next_time(const TetheredCamera& camera, const PaperSearch& search, double wanted_s) {
+  double best = 0;
+  for (const double time_s : camera.shutters_s()) {
+    if (time_s <= search.dark_s || time_s >= search.bright_s || search.tried.contains(time_s)) continue;
+    if (best == 0 || std::abs(std::log(time_s / wanted_s)) < std::abs(std::log(best / wanted_s))) best = time_s;
+  }
+  return best;
+}
+
+// Takes in what a try showed, and returns the time that its paper asks for.
+double learn(double time_s, const JudgedPhoto& photo, const Board& board, PaperSearch& search) {
+  const PhotoFacts& facts = photo.facts;
+  search.tag_seen |= !facts.tags.empty();
+  if (facts.tags.empty() && facts.bright >= kDark && facts.bright <= kWhite && !photo.faults.empty())
+    search.no_tag = photo.faults.front().what + "; " + photo.faults.front().remedy;
+  double factor = *facts.exposure_factor;
+  const bool bright =
+      facts.tags.empty() ? facts.bright > kWhite : facts.paper_clipped > kPaperLost || facts.paper > kPaperAt;
+  if (facts.tags.empty())
+    factor *= bright ? 1.0 / 8 : 8;
+  else if (facts.paper_clipped > kPaperLost)
+    factor /= 4;
+  else
+    factor *= kPaperAt / std::max(facts.paper, 0.005);
+  if (bright) {
+    search.bright_s = time_s;
+  } else {
+    search.dark_s = time_s;
+    search.dark_paper = facts.paper;
+  }
+  const double stops = facts.tags.empty() ? 0 : std::abs(std::log2(facts.paper / kPaperAt));
+  if (shows_tags_well(facts, board) && stops < search.useful_stops) {
+    search.useful_stops = stops;
+    search.useful_s = time_s;
+  }
+  return time_for(factor, facts);
+}
+
+// Why no time shows the paper well.
+std::string no_time_words(const PaperSearch& search) {
+  if (!search.tag_seen && !search.no_tag.empty()) return search.no_tag;
+  if (!(search.dark_s > 0))
+    return "the camera's dial has no time that is short enough; less light or a smaller aperture";
+  if (!std::isfinite(search.bright_s))
+    return "the camera's dial has no time that is long enough; more light, a wider aperture or more ISO";
+  const std::string both =
+      fmt::format("{} is too dark and {} too bright", shutter_words(search.dark_s), shutter_words(search.bright_s));
+  if (search.dark_paper > 0 && search.dark_paper * search.bright_s / search.dark_s < kPaperAt / 2)
+    return both + ", more than such times differ: the light changed, or the camera changes ISO or aperture by itself";
+  return both +
+         ", and the camera's dial has no time between that shows the tags' paper well; change the aperture by half a "
+         "stop";
+}
+
+// The exposure time of the tags' paper: 0 where it was not found, and then `why` says so. The photo that shows it is
+// the last of `shoot`.
 double find_paper(TetheredCamera& camera, const fs::path& photos, Shoot& shoot, const PhotoTold& told,
                   const std::function<bool()>& stopped, std::string& why) {
-  double time_s = camera.shutter_s();
-  if (!(time_s > 0)) time_s = 1.0 / 30;
-  std::set<double> tried;
-  for (int i = 0; i < kMostTries; ++i) {
-    if (stopped()) {
-      why = "stopped";
-      return 0;
-    }
-    time_s = camera.set_shutter(time_s);
-    if (!tried.insert(time_s).second) break;
-    std::vector<fs::path> files;
-    const JudgedPhoto& photo = take_one(camera, photos, shoot, told, files);
-    if (why = cannot_go_on(photo); !why.empty()) return 0;
-    const PhotoFacts facts = photo.facts;
-    constexpr double kNearPaper = 2.0 / 3;  // stops
-    const bool good = shows_tags_well(facts, shoot.board);
-    if (good && std::abs(std::log2(facts.paper / kPaperAt)) < kNearPaper) return time_s;
-    double factor = *facts.exposure_factor;
-    if (facts.tags.empty())
-      factor *= facts.bright < 0.3 ? 8 : 1.0 / 8;
-    else if (facts.paper_clipped > kPaperLost)
-      factor /= 4;
-    else
-      factor *= kPaperAt / std::max(facts.paper, 0.005);
-    const double best = time_for(factor, facts);
-    if (best > 1.3 * camera.shutters_s().back() || best < camera.shutters_s().front() / 1.3)
-      why = best > time_s
-                ? "the camera's dial has no time that is long enough; more light, a wider aperture or more ISO"
-                : "the camera's dial has no time that is short enough; less light or a smaller aperture";
-    if (good && !why.empty()) {  // not at 60 %, but of use
-      why.clear();
-      return time_s;
-    }
-    if (!why.empty()) return 0;
-    time_s = best;
+  constexpr double kNearPaper = 2.0 / 3;  // stops
+  double wanted_s = camera.shutter_s();
+  if (!(wanted_s > 0)) wanted_s = 1.0 / 30;
+  PaperSearch search;
+  std::vector<fs::path> files;
+  for (double time_s = next_time(camera, search, wanted_s); time_s > 0;) {
+    why = "stopped";
+    if (stopped()) return 0;
+    search.tried.insert(camera.set_shutter(time_s));
+    const JudgedPhoto* photo = take_one(camera, photos, shoot, told, stopped, files);
+    if (photo == nullptr || !(why = cannot_go_on(*photo)).empty()) return 0;
+    wanted_s = learn(time_s, *photo, shoot.board, search);
+    const double next_s = next_time(camera, search, wanted_s);
+    const bool is_best = search.useful_s == time_s;
+    if (is_best && (search.useful_stops < kNearPaper || !(next_s > 0))) return time_s;
     drop(files, shoot);
+    time_s = next_s;
   }
-  why = "no exposure shows the tags' paper well: is the light steady, and the whole board in the photo?";
-  return 0;
+  if (!(search.useful_s > 0)) {
+    why = no_time_words(search);
+    return 0;
+  }
+  camera.set_shutter(search.useful_s);  // not at 60 %, but of use: once more
+  const JudgedPhoto* photo = take_one(camera, photos, shoot, told, stopped, files);
+  why = photo == nullptr ? "stopped" : cannot_go_on(*photo);
+  return why.empty() ? search.useful_s : 0;
 }
 
 // True once a line came; false at the input's end, at "q", or when asked to stop.
@@ -134,17 +205,17 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
   const std::size_t first = shoot.photos.size() - 1;  // the paper's photo: a bracket is whole by itself
   std::set<double> taken{paper_s};
   std::vector<fs::path> files;
-  if (!stops.empty()) {
-    for (const double stop : stops) {
-      if (stopped()) return "stopped";
-      const double time_s = camera.set_shutter(paper_s * std::exp2(stop));
-      if (!taken.insert(time_s).second) continue;  // the paper's own, or the end of the dial
-      if (std::string wrong = cannot_go_on(take_one(camera, photos, shoot, told, files)); !wrong.empty()) return wrong;
-    }
-    camera.set_shutter(paper_s);
-    return "";
+  const auto take = [&]() -> std::string {
+    const JudgedPhoto* photo = take_one(camera, photos, shoot, told, stopped, files);
+    return photo == nullptr ? "stopped" : cannot_go_on(*photo);
+  };
+  for (const double stop : stops) {
+    if (stopped()) return "stopped";
+    const double time_s = camera.set_shutter(paper_s * std::exp2(stop));
+    if (!taken.insert(time_s).second) continue;  // the paper's own, or the end of the dial
+    if (std::string wrong = take(); !wrong.empty()) return wrong;
   }
-  for (int i = 0; i < kMostDarker; ++i) {
+  for (int i = 0; stops.empty() && i < kMostDarker; ++i) {
     const NextStep next = next_exposure(shoot, first);
     if (next.kind != NextStep::Kind::expose || !next.for_glints) break;
     if (stopped()) return "stopped";
@@ -155,8 +226,9 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
           "holds them";
       break;
     }
-    if (std::string wrong = cannot_go_on(take_one(camera, photos, shoot, told, files)); !wrong.empty()) return wrong;
+    if (std::string wrong = take(); !wrong.empty()) return wrong;
   }
+  put_late(camera.late_files(photos));
   camera.set_shutter(paper_s);  // where the next place begins
   return why;
 }

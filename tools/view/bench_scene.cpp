@@ -1,6 +1,6 @@
 #include "tools/view/bench_scene.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,5 @@
 #include "tools/view/packed_scratches.h"
 
-#include <OpenImageIO/strutil.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -9,6 +7,7 @@
 #include <vector>
 
 #include "burin/render/files/json_file.h"
+#include "tools/base64.h"
 
 namespace burin {
 namespace {
@@ -52,7 +51,7 @@ Json column(const std::vector<double>& values, double shared, const std::vector<
   if (*high == *low) return json;
   std::string bytes;
   for (const Piece& p : pieces) append(bytes, in_range(values[p.source], *low, *high));
-  json["rows"] = OIIO::Strutil::base64_encode(bytes);
+  json["rows"] = base64(bytes);
   return json;
 }
 
@@ -81,7 +80,7 @@ std::string packed_scratches(const Carved& carved, const SharedGroove& shared, d
                   {"min_mm", {low.x, low.y}},
                   {"max_mm", {high.x, high.y}},
                   {"longest_mm", high.length},
-                  {"rows", OIIO::Strutil::base64_encode(bytes)},
+                  {"rows", base64(bytes)},
                   {"width_um", column(s.width_um, shared.width_um, pieces)},
                   {"depth_um", column(s.depth_um, shared.depth_um, pieces)},
                   {"alpha", column(s.alpha, shared.alpha, pieces)}};

@@ -1,6 +1,6 @@
 #include "tools/view/view_sources.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <set>

@@ -1,6 +1,6 @@
 #include "tools/watch/say_shoot.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

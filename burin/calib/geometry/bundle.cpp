@@ -858,17 +858,65 @@ double seed_focal_px(const Bundle& b) {
   return best;
 }
 
+namespace {
+
+// What mrcal's own solver is given: every corner is a point of its own, seen once.
+struct MrcalPoints {
+  std::vector<mrcal_pose_t> poses;
+  std::vector<mrcal_point3_t> points, pixels;  // of a pixel: x, y, weight
+  std::vector<mrcal_observation_point_t> observations;
+  double nearest_m = 0, furthest_m = 0;  // from their cameras
+};
+
+template <typename Observation>
+constexpr bool kHoldsPixel = requires(Observation o) {
+  o.px;
+};
+
+// Until mrcal 2.4 an observation holds its pixel. Later pixels lie beside observations, and points to be triangulated
+// are taken as well; there are none here. `Count` and `Optimize` are mrcal_num_measurements and mrcal_optimize: their
+// arguments are looked at only where they fit.
+template <typename Observation, typename Count, typename Optimize>
+mrcal_stats_t solve_by_mrcal(Count count_measurements, Optimize optimize, const Lens& lens, MrcalPoints& p,
+                             std::vector<Observation>& observations, std::vector<double>& intrinsics) {
+  const mrcal_lensmodel_t model = model_of(lens);
+  mrcal_problem_selections_t select{};
+  select.do_optimize_intrinsics_core = true;
+  select.do_optimize_intrinsics_distortions = true;
+  select.do_optimize_extrinsics = true;
+  select.do_apply_regularization = false;
+  const mrcal_problem_constants_t constants = {0.1 * p.nearest_m, 10 * p.furthest_m};
+  const int size[2] = {lens.width, lens.height};
+  const int n_points = static_cast<int>(p.points.size()), n_poses = static_cast<int>(p.poses.size()),
+            n_obs = static_cast<int>(observations.size());
+  const int states = mrcal_num_states(1, n_poses, 0, n_points, n_points, 0, select, &model);
+  std::vector<double> state(static_cast<std::size_t>(states)), x;
+  const auto bytes = [](const std::vector<double>& v) { return static_cast<int>(v.size() * sizeof(double)); };
+  if constexpr (kHoldsPixel<Observation>) {
+    for (std::size_t i = 0; i < observations.size(); ++i) observations[i].px = p.pixels[i];
+    x.resize(static_cast<std::size_t>(
+        count_measurements(0, n_obs, 0, 0, 1, n_poses, 0, n_points, n_points, select, &model)));
+    return optimize(state.data(), bytes(state), x.data(), bytes(x), intrinsics.data(), p.poses.data(), nullptr,
+                    p.points.data(), nullptr, 1, n_poses, 0, n_points, n_points, nullptr, observations.data(), 0, n_obs,
+                    nullptr, &model, size, select, &constants, 0, 0, 0, false, false);
+  } else {
+    x.resize(static_cast<std::size_t>(
+        count_measurements(0, n_obs, nullptr, 0, 0, 0, 1, n_poses, 0, n_points, n_points, select, &model)));
+    return optimize(state.data(), bytes(state), x.data(), bytes(x), intrinsics.data(), p.poses.data(), nullptr,
+                    p.points.data(), nullptr, 1, n_poses, 0, n_points, n_points, nullptr, observations.data(), 0, n_obs,
+                    nullptr, 0, nullptr, p.pixels.data(), &model, size, select, &constants, 0, 0, 0, false, false);
+  }
+}
+
+}  // namespace
+
 MrcalCheck check_with_mrcal(const Bundle& b) {
-  mrcal_lensmodel_t model = model_of(b.lens);
   constexpr double kMeter = 1e-3;  // mrcal's internal scales are chosen for meters
   std::vector<double> intrinsics = b.lens.intrinsics;
   std::vector<int> slot(b.views.size(), -1);
-  std::vector<mrcal_pose_t> poses;
-  std::vector<mrcal_point3_t> points;
-  std::vector<mrcal_observation_point_t> observations;
+  MrcalPoints seen;
   std::vector<double> sigmas;
   double nearest = std::numeric_limits<double>::infinity(), furthest = 0;
-  std::vector<const BundleCorner*> used;
   // mrcal wants observations sorted by point, then camera; every corner is its own point here.
   for (const BundleCorner& c : b.corners) {
     if (!c.used) continue;
@@ -877,51 +925,37 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
     nearest = std::min(nearest, range);
     furthest = std::max(furthest, range);
     if (slot[c.view] < 0) {
-      slot[c.view] = static_cast<int>(poses.size());
+      slot[c.view] = static_cast<int>(seen.poses.size());
       const Pose pose = to_pose(b.views[c.view]);
       mrcal_pose_t m;
       for (int i = 0; i < 3; ++i) {
         m.r.xyz[i] = pose[i];
         m.t.xyz[i] = kMeter * pose[3 + i];
       }
-      poses.push_back(m);
+      seen.poses.push_back(m);
     }
     mrcal_observation_point_t o{};
     o.icam.intrinsics = 0;
     o.icam.extrinsics = slot[c.view];
-    o.i_point = static_cast<int>(points.size());
+    o.i_point = static_cast<int>(seen.points.size());
     const Eigen::Vector2d q = c.q_px - b.spread_px * c.outward;
-    o.px = mrcal_point3_t{{q.x(), q.y(), 1 / c.sigma_px}};
-    observations.push_back(o);
-    points.push_back(mrcal_point3_t{{kMeter * p.x(), kMeter * p.y(), kMeter * p.z()}});
+    seen.pixels.push_back(mrcal_point3_t{{q.x(), q.y(), 1 / c.sigma_px}});
+    seen.observations.push_back(o);
+    seen.points.push_back(mrcal_point3_t{{kMeter * p.x(), kMeter * p.y(), kMeter * p.z()}});
     sigmas.push_back(c.sigma_px);
-    used.push_back(&c);
   }
   MrcalCheck out;
-  if (observations.empty()) return out;
-  mrcal_problem_selections_t select{};
-  select.do_optimize_intrinsics_core = true;
-  select.do_optimize_intrinsics_distortions = true;
-  select.do_optimize_extrinsics = true;
-  select.do_apply_regularization = false;
-  const mrcal_problem_constants_t constants = {0.1 * kMeter * nearest, 10 * kMeter * furthest};
-  const int size[2] = {b.lens.width, b.lens.height};
-  const int n_points = static_cast<int>(points.size()), n_poses = static_cast<int>(poses.size()),
-            n_obs = static_cast<int>(observations.size());
-  const int states = mrcal_num_states(1, n_poses, 0, n_points, n_points, 0, select, &model);
-  const int measurements = mrcal_num_measurements(0, n_obs, 0, 0, 1, n_poses, 0, n_points, n_points, select, &model);
-  std::vector<double> state(states), x(measurements);
+  if (seen.observations.empty()) return out;
+  seen.nearest_m = kMeter * nearest;
+  seen.furthest_m = kMeter * furthest;
   const mrcal_stats_t stats =
-      mrcal_optimize(state.data(), states * static_cast<int>(sizeof(double)), x.data(),
-                     measurements * static_cast<int>(sizeof(double)), intrinsics.data(), poses.data(), nullptr,
-                     points.data(), nullptr, 1, n_poses, 0, n_points, n_points, nullptr, observations.data(), 0, n_obs,
-                     nullptr, &model, size, select, &constants, 0, 0, 0, false, false);
+      solve_by_mrcal(&mrcal_num_measurements, &mrcal_optimize, b.lens, seen, seen.observations, intrinsics);
   if (stats.rms_reproj_error__pixels < 0) fail("mrcal's own solver", "gave up", "check the photos' residuals");
   Bundle theirs = b;
   theirs.lens.intrinsics = intrinsics;
   for (std::size_t v = 0; v < b.views.size(); ++v) {
     if (slot[v] < 0) continue;
-    const mrcal_pose_t& m = poses[slot[v]];
+    const mrcal_pose_t& m = seen.poses[slot[v]];
     const Pose pose = {m.r.xyz[0],          m.r.xyz[1],          m.r.xyz[2],
                        m.t.xyz[0] / kMeter, m.t.xyz[1] / kMeter, m.t.xyz[2] / kMeter};
     theirs.views[v] = to_isometry(pose.data());

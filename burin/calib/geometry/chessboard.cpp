@@ -4,7 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/core/version.hpp>
 #include <opencv2/imgproc.hpp>
+#if CV_VERSION_MAJOR >= 5
+#include <opencv2/objdetect.hpp>  // findChessboardCorners
+#endif
 #include <optional>
 
 #include "burin/capture/photo.h"
@@ -32,6 +36,27 @@ cv::Mat eight_bits(const Image& linear) {
   return gray;
 }
 
+// The picture with its light evened out: each pixel beside the mean around it.
+cv::Mat evenly_lit(const cv::Mat& gray) {
+  constexpr double kMean = 128;
+  const int around = gray.cols / 8 | 1;  // some squares of a board that fills the picture
+  cv::Mat value, mean, out;
+  gray.convertTo(value, CV_32F);
+  cv::blur(value, mean, {around, around}, {-1, -1}, cv::BORDER_REFLECT);
+  cv::Mat(value / (mean + 1)).convertTo(out, CV_8U, kMean);
+  return out;
+}
+
+// All of its corners, row by row. The quick look takes a board in uneven light for none: it is asked first, for most
+// photos pass it.
+bool find_corners(const cv::Mat& gray, const Chessboard& board, std::vector<cv::Point2f>& corners) {
+  constexpr int kThorough = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
+  const cv::Size size(board.columns, board.rows);
+  return cv::findChessboardCorners(gray, size, corners, kThorough | cv::CALIB_CB_FAST_CHECK) ||
+         cv::findChessboardCorners(gray, size, corners, kThorough) ||
+         cv::findChessboardCorners(evenly_lit(gray), size, corners, kThorough);
+}
+
 // Found on a picture of at most kSearchWidth pixels, refined on the whole one.
 struct Corners {
   std::vector<cv::Point2f> q;
@@ -44,9 +69,7 @@ std::optional<Corners> corners_in(const cv::Mat& gray, const Chessboard& board, 
   cv::Mat small = gray;
   if (scale > 1) cv::resize(gray, small, {}, 1 / scale, 1 / scale, cv::INTER_AREA);
   std::vector<cv::Point2f> corners;
-  if (!cv::findChessboardCorners(small, {board.columns, board.rows}, corners,
-                                 cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK | cv::CALIB_CB_NORMALIZE_IMAGE))
-    return std::nullopt;
+  if (!find_corners(small, board, corners)) return std::nullopt;
   double nearest = std::numeric_limits<double>::infinity();
   for (cv::Point2f& p : corners) p = (p + cv::Point2f(0.5F, 0.5F)) * scale - cv::Point2f(0.5F, 0.5F);
   for (std::size_t i = 0; i + 1 < corners.size(); ++i)
@@ -95,7 +118,7 @@ ChessboardViews find_chessboards(const std::filesystem::path& folder, const Ches
       out.findings.push_back({Finding::Severity::warning, photo.file,
                               "is left out: no chessboard with " + std::to_string(board.columns) + " x " +
                                   std::to_string(board.rows) + " inner corners was found in it",
-                              "keep the whole board in the photo, sharp, with a white margin around it"});
+                              "keep the whole board in the photo, sharp, evenly lit, with a white margin around it"});
       continue;
     }
     if (corners->crowded)

@@ -344,6 +344,8 @@ std::vector<TagDetection> TagDetector::detect_coarse(std::span<const std::uint8_
          "make it smaller with another program (docs/limits.md)");
   const bool half = 1e-6 * width * height > state_->options.half_resolution_above_mpx;
   state_->detector->quad_decimate = half ? 2.0F : 1.0F;
+  // At half resolution AprilTag's corners are in doubt by half a pixel (its convention changed with 3.4.3); edges that
+  // it refines in the photo itself are not.
   state_->detector->refine_edges = half;
   // AprilTag only reads; its image type has no const.
   image_u8_t image = {width, height, width, const_cast<std::uint8_t*>(gray.data())};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/calib3d.hpp>  // which leads to the geometry of OpenCV 5
 #include <opencv2/imgproc.hpp>
 
 #include "burin/capture/tags/tag_family.h"

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/encoded_bytes.h"
 
 namespace burin {
 
@@ -25,6 +26,18 @@ std::string encoded_picture(const std::string& extension, OIIO::ImageSpec spec, 
          "use .png, .jpg, .exr or .tif");
   }
   return {bytes.begin(), bytes.end()};
+}
+
+std::string png_bytes(const EightBits& picture, const std::filesystem::path& file) {
+  const OIIO::ImageSpec spec(picture.width, picture.height, picture.channels, OIIO::TypeDesc::UINT8);
+  return encoded_picture(".png", spec, OIIO::TypeDesc::UINT8, picture.values.data(), file);
+}
+
+std::string jpeg_bytes(const EightBits& picture, int quality, const std::filesystem::path& file) {
+  OIIO::ImageSpec spec(picture.width, picture.height, picture.channels, OIIO::TypeDesc::UINT8);
+  spec["Compression"] = "jpeg:" + std::to_string(quality);
+  spec["jpeg:subsampling"] = "4:4:4";
+  return encoded_picture(".jpg", spec, OIIO::TypeDesc::UINT8, picture.values.data(), file);
 }
 
 }  // namespace burin
