@@ -79,7 +79,8 @@ std::string tags_in_words(const Verdict& verdict) {
     if (cause.kind == Cause::Kind::of_carve_area && verdict.sigma && cause.numbers[0] < kPhotosPart * *verdict.sigma &&
         !verdict.determined())
       return "the tags' places make most of it, and no photo tells these: measure with a ruler where two tags or more "
-             "lie from the board's edges, write their center_mm and a smaller tags.sigma_mm into board.json. Without it "
+             "lie from the board's edges, write their center_mm and a smaller tags.sigma_mm into board.json. Without "
+             "it "
              "all pictures lie aside by as much, which hardly shows";
   return "";
 }

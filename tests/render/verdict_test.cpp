@@ -49,7 +49,8 @@ TEST(Verdict, SaysWhatItsFactsSay) {
   // No photo makes smaller what the tags' places add: that is named where it is most of a sigma.
   Verdict map{Source::measured, Degree::weakly, 0.21, Unit::mm, {}};
   map.causes = {{Cause::Kind::of_carve_area, {0.008}}};
-  EXPECT_THAT(sentence(map), AllOf(HasSubstr("0.008 mm without"), HasSubstr("with a ruler"), HasSubstr("tags.sigma_mm")));
+  EXPECT_THAT(sentence(map),
+              AllOf(HasSubstr("0.008 mm without"), HasSubstr("with a ruler"), HasSubstr("tags.sigma_mm")));
   map.causes = {{Cause::Kind::of_carve_area, {0.19}}};
   EXPECT_THAT(sentence(map), Not(HasSubstr("ruler")));
   NextPhoto next{NextPhoto::Kind::at_place, "camera 620 mm above the board's middle", 4.25, {}};

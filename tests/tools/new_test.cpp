@@ -100,7 +100,8 @@ TEST(NewWords, Lamps) {
   EXPECT_EQ(at("left 2m"), Eigen::Vector3d(100 - 1286, 50, 1532));
   const Eigen::Vector3d corner = at("above-right 1m");
   EXPECT_NEAR(corner.x() - 100, corner.y() - 50, 1);
-  for (const char* wrong : {"", "behind", "above x", "1,2", "1,2,-3", "1,2,three", "above 0", "leftish", "above -600mm", "above - 600mm", "above-.5m"})
+  for (const char* wrong : {"", "behind", "above x", "1,2", "1,2,-3", "1,2,three", "above 0", "leftish", "above -600mm",
+                            "above - 600mm", "above-.5m"})
     EXPECT_THROW(lamp_in_words(wrong), Error) << wrong;
 }
 
