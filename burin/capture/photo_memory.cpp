@@ -5,7 +5,7 @@
 
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
-#include "burin/render/files/picture_file.h"
+#include "burin/render/files/picture_header.h"
 #include "burin/render/limits.h"
 
 namespace burin {

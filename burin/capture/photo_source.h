@@ -10,19 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "burin/capture/exif.h"
+#include "burin/capture/incoming_photo.h"
 #include "burin/capture/lamp_folders.h"
 #include "burin/render/finding.h"
 
 namespace burin {
-
-/// A photo before its pixels are read.
-struct IncomingPhoto {
-  std::filesystem::path file;
-  Exif exif;
-  std::string unreadable;  ///< why its header could not be read; empty if it could
-  std::string light;       ///< the lamp that was on; empty: whoever asked for the photos knows
-};
 
 using PhotoSource = std::function<std::optional<IncomingPhoto>()>;
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "burin/capture/exif.h"
+#include "burin/capture/incoming_photo.h"
 #include "burin/capture/photo_look.h"
-#include "burin/capture/photo_source.h"
 #include "burin/capture/session.h"
 #include "burin/render/finding.h"
 

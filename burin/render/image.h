@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <vector>
 
+#include "burin/render/srgb.h"
+
 namespace burin {
 
 /// Row-major, channels interleaved, top row first. Whether values are linear is said by whoever holds it.
@@ -43,9 +45,5 @@ inline float luminance_of(const float* rgb) { return 0.2126f * rgb[0] + 0.7152f 
 
 /// Area-averaging (down) or bilinear (up) resize.
 Image resized(const Image& image, int width, int height);
-
-/// sRGB curve and its inverse, per value.
-float srgb_to_linear(float v);
-float linear_to_srgb(float v);
 
 }  // namespace burin

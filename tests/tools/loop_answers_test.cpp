@@ -399,12 +399,12 @@ TEST_F(LoopAnswering, NextBoardIsToldTheDepthThatMakesTheWantedOne) {
   Bench bench = measured_bench();
   bench.material.depth_um = 8.1;
   measure_round_1(bench);
-  const std::optional<RoundDepth> depth = depth_of_round(loop_, 2);
+  const std::optional<RoundDepth> depth = depth_of_round(loop_.project, loop_.options, 2);
   ASSERT_TRUE(depth);
   EXPECT_NEAR(depth->depth_um, 11, 1e-9);
   EXPECT_NEAR(depth->command_um, 11 * 11 / 8.1, 1e-9);
   EXPECT_THAT(in_words(*depth), AllOf(HasSubstr("makes 8.1 +- 0.2 um of 11 um"), HasSubstr("told 14.9 um")));
-  EXPECT_FALSE(depth_of_round(loop_, 1));
+  EXPECT_FALSE(depth_of_round(loop_.project, loop_.options, 1));
   stopped();  // no photo is there for its report
   const Scratches designed = read_scratches(project() / "round-02" / "scratches.csv"),
                   sent = read_scratches(project() / "round-02" / "sent.csv");
@@ -420,7 +420,7 @@ TEST_F(LoopAnswering, NextBoardIsToldTheDepthThatMakesTheWantedOne) {
 
   bench.material.depth_um = 3;
   measure_round_1(bench);
-  const std::optional<RoundDepth> most = depth_of_round(loop_, 2);  // its table ends at 26 um
+  const std::optional<RoundDepth> most = depth_of_round(loop_.project, loop_.options, 2);  // its table ends at 26 um
   ASSERT_TRUE(most);
   EXPECT_NEAR(most->depth_um, 26 * 3 / 11.0, 0.01);
   EXPECT_LE(most->command_um, 26);
@@ -428,7 +428,7 @@ TEST_F(LoopAnswering, NextBoardIsToldTheDepthThatMakesTheWantedOne) {
   // As it was told, within what the photos know: nothing is made up.
   bench.material.depth_um = 10.8;
   measure_round_1(bench);
-  EXPECT_FALSE(depth_of_round(loop_, 2));
+  EXPECT_FALSE(depth_of_round(loop_.project, loop_.options, 2));
 }
 
 TEST_F(LoopAnswering, BoardThatIsAsGoodAsItGetsIsHung) {

@@ -15,8 +15,7 @@ namespace burin {
 
 namespace fs = std::filesystem;
 
-std::optional<RoundDepth> depth_of_round(const LoopProject& loop, int number) {
-  const Project& project = loop.project;
+std::optional<RoundDepth> depth_of_round(const Project& project, const LoopOptions& options, int number) {
   if (number < 2) return std::nullopt;
   const fs::path board_file = project.folder / "board.json";
   const Board board = read_board(board_file);
@@ -31,7 +30,7 @@ std::optional<RoundDepth> depth_of_round(const LoopProject& loop, int number) {
     return std::nullopt;
   const double gain = out.made_um / out.told_um;
   double least_um = 0, most_um = 1e9;  // that the machine can be told
-  const MachineProfile machine = machine_profile(machine_argument(loop.options, project.folder));
+  const MachineProfile machine = machine_profile(machine_argument(options, project.folder));
   if (machine.depth_by != DepthBy::fixed_z && !machine.depth_table.rows.empty()) {
     least_um = machine.depth_table.rows.front().depth_um;
     most_um = machine.depth_table.rows.back().depth_um;

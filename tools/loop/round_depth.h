@@ -6,7 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "tools/loop/stages.h"
+#include "tools/loop/options.h"
+#include "tools/project.h"
 
 namespace burin {
 
@@ -20,7 +21,7 @@ struct RoundDepth {
 
 /// Of the round `number`. Nothing where no depth was measured, or what was measured is what was told: within two
 /// sigmas, or 3 %. Throws Error for files that cannot be read.
-std::optional<RoundDepth> depth_of_round(const LoopProject& loop, int number);
+std::optional<RoundDepth> depth_of_round(const Project& project, const LoopOptions& options, int number);
 
 /// "the machine makes 10.3 +- 0.1 um of 14 um that it is told: this board is designed 14 um deep, and told 19.0 um for
 /// it ...".

@@ -148,7 +148,7 @@ bool make_design(const LoopProject& loop, int number) {
     words.emplace_back("--pixels");
     words.push_back(std::to_string(*pixels));
   }
-  if (const auto depth = depth_of_round(loop, number);
+  if (const auto depth = depth_of_round(loop.project, loop.options, number);
       depth && !loop.options.design.contains("depth") && !loop.options.design.contains("free-depth")) {
     note(make_warning(in_words(*depth)));
     words.emplace_back("--depth");

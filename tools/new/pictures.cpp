@@ -16,7 +16,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/file_names.h"
 #include "burin/render/files/json_file.h"
-#include "burin/render/files/picture_file.h"
+#include "burin/render/files/picture_header.h"
 #include "burin/render/linear_picture.h"
 #include "tools/drawing/label.h"
 

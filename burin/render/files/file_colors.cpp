@@ -12,8 +12,8 @@
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/printable.h"
-#include "burin/render/image.h"
 #include "burin/render/limits.h"
+#include "burin/render/srgb.h"
 
 namespace burin {
 namespace {

@@ -1,3 +1,5 @@
+#include "burin/render/files/picture_header.h"
+
 // The sizes that pictures say they have, read by hand: a few fixed places, or a walk over sections whose lengths are
 // held against the file's. Nothing is taken for granted, and nothing is decoded.
 #include <zlib.h>
@@ -15,7 +17,6 @@
 #include "burin/render/files/heif_boxes.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/picture_bytes.h"
-#include "burin/render/files/picture_file.h"
 #include "burin/render/files/tiff_directory.h"
 #include "burin/render/limits.h"
 

@@ -1,0 +1,19 @@
+// burin/capture/incoming_photo.h - a file that a session may take as a photo, by its header alone.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "burin/capture/exif.h"
+
+namespace burin {
+
+/// A photo before its pixels are read.
+struct IncomingPhoto {
+  std::filesystem::path file;
+  Exif exif;
+  std::string unreadable;  ///< why its header could not be read; empty if it could
+  std::string light;       ///< the lamp that was on; empty: whoever asked for the photos knows
+};
+
+}  // namespace burin
