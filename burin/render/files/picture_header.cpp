@@ -1,7 +1,7 @@
-#include "burin/render/files/picture_header.h"
-
 // The sizes that pictures say they have, read by hand: a few fixed places, or a walk over sections whose lengths are
 // held against the file's. Nothing is taken for granted, and nothing is decoded.
+#include "burin/render/files/picture_header.h"
+
 #include <zlib.h>
 
 #include <algorithm>
