@@ -255,11 +255,13 @@ std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine) {
   const std::string touch = "G38.2 Z" + z(-kSearch_mm) + slow;
   const std::string lift = "G0 Z" + z(std::max(machine.safe_z_mm, kTravel_mm)) + "\n";
 
-  std::string text = "(Burin probing for " + comment_word(machine.name) + ", mm)\n(" +
-                     std::to_string(plan.points_mm.size() - 1) +
-                     " points of the face)\n(tool and sheet close the probe's contact; try that by hand first)\n" +
-                     "(before: work zero at the lower left corner, Z zero on the face by eye)\n" +
-                     "(this file sets Z zero at the first point; leave it so until carved)\n";
+  std::string text;
+  for (const std::string& comment : {"Burin probing for " + comment_word(machine.name) + ", mm",
+                                     std::to_string(plan.points_mm.size() - 1) + " points of the face",
+                                     std::string("tool and sheet close the contact of the probe, try it by hand"),
+                                     std::string("before: work zero at the lower left corner, Z zero by eye"),
+                                     std::string("this file sets Z zero at the first point, leave it so")})
+    text += comment_lines(machine, comment);
   if (machine.laser) text += "M5 S0\n";
   text += "G21 G90 G17 G94 G54\n" + lift + go(plan.points_mm.front());
   // Quickly to find the face, then slowly for its height.
@@ -268,6 +270,7 @@ std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine) {
   if (logs) text += "(PROBEOPEN burin-probe.txt)\n";
   for (const Eigen::Vector2d& p : plan.points_mm) text.append(go(p)).append(touch).append(lift);
   if (logs) text += "(PROBECLOSE)\n";
+  if (machine.laser) text += "M5 S0\n";
   return text + "M2\n";
 }
 
