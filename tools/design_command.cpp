@@ -18,6 +18,7 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/files/write_file.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
@@ -169,6 +170,8 @@ void run(const DesignArguments& o) {
     const Scratches carved = carve(Sent(read_scratches(file)), whole, board).scratches;
     options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
+  if (!o.from.empty()) allow_change_of(o.from);                     // it goes on there
+  fail_if_input(o.out / "scratches.csv", o.out / "scratches.csv");  // before the work
   const WorkLock lock(o.out, "burin design", WorkLock::Where::new_folders);
 
   ProgressBar bar;

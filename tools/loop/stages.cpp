@@ -164,7 +164,10 @@ bool make_design(const LoopProject& loop, int number) {
 void make_toolpath(const LoopProject& loop, int number) {
   const Project& project = loop.project;
   const fs::path round = project.round(number);
-  const std::vector<std::string> options = toolpath_arguments(loop.options, project.folder);
+  const std::vector<std::string> of_gcode = toolpath_arguments(loop.options, project.folder);
+  LoopOptions drawn = loop.options;
+  for (const char* none : {"frame", "chunks", "max-lines", "follow-bow"}) drawn.toolpath.erase(none);
+  const std::vector<std::string> of_drawing = toolpath_arguments(drawn, project.folder);
   for (const char* file : {"board.svg", "board.gcode"}) {
     std::vector<std::string> words{"toolpath",  (round / "scratches.csv").string(),
                                    "--board",   (project.folder / "board.json").string(),
@@ -176,10 +179,11 @@ void make_toolpath(const LoopProject& loop, int number) {
       words.emplace_back("--sent");
       words.push_back((round / "sent.csv").string());
     }
-    if (const fs::path heights = heights_of(project, number); !heights.empty()) {
+    if (const fs::path heights = heights_of(project, number); gcode && !heights.empty()) {
       words.emplace_back("--heights");
       words.push_back(heights.string());
     }
+    const std::vector<std::string>& options = gcode ? of_gcode : of_drawing;
     words.insert(words.end(), options.begin(), options.end());
     if (gcode && !loop.options.toolpath.contains("frame"))
       words.emplace_back("--frame");  // to be run in the air before anything is carved
