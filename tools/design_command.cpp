@@ -20,6 +20,7 @@
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/files/write_file.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
@@ -211,6 +212,8 @@ void run(const DesignArguments& o) {
     if (o.depth_um > 0) give_depth(as_known.material.depth_um, carved);
     options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
+  if (!o.from.empty()) allow_change_of(o.from);                     // it goes on there
+  fail_if_input(o.out / "scratches.csv", o.out / "scratches.csv");  // before the work
   const WorkLock lock(o.out, "burin design", WorkLock::Where::new_folders);
 
   ProgressBar bar;

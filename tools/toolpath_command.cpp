@@ -16,6 +16,7 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/file_names.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/scratches.h"
@@ -81,6 +82,11 @@ std::string zero_text(const MachineProfile& machine, const ToolpathReport& repor
       by_preload(machine.depth_by) && !report.face.followed() ? "where the tool first touches the face" : where);
 }
 
+bool is_drawing(const std::filesystem::path& out) {
+  const std::string extension = lower_extension(out);
+  return extension == ".svg" || extension == ".dxf" || extension == ".csv";
+}
+
 // What G-code tells the machine, to its last decimal: as it was read back from the files, since that is what is in the
 // metal.
 Scratches told_by(const ToolpathReport& report) {
@@ -99,6 +105,8 @@ Scratches told_by(const ToolpathReport& report) {
 }
 
 void write(const ToolpathArguments& options) {
+  if (is_drawing(options.out) && options.max_lines >= 0)
+    fail(options.out.string(), "is no G-code, and --max-lines splits G-code", "leave it away");
   const WorkLock lock(options.out.parent_path(), "burin toolpath", WorkLock::Where::projects);
   const MachineProfile machine = machine_of(options);
   const Board board = read_board(options.board);
@@ -120,16 +128,15 @@ void write(const ToolpathArguments& options) {
   const ToolpathReport report =
       write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
   if (!options.drawing.empty()) {
-    ToolpathOptions whole = settings;
-    whole.frame = false;
+    ToolpathOptions whole = settings;  // without what a drawing cannot hold
+    whole.frame = whole.follow_bow = false;
     whole.part_s = 0;
+    whole.heights.reset();
     write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, whole, options.drawing, bar.progress());
   }
   bar.progress()("writing", 0);
   if (!options.sent.empty()) {
-    const bool drawing = report.files.front().extension() == ".svg" || report.files.front().extension() == ".dxf" ||
-                         report.files.front().extension() == ".csv";
-    write_scratches(drawing ? report.sent.scratches : told_by(report), options.sent);
+    write_scratches(is_drawing(options.out) ? report.sent.scratches : told_by(report), options.sent);
   }
   all.put();
   bar.clear();
@@ -137,6 +144,8 @@ void write(const ToolpathArguments& options) {
 
   for (std::size_t i = 0; i < report.files.size(); ++i)
     print_text("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));
+  for (const std::filesystem::path& file : report.removed)
+    print_text("{}  removed: it was part of an earlier tool path of this name\n", file.string());
   print_text("covers X {:.2f} to {:.2f}, Y {:.2f} to {:.2f} mm; {}\n", report.min_mm.x(), report.max_mm.x(),
              report.min_mm.y(), report.max_mm.y(),
              report.compensated ? "compensated by the measured machine.affine" : "not compensated");
@@ -268,8 +277,8 @@ void add_toolpath_command(CLI::App& burin) {
       ->capture_default_str();
   command->add_option("--heights", options->heights,
                       "heights.json of the sheet as it lies on the machine (burin probe): Z follows it");
-  CLI::Option* out =
-      command->add_option("--out", options->out, "Where to write: .gcode, .nc, .ngc, .svg, .dxf or .csv");
+  CLI::Option* out = command->add_option(
+      "--out", options->out, "Where to write: .gcode, .nc, .ngc, .csv, or .svg and .dxf, whose layers are depths");
   add_options(*command, *options);
   command->add_option("--sent", options->sent,
                       "Also write the scratches as the machine is told them, in carving order: the board's sent.csv");

@@ -29,8 +29,7 @@ MachineProfile linuxcnc() {
   MachineProfile machine = grbl();
   machine.name = "linuxcnc";
   machine.dialect = GcodeDialect::linuxcnc;
-  // G61: go through the programmed ends exactly instead of rounding them off; no tool or length offsets left over.
-  machine.start = {"G21 G90 G17 G94 G54", "G40 G49 G80 G61", "G0 Z{z_safe}"};
+  machine.start = {"G21 G90 G17 G94 G54", "G40 G49 G80", "G0 Z{z_safe}"};  // no tool or length offsets left over
   machine.max_lines = 0;
   return machine;
 }
@@ -41,7 +40,7 @@ MachineProfile marlin() {
   machine.dialect = GcodeDialect::marlin;
   // Marlin moves G0 with the last feed it was told, so every line says its own; M400 waits for the queue to drain.
   machine.start = {"G21", "G90", "G0 Z{z_safe} F{rapid_z}"};
-  machine.per_scratch = {"G0 X{x0} Y{y0} F{rapid}", "G1 Z{z_carve} F{plunge_feed}", "G4 S{dwell_s}",
+  machine.per_scratch = {"G0 X{x0} Y{y0} F{rapid}", "G1 Z{z_carve} F{plunge_feed}", "G4 P{dwell_ms}",
                          "G1 X{x1} Y{y1} F{feed}", "G0 Z{z_safe} F{rapid_z}"};
   machine.end = {"G0 Z{z_safe} F{rapid_z}", "M400"};
   return machine;
@@ -63,8 +62,6 @@ MachineProfile laser_z() {
   MachineProfile machine = grbl();
   machine.name = "laser-z";
   machine.laser = true;
-  machine.start = {"M5 S0", "G21 G90 G17 G94 G54", "G0 Z{z_safe}"};
-  machine.end = {"M5 S0", "G0 Z{z_safe}", "M2"};
   return machine;
 }
 
@@ -81,15 +78,71 @@ std::optional<MachineProfile> built_in(const std::string& name) {
 // The blocks of a head that a servo presses: S comes and goes, Z stays.
 void press_by_servo(MachineProfile& machine) {
   const bool marlin = machine.dialect == GcodeDialect::marlin;
-  const std::string dwell = marlin ? "G4 S{dwell_s}" : "G4 P{dwell_s}";
-  machine.start.emplace_back("M3 S{servo_up}");
+  const std::string dwell = marlin ? "G4 P{dwell_ms}" : "G4 P{dwell_s}";
   machine.per_scratch = {marlin ? "G0 X{x0} Y{y0} F{rapid}" : "G0 X{x0} Y{y0}",
                          "M3 S{servo}",
                          dwell,
                          "G1 X{x1} Y{y1} F{feed}",
                          "M3 S{servo_up}",
                          dwell};
-  machine.end.insert(machine.end.begin(), "M3 S{servo_up}");
+  // M2 turns S off. Where that would press the head, grbl's files do without.
+  if (machine.dialect == GcodeDialect::grbl && !lifts_servo(machine, 0))
+    machine.end.erase(std::remove(machine.end.begin(), machine.end.end(), "M2"), machine.end.end());
+}
+
+// An S below zero is an error on every controller; only an analog output's Q (M67, M68) may be one.
+void check_servo_commands(JsonObject& json, const MachineProfile& machine) {
+  const bool by_output =
+      std::any_of(machine.per_scratch.begin(), machine.per_scratch.end(),
+                  [](const std::string& line) { return line.find("Q{servo}") != std::string::npos; });
+  const double least = by_output ? -1e6 : 0, most = 1e6;
+  const auto outside = [&](double command) { return !(command >= least && command <= most); };
+  const std::string remedy = by_output ? "write -1000000 to 1000000" : "write an S from 0 to 1000000";
+  if (outside(machine.servo_up)) json.fail_field("servo_up", "is " + Json(machine.servo_up).dump(), remedy);
+  for (const DepthStep& row : machine.depth_table.rows)
+    if (outside(row.command)) json.fail_field("depth_table", "has the S " + Json(row.command).dump(), remedy);
+}
+
+// On a laser and on a servo every output may be the beam, or a head.
+void check_other_m_codes(JsonObject& json, const MachineProfile& machine) {
+  const bool servo = machine.depth_by == DepthBy::servo;
+  if (!machine.laser && !servo) return;
+  for (const int code : machine.other_m_codes) {
+    const bool head = servo && (code == 67 || code == 68 || code == 280);
+    if (!head && !switches_nothing_on(10 * code))
+      json.fail_field("other_m_codes",
+                      "has M" + std::to_string(code) + ", which may switch an output: on a " +
+                          (servo ? "servo perhaps its head" : "laser perhaps its beam"),
+                      servo ? "take it away; a head may be moved by M3, M67, M68 or M280" : "take it away");
+  }
+}
+
+// Machines that home to their far corner count down from there. What they reach is wanted from work zero.
+void read_travel(JsonObject& json, MachineProfile& machine) {
+  constexpr double kFarthest_mm = 1e5;  // as the replay: no machine reaches 100 m
+  Eigen::Vector2d zero_mm(0, 0);
+  if (json.has("work_zero_mm")) {
+    const std::vector<double> zero = json.numbers("work_zero_mm", 2);
+    zero_mm = {zero[0], zero[1]};
+    if (!json.has("travel_mm"))
+      json.fail_field("work_zero_mm", "is of no use without travel_mm", "write both in the machine's own coordinates");
+    if (!(zero_mm.cwiseAbs().maxCoeff() <= kFarthest_mm))
+      json.fail_field("work_zero_mm", "is " + to_json(zero_mm).dump(), "write millimeters, at most 100000");
+  }
+  if (!json.has("travel_mm")) return;
+  const Eigen::MatrixXd travel = json.matrix("travel_mm", 2, 2);
+  if (!(travel.cwiseAbs().maxCoeff() <= kFarthest_mm))
+    json.fail_field("travel_mm", "is " + to_json(travel).dump(), "write millimeters, at most 100000");
+  machine.travel = MachineBounds{travel.row(0).transpose() - zero_mm, travel.row(1).transpose() - zero_mm};
+  if (!(machine.travel->min_mm.array() < machine.travel->max_mm.array()).all())
+    json.fail_field("travel_mm", "is " + to_json(travel).dump(), "write the lower-left, then the upper-right corner");
+  // Every board lies right of its work zero and above it.
+  if ((machine.travel->max_mm.array() <= 0).any())
+    json.fail_field("travel_mm", "reaches no farther than work zero, the board's lower left corner",
+                    json.has("work_zero_mm")
+                        ? "correct work_zero_mm: what the machine's own position is at work zero"
+                        : "count from work zero; or, with travel_mm as the machine counts after homing (grbl: -400 to "
+                          "0), add work_zero_mm: what its own position (MPos) is at work zero, such as [-380, -270]");
 }
 
 void read_depth_table(JsonObject& json, MachineProfile& machine) {
@@ -157,6 +210,10 @@ void read_depth_by(JsonObject& json, MachineProfile& machine) {
   if (machine.servo_up >= low && machine.servo_up <= high)
     json.fail_field("servo_up", "is " + Json(machine.servo_up).dump() + ", which depth_table has as a depth",
                     "write the S that lifts the head");
+  // A machine whose deepest S lies nearer to the lifting one than its shallowest turns the wrong way.
+  if (std::abs(rows.front().command - machine.servo_up) > std::abs(rows.back().command - machine.servo_up))
+    json.fail_field("servo_up", "is " + Json(machine.servo_up).dump() + ", beyond the deepest row of depth_table",
+                    "write the S that lifts the head, which lies on the side of the shallowest row");
   if (machine.laser) json.fail_field("laser", "stays off, and a servo needs S", "take one of them away");
   press_by_servo(machine);
 }
@@ -260,19 +317,14 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
   within("force", machine.force, -1e6, 1e6, "in the unit that {force} has in the blocks");
   if (json.has("measured")) machine.measured = read_measured(json.object("measured"));
   if (json.has("limits")) machine.limits = read_limits(json.object("limits"));
-  if (json.has("travel_mm")) {
-    const Eigen::MatrixXd travel = json.matrix("travel_mm", 2, 2);
-    machine.travel = MachineBounds{travel.row(0).transpose(), travel.row(1).transpose()};
-    if (!(machine.travel->min_mm.array() < machine.travel->max_mm.array()).all())
-      json.fail_field("travel_mm", "is " + to_json(travel).dump(), "write the lower-left, then the upper-right corner");
-    constexpr double kFarthest_mm = 1e5;  // as the replay: no machine reaches 100 m
-    if (!(travel.cwiseAbs().maxCoeff() <= kFarthest_mm))
-      json.fail_field("travel_mm", "is " + to_json(travel).dump(), "write millimeters, at most 100000");
-  }
+  read_travel(json, machine);
   read_depth_by(json, machine);
+  read_block(json, "head", machine.head);
   read_block(json, "start", machine.start);
   read_block(json, "per_scratch", machine.per_scratch);
   read_block(json, "end", machine.end);
+  if (machine.depth_by == DepthBy::servo) check_servo_commands(json, machine);
+  check_other_m_codes(json, machine);
   json.finish();
   return machine;
 }
@@ -319,6 +371,19 @@ bool presses_by_itself(const MachineProfile& machine) {
 }
 
 bool keeps_z(const MachineProfile& machine) { return !any_holds(machine.per_scratch, "{z_safe}"); }
+
+bool switches_nothing_on(int m_tenths) {
+  // Ends, pauses, overrides, motors, reports and settings; of outputs, what turns them off (M5, M9, M107).
+  constexpr std::array kCodes{0,   10,  20,  50,  90,   170,  180,  300,  480,  490,  500,  510,  520,  530,  730,
+                              750, 760, 770, 840, 1050, 1070, 1140, 1170, 1180, 2010, 2030, 2040, 2050, 2110, 4000};
+  return std::find(kCodes.begin(), kCodes.end(), m_tenths) != kCodes.end();
+}
+
+bool lifts_servo(const MachineProfile& machine, double command) {
+  constexpr double kSame = 1e-4;  // S as a file's decimals and a controller's digits leave it
+  const bool up_is_more = machine.servo_up > machine.depth_table.rows.front().command;
+  return up_is_more ? command >= machine.servo_up - kSame : command <= machine.servo_up + kSame;
+}
 
 double depth_of_plunge_mm(const MachineProfile& machine, double below_mm) {
   if (!by_preload(machine.depth_by)) return below_mm;

@@ -13,6 +13,7 @@
 //     "min_distance_mm": 0.05,
 //                 "max_overlap": 0.3, "max_grooves": 3 },
 //     "depth_by": "spring", "depth_table": [[5, 0.25], [12, 0.6], [20, 1.2, 0.4]],
+//     "head": ["; lines: {lines}"],
 //     "start": ["G21", "G90", "M3 S{force}"], "per_scratch": ["G0 X{x0} Y{y0}", ...], "end": ["M5", "M2"] }
 //
 // In TOML the same keys stand before `=`, and `limits` is a table of its own.
@@ -24,7 +25,13 @@
 // in `per_scratch` also {x0} {y0} {x1} {y1} {z_carve} (below the face, so negative) {z1} (the same at the other end,
 // where the face's height is followed) {servo} {depth_um} {number}; {servo_up} everywhere. Heads that press with a
 // force instead of going to a depth put {force} or {depth_um} where they need it. A line that holds {dwell_s} or
-// {dwell_ms} is left out where the profile has no dwell.
+// {dwell_ms} is left out where the profile has no dwell. `head` comes before all else, for controllers that read a
+// header there; it may also hold {lines} (of the whole file), {time_s}, {part}, {parts}, {scratches} and the places
+// that the tool is sent to: {min_x} {max_x} {min_y} {max_y} {min_z} {max_z}.
+//
+// Before `start` and `end` stand lines of Burin's own, whatever the blocks hold: a laser's beam is off (M5 S0; Marlin:
+// M5, M107), a servo's head is up, LinuxCNC goes through every end (G61), Marlin's software endstops let Z below zero
+// (M211 S0, at the end S1).
 //
 // `depth_by` says how a depth comes about:
 //   "fixed-z"  Z goes to the depth itself, so the face must be as even as a part of that, or be followed (a height map)
@@ -49,7 +56,7 @@ namespace burin {
 enum class GcodeDialect {
   grbl,      ///< comments in ( ), G4 P in seconds
   linuxcnc,  ///< the same
-  marlin,    ///< comments after ;, G4 S in seconds or P in milliseconds
+  marlin,    ///< comments after ;, G4 P in milliseconds (S in seconds is Marlin's alone; Klipper knows P)
 };
 
 /// How a depth comes about (see above).
@@ -100,8 +107,9 @@ struct MachineProfile {
   double servo_up = 0;                ///< S that lifts a servo's head
   MachineLimits limits;
   std::optional<MachineMeasured> measured;  ///< by a coupon
-  std::optional<MachineBounds> travel;      ///< where the tool can go; nothing is checked if not known
-  std::vector<std::string> start, per_scratch, end;
+  /// Where the tool can go, from work zero (a file's travel_mm less its work_zero_mm); nothing is checked if not known.
+  std::optional<MachineBounds> travel;
+  std::vector<std::string> head, start, per_scratch, end;
 };
 
 /// The least that `max_lines` may be: shorter files would be little but their own heads.
@@ -116,6 +124,13 @@ MachineProfile machine_profile(const std::string& name_or_file);
 /// How far below the face Z goes for a depth, mm: the depth itself, or the preload that makes it; 0 for servos. Throws
 /// Error for a depth beyond the machine's table.
 double plunge_mm(const MachineProfile& machine, double depth_mm);
+
+/// Whether an M code (in tenths) switches on nothing, on any controller: the codes that a laser's or a servo's file may
+/// hold. Any other one may be a beam, or another head.
+bool switches_nothing_on(int m_tenths);
+
+/// Whether a servo's head is up at this S or beyond it, on the side that does not press.
+bool lifts_servo(const MachineProfile& machine, double command);
 
 /// The other way: the depth that Z so far below the face makes, mm; NaN beyond the table.
 double depth_of_plunge_mm(const MachineProfile& machine, double below_mm);

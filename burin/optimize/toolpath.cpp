@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
 
+#include "burin/optimize/carving/gcode_line.h"
 #include "burin/optimize/carving/release_check.h"
 #include "burin/optimize/carving/sheet.h"
 #include "burin/optimize/carving/toolpath_check.h"
@@ -30,30 +32,62 @@ fs::path part_file(const fs::path& out, std::size_t part, std::size_t parts) {
   return out.parent_path() / (out.stem().string() + "-" + number + out.extension().string());
 }
 
-bool written_by_us(const fs::path& file) {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error)) return false;
-  const std::string head = read_head(file, 1024);
-  return std::string_view(head).substr(0, head.find('\n')).find("Burin") != std::string_view::npos;
-}
-
-/// A shorter job leaves no part of a longer one behind: someone would carve it.
-void remove_stale_parts(const fs::path& out, const std::vector<fs::path>& written) {
+/// Files that an earlier run for `out` left and this one does not replace: someone would carve them. A file by such a
+/// name may be another job's: its head has to name it as just that part of several.
+std::vector<fs::path> stale_files(const fs::path& out, const std::vector<fs::path>& written) {
+  constexpr std::uintmax_t kHead = 1 << 14;
   const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
-  const std::string prefix = out.stem().string() + "-";
   std::error_code error;
   std::vector<fs::path> stale;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     const fs::path& file = entry.path();
-    const std::string stem = file.stem().string();
-    const bool ours =
-        file.extension() == out.extension() &&
-        (stem == out.stem().string() || (stem.starts_with(prefix) && stem.size() > prefix.size() &&
-                                         stem.find_first_not_of("0123456789", prefix.size()) == std::string::npos));
-    const auto same_name = [&](const fs::path& w) { return w.filename() == file.filename(); };
-    if (ours && std::none_of(written.begin(), written.end(), same_name) && written_by_us(file)) stale.push_back(file);
+    const auto same_name = [&](const fs::path& other) { return other.filename() == file.filename(); };
+    if (!file.filename().native().starts_with(out.stem().native()) || file.extension() != out.extension() ||
+        !fs::is_regular_file(file, error) || std::any_of(written.begin(), written.end(), same_name))
+      continue;
+    const std::optional<GcodeHead> head = read_gcode_head(read_head(file, kHead));
+    if (head && same_name(head->parts > 1 ? part_file(out, head->part - 1, head->parts) : out))
+      stale.push_back(out.parent_path() / file.filename());
   }
-  for (const fs::path& file : stale) remove_file(file);
+  std::sort(stale.begin(), stale.end());
+  return stale;
+}
+
+/// Throws Error where a part or a frame, whose names nobody gave, would replace what is none of an earlier run's.
+void fail_unless_ours(const fs::path& file, const fs::path& out) {
+  constexpr std::uintmax_t kHead = 1 << 14;
+  std::error_code error;
+  if (file == out || !fs::exists(file, error)) return;
+  const std::string text = read_head(file, kHead);
+  const std::optional<GcodeHead> head = read_gcode_head(text);
+  const bool part =
+      head && head->parts > 1 && part_file(out, head->part - 1, head->parts).filename() == file.filename();
+  if (!part && text.find("Burin frame for ") == std::string::npos)
+    fail(file.string(), "is there already, and is no part of an earlier " + out.filename().string(),
+         "name another --out, or move that file away");
+}
+
+/// Throws Error where a person asks for what a drawing or a table does not hold.
+void fail_unless_drawn(const ToolpathOptions& options, const std::string& extension, const fs::path& out) {
+  const auto unable = [&](bool asked, const std::string& what) {
+    if (asked)
+      fail(out.string(), "holds no " + what + ": " + extension + " has lines only",
+           "write G-code (.gcode, .nc, .ngc), or leave that option away");
+  };
+  unable(options.heights.has_value(), "heights (--heights)");
+  unable(options.follow_bow, "heights (--follow-bow)");
+  unable(options.frame, "frame (--frame)");
+  unable(options.part_s > 0, "parts (--chunks)");
+}
+
+/// What a drawing makes of depths that differ.
+void add_drawing_findings(const DrawingLayers& layers, const fs::path& out, std::vector<Finding>& findings) {
+  if (layers.names.size() < 2) return;
+  findings.push_back({Finding::Severity::note, out.string(),
+                      "depths differ, and a drawing has none: its scratches lie on " +
+                          std::to_string(layers.names.size()) + " layers named by depth, " + layers.names.front() +
+                          " to " + layers.names.back(),
+                      "give each layer its own depth in the program that reads it"});
 }
 
 // G-code under its name is G-code that was read back from the disk and replayed.
@@ -74,6 +108,7 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   const bool is_gcode = extension == ".gcode" || extension == ".nc" || extension == ".ngc";
   if (!is_gcode && extension != ".svg" && extension != ".dxf" && extension != ".csv")
     fail(out.string(), "unknown kind of tool path \"" + extension + "\"", "use .gcode, .nc, .ngc, .svg, .dxf or .csv");
+  if (!is_gcode) fail_unless_drawn(options, extension, out);
   ToolpathReport report;
   ToolpathOptions settings = options;
   if (options.after) {
@@ -108,6 +143,7 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
       write_scratches(path.sent.scratches, out);
     else
       write_text(extension == ".svg" ? svg(path, board.size_mm, machine.decimals) : dxf(path, machine.decimals), out);
+    if (extension != ".csv") add_drawing_findings(drawing_layers(path), out, report.findings);
     report.files = {out};
     report.file_duration_s = {path.duration_s};
     return report;
@@ -123,6 +159,7 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const fs::path file = part_file(out, k, parts.size());
     tell("writing and replaying", k, parts.size());
+    fail_unless_ours(file, out);
     write_gcode(parts[k].text, file, path, machine, [&](Replay& replay) {
       fail_unless_carves(replay, path, parts[k], machine, file.string());
       report.replayed.insert(report.replayed.end(), replay.scratches.begin(), replay.scratches.end());
@@ -134,10 +171,12 @@ ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, co
   if (options.frame) {
     const std::string frame = frame_gcode(path, machine);
     report.files.push_back(out.parent_path() / (out.stem().string() + "-frame" + out.extension().string()));
+    fail_unless_ours(report.files.back(), out);
     write_gcode(frame, report.files.back(), path, machine,
                 [&](Replay& replay) { report.file_duration_s.push_back(replay.duration_s); });
   }
-  if (!options.after) remove_stale_parts(out, report.files);
+  if (!options.after) report.removed = stale_files(out, report.files);
+  for (const fs::path& file : report.removed) remove_file(file);
   all.put();
   return report;
 }

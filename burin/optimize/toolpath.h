@@ -36,12 +36,16 @@ struct ToolpathReport {
   double stepped_mm = 0;
   std::size_t done_before = 0;
   Face face;                      ///< that Z follows, if it follows one, and where Z is then to be set to zero
-  std::vector<Finding> findings;  ///< of G-code: what a person should know of its depths on this sheet
+  std::vector<Finding> findings;  ///< what a person should know of depths on this sheet, or of a drawing's
+  std::vector<std::filesystem::path>
+      removed;  ///< an earlier tool path's files of the same name, which nobody may carve
 };
 
 /// Plans and writes `out` by its extension: .gcode, .nc, .ngc, .svg, .dxf or .csv (the
-/// scratches as sent, in carving order, with their width, depth and alpha). G-code of several parts becomes
-/// out-01.gcode, out-02.gcode, ...; parts that an earlier, longer run left behind are removed. G-code is read
+/// scratches as sent, in carving order, with their width, depth and alpha). What no drawing holds (a frame, parts, a
+/// face to follow) is then an Error. G-code of several parts becomes
+/// out-01.gcode, out-02.gcode, ...; what an earlier run left of that name is removed: the whole where there are parts
+/// now, and files whose head names them as that part of several. G-code is read
 /// back from the disk and replayed before it gets its name: a scratch lost, doubled, mirrored or too deep is an Error
 /// and nothing is written; so is G-code that goes to a fixed Z on a sheet that is known to be less even than that depth
 /// (carving/sheet.h). After an interruption no other file is removed, and `out` may not be the interrupted one.

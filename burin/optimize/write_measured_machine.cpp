@@ -7,6 +7,7 @@
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/error.h"
 #include "burin/render/files/files_together.h"
+#include "burin/render/files/named_paths.h"
 
 namespace burin {
 namespace {
@@ -54,6 +55,7 @@ std::optional<fs::path> write_measured_machine(const std::string& machine, const
   std::optional<fs::path> former;
   FilesTogether all;
   if (in_place) {
+    allow_change_of(out);
     former = former_name(out);
     copy_whole(out, *former);
   }

@@ -173,22 +173,122 @@ TEST(DepthBy, FaultsOfServosAndBeamsAreNamed) {
   const auto expect = [&](const MachineProfile& machine, const std::string& text, const char* message) {
     EXPECT_THAT([&] { replay_gcode(text, machine, "f"); }, ThrowsMessage<Error>(HasSubstr(message))) << text;
   };
-  const std::string head = "G21 G90\nG0 Z1\n";
-  expect(servo, head + "G0 X1 Y1\n", "before the head was lifted");
+  const std::string head = "M3 S300\nG21 G90\nG0 Z1\n";
+  expect(servo, "G21 G90\nG0 Z1\n", "before the head was lifted");
+  expect(servo, "G28\n", "before the head was lifted");
   expect(servo, head + "M3 S600\nG1 X1 Y1 F600\n", "from a place that the file does not tell");
   expect(servo, head + "M3 S300\nG0 X1 Y1\nM3 S600\nG0 X5\nM3 S300\n", "G0 through the metal");
   expect(servo, head + "M3 S300\nG0 X1 Y1\nM3 S600\nG1 X5 F600\n", "head pressed down");
   expect(servo, head + "M3 S400\n", "neither lifts it nor is a depth");
+  const MachineProfile output = profile(folder, std::string(kServo) + R"(, "based_on": "linuxcnc", "per_scratch":
+          ["G0 X{x0} Y{y0}", "M67 E1 Q{servo}", "G1 X{x1} Y{y1} F{feed}", "M67 E1 Q{servo_up}"])");
+  const std::string lifted = "M67 E1 Q300\nG21 G90 G61\nG0 Z1\n";
   const Replay replay =
-      replay_gcode(head + "M67 E0 Q300\nG0 X1 Y1\nM67 E0 Q550\nG1 X5 F600\nM67 E0 Q300\nG1 X9 Y9\n", servo, "f");
+      replay_gcode(lifted + "G0 X1 Y1\nM67 E1 Q550\nG1 X5 F600\nM68 E1 Q300\nM5\nG1 X9 Y9\n", output, "f");
   ASSERT_EQ(replay.scratches.size(), 1u);
   EXPECT_NEAR(replay.scratches[0].depth_mm, 0.0075, 1e-9);
   EXPECT_EQ(replay.scratches[0].line, 6u);
-  expect(laser, head + "M3\n", "turns the laser on");
-  expect(laser, head + "M4 S10\n", "turns the laser on");
-  expect(laser, head + "G0 X1 Y1 S5\n", "turns the laser on");
-  EXPECT_NO_THROW(replay_gcode(head + "M5 S0\nG4 P0.1\n", laser, "f"));
+  // Other outputs than the head's.
+  for (const char* line : {"M67 E0 Q550", "M62 P0", "M64 P1", "M3 S300", "M7", "M8"})
+    expect(output, lifted + line + "\n", "another output than the one that moves the head");
+  expect(servo, head + "M8\n", "another output");
+  expect(laser, "M5 S0\n" + head.substr(8) + "M3\n", "turns the laser on");
+  expect(laser, "M4 S10\n", "turns the laser on");
+  expect(laser, "M5\nG21 G90\nG0 Z1\nG0 X1 Y1 S5\n", "turns the laser on");
+  EXPECT_NO_THROW(replay_gcode("M5 S0\nG21 G90\nG0 Z1\nG4 P0.1\n", laser, "f"));
   expect(machine_profile("grbl-spring"), head + "G0 X1 Y1\nG1 Z-2.5 F99\nG1 X3\nG0 Z1\n", "presses harder");
+}
+
+// What the beam or a head hangs on is told by the file itself, whatever the profile's blocks leave out or put in.
+TEST(DepthBy, ALasersFileTurnsTheBeamOffAndKnowsNoOtherOutputs) {
+  const TemporaryFolder folder;
+  const auto written = [&](const std::string& fields, bool frame = false) {
+    ToolpathOptions options;
+    options.frame = frame;
+    const MachineProfile machine = profile(folder, fields);
+    return file_text(
+        write_toolpath(scratches_in_the_middle(3), board_200x100(), nullptr, machine, options, folder / "b.gcode")
+            .files.back());
+  };
+  const auto first_of = [](const std::string& text, const std::vector<std::string>& words) {
+    std::size_t first = std::string::npos;
+    for (const std::string& word : words) first = std::min(first, text.find("\n" + word));
+    return first;
+  };
+  const std::vector<std::string> moves{"G0", "G1", "G28", "$H"};
+  for (const char* start : {R"(["G21 G90", "G0 Z{z_safe}"])", R"(["G28", "G21 G90", "G0 Z{z_safe}"])",
+                            R"(["M0", "G21 G90", "G0 Z{z_safe}"])"})
+    for (const bool frame : {false, true}) {
+      const std::string text =
+          written(R"("based_on": "laser-z", "end": ["M2"], "start": )" + std::string(start), frame);
+      EXPECT_LT(text.find("\nM5 S0\n"), first_of(text, moves)) << text;
+      EXPECT_GT(text.rfind("\nM5 S0\n"), text.rfind("\nG0 ")) << text;
+    }
+  const std::string marlin = written(R"("based_on": "marlin", "laser": true)");
+  EXPECT_LT(marlin.find("\nM5\n"), first_of(marlin, moves));
+  EXPECT_LT(marlin.find("\nM107\n"), first_of(marlin, moves));
+  // A beam by another output, in any block.
+  const auto refuse = [&](const std::string& fields, const char* why) {
+    EXPECT_THAT([&] { written(fields); }, ThrowsMessage<Error>(HasSubstr(why))) << fields;
+  };
+  const std::string modes = R"("G21", "G90", "G0 Z{z_safe} F900")";
+  for (const char* code : {"M106 S255", "M280 P0 S30", "M7", "M8", "M300 S440 P10"})
+    refuse(R"("based_on": "marlin", "laser": true, "start": [")" + std::string(code) + "\", " + modes + "]",
+           "perhaps the beam's");
+  for (const char* code : {"M3 S1", "M4"})
+    refuse(R"("based_on": "marlin", "laser": true, "start": [")" + std::string(code) + "\", " + modes + "]",
+           "turns the laser on");
+  for (const char* dialect : {"linuxcnc", "laser-z"})
+    for (const char* code : {"M62 P0", "M63 P0", "M64 P0", "M65 P0", "M67 E0 Q1", "M67 E0 Q0", "M68 E0 Q1", "M8"})
+      for (const char* block : {"start", "end"})
+        EXPECT_THROW(written(R"("laser": true, "based_on": ")" + std::string(dialect) + "\", \"" + block +
+                             R"(": ["G21 G90", "G0 Z1", ")" + code + R"("])"),
+                     Error)
+            << code;
+  refuse(R"("based_on": "laser-z", "other_m_codes": [42])", "has M42, which may switch an output");
+  refuse(R"("based_on": "laser-z", "other_m_codes": [107, 106])", "has M106");
+  EXPECT_EQ(profile(folder, R"("based_on": "laser-z", "other_m_codes": [107, 211])").other_m_codes.size(), 2u);
+}
+
+TEST(DepthBy, AServosFileLiftsTheHeadItselfAndPressesByNothingElse) {
+  const TemporaryFolder folder;
+  const auto written = [&](const std::string& fields) {
+    const MachineProfile machine = profile(folder, fields);
+    return file_text(
+        write_toolpath(scratches_in_the_middle(3), board_200x100(), nullptr, machine, {}, folder / "b.gcode")
+            .files.back());
+  };
+  const auto refuse = [&](const std::string& fields, const char* why) {
+    EXPECT_THAT([&] { written(fields); }, ThrowsMessage<Error>(HasSubstr(why))) << fields;
+  };
+  const std::string marlin =
+      R"("based_on": "marlin", "depth_by": "servo", "servo_up": 0, "dwell_s": 0.2, "depth_table": [[5, 100], [20, 900]])";
+  EXPECT_LT(written(marlin).find("\nM3 S0\nG4 P200\n"), written(marlin).find("\nG0"));
+  const std::string m280 =
+      written(marlin + R"(, "per_scratch": ["G0 X{x0} Y{y0} F{rapid}", "M280 P0 S{servo}", "G4 S{dwell_s}",
+          "G1 X{x1} Y{y1} F{feed}", "M280 P0 S{servo_up}", "G4 S{dwell_s}"])");
+  EXPECT_LT(m280.find("\nM280 P0 S0\n"), m280.find("\nG0"));
+  refuse(marlin + R"(, "end": ["M280 P1 S0"])", "another output than the one that moves the head");
+  refuse(marlin + R"(, "other_m_codes": [42])", "perhaps its head");
+
+  // A head that goes up by a higher S: no S at all presses it.
+  const std::string turned =
+      R"("depth_by": "servo", "dwell_s": 0.2, "servo_up": 1000, "depth_table": [[5, 900], [20, 100]])";
+  const std::string text = written(turned);
+  EXPECT_LT(text.find("\nM3 S1000\n"), text.find("\nG0"));
+  EXPECT_EQ(text.find("\nM2"), std::string::npos);
+  EXPECT_EQ(text.find("\nM5"), std::string::npos);
+  refuse(turned + R"(, "end": ["M5", "G0 X0 Y0", "M2"])", "S0 presses the head");
+  refuse(turned + R"(, "end": ["M2"])", "S0 presses the head");
+  refuse(turned + R"(, "end": ["M30"])", "S0 presses the head");
+  EXPECT_NO_THROW(written(std::string(kServo) + R"(, "end": ["M5", "G0 X0 Y0", "M2"])"));
+  // No S is negative, and the deepest row is the farthest from the lifting S.
+  refuse(R"("depth_by": "servo", "dwell_s": 0.2, "servo_up": -5, "depth_table": [[5, 100], [20, 900]])",
+         "servo_up: is -5.0; write an S from 0");
+  refuse(R"("depth_by": "servo", "dwell_s": 0.2, "servo_up": 9, "depth_table": [[5, -100], [20, -900]])",
+         "has the S -100.0");
+  refuse(R"("depth_by": "servo", "dwell_s": 0.2, "depth_table": [[5, 900], [20, 100]])",
+         "servo_up: is 0.0, beyond the deepest row");
 }
 
 TEST(DepthBy, AProbedFaceIsFollowedWithinATenthOfTheDepth) {

@@ -26,6 +26,73 @@ TEST(CommentWord, KeepsLettersDigitsBlankAndLittleElse) {
   EXPECT_EQ(comment_word(std::string(300, 'x')), std::string(40, 'x'));
 }
 
+TEST(CommentLines, HoldNothingThatAControllerOrASenderActsOn) {
+  const MachineProfile grbl = machine_profile("grbl"), marlin = machine_profile("marlin");
+  EXPECT_EQ(comment_lines(grbl, "scratches 1 to 4 of 4, X10.5"), "(scratches 1 to 4 of 4, X10.5)\n");
+  EXPECT_EQ(comment_lines(marlin, "M30 mini; T1, G28 and M 6"), "; M_30 mini, T_1, G_28 and M_6\n");
+  EXPECT_EQ(comment_lines(grbl, "CAM30 msg $32=1 (a) !?~%"), "(CAM_30 ms_g _32_1 _a_ ____)\n");
+  for (const int width : {0, 40, 60, 300}) {
+    MachineProfile machine = grbl;
+    machine.max_line_characters = width;
+    const std::string text = comment_lines(machine, "part 12 of 120, scratches 1000001 to 2000000 of 3000000 " +
+                                                        std::string(90, 'x') + " (LOGOPEN, a) MSG, b");
+    std::size_t most = 0;
+    for (std::size_t at = 0; at < text.size();) {
+      const std::size_t end = text.find('\n', at);
+      most = std::max(most, end - at);
+      EXPECT_TRUE(at == 0 || text.compare(at, 2, "(-") == 0) << text;  // no line begins with an active word
+      EXPECT_EQ(text[end - 1], ')');
+      at = end + 1;
+    }
+    EXPECT_LE(most, width == 40 ? 40u : width == 60 ? 60u : 70u);
+    const auto head = read_gcode_head(comment_lines(machine, "Burin tool path for x") + text);
+    ASSERT_TRUE(head.has_value()) << text;
+    EXPECT_EQ(head->part, 12u);
+    EXPECT_EQ(head->of, 3000000u);
+  }
+  EXPECT_FALSE(read_gcode_head("(Burin frame for x)\n(part 1 of 1, scratches 1 to 4 of 4)\n").has_value());
+}
+
+// Whatever a machine is called and whatever its file needs to tell, each of its lines fits a short buffer.
+TEST(GcodeSafety, CommentsOfAllFilesAreShortAndMeanNothing) {
+  const TemporaryFolder folder;
+  const Scratches scratches = read_scratches(folder.write("s.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n30,30,34,33\n"));
+  for (const char* name : {"grbl", "grbl-spring", "linuxcnc", "marlin", "laser-z"}) {
+    MachineProfile machine = machine_profile(name);
+    machine.name = "M30 mini T1 MSG S5 G28 M6";
+    machine.max_line_characters = 40;
+    ToolpathOptions options;
+    options.frame = true;
+    Board board;
+    board.size_mm = {100, 100};
+    board.carve_max_mm = {100, 100};
+    board.material.depth_um = 10;
+    for (const auto& file : write_toolpath(scratches, board, nullptr, machine, options, folder / "b.gcode").files) {
+      const std::string text = read_text(file);
+      for (std::size_t at = 0; at < text.size();) {
+        const std::string line = text.substr(at, text.find('\n', at) - at);
+        at += line.size() + 1;
+        EXPECT_LE(line.size(), 40u);
+        if (line[0] != '(' && line[0] != ';') continue;
+        EXPECT_THAT(line.substr(1), Not(::testing::ContainsRegex("[GMTgmt][0-9]|MSG|[$!?~%;=]"))) << line;
+      }
+    }
+  }
+}
+
+TEST(GcodeSafety, LinuxcncsPercentStaysBeforeLinesOfOurs) {
+  const TemporaryFolder folder;
+  const Scratches scratches = read_scratches(folder.write("s.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n30,30,34,33\n"));
+  MachineProfile machine = machine_profile("linuxcnc");
+  machine.start.insert(machine.start.begin(), "%");
+  machine.end = {"G0 Z{z_safe}", "%"};
+  Board board;
+  board.size_mm = board.carve_max_mm = {100, 100};
+  board.material.depth_um = 10;
+  const auto report = write_toolpath(scratches, board, nullptr, machine, {}, folder / "b.ngc");
+  EXPECT_THAT(read_text(report.files[0]), HasSubstr("\n%\nG61\nG21 G90"));
+}
+
 TEST(GcodeSafety, AMachinesNameMovesNothing) {
   const TemporaryFolder folder;
   MachineProfile machine = machine_profile("grbl");

@@ -60,6 +60,25 @@ TEST(MachineProfile, WrongValuesAreNamed) {
   expect(R"("start": ["G21\nG90"])", "one line of text");
 }
 
+// Machines that home to their far corner count down from there; what they reach is kept from work zero.
+TEST(MachineProfile, TravelMayBeAsTheMachineCounts) {
+  const TemporaryFolder folder;
+  const auto read = [&](const std::string& fields) {
+    return read_machine_profile(folder.write("m.json", R"({"format": "burin/machine", "version": 1, )" + fields + "}"));
+  };
+  const auto own = R"("travel_mm": [[-400, -300], [0, 0]], "work_zero_mm": [-380, -270])";
+  EXPECT_EQ(read(own).travel->min_mm, Eigen::Vector2d(-20, -30));
+  EXPECT_EQ(read(own).travel->max_mm, Eigen::Vector2d(380, 270));
+  const auto refuse = [&](const std::string& fields, const std::string& message) {
+    EXPECT_THAT([&] { read(fields); }, ThrowsMessage<Error>(AllOf(HasSubstr("m.json"), HasSubstr(message)))) << fields;
+  };
+  refuse(R"("travel_mm": [[-400, -300], [0, 0]])", "add work_zero_mm");
+  refuse(R"("travel_mm": [[-400, 0], [0, 300]])", "add work_zero_mm");
+  refuse(R"("travel_mm": [[-400, -300], [0, 0]], "work_zero_mm": [10, 10])", "correct work_zero_mm");
+  refuse(R"("work_zero_mm": [10, 10])", "of no use without travel_mm");
+  refuse(R"("travel_mm": [[0, 0], [400, 300]], "work_zero_mm": [10])", "work_zero_mm");
+}
+
 TEST(MachineProfile, TomlSaysTheSameAsJson) {
   const TemporaryFolder folder;
   const MachineProfile json = read_machine_profile(

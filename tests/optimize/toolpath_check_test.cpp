@@ -21,7 +21,8 @@ constexpr const char* kHead = "G21 G90\nG0 Z1\n";
 
 TEST(Replay, WordsInAnyCaseAndSpacingAreRead) {
   const Replay r = replay(
-      "%\n(a comment G91)\nN10 g21g90 ; another\nG0Z1\nG00 X10 Y 20.5\ng1 z-.01 f 300\nX+13Y24.5F600\nG0 Z1\r\nM2\n",
+      "%\n(a comment G91)\nN10 g21g90g61 ; another\nG0Z1\nG00 X10 Y 20.5\ng1 z-.01 f 300\nX+13Y24.5F600\nG0 Z1\r\n"
+      "M2\n",
       "linuxcnc");
   ASSERT_EQ(r.scratches.size(), 1u);
   EXPECT_EQ(r.scratches[0].from_mm, Eigen::Vector2d(10, 20.5));
@@ -176,6 +177,11 @@ TEST(Replay, EachDialectHasItsOwnRules) {
   refuses(";py,print()\n", "LinuxCNC executes", "linuxcnc");
   refuses("%\nG21 G90\n%\nG0 Z1\n", "after its end", "linuxcnc");
   refuses("M5 S0\nG21 G90\nG0 Z1\nM3 S5\n", "laser on", "laser-z");
+  refuses("N5 G21\n", "a line number, and Marlin asks", "marlin");
+  for (const char* code : {"M7", "M62 P0", "M64 P0", "M67 E0 Q5", "M68 E0 Q5"}) {
+    refuses(std::string("G21 G90\n") + code + "\n", "which grbl answers by an error", "grbl");
+    EXPECT_NO_THROW(replay(std::string("G21 G90\n") + code + "\n", "linuxcnc")) << code;
+  }
   EXPECT_NO_THROW(replay("(" + std::string(100, 'a') + ")\nG21 G90\n", "linuxcnc"));
 
   MachineProfile own = machine_profile("grbl");
@@ -183,8 +189,54 @@ TEST(Replay, EachDialectHasItsOwnRules) {
   EXPECT_THAT([&] { replay_gcode("(" + std::string(45, 'a') + ")\n", own, "x"); },
               ThrowsMessage<Error>(HasSubstr("reads 40")));
   EXPECT_THAT([&] { replay_gcode("M42 P1\n", own, "x"); }, ThrowsMessage<Error>(HasSubstr("other_m_codes")));
-  own.other_m_codes = {42};
-  EXPECT_NO_THROW(replay_gcode("M42 P1\n", own, "x"));
+  own.other_m_codes = {42, 67};
+  EXPECT_NO_THROW(replay_gcode("M42 P1\nM67 E0 Q5\n", own, "x"));  // grblHAL
+}
+
+// LinuxCNC rounds corners unless it is told not to: by 50 mm, if it is told so.
+TEST(Replay, LinuxcncHasToKeepToThePath) {
+  const auto file = [](const std::string& mode) {
+    return "G21 G90\n" + mode + "\nG0 Z1\nG0 X1 Y1\nG1 Z-0.01 F100\nG1 X5 F500\nG0 Z1\nM2\n";
+  };
+  for (const char* mode : {"G61", "G61.1", "G64 P0.001", "G64 P0.005 Q0.001"})
+    EXPECT_EQ(replay(file(mode), "linuxcnc").scratches.size(), 1u) << mode;
+  for (const char* mode : {"", "G64", "G64 P50", "G64 P0.006", "G64 Q0.001", "G64 P0.001 Q0.1", "G61\nG64 P0.05"})
+    EXPECT_THAT([&] { replay(file(mode), "linuxcnc"); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("file.nc:"), HasSubstr("G61"))))
+        << mode;
+  const std::string inches = "G20 G90\nG64 P0.0005\n";  // 12.7 um
+  EXPECT_THAT([&] { replay(inches, "linuxcnc"); }, ThrowsMessage<Error>(HasSubstr("by 0.0127 mm")));
+  EXPECT_NO_THROW(replay("G21 G90\nG0 Z1\nG0 X5\nM2\n", "linuxcnc"));  // in the air it does not matter
+}
+
+// Marlin stops Z at zero without a word unless it is told not to.
+TEST(Replay, MarlinHasToLetZBelowZero) {
+  const auto file = [](const std::string& first) {
+    return first + "G21\nG90\nG0 Z1 F900\nG0 X1 Y1 F900\nG1 Z-0.01 F100\nG1 X5 F500\nG0 Z1 F900\n";
+  };
+  EXPECT_EQ(replay(file("M211 S0\n"), "marlin").scratches.size(), 1u);
+  for (const char* first : {"", "M211\n", "M211 S1\n", "M211 S0\nM211 S1\n"})
+    EXPECT_THAT([&] { replay(file(first), "marlin"); },
+                ThrowsMessage<Error>(AllOf(HasSubstr("software endstops"), HasSubstr("M211 S0"))))
+        << first;
+  EXPECT_THAT([&] { replay("M211 S5\n", "marlin"); }, ThrowsMessage<Error>(HasSubstr("neither on nor off")));
+}
+
+// A head names what its file carves: one that was cut off between two scratches is found, also where no end is wanted.
+TEST(Replay, AFileThatWasCutOffBetweenTwoScratchesIsFound) {
+  const auto ended = [](const std::string& text, const char* machine) {
+    const MachineProfile profile = machine_profile(machine);
+    fail_unless_ended(replay_gcode(text, profile, "file.nc"), profile, "file.nc");
+  };
+  const std::string head = "; Burin tool path for marlin, mm\n; part 2 of 3, scratches 11 to 12\n; - of 40\n",
+                    start = "M211 S0\nG21\nG90\nG0 Z1 F900\n",
+                    first = "G0 X1 Y1 F900\nG1 Z-0.01 F100\nG1 X5 F500\nG0 Z1 F900\n",
+                    second = "G0 X1 Y2 F900\nG1 Z-0.01 F100\nG1 X5 F500\nG0 Z1 F900\n";
+  EXPECT_NO_THROW(ended(head + start + first + second, "marlin"));
+  EXPECT_NO_THROW(ended(start + first, "marlin"));  // another program's: nobody knows
+  EXPECT_THAT([&] { ended(head + start + first, "marlin"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("carves 1 scratches of the 2 that its head names"),
+                                         HasSubstr("part 2 of 3, scratches 11 to 12 of 40"), HasSubstr("cut off"))));
 }
 
 TEST(ToolpathCheck, FarAndNoPlacesAreForeign) {

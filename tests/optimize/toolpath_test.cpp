@@ -109,7 +109,7 @@ TEST(Toolpath, SvgIsInMillimetersAndNotMirrored) {
   const std::string text = file_text(folder / "b.svg");
   EXPECT_THAT(text, HasSubstr(R"(width="200mm" height="100mm" viewBox="0 0 200 100")"));
   std::vector<std::array<double, 4>> found;
-  const std::regex line("<line x1=\"([-.0-9]+)\" y1=\"([-.0-9]+)\" x2=\"([-.0-9]+)\" y2=\"([-.0-9]+)\"/>");
+  const std::regex line("<path d=\"M ([-.0-9]+) ([-.0-9]+) L ([-.0-9]+) ([-.0-9]+)\"/>");
   for (std::sregex_iterator it(text.begin(), text.end(), line), end; it != end; ++it)
     found.push_back({std::stod((*it)[1]), 100 - std::stod((*it)[2]), std::stod((*it)[3]), 100 - std::stod((*it)[4])});
   EXPECT_LT(worst_mm(s, report.order, found), 0.51e-4);
@@ -137,6 +137,48 @@ TEST(Toolpath, DxfIsR12InMillimetersWithYUp) {
     }
   }
   EXPECT_LT(worst_mm(s, report.order, found), 0.51e-4);
+}
+
+// A drawing has no depths: they become layers. What else it cannot hold is refused.
+TEST(Toolpath, DepthsOfADrawingAreItsLayers) {
+  const TemporaryFolder folder;
+  Scratches s = some_scratches(6);
+  s.depth_um = {8, 12.5, 8, 8, 12.5, 20};
+  const auto write = [&](const Scratches& scratches, const std::string& name, const ToolpathOptions& options) {
+    return write_toolpath(scratches, board_200x100(), nullptr, machine_profile("grbl"), options, folder / name);
+  };
+  const ToolpathReport drawn = write(s, "b.svg", {});
+  const std::string text = file_text(folder / "b.svg");
+  EXPECT_EQ(count_of(text, "<g id=\"DEPTH_8_0_UM\""), 1u);
+  EXPECT_LT(text.find("<g id=\"DEPTH_12_5_UM\""), text.find("<g id=\"DEPTH_20_0_UM\""));
+  EXPECT_EQ(count_of(text.substr(0, text.find("DEPTH_12_5_UM")), "<path"), 3u);
+  ASSERT_EQ(drawn.findings.size(), 1u);
+  EXPECT_THAT(drawn.findings[0].what, HasSubstr("3 layers named by depth, DEPTH_8_0_UM to DEPTH_20_0_UM"));
+  write(s, "b.dxf", {});
+  EXPECT_EQ(count_of(file_text(folder / "b.dxf"), "LINE\n8\nDEPTH_12_5_UM\n"), 2u);
+  EXPECT_THAT(file_text(folder / "b.dxf"), HasSubstr("LAYER\n2\nDEPTH_12_5_UM\n"));
+  // Many depths share layers.
+  Scratches many = some_scratches(500);
+  for (std::size_t i = 0; i < many.size(); ++i) many.depth_um.push_back(8 + 0.02 * static_cast<double>(i));
+  write(many, "m.svg", {});
+  EXPECT_EQ(count_of(file_text(folder / "m.svg"), "<g id="), 11u);  // 8 to 18 um
+
+  const auto refuse = [&](const ToolpathOptions& options, const char* what) {
+    for (const char* name : {"no.svg", "no.dxf", "no.csv"})
+      EXPECT_THAT([&] { write(s, name, options); }, ThrowsMessage<Error>(AllOf(HasSubstr(name), HasSubstr(what))));
+  };
+  ToolpathOptions options;
+  options.frame = true;
+  refuse(options, "--frame");
+  options = {};
+  options.part_s = 60;
+  refuse(options, "--chunks");
+  options = {};
+  options.heights = HeightMap{};
+  refuse(options, "--heights");
+  options = {};
+  options.follow_bow = true;
+  refuse(options, "--follow-bow");
 }
 
 TEST(Toolpath, AMachineWithAKnownFaultCarvesTheDesign) {
@@ -224,6 +266,84 @@ TEST(Toolpath, OtherPeoplesFilesStay) {
   folder.write("board-old.gcode", "(Burin tool path)\n");
   write_toolpath(some_scratches(5), board_200x100(), nullptr, machine_profile("grbl"), {}, folder / "board.gcode");
   EXPECT_EQ(folder.file_count(), 3u);
+}
+
+// Another job's files may have names like parts'; only what a head names as a part of this one goes, and is named.
+TEST(Toolpath, OtherJobsFilesStay) {
+  const TemporaryFolder folder;
+  const MachineProfile machine = machine_profile("grbl");
+  const auto write = [&](std::size_t count, const char* out, double part_s = 0) {
+    ToolpathOptions options;
+    options.part_s = part_s;
+    return write_toolpath(some_scratches(count), board_200x100(), nullptr, machine, options, folder / out);
+  };
+  for (const char* other : {"job-1.gcode", "job-2.gcode", "job-2026.gcode", "job-07.gcode"}) write(3, other);
+  const auto names = [](const std::vector<std::filesystem::path>& files) {
+    std::vector<std::string> out;
+    for (const auto& file : files) out.push_back(file.filename().string());
+    return out;
+  };
+  EXPECT_TRUE(write(5, "job.gcode").removed.empty());
+  EXPECT_EQ(folder.file_count(), 5u);
+  // In parts: the whole goes. A part never takes another job's place.
+  const ToolpathReport parts = write(100, "job.gcode", 30);
+  const std::size_t count = parts.files.size();
+  ASSERT_GT(count, 2u);
+  ASSERT_LT(count, 7u);
+  EXPECT_EQ(names(parts.removed), std::vector<std::string>{"job.gcode"});
+  EXPECT_THAT([&] { write(400, "job.gcode", 30); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("job-07.gcode"), HasSubstr("no part of an earlier job.gcode"))));
+  EXPECT_EQ(folder.file_count(), 4 + count);
+  const ToolpathReport whole = write(5, "job.gcode");
+  EXPECT_EQ(names(whole.removed), names(parts.files));
+  EXPECT_EQ(folder.file_count(), 5u);
+}
+
+// A header of the machine's own comes first, and tells the whole file.
+TEST(Toolpath, AProfilesHeadTellsTheWholeFile) {
+  const TemporaryFolder folder;
+  const auto profile = folder.write("snap.json", R"({"format": "burin/machine", "version": 1, "based_on": "marlin",
+      "head": [";Header Start", ";header_type: cnc", ";file_total_lines: {lines}", ";estimated_time(s): {time_s}",
+               ";max_x(mm): {max_x}", ";min_z(mm): {min_z}", ";part {part} of {parts}, {scratches}",
+               ";work_speed(mm/minute): {feed}", ";Header End"]})");
+  ToolpathOptions options;
+  options.part_s = 60;
+  options.frame = true;
+  const ToolpathReport report = write_toolpath(some_scratches(60), board_200x100(), nullptr,
+                                               read_machine_profile(profile), options, folder / "b.gcode");
+  ASSERT_GE(report.files.size(), 3u);
+  for (std::size_t k = 0; k < report.files.size(); ++k) {
+    const std::string text = file_text(report.files[k]);
+    const Replay replay = replay_gcode(text, read_machine_profile(profile), "b");
+    EXPECT_TRUE(text.starts_with(";Header Start\n;header_type: cnc\n"));
+    EXPECT_THAT(text, HasSubstr(";file_total_lines: " + std::to_string(count_of(text, "\n")) + "\n"));
+    EXPECT_THAT(
+        text,
+        HasSubstr(";estimated_time(s): " + std::to_string(static_cast<int>(std::ceil(replay.duration_s))) + "\n"));
+    double max_x = 0;
+    std::sscanf(text.c_str() + text.find(";max_x"), ";max_x(mm): %lf", &max_x);
+    EXPECT_NEAR(max_x, replay.max_mm.x(), 1e-4);
+    EXPECT_THAT(text, HasSubstr(k + 1 < report.files.size() ? ";min_z(mm): -0.0140\n" : ";min_z(mm): 1.0000\n"));
+    EXPECT_THAT(text, HasSubstr(";work_speed(mm/minute): 1200\n;Header End\n; Burin "));
+  }
+  // Parts are known as such behind that head, too.
+  EXPECT_EQ(
+      write_toolpath(some_scratches(3), board_200x100(), nullptr, read_machine_profile(profile), {}, folder / "b.gcode")
+          .removed.size(),
+      report.files.size() - 1);
+  MachineProfile wrong = machine_profile("grbl");
+  wrong.start.emplace_back("(of {lines})");
+  EXPECT_THAT([&] { write_toolpath(some_scratches(3), board_200x100(), nullptr, wrong, {}, folder / "c.gcode"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("{lines}"), HasSubstr("in head, lines, time_s"))));
+}
+
+TEST(Toolpath, FilesThatAreToBeShorterThanAScratchAreRefused) {
+  const TemporaryFolder folder;
+  MachineProfile machine = machine_profile("grbl");
+  machine.max_lines = 5;
+  EXPECT_THAT([&] { write_toolpath(some_scratches(3), board_200x100(), nullptr, machine, {}, folder / "b.gcode"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("at most 5 lines leave no room"), HasSubstr("--max-lines"))));
+  EXPECT_EQ(folder.file_count(), 0u);
 }
 
 TEST(Toolpath, WhatCannotBeCarvedIsNamed) {
@@ -346,7 +466,36 @@ TEST(Toolpath, InterruptionsThatLeaveNothingToDoAreRefused) {
   Scratches others = s;
   others.x0_mm[7] += 0.5;
   expect(others, 40, "rest.gcode", "carves a scratch that is not among those given");
+  // Another depth, also one that is less than a micrometer off.
+  others = s;
+  others.depth_um.assign(s.size(), 14.2);
+  expect(others, 40, "rest.gcode", "carves a scratch that is not among those given");
   EXPECT_FALSE(std::filesystem::exists(folder / "rest.gcode"));
+}
+
+// A file that lost its end, and scratches with it, is none to go on from.
+TEST(Toolpath, AnInterruptedFileThatWasCutOffIsRefused) {
+  const TemporaryFolder folder;
+  const Scratches s = some_scratches(20);
+  for (const char* name : {"grbl", "marlin", "linuxcnc"}) {
+    const MachineProfile machine = machine_profile(name);
+    const auto file = folder / "board.gcode";
+    write_toolpath(s, board_200x100(), nullptr, machine, {}, file);
+    const std::string text = file_text(file);
+    const std::size_t line = replay_gcode(text, machine, "b").scratches[4].line;
+    std::size_t cuts = 0;
+    for (std::size_t at = text.find("\nG0 X"); at != std::string::npos; at = text.find("\nG0 X", at + 1)) {
+      folder.write("cut.gcode", text.substr(0, at + 1));
+      ToolpathOptions options;
+      options.after = Interruption{folder / "cut.gcode", line};
+      EXPECT_THAT([&] { write_toolpath(s, board_200x100(), nullptr, machine, options, folder / "rest.gcode"); },
+                  ThrowsMessage<Error>(HasSubstr("cut off")))
+          << name << " " << at;
+      ++cuts;
+    }
+    EXPECT_EQ(cuts, 20u);
+    EXPECT_FALSE(std::filesystem::exists(folder / "rest.gcode"));
+  }
 }
 
 TEST(Toolpath, KeepsTheOrderWhereTheBenchSaysThatItShows) {

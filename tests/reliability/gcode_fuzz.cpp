@@ -109,6 +109,7 @@ strict::Controller controller_of(const MachineProfile& m) {
   c.line_bytes = static_cast<std::size_t>(longest_line(m));
   c.by_s = m.depth_by == DepthBy::servo;
   c.lifted_s = std::llround(1e3 * m.servo_up);
+  c.low_s_presses = c.by_s && m.servo_up > m.depth_table.rows.front().command;
   c.laser = m.laser;
   if (m.travel) {
     c.bounded = true;
@@ -137,11 +138,17 @@ std::vector<Machine> machines() {
   servo.profile.servo_up = 100;
   servo.profile.safe_z_mm = 9;  // over the clamp
   servo.profile.dwell_s = 0.2;
-  servo.profile.start.emplace_back("M3 S{servo_up}");
   servo.profile.per_scratch = {"G0 X{x0} Y{y0}",         "M3 S{servo}",    "G4 P{dwell_s}",
                                "G1 X{x1} Y{y1} F{feed}", "M3 S{servo_up}", "G4 P{dwell_s}"};
-  servo.profile.end.insert(servo.profile.end.begin(), "M3 S{servo_up}");
   all.push_back(servo);
+  Machine turned = servo;  // whose head goes up by a higher S
+  turned.profile.depth_table.rows = {{5, 900}, {20, 300}};
+  turned.profile.servo_up = 1000;
+  turned.profile.end = {"G0 Z{z_safe}"};
+  all.push_back(turned);
+  Machine fan_laser{machine_profile("marlin"), {}};
+  fan_laser.profile.laser = true;
+  all.push_back(fan_laser);
   for (Machine& m : all) m.file = gcode_parts(planned(m.profile), m.profile).front().text;
   return all;
 }
@@ -175,6 +182,12 @@ const std::vector<std::string> kWords{
     "G80\n",
     "G61.1 ",
     "G64 P0.01\n",
+    "G64 P0.001\n",
+    "M62 P0\n",
+    "M64 P0\n",
+    "M42 P4 S255\n",
+    "M211 S0\n",
+    "M211 S1\n",
     "G38.2 Z-5\n",
     "G0.5 ",
     "G01 ",

@@ -142,6 +142,8 @@ struct State {
   Int feed = 0, s = kUnknown;
   int motion = -1, units = 0, percents = 0, length = 490, work = 540;
   bool absolute = false, spindle = false, ended = false, moved = false, carved = false;
+  bool spindle_off = false, fan_off = false;    // of a laser: told so by this file
+  bool exact_path = false, below_zero = false;  // LinuxCNC's G61 or G64 P; Marlin's M211 S0
 
   Int height() const { return at[2]; }
   bool pressed() const { return c.by_s && spindle_known && now_s() != c.lifted_s; }
@@ -194,8 +196,14 @@ struct State {
     if (!std::isnan(z1)) look_along(sheet, from, end, carves);
   }
 
+  void leave() const {  // whatever moves
+    if (c.laser && !(spindle_off && (fan_off || c.kind != Kind::marlin))) throw Alarm{"a beam that may be on"};
+    if (c.by_s && !spindle_known) throw Alarm{"a head that nobody lifted"};
+  }
+
   void move(const std::map<char, Int>& value) {
     if (units == 0 || !absolute || motion < 0) throw Alarm{"a move before its modes"};
+    leave();
     Int to[3] = {at[0], at[1], at[2]};
     bool sideways = false;
     for (int axis = 0; axis < 3; ++axis) {
@@ -206,13 +214,14 @@ struct State {
       sideways = sideways || axis < 2;
     }
     if (motion == 1 && feed == 0) throw Alarm{"no feed"};
+    if (c.kind == Kind::marlin && to[2] != kUnknown && to[2] < 0 && !below_zero) throw Alarm{"Z stops at zero"};
     const bool goes = (at[0] != to[0] || at[1] != to[1]);
     const std::size_t strokes = out.strokes.size();
     const bool followed = c.sheet != nullptr && c.sheet->face;
     const Int above0 = above(at), above1 = above(to);
     if (c.by_s) {
-      if (sideways && !spindle_known) throw Alarm{"a head that nobody lifted"};
       if (goes && pressed()) {
+        if (c.kind == Kind::linuxcnc && !exact_path) throw Alarm{"a path that is rounded"};
         if (motion == 0) throw Alarm{"G0 in the metal"};
         if (at[0] == kUnknown || at[1] == kUnknown || to[0] == kUnknown || to[1] == kUnknown)
           throw Alarm{"from nowhere"};
@@ -224,6 +233,7 @@ struct State {
       if (sideways && at[2] == kUnknown) throw Alarm{"along the board at no known height"};
       if (goes && (below0 || below1)) {
         if (motion == 0) throw Alarm{"G0 in the metal"};
+        if (c.kind == Kind::linuxcnc && !exact_path) throw Alarm{"a path that is rounded"};
         if (followed ? below0 != below1 : at[2] != to[2]) throw Alarm{"a slant"};
         if (at[0] == kUnknown || at[1] == kUnknown || to[0] == kUnknown || to[1] == kUnknown)
           throw Alarm{"from nowhere"};
@@ -264,19 +274,18 @@ const std::map<int, int>& g_codes(Kind kind) {
 }
 
 const std::map<int, int>& m_codes(Kind kind) {
-  static const std::map<int, int> grbl{{0, 4},    {1, 4},    {2, 4},    {30, 4},  {3, 7},    {4, 7},
-                                       {5, 7},    {7, 8},    {8, 8},    {9, 8},   {62, 162}, {63, 163},
-                                       {64, 164}, {65, 165}, {67, 167}, {68, 168}};
+  static const std::map<int, int> grbl{{0, 4}, {1, 4}, {2, 4}, {30, 4}, {3, 7}, {4, 7}, {5, 7}, {8, 8}, {9, 8}};
   static const std::map<int, int> linuxcnc = [] {
     std::map<int, int> all = grbl;
-    for (const int code : {50, 51, 52, 53}) all[code] = 100 + code;
+    for (const int code : {50, 51, 52, 53, 62, 63, 64, 65, 67, 68}) all[code] = 100 + code;
     all[48] = all[49] = 9;
+    all[7] = 8;
     return all;
   }();
   static const std::map<int, int> marlin = [] {
     std::map<int, int> all;
-    for (const int code :
-         {0, 1, 3, 4, 5, 7, 8, 9, 17, 18, 84, 73, 75, 76, 77, 105, 106, 107, 114, 201, 203, 204, 205, 280, 300, 400})
+    for (const int code : {0,  1,   3,   4,   5,   7,   8,   9,   17,  18,  84,  73,  75, 76,
+                           77, 105, 106, 107, 114, 201, 203, 204, 205, 211, 280, 300, 400})
       all[code] = 100 + code;
     return all;
   }();
@@ -318,7 +327,7 @@ void check_words(const Line& line, Kind kind) {
   }
   if (setting) return;
   for (const auto& [letter, value] : line.value) {
-    bool fits = letter == 'N' && value >= 0 && value % kNm == 0;
+    bool fits = letter == 'N' && !marlin && value >= 0 && value % kNm == 0;
     if (letter == 'X' || letter == 'Y' || letter == 'Z') fits = !marlin || !line.g.empty();
     if (letter == 'F') fits = !marlin || line.g.contains(0) || line.g.contains(10);
     if (letter == 'S') fits = !marlin || !line.m.empty() || line.g.contains(40);
@@ -338,16 +347,27 @@ void spindle(State& state, const Line& line) {
   if (s != line.value.end() && (std::llabs(s->second) > 1'000'000 * kNm || (!c.by_s && s->second < 0)))
     throw Alarm{"an S that is none"};
   const bool was_pressed = state.pressed();
-  if (s != line.value.end() && (on || off || line.m.empty()) && !line.g.contains(40)) state.s = s->second;
+  const bool has_s = s != line.value.end() && (c.kind != Kind::marlin || on || off);
+  if (has_s) state.s = s->second;
   if (on || off) state.spindle = on;
   const bool output = line.m.contains(67) || line.m.contains(68) || line.m.contains(280);
   Int value = 0;
   if (const auto q = line.value.find('Q'); q != line.value.end()) value = q->second;
   if (line.m.contains(280) && s != line.value.end()) value = s->second;
-  if (c.by_s && (on || off || output || (state.spindle && s != line.value.end()))) {
+  if (c.laser || c.by_s)
+    for (const int code : line.m) {
+      const bool quiet = code <= 2 || code == 5 || code == 9 || code == 17 || code == 18 || code == 30 ||
+                         (code >= 48 && code <= 53) || (code >= 73 && code <= 84) || code == 105 || code == 107 ||
+                         code == 114 || (code >= 201 && code <= 211) || code == 400;
+      const bool head = c.by_s && (code == 3 || code == 4);
+      if (!quiet && !head) throw Alarm{"an output"};
+    }
+  state.spindle_off = state.spindle_off || off;
+  state.fan_off = state.fan_off || line.m.contains(107);
+  if (c.by_s && (on || off || output || (state.spindle && has_s))) {
     if (was_pressed && !state.carved) throw Alarm{"a dent"};
     if (!output && state.spindle && state.s == kUnknown) throw Alarm{"a spindle without S"};
-    state.pressed_s = output ? value / 1000 : state.spindle ? state.s / 1000 : c.lifted_s;
+    state.pressed_s = output ? value / 1000 : state.spindle ? state.s / 1000 : c.low_s_presses ? 0 : c.lifted_s;
     state.spindle_known = true;
     state.carved = false;
   }
@@ -368,12 +388,13 @@ void execute_line(State& state, std::string_view text) {
   }
   if ((bare == "$H" || bare == "$h") && kind == Kind::grbl) {
     if (state.ended || state.down()) throw Alarm{"home from the metal"};
+    state.leave();
     state.at[0] = state.at[1] = state.at[2] = kUnknown;
     state.moved = true;
     return;
   }
   const std::vector<Word> words = words_of(text, state.c);
-  if (words.empty() || (words.size() == 1 && words[0].letter == 'N')) {
+  if (words.empty() || (words.size() == 1 && words[0].letter == 'N' && kind != Kind::marlin)) {
     for (const Word& w : words)
       if (w.value < 0 || w.value % kNm != 0) throw Alarm{"a line number"};
     return;
@@ -390,6 +411,17 @@ void execute_line(State& state, std::string_view text) {
       state.units = g / 10;
     }
     if (g == 900) state.absolute = true;
+    if (g == 610 || g == 611) state.exact_path = true;
+    if (g == 640) {
+      const Int inch = state.units == 20 ? 254 : 10;
+      for (const char letter : {'P', 'Q'}) {
+        const auto leaves = line.value.find(letter);
+        if (letter == 'P' && leaves == line.value.end()) throw Alarm{"a path that is rounded"};
+        if (leaves != line.value.end() && (leaves->second < 0 || leaves->second * inch / 10 > kNm / 200))
+          throw Alarm{"a path that is rounded"};
+      }
+      state.exact_path = true;
+    }
     if (g == 430 || g == 490) {
       if (state.moved && state.length != g) throw Alarm{"another tool length"};
       state.length = g;
@@ -402,6 +434,7 @@ void execute_line(State& state, std::string_view text) {
     machine = machine || g == 530;
   }
   spindle(state, line);
+  if (line.m.contains(211) && line.value.contains('S')) state.below_zero = line.value.at('S') == 0;
   const auto axis = [&](char letter) { return line.value.contains(letter); };
   const bool axes = axis('X') || axis('Y') || axis('Z');
   if (const auto f = line.value.find('F'); f != line.value.end()) {
@@ -414,6 +447,7 @@ void execute_line(State& state, std::string_view text) {
     state.at[0] = state.at[1] = state.at[2] = kUnknown;
   }
   if (goes_home || machine) {
+    state.leave();
     if (state.down()) throw Alarm{"away from the metal"};
     if (goes_home && axes && kind != Kind::marlin) throw Alarm{"home by a place"};
     if (machine && (!axes || state.motion < 0)) throw Alarm{"G53 alone"};

@@ -38,10 +38,11 @@ struct Sheet {
 struct Controller {
   enum class Kind { grbl, linuxcnc, marlin } kind = Kind::grbl;
   std::size_t line_bytes = 79;
-  bool by_s = false;          ///< the head is pressed by S, not by Z
-  std::int64_t lifted_s = 0;  ///< S that lifts it, in thousandths
-  bool laser = false;         ///< the beam must stay off
-  bool bounded = false;       ///< by these, nanometers
+  bool by_s = false;           ///< the head is pressed by S, not by Z
+  std::int64_t lifted_s = 0;   ///< S that lifts it, in thousandths
+  bool low_s_presses = false;  ///< S that is lower than that one presses; otherwise S that is higher
+  bool laser = false;          ///< the beam must be turned off first, and stay off
+  bool bounded = false;        ///< by these, nanometers
   std::int64_t low[2] = {0, 0}, high[2] = {0, 0};
   const Sheet* sheet = nullptr;  ///< null: whatever the file does to a sheet is not looked at
   double servo_lift = 0;         ///< mm: how high S lifts the tip, of a head pressed by S

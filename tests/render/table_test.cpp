@@ -72,6 +72,47 @@ TEST_F(Table, CsvFaultsAreNamed) {
   EXPECT_NO_THROW(read("")());
 }
 
+// What spreadsheets write where commas are decimal ones, and elsewhere.
+TEST_F(Table, CsvOfSpreadsheets) {
+  for (const char* text : {"a;b\n1,5;-2,25\n", "sep=;\r\na;b\r\n1,5;-2,25\r\n", "\xEF\xBB\xBFsep=;\na;b\n1,5;-2,25\n",
+                           "a\tb\n1,5\t-2,25\n", "sep=\t\na\tb\n1,5\t-2,25\n", "\"a\";\"b\"\n\"1,5\";\"-2,25\"\n",
+                           "\"a\",\"b\"\n\"1,5\",\"-2,25\"\n", "\"a\",b\n 1.5 , \"-2.25\" \n", "a;b\n1.5;-2.25\n",
+                           "sep=,\na,b\n1.5,-2.25\n", "\"sep=;\"\na;b\n1,5;-2,25\n", "a,b,,\n1.5,-2.25,,\n",
+                           "a,b\n1.5,-2.25,,,\n,,,,\n", "a;b;;\r\n1,5;-2,25;;\r\n;;;\r\n;;;\r\n"}) {
+    TableReader t = table(text, TableStyle::csv, {"a", "b"});
+    EXPECT_THAT(t.columns(), ElementsAre("a", "b")) << text;
+    ASSERT_TRUE(t.next()) << text;
+    EXPECT_EQ(t.number(0), 1.5) << text;
+    EXPECT_EQ(t.number(1), -2.25) << text;
+    EXPECT_FALSE(t.next()) << text;
+  }
+}
+
+TEST_F(Table, CsvThatCouldBeReadInTwoWaysIsRefused) {
+  const auto refuse = [&](const std::string& text, const std::string& where, const std::string& why) {
+    EXPECT_THAT(([&] {
+                  TableReader t = table(text, TableStyle::csv, {"a", "b"});
+                  while (t.next()) t.number(0), t.number(1);
+                }),
+                ThrowsMessage<Error>(AllOf(HasSubstr(where), HasSubstr(why))))
+        << text;
+  };
+  refuse("a;b\n1,5;2\n1.234;2\n", "table:3: a is \"1.234\"", "decimals stand behind a comma");
+  refuse("a;b\n1.5;2\n1;2,5\n", "table:3: b is \"2,5\"", "decimals stand behind a point");
+  refuse("a;b\n1.234,5;2\n", "table:2: a is \"1.234,5\"", "decimal point");
+  refuse("a;b\n1,234,5;2\n", "table:2: a is \"1,234,5\"", "decimal point");
+  refuse("a,b\n\"1,234\",2\n", "table:2: a is \"1,234\"", "between thousands");
+  refuse("a,b\n1,5,2,5\n", "table:2", "separate values by semicolons");
+  refuse("a,,b\n1,2,3\n", "table:1", "column 2 has no name");
+  refuse("a,b\n1,2,,3\n", "table:2", "more than 2 values");
+  refuse("a,b\n\"1,2\n", "table:2", "value 1 has no closing quote");
+  refuse("a,b\n\"1\"5,2\n", "table:2", "goes on behind its quotes");
+  refuse("sep=|\na|b\n1|2\n", "table:1", "separates by \"|\"");
+  refuse("a;b\n1,5 mm;2\n", "table:2: a is \"1,5 mm\"", "finite number");
+  refuse(std::string("\xFF\xFE\x61\0", 4), "table", "UTF-16");
+  refuse("PK\x03\x04rest", "table", "is a spreadsheet");
+}
+
 TEST_F(Table, VnlogTakesTheFirstLegendThatNamesWhatIsNeeded) {
   TableReader t = table("## made by hand\n# a remark\n# view x\nv0 1.5\n# another\nv1 -\n\n#! no\nv2\n",
                         TableStyle::vnlog, {"view", "x"});

@@ -110,6 +110,160 @@ TEST(ToolpathCommand, FollowsAProbedSheet) {
   EXPECT_FALSE(std::filesystem::exists(folder / "h.json"));
 }
 
+// No output is an input, by whatever name, and no two outputs are one file.
+TEST(ToolpathCommand, WhatIsReadIsNotReplaced) {
+  const TemporaryFolder folder;
+  folder.write("board.json", kPlainBoard);
+  folder.write("scratches.csv", kThreeScratches);
+  const std::string board = kPlainBoard, scratches = kThreeScratches;
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"toolpath", "scratches.csv", "--board", "board.json"});
+    return run_burin(folder, more);
+  };
+  ASSERT_EQ(run({"--out", "old.gcode", "--chunks", "1"}).exit_code, 0);  // in parts: old-01.gcode, ...
+  const std::string part = file_text(folder / "old-01.gcode");
+  std::filesystem::create_symlink(folder / "scratches.csv", folder / "link.csv");
+  std::filesystem::create_hard_link(folder / "scratches.csv", folder / "hard.csv");
+  std::filesystem::create_directory(folder / "sub");
+  const std::size_t files = folder.file_count();
+  const auto refused = [&](const std::vector<std::string>& more, const char* why) {
+    const Outcome outcome = run(more);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr(why), HasSubstr("another")));
+    EXPECT_EQ(folder.file_count(), files);
+    EXPECT_EQ(file_text(folder / "scratches.csv"), scratches);
+    EXPECT_EQ(file_text(folder / "board.json"), board);
+    EXPECT_EQ(file_text(folder / "old-01.gcode"), part);
+  };
+  const char* const read = "is an input of this command";
+  for (const char* out : {"scratches.csv", "./scratches.csv", "sub/../scratches.csv", "link.csv", "hard.csv"}) {
+    refused({"--out", out}, read);
+    refused({"--out=" + std::string(out)}, read);
+    refused({"--out", "d.gcode", "--sent", out}, read);
+  }
+  refused({"--out", "d.csv", "--sent", "d.csv"}, "is named twice");
+  refused({"--out", "d.csv", "--sent", "sub/../d.csv"}, "is named twice");
+  const std::size_t line = static_cast<std::size_t>(std::count(part.begin(), part.end(), '\n')) - 3;
+  refused({"--out", "old-01.gcode", "--resume", "old-01.gcode", "--at-line", std::to_string(line)}, "name another one");
+  // Other commands that take --out.
+  const auto other = [&](const std::vector<std::string>& command) {
+    const Outcome outcome = run_burin(folder, command);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.out;
+    EXPECT_THAT(outcome.err, HasSubstr("another name"));
+    EXPECT_EQ(file_text(folder / "board.json"), board);
+  };
+  ASSERT_EQ(run({"--out", "whole.gcode"}).exit_code, 0);
+  other({"probe", "write", "board.json", "--out", "board.json"});
+  for (const char* out : {"scratches.csv", "board.json", "whole.gcode", "hard.csv"})
+    other({"check", "carve", "scratches.csv", "--board", "board.json", "--gcode", "whole.gcode", "--out", out});
+  EXPECT_EQ(file_text(folder / "scratches.csv"), scratches);
+  EXPECT_EQ(run({"--out", "scratches.gcode", "--sent", "sub/scratches.csv"}).exit_code, 0);
+  EXPECT_EQ(run({"--out", "scratches.gcode", "--sent", "sub/scratches.csv"}).exit_code, 0);  // its own, again
+}
+
+TEST(ToolpathCommand, NamesWhatItRemovesAndLeavesOtherJobs) {
+  const TemporaryFolder folder;
+  folder.write("board.json", kPlainBoard);
+  folder.write("scratches.csv", kThreeScratches);
+  const auto run = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"toolpath", "scratches.csv", "--board", "board.json", "--out"});
+    return run_burin(folder, more);
+  };
+  for (const char* other : {"job-1.gcode", "job-2026.gcode"}) EXPECT_EQ(run({other}).exit_code, 0);
+  EXPECT_EQ(run({"job.gcode", "--chunks", "1"}).exit_code, 0);
+  const Outcome whole = run({"job.gcode"});
+  EXPECT_THAT(whole.out, HasSubstr("job-02.gcode  removed: it was part of an earlier tool path of this name"));
+  EXPECT_EQ(whole.out.find("job-1.gcode"), std::string::npos);
+  EXPECT_EQ(folder.file_count(), 5u);
+  EXPECT_EQ(run({"job.svg", "--max-lines", "900"}).exit_code, 1);
+  EXPECT_EQ(run({"job.dxf", "--frame"}).exit_code, 1);
+}
+
+// What public readers make of drawings and of G-code: a line "x0 y0 x1 y1" in mm, y up, for each scratch.
+class OtherReaders : public ::testing::Test {
+ protected:
+  // Runs `script` (its last lines print the scratches of argv[1]) on FILE; skips where its modules are missing.
+  void expect_read(const std::string& file, const std::string& modules, const std::string& from,
+                   const std::string& script, const std::vector<std::string>& options = {}) {
+    if (run_shell(folder_, "python3 -c 'import " + modules + "'").exit_code != 0)
+      GTEST_SKIP() << "needs " << from << ", which python3 cannot import here";
+    folder_.write("board.json", kPlainBoard);
+    folder_.write("scratches.csv",
+                  "x0_mm,y0_mm,x1_mm,y1_mm,depth_um\n10,10,14,12,8\n90,70,85,70,12.5\n14,13,15,19,8\n");
+    std::vector<std::string> command{"toolpath", "scratches.csv", "--board", "board.json", "--out",
+                                     file,       "--order",       "keep"};
+    command.insert(command.end(), options.begin(), options.end());
+    ASSERT_EQ(run_burin(folder_, command).exit_code, 0);
+    folder_.write("read.py", script);
+    const std::string at = quoted(folder_.path().string());
+    const Outcome read = run_shell(folder_, "cd " + at + " && python3 read.py " + quoted(file));
+    EXPECT_EQ(read.exit_code, 0) << read.err;
+    EXPECT_EQ(read.out, "10.000 10.000 14.000 12.000\n90.000 70.000 85.000 70.000\n14.000 13.000 15.000 19.000\n")
+        << read.err;
+  }
+  TemporaryFolder folder_;
+};
+
+// Layers change the order.
+constexpr const char* kPrintInOrder =
+    "lines.sort(key=lambda line: [10, 90, 14].index(round(line[0])))\n"
+    "for line in lines: print('%.3f %.3f %.3f %.3f' % tuple(line))\n";
+
+TEST_F(OtherReaders, EzdxfReadsTheDxf) {
+  expect_read("b.dxf", "ezdxf", "Debian's python3-ezdxf", std::string(R"(
+import sys, ezdxf
+doc = ezdxf.readfile(sys.argv[1])
+audit = doc.audit()
+assert not audit.errors, audit.errors
+assert doc.header['$INSUNITS'] == 4 and doc.header['$MEASUREMENT'] == 1
+assert sorted({e.dxf.layer for e in doc.modelspace()}) == ['DEPTH_12_5_UM', 'DEPTH_8_0_UM']
+assert all(e.dxf.layer in doc.layers for e in doc.modelspace())
+lines = [[e.dxf.start.x, e.dxf.start.y, e.dxf.end.x, e.dxf.end.y] for e in doc.modelspace().query('LINE')]
+)") + kPrintInOrder);
+}
+
+TEST_F(OtherReaders, SvgelementsReadsTheSvg) {
+  expect_read("b.svg", "svgelements", "Debian's python3-svgelements", std::string(R"(
+import sys, svgelements
+svg = svgelements.SVG.parse(sys.argv[1], ppi=25.4)  # a pixel is then a millimeter
+assert abs(svg.width - 100) < 1e-3 and abs(svg.height - 80) < 1e-3
+paths = [e for e in svg.elements() if isinstance(e, svgelements.Path)]
+lines = [[p.first_point.x, 80 - p.first_point.y, p.current_point.x, 80 - p.current_point.y] for p in paths]
+)") + kPrintInOrder);
+}
+
+TEST_F(OtherReaders, SvgpathtoolsReadsTheSvg) {
+  expect_read("b.svg", "svgpathtools", "PyPI's svgpathtools", std::string(R"(
+import sys, svgpathtools
+paths, _, attributes = svgpathtools.svg2paths2(sys.argv[1])
+assert attributes['width'] == '100mm' and attributes['viewBox'] == '0 0 100 80'
+lines = [[p.start.real, 80 - p.start.imag, p.end.real, 80 - p.end.imag] for p in paths]
+)") + kPrintInOrder);
+}
+
+TEST_F(OtherReaders, SvgToGcodeReadsTheSvg) {
+  expect_read("b.svg", "svg_to_gcode", "PyPI's svg-to-gcode", std::string(R"(
+import sys
+from svg_to_gcode.svg_parser import parse_file
+lines = [[c.start.x, c.start.y, c.end.x, c.end.y] for c in parse_file(sys.argv[1])]
+)") + kPrintInOrder);
+}
+
+TEST_F(OtherReaders, PygcodeReadsTheGcode) {
+  expect_read("b.gcode", "pygcode", "PyPI's pygcode", std::string(R"(
+import sys, pygcode
+at, lines = {}, []
+for text in open(sys.argv[1]):
+    line = pygcode.Line(text)
+    assert len(text) <= 71
+    for code in line.block.gcodes:
+        to = dict(at, **{k: v for k, v in code.get_param_dict().items() if k in 'XYZ'})
+        if str(code.word_key) == 'G01' and ('X' in code.get_param_dict()):
+            lines.append([at['X'], at['Y'], to['X'], to['Y']])
+        at = to
+)") + kPrintInOrder);
+}
+
 TEST(ToolpathCommand, SaysWhatIsWrongAndWritesNothing) {
   const TemporaryFolder folder;
   folder.write("board.json", kPlainBoard);

@@ -19,10 +19,19 @@
 namespace burin {
 namespace {
 
-/// What a block's placeholders stand for. Those of one scratch are null outside of `per_scratch`.
+/// What a file's head may tell of it.
+struct WholeFile {
+  const Replay& replay;   ///< of its commands
+  std::size_t lines = 0;  ///< all of them
+  GcodeHead head;
+};
+
+/// What a block's placeholders stand for. Those of one scratch are null outside of `per_scratch`, those of the whole
+/// file outside of `head`.
 struct BlockValues {
   const MachineProfile& machine;
   const PlannedScratch* scratch = nullptr;
+  const WholeFile* file = nullptr;
   std::size_t number = 0;
   const Face* face = nullptr;  ///< that depths follow
   double z_safe_mm = 0;        ///< Z of travel before and after these lines
@@ -53,6 +62,22 @@ std::vector<double> bends(const Face& face, const PlannedScratch& s) {
   return bends(face, s.from_mm, s.to_mm, kFollowShare / 4 * s.depth_mm);
 }
 
+/// A placeholder that only a file's head knows; empty for other names.
+std::string of_whole_file(const std::string& name, const WholeFile& file, int decimals) {
+  const Replay& r = file.replay;
+  if (name == "lines") return std::to_string(file.lines);
+  if (name == "time_s") return fixed(std::ceil(r.duration_s), 0);
+  if (name == "part") return std::to_string(file.head.part);
+  if (name == "parts") return std::to_string(file.head.parts);
+  if (name == "scratches") return std::to_string(r.scratches.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string letter(1, "xyz"[axis]);
+    if (name == "min_" + letter) return fixed(r.min_mm[axis], decimals);
+    if (name == "max_" + letter) return fixed(r.max_mm[axis], decimals);
+  }
+  return "";
+}
+
 /// The text of one placeholder; nothing for the dwell of a machine that needs none (its line is then left out).
 std::optional<std::string> placeholder(const std::string& name, const BlockValues& values) {
   const MachineProfile& m = values.machine;
@@ -66,6 +91,8 @@ std::optional<std::string> placeholder(const std::string& name, const BlockValue
   if (name == "servo_up") return plain(m.servo_up);
   if (name == "dwell_s") return m.dwell_s > 0 ? std::optional(fixed(m.dwell_s, 3)) : std::nullopt;
   if (name == "dwell_ms") return m.dwell_s > 0 ? std::optional(fixed(m.dwell_s * 1e3, 0)) : std::nullopt;
+  if (values.file != nullptr)
+    if (std::string text = of_whole_file(name, *values.file, m.decimals); !text.empty()) return text;
   if (s != nullptr) {
     if (name == "x0") return fixed(s->from_mm.x(), m.decimals);
     if (name == "y0") return fixed(s->from_mm.y(), m.decimals);
@@ -85,7 +112,8 @@ std::optional<std::string> placeholder(const std::string& name, const BlockValue
     fail("machine profile \"" + m.name + "\"", "its blocks ask for {force}, but it says none", "add \"force\": 350");
   fail("machine profile \"" + m.name + "\"", "its blocks ask for {" + name + "}, which is not known there",
        "use z_safe, feed, plunge_feed, rapid, rapid_z, force, servo_up, dwell_s, dwell_ms and, in per_scratch, x0, y0, "
-       "x1, y1, z_carve, z1, servo, depth_um, number");
+       "x1, y1, z_carve, z1, servo, depth_um, number; in head, lines, time_s, part, parts, scratches, min_x, max_x, "
+       "min_y, max_y, min_z, max_z");
 }
 
 /// Appends a line, unless it asks for a dwell that there is none of.
@@ -166,6 +194,17 @@ void append_z(std::string& text, const MachineProfile& machine, double z_mm) {
           (machine.dialect == GcodeDialect::marlin ? " F" + plain(machine.rapid_z_mm_min) : "") + "\n";
 }
 
+/// Whether Z, which stays while scratches are carved, comes down from the first way's height over the first of them.
+bool is_approached(const MachineProfile& machine) { return keeps_z(machine) && starts_lifted(machine); }
+
+constexpr std::size_t kApproachLines = 2;
+
+void append_approach(std::string& text, const MachineProfile& machine, const Toolpath& path,
+                     const Eigen::Vector2d& to) {
+  append_way(text, machine, to);
+  append_z(text, machine, path.kept_z_mm);
+}
+
 /// A comment of ours, in lines that the machine reads. Words from outside come into it by comment_word() alone.
 void append_comment(std::string& text, const MachineProfile& machine, const std::string& comment) {
   text += comment_lines(machine, comment);
@@ -179,17 +218,101 @@ void append_notes(std::string& text, const MachineProfile& machine, const Toolpa
   if (path.face.followed())
     append_comment(text, machine,
                    "Z zero: the face at X" + fixed(path.face.zero_mm.x(), 3) + " Y" + fixed(path.face.zero_mm.y(), 3) +
-                       "; Z follows the face");
+                       ", Z follows the face");
   if (by_preload(machine.depth_by)) append_comment(text, machine, "Z zero: where the tool touches, not yet pressed");
-  if (machine.laser) append_comment(text, machine, "the beam stays off: M5 S0, with $32=1 and with $32=0");
+  if (machine.laser) append_comment(text, machine, "the beam is turned off and stays off");
+}
+
+/// The line that lifts a servo's head: the one that presses it, with another S.
+std::string lifting_line(const MachineProfile& machine) {
+  constexpr std::string_view kPressed = "{servo}";
+  for (std::string line : machine.per_scratch) {
+    const std::size_t at = line.find(kPressed);
+    if (at == std::string::npos || line.find_first_of("XYZ") != std::string::npos) continue;
+    return line.replace(at, kPressed.size(), "{servo_up}");
+  }
+  return "M3 S{servo_up}";
+}
+
+/// What no profile's blocks can leave out: what this file needs before anything moves, whatever was before it.
+std::vector<std::string> own_start(const MachineProfile& machine) {
+  const bool marlin = machine.dialect == GcodeDialect::marlin;
+  std::vector<std::string> lines;
+  if (machine.laser) lines = marlin ? std::vector<std::string>{"M5", "M107"} : std::vector<std::string>{"M5 S0"};
+  if (machine.depth_by == DepthBy::servo)
+    lines = {lifting_line(machine), marlin ? "G4 P{dwell_ms}" : "G4 P{dwell_s}"};
+  else if (marlin)
+    lines.emplace_back("M211 S0");  // else its software endstops stop Z at zero without a word
+  if (machine.dialect == GcodeDialect::linuxcnc) lines.emplace_back("G61");  // through the ends, not round them
+  return lines;
+}
+
+/// And when all is carved, before the profile's own end.
+std::vector<std::string> own_end(const MachineProfile& machine) {
+  const bool marlin = machine.dialect == GcodeDialect::marlin;
+  std::vector<std::string> lines;
+  if (machine.laser) lines = marlin ? std::vector<std::string>{"M5", "M107"} : std::vector<std::string>{"M5 S0"};
+  if (machine.depth_by == DepthBy::servo)
+    lines.push_back(lifting_line(machine));
+  else if (marlin)
+    lines.emplace_back("M211 S1");
+  return lines;
+}
+
+void append_start(std::string& text, const MachineProfile& machine, const Toolpath& path) {
+  // LinuxCNC's % is the first of all.
+  const std::size_t before = !machine.start.empty() && machine.start.front() == "%" ? 1 : 0;
+  const auto own = machine.start.begin() + static_cast<std::ptrdiff_t>(before);
+  append_block(text, {machine.start.begin(), own}, {machine, path});
+  append_block(text, own_start(machine), {machine, path});
+  append_block(text, {own, machine.start.end()}, {machine, path});
+}
+
+void append_end(std::string& text, const MachineProfile& machine, const Toolpath& path) {
+  append_block(text, own_end(machine), {machine, path});
+  append_block(text, machine.end, {machine, path});
+}
+
+std::size_t count_lines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+/// The whole file: the profile's head, then what `rest` is.
+std::string with_head(const std::string& rest, const Replay& replay, const GcodeHead& head,
+                      const MachineProfile& machine, const Toolpath& path) {
+  const WholeFile file{replay, count_lines(rest) + machine.head.size(), head};
+  BlockValues values(machine, path);
+  values.file = &file;
+  std::string text;
+  append_block(text, machine.head, values);
+  return text + rest;
+}
+
+/// The comments of a part, before its commands.
+std::string comments(const Toolpath& path, const MachineProfile& machine, const GcodeHead& head, double duration_s) {
+  std::string text;
+  append_comment(text, machine, "Burin tool path for " + comment_word(machine.name) + ", mm");
+  append_comment(text, machine, head_text(head));
+  append_comment(text, machine,
+                 "X " + fixed(path.min_mm.x(), 3) + " to " + fixed(path.max_mm.x(), 3) + ", Y " +
+                     fixed(path.min_mm.y(), 3) + " to " + fixed(path.max_mm.y(), 3));
+  append_comment(text, machine, "zero: lower left corner of the board, its face");
+  append_notes(text, machine, path);
+  append_comment(text, machine, "about " + duration_text(duration_s));
+  return text;
 }
 
 /// Scratches [first, first + count) of the path for each file: as many as its time and lines allow.
 std::vector<std::pair<std::size_t, std::size_t>> split(const Toolpath& path, const MachineProfile& machine,
                                                        double part_s) {
-  constexpr std::size_t kCommentLines = 30;  // at most, where lines are short
   constexpr std::size_t kMostParts = 999;
-  const std::size_t fixed_lines = machine.start.size() + machine.end.size() + kCommentLines;
+  // Comments at their longest: every number as large as it can be.
+  const std::size_t all = path.scratches.size();
+  constexpr double kLongest_s = 3599999;
+  const std::size_t fixed_lines = machine.head.size() + own_start(machine).size() + machine.start.size() +
+                                  (is_approached(machine) ? kApproachLines : 0) + own_end(machine).size() +
+                                  machine.end.size() +
+                                  count_lines(comments(path, machine, {all, all, all, all, all}, kLongest_s));
   const std::size_t room = machine.max_lines == 0 ? std::numeric_limits<std::size_t>::max()
                            : static_cast<std::size_t>(machine.max_lines) > fixed_lines
                                ? static_cast<std::size_t>(machine.max_lines) - fixed_lines
@@ -206,9 +329,9 @@ std::vector<std::pair<std::size_t, std::size_t>> split(const Toolpath& path, con
     const std::size_t more = lines_each * (path.face.followed() ? bends(path.face, scratch).size() : 1);
     if (more > room)
       fail("tool path",
-           "has a scratch of " + std::to_string(more) + " lines, and max_lines of " +
-               std::to_string(machine.max_lines) + " leaves room for " + std::to_string(room),
-           "allow longer files (--max-lines, or max_lines of the machine profile)");
+           "files of at most " + std::to_string(machine.max_lines) + " lines leave no room for the scratch in row " +
+               std::to_string(scratch.scratch + 1) + ": beside it a file has " + std::to_string(fixed_lines) + " lines",
+           "allow at least " + std::to_string(fixed_lines + more) + " (--max-lines, or max_lines of the profile)");
     const bool full = !parts.empty() && (more > room - std::min(room, lines) || (part_s > 0 && elapsed_s + s > part_s));
     if (parts.empty() || full) {
       if (parts.size() == kMostParts)
@@ -233,31 +356,18 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
   for (std::size_t k = 0; k < parts.size(); ++k) {
     GcodePart part{{}, parts[k].first, parts[k].second, 0};
     std::string body;
-    append_block(body, machine.start, {machine, path});
-    if (keeps_z(machine) && starts_lifted(machine)) {
-      append_way(body, machine, path.scratches[part.first].from_mm);
-      append_z(body, machine, path.kept_z_mm);
-    }
+    append_start(body, machine, path);
+    if (is_approached(machine)) append_approach(body, machine, path, path.scratches[part.first].from_mm);
     for (std::size_t i = part.first; i < part.first + part.count; ++i) append_scratch(body, machine, path, part, i);
-    append_block(body, machine.end, {machine, path});
+    append_end(body, machine, path);
     const std::string name = "tool path, part " + std::to_string(k + 1);
     const Replay replay = fail_unless_released(body, machine, path.workpiece, path.face, name);
     part.duration_s = replay.duration_s;
     fail_unless_carves(replay, path, part, machine, name);
 
-    // Short lines: grbl reads 79 characters. What is written is read back and replayed whole (replay_written).
-    append_comment(part.text, machine, "Burin tool path for " + comment_word(machine.name) + ", mm");
-    append_comment(part.text, machine,
-                   "part " + std::to_string(k + 1) + " of " + std::to_string(parts.size()) + ", scratches " +
-                       std::to_string(part.first + 1) + " to " + std::to_string(part.first + part.count) + " of " +
-                       std::to_string(path.scratches.size()));
-    append_comment(part.text, machine,
-                   "X " + fixed(path.min_mm.x(), 3) + " to " + fixed(path.max_mm.x(), 3) + ", Y " +
-                       fixed(path.min_mm.y(), 3) + " to " + fixed(path.max_mm.y(), 3));
-    append_comment(part.text, machine, "zero: lower left corner of the board, its face");
-    append_notes(part.text, machine, path);
-    append_comment(part.text, machine, "about " + duration_text(part.duration_s));
-    part.text += body;
+    // What is written is read back and replayed whole (replay_written).
+    const GcodeHead head{k + 1, parts.size(), part.first + 1, part.first + part.count, path.scratches.size()};
+    part.text = with_head(comments(path, machine, head, part.duration_s) + body, replay, head, machine, path);
     list.push_back(std::move(part));
   }
   return list;
@@ -291,7 +401,7 @@ std::string frame_gcode(const Toolpath& path, const MachineProfile& machine) {
   std::string text;
   append_comment(text, machine, "Burin frame for " + comment_word(machine.name) + ", mm, in the air");
   append_notes(text, machine, path);
-  append_block(text, machine.start, {machine, path});
+  append_start(text, machine, path);
   const Eigen::Vector2d &low = path.min_mm, &high = path.max_mm;
   const std::array<Eigen::Vector2d, 5> corners{low, {high.x(), low.y()}, high, {low.x(), high.y()}, low};
   double z_mm = path.kept_z_mm;
@@ -302,8 +412,8 @@ std::string frame_gcode(const Toolpath& path, const MachineProfile& machine) {
   for (std::size_t k = 1; k < corners.size(); ++k)
     text += "G1 X" + fixed(corners[k].x(), machine.decimals) + " Y" + fixed(corners[k].y(), machine.decimals) + " F" +
             plain(machine.carve_feed_mm_min) + "\n";
-  append_block(text, machine.end, {machine, path});
-  return text;
+  append_end(text, machine, path);
+  return with_head(text, replay_gcode(text, machine, "frame", &path.face), {1, 1, 0, 0, 0}, machine, path);
 }
 
 }  // namespace burin

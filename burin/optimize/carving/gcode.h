@@ -14,7 +14,7 @@
 namespace burin {
 
 /// One file of G-code: it sets up units and modes and lifts the tool before it moves, so that carving may begin with
-/// any part.
+/// any part. The profile's `head` comes first, then comments, then Burin's own lines and the profile's blocks.
 struct GcodePart {
   std::string text;
   std::size_t first = 0, count = 0;  ///< which of Toolpath::scratches it carves
@@ -22,7 +22,8 @@ struct GcodePart {
 };
 
 /// Files of at most about part_s each (0: as few as the profile's max_lines allows), each replayed and found to carve
-/// its scratches once. Throws Error for a block of the profile with a placeholder that nobody knows.
+/// its scratches once. Throws Error for a block of the profile with a placeholder that nobody knows, and for max_lines
+/// that leave no room for a scratch.
 std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& machine, double part_s = 0);
 
 /// A file's text, read back from the disk. Throws Error, calling it `name`, where that is not `text`, byte by byte.

@@ -32,12 +32,11 @@ constexpr Code kLinuxcncG[] = {{430, 8},  {611, 13}, {640, 13}, {901, 4}, {690, 
                                {970, 14}, {591, 12}, {592, 12}, {593, 12}};
 constexpr Code kMarlinG[] = {{0, 1}, {10, 1}, {40, 100}, {280, 100}, {170, 2}, {210, 6}, {900, 3}, {540, 12}};
 
-constexpr Code kGrblM[] = {
-    {0, 4},  {10, 4}, {20, 4},  {300, 4}, {30, 7},  {40, 7},  {50, 7},  {70, 8},
-    {80, 8}, {90, 8}, {620, 0}, {630, 0}, {640, 0}, {650, 0}, {670, 0}, {680, 0}};  // the last ones: grblHAL, FluidNC
-constexpr Code kLinuxcncM[] = {{480, 9}, {490, 9}, {500, 0}, {510, 0}, {520, 0}, {530, 0}};
-constexpr int kMarlinM[] = {0,   10,   30,   40,   50,   70,   80,   90,   170,  180,  730,  750,  760,  770,
-                            840, 1050, 1060, 1070, 1140, 1170, 1180, 2010, 2030, 2040, 2050, 2800, 3000, 4000};
+constexpr Code kGrblM[] = {{0, 4}, {10, 4}, {20, 4}, {300, 4}, {30, 7}, {40, 7}, {50, 7}, {80, 8}, {90, 8}};
+constexpr Code kLinuxcncM[] = {{70, 8},  {480, 9}, {490, 9}, {500, 0}, {510, 0}, {520, 0}, {530, 0},
+                               {620, 0}, {630, 0}, {640, 0}, {650, 0}, {670, 0}, {680, 0}};
+constexpr int kMarlinM[] = {0,    10,   30,   40,   50,   70,   80,   90,   170,  180,  730,  750,  760,  770, 840,
+                            1050, 1060, 1070, 1140, 1170, 1180, 2010, 2030, 2040, 2050, 2110, 2800, 3000, 4000};
 
 const Code* find(std::span<const Code> codes, int tenths) {
   const auto found = std::find_if(codes.begin(), codes.end(), [&](const Code& c) { return c.tenths == tenths; });
@@ -52,6 +51,29 @@ bool same_letters(std::string_view text, std::string_view upper) {
 
 std::string code_text(char letter, int tenths) {
   return letter + std::to_string(tenths / 10) + (tenths % 10 == 0 ? "" : "." + std::to_string(tenths % 10));
+}
+
+// Text of a comment in which nothing is a word of G-code, a message to a program that sends, or a sign that one obeys.
+std::string without_code(std::string_view text) {
+  const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto upper = [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; };
+  std::string out;
+  for (const char c : text) {
+    const bool stays = letter(c) || digit(c) || std::string_view(" .,:_+-").find(c) != std::string_view::npos;
+    const char safe = stays ? c : c == ';' ? ',' : '_';
+    const std::size_t last = out.find_last_not_of(' ');
+    if (digit(safe) && last != std::string::npos) {
+      // "M30" anywhere, and "M 30" if the letter stands alone.
+      const bool code = std::string_view("GMTNOSF").find(upper(out[last])) != std::string_view::npos;
+      const bool alone = last == 0 || !(letter(out[last - 1]) || digit(out[last - 1]));
+      if (code && (last + 1 == out.size() || alone)) out.resize(last + 1), out += '_';
+    }
+    if (upper(safe) == 'G' && out.size() > 1 && upper(out.back()) == 'S' && upper(out[out.size() - 2]) == 'M')
+      out += '_';  // MSG
+    out += safe;
+  }
+  return out;
 }
 
 class Reader {
@@ -233,6 +255,11 @@ class Reader {
       if (code % 10 == 0 && std::find(machine_.other_m_codes.begin(), machine_.other_m_codes.end(), code / 10) !=
                                 machine_.other_m_codes.end())
         return;
+      if (machine_.laser)
+        error("has the code " + text + ", which may switch an output, perhaps the beam's", "take it away");
+      if (dialect_ == GcodeDialect::grbl && find(kLinuxcncM, code) != nullptr)
+        error("has the code " + text + ", which grbl answers by an error",
+              "remove it, or, on grblHAL or FluidNC, name it in other_m_codes of the machine profile");
       error("has the code " + text + ", and what it does on this machine is not known",
             "remove it, or name it in other_m_codes of the machine profile if it moves nothing");
     }
@@ -314,6 +341,9 @@ class Reader {
           wanted = line_.has_g(430);
           break;
         case 'N':
+          if (marlin)
+            error("has a line number, and Marlin asks for such a line again and again without a checksum",
+                  "leave line numbers away; the program that sends the file adds its own");
           if (line_['N'] < 0 || line_['N'] > kMostLineNumber || line_['N'] != std::floor(line_['N']))
             error("has no such line number", "count from 1, or leave line numbers away");
           wanted = true;
@@ -379,18 +409,67 @@ std::string comment_word(std::string_view text) {
 }
 
 std::string comment_lines(const MachineProfile& machine, std::string_view text) {
+  constexpr std::size_t kWidth = 70;
   const bool marlin = machine.dialect == GcodeDialect::marlin;
-  const std::size_t room = static_cast<std::size_t>(longest_line(machine)) - 2;
-  std::string lines;
-  while (!text.empty()) {
-    std::size_t end = text.size();
-    if (end > room) end = text.rfind(' ', room);
-    if (end == std::string_view::npos || end == 0) end = std::min(room, text.size());
-    lines += (marlin ? "; " : "(") + std::string(text.substr(0, end)) + (marlin ? "\n" : ")\n");
-    text.remove_prefix(end);
-    while (text.starts_with(' ')) text.remove_prefix(1);
+  const std::size_t room = std::min(kWidth, static_cast<std::size_t>(longest_line(machine))) - 2;  // of ( ) or "; "
+  const auto end_line = [&](std::string& lines, const std::string& line) {
+    lines += marlin ? "; " + line + "\n" : "(" + line + ")\n";
+  };
+  const std::string safe = without_code(text);
+  std::string lines, line;
+  for (std::size_t at = 0; at < safe.size();) {
+    const std::size_t begin = safe.find_first_not_of(' ', at);
+    if (begin == std::string::npos) break;
+    std::size_t end = std::min(safe.find(' ', begin), safe.size());
+    const std::size_t taken = line.empty() ? 0 : line.size() + 1;
+    if (taken + (end - begin) > room && !line.empty() && line != "-") {
+      end_line(lines, line);
+      line = "-";
+      continue;
+    }
+    end = std::min(end, begin + room - taken);  // a word that is longer than a line
+    line += (line.empty() ? "" : " ") + safe.substr(begin, end - begin);
+    at = end;
   }
+  end_line(lines, line);
   return lines;
+}
+
+std::string head_text(const GcodeHead& head) {
+  return "part " + std::to_string(head.part) + " of " + std::to_string(head.parts) + ", scratches " +
+         std::to_string(head.first) + " to " + std::to_string(head.last) + " of " + std::to_string(head.of);
+}
+
+std::optional<GcodeHead> read_gcode_head(std::string_view text) {
+  constexpr std::size_t kMostLines = 300;  // a profile's own head stands before it
+  std::string comments;
+  for (std::size_t line = 0; line < kMostLines && !text.empty(); ++line) {
+    std::string_view words = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(words.size() + 1, text.size()));
+    if (words.empty() || (words.front() != '(' && words.front() != ';')) continue;
+    words.remove_prefix(std::min(words.find_first_not_of("(; "), words.size()));
+    words = words.substr(0, words.find_last_not_of(")\r ") + 1);
+    if (words.starts_with("- "))
+      comments.append(words.substr(1));  // it goes on
+    else
+      comments.append("\n").append(words);
+  }
+  const std::size_t ours = comments.find("\nBurin tool path for ");
+  if (ours == std::string::npos) return std::nullopt;
+  std::size_t at = comments.find("\npart ", ours);
+  if (at == std::string::npos) return std::nullopt;
+  GcodeHead head;
+  const auto take = [&](std::string_view before, std::size_t& value) {
+    if (std::string_view(comments).substr(at, before.size()) != before) return false;
+    at += before.size();
+    const auto [end, error] = std::from_chars(comments.data() + at, comments.data() + comments.size(), value);
+    at = static_cast<std::size_t>(end - comments.data());
+    return error == std::errc();
+  };
+  if (!take("\npart ", head.part) || !take(" of ", head.parts) || !take(", scratches ", head.first) ||
+      !take(" to ", head.last) || !take(" of ", head.of) || head.first < 1 || head.last < head.first)
+    return std::nullopt;
+  return head;
 }
 
 }  // namespace burin

@@ -6,12 +6,14 @@
 // numbers with more digits than it keeps, words that stand twice, codes that it does not know, two codes of one modal
 // group (NIST RS274/NGC, section 3.4), words that no code of the line asks for. The characters ! ? ~ act at once in
 // grbl, even within comments. Marlin executes one command a line and knows no comments in ( ). What grbl drops of a
-// number (all behind its eighth digit) is dropped here as well. Sources: grbl 1.1 (gcode.c, protocol.c, nuts_bolts.c),
-// LinuxCNC's G-code reference, Marlin 2 (parser.cpp).
+// number (all behind its eighth digit) is dropped here as well. What grbl 1.1 answers by an error (M7, M62, M67) is
+// refused unless a profile names it, for grblHAL and FluidNC; so are Marlin's line numbers, which ask for a checksum.
+// Sources: grbl 1.1 (gcode.c, protocol.c, nuts_bolts.c), LinuxCNC's G-code reference, Marlin 2 (parser.cpp, queue.cpp).
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,8 +50,22 @@ int longest_line(const MachineProfile& machine);
 /// all else becomes _, and what is longer than 40 characters is cut. No such text reaches G-code by another way.
 std::string comment_word(std::string_view text);
 
-/// A text of ours as comments of the machine's dialect, as many lines as it takes: none is longer than the machine
-/// reads.
+/// A comment as lines of the machine's dialect, each with its end: at most 70 characters long, or as many as its
+/// controller reads. A line that goes on begins with "- ". No line holds anything that a controller or a program that
+/// sends it could act on: a word of G-code in the text is broken ("M30" becomes "M_30"), and of other characters only
+/// . , : _ + - stay.
 std::string comment_lines(const MachineProfile& machine, std::string_view text);
+
+/// What the comments at the head of a file of Burin's tell of it, numbers from 1.
+struct GcodeHead {
+  std::size_t part = 1, parts = 1;          ///< which of the tool path's files it is
+  std::size_t first = 0, last = 0, of = 0;  ///< the scratches that it carves, of all
+};
+
+/// "part 1 of 3, scratches 1 to 400 of 1200": the comment that read_gcode_head() understands.
+std::string head_text(const GcodeHead& head);
+
+/// The head of a tool path's file; nothing for other files (a frame, a probing file, another program's).
+std::optional<GcodeHead> read_gcode_head(std::string_view text);
 
 }  // namespace burin

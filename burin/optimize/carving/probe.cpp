@@ -232,14 +232,14 @@ std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine) {
   const auto lift = [&](double mm) { return "G0 Z" + z(mm) + "\n"; };
 
   std::string text;
-  for (const std::string& line :
+  for (const std::string& comment :
        {"Burin probing for " + comment_word(machine.name) + ", mm",
         std::to_string(plan.points_mm.size() - 1) + " points of the face",
-        std::string("tool and sheet close the contact of the probe, try that by hand first"),
-        std::string("before: work zero at the lower left corner, Z zero on the face by eye"),
+        std::string("tool and sheet close the contact of the probe, try it by hand"),
+        std::string("before: work zero at the lower left corner, Z zero by eye"),
         "first way along X and Y: " + fixed(first_mm, 1) + " mm above zero, over sheet and clamps",
-        std::string("this file sets Z zero at the first point, leave it so until carved")})
-    text += comment_lines(machine, line);
+        std::string("this file sets Z zero at the first point, leave it so")})
+    text += comment_lines(machine, comment);
   if (machine.laser) text += "M5 S0\n";
   text += "G21 G90 G17 G94 G54\n" + lift(first_mm) + go(plan.points_mm.front());
   // Quickly to find the face, then slowly for its height.
@@ -254,6 +254,7 @@ std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine) {
     text.append(go(p)).append(touch).append(lift(std::max(lift_mm, next_mm)));
   }
   if (logs) text += "(PROBECLOSE)\n";
+  if (machine.laser) text += "M5 S0\n";
   return text + "M2\n";
 }
 

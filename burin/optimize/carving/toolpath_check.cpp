@@ -7,7 +7,6 @@
 #include <limits>
 #include <unordered_map>
 
-#include "burin/optimize/carving/gcode_line.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
 
@@ -25,6 +24,8 @@ constexpr double kLeastTravel_mm = 0.01;
 
 constexpr double kSameServo = 1e-4;  // S as a file's decimals and a controller's digits leave it
 
+constexpr double kMostBlend_mm = 0.005;  // that LinuxCNC may leave the path by: well below a groove's width
+
 constexpr double kTravelRounding_mm = 1e-3;  // of the machine's bounds
 
 class Machine {
@@ -38,6 +39,7 @@ class Machine {
     replay_.min_mm.setConstant(kUnknown);
     replay_.max_mm.setConstant(kUnknown);
     by_servo_ = profile.depth_by == DepthBy::servo;
+    if (by_servo_) head_output_ = head_output();
     presses_ = presses_by_itself(profile);
   }
 
@@ -50,6 +52,8 @@ class Machine {
     if (replay_.ended) error("goes on after its end (M2, M30 or %)", "take away what follows the end");
     if (words.home) return go_home();
     for (const int g : words.g) modal(g);
+    if (words.has_g(640)) blend(words);
+    outputs(words);
     spindle(words);
     if (words.has('F')) feed(words['F'] * unit_mm_);
     if (words.has('T') && !(words['T'] >= 0 && words['T'] <= 255)) error("names no tool", "correct T");
@@ -63,6 +67,7 @@ class Machine {
       move(words);
     // Motors that are off hold no place.
     if (profile_.dialect == GcodeDialect::marlin && (words.has_m(840) || words.has_m(180))) go_home();
+    if (words.has_m(2110)) software_endstops(words);
     if (words.has_m(20) || words.has_m(300)) end(words);
   }
 
@@ -94,6 +99,11 @@ class Machine {
 
   void end(const GcodeLine& words) {
     if (words.has_axis()) error("moves in the line of its end", "give the move its own line");
+    if (by_servo_ && head_output_ == kSpindle && spindle_on_ && !lifts_servo(profile_, 0))
+      error("ends by a code that turns S off, and S0 presses the head",
+            profile_.dialect == GcodeDialect::grbl
+                ? "take M2 and M30 away: grbl's files need none"
+                : "turn the servo's horn so that a low S lifts, or end the file by % (and begin it so)");
     replay_.ended = true;
     spindle_on_ = false;
   }
@@ -128,6 +138,11 @@ class Machine {
       case 900:
         absolute_ = true;
         break;
+      case 610:
+      case 611:
+      case 640:  // within blend()
+        exact_path_ = true;
+        break;
       case 430:
       case 490:
       case 540:
@@ -150,29 +165,112 @@ class Machine {
     }
   }
 
+  /// G64: how far LinuxCNC may leave the path.
+  void blend(const GcodeLine& words) {
+    if (unit_mm_ == 0) error("sets a path tolerance before units are set", "begin the file with G21 G90");
+    if (words.has_g(40)) error("has one P for a dwell (G4) and a path (G64)", "give each its own line");
+    const auto allowed = [&](char letter) { return words[letter] >= 0 && words[letter] * unit_mm_ <= kMostBlend_mm; };
+    if (!words.has('P') || !allowed('P') || (words.has('Q') && !allowed('Q')))
+      error("lets the machine leave the path" +
+                (words.has('P') ? " by " + shortest(std::max(words['P'], words['Q']) * unit_mm_) + " mm"
+                                : std::string(" by any distance")) +
+                " (G64)",
+            "write G61, or G64 with a P of at most " + shortest(kMostBlend_mm) + " mm");
+  }
+
+  /// M211: whether Marlin stops Z at zero.
+  void software_endstops(const GcodeLine& words) {
+    if (!words.has('S')) return;  // asks
+    if (words['S'] != 0 && words['S'] != 1) error("has an M211 that is neither on nor off", "write S0 or S1");
+    below_zero_ = words['S'] == 0;
+  }
+
+  /// What moves a servo's head: a spindle's S, an analog output or one of Marlin's servos.
+  static constexpr int kSpindle = 0, kOutput = 1000, kServo = 2000;  // the latter two and their number
+
+  static int output_of(const GcodeLine& words) {
+    if (words.has_m(670) || words.has_m(680)) return kOutput + static_cast<int>(words['E']);
+    return words.has_m(2800) ? kServo + static_cast<int>(words['P']) : kSpindle;
+  }
+
+  /// The one that the profile's block for a scratch presses by.
+  int head_output() const {
+    for (std::string line : profile_.per_scratch) {
+      if (line.find("{servo}") == std::string::npos) continue;
+      for (std::size_t open = 0; (open = line.find('{')) != std::string::npos;) {
+        const std::size_t close = line.find('}', open);
+        if (close == std::string::npos) break;
+        line.replace(open, close + 1 - open, "1");
+      }
+      return output_of(read_gcode_line(line, profile_, name_, replay_.lines));
+    }
+    return kSpindle;
+  }
+
+  /// On a laser any output may be the beam, on a servo another head: only what is known to switch none on may stand
+  /// there, beside what moves the head itself.
+  void outputs(const GcodeLine& words) {
+    if (!profile_.laser && !by_servo_) return;
+    for (const int m : words.m) {
+      const bool spindle = m == 30 || m == 40, head = spindle || m == 670 || m == 680 || m == 2800;
+      if (switches_nothing_on(m)) continue;
+      if (profile_.laser && spindle) continue;  // spindle() has the words for it
+      if (by_servo_ && head && output_of(words) == head_output_) continue;
+      error("has M" + std::to_string(m / 10) + ", which may switch " +
+                (by_servo_ ? "another output than the one that moves the head" : "an output, perhaps the beam's"),
+            "take it away");
+    }
+    if (!profile_.laser) return;
+    spindle_off_ = spindle_off_ || words.has_m(50);
+    fan_off_ = fan_off_ || words.has_m(1070);
+    beam_off_ = spindle_off_ && (fan_off_ || profile_.dialect != GcodeDialect::marlin);
+  }
+
   /// What turns a spindle, a beam or a servo. S in other lines is a dwell's or a firmware's setting.
   void spindle(const GcodeLine& words) {
     const bool on = words.has_m(30) || words.has_m(40), off = words.has_m(50);
     const bool set = words.has_m(670) || words.has_m(680) || words.has_m(2800);
-    double command = 0;
-    if (words.has_m(670) || words.has_m(680)) command = words.has('Q') ? words['Q'] : 0;
-    if (words.has_m(2800)) command = words.has('S') ? words['S'] : 0;
-    if (words.has('S') && !(std::abs(words['S']) <= kMostSpindle && (by_servo_ || words['S'] >= 0)))
+    // grbl and LinuxCNC take S in any line for the spindle's; Marlin gives it to the line's code.
+    const bool has_s = words.has('S') && (profile_.dialect != GcodeDialect::marlin || on || off);
+    if (words.has('S') && !(words['S'] >= 0 && words['S'] <= kMostSpindle))
       error("has an S that no spindle knows", "correct it");
-    if ((on || off || words.m.empty()) && words.has('S') && !words.has_g(40)) spindle_s_ = words['S'];
+    if (has_s) spindle_s_ = words['S'];
     if (on || off) spindle_on_ = on;
-    if (profile_.laser && (on || (set && command != 0) || (spindle_s_ != 0 && !std::isnan(spindle_s_))))
+    if (profile_.laser && (on || (spindle_s_ != 0 && !std::isnan(spindle_s_))))
       error("turns the laser on", "take M3, M4 and S away: the tool on its axis carves with the beam off");
-    if (!by_servo_ || !(on || off || set || (spindle_on_ && words.has('S')))) return;
-    if (!set) command = spindle_on_ ? spindle_s_ : profile_.servo_up;
-    const double depth_um = depth_for_command(profile_.depth_table, command, false);
-    if (std::isnan(depth_um) && !(std::abs(command - profile_.servo_up) < kSameServo))
-      error("sets the servo to S" + shortest(command) + ", which neither lifts it nor is a depth",
+    if (!by_servo_) return;
+    const bool by_spindle = head_output_ == kSpindle;
+    if (!(by_spindle ? on || off || (spindle_on_ && has_s) : set)) return;
+    const char letter = words.has_m(2800) ? 'S' : 'Q';
+    const double command = !by_spindle ? (words.has(letter) ? words[letter] : kUnknown) : spindle_on_ ? spindle_s_ : 0;
+    press(command, by_spindle && !spindle_on_);
+  }
+
+  /// A servo's new command; `turned_off`: by M5, which is S0.
+  void press(double command, bool turned_off) {
+    if (turned_off && !lifts_servo(profile_, 0))
+      error("turns S off (M5), and S0 presses the head",
+            "lift it by S" + shortest(profile_.servo_up) + ", the servo_up of the machine profile");
+    const double depth_um = turned_off ? kUnknown : depth_for_command(profile_.depth_table, command, false);
+    if (!turned_off && std::isnan(depth_um) && !(std::abs(command - profile_.servo_up) < kSameServo))
+      error("sets the servo to " + (std::isnan(command) ? "no value" : "S" + shortest(command)) +
+                ", which neither lifts it nor is a depth",
             "correct it, or depth_table and servo_up of the machine profile");
     if (head_depth_mm_ > 0 && !carved_since_)
       error("presses the head down and carves nothing", "take these lines away");
     head_depth_mm_ = std::isnan(depth_um) ? 0 : 1e-3 * depth_um;
     carved_since_ = false;
+  }
+
+  /// Before anything moves, the beam is off and the head up, whatever was before the file.
+  void require_safe_head() const {
+    if (profile_.laser && !beam_off_)
+      error("moves before the laser's beam was turned off", profile_.dialect == GcodeDialect::marlin
+                                                                ? "write M5 and M107 first, each in a line of its own"
+                                                                : "write M5 S0 first");
+    if (by_servo_ && std::isnan(head_depth_mm_))
+      error("moves before the head was lifted",
+            "lift it first, by S" + shortest(profile_.servo_up) + ", the servo_up of the machine profile");
   }
 
   /// How far a place lies above the face.
@@ -184,6 +282,7 @@ class Machine {
 
   /// Home, or another place that was stored on the machine: where that is the file does not tell.
   void go_home(const GcodeLine& words = {}) {
+    require_safe_head();
     if (in_metal()) error("goes home with the tool in the metal", "lift it first");
     // All but Marlin take the words for a place of the board to go by.
     if (words.has_axis() && profile_.dialect != GcodeDialect::marlin)
@@ -202,6 +301,7 @@ class Machine {
 
   /// G53: a place in the machine's own coordinates.
   void go_in_machine_coordinates(const GcodeLine& words) {
+    require_safe_head();
     if (in_metal()) error("leaves for a place of the machine with the tool in the metal", "lift it first");
     const bool along = words.has('X') || words.has('Y');
     if (along && (words.has('Z') || (!by_servo_ && !clear_of_face(at_))))
@@ -275,13 +375,15 @@ class Machine {
     for (int axis = 0; axis < 3; ++axis)
       if (const char letter = "XYZ"[axis]; words.has(letter)) to[axis] = words[letter] * unit_mm_;
     check_place(words, to);
+    require_safe_head();
+    if (profile_.dialect == GcodeDialect::marlin && to.z() < 0 && !below_zero_)
+      error("goes below Z0, where Marlin's software endstops stop the tool without a word",
+            "write M211 S0 before it, and M211 S1 at the end");
     moved_ = true;
     const Eigen::Vector2d along = to.head<2>() - at_.head<2>();
     const bool along_board = words.has('X') || words.has('Y');
     if (along_board && std::isnan(at_.z()) && !by_servo_ && !presses_)
       error("moves along the board before the tool was lifted", "go to a safe height first");
-    if (along_board && by_servo_ && std::isnan(head_depth_mm_))
-      error("moves along the board before the head was lifted", "lift it first");
     if (along_board && by_servo_ && head_depth_mm_ > 0 && !along.allFinite())
       error("carves from a place that the file does not tell", "go to its beginning first, lifted");
     if (by_servo_ && clearance_mm(to) < 0)
@@ -347,6 +449,8 @@ class Machine {
   }
 
   void carve(const Eigen::Vector3d& to, double along_mm) {
+    if (profile_.dialect == GcodeDialect::linuxcnc && !exact_path_)
+      error("carves before a path mode is set, and LinuxCNC's own one rounds corners", "write G61 first");
     replay_.carve_mm += along_mm;
     carved_since_ = true;
     ReplayedScratch s{at_.head<2>(), to.head<2>(), by_servo_ ? head_depth_mm_ : kUnknown, replay_.lines};
@@ -402,6 +506,10 @@ class Machine {
   bool presses_ = false;  ///< by itself, above the face: its feed moves are its scratches
   bool goes_on_ = false;  ///< the move before carved
   bool spindle_on_ = false;
+  bool spindle_off_ = false, fan_off_ = false, beam_off_ = false;  ///< a laser's, told by this file
+  int head_output_ = kSpindle;                                     ///< what moves a servo's head
+  bool exact_path_ = false;                                        ///< LinuxCNC was told to keep to the path
+  bool below_zero_ = false;                                        ///< Marlin was told to let Z below zero
   double spindle_s_ = kUnknown, head_depth_mm_ = kUnknown;
   bool carved_since_ = false;  ///< since the tool went into the metal
   bool rapid_ = true, moving_ = false, absolute_ = false, moved_ = false;
@@ -415,9 +523,11 @@ class Machine {
 /// Strokes by the place of their middle, for looking up within a tolerance.
 class StrokeIndex {
  public:
-  StrokeIndex(std::span<const PlannedScratch> planned, double tolerance_mm, double depth_share)
+  StrokeIndex(std::span<const PlannedScratch> planned, double tolerance_mm, double depth_share,
+              double depth_tolerance_mm = 0)
       : planned_(planned),
         tolerance_mm_(tolerance_mm),
+        depth_tolerance_mm_(depth_tolerance_mm > 0 ? depth_tolerance_mm : tolerance_mm),
         depth_share_(depth_share),
         cell_mm_(4 * tolerance_mm),
         hits_(planned.size(), 0) {
@@ -449,7 +559,7 @@ class StrokeIndex {
     const auto near = [&](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
       return (a - b).norm() <= tolerance_mm_;
     };
-    const double depth_tolerance_mm = tolerance_mm_ + depth_share_ * p.depth_mm;
+    const double depth_tolerance_mm = depth_tolerance_mm_ + depth_share_ * p.depth_mm;
     return (std::isnan(s.depth_mm) || std::abs(p.depth_mm - s.depth_mm) + s.depth_spread_mm <= depth_tolerance_mm) &&
            ((near(p.from_mm, s.from_mm) && near(p.to_mm, s.to_mm)) ||
             (near(p.from_mm, s.to_mm) && near(p.to_mm, s.from_mm)));
@@ -468,7 +578,7 @@ class StrokeIndex {
   }
 
   std::span<const PlannedScratch> planned_;
-  double tolerance_mm_, depth_share_, cell_mm_;
+  double tolerance_mm_, depth_tolerance_mm_, depth_share_, cell_mm_;
   std::vector<std::size_t> hits_;
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
 };
@@ -501,12 +611,15 @@ std::size_t found_when_mirrored(std::span<const ReplayedScratch> carved, std::sp
 Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name, const Face* face,
                     const std::function<void(const ToolWay&)>& each_way) {
   Machine replayed(machine, name, face, each_way);
+  const std::optional<GcodeHead> head = read_gcode_head(text);
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
     replayed.line(text.substr(0, end));
     text = end == std::string_view::npos ? std::string_view{} : text.substr(end + 1);
   }
-  return replayed.finish();
+  Replay replay = replayed.finish();
+  replay.head = head;
+  return replay;
 }
 
 ToolpathCheck check_toolpath(std::span<const ReplayedScratch> carved, std::span<const PlannedScratch> planned,
@@ -528,8 +641,8 @@ ToolpathCheck check_toolpath(std::span<const ReplayedScratch> carved, std::span<
 
 std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved,
                                          std::span<const PlannedScratch> planned, double tolerance_mm,
-                                         double depth_share) {
-  StrokeIndex index(planned, tolerance_mm, depth_share);
+                                         double depth_share, double depth_tolerance_mm) {
+  StrokeIndex index(planned, tolerance_mm, depth_share, depth_tolerance_mm);
   std::vector<std::ptrdiff_t> found;
   found.reserve(carved.size());
   for (const ReplayedScratch& s : carved) found.push_back(index.hit(s));
@@ -537,6 +650,15 @@ std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved
 }
 
 void fail_unless_ended(const Replay& replay, const MachineProfile& machine, const std::string& name) {
+  const std::size_t carved = replay.scratches.size(),
+                    named = replay.head ? replay.head->last + 1 - replay.head->first : 0;
+  if (replay.head && carved != named)
+    fail(name,
+         "carves " + std::to_string(carved) + " scratches of the " + std::to_string(named) + " that its head names (" +
+             head_text(*replay.head) + "): " +
+             (carved < named ? std::to_string(named - carved) + " scratches lost, it was cut off or changed"
+                             : std::to_string(carved - named) + " too many, it was changed"),
+         "write it again, or copy it again from where it is whole");
   if (replay.ended || machine.dialect == GcodeDialect::marlin) return;
   // Where the profile ends its files so, one without it was cut off; LinuxCNC takes none without it.
   const bool its_own = std::any_of(machine.end.begin(), machine.end.end(), [](const std::string& line) {

@@ -8,7 +8,9 @@
 // ways outside the machine's travel, and anything behind the end. Depths are told from Z, from the machine's table
 // where it presses (a preload, a servo's S by M3, M4, M67, M68 or M280), and from the face's height where a path
 // follows one: strokes that go on without a lift in a straight line are then one scratch. Below the face is metal,
-// whatever a profile's blocks look like. A laser's axis must never see its beam turned on. Machine coordinates
+// whatever a profile's blocks look like. A laser's file has to turn the beam off and a servo's to lift the head before
+// anything moves, and neither may switch another output. LinuxCNC must be told to go through the ends (G61, or G64 with
+// a tolerance of some um), and Marlin to let Z below zero (M211 S0). Machine coordinates
 // (burin/optimize/machine_profile.h), mm.
 #pragma once
 
@@ -16,11 +18,13 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "burin/optimize/carving/gcode_line.h"
 #include "burin/optimize/carving/planned_path.h"
 #include "burin/optimize/machine_profile.h"
 
@@ -49,7 +53,8 @@ struct Replay {
   double lowest_travel_mm = std::numeric_limits<double>::infinity();
   double duration_s = 0;  ///< each move from rest to rest, with the profile's accelerations; dwells included
   std::size_t lines = 0;
-  bool ended = false;  ///< by M2, M30 or LinuxCNC's second %
+  bool ended = false;             ///< by M2, M30 or LinuxCNC's second %
+  std::optional<GcodeHead> head;  ///< what a file of Burin's tells of itself
 };
 
 /// Replays a file. `name` is what errors call it. Throws Error for what cannot be followed, for a move before units
@@ -77,13 +82,15 @@ struct ToolpathCheck {
 ToolpathCheck check_toolpath(std::span<const ReplayedScratch> carved, std::span<const PlannedScratch> planned,
                              double tolerance_mm, double depth_share = 0);
 
-/// For each carved stroke which of the planned ones it is (ends in either order, and depths, within the tolerance),
-/// different ones for strokes planned several times; -1 for one that was not planned.
+/// For each carved stroke which of the planned ones it is (ends in either order, and depths, within the tolerance; a
+/// tolerance above 0 for depths may be another one), different ones for strokes planned several times; -1 for one that
+/// was not planned.
 std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved,
                                          std::span<const PlannedScratch> planned, double tolerance_mm,
-                                         double depth_share = 0);
+                                         double depth_share = 0, double depth_tolerance_mm = 0);
 
-/// Throws Error for a file that has no end though its machine's files have one: it was cut off.
+/// Throws Error for a file that has no end though its machine's files have one, and for one of Burin's that carves
+/// fewer scratches than its head names, or more: it was cut off, or joined with another.
 void fail_unless_ended(const Replay& replay, const MachineProfile& machine, const std::string& name);
 
 /// Throws Error saying what is wrong, unless the check is good.

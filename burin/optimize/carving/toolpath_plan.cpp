@@ -1,6 +1,7 @@
 #include "burin/optimize/carving/toolpath_plan.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -185,12 +186,17 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
 Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std::string_view text, std::size_t line,
                     const std::string& name) {
   const Replay replay = replay_gcode(text, machine, name, &planned.face);
+  fail_unless_ended(replay, machine, name);
   if (line < 1 || line > replay.lines)
     fail(name + ": line " + std::to_string(line), "is not in the file, which has " + std::to_string(replay.lines),
          "give the line at which the machine stopped");
   const double tolerance_mm = 1e-3;  // of coordinates with the fewest decimals that make sense
+  // A depth is known to the last decimal of Z; of a servo's S, only roughly.
+  const double depth_tolerance_mm = machine.depth_by == DepthBy::servo
+                                        ? tolerance_mm
+                                        : std::min(tolerance_mm, 0.6 * std::pow(10.0, -machine.decimals));
   const std::vector<std::ptrdiff_t> found =
-      find_planned(replay.scratches, planned.scratches, tolerance_mm, depth_share(planned.face));
+      find_planned(replay.scratches, planned.scratches, tolerance_mm, depth_share(planned.face), depth_tolerance_mm);
   for (std::size_t k = 0; k < found.size(); ++k)
     if (found[k] < 0)
       fail(name + ":" + std::to_string(replay.scratches[k].line),

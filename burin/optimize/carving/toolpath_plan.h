@@ -54,8 +54,8 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
 /// What an interrupted file left of a tool path: its scratches from the one on that its `line` belongs to, in its
 /// order. `planned` must hold all scratches of the file (it may hold more: other parts), `text` is the file's content.
 /// By replay: what was carved before the line and what is left are together the file's scratches, once each. Throws
-/// Error if the file carves anything that is not planned (another board, bench or machine), if the line is not in the
-/// file, and if nothing or everything is left.
+/// Error if the file was cut off, if it carves anything that is not planned (another board, bench or machine), if the
+/// line is not in the file, and if nothing or everything is left.
 Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std::string_view text, std::size_t line,
                     const std::string& name);
 

@@ -13,6 +13,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/descriptor.h"
 #include "burin/render/files/files_together.h"
+#include "burin/render/files/named_paths.h"
 
 namespace burin {
 namespace {
@@ -46,8 +47,8 @@ namespace fs = std::filesystem;
   }
 }
 
-/// An open plain file and its size.
-std::pair<Descriptor, std::uintmax_t> open_plain(const fs::path& file) {
+/// An open plain file and its size. `is_input`: it is read for its content, and so no output may replace it.
+std::pair<Descriptor, std::uintmax_t> open_plain(const fs::path& file, bool is_input = true) {
   const std::string name = file.string();
   if (name.empty()) fail("the name of a file", "is empty", "name a file");
   if (name.find('\0') != std::string::npos)
@@ -69,6 +70,7 @@ std::pair<Descriptor, std::uintmax_t> open_plain(const fs::path& file) {
     const bool folder = known && S_ISDIR(status.st_mode);
     fail(name, instead, folder ? "name a file in it" : "write what it gives into a file, and name that");
   }
+  if (is_input) note_input(status.st_dev, status.st_ino);
   return {std::move(open), static_cast<std::uintmax_t>(status.st_size)};
 }
 
@@ -108,7 +110,7 @@ std::string read_bytes(const fs::path& file, std::uintmax_t most_bytes, const st
 }
 
 std::string read_head(const fs::path& file, std::uintmax_t bytes) {
-  const auto [open, size] = open_plain(file);
+  const auto [open, size] = open_plain(file, false);
   return read_so_many(file, open.number(), std::min(bytes, size));
 }
 

@@ -1,7 +1,13 @@
 #include "burin/render/files/named_paths.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
+#include <array>
 #include <iterator>
+#include <mutex>
+#include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -17,6 +23,42 @@ namespace fs = std::filesystem;
 std::vector<fs::path>& named_now() {
   static std::vector<fs::path> paths;
   return paths;
+}
+
+// Of those, what an option names to be written.
+std::vector<fs::path>& outputs_now() {
+  static std::vector<fs::path> paths;
+  return paths;
+}
+
+// What this command has read, by device and number, and what it has written or may change, by name. Photos are read by
+// several threads.
+struct Traffic {
+  std::mutex mutex;
+  std::set<std::pair<std::uintmax_t, std::uintmax_t>> read;
+  std::set<fs::path> ours;
+};
+Traffic& traffic() {
+  static Traffic all;
+  return all;
+}
+
+void forget_traffic() {
+  const std::lock_guard<std::mutex> guard(traffic().mutex);
+  traffic().read.clear();
+  traffic().ours.clear();
+}
+
+// The same for every name of one file in one folder.
+fs::path real_name(const fs::path& file) {
+  std::error_code error;
+  const fs::path folder = fs::canonical(file.has_parent_path() ? file.parent_path() : fs::path("."), error);
+  return error ? fs::absolute(file, error).lexically_normal() : folder / file.filename();
+}
+
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  return fs::equivalent(a, b, error) || real_name(a) == real_name(b);
 }
 
 fs::path whole_name(const fs::path& path) {
@@ -53,17 +95,64 @@ fs::path project_of(fs::path folder) {
 
 }  // namespace
 
-NamedPaths::NamedPaths(const std::vector<std::string>& words) : before_(std::move(named_now())) {
-  std::vector<fs::path> now{whole_name(".")};
-  for (const std::string& word : words) {
+NamedPaths::NamedPaths(const std::vector<std::string>& words)
+    : before_(std::move(named_now())), outputs_before_(std::move(outputs_now())) {
+  std::vector<fs::path> now{whole_name(".")}, outputs;
+  for (std::size_t i = 0; i < words.size(); ++i) {
     // --out=FILE
+    const std::string& word = words[i];
     const std::size_t from = word.starts_with('-') ? std::min(word.find('='), word.size() - 1) + 1 : 0;
-    if (from < word.size()) now.push_back(whole_name(word.substr(from)));
+    if (from >= word.size()) continue;
+    now.push_back(whole_name(word.substr(from)));
+    const std::string option = from > 0 ? word.substr(0, from - 1) : i > 0 ? words[i - 1] : "";
+    constexpr std::array<std::string_view, 3> kOutputs{"--out", "--sent", "--animate"};
+    if (std::find(kOutputs.begin(), kOutputs.end(), option) != kOutputs.end()) outputs.push_back(now.back());
   }
   named_now() = std::move(now);
+  outputs_now() = std::move(outputs);
+  forget_traffic();
 }
 
-NamedPaths::~NamedPaths() { named_now() = std::move(before_); }
+NamedPaths::~NamedPaths() {
+  named_now() = std::move(before_);
+  outputs_now() = std::move(outputs_before_);
+  forget_traffic();
+}
+
+void note_input(std::uintmax_t device, std::uintmax_t number) {
+  if (outputs_now().empty()) return;
+  const std::lock_guard<std::mutex> guard(traffic().mutex);
+  traffic().read.emplace(device, number);
+}
+
+void allow_change_of(const fs::path& file) {
+  if (outputs_now().empty()) return;
+  const std::lock_guard<std::mutex> guard(traffic().mutex);
+  traffic().ours.insert(real_name(file));
+}
+
+void fail_if_input(const fs::path& named, const fs::path& file) {
+  const std::vector<fs::path>& outputs = outputs_now();
+  const fs::path real = real_name(file);
+  const auto holds = [&](const fs::path& folder) {
+    std::error_code error;
+    return begins_with(real, fs::weakly_canonical(folder, error));
+  };
+  const auto concerns = [&](const fs::path& out) { return holds(out) || holds(out.parent_path()); };
+  if (std::none_of(outputs.begin(), outputs.end(), concerns)) return;
+  const std::lock_guard<std::mutex> guard(traffic().mutex);
+  if (traffic().ours.contains(real)) return;
+  const auto is_file = [&](const fs::path& path) { return same_file(path, file); };
+  struct stat found {};
+  const bool was_read = ::stat(file.c_str(), &found) == 0 && traffic().read.contains({found.st_dev, found.st_ino});
+  const bool twice = std::any_of(outputs.begin(), outputs.end(), is_file) &&
+                     std::count_if(named_now().begin(), named_now().end(), is_file) > 1;
+  if (!was_read && !twice) return;
+  fail(named.string(),
+       was_read ? "is an input of this command, and its output would replace it"
+                : "is named twice on the command line, and is to be written",
+       "give the output another name");
+}
 
 void fail_if_led_outside(const fs::path& named, const fs::path& real) {
   if (named_now().empty()) return;

@@ -174,6 +174,7 @@ FilePlace find_place(const fs::path& named) {
   const fs::path folder = fs::canonical(place.folder(), error);
   if (error) fail_with(named, "cannot be written", error.value());
   fail_if_led_outside(named, folder / place.file.filename());
+  fail_if_input(named, place.file);
   return place;
 }
 

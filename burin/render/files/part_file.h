@@ -24,8 +24,8 @@ struct FilePlace {
 };
 
 /// The place of an output. Throws Error for a folder, device, FIFO or socket, for a file that is write-protected, for a
-/// folder that is not there, for names that no file can have, and for links that lead out of the folder that was named
-/// (burin/render/files/named_paths.h).
+/// folder that is not there, for names that no file can have, for links that lead out of the folder that was named, and
+/// for this command's inputs (burin/render/files/named_paths.h).
 FilePlace find_place(const std::filesystem::path& named);
 
 /// Writes the part file of a place: all bytes, owners and permissions of what it will replace, on the disk (fsync) if

@@ -16,12 +16,17 @@ namespace burin {
 std::optional<double> number_in(std::string_view text);
 
 enum class TableStyle {
-  csv,   ///< values between commas; the first line names the columns; every row has a value for each
+  csv,   ///< values between commas, or as a spreadsheet writes them (below); the first line names the columns; every
+         ///< row has a value for each
   vnlog  ///< words; the first line of the form "# name name ..." that has all required columns names them; further
          ///< lines that begin with # are comments; "-" stands for no value
 };
 
 /// Reads a table row by row. Errors name file and line.
+///
+/// CSV may come from a spreadsheet: a first line `sep=;`, semicolons or tabs in place of commas, values in quotes,
+/// empty columns and rows behind the last ones, a mark of its encoding. With semicolons or tabs, or in quotes, a comma
+/// may stand for the decimal point, if it does so in the whole file. What could be read in two ways is an error.
 class TableReader {
  public:
   /// Throws Error for a file that cannot be read and, in CSV, for a required column that is missing or a column that
@@ -55,6 +60,9 @@ class TableReader {
  private:
   std::string_view next_line();
   void read_csv_header();
+  void fail_unless_text() const;
+  std::string_view quoted(std::string_view& line);
+  std::optional<double> number_or_none(std::size_t column) const;
   void count_row();
   void split_csv(std::string_view line);
   void split_words(std::string_view line);
@@ -67,6 +75,9 @@ class TableReader {
   std::string_view rest_;
   std::size_t line_ = 0, rows_ = 0;
   std::vector<std::string_view> values_;
+  std::vector<bool> in_quotes_;    ///< which of them stood in quotes
+  char separator_ = ',';           ///< of CSV
+  mutable char decimal_mark_ = 0;  ///< . or , once a value has told
 };
 
 }  // namespace burin

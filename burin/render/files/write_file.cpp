@@ -29,6 +29,7 @@ FilePlace place_to_write(const fs::path& file) {
 }
 
 void put_in_place(const FilePlace& place, const fs::path& part, bool durable) {
+  allow_change_of(place.file);
   if (joins_change(place, part)) return;
   const auto whole = finishing();
   if (std::rename(part.c_str(), place.file.c_str()) != 0) {
