@@ -208,21 +208,21 @@ const Candidate* candidate_named(const Match& match, const std::string& name) {
 }
 
 // Of one kind, view or lamp.
-struct Kind {
+struct NameKind {
   const char *what, *measured_as, *option, *go_there;
 };
-constexpr Kind kView{"view", "a photo was taken", "--view",
-                     "photograph the board from there too, or change that view in the project's bench.json"};
-constexpr Kind kLamp{
+constexpr NameKind kView{"view", "a photo was taken", "--view",
+                         "photograph the board from there too, or change that view in the project's bench.json"};
+constexpr NameKind kLamp{
     "lamp", "a lamp was found", "--lamp",
     "put the lamp back and photograph the board again, or change that lamp in the project's bench.json"};
 
-std::string option_for(const Kind& kind, const Match& match, const Candidate& candidate) {
+std::string option_for(const NameKind& kind, const Match& match, const Candidate& candidate) {
   return std::string(kind.option) + " " + shell_word(match.designed + "=" + candidate.name);
 }
 
 // The question about one designed view or lamp.
-std::string question(const Kind& kind, const Match& match) {
+std::string question(const NameKind& kind, const Match& match) {
   std::string out = fmt::format("{} \"{}\": ", kind.what, match.designed);
   if (match.near.empty()) {
     out += std::string("no ") + (kind.what == kView.what ? "photo was taken" : "lamp was found") + " near its place";

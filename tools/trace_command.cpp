@@ -110,7 +110,7 @@ void follow(Trace& trace, const std::string& name, const std::string& hash, int 
 }
 
 // The folder that holds the file's project: the nearest above it with rounds.
-fs::path project_of(const fs::path& file) {
+fs::path project_folder_of(const fs::path& file) {
   for (fs::path folder = fs::absolute(file).lexically_normal().parent_path();; folder = folder.parent_path()) {
     if (fs::exists(folder / "design.json") && Project{folder}.rounds() > 0) return folder;
     if (folder == folder.parent_path()) break;
@@ -122,7 +122,7 @@ void run(const fs::path& file, const fs::path& project) {
   Trace trace;
   ProgressBar bar;
   bar.progress()("looking whether files are as they were", 0);
-  trace.project.folder = project.empty() ? project_of(file) : project;
+  trace.project.folder = project.empty() ? project_folder_of(file) : project;
   const std::string hash = trace.hashes.of(file);
   if (hash.empty()) fail(file.string(), "is no file", "name a file that burin loop made");
   add_records(trace, trace.project.folder, "");

@@ -48,7 +48,8 @@ void require_command_line(const ViewArguments& o) {
 
 void run(ViewArguments o) {
   const bool no_files = o.files.board.empty() && o.files.bench.empty() && o.files.scratches.empty();
-  if (!o.folder.empty() || (no_files && project_of("."))) o.folder = project_folder(o.folder, "PROJECT_DIR");
+  if (!o.folder.empty() || (no_files && project_of(".").has_value()))
+    o.folder = project_folder(o.folder, "PROJECT_DIR");
   require_command_line(o);
   const fs::path out = !o.out.empty() ? o.out : o.folder.empty() ? fs::path("view.html") : o.folder / "view.html";
   const WorkLock lock(out.parent_path(), "burin view", WorkLock::Where::projects);

@@ -37,14 +37,14 @@ std::vector<std::uint8_t> bytes_of(cmsHPROFILE profile) {
   return out;
 }
 
-constexpr cmsCIExyY kWhite{0.3127, 0.3290, 1};
+constexpr cmsCIExyY kD65{0.3127, 0.3290, 1};
 constexpr cmsCIExyYTRIPLE kSrgb{{0.64, 0.33, 1}, {0.30, 0.60, 1}, {0.15, 0.06, 1}};
 constexpr cmsCIExyYTRIPLE kAdobe{{0.64, 0.33, 1}, {0.21, 0.71, 1}, {0.15, 0.06, 1}};
 constexpr cmsCIExyYTRIPLE kP3{{0.68, 0.32, 1}, {0.265, 0.69, 1}, {0.15, 0.06, 1}};
 
 std::vector<std::uint8_t> rgb_icc(const cmsCIExyYTRIPLE& primaries, cmsToneCurve* curve) {
   std::array<cmsToneCurve*, 3> curves{curve, curve, curve};
-  const ProfilePtr profile(cmsCreateRGBProfile(&kWhite, &primaries, curves.data()));
+  const ProfilePtr profile(cmsCreateRGBProfile(&kD65, &primaries, curves.data()));
   cmsFreeToneCurve(curve);
   return bytes_of(profile.get());
 }
@@ -129,7 +129,7 @@ TEST_F(FileColorsTest, CurvesOfPhotosAreUndone) {
   EXPECT_LT(off(write("l.jpg", 3, OIIO::TypeDesc::UINT8, rgb_icc(kSrgb, cmsBuildGamma(nullptr, 1)), same, quality), 3),
             0.015);
   cmsToneCurve* gamma = cmsBuildGamma(nullptr, 2.2);
-  const ProfilePtr gray(cmsCreateGrayProfile(&kWhite, gamma));
+  const ProfilePtr gray(cmsCreateGrayProfile(&kD65, gamma));
   cmsFreeToneCurve(gamma);
   EXPECT_LT(off(write("gray.tif", 1, u16, bytes_of(gray.get()), power(2.2)), 1), 2e-3);
   // A gamma without a profile, as PNG states it.

@@ -539,7 +539,7 @@ std::string photo_beside_prediction(std::vector<PhotoComparison> comparisons) {
 // One view under one lamp, as the report shows it.
 struct ViewShown {
   std::optional<Finding> left_out;
-  std::optional<Comparison> comparison;
+  std::optional<PhotoComparison> comparison;
   std::optional<Figure> photo;  // of the first lamp of each view
 };
 
