@@ -77,7 +77,9 @@ TEST(Limits, ColumnsOfATable) {
   const TemporaryFolder folder;
   EXPECT_THAT([&] { TableReader(folder.write("t.csv", std::string(2000, ',')), TableStyle::csv, {}, "name them"); },
               ThrowsMessage<Error>(HasSubstr("more than 1,000 columns")));
-  TableReader rows(folder.write("u.csv", "a,b\n" + std::string(100'000, ',') + "\n"), TableStyle::csv, {}, "");
+  std::string ones;  // empty columns at a row's end are a spreadsheet's
+  for (int i = 0; i < 50'000; ++i) ones += "1,";
+  TableReader rows(folder.write("u.csv", "a,b\n" + ones + "\n"), TableStyle::csv, {}, "");
   EXPECT_THAT([&] { rows.next(); }, ThrowsMessage<Error>(HasSubstr("has more than 2 values")));
 }
 
