@@ -15,6 +15,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/error.h"
 #include "tools/commands.h"
+#include "tools/kept_memory.h"
 #include "tools/loop/round_lamps.h"
 #include "tools/photographed_lamps.h"
 #include "tools/progress_bar.h"
@@ -157,6 +158,7 @@ void add_capture_command(CLI::App& burin) {
     const WorkLock lock(options->out, "burin capture", WorkLock::Where::new_folders);
     refuse_photos_of_other_rounds(options->photos);
     ProgressBar bar;
+    const KeptMemory kept;
     const CaptureResult result =
         capture_folder(options->photos, options->board, options->out, bar.progress(), lamps, options->f_number);
     bar.clear();

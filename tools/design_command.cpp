@@ -1,5 +1,3 @@
-#include <malloc.h>
-
 #include <CLI/App.hpp>
 #include <CLI/Error.hpp>
 #include <algorithm>
@@ -24,6 +22,7 @@
 #include "burin/render/files/write_file.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
+#include "tools/kept_memory.h"
 #include "tools/picture_quality.h"
 #include "tools/progress_bar.h"
 #include "tools/project.h"
@@ -109,28 +108,6 @@ std::string said_again(const DesignArguments& o) {
   if (o.depth_um > 0) line += " --depth " + shortest(o.depth_um);
   return line;
 }
-
-// While it lives, freed memory stays with the program. Grooves that cut each other are a hundred megabytes of pieces,
-// made again in each iteration. Memory that the system takes back in between returns page by page and cleared, which
-// costs a tenth of such an iteration. Other commands would only hold more: refine's heap was two fifths unused.
-struct KeptMemory {
-#ifdef __GLIBC__
-  KeptMemory() {
-    mallopt(M_TRIM_THRESHOLD, 1 << 30);  // bytes
-    mallopt(M_MMAP_MAX, 0);
-  }
-  ~KeptMemory() {  // a loop goes on with other commands
-    mallopt(M_TRIM_THRESHOLD, 64 << 20);
-    mallopt(M_MMAP_THRESHOLD, 32 << 20);
-    mallopt(M_MMAP_MAX, 1 << 16);
-    malloc_trim(0);
-  }
-#else
-  KeptMemory() = default;
-#endif
-  KeptMemory(const KeptMemory&) = delete;
-  KeptMemory& operator=(const KeptMemory&) = delete;
-};
 
 // A disk that is full at the end is no reason to lose hours: where the whole result cannot be written, the scratches
 // may still find room beside it, under a name that is no result's.
