@@ -8,6 +8,7 @@
 #include "burin/render/files/files_together.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
+#include "tools/kept_memory.h"
 #include "tools/progress_bar.h"
 #include "tools/project.h"
 #include "tools/work_lock.h"
@@ -66,6 +67,7 @@ void add_calibrate_command(CLI::App& burin) {
       o.fix_lens = !options->seed_only;
     }
     ProgressBar bar;
+    const KeptMemory kept;
     const Calibration c = calibrate(session, board, o, bar.progress());
     FilesTogether all;
     write_calibration(c, options->out);

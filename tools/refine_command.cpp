@@ -13,6 +13,7 @@
 #include "burin/render/parameter_name.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
+#include "tools/kept_memory.h"
 #include "tools/progress_bar.h"
 #include "tools/project_settings.h"
 #include "tools/work_lock.h"
@@ -197,7 +198,10 @@ void add_refine_command(CLI::App& burin) {
     o.session = &session;
     ProgressBar bar;
     bar.progress()("reading photos", 0);
-    const std::vector<MergedView> merged = photos_for_refine(session, board, measured);
+    const std::vector<MergedView> merged = [&] {
+      const KeptMemory kept;
+      return photos_for_refine(session, board, measured);
+    }();
     const Refinement result = refine(merged, board, sent, measured, o, bar.progress());
     Bench completed = result.bench;
     if (!options->out.empty()) completed.camera.clear();  // the lens lies beside it, too
