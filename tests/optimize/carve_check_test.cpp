@@ -201,8 +201,8 @@ TEST_F(CarveChecked, BeyondTheCutOff) {
   board_.material.depth_um = bench_.material.depth_um = 2;
   board_.flatness_um = 0.1;
   const CarveCheck check = check_carve(written());
-  EXPECT_THAT(red(check),
-              AllOf(HasSubstr("view v: "), HasSubstr("beyond the cut-off"), HasSubstr("um deep (now 2.0 um)")));
+  EXPECT_THAT(red(check), AllOf(HasSubstr("view v: "), HasSubstr("beyond the cut-off"),
+                                HasSubstr("um deep with this cutter (now 2.0 um): --depth ")));
   EXPECT_GT(check.views.at(0).dark, 0.5);
 }
 

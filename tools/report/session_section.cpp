@@ -496,9 +496,9 @@ std::string next_of(const Loaded& in, const std::filesystem::path& session, cons
   if (!refined)
     return "the grooves themselves are not measured yet: <code>" +
            html("burin refine " + shell_word(session.string()) + " --bench " + shell_word(bench.string())) + "</code>";
-  if (const std::optional<PlaceInProject> at = project_of(std::filesystem::absolute(bench)); at && at->round > 0)
+  if (const std::optional<PlaceInProject> at = project_of(bench); at && at->round > 0)
     return "the next board, designed for the bench as it is: <code>" +
-           html("burin loop " + shell_word(at->project.folder.string())) + "</code>";
+           html("burin loop " + shell_word(folder_on_page(at->project.folder).string())) + "</code>";
   return fmt::format(
       "design for the bench as it is: name <code>{}</code> as <code>\"bench\"</code> in a design.json, then "
       "<code>burin design DESIGN.json --out DIR</code>",

@@ -139,8 +139,8 @@ double JsonObject::number_in(const Json& value, const std::string& key) const {
   // No length, time or brightness of a bench comes near it, and its square is still a number of single precision.
   constexpr double kLargest = 1e18;
   const double v = value.get<double>();
-  if (!(std::abs(v) <= kLargest))
-    fail_field(key, "is beyond anything that can be measured", "write a number up to 1e18");
+  if (!std::isfinite(v)) fail_field(key, "is not finite", "write a number");
+  if (std::abs(v) > kLargest) fail_field(key, "is beyond anything that can be measured", "write a number up to 1e18");
   return v;
 }
 
