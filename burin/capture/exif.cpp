@@ -36,9 +36,10 @@ double tidied(float value) {
   return number_in({text.data(), written.ptr}).value_or(value);
 }
 
+// OpenImageIO 2.4 gives whole numbers as floats if they have 16 bits (a JPEG's), and not if they have 32 (a TIFF's).
 std::optional<double> positive(const OIIO::ImageSpec& spec, std::initializer_list<const char*> names) {
   for (const char* name : names) {
-    const float value = spec.get_float_attribute(name, -1);
+    const float value = spec.get_float_attribute(name, static_cast<float>(spec.get_int_attribute(name, -1)));
     if (value > 0 && std::isfinite(value)) return tidied(value);
   }
   return std::nullopt;

@@ -133,6 +133,24 @@ TEST_F(ExifTest, OrientationAndApexValues) {
   EXPECT_NEAR(exif.f_number.value_or(0), 8, 1e-4);
 }
 
+// Libraries hold whole numbers in 16 or 32 bits, as the kind of file has it.
+TEST_F(ExifTest, WholeNumbersAreReadFromEveryKind) {
+  for (const char* name : {"p.jpg", "p.tif"}) {
+    write(name, OIIO::TypeDesc::UINT8, [](OIIO::ImageSpec& s) {
+      s.attribute("Exif:FocalLengthIn35mmFilm", 39);
+      s.attribute("Exif:Flash", 25);
+    });
+    const Exif exif = read_exif(folder / name);
+    EXPECT_EQ(exif.focal_35mm.value_or(0), 39) << name;
+    EXPECT_TRUE(exif.flash.value_or(false)) << name;
+  }
+  // OpenImageIO writes no ISO into a TIFF, and reads none: the other number's tag, 0xA405, becomes ISO's, 0x8827.
+  std::string tiff = file_text(folder / "p.tif");
+  const std::size_t entry = tiff.find(std::string("\x05\xA4\x03\0", 4));
+  ASSERT_NE(entry, std::string::npos);
+  EXPECT_EQ(read_exif(folder.write("q.tif", tiff.replace(entry, 2, "\x27\x88"))).iso.value_or(0), 39);
+}
+
 TEST_F(ExifTest, SensorIsAsWideAsItsPixelsAre) {
   const auto width = [&](float resolution, int unit, int counted) {
     write("p.jpg", OIIO::TypeDesc::UINT8, [&](OIIO::ImageSpec& s) {

@@ -120,10 +120,12 @@ TEST(PhonePhotos, FillingIsNoPartOfAHeic) {
 TEST(PhonePhotos, AFolderIsJudgedByFirstBytes) {
   const TemporaryFolder folder;
   OIIO::ImageSpec spec(16, 16, 3, OIIO::TypeDesc::UINT8);
+  float gray = 0.4F;  // each its own: a copy would be passed over
   const auto write = [&](const std::string& written, const std::string& name) {
+    gray += 0.05F;
     const auto out = OIIO::ImageOutput::create(written);
     ASSERT_TRUE(out && out->open((folder / written).string(), spec));
-    ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, std::vector<float>(16 * 16 * 3, 0.5F).data()) && out->close());
+    ASSERT_TRUE(out->write_image(OIIO::TypeDesc::FLOAT, std::vector<float>(16 * 16 * 3, gray).data()) && out->close());
     fs::rename(folder / written, folder / name);
   };
   write("w.jpg", "IMG_1.jfif");
