@@ -278,7 +278,8 @@ void add_toolpath_command(CLI::App& burin) {
   command->add_option("--heights", options->heights,
                       "heights.json of the sheet as it lies on the machine (burin probe): Z follows it");
   CLI::Option* out = command->add_option(
-      "--out", options->out, "Where to write: .gcode, .nc, .ngc, .csv, or .svg and .dxf, whose layers are depths");
+      "--out", options->out,
+      "Where to write: .gcode, .nc, .ngc, .cnc, .tap, .csv, or .svg and .dxf, whose layers are depths");
   add_options(*command, *options);
   command->add_option("--sent", options->sent,
                       "Also write the scratches as the machine is told them, in carving order: the board's sent.csv");

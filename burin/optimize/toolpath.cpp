@@ -1,6 +1,7 @@
 #include "burin/optimize/toolpath.h"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -101,13 +102,19 @@ void write_gcode(const std::string& text, const fs::path& file, const Toolpath& 
 
 }  // namespace
 
+bool has_gcode_name(const std::filesystem::path& file) {
+  constexpr std::array kNames{".gcode", ".nc", ".ngc", ".cnc", ".tap"};
+  return std::find(kNames.begin(), kNames.end(), lower_extension(file)) != kNames.end();
+}
+
 ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                               const MachineProfile& machine, const ToolpathOptions& options,
                               const std::filesystem::path& out, const Progress& progress) {
   const std::string extension = lower_extension(out);
-  const bool is_gcode = extension == ".gcode" || extension == ".nc" || extension == ".ngc";
+  const bool is_gcode = has_gcode_name(out);
   if (!is_gcode && extension != ".svg" && extension != ".dxf" && extension != ".csv")
-    fail(out.string(), "unknown kind of tool path \"" + extension + "\"", "use .gcode, .nc, .ngc, .svg, .dxf or .csv");
+    fail(out.string(), "unknown kind of tool path \"" + extension + "\"",
+         "use .gcode, .nc, .ngc, .cnc, .tap, .svg, .dxf or .csv");
   if (!is_gcode) fail_unless_drawn(options, extension, out);
   ToolpathReport report;
   ToolpathOptions settings = options;

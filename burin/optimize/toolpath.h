@@ -20,6 +20,9 @@
 
 namespace burin {
 
+/// Whether a file's name ends as G-code's do: .gcode, .nc, .ngc (LinuxCNC), .cnc (Snapmaker), .tap (Mach).
+bool has_gcode_name(const std::filesystem::path& file);
+
 struct ToolpathReport {
   std::vector<std::filesystem::path> files;  ///< in the order to be carved; the frame, if asked for, comes last
   std::vector<double> file_duration_s;

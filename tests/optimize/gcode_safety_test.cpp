@@ -80,6 +80,7 @@ TEST(GcodeSafety, CommentsOfAllFilesAreShortAndMeanNothing) {
   }
 }
 
+// LinuxCNC takes a % for the beginning of a file on its first line alone; further down it is a character like others.
 TEST(GcodeSafety, LinuxcncsPercentStaysBeforeLinesOfOurs) {
   const TemporaryFolder folder;
   const Scratches scratches = read_scratches(folder.write("s.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n30,30,34,33\n"));
@@ -89,8 +90,17 @@ TEST(GcodeSafety, LinuxcncsPercentStaysBeforeLinesOfOurs) {
   Board board;
   board.size_mm = board.carve_max_mm = {100, 100};
   board.material.depth_um = 10;
-  const auto report = write_toolpath(scratches, board, nullptr, machine, {}, folder / "b.ngc");
-  EXPECT_THAT(read_text(report.files[0]), HasSubstr("\n%\nG61\nG21 G90"));
+  ToolpathOptions options;
+  options.frame = true;
+  for (const char* name : {"b.ngc", "b.cnc", "b.TAP"}) {
+    const auto report = write_toolpath(scratches, board, nullptr, machine, options, folder / name);
+    ASSERT_EQ(report.files.size(), 2u);
+    for (const auto& file : report.files) {
+      const std::string text = read_text(file);
+      EXPECT_EQ(text.rfind("%\n(Burin", 0), 0u) << text;
+      EXPECT_THAT(text, HasSubstr(")\nG61\nG21 G90"));
+    }
+  }
 }
 
 TEST(GcodeSafety, AMachinesNameMovesNothing) {

@@ -226,16 +226,43 @@ TEST(ReleaseCheck, WaysLiftOverClampsAndNobodyGuessesTheirHeight) {
   }
 }
 
-TEST(ReleaseCheck, AServosHeadIsNotSentThroughAClamp) {
+// Z of a servo's head stays while it carves: it presses from there, so a clamp lifts it for the way across alone.
+TEST(ReleaseCheck, AServosHeadIsLiftedOverAClampAndComesBackToItsHeight) {
   Board board = sheet_of_120();
   board.keep_out = {{"clamp", {{50, 20}, {70, 20}, {70, 100}, {50, 100}}, {0, 0}, 0, 12}};
   const TemporaryFolder folder;
-  MachineProfile servo = read_machine_profile(
-      folder.write("m.json", R"({"format":"burin/machine","version":1,"based_on":"grbl","depth_by":"servo",
-                    "depth_table":[[5,300],[20,900]],"dwell_s":0.2,"servo_up":0})"));
-  EXPECT_THAT([&] { made(board, servo, four_scratches()); }, ThrowsMessage<Error>(HasSubstr("travels 1.00 mm")));
-  servo.safe_z_mm = 15;
-  EXPECT_NO_THROW(made(board, servo, four_scratches()));
+  for (const std::string based_on : {"grbl", "marlin", "linuxcnc"})
+    for (const std::string table :
+         {R"("servo_up":0,"depth_table":[[5,300],[20,900]])", R"("servo_up":1000,"depth_table":[[5,900],[20,100]])"}) {
+      if (based_on == "linuxcnc" && table.find("1000") != std::string::npos) continue;  // its M2 would press the head
+      MachineProfile servo = read_machine_profile(
+          folder.write("m.json", R"({"format":"burin/machine","version":1,"depth_by":"servo","dwell_s":0.2,)" + table +
+                                     R"(,"based_on":")" + based_on + "\"}"));
+      ToolpathOptions options;
+      options.frame = true;
+      options.keep_order = true;  // left to right, twice over the clamp and more
+      const ToolpathReport report = write_toolpath(four_scratches(), board, nullptr, servo, options,
+                                                   folder / (based_on + std::to_string(table.size()) + ".gcode"));
+      for (const auto& file : report.files) EXPECT_EQ(against(read_text(file), board, servo), "") << read_text(file);
+      const std::string text = read_text(report.files[0]);
+      std::size_t over = 0;
+      replay_gcode(text, servo, "f", nullptr, [&](const ToolWay& way) {
+        if (way.carves) {
+          EXPECT_EQ(way.from_mm.z(), servo.safe_z_mm) << text;
+        }
+        if (way.from_mm.allFinite() && (way.from_mm.x() < 50) != (way.to_mm.x() < 50)) {
+          ++over;
+          EXPECT_EQ(way.to_mm.z(), 13) << text;
+        }
+      });
+      EXPECT_GT(over, 0u);
+      // A head without a Z axis goes only as high as its servo lifts it.
+      std::erase_if(servo.start, [](const std::string& line) { return line.find('Z') != std::string::npos; });
+      std::erase_if(servo.end, [](const std::string& line) { return line.find('Z') != std::string::npos; });
+      EXPECT_THAT([&] { made(board, servo, four_scratches()); }, ThrowsMessage<Error>(HasSubstr("clear from Z13.00")));
+      servo.safe_z_mm = 15;
+      EXPECT_NO_THROW(made(board, servo, four_scratches()));
+    }
 }
 
 TEST(ReleaseCheck, TheFirstWayComesFromAboveAndSaysSo) {
@@ -261,9 +288,14 @@ TEST(ReleaseCheck, TravelClearsTheTagsPaper) {
   Board board = sheet_of_120();
   MachineProfile machine = machine_profile("grbl");
   machine.safe_z_mm = 0.05;
-  EXPECT_THAT(made(board, machine, four_scratches()), HasSubstr("G0 Z0.3000"));
-  machine.per_scratch.back() = "G0 Z0.05";
-  EXPECT_THAT([&] { made(board, machine, four_scratches()); }, ThrowsMessage<Error>(HasSubstr("0.10 mm thick")));
+  for (const char* last : {"G0 Z{z_safe}", "G0 Z0.05"}) {  // the second leaves it to the ways between
+    machine.per_scratch.back() = last;
+    std::string text = made(board, machine, four_scratches());
+    EXPECT_EQ(against(text, board, machine), "");
+    EXPECT_THAT(text, HasSubstr("G0 Z0.3000"));
+    replace_all(text, "G0 Z0.3000", "G0 Z0.0500");
+    EXPECT_THAT(against(text, board, machine), HasSubstr("0.10 mm thick"));
+  }
 }
 
 TEST(ReleaseCheck, LinesAndFilesAreAsLongAsTheMachineTakesThem) {

@@ -355,7 +355,7 @@ TEST(Toolpath, WhatCannotBeCarvedIsNamed) {
     EXPECT_EQ(folder.file_count(), 0u);
   };
   Scratches s = some_scratches(3);
-  expect(s, nullptr, "board.cnc", AllOf(HasSubstr(".cnc"), HasSubstr(".gcode")));
+  expect(s, nullptr, "board.stl", AllOf(HasSubstr(".stl"), HasSubstr(".gcode")));
   expect(s, nullptr, "no/board.gcode", HasSubstr("no folder"));
   expect({}, nullptr, "board.gcode", HasSubstr("no scratch to carve"));
   s.x1_mm[1] = 195;

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "burin/optimize/duration.h"
+#include "burin/optimize/toolpath.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
@@ -223,9 +224,7 @@ CarveCheckFiles round_files(const fs::path& round, const std::string& machine) {
   if (fs::exists(round / "heights.json")) files.heights = round / "heights.json";
   for (const auto& entry : fs::directory_iterator(round)) {
     const fs::path& file = entry.path();
-    const std::set<std::string> gcode{".gcode", ".nc", ".ngc"};
-    if (file.filename().string().starts_with("board") && gcode.count(file.extension().string()) > 0)
-      files.gcode.push_back(file);
+    if (file.filename().string().starts_with("board") && has_gcode_name(file)) files.gcode.push_back(file);
   }
   std::sort(files.gcode.begin(), files.gcode.end());
   return files;

@@ -194,15 +194,20 @@ void append_z(std::string& text, const MachineProfile& machine, double z_mm) {
           (machine.dialect == GcodeDialect::marlin ? " F" + plain(machine.rapid_z_mm_min) : "") + "\n";
 }
 
-/// Whether Z, which stays while scratches are carved, comes down from the first way's height over the first of them.
+/// Whether Z stays while scratches are carved, and comes down from a way that lies higher over the scratch after it.
 bool is_approached(const MachineProfile& machine) { return keeps_z(machine) && starts_lifted(machine); }
 
-constexpr std::size_t kApproachLines = 2;
+constexpr std::size_t kApproachLines = 2, kLiftedLines = 1 + kApproachLines;
 
 void append_approach(std::string& text, const MachineProfile& machine, const Toolpath& path,
                      const Eigen::Vector2d& to) {
   append_way(text, machine, to);
   append_z(text, machine, path.kept_z_mm);
+}
+
+/// Whether Z has to leave its height for the way to a scratch: a clamp stands there.
+bool is_lifted(const MachineProfile& machine, const Toolpath& path, std::size_t i) {
+  return is_approached(machine) && path.scratches[i].travel_z_mm > path.kept_z_mm;
 }
 
 /// A comment of ours, in lines that the machine reads. Words from outside come into it by comment_word() alone.
@@ -288,6 +293,12 @@ std::string with_head(const std::string& rest, const Replay& replay, const Gcode
   return text + rest;
 }
 
+/// A file's comments, then its commands. LinuxCNC's % begins a file on its first line alone.
+std::string after_comments(const std::string& comments, const std::string& commands) {
+  const std::size_t begin = commands.starts_with("%\n") ? 2 : 0;
+  return commands.substr(0, begin) + comments + commands.substr(begin);
+}
+
 /// The comments of a part, before its commands.
 std::string comments(const Toolpath& path, const MachineProfile& machine, const GcodeHead& head, double duration_s) {
   std::string text;
@@ -326,7 +337,8 @@ std::vector<std::pair<std::size_t, std::size_t>> split(const Toolpath& path, con
     const PlannedScratch& scratch = path.scratches[i];
     const double s = scratch_time(at, scratch.from_mm, scratch.to_mm, scratch.depth_mm, machine).total_s();
     at = scratch.to_mm;
-    const std::size_t more = lines_each * (path.face.followed() ? bends(path.face, scratch).size() : 1);
+    const std::size_t more = lines_each * (path.face.followed() ? bends(path.face, scratch).size() : 1) +
+                             (is_lifted(machine, path, i) ? kLiftedLines : 0);
     if (more > room)
       fail("tool path",
            "files of at most " + std::to_string(machine.max_lines) + " lines leave no room for the scratch in row " +
@@ -357,8 +369,13 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
     GcodePart part{{}, parts[k].first, parts[k].second, 0};
     std::string body;
     append_start(body, machine, path);
-    if (is_approached(machine)) append_approach(body, machine, path, path.scratches[part.first].from_mm);
-    for (std::size_t i = part.first; i < part.first + part.count; ++i) append_scratch(body, machine, path, part, i);
+    for (std::size_t i = part.first; i < part.first + part.count; ++i) {
+      const bool lifted = i > part.first && is_lifted(machine, path, i);
+      if (lifted) append_z(body, machine, path.scratches[i].travel_z_mm);
+      if (lifted || (i == part.first && is_approached(machine)))
+        append_approach(body, machine, path, path.scratches[i].from_mm);
+      append_scratch(body, machine, path, part, i);
+    }
     append_end(body, machine, path);
     const std::string name = "tool path, part " + std::to_string(k + 1);
     const Replay replay = fail_unless_released(body, machine, path.workpiece, path.face, name);
@@ -367,7 +384,8 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
 
     // What is written is read back and replayed whole (replay_written).
     const GcodeHead head{k + 1, parts.size(), part.first + 1, part.first + part.count, path.scratches.size()};
-    part.text = with_head(comments(path, machine, head, part.duration_s) + body, replay, head, machine, path);
+    part.text =
+        with_head(after_comments(comments(path, machine, head, part.duration_s), body), replay, head, machine, path);
     list.push_back(std::move(part));
   }
   return list;
@@ -398,14 +416,14 @@ void fail_unless_carves(const Replay& replay, const Toolpath& path, const GcodeP
 }
 
 std::string frame_gcode(const Toolpath& path, const MachineProfile& machine) {
-  std::string text;
-  append_comment(text, machine, "Burin frame for " + comment_word(machine.name) + ", mm, in the air");
-  append_notes(text, machine, path);
+  std::string notes, text;
+  append_comment(notes, machine, "Burin frame for " + comment_word(machine.name) + ", mm, in the air");
+  append_notes(notes, machine, path);
   append_start(text, machine, path);
   const Eigen::Vector2d &low = path.min_mm, &high = path.max_mm;
   const std::array<Eigen::Vector2d, 5> corners{low, {high.x(), low.y()}, high, {low.x(), high.y()}, low};
   double z_mm = path.kept_z_mm;
-  for (std::size_t k = 0; k + 1 < corners.size() && !keeps_z(machine); ++k)
+  for (std::size_t k = 0; k + 1 < corners.size(); ++k)
     z_mm = std::max(z_mm, travel_z_mm(path.workpiece, path.face, machine, corners[k], corners[k + 1]));
   append_way(text, machine, low);
   if (starts_lifted(machine)) append_z(text, machine, z_mm);
@@ -413,6 +431,7 @@ std::string frame_gcode(const Toolpath& path, const MachineProfile& machine) {
     text += "G1 X" + fixed(corners[k].x(), machine.decimals) + " Y" + fixed(corners[k].y(), machine.decimals) + " F" +
             plain(machine.carve_feed_mm_min) + "\n";
   append_end(text, machine, path);
+  text = after_comments(notes, text);
   return with_head(text, replay_gcode(text, machine, "frame", &path.face), {1, 1, 0, 0, 0}, machine, path);
 }
 

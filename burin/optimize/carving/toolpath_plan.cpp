@@ -102,7 +102,7 @@ void append(Toolpath& path, const PlannedScratch& s, const MachineProfile& machi
 // How high the tool travels between scratches: as the face lies and as things stand on that way.
 void plan_heights(Toolpath& path, const MachineProfile& machine) {
   path.first_z_mm = first_z_mm(path.workpiece, path.face, machine);
-  const Workpiece bare;  // Z that stays is the face's affair: what stands on it is cleared by the head's own lift
+  const Workpiece bare;  // Z that stays is the face's affair: over what stands on it, Z is lifted for that way alone
   path.kept_z_mm = machine.safe_z_mm;
   for (std::size_t k = 0; k < path.scratches.size(); ++k) {
     PlannedScratch& s = path.scratches[k];
