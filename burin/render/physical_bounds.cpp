@@ -31,7 +31,7 @@ double read_tool_width_um(JsonObject& json, const std::string& key, std::optiona
 }
 
 Eigen::Vector3d read_bow_mm(JsonObject& json, const std::string& key) {
-  const Eigen::Vector3d bow_mm = json.vec3(key, Eigen::Vector3d::Zero());
+  Eigen::Vector3d bow_mm = json.vec3(key, Eigen::Vector3d::Zero());
   if (!(bow_mm.cwiseAbs().maxCoeff() <= bound::kBow_mm))
     json.fail_field(key, "is " + to_json(bow_mm).dump() + ", more than any sheet bows",
                     "write millimeters, at most " + shortest(bound::kBow_mm) + " each");

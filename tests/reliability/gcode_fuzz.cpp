@@ -541,7 +541,7 @@ GcodeFuzz fuzz_profiles(std::uint64_t seed, std::uint64_t runs, double seconds, 
         if (wrong.empty() && !presses_by_itself(machine)) wrong = against_sheet(part.text, machine, sheet);
         if (!wrong.empty()) keep(fuzz, wrong, json, part.text);
       }
-      ++fuzz.accepted;
+      ++fuzz.accepted, ++fuzz.released;
       if (carved != path.scratches.size()) keep(fuzz, "carves " + std::to_string(carved), json, parts.front().text);
     } catch (const Error&) {
     } catch (const std::exception& error) {
@@ -679,7 +679,7 @@ GcodeFuzz fuzz_inputs(std::uint64_t seed, std::uint64_t runs, double seconds, co
     if (!as_it_is) changed = with_one_number_changed(changed, random);
     try {
       const std::string wrong = wrong_with(inputs, folder);
-      ++fuzz.accepted;
+      ++fuzz.accepted, ++fuzz.released;
       if (!wrong.empty()) keep(fuzz, wrong, changed, "");
     } catch (const Error& error) {
       if (as_it_is) keep(fuzz, std::string("good ones are refused: ") + error.what(), inputs.profile, "");

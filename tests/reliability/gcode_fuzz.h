@@ -13,7 +13,7 @@ namespace burin {
 struct GcodeFuzz {
   std::uint64_t runs = 0;
   std::uint64_t accepted = 0;         ///< by the replay, or profiles that G-code was written with
-  std::uint64_t released = 0;         ///< of changed files: given out by the release check
+  std::uint64_t released = 0;         ///< given out by the release check
   std::vector<std::string> findings;  ///< what was wrong, and the input; at most ten
 };
 
