@@ -126,6 +126,18 @@ void print_result(const Refinement& r, const Board& board) {
         100 * r.looked_at);
 }
 
+// The bench that a loop's round was calibrated to, for a command that names none and writes elsewhere.
+std::filesystem::path bench_of_round(const CLI::App& command, const std::filesystem::path& session, bool elsewhere) {
+  const std::optional<ProjectSettings> settings = settings_around(session);
+  if (!settings || settings->at.round == 0) throw CLI::RequiredError("--bench");
+  if (!elsewhere) throw CLI::RequiredError("--out (the round's own bench.json is the loop's)");
+  std::filesystem::path bench;
+  TakenSettings taken(command);
+  taken.take("--bench", settings->at.project.round(settings->at.round) / "calibration" / "bench.json", bench);
+  taken.say(*settings);
+  return bench;
+}
+
 }  // namespace
 
 void add_refine_command(CLI::App& burin) {
@@ -170,15 +182,7 @@ void add_refine_command(CLI::App& burin) {
   command->footer(example("burin refine session/session.json --bench bench/bench.json"));
   command->callback([options, hold_out, command] {
     if (std::filesystem::is_directory(options->session)) options->session /= "session.json";
-    if (const std::optional<ProjectSettings> settings = settings_around(options->session);
-        settings && settings->at.round > 0 && options->bench.empty()) {
-      if (options->out.empty()) throw CLI::RequiredError("--out (the round's own bench.json is the loop's)");
-      TakenSettings taken(*command);
-      taken.take("--bench", settings->at.project.round(settings->at.round) / "calibration" / "bench.json",
-                 options->bench);
-      taken.say(*settings);
-    }
-    if (options->bench.empty()) throw CLI::RequiredError("--bench");
+    if (options->bench.empty()) options->bench = bench_of_round(*command, options->session, !options->out.empty());
     const std::filesystem::path calibrated = options->bench;
     if (!options->out.empty()) options->bench = options->out / "bench.json";
     const WorkLock lock(options->bench.parent_path(), "burin refine",
