@@ -203,6 +203,8 @@ TEST(FilesTogether, NothingChangesBeforeAllIsWritten) {
   all.put();
   EXPECT_EQ(file_text(folder / "a.json"), "new a");
   EXPECT_THAT(names_in(folder.path()), ElementsAre("a.json", "b.json"));
+  write_text("later", folder / "c.json");  // is none of the change
+  EXPECT_EQ(file_text(folder / "c.json"), "later");
 }
 
 TEST(FilesTogether, AMoveThatFailsIsTakenBackWithAllBeforeIt) {

@@ -329,7 +329,9 @@ FilesTogether::~FilesTogether() {
 }
 
 void FilesTogether::put() {
-  if (outer_ != nullptr || items_.empty()) return;
+  if (outer_ != nullptr) return;
+  change_of_thread = nullptr;  // the change is over: what is written from now on is none of it
+  if (items_.empty()) return;
   const auto whole = finishing();
   if (items_.size() == 1 && !items_.front().part.empty()) {  // one rename is all or nothing by itself
     const Item& item = items_.front();

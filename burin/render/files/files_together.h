@@ -28,7 +28,8 @@ class FilesTogether {
   FilesTogether(const FilesTogether&) = delete;
   FilesTogether& operator=(const FilesTogether&) = delete;
 
-  /// Puts all files in their places. Throws Error where one cannot be; then all are as before.
+  /// Puts all files in their places, and ends the change: what is written later goes to its place by itself. Throws
+  /// Error where one cannot be put; then all are as before.
   void put();
 
   /// One file of a change.
