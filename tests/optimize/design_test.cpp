@@ -405,6 +405,20 @@ TEST_F(DesignTest, HoweverEarlyItEndsADesignIsAsGoodAsTheBestThatWasSeenOfIt) {
   expect_the_best(in_time);
 }
 
+// The clock counts only if the iterations do not keep up with it: otherwise the same input gives the same bits.
+TEST_F(DesignTest, ATimeLimitThatIsFarOffChangesNothing) {
+  options_.iterations = 12;
+  for (const Crossings crossings : {Crossings::add, Crossings::deepest}) {
+    bench_.crossings = crossings;
+    options_.time_limit_s = 0;
+    const Scratches without = design(spec_, board_, bench_, options_, {}).scratches;
+    options_.time_limit_s = 3600;
+    const Scratches within = design(spec_, board_, bench_, options_, {}).scratches;
+    EXPECT_EQ(within.x0_mm, without.x0_mm);
+    EXPECT_EQ(within.y1_mm, without.y1_mm);
+  }
+}
+
 // Losses of guessed crossings are told from those of grooves as they are cut, and the first is one of these.
 TEST_F(DesignTest, LossesSayWhetherGroovesWereLookedAtAsTheyWillBeCut) {
   options_.iterations = 12;

@@ -60,6 +60,7 @@ void DesignRun::iterate() {
   // A design that starts where it should be is only set right; a random one has a way to go.
   first_rate_ = options_.rate > 0 ? options_.rate : starts_at_random() ? 1e-3 : 0.2 / pixels_;
   last_rate_ = options_.final_rate > 0 ? options_.final_rate : starts_at_random() ? 1e-4 : 0.0125 / pixels_;
+  part_ = 0;
   for (iteration_ = 0;; ++iteration_) {
     const bool last = iteration_ == options_.iterations || result_.stopped_early;
     count_time();
@@ -108,7 +109,9 @@ void DesignRun::count_time() {
   time_part_ = !grooves_cut_each_other() ? time
                : time < kSearched        ? kRimsFrom * time / kSearched
                                          : kRimsFrom + (1 - kRimsFrom) * (time - kSearched) / (1 - kSearched);
-  part_ = std::max(time_part_, static_cast<double>(iteration_) / std::max(1, options_.iterations - 1));
+  // Iterations that keep up with the time do not depend on the clock: the same input gives the same bits.
+  const double all = std::max(1, options_.iterations - 1), by_number = iteration_ / all;
+  part_ = std::max(part_, time_part_ > (iteration_ + 1) / all ? time_part_ : by_number);
 }
 
 // Weak scratches go before the end, so that the last iterations make up for them.
