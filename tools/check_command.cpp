@@ -61,14 +61,18 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
 }
 
 // The folder of a loop's round that `what` names: itself, the newest designed one of a project's folder, or the one
-// that a table lies in. Empty: none.
+// that a table or a tool path lies in. Empty: none.
 std::filesystem::path round_of(const std::filesystem::path& what, const std::optional<ProjectSettings>& project) {
   const bool is_folder = std::filesystem::is_directory(what);
   const std::filesystem::path otherwise = is_folder ? what : std::filesystem::path();
   if (!project || !project_of(what)) return otherwise;
   const Project& of = project->at.project;
   int round = project->at.round;
-  if (round > 0) return is_folder || what.filename() == "scratches.csv" ? of.round(round) : otherwise;
+  if (round > 0) {
+    const std::string name = what.filename().string();
+    const bool of_round = name == "scratches.csv" || (name.starts_with("board") && what.extension() == ".gcode");
+    return is_folder || of_round ? of.round(round) : otherwise;
+  }
   if (!is_folder || !same_file(what, of.folder)) return otherwise;
   for (round = of.rounds(); round > 1; --round)
     if (std::filesystem::exists(of.round(round) / "scratches.csv")) break;
@@ -104,6 +108,8 @@ CarveJob job_of(const CarveOptions& options, const CLI::App& command) {
                                           ? round_of(options.what, project)
                                           : std::filesystem::path();
   if (round.empty()) {
+    if (!std::filesystem::exists(options.what))
+      fail(options.what.string(), "does not exist", "name scratches, or the folder of a loop's round");
     if (project) {
       taken.take("--board", project->board, job.files.board);
       taken.take("--bench", project->bench, job.files.bench);

@@ -45,7 +45,7 @@ void TakenSettings::take(const std::string& option, const std::string& value, st
 void TakenSettings::take(const std::string& option, const fs::path& value, fs::path& into) {
   if (is_said(option) || value.empty() || value == into) return;
   into = value;
-  add(option, value.string());
+  add(option, value.lexically_normal().string());  // "board.json" of the project "."
 }
 
 void TakenSettings::take(const std::string& option, bool value, bool& into) {
@@ -58,7 +58,7 @@ void TakenSettings::say(const ProjectSettings& settings) const {
   if (words_.empty()) return;
   const fs::path& folder = settings.at.project.folder;
   const bool dots = folder.string().starts_with('.');  // "." and ".." name nothing
-  note("from the project " + (dots ? fs::absolute(folder).lexically_normal() : folder).string() + ": " + words_);
+  note("from the project " + (dots ? fs::weakly_canonical(folder) : folder).string() + ": " + words_);
 }
 
 }  // namespace burin

@@ -72,7 +72,7 @@ TEST(CheckCarve, OnePageAndOneQuestion) {
   const Outcome good = run_burin(folder, command);
   EXPECT_EQ(good.exit_code, 0) << good.err;
   EXPECT_THAT(good.out, AllOf(HasSubstr("mind  nobody knows how even"), HasSubstr("a.gcode  3 scratches"),
-                              HasSubstr("a-frame.gcode  carves nothing"), HasSubstr("Z -0.0100 to 1.0000 mm"),
+                              HasSubstr("a-frame.gcode  carves nothing"), HasSubstr("Z -0.0100 to 5.3000 mm"),
                               HasSubstr("Is the sheet clamped"), HasSubstr("Wrote my.html")));
   const std::string page = file_text(folder / "my.html");
   EXPECT_THAT(page, AllOf(HasSubstr("No red line"), HasSubstr("Is the sheet clamped"), HasSubstr("</html>")));
@@ -85,8 +85,9 @@ TEST(CheckCarve, OnePageAndOneQuestion) {
   folder.write("a.gcode", gcode.replace(at, 17, "X50.0000 Y40.0000"));
   const Outcome red = run_burin(folder, command);
   EXPECT_EQ(red.exit_code, 1);
-  EXPECT_THAT(red.out, HasSubstr("RED   1 scratch would be carved over tag 2"));
-  EXPECT_THAT(red.err, HasSubstr("my.html: do not carve this: 2 red lines; open it"));
+  EXPECT_THAT(red.out, AllOf(HasSubstr("RED   1 scratch would be carved over tag 2"),
+                             HasSubstr("RED   a.gcode:19: carves over tag 2"), HasSubstr("1 scratches lost")));
+  EXPECT_THAT(red.err, HasSubstr("my.html: do not carve this: 3 red lines; open it"));
   EXPECT_THAT(file_text(folder / "my.html"), AllOf(HasSubstr("Do not carve this"), HasSubstr("over tag 2")));
   EXPECT_EQ(file_text(folder / "my.html").find("Is the sheet clamped"), std::string::npos);
 }

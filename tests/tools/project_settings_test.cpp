@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/scratches.h"
 #include "tests/tools/loop_bench.h"
 #include "tests/tools/program.h"
 
@@ -78,13 +79,17 @@ TEST(ProjectSettings, CheckTakesTheMachineOfTheProject) {
                                         {"elsewhere", "link"},
                                         {"elsewhere", "../project"},
                                         {"project/round-01", "."},
-                                        {"project/round-01", "scratches.csv"}}) {
+                                        {"project/round-01", "scratches.csv"},
+                                        {"project", "round-01/board.gcode"}}) {
     const Outcome check = p.in(directory, {"check", "carve", what});
     EXPECT_EQ(check.exit_code, 0) << directory << " " << what << check.out << check.err;
     EXPECT_THAT(check.err, AllOf(HasSubstr("from the project"), HasSubstr("machine grbl-spring"))) << what;
     EXPECT_EQ(file_text(page), by_loop) << directory << " " << what;
   }
   EXPECT_THAT(p.in(".", {"status", "project"}).out, Not(HasSubstr("out of date")));
+  const Outcome none = p.in("project", {"check", "carve", "round-07"});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.err, HasSubstr("round-07: does not exist"));
   // Another machine would dig, and its verdict stands beside the loop's.
   const Outcome other = p.in("project", {"check", "carve", "round-01", "--machine", "grbl"});
   EXPECT_EQ(other.exit_code, 1);
@@ -131,7 +136,7 @@ TEST(ProjectSettings, ViewsAndPlansAreOfTheProjectThatOneIsIn) {
   EXPECT_EQ(p.in(".", {"status"}).exit_code, 2) << "no project, and none is guessed";
   const Outcome picture = p.in("project", {"render", "round-01", "--view", "d0", "--out", "d0.png"});
   EXPECT_EQ(picture.exit_code, 0) << picture.err;
-  EXPECT_THAT(picture.out, HasSubstr("200 scratches"));
+  EXPECT_THAT(picture.out, HasSubstr(std::to_string(read_scratches(p.round / "scratches.csv").size()) + " scratches"));
   EXPECT_EQ(p.in("project", {"view", "round-01", "--out", "v.html"}).exit_code, 0);
   EXPECT_EQ(p.in("project", {"print", "--out", "tags.pdf"}).exit_code, 0);
   // The sheet's photos are the plan's, and watch knows them.
