@@ -1,5 +1,6 @@
 #include <CLI/Error.hpp>
 #include <CLI/Validators.hpp>
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -68,13 +69,31 @@ void print_photos(std::vector<PhotoFit> photos) {
                100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
 }
 
-void print_result(const Refinement& r, const Board& board) {
+// From the second round on a loop tells the machine the depth that makes the wanted one: then the grooves are not as
+// deep as those of which the bench's depth is.
+void print_groove(const Bench& bench, const Board& board, const Scratches& sent) {
+  double deepest_um = bench.material.depth_um;
+  if (!sent.depth_um.empty()) {
+    const auto [least, most] = std::minmax_element(sent.depth_um.begin(), sent.depth_um.end());
+    const double gain = deepest_um / board.material.depth_um;
+    const auto span = [](double from, double to) {
+      const std::string first = fixed(from, 1), last = fixed(to, 1);
+      return first == last ? first : first + " to " + last;
+    };
+    deepest_um = gain * *most;
+    print_text("         of {:g} um told; this board was told {} um, and its grooves are {} um deep\n",
+               board.material.depth_um, span(*least, *most), span(gain * *least, deepest_um));
+  }
+  print_text("         half-width of the grooves {:.1f} um, from the depth and the tool\n",
+             half_width_um(board.tool_width_um, deepest_um));
+}
+
+void print_result(const Refinement& r, const Board& board, const Sent& sent) {
   const Bench& b = r.bench;
   print_text("alpha    {}\n", measured(b, parameter::kAlpha, b.material.alpha, b.material_sigma.alpha, 4));
   print_field("alpha", b.alpha_field);
   print_text("depth    {}\n", measured(b, parameter::kDepth, b.material.depth_um, b.material_sigma.depth_um, 2, " um"));
-  print_text("         half-width of the grooves {:.1f} um, from the depth and the tool\n",
-             half_width_um(board.tool_width_um, b.material.depth_um));
+  print_groove(b, board, sent.scratches);
   print_field("depth", b.depth_field);
   print_text("grooves  differ from one another by {:.1f} % in alpha and {:.1f} % in depth\n", 100 * r.alpha_jitter,
              100 * r.depth_jitter);
@@ -225,7 +244,7 @@ void add_refine_command(CLI::App& burin) {
     all.put();
     bar.clear();
     for (const Finding& finding : result.findings) note(finding);
-    print_result(result, board);
+    print_result(result, board, sent);
     if (!held.pixels.empty()) print_text("{}", pixels_in_words(held.pixels));
     const std::string bench = options->bench.string();
     print_text("Completed {}{}\n", bench,
