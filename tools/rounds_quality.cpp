@@ -74,7 +74,7 @@ bool is_last(const NextBoard& next) {
 std::string hang_in_words(const NextBoard& next) {
   const std::string gain = next.gain_db() < 0.05
                                ? "another board would be no better"
-                               : fmt::format("another board would gain {:.1f} dB, and less than {} dB is hardly seen",
+                               : fmt::format("another board would gain {:.1f} dB (less than {} dB is hardly seen)",
                                              next.gain_db(), kSeen_db);
   return fmt::format("hang the board of round {}: it shows {:.1f} dB, {:.1f} dB were promised, and {}", next.round,
                      next.photographed_db, next.promised_db, gain);

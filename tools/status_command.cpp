@@ -1,4 +1,5 @@
 // burin status - what a loop project is: its rounds and stages, what each rests on, and what comes next.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 
@@ -68,6 +69,19 @@ std::string rests_on(const StageState& state) {
   return words;
 }
 
+// A screen has room for the newest round.
+void print_basis(const LoopProject& loop, const std::vector<StageState>& states) {
+  int newest = 0;
+  std::string lines;
+  for (const StageState& state : states) newest = std::max(newest, state.at.round);
+  for (const StageState& state : states)
+    if (const std::string words = rests_on(state); !words.empty() && (state.at.round == newest || state.at.round == 0))
+      lines += fmt::format("  {}: {}\n", name_of(loop.project, state.at), words);
+  if (!lines.empty())
+    print_text("What each{} was made from{}:\n{}", newest > 1 ? " of the newest round" : "",
+               newest > 1 ? " (--json: of all rounds)" : "", lines);
+}
+
 void run(const fs::path& given, bool as_json) {
   const fs::path folder = project_folder(given, "PROJECT_DIR");
   if (!fs::exists(folder / "design.json"))
@@ -90,13 +104,7 @@ void run(const fs::path& given, bool as_json) {
     return;
   }
   print_text("{}: {}\n{}", folder.string(), in_words(loop.options), table_of(loop, states, false, !at_work.empty()));
-  bool head = false;
-  for (const StageState& state : states)
-    if (const std::string words = rests_on(state); !words.empty()) {
-      if (!head) print_text("What each was made from:\n");
-      head = true;
-      print_text("  {}: {}\n", name_of(loop.project, state.at), words);
-    }
+  print_basis(loop, states);
   if (!at_work.empty()) print_text("A loop is at work here: {}\n", at_work);
   print_text("Next: {}\n", next);
 }

@@ -278,9 +278,10 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
   if (const std::optional<NextBoard> last = last_board(project))
     return fmt::format("{}; `{}` says how to carve it all the same", hang_in_words(*last),
                        loop_line(project, "--another"));
-  if (const std::string wait = not_yet(loop, waiting); !wait.empty()) return wait;
+  std::string wait = not_yet(loop, waiting);
+  if (!wait.empty()) wait += "; or ";
   const std::string changed = changed_since_sheet(project);
-  return fmt::format("carve {}, put photos of it into {}{}; then `{}`", gcode_of(loop, waiting),
+  return fmt::format("{}carve {}, put photos of it into {}{}; then `{}`", wait, gcode_of(loop, waiting),
                      photo_folders_in_words(project, waiting),
                      changed.empty() ? ""
                                      : fmt::format(" (print `burin sheet {}` again: {} changed since)",
