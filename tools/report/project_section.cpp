@@ -462,9 +462,7 @@ RoundsQuality quality_of(const Rounds& in, const std::vector<ViewHistory>& views
 }
 
 std::string next_of(const Rounds& in, const RoundsQuality& quality) {
-  // A page is read from anywhere: "." would say nothing.
-  const bool here = in.project.folder.lexically_normal() == ".";
-  const Project project{here ? fs::current_path() : in.project.folder};
+  const Project project{folder_on_page(in.project.folder)};
   const std::string loop = "<code>" + html("burin loop " + shell_word(project.folder.string())) + "</code>";
   if (in.count == in.measured) return loop + " designs the next board for the bench as measured.";
   if (const std::optional<NextBoard> next = next_board(quality); next && is_last(*next))

@@ -13,6 +13,10 @@ namespace burin {
 
 std::string whole_section(const Section& section) { return section.pictures + section.open + folds(section.parts); }
 
+std::filesystem::path folder_on_page(const std::filesystem::path& folder) {
+  return folder.lexically_normal() == "." ? std::filesystem::current_path() : folder;
+}
+
 WrittenReport write_report(const std::filesystem::path& folder, const std::filesystem::path& session,
                            const std::optional<Section>& first, const Progress& progress) {
   if (!std::filesystem::is_directory(folder))

@@ -40,6 +40,9 @@ std::optional<Section> project_section(const std::filesystem::path& folder, cons
 /// All that a section shows, as it stands inside a folded part of another.
 std::string whole_section(const Section& section);
 
+/// A project's folder as a page names it: a page is read from anywhere, and "." would say nothing there.
+std::filesystem::path folder_on_page(const std::filesystem::path& folder);
+
 /// What write_report() made.
 struct WrittenReport {
   std::string told;  ///< outcome and findings as plain text, a line each
