@@ -192,7 +192,8 @@ std::vector<Finding> reach_findings(const MachineProfile& machine) {
   return {{Finding::Severity::note,
            {},
            "nobody said how far " + machine.name + " reaches: whether it gets to all of these places is not checked",
-           "write \"travel_mm\": [[0, 0], [300, 180]] with its own numbers into its burin/machine file"}};
+           "write \"travel_mm\": [[0, 0], [300, 180]] with its own numbers into its burin/machine file; for a "
+           "built-in machine, write one that is \"based_on\" it (docs/file-formats.md)"}};
 }
 
 }  // namespace burin
