@@ -86,7 +86,9 @@ TEST(CommandLine, TheToolPathThatADesignNamesCanBePasted) {
 
 TEST(CommandLine, QuietSaysNotesAndErrorsOnly) {
   const TemporaryFolder folder;
-  const std::string board = places::source() + "/samples/small-bench/board.json";
+  // Of no project: nothing is known of the bench.
+  std::filesystem::copy_file(places::source() + "/samples/small-bench/board.json", folder / "board.json");
+  const std::string board = (folder / "board.json").string();
   const Outcome done = run_burin(folder, {"--quiet", "plan", board, "--shots", "1", "--out", "plan"});
   EXPECT_EQ(done.exit_code, 0);
   EXPECT_EQ(done.out, "");
@@ -99,7 +101,9 @@ TEST(CommandLine, QuietSaysNotesAndErrorsOnly) {
 
 TEST(CommandLine, JsonSaysAllInOneObject) {
   const TemporaryFolder folder;
-  const std::string board = places::source() + "/samples/small-bench/board.json";
+  // Of no project: nothing is known of the bench.
+  std::filesystem::copy_file(places::source() + "/samples/small-bench/board.json", folder / "board.json");
+  const std::string board = (folder / "board.json").string();
   const Outcome done = run_burin(folder, {"--threads", "1", "--json", "plan", board, "--shots", "1"});
   EXPECT_EQ(done.exit_code, 0);
   EXPECT_EQ(done.err, "");

@@ -180,8 +180,8 @@ TEST_F(DesignCommand, LimitsHoldInTheFile) {
   folder_.write("m.json", R"({"format": "burin/machine", "version": 1, "limits": {"step_mm": 0.0125, "shortest_mm": 0.8,
       "longest_mm": 12, "min_distance_mm": 0.03, "max_overlap": 0.2, "max_grooves": 2}})");
   edit("board.json", [](Json& board) {
-    board["keep_out"] = Json::parse(R"([{"name": "hole", "center_mm": [60, 60], "radius_mm": 6},
-                                        {"name": "clamp", "rect_mm": [[20, 50], [30, 70]]}])");
+    board["keep_out"] = Json::parse(R"([{"name": "hole", "center_mm": [60, 60], "radius_mm": 6, "height_mm": 0},
+                                        {"name": "clamp", "rect_mm": [[20, 50], [30, 70]], "height_mm": 0}])");
     board["tags"]["list"].push_back({{"id", 60}, {"center_mm", {85, 85}}, {"size_mm", 8}, {"rotation_deg", 20}});
   });
   const Outcome run = design({"--machine", "m.json"});
@@ -279,7 +279,7 @@ TEST_F(DesignCommand, PicturesThatCannotWork) {
   const fs::path boat = folder_ / "bench" / "targets" / "boat.png";
   const std::string whole = file_text(boat);
   folder_.write("bench/targets/boat.png", whole.substr(0, whole.size() / 2));
-  expect_refusal(design({}, "none"), "boat.png", "broken");
+  expect_refusal(design({}, "none"), "boat.png", "damaged or cut short");
   folder_.write("bench/targets/boat.png", "");
   expect_refusal(design({}, "none"), "boat.png", "is empty");
   folder_.write("bench/targets/boat.png", whole);

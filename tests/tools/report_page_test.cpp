@@ -91,7 +91,7 @@ class ReportPage : public ::testing::Test {
     std::ofstream(folder / "truth.json") << truth;
     fs::copy_file(round / "design" / "scratches.csv", round / "scratches.csv");
     const Outcome photos = run_burin(folder, {"simulate", "truth.json", "--scratches",
-                                              "my bench/round-01/scratches.csv", "--out", "my bench/round-01"});
+                                              "my bench/round-01/design/scratches.csv", "--out", "my bench/round-01"});
     ASSERT_EQ(photos.exit_code, 0) << photos.err;
     Json design = read_json_file(project / "design.json");
     for (const char* key : {"board", "bench"}) design[key] = "../" + design[key].get<std::string>();

@@ -254,7 +254,7 @@ TEST_F(SheetCommand, APdfHasTheSameWords) {
   const Outcome text = run_shell(folder_, "cd " + quoted(folder_.path().string()) + " && pdftotext -layout s.pdf -");
   ASSERT_EQ(text.exit_code, 0) << text.err;
   for (const char* words : {"on a table", "on a wall", "photos, in this order", "1: view \"d0\"", "177 mm beyond the",
-                            "1665 mm above", "12", "Focus once at 500 mm", "eyes between 1.53 and 1.6"})
+                            "1665 mm above", "12", "Focus once at 500 mm", "Eyes between 1.53 and 1.6"})
     EXPECT_THAT(text.out, HasSubstr(words));
 }
 
