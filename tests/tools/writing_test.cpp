@@ -64,7 +64,7 @@ TEST_F(Writing, AStrangersLinkLeadsNothingOutOfItsFolder) {
   fs::create_symlink("../home/.bashrc", folder / "p/board-frame.gcode");
   const Outcome framed = toolpath("p/board.gcode", " --frame");
   EXPECT_EQ(framed.exit_code, 1);
-  EXPECT_THAT(framed.err, AllOf(HasSubstr("p/board-frame.gcode"), HasSubstr("home/.bashrc"), HasSubstr("; remove")));
+  EXPECT_THAT(framed.err, AllOf(HasSubstr("p/board-frame.gcode"), HasSubstr("no part of an earlier board.gcode")));
   EXPECT_EQ(file_text(folder / "home/.bashrc"), "mine");
   EXPECT_FALSE(fs::exists(folder / "p/board.gcode")) << "all of it, or nothing";
   fs::create_symlink("../home/.bashrc", folder / "p/carve-check.html");
@@ -118,6 +118,8 @@ TEST_F(Writing, OneCommandAtATimeInAFolderOfResults) {
   EXPECT_EQ(second.exit_code, 1);
   EXPECT_THAT(second.err, HasSubstr("burin refine, process 4711 since 2025-06-01"));
   EXPECT_FALSE(fs::exists(folder / "p/round-01/design/scratches.csv"));
+  folder.write("p/round-01/design.json", "{}");
+  folder.write("p/round-01/scratches.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n30,30,35,33\n");
   const std::vector<std::vector<std::string>> others{
       {"plan", "p", "--out", "p/round-01/plan"},
       {"sheet", "p"},
