@@ -168,8 +168,9 @@ TEST_F(ReportPage, CanBeReadOnADeskAndOnAPhoneByDayAndByNight) {
     ASSERT_EQ(run.exit_code, 0) << run.err;
     expect_readable(browser, *folder_ / folder / "report.html");
   }
-  EXPECT_THAT(file_text(*folder_ / "my bench" / "round-01" / "report.html"),
-              HasSubstr("<b>Next:</b> design for the bench as it is: name <code>my bench/round-01/bench.json</code>"));
+  EXPECT_THAT(
+      file_text(*folder_ / "my bench" / "round-01" / "report.html"),
+      HasSubstr("<b>Next:</b> the next board, designed for the bench as it is: <code>burin loop 'my bench'</code>"));
   // So does the page before metal moves.
   ASSERT_EQ(
       run_burin(*folder_, {"toolpath", "my bench/round-01/scratches.csv", "--board", "my bench/board.json", "--bench",
