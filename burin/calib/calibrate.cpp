@@ -173,17 +173,51 @@ std::vector<std::string> views_of_unknown_zoom(const BoardSolution& solved, cons
   return out;
 }
 
+// A zoom that was turned half way is taken up by lens, bow and poses together, and then no view stands out. All views
+// before, or after, one moment fit far better without the others: the others become odd, and `focals` all views'.
+void seek_turned_zoom(const Session& session, const Board& board, const std::vector<ViewTags>& pictures, PhotoSize size,
+                      BoardSolverOptions options, BoardSolution& solved, std::vector<std::optional<OwnFocal>>& focals) {
+  constexpr double kFarBetter = 0.4;  // of the RMS, which holds the corners' noise as well
+  std::vector<std::string> views;     // by their clock
+  for (const Photo& photo : session.photos)
+    if (std::find(views.begin(), views.end(), photo.view) == views.end() &&
+        std::any_of(solved.views.begin(), solved.views.end(), [&](const View& v) { return v.name == photo.view; }))
+      views.push_back(photo.view);
+  options.check_with_mrcal = false;
+  const std::vector<std::string> given = options.leave_out;
+  for (std::size_t others = 2; 2 * others <= views.size() && views.size() >= others + 4; ++others)
+    for (const bool first : {false, true}) {
+      const auto begin = first ? views.begin() : views.end() - static_cast<std::ptrdiff_t>(others);
+      const std::vector<std::string> odd(begin, begin + static_cast<std::ptrdiff_t>(others));
+      options.leave_out = given;
+      options.leave_out.insert(options.leave_out.end(), odd.begin(), odd.end());
+      BoardSolution without = solve_board(board, pictures, size.width, size.height, options);
+      if (without.rms_px > kFarBetter * solved.rms_px || without.views.size() + others < views.size()) continue;
+      Bundle all = without.bundle;  // the others' poses were not sought there
+      for (std::size_t v = 0; v < all.views.size(); ++v)
+        if (all.views[v].isApprox(Eigen::Isometry3d::Identity())) all.views[v] = solved.bundle.views[v];
+      focals = own_focals(all);
+      solved = std::move(without);
+      solved.odd_views = odd;
+      return;
+    }
+}
+
 // Lens, poses and tags. If the views that were left out for their focal length are all that were taken before, or
 // after, one moment, the zoom was turned then: views of that side which look straight at the board cannot tell their
 // focal length, fit any, and go with them.
 BoardSolution solve_with_one_zoom(const Session& session, const Board& board, const std::vector<ViewTags>& pictures,
                                   PhotoSize size, BoardSolverOptions& solver, const Progress& progress) {
   BoardSolution solved = solve_board(board, pictures, size.width, size.height, solver, progress);
-  if (solved.odd_views.size() < 2 || solver.fix_lens) return solved;
+  if (solver.fix_lens) return solved;
+  std::vector<std::optional<OwnFocal>> focals = own_focals(solved.bundle);
+  const BoardSolution with_all = solved;
+  if (solved.odd_views.size() < 2 && solved.focal_scatter > 0)
+    seek_turned_zoom(session, board, pictures, size, solver, solved, focals);
+  if (solved.odd_views.size() < 2) return solved;
   std::vector<std::string> names;
   for (const ViewTags& picture : pictures)
     if (std::find(names.begin(), names.end(), picture.view) == names.end()) names.push_back(picture.view);
-  const std::vector<std::optional<OwnFocal>> focals = own_focals(solved.bundle);
   std::vector<double> ratios;
   for (const std::string& odd : solved.odd_views) {
     const auto at = static_cast<std::size_t>(std::find(names.begin(), names.end(), odd) - names.begin());
@@ -191,10 +225,10 @@ BoardSolution solve_with_one_zoom(const Session& session, const Board& board, co
   }
   const double log_ratio = median_of(ratios);
   constexpr double kLeastZoom = 0.004;
-  if (ratios.size() < 2 || std::abs(log_ratio) < kLeastZoom) return solved;
+  if (ratios.size() < 2 || std::abs(log_ratio) < kLeastZoom) return with_all;
   const std::vector<std::string> unknown = views_of_unknown_zoom(solved, pictures, log_ratio);
   const auto change = change_in_time(session, solved.odd_views, unknown);
-  if (!change) return solved;
+  if (!change) return with_all;
   // What lies between the last view of one side and the first of the other may be of either, and goes as well.
   solver.leave_out = solved.odd_views;
   std::string with_them;
