@@ -62,20 +62,21 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, st
         {warning, incoming.file, "its EXIF holds no ISO; 100 was assumed", "correct iso in session.json"});
   const AssumedEncoding encoding = encoding_of(exif);
   photo.encoding = encoding.encoding;
-  if (encoding.assumed && encoding.encoding == Encoding::linear && exif.uncalibrated) {
+  const bool other_colors = exif.uncalibrated && exif.channels >= 3;  // of gray it states nothing: it has no primaries
+  if (encoding.assumed && encoding.encoding == Encoding::linear && other_colors) {
     findings.push_back({error, incoming.file,
                         "does not tell its tone curve: its EXIF has a color space other than sRGB, and no profile",
                         "export it with its color profile embedded, or as sRGB; if its values are linear, take the "
                         "statement out: exiftool -ColorSpace= FILE"});
     return std::nullopt;
   }
-  if (exif.uncalibrated && encoding.encoding == Encoding::srgb)
+  if (other_colors && encoding.encoding == Encoding::srgb)
     findings.push_back({note, incoming.file,
                         "has a color space other than sRGB by its EXIF, and no profile; sRGB's curve was assumed",
                         "set the camera to sRGB, or export with the profile embedded"});
   if (exif.gain_map)
     findings.push_back({note, incoming.file, "carries a gain map for HDR displays; its base picture is used", ""});
-  if (encoding.assumed && !exif.uncalibrated)
+  if (encoding.assumed && !other_colors)
     findings.push_back({note, incoming.file,
                         encoding.encoding == Encoding::linear
                             ? "does not say how its values are encoded; linear was assumed, as it has 16 bits"

@@ -578,6 +578,20 @@ TEST_F(FolderSessionTest, FlashAndDigitalZoomAreKnownByExif) {
   EXPECT_EQ(result.session.photos.size(), 9U);
 }
 
+// Cameras for measuring write gray of 16 bits, and that its colors are uncalibrated: gray has none.
+TEST_F(FolderSessionTest, GrayOfUncalibratedColorsIsLinear) {
+  take_photos();
+  change("IMG_100.png", [](auto&, OIIO::ImageSpec& spec) {
+    ASSERT_EQ(spec.nchannels, 1);
+    spec.attribute("Exif:ColorSpace", 65535);
+  });
+  const CaptureResult result = capture();
+  EXPECT_FALSE(has_errors(result.findings)) << text_of(result.findings, Severity::error);
+  ASSERT_EQ(result.session.photos.size(), 12U);
+  EXPECT_EQ(result.session.photos[0].encoding, Encoding::linear);
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("IMG_100.tif: does not say how its values are"));
+}
+
 TEST_F(FolderSessionTest, ALensThatTheCameraDoesNotKnow) {
   take_photos();
   const auto forget = [](auto&, OIIO::ImageSpec& spec) {
