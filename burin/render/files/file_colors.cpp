@@ -239,7 +239,7 @@ bool shows_srgb(cmsHPROFILE profile) {
   bool same = true;
   for (int i = 0; i < 27; ++i) {
     const std::array<float, 3> in{0.5F * static_cast<float>(i % 3), 0.5F * static_cast<float>(i / 3 % 3),
-                                  0.5F * static_cast<float>(i / 9)};
+                                  0.5F * static_cast<float>(i / 9 % 3)};
     std::array<float, 3> out{};
     cmsDoTransform(transform, in.data(), out.data(), 1);
     for (std::size_t c = 0; c < 3; ++c) same = same && std::abs(out[c] - in[c]) < kSame;
