@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -157,6 +158,22 @@ TEST(Refine, RefusesPhotosOfOtherGrooves) {
                 std::string::npos)
           << error.what();
     }
+}
+
+// One photo of another board among good ones: here turned about, so that its grooves lie elsewhere.
+TEST(Refine, NamesTheViewThatShowsOtherGrooves) {
+  const Rig rig = read_rig("b-small", {"v01", "v03", "v05", "v07", "v09"});
+  std::vector<MergedView> merged = photos_for_refine(rig.session, rig.board, rig.true_poses);
+  for (MergedView& view : merged) {
+    if (view.view != "v05") continue;
+    std::reverse(view.value.data.begin(), view.value.data.end());
+    std::reverse(view.sigma.data.begin(), view.sigma.data.end());
+    std::reverse(view.valid.begin(), view.valid.end());
+  }
+  const Refinement r = refine(merged, rig.board, rig.sent, rig.true_poses, quick());
+  std::string found;
+  for (const Finding& finding : r.findings) found += sentence(finding) + "\n";
+  EXPECT_NE(found.find("view v05 shows other grooves"), std::string::npos) << found;
 }
 
 TEST(Refine, RefusesWhatItCannotWorkOn) {
