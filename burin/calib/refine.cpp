@@ -389,7 +389,7 @@ void RefineRun::compare_grooves() {
          "give the photos of the board that was carved from it, or name the scratches of the board that they show");
   out.findings.push_back(make_warning("view" + std::string(names.size() > 1 ? "s " : " ") + list + " show" +
                                           (names.size() > 1 ? "" : "s") + " other grooves than " + scratches +
-                                          " lists: photos of another board or round?",
+                                          " lists: photos of another board or round, or under a lamp that was moved?",
                                       "take these photos out, and run burin capture and burin calibrate again"));
 }
 

@@ -272,6 +272,26 @@ void compare_with_noise(const Uncertainty& uncertainty, const Stage& stage, Refi
   }
 }
 
+// The moment that sets the odd views apart. A lamp that was moved draws the fit towards itself, so that some view fits
+// hardly worse than the clean ones: the worst of the others, half as many at most, become odd until one moment does.
+std::optional<ChangeInTime> change_of_lamp(const Session& session, const std::vector<PhotoFit>& photos,
+                                           std::vector<std::string>& odd) {
+  std::vector<std::pair<double, std::string>> others;
+  for (const PhotoFit& photo : photos)
+    if (photo.pixels > 0 && std::find(odd.begin(), odd.end(), photo.view) == odd.end())
+      others.emplace_back(-photo.residual_to_noise, photo.view);
+  std::sort(others.begin(), others.end());
+  std::vector<std::string> wider = odd;
+  for (std::size_t i = 0;; ++i) {
+    if (auto change = change_in_time(session, wider)) {
+      odd = wider;
+      return change;
+    }
+    if (i == others.size() || 2 * (i + 1) > odd.size()) return std::nullopt;
+    wider.push_back(others[i].second);
+  }
+}
+
 // Names what the model misses, in the verdicts of what it moves and as findings.
 void tell_misfits(const Uncertainty& uncertainty, const Session* session, Refinement& out) {
   Bench& bench = out.bench;
@@ -291,13 +311,11 @@ void tell_misfits(const Uncertainty& uncertainty, const Session* session, Refine
       verdict->second.causes.push_back({Cause::Kind::model_misses, {most, count}, tests});
   // Odd photos that were all taken before, or after, one moment are one finding.
   std::vector<std::string> odd;
-  std::string odd_list;
   for (const Misfit& m : bench.misfits)
-    if (is_of_photo(m)) {
-      odd.push_back(m.test.substr(std::string_view("photo ").size()));
-      odd_list += (odd_list.empty() ? "" : ", ") + odd.back();
-    }
-  const auto change = session == nullptr ? std::nullopt : change_in_time(*session, odd);
+    if (is_of_photo(m)) odd.push_back(m.test.substr(std::string_view("photo ").size()));
+  const auto change = session == nullptr ? std::nullopt : change_of_lamp(*session, out.photos, odd);
+  std::string odd_list;
+  for (const std::string& view : odd) odd_list += (odd_list.empty() ? "" : ", ") + view;
   if (change)
     out.findings.push_back(make_warning(
         "the lamp was moved between " + change->photo_before + " and " + change->photo_after + ": views " + odd_list +
