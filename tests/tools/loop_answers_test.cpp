@@ -464,6 +464,8 @@ TEST_F(LoopAnswering, PicturesThatNobodyRecognizesAreSaidBeforeTheFirstBoard) {
               {"view": "d0", "psnr_db": 20, "target_correlation": [1, 0.1], "ghost": [)" +
               std::to_string(like) + R"(, 0.1]},
               {"view": "d1", "psnr_db": 20, "target_correlation": [0.1, 1], "ghost": [0.1, 0.9]}]})");
+    for (const StageKind stage : {StageKind::design, StageKind::toolpath, StageKind::board, StageKind::check})
+      record({1, stage});
   };
   report(0.3);
   EXPECT_THAT(unreadable_views(project() / "round-01" / "design"), ElementsAre("d0"));

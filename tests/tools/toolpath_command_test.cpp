@@ -277,7 +277,7 @@ TEST(ToolpathCommand, SaysWhatIsWrongAndWritesNothing) {
   EXPECT_EQ(zero_length.exit_code, 1);
   EXPECT_THAT(zero_length.err, AllOf(HasSubstr("scratches.csv:5"), HasSubstr("no length")));
   folder.write("scratches.csv", kThreeScratches);
-  EXPECT_EQ(run({"--out", "a.cnc"}).exit_code, 1);
+  EXPECT_EQ(run({"--out", "a.stl"}).exit_code, 1);
   EXPECT_EQ(run({"--out", "no/folder/a.gcode"}).exit_code, 1);
   EXPECT_EQ(run({"--out", "a.gcode", "--machine", "toaster"}).exit_code, 1);
   EXPECT_EQ(run({"--out", "a.gcode", "--chunks", "soon"}).exit_code, 2);

@@ -48,13 +48,18 @@ cv::Mat evenly_lit(const cv::Mat& gray) {
 }
 
 // All of its corners, row by row. The quick look takes a board in uneven light for none: it is asked first, for most
-// photos pass it.
+// photos pass it. The thorough search also finds a part of a board that has more corners, which is another board.
 bool find_corners(const cv::Mat& gray, const Chessboard& board, std::vector<cv::Point2f>& corners) {
   constexpr int kThorough = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
   const cv::Size size(board.columns, board.rows);
-  return cv::findChessboardCorners(gray, size, corners, kThorough | cv::CALIB_CB_FAST_CHECK) ||
-         cv::findChessboardCorners(gray, size, corners, kThorough) ||
-         cv::findChessboardCorners(evenly_lit(gray), size, corners, kThorough);
+  if (cv::findChessboardCorners(gray, size, corners, kThorough | cv::CALIB_CB_FAST_CHECK)) return true;
+  for (const cv::Mat& seen : {gray, evenly_lit(gray)}) {
+    if (!cv::findChessboardCorners(seen, size, corners, kThorough)) continue;
+    std::vector<cv::Point2f> more;
+    return !cv::findChessboardCorners(seen, size + cv::Size(1, 0), more, kThorough) &&
+           !cv::findChessboardCorners(seen, size + cv::Size(0, 1), more, kThorough);
+  }
+  return false;
 }
 
 // Found on a picture of at most kSearchWidth pixels, refined on the whole one.
