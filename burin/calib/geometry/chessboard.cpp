@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/version.hpp>
@@ -10,12 +12,15 @@
 #include <opencv2/objdetect.hpp>  // findChessboardCorners
 #endif
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "burin/capture/photo.h"
 #include "burin/capture/photo_source.h"
 #include "burin/render/error.h"
 #include "burin/render/files/table.h"
 #include "burin/render/limits.h"
+#include "burin/render/median.h"
 
 namespace burin {
 namespace {
@@ -47,18 +52,58 @@ cv::Mat evenly_lit(const cv::Mat& gray) {
   return out;
 }
 
+// How much a place looks like squares that meet: the brightness of two opposite quarters against the other two. `u` and
+// `v` lead along the sides of squares. Nothing outside of the picture.
+std::optional<double> saddle_at(const cv::Mat& gray, const cv::Point2f& at, const cv::Point2f& u,
+                                const cv::Point2f& v) {
+  constexpr float kWithin = 0.3F;  // of a square
+  double sum = 0;
+  for (const float a : {-kWithin, kWithin})
+    for (const float b : {-kWithin, kWithin}) {
+      const cv::Point2f p = at + a * u + b * v;
+      const int x = cvRound(p.x), y = cvRound(p.y);
+      if (x < 0 || y < 0 || x >= gray.cols || y >= gray.rows) return std::nullopt;
+      sum += (a * b > 0 ? 1 : -1) * static_cast<double>(gray.at<std::uint8_t>(y, x));
+    }
+  return std::abs(sum);
+}
+
+// Whether squares go on beyond a side of the corners found: they are a part of a larger board. One step outside of a
+// whole board its outermost squares meet the white margin, which looks half as much like squares that meet.
+bool goes_on(const cv::Mat& gray, const Chessboard& board, const std::vector<cv::Point2f>& corners) {
+  constexpr double kMeet = 0.75;
+  const auto corner = [&](int row, int column) {
+    return corners[static_cast<std::size_t>(row * board.columns + column)];
+  };
+  // Border corner k of a side, and its inner neighbor.
+  const auto side_goes_on = [&](int count, const auto& outer, const auto& inner) {
+    std::vector<double> ratios;
+    for (int k = 0; k < count; ++k) {
+      const cv::Point2f u = outer(k) - inner(k), v = k + 1 < count ? outer(k + 1) - outer(k) : outer(k) - outer(k - 1);
+      const std::optional<double> here = saddle_at(gray, outer(k), u, v), beyond = saddle_at(gray, outer(k) + u, u, v);
+      if (here && beyond && *here > 0) ratios.push_back(*beyond / *here);
+    }
+    return !ratios.empty() && median_of(std::move(ratios)) > kMeet;
+  };
+  const int rows = board.rows, columns = board.columns;
+  return side_goes_on(
+             columns, [&](int k) { return corner(0, k); }, [&](int k) { return corner(1, k); }) ||
+         side_goes_on(
+             columns, [&](int k) { return corner(rows - 1, k); }, [&](int k) { return corner(rows - 2, k); }) ||
+         side_goes_on(
+             rows, [&](int k) { return corner(k, 0); }, [&](int k) { return corner(k, 1); }) ||
+         side_goes_on(
+             rows, [&](int k) { return corner(k, columns - 1); }, [&](int k) { return corner(k, columns - 2); });
+}
+
 // All of its corners, row by row. The quick look takes a board in uneven light for none: it is asked first, for most
 // photos pass it. The thorough search also finds a part of a board that has more corners, which is another board.
 bool find_corners(const cv::Mat& gray, const Chessboard& board, std::vector<cv::Point2f>& corners) {
   constexpr int kThorough = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
   const cv::Size size(board.columns, board.rows);
   if (cv::findChessboardCorners(gray, size, corners, kThorough | cv::CALIB_CB_FAST_CHECK)) return true;
-  for (const cv::Mat& seen : {gray, evenly_lit(gray)}) {
-    if (!cv::findChessboardCorners(seen, size, corners, kThorough)) continue;
-    std::vector<cv::Point2f> more;
-    return !cv::findChessboardCorners(seen, size + cv::Size(1, 0), more, kThorough) &&
-           !cv::findChessboardCorners(seen, size + cv::Size(0, 1), more, kThorough);
-  }
+  for (const cv::Mat& seen : {gray, evenly_lit(gray)})
+    if (cv::findChessboardCorners(seen, size, corners, kThorough)) return !goes_on(seen, board, corners);
   return false;
 }
 
