@@ -228,10 +228,12 @@ TEST(PictureFile, WhatIsNoneOfOursIsNamed) {
       {"<svg xmlns=''/>", "SVG"},        {"<?xml version='1.0'?>\n<!-- x -->\n<svg/>", "SVG"},
       {"\xFF\x0A more", "JPEG XL"},      {std::string("\0\0\0\x18", 4) + "ftypqt  ", "film"},
       {"x", "no picture of a kind"}};
-  for (const auto& [bytes, word] : words)
-    EXPECT_THAT([&] { read_picture_header(folder.write("a.png", bytes)); },
+  for (const auto& [bytes, word] : words) {
+    const std::string file = folder.write("a.png", bytes);
+    EXPECT_THAT([&] { read_picture_header(file); },
                 ThrowsMessage<Error>(AllOf(HasSubstr("a.png"), HasSubstr(word), HasSubstr("PNG"))))
         << bytes;
+  }
   EXPECT_THAT([&] { read_picture_header(folder.write("a.png", "")); }, ThrowsMessage<Error>(HasSubstr("is empty")));
 }
 
