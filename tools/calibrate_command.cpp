@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "burin/calib/calibrate.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/files_together.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
@@ -91,9 +92,10 @@ void add_calibrate_command(CLI::App& burin) {
                g.rms_board_mm);
     double worst = 0;
     for (const View& view : g.views) worst = std::max(worst, view.center_sigma_mm->maxCoeff());
-    print_text("cameras  {} views, centers known to {:.3f} mm or better along each axis\n", g.views.size(), worst);
-    print_text("board    bow {:.4f}, {:.4f}, {:.4f} mm, +- {:.4f} mm; {} tags used\n", g.bow_mm[0], g.bow_mm[1],
-               g.bow_mm[2], g.bow_sigma_mm.maxCoeff(), g.tags.size());
+    print_text("cameras  {}, centers known to {:.3f} mm or better along each axis\n", counted(g.views.size(), "view"),
+               worst);
+    print_text("board    bow {:.4f}, {:.4f}, {:.4f} mm, +- {:.4f} mm; {} used\n", g.bow_mm[0], g.bow_mm[1], g.bow_mm[2],
+               g.bow_sigma_mm.maxCoeff(), counted(g.tags.size(), "tag"));
     if (g.check)
       print_text("check    mrcal's own solver agrees to {:.5f} px, {:.4f} mm\n", g.check->max_shift_px,
                  g.check->max_center_mm);

@@ -12,6 +12,7 @@
 
 #include "burin/calib/geometry/chessboard.h"
 #include "burin/calib/geometry/lens_solver.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/image.h"
@@ -115,8 +116,8 @@ void print_lens(const ChessboardViews& found, const LensSolution& s, bool bow) {
   print_text("lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, center {:.2f}, {:.2f} px\n",
              s.lens.model, s.lens.intrinsics[0], sigma(0), s.lens.intrinsics[1], sigma(1), s.lens.intrinsics[2],
              s.lens.intrinsics[3]);
-  print_text("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {} photos\n", s.rms_point_px, s.rms_px,
-             found.views.size());
+  print_text("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {}\n", s.rms_point_px, s.rms_px,
+             counted(found.views.size(), "photo"));
   if (bow) print_text("board    bow {:.3f}, {:.3f}, {:.3f} mm\n", s.bow_mm[0], s.bow_mm[1], s.bow_mm[2]);
   print_text("check    mrcal's own solver moves corners by {:.5f} px\n", s.check.max_shift_px);
 }

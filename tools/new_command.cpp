@@ -20,6 +20,7 @@
 #include "burin/optimize/layout/tag_layout.h"
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/unfinished.h"
 #include "tools/commands.h"
@@ -280,8 +281,8 @@ void run(NewArguments o) {
       "         burin view {} shows it in the hand, burin print {} prints the tags, burin sheet {} draws where to "
       "stand\n",
       folder, folder, folder);
-  print_text("Wrote {}, a board of {} picture{}; next: burin loop {}\n", project.folder.string(),
-             project.pictures.size(), project.pictures.size() == 1 ? "" : "s", folder);
+  print_text("Wrote {}, a board of {}; next: burin loop {}\n", project.folder.string(),
+             counted(project.pictures.size(), "picture"), folder);
 }
 
 }  // namespace

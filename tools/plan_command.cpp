@@ -228,7 +228,7 @@ void run(const PlanArguments& arguments) {
                                     : "") +
            "; next: burin loop " + shell_word(folder.string());
   if (arguments.out.empty()) {
-    print_text("Planned {} shots (--out DIR keeps the plan and draws it): {}\n", plan.shots.size(), next);
+    print_text("Planned {} (--out DIR keeps the plan and draws it): {}\n", counted(plan.shots.size(), "shot"), next);
     return;
   }
   make_output_folder(arguments.out);

@@ -6,6 +6,7 @@
 
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/drawing/pdf.h"
@@ -57,8 +58,8 @@ void run(PrintArguments options) {
   std::vector<Drawing> pages;
   std::string told;
   for (const PrintedPage& page : tags.pages) pages.push_back(page.drawing);
-  told +=
-      pages_text(1, tags.pages.size(), fmt::format("{} tags of {}, to cut out", tags.tags.size(), board.tags.family));
+  told += pages_text(1, tags.pages.size(),
+                     fmt::format("{} of {}, to cut out", counted(tags.tags.size(), "tag"), board.tags.family));
   if (!options.no_template) {
     const TemplatePages places = template_pages(board, setup);
     told += pages_text(pages.size() + 1, places.pages.size(),

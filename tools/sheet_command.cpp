@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/scratches.h"
@@ -77,9 +78,9 @@ void run(SheetArguments options) {
   record_sheet({options.project}, wanted, out);
   for (const Finding& finding : findings(sheet)) note(finding);
   for (const Finding& finding : focus_findings(sheet.plan, sheet.focus)) note(finding);
-  print_text("Wrote {}: {} and {} photos in order; print it, or open it on a phone; next: {}\n", written,
-             sheet.places.size() == 1 ? "1 place" : fmt::format("{} places", sheet.places.size()),
-             sheet.plan.shots.size(), "burin loop " + shell_word(options.project.string()));
+  print_text("Wrote {}: {} and {} in order; print it, or open it on a phone; next: {}\n", written,
+             counted(sheet.places.size(), "place"), counted(sheet.plan.shots.size(), "photo"),
+             "burin loop " + shell_word(options.project.string()));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "tools/commands.h"
 #include "tools/content_hash.h"
 #include "tools/loop/record.h"
@@ -145,7 +146,7 @@ void run(const fs::path& file, const fs::path& project) {
                      trace.changed.size() == 1 ? "is not" : "are not",
                      trace.changed.size() == 1 ? "it was" : "they were"),
          "they are marked above");
-  print_text("All {} files that it rests on are what they were.\n", trace.told.size() - 1);
+  print_text("It rests on {}, as they were when it was made.\n", counted(trace.told.size() - 1, "file"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
@@ -76,10 +77,10 @@ void run(ViewArguments o) {
   std::size_t most = 0;
   for (const ViewedBoard& board : view.boards) most = std::max(most, grooves_of(board.carved));
   print_text(
-      "Wrote {}: {} groove{}, {} place{} to look from, {:.1f} MB, all in one file; next: open it in a browser, "
+      "Wrote {}: {}, {} to look from, {:.1f} MB, all in one file; next: open it in a browser, "
       "or send it to a phone and tilt it.\n",
-      out.string(), most, most == 1 ? "" : "s", view.boards.front().pictures.size(),
-      view.boards.front().pictures.size() == 1 ? "" : "s", static_cast<double>(page.size()) * 1e-6);
+      out.string(), counted(most, "groove"), counted(view.boards.front().pictures.size(), "place"),
+      static_cast<double>(page.size()) * 1e-6);
 }
 
 }  // namespace

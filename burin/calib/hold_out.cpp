@@ -13,6 +13,7 @@
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/verdict/refine_result.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 
 namespace burin {
 namespace {
@@ -73,7 +74,7 @@ std::vector<std::vector<std::string>> hold_out_folds(const std::string& wanted, 
   }
   for (const auto& fold : folds)
     if (fold.empty() || fold.size() > spare)
-      refuse("leaves " + std::to_string(views.size() - fold.size()) + " views to solve from; at least " +
+      refuse("leaves " + counted(views.size() - fold.size(), "view") + " to solve from; at least " +
              std::to_string(fewest_left) + " must stay");
   return folds;
 }

@@ -74,7 +74,7 @@ ProbeWork first_reading(const Session& given, const Board& board, const LightPro
                         const Progress& progress) {
   if (given.photos.empty()) fail("the light probe", "has no photos", "give photos of a mirror ball on the board");
   if (board.tags.list.size() < 3)
-    fail("board.json: tags.list", "has " + std::to_string(board.tags.list.size()) + " tags",
+    fail("board.json: tags.list", "has " + counted(board.tags.list.size(), "tag"),
          "list at least three: they tell where the camera stood");
   ProbeWork work;
   Sensor sensor;
@@ -123,7 +123,7 @@ void solve_places(ProbeWork& work, const Board& believed, const LightProbeOption
   }
   if (!solver.lens && work.brackets.size() < 3)
     fail(work.file_of(0).string(),
-         "photos from " + std::to_string(work.brackets.size()) + " place" + (work.brackets.size() == 1 ? "" : "s") +
+         "photos from " + counted(work.brackets.size(), "place") +
              " do not tell the lens, and their EXIF has no focal length",
          "give the lens (--camera camera.cameramodel, or --bench), or photograph ball and tags from three places");
   const BoardSolution solution = solve_board(board, pictures, size.width, size.height, solver, progress);

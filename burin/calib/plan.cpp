@@ -208,7 +208,7 @@ namespace {
 void require_something_to_plan(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options) {
   if (options.shots < 1) fail("the plan", "asks for no shots", "ask for at least one");
   if (board.tags.list.size() < 3)
-    fail("board.json: tags.list", "has " + std::to_string(board.tags.list.size()) + " tags",
+    fail("board.json: tags.list", "has " + counted(board.tags.list.size(), "tag"),
          "list at least three, better ten around the carved area");
   if (!(options.depth_share >= 0 && options.depth_share < 1))
     fail("the plan", "is to hold for depths up to " + fixed(100 * options.depth_share, 0) + " % off",

@@ -270,7 +270,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
     findings.push_back(
         {warning,
          {},
-         "there are photos from " + std::to_string(views.size()) + (views.size() == 1 ? " place only" : " places only"),
+         "there are photos from " + counted(views.size(), "place") + " only",
          "photograph the board from eight to twelve places, tilted, near and away from the mirror side"});
 }
 

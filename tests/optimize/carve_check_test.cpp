@@ -210,7 +210,7 @@ TEST_F(CarveChecked, OtherScratchesThanDesigned) {
   const CarveCheckInput input = written();
   const std::string good = file_text(folder_ / "board.gcode");
   change(first_scratch(), "");
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("1 scratches lost"));
+  EXPECT_THAT(red(check_carve(input)), HasSubstr("1 scratch lost"));
   folder_.write("board.gcode", good);
   change("Z-0.0140", "Z-0.0240");
   EXPECT_THAT(red(check_carve(input)), HasSubstr("never asked for"));  // too deep

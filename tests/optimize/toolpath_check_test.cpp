@@ -282,9 +282,10 @@ TEST(ToolpathCheck, LostDoubledForeignAndWrongDepth) {
   EXPECT_EQ(check.foreign, 2u);
   EXPECT_EQ(check.first_lost, 4u);
   EXPECT_EQ(check.first_foreign_line, 14u);
-  EXPECT_THAT([&] { fail_unless_good(check, "file.nc"); },
-              ThrowsMessage<Error>(AllOf(HasSubstr("file.nc"), HasSubstr("3 scratches lost (the first in row 5)"),
-                                         HasSubstr("1 carved twice"), HasSubstr("2 that were never asked for"))));
+  EXPECT_THAT(
+      [&] { fail_unless_good(check, "file.nc"); },
+      ThrowsMessage<Error>(AllOf(HasSubstr("file.nc"), HasSubstr("3 scratches lost (the first in row 5)"),
+                                 HasSubstr("1 scratch carved twice"), HasSubstr("2 scratches never asked for"))));
 }
 
 TEST(ToolpathCheck, TwoPlannedInOnePlaceAreNotOneDoubled) {

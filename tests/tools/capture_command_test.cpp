@@ -141,7 +141,7 @@ TEST(CaptureCommand, PhotosThatDoNotServeAreNamedAndNothingIsWritten) {
   folder.write("bench/photos/IMG_1.png", "no picture");
   const Outcome run = run_burin(folder, {"capture", "bench/photos", "--board", "bench/board.json", "--out", "again"});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("error: "), HasSubstr("IMG_1.png"), HasSubstr("1 error was found")));
+  EXPECT_THAT(run.err, AllOf(HasSubstr("error: "), HasSubstr("IMG_1.png"), HasSubstr("1 error found")));
   EXPECT_EQ(run.out, "");
   EXPECT_FALSE(std::filesystem::exists(folder / "again"));
 }

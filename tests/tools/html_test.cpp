@@ -68,8 +68,8 @@ TEST(Html, NumbersHaveNoExponent) {
   EXPECT_EQ(with_sigma(123456.7, 562.4), "123457 ± 562");
   EXPECT_EQ(decibels(23.84), "23.8 dB");
   EXPECT_EQ(decibels(INFINITY), "no difference");
-  EXPECT_EQ(counted(29798, "scratch"), "29,798 scratches");
-  EXPECT_EQ(counted(1, "view"), "1 view");
+  EXPECT_EQ(grouped(29798, "scratch"), "29,798 scratches");
+  EXPECT_EQ(grouped(1, "view"), "1 view");
   EXPECT_EQ(grouped(-1234567), "-1,234,567");
   EXPECT_EQ(grouped(-123), "-123");
 }

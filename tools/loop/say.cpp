@@ -12,6 +12,7 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "tools/commands.h"
 #include "tools/loop/carved_board.h"
 #include "tools/loop/printed_sheet.h"
@@ -138,9 +139,8 @@ std::string table_of(const LoopProject& loop, const std::vector<StageState>& sta
     }
     std::string words = at_work && state.condition == Condition::stopped ? "is being made now" : in_words(state);
     if (state.at.stage == StageKind::photos) {
-      const std::size_t photos = photos_of(loop.project, round).size();
-      words = fmt::format("{} photo{}{}{}", photos, photos == 1 ? "" : "s", state.changes.empty() ? "" : ", ",
-                          state.changes.empty() ? "" : words);
+      const std::string photos = counted(photos_of(loop.project, round).size(), "photo");
+      words = state.changes.empty() ? photos : photos + ", " + words;
     }
     if (state.record && state.record->holds() && state.record->burin != BURIN_VERSION)
       words += fmt::format(" (made by Burin {}; this is {})", state.record->burin, BURIN_VERSION);

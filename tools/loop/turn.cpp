@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "tools/commands.h"
 #include "tools/loop/aside.h"
 #include "tools/loop/carved_board.h"
@@ -291,7 +292,7 @@ void say_end(const LoopProject& loop, int round, bool another) {
   const std::optional<NextBoard> next = another ? std::nullopt : last_board(project);
   print_text("\n");
   const std::string turned =
-      round == 1 ? "" : fmt::format("The loop has turned {} time{}; ", round - 1, round == 2 ? "" : "s");
+      round == 1 ? "" : "The loop has turned " + counted(static_cast<std::size_t>(round - 1), "time") + "; ";
   if (next) {
     print_text("Done: {}.\n{}to carve another board all the same: {}\n", hang_in_words(*next), turned,
                loop_line(project, "--another"));

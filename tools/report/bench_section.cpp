@@ -13,8 +13,8 @@ std::string bench_section(const Bench& bench, const Board& board, const std::vec
                           const std::string& heading) {
   const bool uncertain = std::ranges::any_of(bench.views, [](const View& v) { return v.center_sigma_mm.has_value(); });
   const std::string alt = fmt::format("{} in space: {}, {} and the board{}", heading,
-                                      counted(static_cast<long long>(bench.views.size()), "camera"),
-                                      counted(static_cast<long long>(bench.lights.size()), "lamp"),
+                                      grouped(static_cast<long long>(bench.views.size()), "camera"),
+                                      grouped(static_cast<long long>(bench.lights.size()), "lamp"),
                                       uncertain ? ", with ellipsoids that show how uncertain each place is" : "");
   return "<section class=\"scene\"><h2>" + html(heading) + "</h2>\n" + bench_scene_html(board, bench, tolerances, alt) +
          "</section>\n";

@@ -84,8 +84,9 @@ std::string grouped(long long count) {
   return out;
 }
 
-std::string counted(long long count, const std::string& what) {
-  return grouped(count) + " " + what + (count == 1 ? "" : what.ends_with("ch") ? "es" : "s");
+std::string grouped(long long count, const std::string& what) {
+  const std::string plain = counted(static_cast<std::size_t>(count), what);
+  return grouped(count) + plain.substr(plain.find(' '));
 }
 
 std::string table(const Table& table) {

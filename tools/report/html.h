@@ -30,7 +30,7 @@ std::string number(double value);
 std::string decibels(double value);
 
 /// "1 view", "3 views"; thousands are parted as people write them: "29,798 scratches".
-std::string counted(long long count, const std::string& what);
+std::string grouped(long long count, const std::string& what);
 std::string grouped(long long count);
 
 /// A table; cells are HTML. The first column is the row's name. Where there is no room, each row becomes a card, and

@@ -193,7 +193,7 @@ Figure residual_photo(const Loaded& in, const MergedView& merged, const View& vi
                     r.left_out ? "stroke=\"#ff3b30\" stroke-width=\"1.6\"" : "stroke=\"#ffcf33\" stroke-width=\"1.6\"");
   }
   std::string told;
-  if (view.tags) told += ", " + counted(*view.tags, "tag");
+  if (view.tags) told += ", " + grouped(*view.tags, "tag");
   if (view.reprojection_rms_px) told += fmt::format(", {:.3f} px RMS per axis", *view.reprojection_rms_px);
   return {shown(small, percentile(small, 0.98)),
           "Photo of view " + view.name + " with its tags and residuals" + told,
@@ -330,7 +330,7 @@ std::string verdicts(const Loaded& in) {
   }
   return folded(
       "What the photos determine",
-      fmt::format("{} of {}", determined, counted(static_cast<long long>(in.bench.verdict.size()), "parameter")),
+      fmt::format("{} of {}", determined, grouped(static_cast<long long>(in.bench.verdict.size()), "parameter")),
       "<p>Each sigma was tested by solving for halves of the photos separately; where they contradict each other "
       "it was made larger, and the table says so.</p>\n" +
           table(out));
@@ -465,7 +465,7 @@ std::vector<Finding> findings_of(const Loaded& in) {
   if (left_out > 0)
     out.push_back({Finding::Severity::note,
                    {},
-                   fmt::format("{} of {} left out: they contradict the others", counted(left_out, "tag corner"),
+                   fmt::format("{} of {} left out: they contradict the others", grouped(left_out, "tag corner"),
                                grouped(static_cast<long long>(in.residuals.corners.size()))),
                    "they are red under “Tags and residuals”: a tag that peels off, or something in front of it"});
   return out;
@@ -482,7 +482,7 @@ std::string outcome_of(const Loaded& in) {
     }
   const auto open = std::ranges::count_if(bench.verdict, [](const auto& v) { return !v.second.known(); });
   std::string out =
-      fmt::format("The bench was measured from {}", counted(static_cast<long long>(bench.views.size()), "view"));
+      fmt::format("The bench was measured from {}", grouped(static_cast<long long>(bench.views.size()), "view"));
   if (with_tags > 0) out += fmt::format("; its tags fit to {:.3f} px", std::sqrt(squares / with_tags));
   if (open > 0)
     out += fmt::format(", but {} not told by these photos",
@@ -525,7 +525,7 @@ std::string photo_beside_prediction(std::vector<PhotoComparison> comparisons) {
   if (open.empty()) return "";
   std::string out = compared_in_lockstep("carve area", open);
   if (!more.empty())
-    out += folded(counted(static_cast<long long>(comparisons.size() - kOpen), "more view"), "which agree better",
+    out += folded(grouped(static_cast<long long>(comparisons.size() - kOpen), "more view"), "which agree better",
                   compared_in_lockstep("carve area", more));
   return out + fmt::format(
                    "<p class=\"soft\">Each view as the measured bench predicts it and as it was photographed, laid "

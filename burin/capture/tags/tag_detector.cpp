@@ -14,6 +14,7 @@
 
 #include "burin/capture/tags/tag_family.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/limits.h"
 #include "burin/render/median.h"
 
@@ -430,7 +431,7 @@ std::string explain_missing_tags(const Image& linear, std::span<const std::uint8
       name = other;
     }
   }
-  if (!name.empty()) return "it holds " + std::to_string(best) + " tags of family " + name;
+  if (!name.empty()) return "it holds " + counted(static_cast<std::size_t>(best), "tag") + " of family " + name;
   Image mirrored = linear;
   for (int y = 0; y < linear.height; ++y)
     for (int x = 0; x < linear.width; ++x)

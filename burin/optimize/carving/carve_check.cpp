@@ -191,9 +191,8 @@ void add_broken(CarveCheck& check, const Broken& broken, const std::string& what
   if (broken.count == 0) return;
   const Ends e = ends_of(check.carved, broken.first);
   add(check, Severity::error,
-      std::to_string(broken.count) + (broken.count == 1 ? " scratch " : " scratches ") + what + ", the first from (" +
-          fixed(e.a.x(), 2) + ", " + fixed(e.a.y(), 2) + ") to (" + fixed(e.b.x(), 2) + ", " + fixed(e.b.y(), 2) +
-          ") mm",
+      counted(broken.count, "scratch") + " " + what + ", the first from (" + fixed(e.a.x(), 2) + ", " +
+          fixed(e.a.y(), 2) + ") to (" + fixed(e.b.x(), 2) + ", " + fixed(e.b.y(), 2) + ") mm",
       remedy);
 }
 
@@ -286,8 +285,8 @@ void judge_glints(const Work& work, CarveCheck& check) {
     view.dark = static_cast<double>(dark[k]) / static_cast<double>(view.scratches);
     if (view.dark < kNoticed) continue;
     add(check, view.dark > kSpoiled ? Severity::error : Severity::warning,
-        "view " + view.view + ": " + fixed(100 * view.dark, 0) + " % of its " + std::to_string(view.scratches) +
-            " scratches lie beyond the cut-off: their walls are not steep enough to glint there",
+        "view " + view.view + ": " + fixed(100 * view.dark, 0) + " % of its " + counted(view.scratches, "scratch") +
+            " lie beyond the cut-off: their walls are not steep enough to glint there",
         deeper(work, check, most_lean[k]));
   }
 }

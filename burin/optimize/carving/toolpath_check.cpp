@@ -654,9 +654,9 @@ void fail_unless_ended(const Replay& replay, const MachineProfile& machine, cons
                     named = replay.head ? replay.head->last + 1 - replay.head->first : 0;
   if (replay.head && carved != named)
     fail(name,
-         "carves " + std::to_string(carved) + " scratches of the " + std::to_string(named) + " that its head names (" +
+         "carves " + counted(carved, "scratch") + " of the " + std::to_string(named) + " that its head names (" +
              head_text(*replay.head) + "): " +
-             (carved < named ? std::to_string(named - carved) + " scratches lost, it was cut off or changed"
+             (carved < named ? counted(named - carved, "scratch") + " lost, it was cut off or changed"
                              : std::to_string(carved - named) + " too many, it was changed"),
          "write it again, or copy it again from where it is whole");
   if (replay.ended || machine.dialect == GcodeDialect::marlin) return;
@@ -671,15 +671,15 @@ void fail_unless_ended(const Replay& replay, const MachineProfile& machine, cons
 void fail_unless_good(const ToolpathCheck& check, const std::string& name) {
   if (check.good()) return;
   if (check.mirrored > 0 && check.mirrored * 2 >= check.lost)
-    fail(name, "is mirrored: " + std::to_string(check.mirrored) + " scratches lie where their mirror image should",
+    fail(name, "is mirrored: for " + counted(check.mirrored, "scratch") + " the mirror image is carved",
          "turn one axis of the program that made it");
   std::string what;
   const auto add = [&](std::size_t count, const std::string& text) {
-    if (count > 0) what += (what.empty() ? "" : ", ") + std::to_string(count) + " " + text;
+    if (count > 0) what += (what.empty() ? "" : ", ") + counted(count, "scratch") + " " + text;
   };
-  add(check.lost, "scratches lost (the first in row " + std::to_string(check.first_lost + 1) + ")");
+  add(check.lost, "lost (the first in row " + std::to_string(check.first_lost + 1) + ")");
   add(check.doubled, "carved twice");
-  add(check.foreign, "that were never asked for (the first in line " + std::to_string(check.first_foreign_line) + ")");
+  add(check.foreign, "never asked for (the first in line " + std::to_string(check.first_foreign_line) + ")");
   fail(name, what, "check the machine profile's per_scratch block, or write the file again");
 }
 

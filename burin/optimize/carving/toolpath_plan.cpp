@@ -152,7 +152,7 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
   const auto [sent, carved] =
       told_to_machine(scratches, sent_to(scratches, board, measured), limits.affine, machine.limits.step_mm, path);
   if (path.already_carved == scratches.size())
-    fail("tool path", "all " + std::to_string(scratches.size()) + " scratches are carved already",
+    fail("tool path", "has nothing to do: of " + counted(scratches.size(), "scratch") + " all is carved already",
          "design some more, or take the column carved away to carve all again");
   fail_if_crowded(carved, limits);
   fail_unless_good(check_limits(carved, limits, kEdgeTolerance_mm), "tool path");

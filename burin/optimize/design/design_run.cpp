@@ -89,8 +89,8 @@ void DesignRun::take_stock() {
     fail("design", "there are no scratches to go on from", "give a scratches.csv that holds some");
   if (!options_.from && carved_.size() >= static_cast<std::size_t>(spec_.scratches))
     fail("design",
-         std::to_string(spec_.scratches) + " scratches are asked for, and " + std::to_string(carved_.size()) +
-             " are carved already",
+         counted(static_cast<std::size_t>(spec_.scratches), "scratch") + " asked for, and " +
+             std::to_string(carved_.size()) + " carved already",
          "ask for more: the number counts what is carved");
   movable_ = new_at_first();
 }
@@ -367,8 +367,8 @@ void DesignRun::warn_if_hardly_any_is_left() {
   const std::size_t left = result_.scratches.size() - result_.carved;
   if (static_cast<double>(left) > kHardlyAny * static_cast<double>(result_.started_with)) return;
   result_.findings.push_back(make_warning(
-      "only " + std::to_string(left) + " of " + std::to_string(result_.started_with) +
-          " scratches were of any use, so the board will show next to nothing" +
+      "only " + std::to_string(left) + " of " + counted(result_.started_with, "scratch") +
+          " showed anything, so the board will show next to nothing" +
           (shown_ > 1 ? ": the " + std::to_string(shown_) +
                             " views ask the same scratches for different pictures, or see them too weakly"
                       : ": the view sees them too weakly"),

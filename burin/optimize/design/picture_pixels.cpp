@@ -28,8 +28,6 @@ int longer_side(const std::vector<WorkView>& views) {
 // From where eyes no longer tell neighboring pixels apart.
 std::string distance_m(double pixel_mm) { return fixed(1e-3 * pixel_mm / kAcuity_rad, 1) + " m"; }
 
-std::string scratches(std::size_t count) { return std::to_string(count) + (count == 1 ? " scratch" : " scratches"); }
-
 }  // namespace
 
 int pixels_of_eyes(const Eigen::Vector2d& area_mm, double distance_mm) {
@@ -53,8 +51,8 @@ Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strok
   const int pixels = longer_side(views);
   return {Finding::Severity::note, "design",
           "pictures are made of " + std::to_string(pixels) + " pixels along the longer side, which eyes more than " +
-              distance_m(views.front().pitch_mm) + " away do not see apart: to fill more, " + scratches(strokes) +
-              " would be drawn long, and the pictures coarse",
+              distance_m(views.front().pitch_mm) + " away do not see apart: to fill more, " +
+              counted(strokes, "scratch") + " would be drawn long, and the pictures coarse",
           std::string(crossings == Crossings::add ? "more scratches" : "a larger board, a sharper tool") +
               " or fewer pictures show more; --pixels " + std::to_string(kUsualPixels) +
               " asks for finer ones all the same"};
@@ -73,7 +71,7 @@ std::optional<Finding> pixels_are_many(const std::vector<WorkView>& views, std::
     remedy = "for eyes that are more than " + distance_m(larger * views.front().pitch_mm) + " away --pixels " +
              std::to_string(fewer) + " shows more; or " + remedy;
   return Finding{Finding::Severity::note, "design",
-                 scratches(strokes) + (strokes == 1 ? " is" : " are") + " few for these pictures, " +
+                 counted(strokes, "scratch") + (strokes == 1 ? " is" : " are") + " few for these pictures, " +
                      std::to_string(std::lround(each)) +
                      " pixels to a stroke: they will be drawn long, and the pictures coarse",
                  remedy};

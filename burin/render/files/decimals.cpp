@@ -27,6 +27,8 @@ std::string shortest(double value) {
 
 std::string significant(double value, int digits) {
   if (value == 0 || !std::isfinite(value)) return fixed(value, 0);
+  constexpr double kAllDigits = 1e15;
+  if (std::abs(value) >= kAllDigits) return general(value, digits);
   constexpr int kMostDecimals = 9;
   const int decimals = digits - 1 - static_cast<int>(std::floor(std::log10(std::abs(value))));
   std::string text = fixed(value, std::clamp(decimals, 0, kMostDecimals));
@@ -39,6 +41,12 @@ std::string significant(double value, int digits) {
 std::string general(double value, int digits) {
   std::array<char, kLongest> text;
   return {text.data(), std::to_chars(text.begin(), text.end(), value, std::chars_format::general, digits).ptr};
+}
+
+std::string counted(std::size_t count, const std::string& one) {
+  const auto ends_with = [&](const char* end) { return one.ends_with(end); };
+  const bool hisses = ends_with("ch") || ends_with("sh") || ends_with("s") || ends_with("x");
+  return std::to_string(count) + " " + one + (count == 1 ? "" : hisses ? "es" : "s");
 }
 
 std::string coarse(double value) { return fixed(value, value < 9.95 ? 1 : 0); }
