@@ -66,7 +66,7 @@ std::string list_of(const std::set<int>& ids) {
       fail(file(b), std::string("no tag of family ").append(family).append(" was found in any photo; ").append(instead),
            "set tags.family in board.json to the family on the board, and give the photos as the camera wrote them");
   }
-  fail(file(0), "no tags were found in any of the " + std::to_string(brackets.size()) + " views",
+  fail(file(0), "no tags were found in " + counted(brackets.size(), "view"),
        "photograph the whole board, sharp, its tags at least 20 pixels wide and their paper not clipped");
 }
 
@@ -327,7 +327,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   if (options.fix_lens && !options.lens)
     fail("the calibration's options", "ask for a fixed lens without giving one", "give a .cameramodel");
   if (board.tags.list.size() < 3)
-    fail("board.json: tags.list", "has " + std::to_string(board.tags.list.size()) + " tags",
+    fail("board.json: tags.list", "has " + counted(board.tags.list.size(), "tag"),
          "list at least three, better ten around the carved area");
   std::set<std::string> views;
   for (const Photo& photo : session.photos) views.insert(photo.view);
@@ -395,6 +395,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   out.bench.lens = out.geometry.lens;
   out.bench.views = out.geometry.views;
   out.bench.bow_mm = out.geometry.bow_mm;
+  if (!out.geometry.options.fix_bow && !board.bend) out.bench.bow_sigma_mm = out.geometry.bow_sigma_mm;
   if (board.bend) {
     out.bench.bend_sigma = bend_sigma_of(surface_of(board, out.bench), out.geometry.bow_sigma_mm.head<2>());
     settle_bend(board, out.bench);

@@ -41,11 +41,20 @@ std::optional<double> optional_sigma(JsonObject& json, const std::string& key) {
   return v;
 }
 
-std::optional<Eigen::Vector3d> optional_sigma3(JsonObject& json, const std::string& key) {
-  if (!json.has(key)) return std::nullopt;
-  Eigen::Vector3d v = json.vec3(key);
+template <typename Vector>
+Vector of_no_sign(const Vector& v, const JsonObject& json, const std::string& key) {
   if ((v.array() < 0).any()) json.fail_field(key, "is " + to_json(v).dump(), "standard deviations are 0 or greater");
   return v;
+}
+
+std::optional<Eigen::Vector2d> optional_sigma2(JsonObject& json, const std::string& key) {
+  if (!json.has(key)) return std::nullopt;
+  return of_no_sign(json.vec2(key), json, key);
+}
+
+std::optional<Eigen::Vector3d> optional_sigma3(JsonObject& json, const std::string& key) {
+  if (!json.has(key)) return std::nullopt;
+  return of_no_sign(json.vec3(key), json, key);
 }
 
 View read_view(JsonObject& json) {
@@ -99,8 +108,10 @@ Sensor read_sensor(JsonObject json) {
   Sensor sensor;
   sensor.gain = json.positive("gain", sensor.gain);
   sensor.vignette = json.vec3("vignette", sensor.vignette);
+  sensor.vignette_sigma = optional_sigma3(json, "vignette_sigma");
   sensor.psf_sigma_px = json.number("psf_sigma_px", sensor.psf_sigma_px);
   if (sensor.psf_sigma_px < 0) json.fail_field("psf_sigma_px", "is negative", "a blur is 0 or greater");
+  sensor.psf_sigma_sigma_px = optional_sigma(json, "psf_sigma_sigma_px");
   read_camera_effects(json, sensor);
   json.finish();
   return sensor;
@@ -127,6 +138,8 @@ std::vector<Tag> read_measured_tags(JsonObject& json) {
     tag.center_mm = item.vec2("center_mm");
     tag.size_mm = item.positive("size_mm", 0);
     tag.rotation_deg = item.number("rotation_deg", 0);
+    tag.center_sigma_mm = optional_sigma2(item, "center_sigma_mm");
+    tag.rotation_sigma_deg = optional_sigma(item, "rotation_sigma_deg");
     item.finish();
     tags.push_back(tag);
   }
@@ -366,9 +379,11 @@ Bench read_bench(const std::filesystem::path& file) {
   }
   if (json.has("sensor")) bench.sensor = read_sensor(json.object("sensor"));
   bench.ambient = light_color(json, "ambient", bench.ambient);
+  bench.ambient_sigma = optional_sigma3(json, "ambient_sigma");
   if (json.has("board")) {
     JsonObject board = json.object("board");
     bench.bow_mm = read_bow_mm(board, "bow_mm");
+    bench.bow_sigma_mm = optional_sigma3(board, "bow_sigma_mm");
     if (board.has("bend")) {
       bench.bend = read_bend(board.object("bend"), {});
       if (board.has("bend_sigma")) bench.bend_sigma = read_bend_sigma(board.object("bend_sigma"));
@@ -434,9 +449,13 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   json["sensor"] = {{"gain", bench.sensor.gain},
                     {"vignette", to_json(bench.sensor.vignette)},
                     {"psf_sigma_px", bench.sensor.psf_sigma_px}};
+  if (bench.sensor.vignette_sigma) json["sensor"]["vignette_sigma"] = to_json(*bench.sensor.vignette_sigma);
+  if (bench.sensor.psf_sigma_sigma_px) json["sensor"]["psf_sigma_sigma_px"] = *bench.sensor.psf_sigma_sigma_px;
   put_camera_effects(bench.sensor, json["sensor"]);
   json["ambient"] = to_json(bench.ambient);
+  if (bench.ambient_sigma) json["ambient_sigma"] = to_json(*bench.ambient_sigma);
   json["board"]["bow_mm"] = to_json(bench.bow_mm);
+  if (bench.bow_sigma_mm) json["board"]["bow_sigma_mm"] = to_json(*bench.bow_sigma_mm);
   if (bench.bend) json["board"]["bend"] = bend_json(*bench.bend);
   if (bench.bend && bench.bend_sigma) json["board"]["bend_sigma"] = bend_json(*bench.bend_sigma);
   if (bench.paper.f0 > 0) json["board"]["paper"] = {{"f0", bench.paper.f0}, {"alpha", bench.paper.alpha}};
@@ -446,6 +465,8 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
       Json item{{"id", tag.id}, {"center_mm", to_json(tag.center_mm)}};
       if (tag.size_mm > 0) item["size_mm"] = tag.size_mm;
       if (tag.rotation_deg != 0) item["rotation_deg"] = tag.rotation_deg;
+      if (tag.center_sigma_mm) item["center_sigma_mm"] = to_json(*tag.center_sigma_mm);
+      if (tag.rotation_sigma_deg) item["rotation_sigma_deg"] = *tag.rotation_sigma_deg;
       tags.push_back(item);
     }
   }

@@ -82,7 +82,9 @@ struct Bench {
   Scatter alpha_scatter, depth_scatter;
   Sensor sensor;
   Eigen::Vector3d ambient{0, 0, 0};  ///< radiance of uniform surroundings, R G B (in units of gain = 1)
-  Eigen::Vector3d bow_mm{0, 0, 0};   ///< face height z = b0 X^2 + b1 X Y + b2 Y^2; X, Y from -1 to 1 over the board
+  std::optional<Eigen::Vector3d> ambient_sigma;
+  Eigen::Vector3d bow_mm{0, 0, 0};  ///< face height z = b0 X^2 + b1 X Y + b2 Y^2; X, Y from -1 to 1 over the board
+  std::optional<Eigen::Vector3d> bow_sigma_mm;
   /// How a bent sheet was measured to be bent; nothing: as board.json says. Its bow changes the bend (surface.h).
   std::optional<Bend> bend;
   std::optional<Bend> bend_sigma;

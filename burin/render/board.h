@@ -23,6 +23,8 @@ struct Tag {
   Eigen::Vector2d center_mm{0, 0};
   double size_mm = 0;
   double rotation_deg = 0;  ///< counter-clockwise; 0: upright for someone who sees x right and y up
+  std::optional<Eigen::Vector2d> center_sigma_mm = {};  ///< of a measured tag, like rotation_sigma_deg
+  std::optional<double> rotation_sigma_deg = {};
 };
 
 /// The tags on a board: their family, their paper, and where they are believed to be.

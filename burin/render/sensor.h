@@ -23,8 +23,10 @@ namespace burin {
 struct Sensor {
   double gain = 1;
   Eigen::Vector3d vignette{0, 0, 0};  ///< v1 v2 v3 of vignette_at()
-  double psf_sigma_px = 0;            ///< Gaussian blur on the pixel grid, on top of the pixel's own square
-  Glare glare;                        ///< far over the picture
+  std::optional<Eigen::Vector3d> vignette_sigma;
+  double psf_sigma_px = 0;                   ///< Gaussian blur on the pixel grid, on top of the pixel's own square
+  std::optional<double> psf_sigma_sigma_px;  ///< one standard deviation of psf_sigma_px
+  Glare glare;                               ///< far over the picture
   std::optional<double> glare_share_sigma;
   // How its files are read; nothing of it is predicted.
   Response response;

@@ -134,6 +134,24 @@ TEST_F(Calibrate, AmateursBenchComesOutOfItsPhotos) {
   EXPECT_NEAR(color[1], 600. / 620., 0.05);
   EXPECT_NEAR(color[2], 555. / 620., 0.05);
   EXPECT_EQ(bench.tags.size(), board.tags.list.size());
+  // Each within four of its own sigmas, which tell far more than what was believed before.
+  const nlohmann::json said = nlohmann::json::parse(std::ifstream(kRig / "truth.json"));
+  ASSERT_TRUE(bench.bow_sigma_mm && bench.sensor.vignette_sigma && bench.ambient_sigma);
+  EXPECT_LT(bench.bow_sigma_mm->maxCoeff(), 0.2);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(bench.bow_mm[i], said["board"]["bow_mm"][i].get<double>(), 4 * (*bench.bow_sigma_mm)[i]) << i;
+    EXPECT_NEAR(bench.sensor.vignette[i], said["vignette"][i].get<double>(), 4 * (*bench.sensor.vignette_sigma)[i])
+        << i;
+  }
+  for (const Tag& tag : bench.tags) {
+    const auto& list = said["board"]["tags"]["list"];
+    const auto known = std::find_if(list.begin(), list.end(), [&](const auto& t) { return t["id"] == tag.id; });
+    ASSERT_TRUE(tag.center_sigma_mm && tag.rotation_sigma_deg) << tag.id;
+    EXPECT_LT(tag.center_sigma_mm->maxCoeff(), 0.5 * board.tags.sigma_mm) << tag.id;
+    for (int axis = 0; axis < 2; ++axis)
+      EXPECT_NEAR(tag.center_mm[axis], (*known)["center_mm"][axis].get<double>(), 4 * (*tag.center_sigma_mm)[axis])
+          << tag.id;
+  }
   EXPECT_EQ(read_cameramodel(folder / "out/camera.cameramodel").intrinsics, c.bench.lens.intrinsics);
   std::ifstream table(folder / "out/residuals.vnl");
   std::string line;

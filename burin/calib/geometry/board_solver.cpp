@@ -93,8 +93,7 @@ struct Solver {
       }
       names += "; " + sentence(f);
     }
-    fail("the session",
-         std::to_string(left) + " usable view" + (left == 1 ? "" : "s") + " cannot tell lens and poses" + names,
+    fail("the session", counted(static_cast<std::size_t>(left), "usable view") + " cannot tell lens and poses" + names,
          "photograph the board from at least " + std::to_string(needed) +
              " places, better ten, tilted in different directions, with at least " + std::to_string(options.min_tags) +
              " sharp tags each");
@@ -637,6 +636,8 @@ void tell_tags(Solver& s, const BundleUncertainty& u) {
     Tag tag = s.board.tags.list[t];
     tag.center_mm += s.bundle.tags[t].shift_mm;
     tag.rotation_deg += s.bundle.tags[t].turn_rad * 180 / std::numbers::pi;
+    tag.center_sigma_mm = u.tag_sigma[t].head<2>();
+    tag.rotation_sigma_deg = u.tag_sigma[t].z() * 180 / std::numbers::pi;
     s.out.tags.push_back(tag);
     s.out.tag_sigma.push_back(u.tag_sigma[t]);
   }

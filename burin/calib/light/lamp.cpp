@@ -203,13 +203,20 @@ std::pair<double, double> core_residuals(const LampData& data, const std::vector
           std::max(1.0, std::sqrt(sum_weighted / static_cast<double>(core)))};
 }
 
+// Of base_alpha, ambient light and vignetting, where these are larger than those before.
+void take_larger_sigmas(const SharedSigma& sigma, LampSeed& seed) {
+  seed.base_alpha_sigma = std::max(seed.base_alpha_sigma, seed.base_alpha * sigma[0]);
+  seed.ambient_sigma = std::max(seed.ambient_sigma, sigma[1]);
+  seed.vignette_sigma = seed.vignette_sigma.cwiseMax(sigma.tail<3>());
+}
+
 void fill_seed(const LampData& data, const std::vector<bool>& usable, const std::vector<bool>& spot, const LampFit& fit,
                LampSeed& seed) {
   const auto [rms, inflation] = core_residuals(data, usable, fit);
   seed.found = true;
   seed.residual_rms = rms;
   seed.base_alpha = std::exp(fit.blocks.shared[0]);
-  seed.base_alpha_sigma = inflation * fit.log_base_alpha_sigma * seed.base_alpha;
+  take_larger_sigmas(inflation * fit.shared_sigma, seed);
   seed.grain = {fit.blocks.grain[0], fit.blocks.grain[1]};
   if (fit.blocks.gloss[0] > 0) seed.paper = {fit.blocks.gloss[0], fit.blocks.gloss[1]};
   seed.ambient = fit.blocks.shared[1];
@@ -243,7 +250,7 @@ void fill_seed(const LampData& data, const std::vector<bool>& usable, const std:
 // Scatter, as standard deviations, of what a fit says when groups of samples are left out in turn (the jackknife).
 struct GroupScatter {
   std::vector<Eigen::Vector3d> position_mm;  // of each lamp, per axis
-  double log_base_alpha = 0;
+  SharedSigma shared = SharedSigma::Zero();
 };
 
 // The jackknife's standard deviation of each row, a column a fit without a group; 0 where there are too few groups.
@@ -271,19 +278,20 @@ GroupScatter scatter_by_groups(const LampData& data, const LampFit& fit, const s
     without[static_cast<std::size_t>(g)] =
         fit_lamp_parameters(part, fit.blocks, spot, {.stride = thin, .iterations = 30});
   });
-  const auto rows = static_cast<Eigen::Index>(3 * lamps + 1);
+  constexpr Eigen::Index kShared = SharedSigma::RowsAtCompileTime;
+  const auto rows = static_cast<Eigen::Index>(3 * lamps) + kShared;
   Eigen::MatrixXd answers(rows, groups);
   Eigen::Index count = 0;
   for (const std::optional<LampFit>& f : without) {
     if (!f || !f->usable) continue;
     for (std::size_t i = 0; i < lamps; ++i)
       answers.block<3, 1>(static_cast<Eigen::Index>(3 * i), count) = Eigen::Vector3d::Map(f->blocks.lamps[i].position);
-    answers(rows - 1, count++) = f->blocks.shared[0];
+    answers.col(count++).tail<kShared>() = SharedSigma::Map(f->blocks.shared);
   }
   const Eigen::VectorXd sigma = jackknife_sigma(answers.leftCols(count));
   GroupScatter out;
   for (std::size_t i = 0; i < lamps; ++i) out.position_mm.push_back(sigma.segment<3>(static_cast<Eigen::Index>(3 * i)));
-  out.log_base_alpha = sigma[rows - 1];
+  out.shared = sigma.tail<kShared>();
   return out;
 }
 
@@ -333,7 +341,7 @@ void widen_by_groups(const LampData& data, const LampFit& fit, const std::vector
                                  scatter_by_groups(data, fit, spot, kAcross * kAcross, kThin, place_of)}) {
     for (std::size_t i = 0; i < seed.lights.size(); ++i)
       if (auto& sigma = seed.lights[i].position_sigma_mm) *sigma = sigma->cwiseMax(by.position_mm[i]);
-    seed.base_alpha_sigma = std::max(seed.base_alpha_sigma, seed.base_alpha * by.log_base_alpha);
+    take_larger_sigmas(by.shared, seed);
   }
 }
 
@@ -440,6 +448,8 @@ Bench with_lamps(std::span<const LightSample> samples, const Board& board, const
   bench.material_sigma.base_alpha = seed.base_alpha_sigma;
   bench.ambient.setConstant(seed.ambient);
   bench.sensor.vignette = seed.vignette;
+  if (seed.ambient_sigma > 0) bench.ambient_sigma = Eigen::Vector3d::Constant(seed.ambient_sigma);
+  if (seed.vignette_sigma.norm() > 0) bench.sensor.vignette_sigma = seed.vignette_sigma;
   for (const Light& light : bench.lights) {
     if (!light.position_sigma_mm) continue;
     const double sigma = light.position_sigma_mm->norm();

@@ -44,7 +44,8 @@ struct LampSeed {
   std::optional<Light> stray;   ///< a lamp that nobody named, where paper and face ask for one, some way off
   std::vector<LampSize> sizes;  ///< of each lamp, as a panel's sides, where paper and face ask for one; else a point's
   double ambient = 0;           ///< mean of the channels; of photos under surroundings, their scale
-  Eigen::Vector3d vignette{0, 0, 0};
+  double ambient_sigma = 0;     ///< 0, as vignette_sigma: not known
+  Eigen::Vector3d vignette{0, 0, 0}, vignette_sigma{0, 0, 0};
   double residual_rms = 0;  ///< of log(photo / model), over the samples within the robust loss's core
   std::vector<Finding> findings;
 };

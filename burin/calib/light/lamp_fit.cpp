@@ -225,7 +225,7 @@ void fill_covariance(const std::vector<bool>& used, ceres::Problem& problem, Lam
   if (!covariance.Compute(wanted, &problem)) return;
   Eigen::Matrix<double, kShared, kShared, Eigen::RowMajor> of_shared;
   covariance.GetCovarianceBlock(shared, shared, of_shared.data());
-  fit.log_base_alpha_sigma = std::sqrt(of_shared(0, 0));
+  fit.shared_sigma = of_shared.diagonal().cwiseMax(0).cwiseSqrt();
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
     Eigen::Matrix<double, 3, 3, Eigen::RowMajor> block;

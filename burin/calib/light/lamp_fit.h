@@ -70,12 +70,15 @@ LampModel<T> stray_of(const T* stray, double distance_mm, const Eigen::Vector2d&
   return out;
 }
 
+/// Standard deviations of LampParameters::shared.
+using SharedSigma = Eigen::Matrix<double, 5, 1>;
+
 struct LampFit {
   LampParameters blocks;
   double cost = std::numeric_limits<double>::infinity();
   bool usable = false;
   std::vector<Eigen::Matrix3d> position_covariance;  ///< of each lamp, where asked for; all -1: not known
-  double log_base_alpha_sigma = 0;
+  SharedSigma shared_sigma = SharedSigma::Zero();
 };
 
 struct LampFitOptions {

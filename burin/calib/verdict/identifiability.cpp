@@ -262,6 +262,10 @@ void judge_tags(GeometryJudge& j) {
   }
   if (tags.rows.empty()) return;
   const HalvesVerdict check = pooled(j.halves, tags.rows, tags.sigmas);
+  for (Tag& tag : j.bench.tags) {
+    if (tag.center_sigma_mm) *tag.center_sigma_mm *= widening(check);
+    if (tag.rotation_sigma_deg) *tag.rotation_sigma_deg *= widening(check);
+  }
   const double sigma = widening(check) * std::sqrt(sum2 / static_cast<double>(tags.rows.size()));
   const double believed = std::max(j.board.tags.sigma_mm, 1e-9);
   j.bench.verdict[parameter::kTags] = judged(sigma, {kTagsLearnt * believed, kTagsNotLearnt * believed}, Unit::mm,
@@ -275,6 +279,7 @@ void judge_bow(GeometryJudge& j) {
   const char* const name = bent ? parameter::kBend : parameter::kBow;
   const auto [rows, sigmas] = j.columns(j.equations.shared_at + 1, bent ? 2 : 3);
   const HalvesVerdict check = pooled(j.halves, rows, sigmas);
+  if (j.bench.bow_sigma_mm) *j.bench.bow_sigma_mm *= widening(check);
   j.bench.verdict[name] = judged(widening(check) * *std::max_element(sigmas.begin(), sigmas.end()), kBow, Unit::mm,
                                  {{Cause::Kind::of_bow}, by_halves(check)});
   j.judged_here[name] = rows;
@@ -386,13 +391,15 @@ struct LightJudge {
     return pooled(halves, rows, sigmas);
   }
 
-  // A parameter that is one combination of unknowns; its sigma is `scale` times theirs.
-  void judge_one(const std::string& name, const Eigen::VectorXd& row, double scale, const Limits& limits,
-                 std::vector<Cause> causes = {}) {
+  // A parameter that is one combination of unknowns; its sigma is `scale` times theirs. Returns by how much that is
+  // widened.
+  double judge_one(const std::string& name, const Eigen::VectorXd& row, double scale, const Limits& limits,
+                   std::vector<Cause> causes = {}) {
     const HalvesVerdict halves_say = check(name, {row});
     causes.push_back(by_halves(halves_say));
     bench.verdict[name] =
         judged(100 * widening(halves_say) * u.sigma(row) / scale, limits, Unit::percent, std::move(causes));
+    return widening(halves_say);
   }
 
   // Roughness and depth, whose unknowns are logarithms: sigmas are shares.
@@ -460,7 +467,9 @@ void judge_vignette(LightJudge& j) {
   Eigen::VectorXd at = Eigen::VectorXd::Zero(j.size());
   double power = 1;
   for (int i = 0; i < 3; ++i) at[unknown::vignette + i] = power *= kRadius2;
-  j.judge_one(parameter::kVignette, at, 1, kVignette, {{Cause::Kind::of_picture_corner}});
+  const double grow = j.judge_one(parameter::kVignette, at, 1, kVignette, {{Cause::Kind::of_picture_corner}});
+  Eigen::Vector3d& sigma = j.bench.sensor.vignette_sigma.emplace();
+  for (int i = 0; i < 3; ++i) sigma[i] = grow * j.u.sigma(unknown::vignette + i);
 }
 
 void judge_position(LightJudge& j, std::size_t i) {
@@ -595,12 +604,15 @@ Combinations judge_light(const Problem& data, const State& state, const Uncertai
   if (stage.frees(Group::ambient) && data.surroundings)
     judge_surroundings(j, *data.surroundings);
   else if (stage.frees(Group::ambient))
-    j.judge_one(parameter::kAmbient, j.unit(unknown::ambient), std::max(light_on_paper(j), 1e-300), kAmbient,
-                {{Cause::Kind::of_paper_light}});
+    bench.ambient_sigma =
+        Eigen::Vector3d::Constant(u.sigma(unknown::ambient) * j.judge_one(parameter::kAmbient, j.unit(unknown::ambient),
+                                                                          std::max(light_on_paper(j), 1e-300), kAmbient,
+                                                                          {{Cause::Kind::of_paper_light}}));
   if (stage.frees(Group::vignette)) judge_vignette(j);
   if (stage.frees(Group::blur))
-    j.judge_one(parameter::kBlur, j.unit(unknown::log_blur), 1, kRelative,
-                {{Cause::Kind::of_blur, {bench.sensor.psf_sigma_px}}});
+    bench.sensor.psf_sigma_sigma_px = bench.sensor.psf_sigma_px * u.sigma(unknown::log_blur) *
+                                      j.judge_one(parameter::kBlur, j.unit(unknown::log_blur), 1, kRelative,
+                                                  {{Cause::Kind::of_blur, {bench.sensor.psf_sigma_px}}});
   if (stage.frees(Group::glare))
     j.judge_one(parameter::kGlare, j.unit(unknown::glare_share), std::max(bench.sensor.glare.share, 1e-6), kRelative);
   judge_stray(j);
