@@ -40,4 +40,22 @@ std::optional<ChangeInTime> change_in_time(const Session& session, const std::ve
   return out;
 }
 
+std::optional<ChangeInTime> change_of_lamp(const Session& session,
+                                           const std::vector<std::pair<std::string, double>>& residuals,
+                                           std::vector<std::string>& odd) {
+  std::vector<std::pair<double, std::string>> others;
+  for (const auto& [view, residual] : residuals)
+    if (std::find(odd.begin(), odd.end(), view) == odd.end()) others.emplace_back(-residual, view);
+  std::sort(others.begin(), others.end());
+  std::vector<std::string> wider = odd;
+  for (std::size_t i = 0;; ++i) {
+    if (auto change = change_in_time(session, wider)) {
+      odd = wider;
+      return change;
+    }
+    if (i == others.size() || 2 * (i + 1) > odd.size()) return std::nullopt;
+    wider.push_back(others[i].second);
+  }
+}
+
 }  // namespace burin

@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "burin/capture/session.h"
@@ -22,5 +23,12 @@ struct ChangeInTime {
 /// others, and one moment parts them.
 std::optional<ChangeInTime> change_in_time(const Session& session, const std::vector<std::string>& odd,
                                            const std::vector<std::string>& unknown = {});
+
+/// The same of a lamp that was moved: it draws the fit towards itself, so that some view fits hardly worse than the
+/// clean ones. The worst of the others, half as many at most, join `odd` until one moment parts them. `residuals`: of
+/// each photo its view, and its residual over its noise.
+std::optional<ChangeInTime> change_of_lamp(const Session& session,
+                                           const std::vector<std::pair<std::string, double>>& residuals,
+                                           std::vector<std::string>& odd);
 
 }  // namespace burin

@@ -370,27 +370,21 @@ void RefineRun::compare_grooves() {
   const std::vector<GrooveAgreement> agreements = groove_agreements(data, state);
   const std::vector<std::size_t> other = photos_of_other_grooves(agreements);
   if (other.empty()) return;
-  std::vector<std::string> names;
   for (const std::size_t k : other) {
     const std::string& view = out.bench.views[data.photos[k].photo.view].name;
-    if (std::find(names.begin(), names.end(), view) == names.end()) names.push_back(view);
+    if (std::find(out.other_grooves.begin(), out.other_grooves.end(), view) == out.other_grooves.end())
+      out.other_grooves.push_back(view);
   }
+  const auto telling = static_cast<std::size_t>(
+      std::count_if(agreements.begin(), agreements.end(), [](const GrooveAgreement& a) { return a.tells; }));
+  if (2 * other.size() <= telling) return;  // told when it is known whether a lamp's move explains them
   std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
-  const auto telling =
-      std::count_if(agreements.begin(), agreements.end(), [](const GrooveAgreement& a) { return a.tells; });
-  const std::string scratches = board.scratches.empty() ? "the scratches" : board.scratches.string();
-  if (2 * static_cast<std::ptrdiff_t>(other.size()) > telling)
-    fail(scratches,
-         "the grooves in the photos are not the ones that it lists: are these photos of another board, or of "
-         "another round? (" +
-             std::to_string(other.size()) + " of " + std::to_string(telling) + " photos, of views " + list +
-             ", show none of them at its place)",
-         "give the photos of the board that was carved from it, or name the scratches of the board that they show");
-  out.findings.push_back(make_warning("view" + std::string(names.size() > 1 ? "s " : " ") + list + " show" +
-                                          (names.size() > 1 ? "" : "s") + " other grooves than " + scratches +
-                                          " lists: photos of another board or round, or under a lamp that was moved?",
-                                      "take these photos out, and run burin capture and burin calibrate again"));
+  for (const std::string& name : out.other_grooves) list += (list.empty() ? "" : ", ") + name;
+  fail(board.scratches.empty() ? "the scratches" : board.scratches.string(),
+       "the grooves in the photos are not the ones that it lists: are these photos of another board, or of another "
+       "round? (" +
+           counted(other.size(), "photo") + ", of views " + list + ", show none of them at its place)",
+       "give the photos of the board that was carved from it, or name the scratches of the board that they show");
 }
 
 // A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other,

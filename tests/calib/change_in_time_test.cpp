@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "burin/calib/verdict/groove_agreement.h"
@@ -40,13 +41,41 @@ TEST(ChangeInTime, OneMomentPartsOddPhotosFromTheOthers) {
   EXPECT_FALSE(change_in_time(session, {"v2", "v3"}));
 }
 
+// A lamp that was moved draws the fit towards itself: one of the views under it fits hardly worse than the others.
+TEST(ChangeInTime, AMovedLampIsFoundThoughOneOfItsViewsFits) {
+  const Session session = session_of(8);
+  const std::vector<std::pair<std::string, double>> residuals{{"v0", 1.1}, {"v1", 1.0}, {"v2", 1.2}, {"v3", 1.05},
+                                                              {"v4", 4.0}, {"v5", 1.4}, {"v6", 5.0}, {"v7", 4.5}};
+  std::vector<std::string> odd{"v4", "v6", "v7"};
+  const auto change = change_of_lamp(session, residuals, odd);
+  ASSERT_TRUE(change);
+  EXPECT_EQ(change->view_before, "v3");
+  EXPECT_EQ(change->view_after, "v4");
+  EXPECT_EQ(odd, (std::vector<std::string>{"v4", "v6", "v7", "v5"})) << "it is one of them";
+  // Where a clean view would have to join before it, no moment is made up.
+  std::vector<std::pair<std::string, double>> other = residuals;
+  other[1].second = 2;
+  odd = {"v4", "v6", "v7"};
+  EXPECT_FALSE(change_of_lamp(session, other, odd));
+  EXPECT_EQ(odd.size(), 3U);
+  odd = {"v2", "v5"};  // here and there
+  EXPECT_FALSE(change_of_lamp(session, residuals, odd));
+}
+
 TEST(GrooveAgreement, OnePhotoOfAnotherBoardIsNamedAndManyAreNotAFit) {
-  const GrooveAgreement own{true, 0.9}, other{true, 0.02}, dark{false, 0}, vague{true, 0.35};
+  const GrooveAgreement own{true, 0.9, 600}, other{true, 0.02, 600}, dark{false, 0, 1}, vague{true, 0.5, 600};
   EXPECT_TRUE(photos_of_other_grooves({own, own, own, dark}).empty());
   EXPECT_EQ(photos_of_other_grooves({own, own, other, own, dark}), std::vector<std::size_t>{2});
   EXPECT_EQ(photos_of_other_grooves({other, other, dark, other}), (std::vector<std::size_t>{0, 1, 3}));
   EXPECT_TRUE(photos_of_other_grooves({vague, vague, vague, other}).empty());
   EXPECT_TRUE(photos_of_other_grooves({other, other}).empty()) << "two photos are too few";
+  // Grooves that faded in the fit: no photo tells by itself, all together do. Rig d's, with another rig's scratches.
+  const GrooveAgreement faded{false, 0.03, 6}, dark_own{false, 0.9, 6}, nothing{false, 0.1, 0.5};
+  EXPECT_EQ(photos_of_other_grooves({faded, faded, faded, faded}), (std::vector<std::size_t>{0, 1, 2, 3}));
+  EXPECT_TRUE(photos_of_other_grooves({dark_own, dark_own, faded, dark_own}).empty());
+  const GrooveAgreement poor{true, 0.37, 110};  // the worst of rig f's own, far from the fit's end
+  EXPECT_TRUE(photos_of_other_grooves({own, own, poor, own}).empty());
+  EXPECT_TRUE(photos_of_other_grooves({nothing, nothing, nothing}).empty());
 }
 
 }  // namespace

@@ -29,8 +29,8 @@ Sums compare_predictions(const PhotoData& photo, double model_error, const Image
     const double own_value = own.data[i], aside_value = aside.data[i];
     const double w = 1 / std::hypot(noise, model_error * std::hypot(own_value, aside_value) / std::sqrt(2.0));
     const double difference = w * (own_value - aside_value);
-    // What else is wrong with a pixel (dust, a window's mirror image) counts no more than its prediction does.
-    const double most = 2 * std::abs(difference);
+    // What else is wrong with a pixel (dust, a window's mirror image) counts no more than its prediction and its noise.
+    const double most = 2 * std::abs(difference) + 3 * w * noise;
     const double off = std::clamp(w * (photo.photo.value.data[i] - 0.5 * (own_value + aside_value)), -most, most);
     sums.towards += 2 * off * difference;
     sums.difference += difference * difference;
@@ -72,25 +72,33 @@ std::vector<GrooveAgreement> groove_agreements(const Problem& data, const State&
   for (const Sums& s : sums) {
     GrooveAgreement& agreement = out.emplace_back();
     const auto pixels = static_cast<double>(s.pixels);
-    agreement.tells =
-        s.pixels > kFewest * kAside.size() && s.difference > 0 && s.by_noise > kFarFromNoise * kFarFromNoise * pixels;
-    if (agreement.tells) agreement.share = s.towards / s.difference;
+    if (s.pixels < kFewest * kAside.size() || !(s.difference > 0)) continue;
+    agreement.tells = s.by_noise > kFarFromNoise * kFarFromNoise * pixels;
+    agreement.share = s.towards / s.difference;
+    agreement.sigmas = std::sqrt(s.difference / static_cast<double>(kAside.size()));
   }
   return out;
 }
 
 std::vector<std::size_t> photos_of_other_grooves(const std::vector<GrooveAgreement>& agreements) {
-  // Measured on b-small: photos of these grooves have 0.88 to 1.04 of it, one of another board among them 0.03; if all
-  // are of another board, at most 0.2.
-  constexpr double kOther = 0.25, kOwn = 0.5;
+  // docs/calibration.md has what was measured. Most photos say whether it is another board; one by itself must be
+  // further off, and tell more.
+  constexpr double kOtherBoard = 0.4, kOwnBoard = 0.6, kOtherPhoto = 0.25, kLeastSigmas = 3, kSigmasInAll = 8;
   std::vector<double> shares;
-  for (const GrooveAgreement& a : agreements)
-    if (a.tells) shares.push_back(a.share);
+  std::vector<std::size_t> all, out;
+  double sigmas2 = 0;
+  for (std::size_t k = 0; k < agreements.size(); ++k) {
+    if (agreements[k].sigmas < kLeastSigmas) continue;
+    shares.push_back(agreements[k].share);
+    all.push_back(k);
+    sigmas2 += agreements[k].sigmas * agreements[k].sigmas;
+  }
+  if (all.size() < 3 || sigmas2 < kSigmasInAll * kSigmasInAll) return {};
   const double usual = median_of(shares);
-  std::vector<std::size_t> out;
-  if (shares.size() < 3 || (usual > kOther && usual < kOwn)) return out;  // a fit that has not got far tells nothing
-  for (std::size_t k = 0; k < agreements.size(); ++k)
-    if (agreements[k].tells && agreements[k].share < kOther) out.push_back(k);
+  if (usual < kOtherBoard) return all;
+  if (usual < kOwnBoard) return {};  // a fit that has not got far tells nothing
+  for (const std::size_t k : all)
+    if (agreements[k].tells && agreements[k].share < kOtherPhoto) out.push_back(k);
   return out;
 }
 

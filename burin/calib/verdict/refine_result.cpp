@@ -220,6 +220,9 @@ void fill_sigmas(const Problem& data, const State& state, const Uncertainty& unc
   bench.material_sigma.base_alpha = bench.material.base_alpha * uncertainty.sigma(unknown::log_base_alpha);
   fill_effect_sigmas(uncertainty, stage, bench);
   bench.sensor.glare_share_sigma.reset();
+  bench.sensor.vignette_sigma.reset();
+  bench.sensor.psf_sigma_sigma_px.reset();
+  bench.ambient_sigma.reset();
   if (stage.frees(Group::glare)) bench.sensor.glare_share_sigma = uncertainty.sigma(unknown::glare_share);
   if (bench.stray) put_stray_sigmas(data, state, uncertainty, *bench.stray);
   bench.depth_field.sigma.reset();
@@ -272,31 +275,28 @@ void compare_with_noise(const Uncertainty& uncertainty, const Stage& stage, Refi
   }
 }
 
-// The moment that sets the odd views apart. A lamp that was moved draws the fit towards itself, so that some view fits
-// hardly worse than the clean ones: the worst of the others, half as many at most, become odd until one moment does.
-std::optional<ChangeInTime> change_of_lamp(const Session& session, const std::vector<PhotoFit>& photos,
-                                           std::vector<std::string>& odd) {
-  std::vector<std::pair<double, std::string>> others;
-  for (const PhotoFit& photo : photos)
-    if (photo.pixels > 0 && std::find(odd.begin(), odd.end(), photo.view) == odd.end())
-      others.emplace_back(-photo.residual_to_noise, photo.view);
-  std::sort(others.begin(), others.end());
-  std::vector<std::string> wider = odd;
-  for (std::size_t i = 0;; ++i) {
-    if (auto change = change_in_time(session, wider)) {
-      odd = wider;
-      return change;
-    }
-    if (i == others.size() || 2 * (i + 1) > odd.size()) return std::nullopt;
-    wider.push_back(others[i].second);
-  }
+// Views whose grooves are others, unless a lamp's move explains them.
+void tell_other_grooves(const Board& board, const std::vector<std::string>& explained, Refinement& out) {
+  std::erase_if(out.other_grooves, [&](const std::string& view) {
+    return std::find(explained.begin(), explained.end(), view) != explained.end();
+  });
+  const bool several = out.other_grooves.size() > 1;
+  std::string list;
+  for (const std::string& view : out.other_grooves) list += (list.empty() ? "" : ", ") + view;
+  if (list.empty()) return;
+  out.findings.push_back(make_warning("view" + std::string(several ? "s " : " ") + list + " show" +
+                                          (several ? "" : "s") + " other grooves than " +
+                                          (board.scratches.empty() ? "the scratches" : board.scratches.string()) +
+                                          " lists: photos of another board or round, or under a lamp that was moved?",
+                                      "take these photos out, and run burin capture and burin calibrate again"));
 }
 
-// Names what the model misses, in the verdicts of what it moves and as findings.
-void tell_misfits(const Uncertainty& uncertainty, const Session* session, Refinement& out) {
+// Names what the model misses, in the verdicts of what it moves and as findings. Returns the views that are odd because
+// a lamp was moved.
+std::vector<std::string> tell_misfits(const Uncertainty& uncertainty, const Session* session, Refinement& out) {
   Bench& bench = out.bench;
   bench.misfits = uncertainty.misfits;
-  if (bench.misfits.empty()) return;
+  if (bench.misfits.empty()) return {};
   std::string tests;
   double most = 0;
   for (const Misfit& m : bench.misfits) {
@@ -313,7 +313,10 @@ void tell_misfits(const Uncertainty& uncertainty, const Session* session, Refine
   std::vector<std::string> odd;
   for (const Misfit& m : bench.misfits)
     if (is_of_photo(m)) odd.push_back(m.test.substr(std::string_view("photo ").size()));
-  const auto change = session == nullptr ? std::nullopt : change_of_lamp(*session, out.photos, odd);
+  std::vector<std::pair<std::string, double>> residuals;
+  for (const PhotoFit& photo : out.photos)
+    if (photo.pixels > 0) residuals.emplace_back(photo.view, photo.residual_to_noise);
+  const auto change = session == nullptr ? std::nullopt : change_of_lamp(*session, residuals, odd);
   std::string odd_list;
   for (const std::string& view : odd) odd_list += (odd_list.empty() ? "" : ", ") + view;
   if (change)
@@ -322,7 +325,7 @@ void tell_misfits(const Uncertainty& uncertainty, const Session* session, Refine
             ", all taken " + (change->odd_after ? "after" : "before") +
             " it, are lit otherwise than the rest; sigmas count that",
         "leave the lamp where it stands, and take these photos again; or give them a light of their own in "
-        "session.json"));
+        "session.json; photos of another board are to be taken out"));
   for (const Misfit& m : bench.misfits) {
     const bool of_photo = is_of_photo(m);
     if (of_photo && change) continue;
@@ -337,6 +340,7 @@ void tell_misfits(const Uncertainty& uncertainty, const Session* session, Refine
                   significant(m.sigmas) + " sigmas), so the answer may be off, " + off + "; sigmas count that",
         remedy_in_words(m)));
   }
+  return change ? odd : std::vector<std::string>();
 }
 
 }  // namespace
@@ -351,7 +355,7 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
   fill_sigmas(data, state, uncertainty, stage, bench);
   Combinations judged = judge_light(data, state, uncertainty, stage, bench);
   compare_with_noise(uncertainty, stage, out);
-  tell_misfits(uncertainty, session, out);
+  tell_other_grooves(*data.model.board, tell_misfits(uncertainty, session, out), out);
   return judged;
 }
 

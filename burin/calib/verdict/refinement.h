@@ -37,10 +37,11 @@ struct Refinement {
   /// What pixels scatter along their slopes by log alpha and log depth, grooves' differences included
   /// (photo_problem.h).
   Eigen::Vector2d slope_error{0, 0};
-  double looked_at = 1;                  ///< share of the carve area that counts: of a crowded board only squares do
-  int bin = 1;                           ///< merged pixels, either way, in one of the fit's at its finest
-  std::vector<NoiseBound> noise_bounds;  ///< of alpha, base_alpha, depth_um and the lamps, as far as they were fitted
-  std::vector<Finding> findings;         ///< what was left out, what looks wrong
+  double looked_at = 1;                    ///< share of the carve area that counts: of a crowded board only squares do
+  int bin = 1;                             ///< merged pixels, either way, in one of the fit's at its finest
+  std::vector<NoiseBound> noise_bounds;    ///< of alpha, base_alpha, depth_um and the lamps, as far as they were fitted
+  std::vector<std::string> other_grooves;  ///< views whose photos show other grooves than the scratches'
+  std::vector<Finding> findings;           ///< what was left out, what looks wrong
 };
 
 }  // namespace burin
