@@ -209,33 +209,33 @@ int run_in_words(const std::vector<std::string>& arguments) {
 
 namespace {
 
-// The program's own options where they stand behind a command that has none of that name: before it.
+// The program's own options before the command, wherever they stand; those of which the command has one of that name,
+// behind it.
 std::vector<std::string> program_options_first(const std::vector<std::string>& arguments) {
   const auto app = make_app();
   const std::size_t at = place_of_command(arguments);
   const CLI::App* command = app.get();
-  for (std::size_t i = at; i < arguments.size(); ++i) {
+  std::ptrdiff_t names = 0;  // "check carve" are two
+  for (std::size_t i = at; i < arguments.size(); ++i, ++names) {
     const auto among = command->get_subcommands([&](const CLI::App* one) { return one->get_name() == arguments[i]; });
     if (among.empty()) break;
     command = among.front();
   }
   if (command == app.get()) return arguments;
-  std::vector<std::string> first(arguments.begin(), arguments.begin() + static_cast<std::ptrdiff_t>(at)), rest;
-  for (std::size_t i = at; i < arguments.size(); ++i) {
+  std::vector<std::string> first, rest, own;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
-    const std::string name = word.substr(0, word.find('='));
-    const bool flag = word == "--json" || word == "--quiet", value = name == "--threads" || name == "--simd";
-    if (word == "--") {  // what follows is no option
+    if (i >= at && word == "--") {  // what follows is no option
       rest.insert(rest.end(), arguments.begin() + static_cast<std::ptrdiff_t>(i), arguments.end());
       break;
     }
-    if (!(flag || value) || command->get_option_no_throw(name) != nullptr) {
-      rest.push_back(word);
-      continue;
-    }
-    first.push_back(word);
-    if (value && name == word && i + 1 < arguments.size()) first.push_back(arguments[++i]);
+    const std::size_t words = words_of_program_option(word);
+    const bool is_own = words > 0 && command->get_option_no_throw(word.substr(0, word.find('='))) != nullptr;
+    std::vector<std::string>& into = is_own ? own : i < at || words > 0 ? first : rest;
+    into.push_back(word);
+    if (words == 2 && i + 1 < arguments.size()) into.push_back(arguments[++i]);
   }
+  rest.insert(rest.begin() + names, own.begin(), own.end());
   first.insert(first.end(), rest.begin(), rest.end());
   return first;
 }

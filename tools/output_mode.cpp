@@ -7,11 +7,14 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <string_view>
+#include <utility>
 
 #include "burin/render/error.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/named_paths.h"
 #include "tools/standard_streams.h"
 #include "tools/stop_signal.h"
 
@@ -79,13 +82,16 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-Json as_json(const std::vector<std::string>& arguments, int exit_code, const std::string& out, const std::string& err) {
+std::string json_result;
+
+Json as_json(const std::vector<std::string>& arguments, int exit_code, const std::string& out, const std::string& err,
+             const std::vector<std::filesystem::path>& files) {
   Json json;
   json["burin"] = BURIN_VERSION;
   if (const std::size_t at = place_of_command(arguments); at < arguments.size()) json["command"] = arguments[at];
   json["exit_code"] = exit_code;
   json["said"] = lines_of(out);
-  json["notes"] = json["errors"] = Json::array();
+  for (const char* list : {"notes", "errors", "files"}) json[list] = Json::array();
   for (const std::string& line : lines_of(err)) {
     constexpr std::string_view kNote = "note: ", kError = "error: ", kBurin = "burin: ";
     if (line.starts_with(kNote))
@@ -95,6 +101,7 @@ Json as_json(const std::vector<std::string>& arguments, int exit_code, const std
     else
       json["errors"].push_back(line.starts_with(kBurin) ? line.substr(kBurin.size()) : line);
   }
+  for (const std::filesystem::path& file : files) json["files"].push_back(file.string());
   constexpr std::string_view kNext = "next: burin ";
   if (const std::size_t at = out.rfind(kNext); at != std::string::npos) {
     const std::size_t from = at + kNext.size() - std::string_view("burin ").size();
@@ -105,10 +112,18 @@ Json as_json(const std::vector<std::string>& arguments, int exit_code, const std
 
 }  // namespace
 
+std::size_t words_of_program_option(const std::string& word) {
+  for (const char* flag : {"--json", "--quiet", "--version"})
+    if (word == flag) return 1;
+  for (const std::string name : {"--threads", "--simd"})
+    if (word == name || word.starts_with(name + "=")) return word == name ? 2 : 1;
+  return 0;
+}
+
 std::size_t place_of_command(const std::vector<std::string>& arguments) {
   std::size_t at = 0;
   while (at < arguments.size() && arguments[at].starts_with("--"))
-    at += arguments[at] == "--threads" || arguments[at] == "--simd" ? 2 : 1;
+    at += std::max<std::size_t>(1, words_of_program_option(arguments[at]));
   return at;
 }
 
@@ -119,7 +134,7 @@ OutputMode take_output_mode(std::vector<std::string>& arguments) {
       mode = arguments[i] == "--json" ? OutputMode::json : OutputMode::quiet;
       arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
-      i += arguments[i] == "--threads" || arguments[i] == "--simd" ? 2 : 1;
+      i += std::max<std::size_t>(1, words_of_program_option(arguments[i]));
     }
   }
   return mode;
@@ -129,13 +144,15 @@ void say_at_the_end(OutputMode mode, const std::vector<std::string>& arguments, 
                     int exit_code) {
   const int err = real_descriptors[STDERR_FILENO];
   if (mode == OutputMode::json) {
-    const Json json = as_json(arguments, exit_code, "", sentence + "\n");
+    const Json json = as_json(arguments, exit_code, "", sentence + "\n", {});
     write_whole(real_descriptors[STDOUT_FILENO], json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
     return;
   }
   if (isatty(err) == 1) write_whole(err, "\r\x1b[K");  // a progress bar
   write_whole(err, "burin: " + sentence + "\n");
 }
+
+void set_json_result(std::string json) { json_result = std::move(json); }
 
 void say_meanwhile(const std::string& sentence) {
   const int err = real_descriptors[STDERR_FILENO];
@@ -155,8 +172,12 @@ int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, cons
   take_last_word();
   if (mode == OutputMode::quiet)
     tell(err);
+  else if (exit_code == 0 && !json_result.empty())
+    fmt::print("{}\n", json_result);
   else
-    fmt::print("{}\n", as_json(arguments, exit_code, out, err).dump(1, ' ', false, Json::error_handler_t::replace));
+    fmt::print(
+        "{}\n",
+        as_json(arguments, exit_code, out, err, written_files()).dump(1, ' ', false, Json::error_handler_t::replace));
   return exit_code;
 }
 

@@ -8,6 +8,7 @@
 #include "tools/commands.h"
 #include "tools/loop/say.h"
 #include "tools/loop/state.h"
+#include "tools/output_mode.h"
 #include "tools/progress_bar.h"
 #include "tools/project_settings.h"
 #include "tools/work_lock.h"
@@ -82,7 +83,19 @@ void print_basis(const LoopProject& loop, const std::vector<StageState>& states)
                newest > 1 ? " (--json: of all rounds)" : "", lines);
 }
 
-void run(const fs::path& given, bool as_json) {
+Json status_json(const LoopProject& loop, const std::vector<StageState>& states, const std::string& at_work,
+                 const std::string& next) {
+  Json json{
+      {"format", "burin/status"}, {"version", 1}, {"project", loop.project.folder.string()}, {"burin", BURIN_VERSION}};
+  json["options"] = in_words(loop.options);
+  json["at_work"] = at_work;
+  json["stages"] = Json::array();
+  for (const StageState& state : states) json["stages"].push_back(stage_json(loop, state));
+  json["next"] = next;
+  return json;
+}
+
+void run(const fs::path& given) {
   const fs::path folder = project_folder(given, "PROJECT_DIR");
   if (!fs::exists(folder / "design.json"))
     fail((folder / "design.json").string(), "a loop project needs this file", "name a project folder");
@@ -93,16 +106,7 @@ void run(const fs::path& given, bool as_json) {
   const std::vector<StageState> states = states_of(loop, hashes);
   const std::string at_work = who_works_in(folder), next = next_of(loop, states);
   bar.clear();
-  if (as_json) {
-    Json json{{"format", "burin/status"}, {"version", 1}, {"project", folder.string()}, {"burin", BURIN_VERSION}};
-    json["options"] = in_words(loop.options);
-    json["at_work"] = at_work;
-    json["stages"] = Json::array();
-    for (const StageState& state : states) json["stages"].push_back(stage_json(loop, state));
-    json["next"] = next;
-    fmt::print("{}\n", json.dump(1));
-    return;
-  }
+  set_json_result(status_json(loop, states, at_work, next).dump(1));
   print_text("{}: {}\n{}", folder.string(), in_words(loop.options), table_of(loop, states, false, !at_work.empty()));
   print_basis(loop, states);
   if (!at_work.empty()) print_text("A loop is at work here: {}\n", at_work);
@@ -112,18 +116,14 @@ void run(const fs::path& given, bool as_json) {
 }  // namespace
 
 void add_status_command(CLI::App& burin) {
-  struct Options {
-    fs::path folder;
-    bool json = false;
-  };
-  auto o = std::make_shared<Options>();
+  auto folder = std::make_shared<fs::path>();
   CLI::App* command =
       burin.add_subcommand("status", "Show a loop project: rounds, stages, what each rests on, what comes next");
-  command->add_option("PROJECT_DIR", o->folder,
-                      "The project, as burin loop takes it; left out: the working directory's");
-  command->add_flag("--json", o->json, "The same for programs, with all hashes");
-  command->footer(example("burin status samples/small-bench"));
-  command->callback([o] { run(o->folder, o->json); });
+  command->add_option("PROJECT_DIR", *folder, "The project, as burin loop takes it; left out: the working directory's");
+  command->footer(
+      example("burin status samples/small-bench\n"
+              "  burin status samples/small-bench --json      # the same for programs, with all hashes"));
+  command->callback([folder] { run(*folder); });
 }
 
 }  // namespace burin

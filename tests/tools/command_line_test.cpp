@@ -122,6 +122,30 @@ TEST(CommandLine, JsonSaysAllInOneObject) {
   EXPECT_EQ(wrong["exit_code"], 2);
 }
 
+TEST(CommandLine, JsonNamesTheFilesThatWereWritten) {
+  const TemporaryFolder folder;
+  folder.write("board.json", R"({"format": "burin/board", "version": 1, "size_mm": [100, 80]})");
+  folder.write("scratches.csv", "x0_mm,y0_mm,x1_mm,y1_mm\n10,10,14,12\n90,70,85,70\n");
+  const std::vector<std::string> command{"--json",  "toolpath", "scratches.csv", "--board", "board.json",
+                                         "--frame", "--out",    "out.gcode",     "--sent",  "sent.csv"};
+  const auto made = nlohmann::json::parse(run_burin(folder, command).out);
+  EXPECT_EQ(made["files"], (nlohmann::json{"out-frame.gcode", "out.gcode", "sent.csv"})) << made;
+  // Made beside its place, and moved there as a whole.
+  std::filesystem::copy_file(places::source() + "/tests/data/targets/camera.png", folder / "camera.png");
+  const auto project = nlohmann::json::parse(
+      run_burin(folder, {"new", "n", "--board", "120x100", "--pictures", "camera.png", "--scratches", "60", "--json"})
+          .out);
+  std::set<std::string> named, there;
+  for (const auto& file : project["files"]) named.insert(file.get<std::string>());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "n"))
+    if (entry.is_regular_file()) there.insert(entry.path().string());
+  EXPECT_EQ(named, there);
+  EXPECT_EQ(nlohmann::json::parse(
+                run_burin(folder, {"--json", "toolpath", "none.csv", "--board", "board.json", "--out", "x.gcode"})
+                    .out)["files"],
+            nlohmann::json::array());
+}
+
 TEST(CommandLine, VersionAndHelpAreDone) {
   const TemporaryFolder folder;
   EXPECT_THAT(run_burin(folder, {"--version"}).out, HasSubstr("burin "));

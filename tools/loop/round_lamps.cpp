@@ -10,6 +10,7 @@
 #include "burin/render/error.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/limits.h"
 #include "tools/loop/record.h"
 #include "tools/photographed_lamps.h"
@@ -152,7 +153,9 @@ void sort_by_lamp(const fs::path& simulated) {
     if (fs::weakly_canonical(photo.file).parent_path() != photos) continue;  // in a folder already
     const fs::path folder = lamp_folder(photos, photo.light, lamps);
     make_output_folder(folder);
-    fs::rename(photo.file, folder / photo.file.filename());
+    const fs::path name = photo.file.filename();
+    fs::rename(photo.file, folder / name);
+    note_moved(simulated / "photos" / name, simulated / "photos" / folder.filename() / name);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/files/unfinished.h"
 #include "burin/render/limits.h"
 #include "tools/command_line.h"
@@ -208,10 +209,12 @@ void make_photos(const Project& project, int number) {
   remove_empty_lamp_folders(project, number);
   fs::remove(photos);  // only ever an empty folder
   fs::rename(part / "photos", photos);
+  note_moved(part / "photos", photos);
   fs::remove_all(part);
 }
 
-void make_capture(const Project& project, int number) {
+void make_capture(const LoopProject& loop, int number) {
+  const Project& project = loop.project;
   const fs::path round = project.round(number);
   std::vector<std::string> words{"capture", (round / "photos").string(),
                                  "--board", (round / "board.json").string(),
@@ -219,13 +222,16 @@ void make_capture(const Project& project, int number) {
                                  "--out",   round.string()};
   const std::vector<std::string> lamp = lamp_arguments(project, number);
   words.insert(words.end(), lamp.begin(), lamp.end());
+  const std::vector<std::string> options = capture_arguments(loop.options, project.folder);
+  words.insert(words.end(), options.begin(), options.end());
   run_step(words);
 }
 
 void make_refinement(const Project& project, int number) {
   const fs::path round = project.round(number), refinement = round / "refinement";
   fs::remove_all(refinement);
-  fs::copy(round / "calibration", refinement, fs::copy_options::recursive);
+  make_output_folder(refinement);
+  for (const fs::path& file : files_below(round / "calibration")) copy_whole(file, refinement / file.filename());
   run_step({"refine", (round / "session.json").string(), "--bench", (refinement / "bench.json").string()});
   FilesTogether all;
   for (const fs::path& file : files_below(refinement)) copy_whole(file, round / file.filename());
@@ -295,6 +301,7 @@ StageBasis basis_of(const LoopProject& loop, const StageOfRound& at) {
       basis.files.insert(round / "session.json");
       [[fallthrough]];
     case StageKind::capture:
+      basis.options = texts_of(loop.options.capture);
       add_bench(project.bench_before(at.round), basis.files);
       add_bench(bench_of_photos(project, at.round), basis.files);  // for its lamps' names
       basis.files.insert(round / "board.json");
@@ -402,7 +409,7 @@ bool make_stage(const LoopProject& loop, const StageOfRound& at) {
       make_photos(project, at.round);
       break;
     case StageKind::capture:
-      make_capture(project, at.round);
+      make_capture(loop, at.round);
       break;
     case StageKind::calibrate:
       run_step({"calibrate", (round / "session.json").string(), "--out", (round / "calibration").string()});

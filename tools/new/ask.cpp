@@ -14,8 +14,8 @@ void ask(Conversation& talk, const std::string& question, const std::string& usu
     std::string answer;
     if (!std::getline(talk.in, answer)) {
       talk.out << "\n";
-      fail("burin new", "the answers ended before the questions",
-           "nothing was written; begin again, or give all as options");
+      fail("the answers", "ended before the questions",
+           "nothing was written of them; begin again, or give all as options");
     }
     const std::size_t first = answer.find_first_not_of(" \t\r"), last = answer.find_last_not_of(" \t\r");
     answer = first == std::string::npos ? usual : answer.substr(first, last - first + 1);

@@ -14,7 +14,9 @@
 #include "burin/optimize/machine_profile.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
+#include "burin/render/files/named_paths.h"
 #include "burin/render/files/unfinished.h"
 #include "burin/render/scratches.h"
 #include "tools/commands.h"
@@ -187,11 +189,11 @@ std::string preview_project(const fs::path& folder, const fs::path& project, dou
   const Image& picture = result.views.front().shown;
   const int px = std::max(picture.width, picture.height);
   return fmt::format(
-      "{}, of {} px ({} x {} pixels, {} scratches of {}, {:.0f} s), as from {:.2g} m; the whole design counts the {} "
+      "{}, of {} px ({} x {} pixels, {} of {}, {:.0f} s), as from {:.2g} m; the whole design counts the {} "
       "px "
       "that eyes {:.2g} m away tell apart, where dB are fewer",
-      numbers, px, picture.width, picture.height, result.scratches.size(), written.scratches, result.total_seconds,
-      result.eye_from_m * result.eye_px / px, result.eye_px, result.eye_from_m);
+      numbers, px, picture.width, picture.height, counted(result.scratches.size(), "scratch"), written.scratches,
+      result.total_seconds, result.eye_from_m * result.eye_px / px, result.eye_px, result.eye_from_m);
 }
 
 // What a project that was being made left when its process died: ".my-board.new-4711".
@@ -212,6 +214,7 @@ void remove_stagings_of_dead(const fs::path& parent, const std::string& begin) {
 // that somebody is in) is filled, design.json last: without it nothing is a project.
 void put_in_place(const fs::path& staging, const fs::path& folder) {
   std::error_code error;
+  note_moved(staging, folder);
   fs::rename(staging, folder, error);
   if (!error) return;
   make_output_folder(folder);

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/descriptor.h"
 #include "burin/render/files/file_error.h"
 #include "burin/render/files/named_paths.h"
@@ -182,9 +183,7 @@ std::string text_in(int file) {
   return text;
 }
 
-std::string count_of(const std::vector<Move>& moves) {
-  return std::to_string(moves.size()) + (moves.size() == 1 ? " file" : " files");
-}
+std::string count_of(const std::vector<Move>& moves) { return counted(moves.size(), "file"); }
 
 [[noreturn]] void fail_mixed(const fs::path& folder, int error) {
   fail(folder.string(), "a change of several files here was cut off, and cannot be completed: " + error_text(error),
@@ -338,6 +337,7 @@ void FilesTogether::put() {
     if (const int error = renamed(item.part, item.place.file)) fail_with(item.place.named, "cannot be written", error);
     sync_folder(item.place.folder());
     forget_part(item.part);
+    note_written(item.place.named);
     items_.clear();
     return;
   }
@@ -355,9 +355,11 @@ void FilesTogether::put() {
       put_with_journal(one, fs::canonical(item.place.folder()));
     }
   }
-  for (const Item& item : items_)
+  for (const Item& item : items_) {
     for (const fs::path& name : {item.part, item.former})
       if (!name.empty()) forget_part(name);
+    if (!item.part.empty()) note_written(item.place.named);
+  }
   items_.clear();
 }
 

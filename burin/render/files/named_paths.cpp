@@ -36,7 +36,7 @@ std::vector<fs::path>& outputs_now() {
 struct Traffic {
   std::mutex mutex;
   std::set<std::pair<std::uintmax_t, std::uintmax_t>> read;
-  std::set<fs::path> ours;
+  std::set<fs::path> ours, written;
 };
 Traffic& traffic() {
   static Traffic all;
@@ -47,6 +47,7 @@ void forget_traffic() {
   const std::lock_guard<std::mutex> guard(traffic().mutex);
   traffic().read.clear();
   traffic().ours.clear();
+  traffic().written.clear();
 }
 
 // The same for every name of one file in one folder.
@@ -129,6 +130,30 @@ void allow_change_of(const fs::path& file) {
   if (outputs_now().empty()) return;
   const std::lock_guard<std::mutex> guard(traffic().mutex);
   traffic().ours.insert(real_name(file));
+}
+
+void note_written(const fs::path& named) {
+  if (named_now().empty()) return;
+  const std::lock_guard<std::mutex> guard(traffic().mutex);
+  traffic().written.insert(named.lexically_normal());
+}
+
+void note_moved(const fs::path& from, const fs::path& to) {
+  const fs::path before = from.lexically_normal();
+  const std::lock_guard<std::mutex> guard(traffic().mutex);
+  std::set<fs::path> now;
+  for (const fs::path& file : traffic().written)
+    now.insert(begins_with(file, before) ? (to / file.lexically_relative(before)).lexically_normal() : file);
+  traffic().written = std::move(now);
+}
+
+std::vector<fs::path> written_files() {
+  const std::lock_guard<std::mutex> guard(traffic().mutex);
+  std::vector<fs::path> out;
+  std::error_code gone;
+  for (const fs::path& file : traffic().written)
+    if (fs::exists(file, gone)) out.push_back(file);
+  return out;
 }
 
 void fail_if_input(const fs::path& named, const fs::path& file) {

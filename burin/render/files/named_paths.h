@@ -37,6 +37,15 @@ void fail_if_input(const std::filesystem::path& named, const std::filesystem::pa
 /// `file` is this command's to write again: it has written it, or is asked to bring it up to date.
 void allow_change_of(const std::filesystem::path& file);
 
+/// This command has written the file `named`, and it is in its place.
+void note_written(const std::filesystem::path& named);
+
+/// A folder with files that this command has written was moved.
+void note_moved(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// The files that this command has written and that are there, by the names that it gave them, in their order.
+std::vector<std::filesystem::path> written_files();
+
 /// Throws Error naming link and target where a symbolic link leads `named`, a file or folder that is to be written, out
 /// of the innermost folder that was named. `real`: where it leads to, without links. Nothing is refused that was named
 /// by its own path.

@@ -38,6 +38,7 @@ void put_in_place(const FilePlace& place, const fs::path& part, bool durable) {
     fail_with(place.named, "cannot be written", error);
   }
   forget_part(part);
+  note_written(place.named);
   if (durable) sync_folder(place.folder());
 }
 
