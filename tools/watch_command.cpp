@@ -12,8 +12,12 @@
 #include <memory>
 #include <thread>
 
+#include "burin/capture/exif.h"
 #include "burin/capture/lamp_folders.h"
+#include "burin/capture/photo_look.h"
+#include "burin/capture/same_shot.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/content_hash.h"
@@ -42,6 +46,7 @@ struct WatchArguments {
   bool once = false, json = false, copy = false, tether = false;
   std::string port, light;
   std::vector<double> stops;
+  double f_number = 0;
 };
 
 // All that is said while watching, in words or as lines of JSON.
@@ -90,6 +95,7 @@ class Watch {
         copies_(kStaysForCopies, [this](const std::string& event, const fs::path& photo, const std::string& words) {
           teller_.say(event, photo, words);
         }) {
+    project_.shoot.f_number = options.f_number;
     take_light();
     if (options.copy && project_.keep.empty())
       fail("--copy", "the project has no round yet whose photos these could be",
@@ -105,7 +111,7 @@ class Watch {
     copies_.report_rest();
     say_summary();
     if (const int left = copies_.waiting(); left > 0 && !StopOnSignal::asked())
-      fail("--copy", fmt::format("{} photo{} not copied", left, left == 1 ? " is" : "s are"),
+      fail("--copy", counted(static_cast<std::size_t>(left), "photo") + " not copied",
            "mend what is said above, and do not delete them where they are; then the same command goes on");
   }
 
@@ -171,11 +177,10 @@ class Watch {
 
   void say_what_is_wanted() {
     const Shoot& shoot = project_.shoot;
-    std::string words = fmt::format("Watching {} for photos of the board and its {} tags; Ctrl-C ends.\n",
-                                    project_.photos.string(), shoot.board.tags.list.size());
+    std::string words = fmt::format("Watching {} for photos of the board and its {}; Ctrl-C ends.\n",
+                                    project_.photos.string(), counted(shoot.board.tags.list.size(), "tag"));
     if (!shoot.wanted.empty())
-      words += fmt::format("{} shot{} wanted ({}).\n", shoot.wanted.size(), shoot.wanted.size() == 1 ? " is" : "s are",
-                           project_.wanted_from);
+      words += fmt::format("{} wanted ({}).\n", counted(shoot.wanted.size(), "shot"), project_.wanted_from);
     if (several_lamps() && !options_.tether)
       words += fmt::format("Photos do not tell which lamp was on: put them into {}{}.\n",
                            lamp_folders_in_words(project_.photos, project_.lamps),
@@ -219,12 +224,19 @@ class Watch {
     const auto began = std::chrono::steady_clock::now();
     const std::clock_t processor = std::clock();
     try {
+      fs::path other;
+      const std::optional<SharedShot> shared = shared_shot(file, other);
+      if (shared && shared->newcomer_goes) {
+        pass_over(file, other, shared->said);
+        return;
+      }
       PhotoFacts facts = judge_photo(file, shoot.board, shoot.lens ? &*shoot.lens : nullptr,
-                                     shoot.photos.empty() ? nullptr : &shoot.photos.back().facts);
+                                     shoot.photos.empty() ? nullptr : &shoot.photos.back().facts, shoot.f_number);
       shoot.light = light_of(file);
       add_photo(std::move(facts), shoot);
       find_no_lamp(file);
       find_other_round(file);
+      if (shared) pass_over(other, file, shared->said);
     } catch (const Error& error) {
       errors_[file] = error.what();
       inbox_.not_yet(file);
@@ -237,6 +249,33 @@ class Watch {
       teller_.say("not copied", file, "    not copied: nothing tells which lamp was on");
     else
       copies_.want(file, folder_for(project_.keep, shoot.light));
+  }
+
+  // One photo a shot, as in `burin capture`: whether a photo that was judged shows the shot of this file, too.
+  std::optional<SharedShot> shared_shot(const fs::path& file, fs::path& other) {
+    passed_over_.erase(file);
+    looks_.erase(file);
+    std::vector<IncomingPhoto> others;
+    for (const JudgedPhoto& photo : project_.shoot.photos)
+      if (photo.facts.file != file) others.push_back({photo.facts.file, photo.facts.exif, {}, photo.light});
+    const std::size_t judged = others.size();
+    for (const auto& [passed_over, kept] : passed_over_)
+      others.push_back({passed_over, read_exif(passed_over), {}, light_of(passed_over)});
+    const auto look_of = [&](const Photo& photo) {
+      const auto known = looks_.find(photo.file);
+      return known != looks_.end() ? known->second : looks_[photo.file] = look_at(photo);
+    };
+    const auto shared = find_shared_shot({file, read_exif(file), {}, light_of(file)}, others, look_of);
+    if (!shared || (shared->with >= judged && !shared->newcomer_goes)) return std::nullopt;
+    other = others[shared->with].file;
+    if (shared->with >= judged) other = passed_over_[other];
+    return shared;
+  }
+
+  void pass_over(const fs::path& file, const fs::path& kept, const Finding& said) {
+    passed_over_[file] = kept;
+    remove_photo(file, project_.shoot);
+    teller_.say("passed over", file, sentence(said));
   }
 
   // `burin capture` refuses photos of another round; here the person still stands at the board.
@@ -264,6 +303,8 @@ class Watch {
   void rename(const fs::path& from, const fs::path& to) {
     Shoot& shoot = project_.shoot;
     copies_.rename(from, to);
+    for (auto& [file, kept] : passed_over_)
+      if (kept == from) kept = to;
     const auto photo = std::find_if(shoot.photos.begin(), shoot.photos.end(),
                                     [&](const JudgedPhoto& p) { return p.facts.file == from; });
     if (photo != shoot.photos.end() && photo->light != light_of(to)) {  // into its lamp's folder: perhaps another shot
@@ -284,13 +325,14 @@ class Watch {
   }
 
   void forget(const fs::path& file) {
+    passed_over_.erase(file);
     if (!remove_photo(file, project_.shoot)) return;
-    std::error_code ignored;
-    const bool for_raw = fs::exists(file, ignored);
-    teller_.say("gone", file,
-                fmt::format("{} {}  [{}]", file.filename().string(),
-                            for_raw ? "is passed over for the raw file of its name" : "is gone: it counts no more",
-                            state_words(project_.shoot)));
+    teller_.say(
+        "gone", file,
+        fmt::format("{} is gone: it counts no more  [{}]", file.filename().string(), state_words(project_.shoot)));
+    const auto stands_in =
+        std::find_if(passed_over_.begin(), passed_over_.end(), [&](const auto& one) { return one.second == file; });
+    if (stands_in != passed_over_.end()) judge(fs::path(stands_in->first));
   }
 
   void say_summary() {
@@ -299,9 +341,8 @@ class Watch {
       fail(project_.photos.string(),
            unreadable_ > 0 ? "holds no photo that can be read"
            : inbox_.passed_over() > 0
-               ? fmt::format("holds no photo ({} other file{} or folder{} there; folders within are not looked into)",
-                             inbox_.passed_over(), inbox_.passed_over() == 1 ? "" : "s",
-                             inbox_.passed_over() == 1 ? " is" : "s are")
+               ? fmt::format("holds no photo, but {}; folders within are not looked into",
+                             counted(static_cast<std::size_t>(inbox_.passed_over()), "other thing"))
                : "holds no photo",
            "give the folder that the photos arrive in");
     std::string words = missing_words(shoot);
@@ -323,6 +364,8 @@ class Watch {
   PhotoInbox inbox_;
   KeptCopies copies_;
   std::map<fs::path, std::string> errors_;
+  std::map<fs::path, PhotoLook> looks_;
+  std::map<fs::path, fs::path> passed_over_;  // for which photo of the same shot
   bool there_ = true;
   int unreadable_ = 0;
 };
@@ -353,8 +396,11 @@ void add_watch_command(CLI::App& burin) {
       example("burin watch my-board\n"
               "  burin watch my-board --photos ~/Phone/Camera --copy\n"
               "  burin watch my-board --tether"));
-  command->callback([o] {
+  add_f_number_option(*command, o->f_number);
+  command->callback([o, command] {
     o->project = project_folder(o->project, "PROJECT_DIR");
+    if (const auto project = settings_around(o->project))
+      take_from_project(*command, *project, {.f_number = &o->f_number});
     Watch(*o).run();
   });
 }

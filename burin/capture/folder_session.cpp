@@ -46,7 +46,7 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, st
   if (!missing.empty()) {
     findings.push_back(
         {warning, incoming.file, "is left out: its EXIF holds no " + missing,
-         std::string(exif.exposure_s ? "say the aperture with burin capture --f-number 8, " : "") +
+         std::string(exif.exposure_s ? "say the aperture with --f-number 8 (of burin capture, watch and loop), " : "") +
              "copy the photo from the camera itself (chats and editors strip EXIF), set what is missing with "
              "exiftool -ExposureTime=1/60 -FNumber=8, or write session.json by hand"});
     return std::nullopt;
@@ -96,8 +96,7 @@ double missing_aperture(const std::vector<IncomingPhoto>& incoming, double said,
   if (said > 0) {
     findings.push_back({note,
                         {},
-                        (count == 1 ? "1 photo has no aperture in its EXIF; f/"
-                                    : std::to_string(count) + " photos have no aperture in their EXIF; f/") +
+                        counted(static_cast<std::size_t>(count), "photo") + " without an aperture in EXIF: f/" +
                             general(said, 3) + " is used, as --f-number says",
                         ""});
     return said;
@@ -160,7 +159,7 @@ void leave_out_by_exif(std::vector<ExifPhoto>& photos, std::vector<Finding>& fin
     findings.push_back(
         {warning,
          {},
-         "the flash fired in " + std::to_string(fired) + " photos, by their EXIF",
+         "the flash fired in " + counted(fired, "photo") + ", by EXIF",
          "a flash on the camera moves with it, and is no lamp that can be measured: switch it off, unless "
          "it fires a strobe that stands still"});
 }
@@ -266,7 +265,7 @@ void merge_notes(std::vector<Finding>& findings) {
     }
   }
   for (std::size_t i = 0; i < merged.size(); ++i)
-    if (count[i] > 1) merged[i].what += " (and " + std::to_string(count[i] - 1) + " more files)";
+    if (count[i] > 1) merged[i].what += " (and " + counted(static_cast<std::size_t>(count[i] - 1), "more file") + ")";
   findings = std::move(merged);
 }
 

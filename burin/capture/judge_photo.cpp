@@ -252,10 +252,11 @@ std::optional<Eigen::Vector3d> PhotoFacts::eye_mm() const {
 }
 
 PhotoFacts judge_photo(const std::filesystem::path& file, const Board& board, const Lens* believed,
-                       const PhotoFacts* before) {
+                       const PhotoFacts* before, double f_number) {
   PhotoFacts facts;
   facts.file = file;
   facts.exif = read_exif(file);
+  if (!facts.exif.f_number && f_number > 0) facts.exif.f_number = f_number;
   const bool other_has_aperture = before != nullptr && before->exif.f_number;
   if (facts.exif.exposure_s && (facts.exif.f_number || !other_has_aperture))
     facts.exposure_factor = exposure_factor(*facts.exif.exposure_s, facts.exif.iso.value_or(100),

@@ -66,10 +66,10 @@ struct PhotoFacts {
 /// Judges a photo of `board`. `believed`: the lens of the bench, if there is one; a photo whose EXIF tells a focal
 /// length that is more than a seventh off is judged by its own. `before`: the photo taken before this one; where this
 /// one is too dark to show a tag and was taken within a minute of it, at a shorter exposure, it is taken to show the
-/// same. Throws Error for a file that is missing, broken, cut short, or of an unknown kind, and for a family of tags
-/// that AprilTag does not know.
+/// same. `f_number`: of a photo whose EXIF has none; 0: not known. Throws Error for a file that is missing, broken, cut
+/// short, or of an unknown kind, and for a family of tags that AprilTag does not know.
 PhotoFacts judge_photo(const std::filesystem::path& file, const Board& board, const Lens* believed = nullptr,
-                       const PhotoFacts* before = nullptr);
+                       const PhotoFacts* before = nullptr, double f_number = 0);
 
 /// White paper is best at this share of the white level: room for what is brighter, and little noise.
 inline constexpr double kPaperAt = 0.6;

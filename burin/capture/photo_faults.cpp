@@ -101,7 +101,8 @@ void judge_file(const PhotoFacts& facts, std::span<const PhotoFacts* const> othe
                    std::string("its EXIF holds no ") + (exif.exposure_s ? "aperture"
                                                         : exif.f_number ? "exposure time"
                                                                         : "exposure time and aperture"),
-                   "copy the photo from the camera itself: chats, editors and some apps strip EXIF"});
+                   std::string(exif.exposure_s ? "say the aperture with --f-number 8, or " : "") +
+                       "copy the photo from the camera itself: chats, editors and some apps strip EXIF"});
   else if (!exif.f_number && others.empty())
     out.push_back({warning, facts.file, words("its EXIF holds no aperture; f/%.3g is taken", kAssumedAperture),
                    "leave the aperture ring as it is for all photos"});

@@ -10,6 +10,7 @@
 
 #include "burin/capture/photo.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/input_file.h"
 #include "burin/render/limits.h"
 
@@ -46,7 +47,7 @@ std::string same_file_words(const fs::path& other) {
 void add_notes(std::vector<Finding>&& notes, std::vector<Finding>& findings) {
   constexpr std::size_t kMost = 4;
   if (notes.size() > kMost) {
-    notes.front().what += "; " + std::to_string(notes.size() - 1) + " more files likewise for others";
+    notes.front().what += "; " + counted(notes.size() - 1, "more file") + " likewise for others";
     notes.resize(1);
   }
   append(findings, notes);
@@ -292,6 +293,39 @@ std::vector<bool> twins_of(const std::vector<ExifPhoto>& photos, const std::vect
     if (out[i]) notes.push_back(std::move(said[i]));
   add_notes(std::move(notes), findings);
   return out;
+}
+
+namespace {
+
+// As far as a look at it takes.
+Photo photo_to_look_at(const IncomingPhoto& incoming) {
+  Photo out;
+  out.file = incoming.file;
+  out.light = incoming.light;
+  out.exposure_s = incoming.exif.exposure_s.value_or(out.exposure_s);
+  out.f_number = incoming.exif.f_number.value_or(kAssumedAperture);
+  out.iso = incoming.exif.iso.value_or(out.iso);
+  out.encoding = encoding_of(incoming.exif).encoding;
+  return out;
+}
+
+}  // namespace
+
+std::optional<SharedShot> find_shared_shot(const IncomingPhoto& newcomer, const std::vector<IncomingPhoto>& others,
+                                           const std::function<PhotoLook(const Photo&)>& look_of) {
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    if (others[k].light != newcomer.light) continue;
+    std::vector<Finding> said;
+    std::vector<IncomingPhoto> both{others[k], newcomer};
+    pass_over_copies(both, said);
+    if (both.size() == 1) return SharedShot{k, both.front().file != newcomer.file, said.front()};
+    if (!may_be_one_shot(newcomer.exif, others[k].exif)) continue;
+    const std::vector<ExifPhoto> photos{{photo_to_look_at(others[k]), others[k].exif},
+                                        {photo_to_look_at(newcomer), newcomer.exif}};
+    const std::vector<bool> goes = twins_of(photos, {look_of(photos[0].first), look_of(photos[1].first)}, said);
+    if (goes[0] || goes[1]) return SharedShot{k, goes[1], said.front()};
+  }
+  return std::nullopt;
 }
 
 }  // namespace burin

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -29,6 +30,17 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
 /// `photos` and `looks` belong together; photos without a look stay.
 std::vector<bool> twins_of(const std::vector<std::pair<Photo, Exif>>& photos,
                            const std::vector<std::optional<PhotoLook>>& looks, std::vector<Finding>& findings);
+
+/// A photo that comes to others one by one, and one of these that shows the same shot.
+struct SharedShot {
+  std::size_t with = 0;        ///< which of the others
+  bool newcomer_goes = false;  ///< the photo that came is left out, else the other one
+  Finding said;                ///< of the one that is left out
+};
+
+/// By the same rules as above. `look_of` is asked for the looks of photos that headers leave open.
+std::optional<SharedShot> find_shared_shot(const IncomingPhoto& newcomer, const std::vector<IncomingPhoto>& others,
+                                           const std::function<PhotoLook(const Photo&)>& look_of);
 
 /// Whether time, exposure and camera in two files' EXIF may be those of one shot. A time to the second agrees with
 /// one to its fraction; a value that a file lacks contradicts nothing.

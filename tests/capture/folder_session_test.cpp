@@ -604,7 +604,7 @@ TEST_F(FolderSessionTest, ALensThatTheCameraDoesNotKnow) {
               AllOf(HasSubstr("IMG_100.tif: is left out: its EXIF holds no aperture"), HasSubstr("--f-number 8")));
   result = capture_folder(folder / "photos", folder / "board.json", folder / "out", {}, {Photo().light, {}}, 8);
   EXPECT_EQ(result.session.photos.size(), 12U);
-  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("1 photo has no aperture in its EXIF; f/8 is used"));
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("1 photo without an aperture in EXIF: f/8 is used"));
   for (int v = 0; v < 4; ++v)
     for (int k = 0; k < 3; ++k)
       if (v + k > 0) change("IMG_" + std::to_string(100 + 10 * v + k) + ".png", forget);

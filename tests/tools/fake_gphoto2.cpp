@@ -218,10 +218,12 @@ int gp_camera_capture(Camera*, CameraCaptureType, CameraFilePath* path, GPContex
   fake.calls.push_back("capture " + shutter);
   const auto now = std::chrono::steady_clock::now();
   const std::string name = fmt::format("IMG_{:04}.JPG", fake.taken);
-  fake.card[name] = {burin::seconds_of_dial(shutter), fake.taken, now, true};
+  const auto other = fake.takes.find(shutter);
+  const double exposure_s = burin::seconds_of_dial(other == fake.takes.end() ? shutter : other->second);
+  fake.card[name] = {exposure_s, fake.taken, now, true};
   if (!fake.second_ending.empty())
     fake.card[fmt::format("{}{:04}{}", fake.second_prefix, fake.taken, fake.second_ending)] = {
-        burin::seconds_of_dial(shutter), fake.taken, now + std::chrono::milliseconds(fake.second_after_ms), false};
+        exposure_s, fake.taken, now + std::chrono::milliseconds(fake.second_after_ms), false};
   std::strcpy(path->folder, "/store_00010001/DCIM/100ALTR");
   std::strcpy(path->name, name.c_str());
   return GP_OK;

@@ -29,6 +29,7 @@ struct FakeCamera {
   std::string second_prefix, second_ending;  ///< a second file that each photo makes: {"IMG_", ".DNG"}; none
   int second_after_ms = 0;                   ///< when it is told of, after the release
   int second_after_photos = 0;               ///< and after how many further releases
+  std::map<std::string, std::string> takes;  ///< the time that it takes for one that it is set to, where it is another
   std::vector<std::string> calls;            ///< "set shutterspeed 1/60", "capture 1/60", "get IMG_0001.JPG", "exit"
   int taken = 0;
 

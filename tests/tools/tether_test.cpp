@@ -101,6 +101,15 @@ TEST_F(Tether, SetsBracketsByWhatPhotosShow) {
   expect_as_before();
 }
 
+TEST_F(Tether, NamesTheTimeThatWasTakenForAnother) {
+  camera.settings["shutterspeed"].value = "1/60";
+  camera.takes["1/500"] = "1/400";
+  testing::internal::CaptureStderr();
+  capture();
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("the camera took 1/400 s for the 1/500 s asked"));
+  EXPECT_THAT(times(), testing::Contains(testing::DoubleNear(1.0 / 400, 1e-6)));
+}
+
 TEST_F(Tether, TriesThatShowNothingStayOnTheCard) {
   capture();
   int captured = 0;

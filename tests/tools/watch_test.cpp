@@ -16,6 +16,7 @@
 #include "burin/capture/tags/board_pose.h"
 #include "burin/render/bench.h"
 #include "burin/render/files/json_file.h"
+#include "tests/drawn_dng.h"
 #include "tests/drawn_photo.h"
 #include "tests/tools/program.h"
 #include "tools/watch/kept_copies.h"
@@ -30,8 +31,10 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
 using ::testing::Not;
 using ::testing::Pair;
+using ::testing::SizeIs;
 using ::testing::UnorderedElementsAre;
 
 struct PhotoInboxTest : testing::Test {
@@ -106,14 +109,6 @@ TEST_F(PhotoInboxTest, KnowsARenamedADeletedAndAReplacedFile) {
   folder.write("c.jpg", "another one");
   EXPECT_THAT(whole(), IsEmpty());
   EXPECT_THAT(whole(), ElementsAre(at("c.jpg")));
-}
-
-TEST_F(PhotoInboxTest, RawGoesBeforeItsJpeg) {
-  folder.write("a.jpg", "abc");
-  EXPECT_THAT(whole(), ElementsAre(at("a.jpg")));
-  folder.write("a.CR2", "abc");
-  EXPECT_THAT(inbox.look().gone, ElementsAre(at("a.jpg")));
-  EXPECT_THAT(whole(), ElementsAre(at("a.CR2")));
 }
 
 TEST_F(PhotoInboxTest, BrokenFileIsGivenUpAndTakenWhenItGrows) {
@@ -255,6 +250,60 @@ TEST_F(WatchCommand, OnceSaysWhatIsMissing) {
                               "--out DIR")));
 }
 
+// Which files are one shot is decided as `burin capture` does: by bytes, EXIF and pixels, whatever came first.
+TEST_F(WatchCommand, OnePhotoAShotByContentAndExif) {
+  take(0, "in/a");
+  const auto write_raw = [&](const std::string& file, double exposure_s) {
+    Dng dng;
+    dng.width = photo.width, dng.height = photo.height;
+    dng.exposure_s[0] = 1000, dng.exposure_s[1] = static_cast<std::uint32_t>(std::lround(1000 / exposure_s));
+    dng.iso = 100, dng.make = "Altair", dng.model = photo.model;
+    for (const float v : drawn(photo).data)
+      dng.pixels.push_back(static_cast<std::uint16_t>(
+          dng.black + std::lround(std::min(1.0, v * 60 * exposure_s) * (dng.white - dng.black))));
+    folder.write(file, dng_file(dng));
+  };
+  write_raw("in/a-1 (raw).DNG", 1.0 / 60);  // another stem, the same picture
+  write_raw("in/a-2.DNG", 1.0 / 30);        // the stem of another exposure
+  fs::copy_file(folder / "in/a-1.jpg", folder / "in/z copy.jpg");
+  const Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--once", "--json"});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  std::map<std::string, std::string> said;
+  std::vector<std::string> judged;
+  for (const Json& line : lines(run.out)) {
+    if (line.contains("tags")) judged.push_back(fs::path(line["photo"].get<std::string>()).filename());
+    if (line.value("event", "") == "passed over")
+      said[fs::path(line["photo"].get<std::string>()).filename()] = line["words"];
+  }
+  EXPECT_THAT(said, SizeIs(2)) << run.out;
+  EXPECT_THAT(said["a-1.jpg"], HasSubstr("was passed over for a-1 (raw).DNG"));
+  EXPECT_THAT(said["z copy.jpg"], HasSubstr("z copy.jpg")) << run.out;
+  EXPECT_THAT(judged, IsSupersetOf({"a-1 (raw).DNG", "a-2.DNG", "a-2.jpg"}));
+}
+
+// A lens without contacts: its aperture is said, to `watch` or once to the project.
+TEST_F(WatchCommand, TheApertureMayBeSaid) {
+  take(0, "in/a");
+  photo.f_number = 0;
+  photo.exposure_s = 1.0 / 480;
+  photo.taken_at = fmt_time(0, 4);
+  Image linear = drawn(photo);
+  for (float& v : linear.data) v /= 8;
+  ASSERT_TRUE(write_drawn(linear, photo, folder / "in/a-2.jpg"));
+  const std::vector<std::string> watch{"watch", "my board", "--photos", "in", "--once"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), watch.begin(), watch.end());
+    return run_burin(folder, more);
+  };
+  EXPECT_THAT(with({}).out, AllOf(HasSubstr("its EXIF holds no aperture"), HasSubstr("--f-number 8")));
+  EXPECT_THAT(with({"--f-number", "8"}).out, Not(HasSubstr("no aperture")));
+  folder.write("my board/loop.toml", "format = \"burin/loop\"\nversion = 1\n[capture]\nf-number = 8\n");
+  fs::copy_file(places::source() + "/samples/small-bench/design.json", folder / "my board/design.json");
+  const Outcome kept = with({});
+  EXPECT_THAT(kept.out, Not(HasSubstr("no aperture"))) << kept.err;
+  EXPECT_THAT(kept.err, HasSubstr("from the project my board: f-number 8"));
+}
+
 TEST_F(WatchCommand, CtrlCEndsWithASummary) {
   take(0, "in/a");
   const Outcome run = run_shell(folder, "cd " + quoted(folder.path().string()) + "; " + quoted(places::program()) +
@@ -314,7 +363,7 @@ TEST_F(WatchCommand, NoCopyStaysAHalf) {
   const Outcome refused = watch_once();
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.out, HasSubstr("a-1.jpg: is not copied yet"));
-  EXPECT_THAT(refused.err, HasSubstr("--copy: 1 photo is not copied"));
+  EXPECT_THAT(refused.err, HasSubstr("--copy: 1 photo not copied"));
   fs::remove(folder / "my board/round-01/photos");
   // The photo changes while it is watched, its size does not: a byte behind the JPEG's end, which nobody decodes.
   folder.write("in/a-1.jpg", whole + "x");

@@ -42,9 +42,17 @@ void put_late(const std::vector<LateFile>& late) {
       fs::remove(one.file, ignored);
 }
 
+// Cameras whose dial has no such time, or that were told too soon, take a neighbor of it. What they take is in EXIF.
+void name_other_time(const Exif& exif, double asked_s) {
+  constexpr double kSameTime = 0.1;  // 1/60 is 1/64 in truth; neighbors are a fourth apart
+  if (exif.exposure_s && std::abs(std::log(*exif.exposure_s / asked_s)) > kSameTime)
+    note(make_warning(fmt::format("the camera took {} for the {} asked; what it took counts",
+                                  shutter_words(*exif.exposure_s), shutter_words(asked_s))));
+}
+
 // The photo, judged; none where it was stopped before a file of it came.
-const JudgedPhoto* take_one(TetheredCamera& camera, const fs::path& photos, Shoot& shoot, const PhotoTold& told,
-                            const std::function<bool()>& stopped, std::vector<fs::path>& files) {
+const JudgedPhoto* take_one(TetheredCamera& camera, double asked_s, const fs::path& photos, Shoot& shoot,
+                            const PhotoTold& told, const std::function<bool()>& stopped, std::vector<fs::path>& files) {
   const TakenPhoto taken = camera.take(photos, stopped);
   put_late(taken.late);
   files = taken.files;
@@ -52,7 +60,8 @@ const JudgedPhoto* take_one(TetheredCamera& camera, const fs::path& photos, Shoo
   const auto began = std::chrono::steady_clock::now();
   const std::clock_t processor = std::clock();
   PhotoFacts facts = judge_photo(one_of(files), shoot.board, shoot.lens ? &*shoot.lens : nullptr,
-                                 shoot.photos.empty() ? nullptr : &shoot.photos.back().facts);
+                                 shoot.photos.empty() ? nullptr : &shoot.photos.back().facts, shoot.f_number);
+  name_other_time(facts.exif, asked_s);
   add_photo(std::move(facts), shoot);
   told(shoot, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(),
        static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
@@ -161,7 +170,7 @@ double find_paper(TetheredCamera& camera, const fs::path& photos, Shoot& shoot, 
     why = "stopped";
     if (stopped()) return 0;
     search.tried.insert(camera.set_shutter(time_s));
-    const JudgedPhoto* photo = take_one(camera, photos, shoot, told, stopped, files);
+    const JudgedPhoto* photo = take_one(camera, time_s, photos, shoot, told, stopped, files);
     if (photo == nullptr || !(why = cannot_go_on(*photo)).empty()) return 0;
     wanted_s = learn(time_s, *photo, shoot.board, search);
     const double next_s = next_time(camera, search, wanted_s);
@@ -175,7 +184,7 @@ double find_paper(TetheredCamera& camera, const fs::path& photos, Shoot& shoot, 
     return 0;
   }
   camera.set_shutter(search.useful_s);  // not at 60 %, but of use: once more
-  const JudgedPhoto* photo = take_one(camera, photos, shoot, told, stopped, files);
+  const JudgedPhoto* photo = take_one(camera, search.useful_s, photos, shoot, told, stopped, files);
   why = photo == nullptr ? "stopped" : cannot_go_on(*photo);
   return why.empty() ? search.useful_s : 0;
 }
@@ -205,15 +214,15 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
   const std::size_t first = shoot.photos.size() - 1;  // the paper's photo: a bracket is whole by itself
   std::set<double> taken{paper_s};
   std::vector<fs::path> files;
-  const auto take = [&]() -> std::string {
-    const JudgedPhoto* photo = take_one(camera, photos, shoot, told, stopped, files);
+  const auto take = [&](double time_s) -> std::string {
+    const JudgedPhoto* photo = take_one(camera, time_s, photos, shoot, told, stopped, files);
     return photo == nullptr ? "stopped" : cannot_go_on(*photo);
   };
   for (const double stop : stops) {
     if (stopped()) return "stopped";
     const double time_s = camera.set_shutter(paper_s * std::exp2(stop));
     if (!taken.insert(time_s).second) continue;  // the paper's own, or the end of the dial
-    if (std::string wrong = take(); !wrong.empty()) return wrong;
+    if (std::string wrong = take(time_s); !wrong.empty()) return wrong;
   }
   for (int i = 0; stops.empty() && i < kMostDarker; ++i) {
     const NextStep next = next_exposure(shoot, first);
@@ -226,7 +235,7 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
           "holds them";
       break;
     }
-    if (std::string wrong = take(); !wrong.empty()) return wrong;
+    if (std::string wrong = take(time_s); !wrong.empty()) return wrong;
   }
   put_late(camera.late_files(photos));
   camera.set_shutter(paper_s);  // where the next place begins

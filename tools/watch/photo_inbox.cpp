@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <set>
 #include <string_view>
 
 #include "burin/capture/exif.h"
@@ -18,8 +17,6 @@ namespace fs = std::filesystem;
 
 // Programs that copy or sync write under another name first; what is left when that is taken off may look like a photo.
 bool is_in_the_making(const std::string& name) { return name.front() == '.' || name.front() == '~'; }
-
-fs::path without_extension(fs::path file) { return file.replace_extension(); }
 
 void add_files(const fs::path& folder, std::error_code& error, std::vector<fs::path>& files) {
   fs::directory_iterator entry(folder, error), end;
@@ -51,7 +48,6 @@ InboxNews PhotoInbox::look() {
   const Clock::time_point now = Clock::now();
   std::error_code error;
   std::map<fs::path, Entry> seen;
-  std::set<fs::path> raws;
   int passed_over = 0;
   const std::vector<fs::path> files = files_of(folder_, lamps_, error);
   for (const fs::path& file : files) {
@@ -67,12 +63,10 @@ InboxNews PhotoInbox::look() {
     // name only.
     const auto before = entries_.find(file);
     const bool known = before != entries_.end() && before->second == found;
-    found.raw = known ? before->second.raw : is_raw(file);
     if (!S_ISREG(status.st_mode) || (!known && !is_photo(file) && (is_sidecar_name(file) || !is_photo_name(file)))) {
       ++passed_over;
       continue;
     }
-    if (found.raw) raws.insert(without_extension(file));
     seen.emplace(file, found);
   }
   if (error) {
@@ -81,7 +75,6 @@ InboxNews PhotoInbox::look() {
     return news;
   }
   passed_over_ = passed_over;
-  std::erase_if(seen, [&](const auto& s) { return raws.contains(without_extension(s.first)) && !s.second.raw; });
 
   for (auto& one : seen) {
     const fs::path& file = one.first;

@@ -28,7 +28,7 @@ struct InboxNews {
 
 /// A folder being watched, with the folders within that are named after lamps (burin/capture/lamp_folders.h), which may
 /// come and go. Other folders within, hidden files, and names that programs give to files in the making (.part,
-/// .tmp, .icloud, ...) are passed over; so is a JPEG beside a raw file of its name.
+/// .tmp, .icloud, ...) are passed over.
 class PhotoInbox {
  public:
   static constexpr std::chrono::seconds kGivenUp{5};
@@ -58,7 +58,6 @@ class PhotoInbox {
     std::uintmax_t size = 0;
     std::filesystem::file_time_type time;
     std::uint64_t inode = 0;
-    bool raw = false;
     enum class State { growing, taken, doubted, given_up } state = State::growing;
     Clock::time_point since;
     bool operator==(const Entry& other) const {

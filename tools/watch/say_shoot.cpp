@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 
 namespace burin {
@@ -64,7 +65,7 @@ std::string share_words(double share) {
 
 std::string shows_words(const JudgedPhoto& photo, const Shoot& shoot) {
   const PhotoFacts& f = photo.facts;
-  std::string out = fmt::format("{} of {} tags", f.tags.size(), shoot.board.tags.list.size());
+  std::string out = fmt::format("{} of {}", f.tags.size(), counted(shoot.board.tags.list.size(), "tag"));
   if (f.blur_px) out += fmt::format(", edges {:.1f} px", *f.blur_px);
   if (!f.tags.empty()) {
     out += fmt::format("; paper at {} of white", share_words(f.paper));
@@ -162,11 +163,8 @@ std::string last_photo_words(const Shoot& shoot) {
 }
 
 std::string state_words(const Shoot& shoot) {
-  if (shoot.wanted.empty()) {
-    const std::size_t places = places_of(shoot);
-    return fmt::format("{} photo{} from {} place{}", shoot.photos.size(), shoot.photos.size() == 1 ? "" : "s", places,
-                       places == 1 ? "" : "s");
-  }
+  if (shoot.wanted.empty())
+    return counted(shoot.photos.size(), "photo") + " from " + counted(places_of(shoot), "place");
   int done = 0, begun = 0, again = 0;
   for (std::size_t i = 0; i < shoot.wanted.size(); ++i) {
     const ShotState state = state_of(shoot, i);
@@ -174,7 +172,7 @@ std::string state_words(const Shoot& shoot) {
     begun += state == ShotState::begun;
     again += state == ShotState::again;
   }
-  std::string out = fmt::format("{} of {} shot{}", done, shoot.wanted.size(), shoot.wanted.size() == 1 ? "" : "s");
+  std::string out = fmt::format("{} of {}", done, counted(shoot.wanted.size(), "shot"));
   if (begun > 0) out += fmt::format(", {} begun", begun);
   if (again > 0) out += fmt::format(", {} to take again", again);
   return out;

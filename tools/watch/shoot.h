@@ -38,6 +38,7 @@ enum class ShotState {
 struct Shoot {
   Board board;
   std::optional<Lens> lens;  ///< of the bench
+  double f_number = 0;       ///< of photos whose EXIF has none; 0: not known
   std::vector<WantedShot> wanted;
   std::string light;  ///< the lamp that is on in the next photos; empty: not known, then shots come in their order
   std::size_t least_places = 0;        ///< from which photos are wanted in all; a plan knows better
