@@ -16,9 +16,11 @@ double require_within(const JsonObject& json, const std::string& key, double val
 
 double read_depth_um(JsonObject& json, const std::string& key, std::optional<double> fallback) {
   const double depth_um = fallback ? json.positive(key, *fallback) : json.positive(key);
-  if (depth_um > bound::kDepth_um)
-    json.fail_field(key, "is " + Json(depth_um).dump() + " um, deeper than any tip cuts",
-                    "write micrometers, at most " + shortest(bound::kDepth_um));
+  if (depth_um > bound::kDepth_um || depth_um < bound::kShallowest_um)
+    json.fail_field(key,
+                    "is " + Json(depth_um).dump() + " um, " +
+                        (depth_um > bound::kDepth_um ? "deeper than any tip cuts" : "too shallow to be a groove"),
+                    "write micrometers, " + shortest(bound::kShallowest_um) + " to " + shortest(bound::kDepth_um));
   return depth_um;
 }
 

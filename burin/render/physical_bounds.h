@@ -17,6 +17,7 @@ class JsonObject;
 namespace bound {
 
 constexpr double kDepth_um = 1000;       ///< of a groove: grooves that glint are some hundredths of a mm deep
+constexpr double kShallowest_um = 0.05;  ///< of a groove: a tenth of light's wavelength, and less than machines step
 constexpr double kToolWidth_um = 4000;   ///< wt, four times a tip's radius
 constexpr double kPreload_mm = 10;       ///< by which a spring or a drag bit is pressed
 constexpr double kMapShare = 0.05;       ///< by which a machine's scale, and its axes' squareness, are off
@@ -38,7 +39,7 @@ constexpr double kPlace_mm = 200'000;    ///< of a scratch's end: no board is lo
 double require_within(const JsonObject& json, const std::string& key, double value, double least, double most,
                       std::string_view unit);
 
-/// A depth above 0 and at most bound::kDepth_um; it must be there if there is no fallback.
+/// A depth from bound::kShallowest_um to bound::kDepth_um; it must be there if there is no fallback.
 double read_depth_um(JsonObject& json, const std::string& key, std::optional<double> fallback = {});
 
 /// A tool's wt above 0 and at most bound::kToolWidth_um.

@@ -22,15 +22,17 @@ struct Column {
   std::vector<double> Scratches::*values;
   bool required, positive;
   double most;
+  double least = 0;  // away from 0
 };
-constexpr std::array<Column, 8> kColumns{{{"x0_mm", &Scratches::x0_mm, true, false, bound::kPlace_mm},
-                                          {"y0_mm", &Scratches::y0_mm, true, false, bound::kPlace_mm},
-                                          {"x1_mm", &Scratches::x1_mm, true, false, bound::kPlace_mm},
-                                          {"y1_mm", &Scratches::y1_mm, true, false, bound::kPlace_mm},
-                                          {"width_um", &Scratches::width_um, false, true, bound::kToolWidth_um},
-                                          {"depth_um", &Scratches::depth_um, false, true, bound::kDepth_um},
-                                          {"alpha", &Scratches::alpha, false, true, 1e9},
-                                          {"carved", &Scratches::carved, false, false, 1e9}}};
+constexpr std::array<Column, 8> kColumns{
+    {{"x0_mm", &Scratches::x0_mm, true, false, bound::kPlace_mm},
+     {"y0_mm", &Scratches::y0_mm, true, false, bound::kPlace_mm},
+     {"x1_mm", &Scratches::x1_mm, true, false, bound::kPlace_mm},
+     {"y1_mm", &Scratches::y1_mm, true, false, bound::kPlace_mm},
+     {"width_um", &Scratches::width_um, false, true, bound::kToolWidth_um},
+     {"depth_um", &Scratches::depth_um, false, true, bound::kDepth_um, bound::kShallowest_um},
+     {"alpha", &Scratches::alpha, false, true, 1e9},
+     {"carved", &Scratches::carved, false, false, 1e9}}};
 
 /// All columns, those that are not in files too.
 constexpr std::array<std::vector<double> Scratches::*, kColumns.size() + 1> all_columns() {
@@ -78,10 +80,13 @@ Scratches read_scratches(const std::filesystem::path& file) {
       (scratches.*columns[c]->values).push_back(columns[c]->positive ? table.positive(c) : table.number(c));
     if (!scratches.carved.empty() && scratches.carved.back() != 0 && scratches.carved.back() != 1)
       fail(table.where(), "carved is neither 0 nor 1", "write 1 for what is carved already, 0 for the rest");
-    for (std::size_t c = 0; c < columns.size(); ++c)
-      if (std::abs((scratches.*columns[c]->values).back()) > columns[c]->most)
+    for (std::size_t c = 0; c < columns.size(); ++c) {
+      const double size = std::abs((scratches.*columns[c]->values).back());
+      if (size > columns[c]->most || size < columns[c]->least)
         table.fail_at(c, "is " + std::string(table.text(c).substr(0, 40)) + ", beyond what any board holds",
-                      "write at most " + shortest(columns[c]->most) + ", and check its unit");
+                      "write " + (columns[c]->least > 0 ? shortest(columns[c]->least) + " to " : "at most ") +
+                          shortest(columns[c]->most) + ", and check its unit");
+    }
     if (!scratches.alpha.empty() && scratches.alpha.back() > 1)
       fail(table.where(), "alpha is greater than 1", "write a roughness above 0 and up to 1");
     if (std::hypot(scratches.x1_mm.back() - scratches.x0_mm.back(), scratches.y1_mm.back() - scratches.y0_mm.back()) <

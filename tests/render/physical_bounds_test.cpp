@@ -24,11 +24,13 @@ TEST(PhysicalBounds, OfABoard) {
         folder.write("board.json", R"({"format": "burin/board", "version": 1, "size_mm": [120, 120])" + fields + "}"));
   };
   EXPECT_EQ(reads(R"(, "material": {"depth_um": 1000}, "tool": {"width_um": 4000})").material.depth_um, 1000);
+  EXPECT_THAT([&] { reads(R"(, "material": {"depth_um": 1e-9})"); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("material.depth_um"), HasSubstr("too shallow"))));
   EXPECT_THAT([&] { reads(R"(, "material": {"depth_um": 1e300})"); },
               ThrowsMessage<Error>(HasSubstr("material.depth_um")));
   for (const char* depth : {"1001", "50000", "1e6"})
     EXPECT_THAT([&] { reads(R"(, "material": {"depth_um": )" + std::string(depth) + "}"); },
-                ThrowsMessage<Error>(AllOf(HasSubstr("material.depth_um"), HasSubstr("at most 1000"))))
+                ThrowsMessage<Error>(AllOf(HasSubstr("material.depth_um"), HasSubstr("to 1000"))))
         << depth;
   EXPECT_THAT([&] { reads(R"(, "tool": {"width_um": 1e300})"); }, ThrowsMessage<Error>(HasSubstr("tool.width_um")));
   EXPECT_THAT([&] { reads(R"(, "tags": {"z_mm": -1})"); }, ThrowsMessage<Error>(HasSubstr("tags.z_mm")));
@@ -80,6 +82,7 @@ TEST(PhysicalBounds, OfScratches) {
   };
   refuses("30,30,35,33,400,20000", "depth_um");
   refuses("30,30,35,33,400,1e300", "depth_um");
+  refuses("30,30,35,33,400,1e-9", "depth_um");
   refuses("30,30,35,33,40000,11", "width_um");
   refuses("1e300,30,35,33,400,11", "x0_mm");
   refuses("30,30,35,-1e9,400,11", "y1_mm");

@@ -88,6 +88,18 @@ TEST_F(Table, CsvOfSpreadsheets) {
   }
 }
 
+TEST_F(Table, LinesEndAsOnAnySystem) {
+  for (const std::string end : {"\n", "\r\n", "\r"}) {  // the last one: old Macs, and Excel's "CSV (Macintosh)"
+    TableReader lines = table("a,b" + end + "1,2" + end + end + "3,4" + end, TableStyle::csv, {"a"});
+    ASSERT_TRUE(lines.next());
+    EXPECT_EQ(lines.number(1), 2);
+    ASSERT_TRUE(lines.next());
+    EXPECT_EQ(lines.number(0), 3);
+    EXPECT_THAT(lines.where(), HasSubstr(":4")) << "an empty line counts";
+    EXPECT_FALSE(lines.next());
+  }
+}
+
 TEST_F(Table, CsvThatCouldBeReadInTwoWaysIsRefused) {
   const auto refuse = [&](const std::string& text, const std::string& where, const std::string& why) {
     EXPECT_THAT(([&] {

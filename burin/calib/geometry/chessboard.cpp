@@ -102,9 +102,9 @@ bool find_corners(const cv::Mat& gray, const Chessboard& board, std::vector<cv::
   constexpr int kThorough = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
   const cv::Size size(board.columns, board.rows);
   if (cv::findChessboardCorners(gray, size, corners, kThorough | cv::CALIB_CB_FAST_CHECK)) return true;
-  for (const cv::Mat& seen : {gray, evenly_lit(gray)})
-    if (cv::findChessboardCorners(seen, size, corners, kThorough)) return !goes_on(seen, board, corners);
-  return false;
+  if (cv::findChessboardCorners(gray, size, corners, kThorough)) return !goes_on(gray, board, corners);
+  const cv::Mat even = evenly_lit(gray);
+  return cv::findChessboardCorners(even, size, corners, kThorough) && !goes_on(even, board, corners);
 }
 
 // Found on a picture of at most kSearchWidth pixels, refined on the whole one.

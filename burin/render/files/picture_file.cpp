@@ -76,6 +76,8 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& file, const Pictu
     std::string ignored;
     input = opened("tiff", file, limits.photo, config, ignored);
   }
+  if (!input && header.has_runs)
+    fail(file.string(), "is a BMP compressed by runs (RLE), which could not be read", "save it as PNG, or without RLE");
   if (!input) fail(file.string(), "is no picture that can be read (" + why + ")", limits.remedy);
   require_usable(input->spec(), file, limits);
   return input;

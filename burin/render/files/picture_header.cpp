@@ -264,6 +264,8 @@ void bmp_size(PictureBytes& file, PictureHeader& header) {
     return take(header, static_cast<std::int64_t>(file.little_endian(18, 2)),
                 static_cast<std::int64_t>(file.little_endian(20, 2)));
   take(header, as_signed(file.little_endian(18, 4)), std::abs(as_signed(file.little_endian(22, 4))));
+  const auto compression = file.little_endian(30, 4);
+  header.has_runs = compression == 1 || compression == 2;
 }
 
 void pnm_size(PictureBytes& file, PictureHeader& header) {
@@ -284,28 +286,35 @@ struct Kind {
   void (*size)(PictureBytes&, PictureHeader&);
 };
 
-// Chunks (PNG 1.2, 3.2): libpng takes memory for a whole note, however long it says that it is. Pixels come piece by
-// piece; EXIF may stand behind them, of which OpenImageIO 2.4 reads nothing.
-void png_size(PictureBytes& file, PictureHeader& header) {
-  take(header, static_cast<std::int64_t>(file.big_endian(16, 4)), static_cast<std::int64_t>(file.big_endian(20, 4)));
+// Chunks (PNG 1.2, 3.2) up to the last one: name, place of its content, length.
+template <typename Look>
+void each_png_chunk(PictureBytes& file, const Look& look) {
   constexpr std::uintmax_t kFrame = 12;  // length and name before, checksum behind
   constexpr int kMostChunks = 2'000'000;
   std::uintmax_t at = 8;
   for (int chunk = 0; at + kFrame <= file.size(); ++chunk) {
     if (chunk == kMostChunks) file.broken("it has more than 2,000,000 chunks");
-    const auto length = file.big_endian(at, 4);
+    const std::uintmax_t length = file.big_endian(at, 4);
     const std::string name = file.at(at + 4, 4);
     if (name == "IEND") return;
-    if (name != "IDAT") {
-      if (length > file.size() - at - kFrame) file.broken("a chunk is longer than the file");
-      if (length > limit::kPictureHeadBytes) file.broken("a chunk of notes is longer than 16 MiB");
-      if (name == "eXIf") header.exif = exif_within(file.at(at + 8, length));
-      if (name == "acTL") header.moves = true;
-      const bool text = name == "zTXt" || name == "tEXt";
-      if (text && header.exif.empty()) header.exif = exif_of_raw_profile(file.at(at + 8, length), name == "zTXt");
-    }
+    look(name, at + 8, length);
     at += kFrame + length;
   }
+}
+
+// libpng takes memory for a whole note, however long it says that it is. Pixels come piece by piece; EXIF may stand
+// behind them, of which OpenImageIO 2.4 reads nothing.
+void png_size(PictureBytes& file, PictureHeader& header) {
+  take(header, static_cast<std::int64_t>(file.big_endian(16, 4)), static_cast<std::int64_t>(file.big_endian(20, 4)));
+  each_png_chunk(file, [&](const std::string& name, std::uintmax_t place, std::uintmax_t length) {
+    if (name == "IDAT") return;
+    if (length > file.size() - place - 4) file.broken("a chunk is longer than the file");
+    if (length > limit::kPictureHeadBytes) file.broken("a chunk of notes is longer than 16 MiB");
+    if (name == "eXIf") header.exif = exif_within(file.at(place, length));
+    if (name == "acTL") header.moves = true;
+    const bool text = name == "zTXt" || name == "tEXt";
+    if (text && header.exif.empty()) header.exif = exif_of_raw_profile(file.at(place, length), name == "zTXt");
+  });
 }
 
 /// Size; and whether a second picture follows the first (GIF89a, 18 to 23).
@@ -469,9 +478,29 @@ PictureHeader read_picture_header(const fs::path& file) {
   return header;
 }
 
+namespace {
+
+// libpng writes a line of its own to standard error before it gives up.
+void require_whole_png(PictureBytes& bytes) {
+  each_png_chunk(bytes, [&](const std::string& name, std::uintmax_t place, std::uintmax_t length) {
+    if (name != "IDAT") return;
+    if (length > bytes.size() - place - 4) bytes.cut_short("its pixels are not all there");
+    uLong sum = crc32(0, reinterpret_cast<const Bytef*>(name.data()), 4);
+    for (std::uintmax_t done = 0; done < length; done += limit::kMiB) {
+      const std::string piece = bytes.at(place + done, std::min<std::uintmax_t>(limit::kMiB, length - done));
+      sum = crc32(sum, reinterpret_cast<const Bytef*>(piece.data()), static_cast<uInt>(piece.size()));
+    }
+    if (sum != bytes.big_endian(place + length, 4)) bytes.broken("its pixels do not match their checksum");
+  });
+}
+
+}  // namespace
+
 void require_whole(const OIIO::ImageInput& input, const fs::path& file) {
-  if (std::string_view(input.format_name()) != "tiff") return;
+  const std::string_view kind = input.format_name();
+  if (kind != "png" && kind != "tiff") return;
   PictureBytes bytes(file, require_plain_file(file, limit::kPictureBytes, "a picture"));
+  if (kind == "png") return require_whole_png(bytes);
   const std::vector<TiffDirectory> directories = read_tiff_directories(bytes);
   if (!directories.empty()) require_parts_unpack(bytes, directories.front());
 }

@@ -11,9 +11,10 @@ namespace burin {
 struct PictureHeader {
   std::string kind;  ///< OpenImageIO's name of its reader: "png", "jpeg", "tiff", "openexr", "raw", ...
   std::int64_t width = 0, height = 0;  ///< the largest that it names; 0 where only its library can tell (some raws)
-  std::string exif;      ///< EXIF that its reader passes over (PNG's, WebP's), from its TIFF header on; else empty
-  std::int64_t iso = 0;  ///< of a TIFF's EXIF, which its reader passes over; 0: not said
-  bool moves = false;    ///< a sequence of pictures, of which the first one is read
+  std::string exif;       ///< EXIF that its reader passes over (PNG's, WebP's), from its TIFF header on; else empty
+  std::int64_t iso = 0;   ///< of a TIFF's EXIF, which its reader passes over; 0: not said
+  bool moves = false;     ///< a sequence of pictures, of which the first one is read
+  bool has_runs = false;  ///< a BMP that is compressed by runs, of which OpenImageIO 2.4 reads some only
 };
 
 /// The kind of a file by its first bytes; empty for one that is missing or none of ours. Never throws. Names count for

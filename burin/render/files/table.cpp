@@ -61,9 +61,10 @@ void TableReader::fail_unless_text() const {
 }
 
 std::string_view TableReader::next_line() {
-  const std::size_t end = rest_.find('\n');
+  const std::size_t end = rest_.find_first_of("\r\n");  // of Windows, Unix, and old Macs
   const std::string_view line = rest_.substr(0, end);
-  rest_ = end == std::string_view::npos ? std::string_view{} : rest_.substr(end + 1);
+  rest_.remove_prefix(std::min(end, rest_.size()));
+  rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, rest_.size()));
   ++line_;
   return trimmed(line, separator_ == '\t' ? " \r" : " \t\r");
 }
@@ -192,7 +193,9 @@ bool TableReader::next() {
 std::string TableReader::where() const { return file_.string() + ":" + std::to_string(line_); }
 
 std::size_t TableReader::rows_left() const {
-  return std::min(static_cast<std::size_t>(std::count(rest_.begin(), rest_.end(), '\n')) + 1, limit::kScratches);
+  const auto ends =
+      std::max(std::count(rest_.begin(), rest_.end(), '\n'), std::count(rest_.begin(), rest_.end(), '\r'));
+  return std::min(static_cast<std::size_t>(ends) + 1, limit::kScratches);
 }
 
 std::string_view TableReader::text(std::size_t column) const {
