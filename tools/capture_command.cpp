@@ -14,6 +14,7 @@
 #include "burin/capture/folder_session.h"
 #include "burin/render/bench.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "tools/commands.h"
 #include "tools/kept_memory.h"
 #include "tools/loop/round_lamps.h"
@@ -79,6 +80,7 @@ void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
   Shoot shoot;
   shoot.board = read_board(o.board);
   if (!o.bench.empty()) shoot.lens = read_bench(o.bench).lens;
+  shoot.f_number = o.f_number;
   shoot.least_places = kFewestPlaces;
   if (!o.plan.empty()) {
     shoot.wanted = planned_shots(o.plan, shoot.board);
@@ -95,29 +97,38 @@ void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
 }
 
 // What the project knows in whose round the photos lie, unless the command line says it.
-void take_from_project(const CLI::App& command, CaptureArguments& o) {
-  const std::optional<ProjectSettings> settings = settings_around(o.photos.empty() ? o.out : o.photos);
-  if (settings) {
+void take_round(const CLI::App& command, CaptureArguments& o) {
+  if (std::optional<ProjectSettings> settings = settings_around(o.photos.empty() ? o.out : o.photos)) {
     const Project& project = settings->at.project;
     const int round = settings->at.round;
-    TakenSettings taken(command);
     if (round > 0 && std::filesystem::exists(project.round(round) / "board.json")) {
       std::error_code ignored;
       if (std::filesystem::equivalent(o.photos, project.round(round), ignored)) o.photos /= "photos";
-      taken.take("--board", project.round(round) / "board.json", o.board);
-      taken.take("--bench", bench_of_photos(project, round), o.bench);
+      settings->board = project.round(round) / "board.json";
+      settings->bench = bench_of_photos(project, round);
       if (const std::vector<std::string> lamp = lamp_arguments(project, round); !lamp.empty())
-        taken.take("--light", lamp.back(), o.light);
-    } else {
-      taken.take("--board", settings->board, o.board);
-      taken.take("--bench", settings->bench, o.bench);
+        settings->light = lamp.back();
     }
-    taken.say(*settings);
+    take_from_project(command, *settings,
+                      {.board = &o.board, .bench = &o.bench, .light = &o.light, .f_number = &o.f_number});
   }
   if (o.board.empty()) throw CLI::RequiredError("--board");
 }
 
 }  // namespace
+
+void add_f_number_option(CLI::App& command, double& f_number) {
+  command
+      .add_option("--f-number", f_number,
+                  "The aperture of photos whose EXIF has none or 0 (a lens without contacts): 8 for f/8")
+      ->check(CLI::Range(0.5, 128.0));
+}
+
+std::shared_ptr<void> add_capture_options(CLI::App& command) {
+  auto f_number = std::make_shared<double>(0);
+  add_f_number_option(command, *f_number);
+  return f_number;
+}
 
 void add_capture_command(CLI::App& burin) {
   auto options = std::make_shared<CaptureArguments>();
@@ -135,10 +146,7 @@ void add_capture_command(CLI::App& burin) {
                       "lie in folders of their names: PHOTOS_DIR/red, PHOTOS_DIR/green");
   command->add_option("--light", options->light, "The lamp of the photos that lie in no lamp's folder");
   command->add_flag("--new-lamp", options->new_lamp, "The lamp of --light is not in the bench yet");
-  command
-      ->add_option("--f-number", options->f_number,
-                   "The aperture of photos whose EXIF has none or 0 (a lens without contacts): 8 for f/8")
-      ->check(CLI::Range(0.5, 128.0));
+  add_f_number_option(*command, options->f_number);
   CLI::Option* tether = command->add_flag("--tether", options->tether,
                                           "Take the photos now, by a camera on a USB cable (libgphoto2), at M: a "
                                           "bracket from each place, each photo judged "
@@ -151,7 +159,7 @@ void add_capture_command(CLI::App& burin) {
               "  burin capture --tether --board board.json --bench bench.json --plan plan/plan.json --out session"));
   command->callback([options, command] {
     if (options->photos.empty() && !options->tether) throw CLI::RequiredError("PHOTOS_DIR");
-    take_from_project(*command, *options);
+    take_round(*command, *options);
     if (options->photos.empty()) options->photos = options->out / "photos";
     const PhotoLamps lamps = photo_lamps(options->light, options->new_lamp, options->bench);
     if (options->tether) take_photos(*options, lamps);
@@ -174,7 +182,7 @@ void add_capture_command(CLI::App& burin) {
     }
     if (result.written.empty())
       fail(options->photos.string(),
-           fmt::format("{} error{} found, no session was written", errors, errors == 1 ? " was" : "s were"),
+           counted(static_cast<std::size_t>(errors), "error") + " found, no session was written",
            "correct or remove the photos named above");
     std::set<std::string> lit;
     for (const Photo& photo : result.session.photos) lit.insert(photo.light);
@@ -182,8 +190,8 @@ void add_capture_command(CLI::App& burin) {
                                  ? "."
                                  : fmt::format("; next: burin calibrate {} --out {}",
                                                shell_word(result.written.string()), shell_word(options->out.string()));
-    print_text("Wrote {}: {} photo{} of {} view{}{}{}\n", result.written.string(), result.session.photos.size(),
-               result.session.photos.size() == 1 ? "" : "s", result.views, result.views == 1 ? "" : "s",
+    print_text("Wrote {}: {} of {}{}{}\n", result.written.string(), counted(result.session.photos.size(), "photo"),
+               counted(static_cast<std::size_t>(result.views), "view"),
                lit.size() > 1 ? fmt::format(" under {} lamps", lit.size()) : "", next);
   });
 }

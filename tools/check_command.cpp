@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/footprint/ndf_cases.h"
 #include "tools/commands.h"
+#include "tools/loop/say.h"
 #include "tools/loop/state.h"
 #include "tools/progress_bar.h"
 #include "tools/project_settings.h"
@@ -51,9 +53,32 @@ struct CarveOptions {
 struct CarveJob {
   CarveCheckFiles files;
   std::filesystem::path page;
-  std::optional<LoopProject> loop;  // if it is the loop's own check of `round`, under the loop's own settings
+  std::optional<LoopProject> loop;  // if it is G-code of the loop's `round`
   int round = 0;
+  bool is_loops_own = false;  // under the loop's own settings, into the loop's page
 };
+
+// G-code that was written before the sheet was probed, or before something else that it rests on was changed. A round's
+// by the loop's own rule: its record.
+std::vector<Finding> outdated(const CarveJob& job) {
+  ContentHashes hashes;
+  if (StageState state = job.loop ? state_of(*job.loop, {job.round, StageKind::toolpath}, hashes) : StageState();
+      state.record) {
+    std::vector<StageChange>& changes = state.changes;
+    std::erase_if(changes, [](const StageChange& change) { return change.kind != StageChange::Kind::input; });
+    if (changes.empty()) return {};
+    return {{Finding::Severity::error, job.loop->project.round(job.round) / "board.gcode",
+             "was written before " + in_words(changes),
+             "write it again: " + loop_line(job.loop->project, "--again toolpath")}};
+  }
+  std::error_code error;
+  const auto time_of = [&](const std::filesystem::path& file) { return std::filesystem::last_write_time(file, error); };
+  for (const std::filesystem::path& file : job.files.gcode)
+    if (!job.files.heights.empty() && time_of(file) < time_of(job.files.heights) && !error)
+      return {{Finding::Severity::error, file, "was written before " + job.files.heights.string(),
+               "write it again: burin toolpath --heights " + shell_word(job.files.heights.string()) + " ..."}};
+  return {};
+}
 
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   std::error_code ignored;
@@ -99,29 +124,24 @@ CarveJob job_of(const CarveOptions& options, const CLI::App& command) {
   const CarveCheckFiles& said = options.files;
   CarveJob job{said, options.out, std::nullopt, 0};
   const std::optional<ProjectSettings> project = settings_around(options.what);
-  TakenSettings taken(command);
-  if (project) {
-    taken.take("--machine", project->machine, job.files.machine);
-    if (said.heights.empty()) taken.take("--follow-bow", project->follow_bow, job.files.follow_bow);
-  }
+  SettingsToTake take{.machine = &job.files.machine};
+  if (said.heights.empty()) take.follow_bow = &job.files.follow_bow;
   const std::filesystem::path round = said.gcode.empty() || std::filesystem::is_directory(options.what)
                                           ? round_of(options.what, project)
                                           : std::filesystem::path();
   if (round.empty()) {
     if (!std::filesystem::exists(options.what))
       fail(options.what.string(), "does not exist", "name scratches, or the folder of a loop's round");
-    if (project) {
-      taken.take("--board", project->board, job.files.board);
-      taken.take("--bench", project->bench, job.files.bench);
-    }
+    take.board = &job.files.board;
+    take.bench = &job.files.bench;
+    if (project) take_from_project(command, *project, take);
     job.files.scratches = options.what;
     if (job.files.board.empty() || job.files.gcode.empty())
       throw CLI::RequiredError("--board and --gcode (or the folder of a loop's round)");
     if (job.page.empty()) job.page = "carve-check.html";
-    if (project) taken.say(*project);
     return job;
   }
-  if (project) taken.say(*project);
+  if (project) take_from_project(command, *project, take);
   const CarveCheckFiles own = round_files(round, job.files.machine);
   for (const auto member : {&CarveCheckFiles::board, &CarveCheckFiles::bench, &CarveCheckFiles::design,
                             &CarveCheckFiles::folder, &CarveCheckFiles::heights})
@@ -137,33 +157,36 @@ CarveJob job_of(const CarveOptions& options, const CLI::App& command) {
   if (beside)
     note("the loop checks this round under other settings (machine " +
          (project->machine.empty() ? CarveCheckFiles().machine : project->machine) + "), and its page stays as it is");
-  if (as_loop && same_file(job.page, round / "carve-check.html")) {
+  if (of_loop && job.files.gcode == own.gcode && (job.files.follow_bow || job.files.heights == own.heights)) {
     job.loop = LoopProject{at->project, read_loop_options(at->project.folder)};
     job.round = at->round;
+    job.is_loops_own = as_loop && same_file(job.page, round / "carve-check.html");
   }
   return job;
 }
 
 void check_before_carving(const CarveOptions& options, const CLI::App& command) {
-  const CarveJob job = job_of(options, command);
-  const auto& [files, page, loop, round] = job;
+  CarveJob job = job_of(options, command);
+  job.files.outdated = outdated(job);
+  const auto& [files, page, loop, round, is_loops_own] = job;
   const WorkLock lock(page.parent_path(), "burin check carve", WorkLock::Where::projects);
   ProgressBar bar;
   bar.progress()("replaying", 0);
-  const CarveCheck check = check_carve_files(files);
+  const CheckedCarving checked = check_carve_files(files);
+  const CarveCheck& check = checked.check;
   bar.progress()("writing", 0);
-  write_carve_check_page(check, files, page);
-  if (loop) record_check(*loop, round, check.good());
+  write_carve_check_page(checked, files, page);
+  if (is_loops_own) record_check(*loop, round, check.good());
   bar.clear();
   print_text("{}", carve_check_text(check));
   if (!check.good()) {
     const auto red = std::count_if(check.findings.begin(), check.findings.end(),
                                    [](const Finding& f) { return f.severity == Finding::Severity::error; });
     std::fflush(stdout);
-    fail(page.string(), fmt::format("do not carve this: {} red line{}", red, red == 1 ? "" : "s"),
+    fail(page.string(), "do not carve this: " + counted(static_cast<std::size_t>(red), "red line"),
          "open it in a browser and mend what it says");
   }
-  print_text("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n", carve_question(check, files),
+  print_text("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n", carve_question(checked, files),
              page.string());
 }
 

@@ -66,10 +66,14 @@ void add_status_command(CLI::App& burin);
 void add_trace_command(CLI::App& burin);
 void add_check_command(CLI::App& burin);
 
-/// The options of `burin design` and `burin toolpath` that say how, not which files: `command` may be another one that
-/// hands them on. What they are read into lives as long as what is returned.
+/// The options of `burin design`, `burin toolpath` and `burin capture` that say how, not which files: `command` may be
+/// another one that hands them on. What they are read into lives as long as what is returned.
 std::shared_ptr<void> add_design_options(CLI::App& command);
+std::shared_ptr<void> add_capture_options(CLI::App& command);
 std::shared_ptr<void> add_toolpath_options(CLI::App& command);
+
+/// --f-number of commands that read photos: the aperture of those whose EXIF has none. 0: not said.
+void add_f_number_option(CLI::App& command, double& f_number);
 
 /// The type_name of options that name files among these: what hands them on moves paths with them.
 inline constexpr const char* kFile = "FILE";

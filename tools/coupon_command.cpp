@@ -84,13 +84,10 @@ void print_plan(const CouponPlan& plan, const ToolpathReport& report) {
 }
 
 void write_coupon_files(WriteOptions options, const CLI::App& command) {
-  if (const std::optional<ProjectSettings> project = settings_around(options.out)) {
-    TakenSettings taken(command);
-    taken.take("--machine", project->machine, options.machine);
-    taken.say(*project);
-  }
+  if (const std::optional<ProjectSettings> project = settings_around(options.out))
+    take_from_project(command, *project, {.machine = &options.machine});
   const WorkLock lock(options.out, "burin coupon write", WorkLock::Where::new_folders);
-  const MachineProfile machine = machine_profile(options.machine);
+  const MachineProfile machine = machine_in_project(options.machine, options.out);
   if (options.coupon.date.empty()) options.coupon.date = local_time("%Y-%m-%d");
   std::optional<Board> on;
   if (!options.on.empty()) {
@@ -291,11 +288,7 @@ void write_machine(const ReadOptions& options, const MachineProfile& machine, co
 
 void read_coupon_files(ReadOptions options, const CLI::App& command) {
   const std::optional<ProjectSettings> project = settings_around(options.folder);
-  if (project && !options.out.empty()) {
-    TakenSettings taken(command);
-    taken.take("--machine", project->machine, options.machine);
-    taken.say(*project);
-  }
+  if (project && !options.out.empty()) take_from_project(command, *project, {.machine = &options.machine});
   if (!options.out.empty() && options.machine.empty()) throw CLI::RequiredError("--machine");
   const WorkLock lock(options.folder, "burin coupon read");
   const Coupon coupon = read_coupon(options.folder / "coupon.json");

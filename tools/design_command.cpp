@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/optimize/carving/release_check.h"
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/duration.h"
@@ -172,6 +173,7 @@ void run(const DesignArguments& o) {
   Bench bench = as_known;
   if (o.depth_um > 0) bench.material.depth_um = o.depth_um;
   for (const Finding& finding : bench.findings) note(finding);
+  for (const Finding& finding : height_findings(board, spec.board)) note(finding);
   DesignOptions options = o.design;
   options.start = o.start == "guided" ? Start::guided : Start::random;
   options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
@@ -226,9 +228,9 @@ void run(const DesignArguments& o) {
   print_views(result);
   for (std::size_t k = 0; k < result.tolerance.size(); ++k)
     print_text("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));
-  print_text("loss {:.0f} -> {:.0f} in {} iterations; {:.1f} s in all; {} of {} scratches kept\n",
-             result.history.front().loss, result.final_loss, result.history.size() - 1, result.total_seconds,
-             result.scratches.size() - result.carved, result.started_with);
+  print_text("loss {:.0f} -> {:.0f} in {}; {:.1f} s in all; {} of {} kept\n", result.history.front().loss,
+             result.final_loss, counted(result.history.size() - 1, "iteration"), result.total_seconds,
+             result.scratches.size() - result.carved, counted(result.started_with, "scratch"));
   double mean_db = 0;
   for (const DesignedView& v : result.views) mean_db += v.psnr_db / static_cast<double>(result.views.size());
   if (const std::string line = quality.line(mean_db); !line.empty())
@@ -236,8 +238,8 @@ void run(const DesignArguments& o) {
   if (const std::string dropped = dropped_text(result.dropped_by_rule); !dropped.empty())
     print_text("left out because they could not obey the machine's and the board's limits: {}\n", dropped);
   if (result.carved > 0)
-    print_text("{} scratches are new; {} are carved already and stay as they are (column \"carved\")\n",
-               result.scratches.size() - result.carved, result.carved);
+    print_text("{} new; {} carved already, which stay as they are (column \"carved\")\n",
+               counted(result.scratches.size() - result.carved, "scratch"), result.carved);
   if (!result.curve.empty())
     print_text("{:.2f} hours to carve on {}; what fewer would show: carving-curve.svg\n", result.curve.front().hours,
                options.carve_machine.name);

@@ -1,6 +1,9 @@
 // burin loop - pictures to scratches, photographs of the carved board to a measured bench, and a better board from it.
 // The work is in tools/loop: stages.h says what there is in a project, turn.h how it is turned on.
+#include <unistd.h>
+
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,6 +15,7 @@
 #include "tools/loop/options.h"
 #include "tools/loop/round_design.h"
 #include "tools/loop/turn.h"
+#include "tools/new/ask.h"
 #include "tools/project_settings.h"
 #include "tools/work_lock.h"
 
@@ -27,6 +31,22 @@ struct LoopArguments {
   std::vector<std::string> views, lamps;
 };
 
+// How far the machine goes, once: where nobody is there to answer, the tool path has a note that asks for it.
+void ask_for_travel(LoopProject& loop, LoopCommandLine& said) {
+  const MachineProfile machine = machine_of(loop.options, loop.project.folder);
+  const bool person = isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0;
+  if (!person || machine.travel || machine.travel_is_unknown) return;
+  Conversation talk{std::cin, std::cout};
+  ask(talk,
+      "How far does " + machine.name +
+          " go to the right and up from the board's lower left corner (300x180 in mm)? "
+          "What lies farther is refused",
+      "unknown", [&](const std::string& answer) {
+        said.travel = answer;
+        loop.options = remember_options(said, loop.project.folder);
+      });
+}
+
 void run(LoopArguments o) {
   o.project.folder = project_folder(o.project.folder, "PROJECT_DIR");
   for (const char* file : {"board.json", "design.json", "bench.json"})
@@ -39,8 +59,8 @@ void run(LoopArguments o) {
   for (int round = 1; round <= o.project.rounds(); ++round) make_output_folder(o.project.round(round));
   remember_names(o.project, o.views, o.lamps);
   if (!o.said.machine.empty()) machine_profile(o.said.machine);  // refused before it is kept
-  const LoopProject loop{o.project, remember_options(o.said, o.project.folder)};
-  machine_profile(machine_argument(loop.options, loop.project.folder));  // and before what is there is moved aside
+  LoopProject loop{o.project, remember_options(o.said, o.project.folder)};
+  ask_for_travel(loop, o.said);  // and the machine is refused before what is there is moved aside
   turn_loop(loop, o.answers);
 }
 

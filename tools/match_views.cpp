@@ -402,18 +402,27 @@ Matching match_bench(const DesignSpec& design, const Bench& designed, const Benc
 }
 
 std::vector<Finding> matched_findings(const Matching& matching, const std::filesystem::path& where) {
+  constexpr double kInPlace_mm = 1;
   std::vector<Finding> out;
-  for (const auto& [kind, matches] : {std::pair{&kView, &matching.views}, {&kLamp, &matching.lamps}})
+  for (const auto& [kind, matches] : {std::pair{&kView, &matching.views}, {&kLamp, &matching.lamps}}) {
+    std::string in_place;
     for (const Match& match : *matches) {
       const Candidate* taken = match.measured.empty() ? nullptr : candidate_named(match, match.measured);
       if (taken == nullptr) continue;
       const bool near = taken->offset.reaches <= 1;
+      if (near && taken->offset.mm < kInPlace_mm) {
+        in_place += fmt::format("{}\"{}\" is \"{}\"", in_place.empty() ? "" : ", ", match.designed, match.measured);
+        continue;
+      }
       Finding finding{near ? Finding::Severity::note : Finding::Severity::warning, where, {}, {}};
       finding.what = fmt::format("{} \"{}\" of the design is \"{}\"{}, {}", kind->what, match.designed, match.measured,
                                  match.given ? " as given" : "", in_words(taken->offset));
       if (!near) finding.remedy = "the next board is designed for where it was measured";
       out.push_back(std::move(finding));
     }
+    if (!in_place.empty())
+      out.push_back({Finding::Severity::note, where, std::string(kind->what) + "s in their places: " + in_place, {}});
+  }
   return out;
 }
 
@@ -431,10 +440,17 @@ void require_complete(const Matching& matching, const std::filesystem::path& whe
 
 std::string in_words(const Offset& offset) {
   const auto mm = [](double value) { return fmt::format("{:.{}f}", value, value < 9.95 ? 1 : 0); };
-  return fmt::format("{} mm to the {}, {} mm {}, {} mm {}; {} mm and {:.2f} degrees in all",
-                     mm(std::abs(offset.sideways_mm)), offset.sideways_mm < 0 ? "left" : "right",
-                     mm(std::abs(offset.up_mm)), offset.up_mm < 0 ? "down" : "up", mm(std::abs(offset.along_mm)),
-                     offset.along_mm < 0 ? "nearer" : "further away", mm(offset.mm), offset.degrees);
+  std::string parts;
+  const auto add = [&](double value_mm, const char* below, const char* above) {
+    const std::string size = mm(std::abs(value_mm));
+    if (size != "0.0")
+      parts += fmt::format("{}{} mm {}", parts.empty() ? "" : ", ", size, value_mm < 0 ? below : above);
+  };
+  add(offset.sideways_mm, "to the left", "to the right");
+  add(offset.up_mm, "down", "up");
+  add(offset.along_mm, "nearer", "further away");
+  if (parts.empty()) return "in its place";
+  return fmt::format("{}; {} mm and {:.2f} degrees in all", parts, mm(offset.mm), offset.degrees);
 }
 
 void add_given_name(const std::string& option, const std::string& text, std::map<std::string, std::string>& names) {

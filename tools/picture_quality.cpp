@@ -63,6 +63,10 @@ std::size_t DesignQuality::worst() const {
 DesignQuality quality_of_design(const std::filesystem::path& file) {
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
+  return quality_of_design(report, file);
+}
+
+DesignQuality quality_of_design(JsonObject& report, const std::filesystem::path& file) {
   DesignQuality out;
   const bool of_eyes = report.has("eye");  // designs of 0.1 know their own pixels only
   if (of_eyes) {

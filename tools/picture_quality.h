@@ -10,6 +10,8 @@
 
 namespace burin {
 
+class JsonObject;
+
 /// "18.7 dB (342 px)": the pixels along the longer side that it counts.
 std::string decibels_of(double psnr_db, int px);
 
@@ -50,5 +52,6 @@ struct DesignQuality {
 };
 /// Throws Error for a report that cannot be read.
 DesignQuality quality_of_design(const std::filesystem::path& report);
+DesignQuality quality_of_design(JsonObject& report, const std::filesystem::path& file);  ///< one that is read already
 
 }  // namespace burin

@@ -11,6 +11,7 @@
 #include "burin/optimize/carving/probe_check.h"
 #include "burin/optimize/carving/release_check.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/write_file.h"
 #include "tools/commands.h"
@@ -29,12 +30,9 @@ struct ProbeArguments {
 
 void write_probing(ProbeArguments options, const CLI::App& command) {
   if (std::filesystem::is_directory(options.board)) options.board /= "board.json";
-  if (const std::optional<ProjectSettings> project = settings_around(options.board)) {
-    TakenSettings taken(command);
-    taken.take("--machine", project->machine, options.machine);
-    taken.say(*project);
-  }
-  const MachineProfile machine = machine_profile(options.machine);
+  if (const std::optional<ProjectSettings> project = settings_around(options.board))
+    take_from_project(command, *project, {.machine = &options.machine});
+  const MachineProfile machine = machine_in_project(options.machine, options.board);
   const Board board = read_board(options.board);
   ProgressBar bar;
   bar.progress()("choosing where to touch the face", 0);
@@ -48,8 +46,8 @@ void write_probing(ProbeArguments options, const CLI::App& command) {
   bar.clear();
   for (const Finding& finding : reach_findings(machine)) note(finding);
   const Eigen::Vector2d& first = plan.points_mm.front();
-  print_text("touches the face at {} points, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
-             plan.points_mm.size() - 1, first.x(), first.y());
+  print_text("touches the face at {}, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
+             counted(plan.points_mm.size() - 1, "point"), first.x(), first.y());
   const bool linuxcnc = machine.dialect == GcodeDialect::linuxcnc;
   print_text("Wrote {}: try the probe's contact by hand, run it, {}; then: burin probe read {} --probed {} --out {}\n",
              options.out.string(),

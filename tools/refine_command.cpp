@@ -147,13 +147,12 @@ void print_result(const Refinement& r, const Board& board, const Sent& sent) {
 
 // The bench that a loop's round was calibrated to, for a command that names none and writes elsewhere.
 std::filesystem::path bench_of_round(const CLI::App& command, const std::filesystem::path& session, bool elsewhere) {
-  const std::optional<ProjectSettings> settings = settings_around(session);
+  std::optional<ProjectSettings> settings = settings_around(session);
   if (!settings || settings->at.round == 0) throw CLI::RequiredError("--bench");
   if (!elsewhere) throw CLI::RequiredError("--out (the round's own bench.json is the loop's)");
   std::filesystem::path bench;
-  TakenSettings taken(command);
-  taken.take("--bench", settings->at.project.round(settings->at.round) / "calibration" / "bench.json", bench);
-  taken.say(*settings);
+  settings->bench = settings->at.project.round(settings->at.round) / "calibration" / "bench.json";
+  take_from_project(command, *settings, {.bench = &bench});
   return bench;
 }
 

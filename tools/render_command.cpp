@@ -13,6 +13,7 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/carve.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/part_file.h"
 #include "burin/render/image.h"
@@ -61,8 +62,9 @@ void run_animation(const RenderArguments& o, const Board& board, const Bench& be
   const int frames = animate(board, bench, carved, views, lights, o.animation, options, bar.progress());
   bar.clear();
   const bool eye = options.moving == Moving::eye;
-  print_text("Wrote {}: {} frames through {} {}, {} pixels; next: {}.\n", o.animation.string(), frames,
-             eye ? views.size() : lights.size(), eye ? "views" : "lamps", options.pixels,
+  print_text("Wrote {}: {} through {}, {} pixels; next: {}.\n", o.animation.string(),
+             counted(static_cast<std::size_t>(frames), "frame"),
+             eye ? counted(views.size(), "view") : counted(lights.size(), "lamp"), options.pixels,
              o.animation.extension().empty() ? "make a film of these pictures" : "open it in a browser");
 }
 
@@ -73,26 +75,24 @@ bool is_float_format(const std::filesystem::path& file) {
 
 // A board's folder, or a file of a project: what it knows is taken. Of a round its own scratches, as designed, and the
 // bench as its photos measured it, if they did.
-void take_from_project(const CLI::App& command, RenderArguments& o) {
-  const std::optional<ProjectSettings> settings = settings_around(o.board);
-  TakenSettings taken(command);
-  if (settings && std::filesystem::is_directory(o.board)) {
-    const Project& project = settings->at.project;
-    const int round = settings->at.round > 0 ? settings->at.round : project.rounds();
-    if (round > 0 && std::filesystem::exists(project.round(round) / "scratches.csv"))
-      taken.take("--scratches", project.round(round) / "scratches.csv", o.scratches);
-    const std::filesystem::path measured = project.round(round) / "bench.json";
-    taken.take("--bench", round > 0 && std::filesystem::exists(measured) ? measured : settings->bench, o.bench);
-    o.board = settings->board;
-  } else if (settings) {
-    taken.take("--bench", settings->bench, o.bench);
+void take_board(const CLI::App& command, RenderArguments& o) {
+  if (std::optional<ProjectSettings> settings = settings_around(o.board)) {
+    if (std::filesystem::is_directory(o.board)) {
+      const Project& project = settings->at.project;
+      const int round = settings->at.round > 0 ? settings->at.round : project.rounds();
+      const std::filesystem::path scratches = project.round(round) / "scratches.csv",
+                                  measured = project.round(round) / "bench.json";
+      if (round > 0 && std::filesystem::exists(scratches)) settings->scratches = scratches;
+      if (round > 0 && std::filesystem::exists(measured)) settings->bench = measured;
+      o.board = settings->board;
+    }
+    take_from_project(command, *settings, {.scratches = &o.scratches, .bench = &o.bench});
   }
-  if (settings) taken.say(*settings);
   if (o.bench.empty()) throw CLI::RequiredError("--bench");
 }
 
 void run(RenderArguments o, const CLI::App& command) {
-  take_from_project(command, o);
+  take_board(command, o);
   require_command_line(o);
   if (!o.out.empty()) find_place(o.out);  // refused before the work
   if (o.animation.has_extension()) find_place(o.animation);
@@ -135,8 +135,8 @@ void run(RenderArguments o, const CLI::App& command) {
   bar.progress()("writing", 0);
   write_picture(image, o.out);
   bar.clear();
-  print_text("Wrote {}: view {} under {}, {} scratches, {} x {} pixels, exposure {:.6g}.\n", o.out.string(), view.name,
-             light.id, rows.size(), image.width, image.height, exposure);
+  print_text("Wrote {}: view {} under {}, {}, {} x {} pixels, exposure {:.6g}.\n", o.out.string(), view.name, light.id,
+             counted(rows.size(), "scratch"), image.width, image.height, exposure);
 }
 
 }  // namespace

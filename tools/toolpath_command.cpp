@@ -16,6 +16,7 @@
 #include "burin/render/bench_of_board.h"
 #include "burin/render/board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/file_names.h"
 #include "burin/render/files/files_together.h"
 #include "burin/render/files/json_file.h"
@@ -38,7 +39,7 @@ struct ToolpathArguments {
 };
 
 MachineProfile machine_of(const ToolpathArguments& options) {
-  MachineProfile machine = machine_profile(options.machine);
+  MachineProfile machine = machine_in_project(options.machine, options.scratches);
   if (options.decimals > 0) machine.decimals = options.decimals;
   if (options.max_lines >= 0) machine.max_lines = options.max_lines;
   if (machine.max_lines != 0 && machine.max_lines < kLeastLines)
@@ -71,14 +72,14 @@ void set_face(const ToolpathArguments& options, ToolpathOptions& settings) {
   settings.follow_bow = options.follow_bow;
 }
 
-// How Z is to be set before carving, and what the depths rest on.
+// How zero is to be set before carving, and what the depths rest on.
 std::string zero_text(const MachineProfile& machine, const ToolpathReport& report) {
-  if (machine.depth_by == DepthBy::servo) return "set work zero at the board's lower left corner, and carve";
+  if (machine.depth_by == DepthBy::servo) return "set work zero at the board's lower left corner";
   const std::string where = report.face.followed() ? fmt::format("where the tool touches the face at X{:.2f} Y{:.2f}",
                                                                  report.face.zero_mm.x(), report.face.zero_mm.y())
                                                    : "on its face";
   return fmt::format(
-      "set work zero at the board's lower left corner, Z {}, and carve",
+      "set work zero at the board's lower left corner, Z {}",
       by_preload(machine.depth_by) && !report.face.followed() ? "where the tool first touches the face" : where);
 }
 
@@ -87,12 +88,28 @@ bool is_drawing(const std::filesystem::path& out) {
   return extension == ".svg" || extension == ".dxf" || extension == ".csv";
 }
 
+// The command that looks at the files before they are carved; a loop does that itself.
+std::string check_line(const ToolpathArguments& options, const ToolpathReport& report) {
+  std::vector<std::string> words{"check", "carve", options.scratches.string(), "--board", options.board.string()};
+  const auto add = [&](const char* option, const std::string& value) {
+    if (!value.empty()) words.insert(words.end(), {option, value});
+  };
+  add("--bench", options.bench.string());
+  add("--machine", options.machine);
+  add("--heights", options.heights.string());
+  if (options.follow_bow) words.emplace_back("--follow-bow");
+  words.emplace_back("--gcode");
+  for (const std::filesystem::path& file : report.files) words.push_back(file.string());
+  return "; next: " + command_text(words);
+}
+
 // What G-code tells the machine, to its last decimal: as it was read back from the files, since that is what is in the
 // metal.
 Scratches told_by(const ToolpathReport& report) {
   Scratches told = report.sent.scratches;
   if (report.replayed.size() != told.size())
-    fail(report.files.front().string(), fmt::format("carves {} scratches of {}", report.replayed.size(), told.size()),
+    fail(report.files.front().string(),
+         fmt::format("carves {} of {}", counted(report.replayed.size(), "scratch"), told.size()),
          "this is a fault in Burin");
   for (std::size_t row = 0; row < told.size(); ++row) {
     const ReplayedScratch& s = report.replayed[row];
@@ -150,7 +167,7 @@ void write(const ToolpathArguments& options) {
              report.min_mm.y(), report.max_mm.y(),
              report.compensated ? "compensated by the measured machine.affine" : "not compensated");
   if (report.already_carved > 0)
-    print_text("{} scratches are carved already and are left out\n", report.already_carved);
+    print_text("{} carved already and left out\n", counted(report.already_carved, "scratch"));
   if (report.stepped_mm > kOnStep_mm)
     print_text("the machine's steps of {:g} mm move ends by up to {:.4f} mm\n", machine.limits.step_mm,
                report.stepped_mm);
@@ -165,18 +182,20 @@ void write(const ToolpathArguments& options) {
   if (!options.resume.empty()) {
     const CarvingStep& next = report.order.front();
     print_text(
-        "{}: {} scratches are done before line {}; the first that is left is row {} of {}. Controllers are told lines "
+        "{}: {} done before line {}; the first that is left is row {} of {}. Controllers are told lines "
         "ahead of what they carve: look whether the last ones are there, and name an earlier line if not.\n",
-        options.resume.string(), report.done_before, options.at_line, next.scratch + 1, options.scratches.string());
+        options.resume.string(), counted(report.done_before, "scratch"), options.at_line, next.scratch + 1,
+        options.scratches.string());
     print_text(
-        "Wrote the {} scratches left, about {}: home the machine, set work zero where it was, and carve{}; then go on "
+        "Wrote the {} left, about {}: home the machine, set work zero where it was, and carve{}; then go on "
         "with the next file.\n",
-        report.scratch_count, duration_text(report.duration_s),
+        counted(report.scratch_count, "scratch"), duration_text(report.duration_s),
         options.frame ? " (the frame first: it goes round them in the air)" : "");
     return;
   }
-  print_text("Wrote {} scratches for {}, about {}: {}.\n", report.scratch_count, machine.name,
-             duration_text(report.duration_s), zero_text(machine, report));
+  print_text("Wrote {} for {}, about {}: {}{}\n", counted(report.scratch_count, "scratch"), machine.name,
+             duration_text(report.duration_s), zero_text(machine, report),
+             is_drawing(options.out) || is_in_round(options.out) ? "." : check_line(options, report));
 }
 
 void replay(const ToolpathArguments& options) {
@@ -200,9 +219,9 @@ void replay(const ToolpathArguments& options) {
     bar.clear();
     carved.insert(carved.end(), done.scratches.begin(), done.scratches.end());
     duration_s += done.duration_s;
-    print_text("{}: {} lines, {} scratches, {:.1f} m in the metal, {:.1f} m in the air, {}\n", file.string(),
-               done.lines, done.scratches.size(), done.carve_mm / 1000, done.travel_mm / 1000,
-               duration_text(done.duration_s));
+    print_text("{}: {}, {}, {:.1f} m in the metal, {:.1f} m in the air, {}\n", file.string(),
+               counted(done.lines, "line"), counted(done.scratches.size(), "scratch"), done.carve_mm / 1000,
+               done.travel_mm / 1000, duration_text(done.duration_s));
     print_text("  X {:.3f} to {:.3f}, Y {:.3f} to {:.3f}, Z {:.3f} to {:.3f} mm\n", done.min_mm.x(), done.max_mm.x(),
                done.min_mm.y(), done.max_mm.y(), done.min_mm.z(), done.max_mm.z());
   }
@@ -210,22 +229,8 @@ void replay(const ToolpathArguments& options) {
   fail_unless_good(check_toolpath(carved, planned.scratches, 1e-3, depth_share(planned.face)),
                    options.replay.front().string());
   bar.clear();
-  print_text("Replayed: all {} scratches are carved once and as planned, in about {} on {}.\n", carved.size(),
+  print_text("Replayed: {}, each carved once and as planned, in about {} on {}.\n", counted(carved.size(), "scratch"),
              duration_text(duration_s), machine.name);
-}
-
-// What the project knows in which the scratches lie, unless the command line says it.
-void take_from_project(const CLI::App& command, ToolpathArguments& options) {
-  if (const std::optional<ProjectSettings> project = settings_around(options.scratches)) {
-    TakenSettings taken(command);
-    taken.take("--board", project->board, options.board);
-    taken.take("--bench", project->bench, options.bench);
-    taken.take("--machine", project->machine, options.machine);
-    if (options.heights.empty()) taken.take("--follow-bow", project->follow_bow, options.follow_bow);
-    if (!options.follow_bow) taken.take("--heights", project->heights, options.heights);
-    taken.say(*project);
-  }
-  if (options.board.empty()) throw CLI::RequiredError("--board");
 }
 
 void add_options(CLI::App& command, ToolpathArguments& options) {
@@ -303,7 +308,14 @@ void add_toolpath_command(CLI::App& burin) {
       "--out rest.gcode"));
   command->callback([options, command] {
     if (options->out.empty() && options->replay.empty()) throw CLI::RequiredError("--out FILE (or --replay FILE)");
-    take_from_project(*command, *options);
+    if (const std::optional<ProjectSettings> project = settings_around(options->scratches))
+      take_from_project(*command, *project,
+                        {.machine = &options->machine,
+                         .board = &options->board,
+                         .bench = &options->bench,
+                         .heights = &options->heights,
+                         .follow_bow = &options->follow_bow});
+    if (options->board.empty()) throw CLI::RequiredError("--board");
     if (options->replay.empty())
       write(*options);
     else

@@ -79,7 +79,7 @@ std::string where_to_stand(const DesignSpec& design, const Bench& bench, const B
                   furthest > 1.5 * nearest ? " (these views are at very different distances: some will be soft)" : "");
   out += "exposures of each place: the tags' white paper at 60 % of white" +
          (exposures.empty() ? "" : " (" + exposures + ")") +
-         ", then three and six stops shorter until no glint is clipped\n";
+         ", then shorter until no glint is clipped: the sheet has the stops of each place\n";
   return out;
 }
 

@@ -117,6 +117,8 @@ void check_other_m_codes(JsonObject& json, const MachineProfile& machine) {
   }
 }
 
+}  // namespace
+
 // Machines that home to their far corner count down from there. What they reach is wanted from work zero.
 void read_travel(JsonObject& json, MachineProfile& machine) {
   constexpr double kFarthest_mm = 1e5;  // as the replay: no machine reaches 100 m
@@ -130,6 +132,9 @@ void read_travel(JsonObject& json, MachineProfile& machine) {
       json.fail_field("work_zero_mm", "is " + to_json(zero_mm).dump(), "write millimeters, at most 100000");
   }
   if (!json.has("travel_mm")) return;
+  machine.travel.reset();
+  machine.travel_is_unknown = json.raw("travel_mm") == "unknown";
+  if (machine.travel_is_unknown) return;
   const Eigen::MatrixXd travel = json.matrix("travel_mm", 2, 2);
   if (!(travel.cwiseAbs().maxCoeff() <= kFarthest_mm))
     json.fail_field("travel_mm", "is " + to_json(travel).dump(), "write millimeters, at most 100000");
@@ -144,6 +149,8 @@ void read_travel(JsonObject& json, MachineProfile& machine) {
                         : "count from work zero; or, with travel_mm as the machine counts after homing (grbl: -400 to "
                           "0), add work_zero_mm: what its own position (MPos) is at work zero, such as [-380, -270]");
 }
+
+namespace {
 
 void read_depth_table(JsonObject& json, MachineProfile& machine) {
   machine.depth_table = {};

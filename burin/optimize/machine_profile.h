@@ -52,6 +52,8 @@
 
 namespace burin {
 
+class JsonObject;
+
 /// What differs between G-code's dialects: how comments and dwells are written.
 enum class GcodeDialect {
   grbl,      ///< comments in ( ), G4 P in seconds
@@ -109,8 +111,12 @@ struct MachineProfile {
   std::optional<MachineMeasured> measured;  ///< by a coupon
   /// Where the tool can go, from work zero (a file's travel_mm less its work_zero_mm); nothing is checked if not known.
   std::optional<MachineBounds> travel;
+  bool travel_is_unknown = false;  ///< a person has said that it is not known: no note asks for it
   std::vector<std::string> head, start, per_scratch, end;
 };
+
+/// Reads `travel_mm` (and `work_zero_mm`): [[x, y], [x, y]], or "unknown". What is not there stays.
+void read_travel(JsonObject& json, MachineProfile& machine);
 
 /// The least that `max_lines` may be: shorter files would be little but their own heads.
 inline constexpr int kLeastLines = 100;

@@ -312,6 +312,9 @@ TEST(ReleaseCheck, AReachThatNobodySaidIsNamed) {
   MachineProfile machine = machine_profile("grbl");
   ASSERT_EQ(reach_findings(machine).size(), 1u);
   EXPECT_THAT(sentence(reach_findings(machine)[0]), HasSubstr("travel_mm"));
+  machine.travel_is_unknown = true;  // an answer, too
+  EXPECT_TRUE(reach_findings(machine).empty());
+  machine.travel_is_unknown = false;
   machine.travel = MachineBounds{{0, 0}, {300, 180}};
   EXPECT_TRUE(reach_findings(machine).empty());
 }

@@ -4,6 +4,7 @@
 // footprint_integral_test's.
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -86,10 +87,32 @@ TEST(CheckCarve, OnePageAndOneQuestion) {
   const Outcome red = run_burin(folder, command);
   EXPECT_EQ(red.exit_code, 1);
   EXPECT_THAT(red.out, AllOf(HasSubstr("RED   1 scratch would be carved over tag 2"),
-                             HasSubstr("RED   a.gcode:19: carves over tag 2"), HasSubstr("1 scratches lost")));
+                             HasSubstr("RED   a.gcode:19: carves over tag 2"), HasSubstr("1 scratch lost")));
   EXPECT_THAT(red.err, HasSubstr("my.html: do not carve this: 3 red lines; open it"));
   EXPECT_THAT(file_text(folder / "my.html"), AllOf(HasSubstr("Do not carve this"), HasSubstr("over tag 2")));
   EXPECT_EQ(file_text(folder / "my.html").find("Is the sheet clamped"), std::string::npos);
+}
+
+TEST(CheckCarve, AToolPathOlderThanItsHeightMapIsRed) {
+  const TemporaryFolder folder;
+  folder.write("board.json", kBoard);
+  folder.write("scratches.csv", kScratches);
+  folder.write("heights.json", R"({"format": "burin/heights", "version": 1, "zero_mm": [0, 0], "first_mm": [0, 0],
+    "step_mm": [50, 40], "z_mm": [[0, 0, 0], [0, 0, 0], [0, 0, 0]]})");
+  ASSERT_EQ(run_burin(folder, {"toolpath", "scratches.csv", "--board", "board.json", "--heights", "heights.json",
+                               "--out", "a.gcode"})
+                .exit_code,
+            0);
+  const std::vector<std::string> command{"check",     "carve",        "scratches.csv", "--board", "board.json",
+                                         "--heights", "heights.json", "--gcode",       "a.gcode"};
+  const Outcome good = run_burin(folder, command);
+  EXPECT_EQ(good.exit_code, 0) << good.out << good.err;
+  // The sheet is probed again: the very same map, yet nobody looked at it when the tool path was made.
+  const auto later = std::filesystem::last_write_time(folder / "a.gcode") + std::chrono::seconds(5);
+  std::filesystem::last_write_time(folder / "heights.json", later);
+  const Outcome red = run_burin(folder, command);
+  EXPECT_EQ(red.exit_code, 1);
+  EXPECT_THAT(red.out, HasSubstr("RED   a.gcode: was written before heights.json"));
 }
 
 TEST(CheckCarve, TheRoundOfALoop) {

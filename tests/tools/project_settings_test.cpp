@@ -164,7 +164,84 @@ TEST(ProjectSettings, ProgramsOptionsStandBehindTheCommandToo) {
   EXPECT_EQ(json.exit_code, 0) << json.err;
   EXPECT_EQ(nlohmann::json::parse(json.out)["command"], "print");
   EXPECT_EQ(p.in("project", {"print", "--out", "tags.pdf", "--threads", "0"}).exit_code, 2);
-  EXPECT_EQ(nlohmann::json::parse(p.in("project", {"status", "--json"}).out)["format"], "burin/status") << "its own";
+  const std::string status = p.in("project", {"status", "--json"}).out;
+  EXPECT_EQ(nlohmann::json::parse(status)["format"], "burin/status") << "its own";
+  EXPECT_EQ(p.in("project", {"--json", "status"}).out, status) << "on either side";
+  EXPECT_EQ(nlohmann::json::parse(p.in(".", {"--json", "status", "none"}).out)["exit_code"], 1);
+  EXPECT_EQ(nlohmann::json::parse(p.in("project", {"check", "--json", "ndf", "none.csv"}).out)["command"], "check");
+  // A stream of lines, also from before the command.
+  const std::string told = p.in("project", {"--json", "watch", "--photos", "targets", "--once"}).out;
+  EXPECT_EQ(nlohmann::json::parse(told.substr(0, told.find('\n')))["event"], "began") << told;
+}
+
+// How far the machine goes is asked once, and kept with the project; "unknown" is an answer.
+TEST(ProjectSettings, TheReachOfTheMachineIsAskedForOnce) {
+  const SpringProject p;
+  p.design();
+  if (HasFatalFailure()) return;
+  const std::vector<std::string> toolpath{"toolpath", "round-01/scratches.csv", "--out", "mine.gcode"};
+  const auto asks = HasSubstr("how far grbl-spring reaches");
+  EXPECT_THAT(p.in("project", toolpath).err, asks);
+  ASSERT_EQ(p.in(".", {"loop", "project", "--travel", "unknown"}).exit_code, 0);
+  EXPECT_THAT(file_text(p.project / "loop.toml"), HasSubstr("travel_mm = \"unknown\""));
+  for (const std::vector<std::string>& command :
+       {toolpath, {"check", "carve", "round-01"}, {"probe", "write", ".", "--out", "probe.gcode"}}) {
+    const Outcome quiet = p.in("project", command);
+    EXPECT_EQ(quiet.exit_code, 0) << quiet.err;
+    EXPECT_THAT(quiet.err, Not(asks)) << command[0];
+  }
+  EXPECT_THAT(p.in("project", {"toolpath", "round-01/scratches.csv", "--machine", "grbl", "--out", "other.gcode"}).err,
+              HasSubstr("how far grbl reaches"))
+      << "another machine";
+  EXPECT_THAT(p.in("project", {"status"}).out, Not(HasSubstr("out of date"))) << "no design rests on it";
+  // What is too far is refused from then on.
+  ASSERT_EQ(p.in(".", {"loop", "project", "--travel", "3x3cm"}).exit_code, 0);
+  EXPECT_THAT(file_text(p.project / "loop.toml"), HasSubstr("travel_mm = [[0, 0], [30, 30]]"));
+  const Outcome far = p.in("project", toolpath);
+  EXPECT_EQ(far.exit_code, 1);
+  EXPECT_THAT(far.err, HasSubstr("travel_mm"));
+  EXPECT_EQ(p.in(".", {"loop", "project", "--travel", "far"}).exit_code, 1);
+}
+
+TEST(ProjectSettings, ALoopAtATerminalAsksForTheReach) {
+  const SpringProject p;
+  p.design();
+  if (HasFatalFailure()) return;
+  if (run_shell(p.folder, "script -qec true /dev/null").exit_code != 0) GTEST_SKIP() << "script is not installed";
+  const std::string line = "cd " + quoted(p.folder.path().string()) + " && printf '%s\\n' far 300x180 | script -qec " +
+                           quoted(quoted(places::program()) + " loop project") + " /dev/null";
+  EXPECT_THAT(run_shell(p.folder, line).out, HasSubstr("How far does grbl-spring go"));
+  EXPECT_THAT(file_text(p.project / "loop.toml"), HasSubstr("travel_mm = [[0, 0], [300, 180]]"));
+  EXPECT_THAT(run_shell(p.folder, line).out, Not(HasSubstr("How far does"))) << "once";
+}
+
+// A round's G-code is held against what it was made from, by its record.
+TEST(ProjectSettings, AHeightMapThatCameLaterMakesTheRoundsCheckRed) {
+  const SpringProject p;
+  p.design();
+  if (HasFatalFailure()) return;
+  EXPECT_EQ(p.in("project", {"check", "carve", "round-01"}).exit_code, 0);
+  p.folder.write("project/round-01/heights.json",
+                 R"({"format": "burin/heights", "version": 1, "zero_mm": [0, 0], "first_mm": [0, 0],
+                     "step_mm": [60, 60], "z_mm": [[0, 0, 0], [0, 0, 0], [0, 0, 0]]})");
+  const Outcome red = p.in("project", {"check", "carve", "round-01"});
+  EXPECT_EQ(red.exit_code, 1);
+  EXPECT_THAT(red.out, HasSubstr("board.gcode: was written before round-01/heights.json is new"));
+}
+
+TEST(ProjectSettings, ADesignNamesAKeepOutWhoseHeightIsNotKnown) {
+  const SpringProject p;
+  auto board = read_json_file(p.project / "board.json");
+  board["keep_out"] = {{{"name", "clamp"}, {"center_mm", {60, 60}}, {"radius_mm", 3}}};
+  p.folder.write("project/board.json", board.dump());
+  const std::vector<std::string> design{"design", "project/design.json", "--out", "d", "--scratches", "50", "--pixels",
+                                        "48",     "--iterations",        "1"};
+  EXPECT_THAT(p.in(".", design).err,
+              AllOf(HasSubstr("board.json"), HasSubstr("nobody said how high the keep-out clamp stands"),
+                    HasSubstr("\"height_mm\"")));
+  board["keep_out"][0]["height_mm"] = 0;
+  p.folder.write("project/board.json", board.dump());
+  EXPECT_THAT(p.in(".", design).err, Not(HasSubstr("how high")));
 }
 
 }  // namespace

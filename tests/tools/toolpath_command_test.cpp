@@ -18,6 +18,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kPlainBoard = R"({"format": "burin/board", "version": 1, "size_mm": [100, 80]})";
 constexpr const char* kThreeScratches = "x0_mm,y0_mm,x1_mm,y1_mm\n10,10,14,12\n90,70,85,70\n14,13,15,19\n";
@@ -30,12 +31,16 @@ TEST(ToolpathCommand, WritesAndReplays) {
                                           "--out", "board.gcode", "--sent", "carved.csv"});
   EXPECT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.out, AllOf(HasSubstr("3 scratches"), HasSubstr("not compensated")));
+  // Carving comes after the check, whose command is the next one.
+  EXPECT_THAT(made.out, AllOf(Not(HasSubstr("and carve")),
+                              HasSubstr("next: burin check carve scratches.csv --board board.json --machine grbl "
+                                        "--gcode board.gcode\n")));
   EXPECT_THAT(file_text(folder / "board.gcode"), HasSubstr("G21 G90"));
   EXPECT_THAT(file_text(folder / "carved.csv"), HasSubstr("10.00000,10.00000,14.00000,12.00000\n14.00000,13.00000"));
   const Outcome replayed =
       run_burin(folder, {"toolpath", "scratches.csv", "--board", "board.json", "--replay", "board.gcode"});
   EXPECT_EQ(replayed.exit_code, 0) << replayed.err;
-  EXPECT_THAT(replayed.out, HasSubstr("all 3 scratches"));
+  EXPECT_THAT(replayed.out, HasSubstr("3 scratches, each carved once"));
 }
 
 TEST(ToolpathCommand, GoesOnAfterAnInterruption) {
@@ -55,7 +60,7 @@ TEST(ToolpathCommand, GoesOnAfterAnInterruption) {
   const auto line = std::count(gcode.begin(), gcode.begin() + static_cast<std::ptrdiff_t>(at), '\n') + 1;
   const Outcome rest = run({"rest.gcode", "--resume", "board.gcode", "--at-line", std::to_string(line)});
   EXPECT_EQ(rest.exit_code, 0) << rest.err;
-  EXPECT_THAT(rest.out, AllOf(HasSubstr("1 scratches are done before line " + std::to_string(line)),
+  EXPECT_THAT(rest.out, AllOf(HasSubstr("1 scratch done before line " + std::to_string(line)),
                               HasSubstr("Wrote the 2 scratches left")));
   const Outcome again = run({"board.gcode", "--resume", "board.gcode", "--at-line", std::to_string(line)});
   EXPECT_EQ(again.exit_code, 1);

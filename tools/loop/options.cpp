@@ -14,6 +14,7 @@
 #include "burin/render/files/write_file.h"
 #include "tools/commands.h"
 #include "tools/loop/toml_line.h"
+#include "tools/new/words.h"
 
 namespace burin {
 namespace {
@@ -160,6 +161,11 @@ LoopOptions read_options_file(const fs::path& file) {
     options.machine = root.text("machine", "");
     options.design = read_command(root, "design", &add_design_options);
     options.toolpath = read_command(root, "toolpath", &add_toolpath_options);
+    options.capture = read_command(root, "capture", &add_capture_options);
+    MachineProfile reach;
+    read_travel(root, reach);
+    options.travel = reach.travel;
+    options.travel_is_unknown = reach.travel_is_unknown;
     if (root.has("accept_unknown"))
       for (const Json& name : root.raw("accept_unknown"))
         options.accept_unknown.push_back(text_of(name, root, "accept_unknown"));
@@ -167,6 +173,7 @@ LoopOptions read_options_file(const fs::path& file) {
   });
   check_command(options.design, "design", &add_design_options, file);
   check_command(options.toolpath, "toolpath", &add_toolpath_options, file);
+  check_command(options.capture, "capture", &add_capture_options, file);
   return options;
 }
 
@@ -196,7 +203,24 @@ void add_loop_options(CLI::App& command, LoopCommandLine& said) {
   said.design_values = add_design_options(*said.design);
   said.toolpath = command.add_option_group("toolpath", "Options of burin toolpath, kept there too");
   said.toolpath_values = add_toolpath_options(*said.toolpath);
+  said.capture = command.add_option_group("capture", "Options of burin capture, kept there too");
+  said.capture_values = add_capture_options(*said.capture);
+  command.add_option(
+      "--travel", said.travel,
+      "How far the machine goes from the board's lower left corner: 300x180, or unknown; kept there, and "
+      "asked for once at a terminal");
 }
+
+namespace {
+
+// "300x180" as loop.toml has it, from work zero.
+std::string toml_travel(const std::string& words) {
+  if (words == "unknown") return toml_text(words);
+  const Eigen::Vector2d far_mm = size_in_words(words, "the machine's reach");
+  return fmt::format("[[0, 0], [{}, {}]]", shortest(far_mm.x()), shortest(far_mm.y()));
+}
+
+}  // namespace
 
 LoopOptions remember_options(const LoopCommandLine& said, const fs::path& project) {
   const fs::path file = options_file(project);
@@ -209,25 +233,41 @@ LoopOptions remember_options(const LoopCommandLine& said, const fs::path& projec
     wanted.machine = "./" + wanted.machine;
   for (const auto& [name, values] : said_of(*said.design, project)) wanted.design[name] = values;
   for (const auto& [name, values] : said_of(*said.toolpath, project)) wanted.toolpath[name] = values;
-  if (wanted.machine == before.machine && wanted.design == before.design && wanted.toolpath == before.toolpath)
-    return before;
+  for (const auto& [name, values] : said_of(*said.capture, project)) wanted.capture[name] = values;
+  const std::string travel = said.travel.empty() ? "" : toml_travel(said.travel);
+  const auto is_kept = [&wanted](const LoopOptions& kept) {
+    return kept.machine == wanted.machine && kept.design == wanted.design && kept.toolpath == wanted.toolpath &&
+           kept.capture == wanted.capture;
+  };
+  if (is_kept(before) && travel.empty()) return before;
 
   const bool there = fs::exists(file);
   std::string text = there ? read_text(file) : "format = \"burin/loop\"\nversion = 1\n";
   if (wanted.machine != before.machine) text = with_toml_value(text, "", "machine", toml_text(wanted.machine));
+  if (!travel.empty()) text = with_toml_value(text, "", "travel_mm", travel);
   for (const auto& [table, now, old] : {std::tuple{"design", &wanted.design, &before.design},
-                                        std::tuple{"toolpath", &wanted.toolpath, &before.toolpath}})
+                                        std::tuple{"toolpath", &wanted.toolpath, &before.toolpath},
+                                        std::tuple{"capture", &wanted.capture, &before.capture}})
     for (const auto& [name, values] : *now)
       if (const auto found = old->find(name); found == old->end() || found->second != values)
         text = with_toml_value(text, table, name, toml_value(values));
   LoopOptions now;
   write_file(text, file, Durability::on_disk, [&](const fs::path& part) {
     now = read_options_part(part, file);
-    if (now.machine != wanted.machine || now.design != wanted.design || now.toolpath != wanted.toolpath)
+    if (!is_kept(now) || (!travel.empty() && !now.travel && !now.travel_is_unknown))
       fail(file.string(), "is written in a way that the options given here cannot be added to",
-           "write them there: machine = \"...\", [design], [toolpath], one option a line");
+           "write them there: machine = \"...\", [design], [toolpath], [capture], one option a line");
   });
   return now;
+}
+
+MachineProfile machine_of(const LoopOptions& options, const fs::path& project) {
+  MachineProfile machine = machine_profile(machine_argument(options, project));
+  if (!machine.travel && !machine.travel_is_unknown) {
+    machine.travel = options.travel;
+    machine.travel_is_unknown = options.travel_is_unknown;
+  }
+  return machine;
 }
 
 std::string machine_argument(const LoopOptions& options, const fs::path& project) {
@@ -244,6 +284,10 @@ std::vector<std::string> toolpath_arguments(const LoopOptions& options, const fs
   return arguments_of(options.toolpath, &add_toolpath_options, project);
 }
 
+std::vector<std::string> capture_arguments(const LoopOptions& options, const fs::path& project) {
+  return arguments_of(options.capture, &add_capture_options, project);
+}
+
 std::vector<fs::path> design_option_files(const LoopOptions& options, const fs::path& project) {
   return files_of(options, options.design, &add_design_options, project);
 }
@@ -252,15 +296,22 @@ std::vector<fs::path> toolpath_option_files(const LoopOptions& options, const fs
   return files_of(options, options.toolpath, &add_toolpath_options, project);
 }
 
-OptionTexts option_texts(const LoopOptions& options, const CommandOptions& command) {
-  OptionTexts texts{{"machine", options.machine.empty() ? kUsualMachine : options.machine}};
+OptionTexts texts_of(const CommandOptions& command) {
+  OptionTexts texts;
   for (const auto& [name, values] : command) texts[name] = values.empty() ? "yes" : joined_texts(values);
+  return texts;
+}
+
+OptionTexts option_texts(const LoopOptions& options, const CommandOptions& command) {
+  OptionTexts texts = texts_of(command);
+  texts["machine"] = options.machine.empty() ? kUsualMachine : options.machine;
   return texts;
 }
 
 std::string in_words(const LoopOptions& options) {
   std::string words = "for " + (options.machine.empty() ? kUsualMachine : options.machine);
-  for (const auto& [command, of] : {std::pair{"design", &options.design}, std::pair{"toolpath", &options.toolpath}}) {
+  for (const auto& [command, of] : {std::pair{"design", &options.design}, std::pair{"toolpath", &options.toolpath},
+                                    std::pair{"capture", &options.capture}}) {
     std::string list;
     for (const auto& [name, values] : *of)
       list += (list.empty() ? "" : ", ") + name + (values.empty() ? "" : " " + joined_texts(values));

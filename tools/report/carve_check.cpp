@@ -11,10 +11,12 @@
 #include "burin/optimize/toolpath.h"
 #include "burin/render/bench_of_board.h"
 #include "burin/render/error.h"
+#include "burin/render/files/decimals.h"
 #include "burin/render/files/json_file.h"
 #include "burin/render/files/svg.h"
 #include "burin/render/image.h"
 #include "tools/picture_quality.h"
+#include "tools/project_settings.h"
 #include "tools/report/html.h"
 #include "tools/report/pictures.h"
 
@@ -31,15 +33,11 @@ std::size_t count_of(const CarveCheck& check, Severity severity) {
                                                 [&](const Finding& f) { return f.severity == severity; }));
 }
 
-std::string plural(std::size_t count, const std::string& what) {
-  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
-}
-
 // A file in words: its part of the job, the frame, or one that no machine could follow.
 std::string file_text(const CheckedFile& file) {
   if (file.lines == 0) return "cannot be followed";
   if (file.scratches == 0) return "carves nothing: the frame, to be run first, in the air";
-  return fmt::format("{} scratches, {}", file.scratches, duration_text(file.duration_s));
+  return counted(file.scratches, "scratch") + ", " + duration_text(file.duration_s);
 }
 
 std::string range_text(double least_um, double most_um) {
@@ -70,7 +68,7 @@ std::string tool_table(const CarveCheck& check, const MachineProfile& machine) {
   t.rows.push_back({"scratches", fmt::format("{}, {:.1f} m in the metal, {:.1f} m in the air", check.carved.size(),
                                              check.carve_mm / 1000, check.travel_mm / 1000)});
   if (check.already_carved > 0)
-    t.rows.push_back({"in the metal", fmt::format("{} scratches are carved already", check.already_carved)});
+    t.rows.push_back({"in the metal", counted(check.already_carved, "scratch") + " carved already"});
   t.rows.push_back({"time", html(duration_text(check.duration_s))});
   return table(t);
 }
@@ -125,7 +123,7 @@ std::string sheet_drawing(const CarveCheck& check, const Board& board) {
              {kWidth, board.size_mm.y() * scale},
              fmt::format("role=\"img\" aria-label=\"The sheet, {:.0f} by {:.0f} mm, with its tags, its carve area "
                          "and {}{}\"",
-                         board.size_mm.x(), board.size_mm.y(), counted(static_cast<long long>(s.size()), "scratch"),
+                         board.size_mm.x(), board.size_mm.y(), grouped(static_cast<long long>(s.size()), "scratch"),
                          check.red.empty() ? "" : ", in red those that must not be carved"),
              out) +
          fmt::format(
@@ -149,7 +147,7 @@ Promise promise_of(const fs::path& folder) {
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
   std::string all;
-  const DesignQuality quality = quality_of_design(file);
+  const DesignQuality quality = quality_of_design(report, file);
   std::size_t k = 0;
   for (JsonObject& view : report.objects("views")) {
     const std::string name = view.text("view"), promised = quality.in_decibels(k), looks = quality.in_words(k);
@@ -187,7 +185,7 @@ Promise promise_of(const fs::path& folder) {
         out.findings.push_back(
             {Severity::note,
              {},
-             fmt::format("{} left out of the design: {}", counted(std::llround(count.get<double>()), "scratch"), rule),
+             fmt::format("{} left out of the design: {}", grouped(std::llround(count.get<double>()), "scratch"), rule),
              ""});
   if (report.has("stopped_early") && report.boolean("stopped_early"))
     out.findings.push_back({Severity::note, {}, "the design was stopped before it was finished", ""});
@@ -200,11 +198,11 @@ std::string outcome_of(const CarveCheck& check, std::size_t warnings) {
   const std::size_t red = count_of(check, Severity::error);
   if (red > 0)
     return fmt::format("<span class=\"bad\">Do not carve this: {} would spoil the board.</span>",
-                       plural(red, "red line"));
+                       counted(red, "red line"));
   return fmt::format("<span class=\"good\">No red line.</span> {}, {}, {}{}.",
-                     counted(static_cast<long long>(check.carved.size()), "scratch"), depth_text(check) + " deep",
+                     grouped(static_cast<long long>(check.carved.size()), "scratch"), depth_text(check) + " deep",
                      html(duration_text(check.duration_s)),
-                     warnings > 0 ? "; " + plural(warnings, "thing") + " to mind" : "");
+                     warnings > 0 ? "; " + counted(warnings, "thing") + " to mind" : "");
 }
 
 }  // namespace
@@ -230,18 +228,21 @@ CarveCheckFiles round_files(const fs::path& round, const std::string& machine) {
   return files;
 }
 
-CarveCheck check_carve_files(const CarveCheckFiles& files) {
-  CarveCheckInput input{files.gcode, machine_profile(files.machine), read_board(files.board)};
+CheckedCarving check_carve_files(const CarveCheckFiles& files) {
+  const MachineProfile machine = machine_in_project(files.machine, files.scratches);
+  CarveCheckInput input{files.gcode, machine, read_board(files.board)};
   if (!files.bench.empty()) input.bench = read_bench_of(input.board, files.board, files.bench);
   if (!files.scratches.empty()) input.scratches = read_scratches(files.scratches);
   if (!files.design.empty() && input.bench) input.design = read_design(files.design);
   if (!files.heights.empty()) input.heights = read_heights(files.heights);
   input.follow_bow = files.follow_bow;
   CarveCheck check = check_carve(input);
-  append(check.findings, promise_of(files.folder).findings);
+  Promise promise = promise_of(files.folder);
+  append(check.findings, promise.findings);
+  append(check.findings, files.outdated);
   std::stable_sort(check.findings.begin(), check.findings.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
-  return check;
+  return {std::move(check), machine, std::move(promise.pictures)};
 }
 
 std::vector<std::string> unreadable_views(const fs::path& folder) {
@@ -250,7 +251,7 @@ std::vector<std::string> unreadable_views(const fs::path& folder) {
   if (!fs::exists(file)) return out;
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
-  const DesignQuality quality = quality_of_design(file);
+  const DesignQuality quality = quality_of_design(report, file);
   std::size_t k = 0;
   for (JsonObject& view : report.objects("views"))
     if (is_unlike(quality.likeness[k++])) out.push_back(view.text("view"));
@@ -263,20 +264,20 @@ std::string carve_check_text(const CarveCheck& check) {
     if (f.severity != Severity::note)
       text += fmt::format("{:<4}  {}\n", f.severity == Severity::error ? "RED" : "mind", sentence(f));
   if (const std::size_t notes = count_of(check, Severity::note); notes > 0)
-    text += fmt::format("note  {} on the page\n", plural(notes, "more line"));
+    text += fmt::format("note  {} on the page\n", counted(notes, "more line"));
   for (const CheckedFile& f : check.files) text += fmt::format("{}  {}\n", f.file.string(), file_text(f));
   if (check.carved.size() > 0)
     text += fmt::format("tool  X {:.2f} to {:.2f}, Y {:.2f} to {:.2f}, Z {:.4f} to {:.4f} mm; {} deep{}\n",
                         check.tool_min_mm.x(), check.tool_max_mm.x(), check.tool_min_mm.y(), check.tool_max_mm.y(),
                         check.tool_min_mm.z(), check.tool_max_mm.z(), depth_text(check), told_text(check));
   for (const ViewReach& v : check.views)
-    text +=
-        fmt::format("view {}: {} scratches, {:.0f} % of them beyond the cut-off\n", v.view, v.scratches, 100 * v.dark);
+    text += fmt::format("view {}: {}, {:.0f} % of them beyond the cut-off\n", v.view, counted(v.scratches, "scratch"),
+                        100 * v.dark);
   return text;
 }
 
-std::string carve_question(const CarveCheck& check, const CarveCheckFiles& files) {
-  const MachineProfile machine = machine_profile(files.machine);
+std::string carve_question(const CheckedCarving& checked, const CarveCheckFiles& files) {
+  const auto& [check, machine, pictures] = checked;
   const bool frame = std::any_of(check.files.begin(), check.files.end(),
                                  [](const CheckedFile& f) { return f.lines > 0 && f.scratches == 0; });
   std::string zero = "on its face";
@@ -291,14 +292,13 @@ std::string carve_question(const CarveCheck& check, const CarveCheckFiles& files
                      frame ? ", and did the frame run clear of clamps and tags" : "");
 }
 
-void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& files, const fs::path& file) {
-  const MachineProfile machine = machine_profile(files.machine);
+void write_carve_check_page(const CheckedCarving& checked, const CarveCheckFiles& files, const fs::path& file) {
+  const auto& [check, machine, pictures] = checked;
   const Board board = read_board(files.board);
-  const Promise promise = promise_of(files.folder);
   Page out{"Burin · before metal moves", outcome_of(check, count_of(check, Severity::warning))};
   out.next_word = "Before it starts";
-  if (check.good()) out.next = html(carve_question(check, files));
-  if (!promise.pictures.empty()) out.pictures = "<h2>What it will show</h2>\n" + promise.pictures;
+  if (check.good()) out.next = html(carve_question(checked, files));
+  if (!pictures.empty()) out.pictures = "<h2>What it will show</h2>\n" + pictures;
   out.findings = check.findings;
   out.body += "<h2>Where the tool goes</h2>\n";
   if (check.carved.size() > 0) out.body += sheet_drawing(check, board);
@@ -306,7 +306,7 @@ void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& file
   if (check.carved.size() > 0)
     parts += folded("The tool", fmt::format("{} deep, {}", depth_text(check), html(duration_text(check.duration_s))),
                     tool_table(check, machine));
-  parts += folded("The files", counted(static_cast<long long>(check.files.size()), "file"), files_table(check));
+  parts += folded("The files", grouped(static_cast<long long>(check.files.size()), "file"), files_table(check));
   if (!check.views.empty()) {
     Table t;
     t.header = {"View", "Scratches that glint for it", "Of those beyond the cut-off"};

@@ -19,6 +19,14 @@ struct CarveCheckFiles {
   std::filesystem::path heights;  ///< heights.json that the G-code follows
   std::string machine = "grbl";
   bool follow_bow = false;
+  std::vector<Finding> outdated;  ///< why the G-code is not of these files any more; empty: it is
+};
+
+/// What a check found, for which machine, and the page's pictures (HTML).
+struct CheckedCarving {
+  CarveCheck check;
+  MachineProfile machine;
+  std::string pictures;
 };
 
 /// The files of a loop's round (round-01): its G-code, scratches.csv, design.json with the board and bench that names,
@@ -26,7 +34,7 @@ struct CarveCheckFiles {
 CarveCheckFiles round_files(const std::filesystem::path& round, const std::string& machine);
 
 /// Reads them and looks at everything (check_carve()).
-CarveCheck check_carve_files(const CarveCheckFiles& files);
+CheckedCarving check_carve_files(const CarveCheckFiles& files);
 
 /// The views of a design (the folder that `burin design` filled) whose pictures few would recognize: is_unlike()
 /// (tools/picture_quality.h). None if there is no report.
@@ -36,9 +44,10 @@ std::vector<std::string> unreadable_views(const std::filesystem::path& folder);
 std::string carve_check_text(const CarveCheck& check);
 
 /// The one question to ask before the machine starts: "Sheet clamped, ...?".
-std::string carve_question(const CarveCheck& check, const CarveCheckFiles& files);
+std::string carve_question(const CheckedCarving& checked, const CarveCheckFiles& files);
 
 /// Writes the page, self-contained, atomically. Pictures come from `files.folder`, where there is one.
-void write_carve_check_page(const CarveCheck& check, const CarveCheckFiles& files, const std::filesystem::path& page);
+void write_carve_check_page(const CheckedCarving& checked, const CarveCheckFiles& files,
+                            const std::filesystem::path& page);
 
 }  // namespace burin

@@ -142,7 +142,7 @@ std::string how_it_got_there(JsonObject& report, const std::vector<std::string>&
              "<p>It began with {}; {} were dropped because the pictures hardly need them. {:.1f} m of scratches in "
              "all, "
              "{:.1f} mm each on average.</p>\n",
-             counted(report.integer("started_with"), "scratch"), grouped(report.integer("dropped")),
+             grouped(report.integer("started_with"), "scratch"), grouped(report.integer("dropped")),
              length.number("total") / 1000, length.number("mean")) +
          loss_chart(report, names) + figure_row(figures, FigureSize::single);
 }
@@ -157,7 +157,7 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
   const Json json = read_json(file, "burin/design-report", 1);
   JsonObject report(json, file.string());
 
-  const DesignQuality quality = quality_of_design(file);
+  const DesignQuality quality = quality_of_design(report, file);
   Views views = read_views(report, quality, home);
   JsonObject seconds = report.object("seconds");
   const long long scratches = report.integer("scratches");
@@ -165,10 +165,10 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
   Section out;
   out.title = "The design";
   out.outcome = fmt::format("The design shows {} with {}: {} on average, the worst is {}.",
-                            counted(static_cast<long long>(views.names.size()), "picture"),
-                            counted(scratches, "scratch"), mean, quality.in_words(quality.worst()));
+                            grouped(static_cast<long long>(views.names.size()), "picture"),
+                            grouped(scratches, "scratch"), mean, quality.in_words(quality.worst()));
   if (views.names.size() == 1)
-    out.outcome = fmt::format("The design shows its picture with {}: {}, {}.", counted(scratches, "scratch"), mean,
+    out.outcome = fmt::format("The design shows its picture with {}: {}, {}.", grouped(scratches, "scratch"), mean,
                               quality.in_words(0));
   const auto command = "burin toolpath " + shell_word((home / "scratches.csv").string()) +
                        " --board BOARD.json --bench BENCH.json --out board.gcode";

@@ -18,6 +18,11 @@ std::string place_of(const Eigen::Vector3d& p) {
   return text;
 }
 
+constexpr const char* kHeightRemedy =
+    "write \"height_mm\" beside this keep_out in board.json: how far it rises above the face, 0 if nothing stands "
+    "there "
+    "(a hole)";
+
 }  // namespace
 
 ReleaseCheck::ReleaseCheck(const Workpiece& workpiece, const MachineProfile& machine, const Face& face)
@@ -29,8 +34,7 @@ ReleaseCheck::ReleaseCheck(const Workpiece& workpiece, const MachineProfile& mac
   if (!workpiece.unknown.empty())
     add(kUnknownHeight, 0,
         "goes over a sheet on which " + workpiece.unknown + " stands, and nobody said how high it stands",
-        "write \"height_mm\" beside this keep_out in board.json: how far it rises above the face, 0 if nothing "
-        "stands there (a hole)");
+        kHeightRemedy);
 }
 
 void ReleaseCheck::add(Kind kind, std::size_t line, const std::string& what, const std::string& remedy) {
@@ -187,13 +191,24 @@ Replay fail_unless_released(std::string_view gcode, const MachineProfile& machin
   return replay;
 }
 
+std::vector<Finding> height_findings(const Board& board, const std::filesystem::path& board_file) {
+  const auto low = std::find_if(board.keep_out.begin(), board.keep_out.end(),
+                                [](const KeepOut& place) { return !place.height_mm.has_value(); });
+  if (low == board.keep_out.end()) return {};
+  return {{Finding::Severity::note, board_file,
+           "nobody said how high the keep-out " + (low->name.empty() ? "" : low->name + " ") +
+               "stands; the design goes on, but no G-code will be given out",
+           kHeightRemedy}};
+}
+
 std::vector<Finding> reach_findings(const MachineProfile& machine) {
-  if (machine.travel) return {};
+  if (machine.travel || machine.travel_is_unknown) return {};
   return {{Finding::Severity::note,
            {},
            "nobody said how far " + machine.name + " reaches: whether it gets to all of these places is not checked",
-           "write \"travel_mm\": [[0, 0], [300, 180]] with its own numbers into its burin/machine file; for a "
-           "built-in machine, write one that is \"based_on\" it (docs/file-formats.md)"}};
+           "write \"travel_mm\": [[0, 0], [300, 180]] with its own numbers into its burin/machine file (for a built-in "
+           "machine into one that is \"based_on\" it), or say it to the project once: burin loop --travel 300x180, or "
+           "--travel unknown"}};
 }
 
 }  // namespace burin

@@ -14,6 +14,7 @@
 // Frame: the machine's (burin/optimize/machine_profile.h), mm.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,6 +81,9 @@ ReleasedFile check_release(std::string_view gcode, const MachineProfile& machine
 /// The same, and throws Error, naming the line, unless all of it may be given out.
 Replay fail_unless_released(std::string_view gcode, const MachineProfile& machine, const Workpiece& workpiece,
                             const Face& face, const std::string& name);
+
+/// A note for the time before there is G-code: a keep-out whose height nobody said. `board_file` is named.
+std::vector<Finding> height_findings(const Board& board, const std::filesystem::path& board_file);
 
 /// Notes of what nobody checked: a machine whose reach is not known.
 std::vector<Finding> reach_findings(const MachineProfile& machine);
