@@ -148,6 +148,7 @@ GrooveParts parts_within(const Scratches& rows, std::span<const Eigen::AlignedBo
 void name_sources(const GrooveParts& parts, Carved& carved) {
   if (carved.source.empty()) {
     carved.source = parts.source;
+    if (carved.lanes != nullptr) return;  // nothing asks a lane's grooves where on their row they begin
     for (std::size_t k = 0; k < parts.source.size(); ++k) {
       carved.begin.push_back({parts.begin[k], Boundary::own_end, 0});
       carved.end.push_back({parts.end[k], Boundary::own_end, 0});
@@ -156,6 +157,10 @@ void name_sources(const GrooveParts& parts, Carved& carved) {
   }
   for (std::size_t k = 0; k < carved.size(); ++k) {
     const std::uint32_t piece = carved.source[k];
+    if (carved.lanes != nullptr) {
+      carved.source[k] = parts.source[piece];
+      continue;
+    }
     for (PieceEnd* end : {&carved.begin[k], &carved.end[k]}) {
       end->at = parts.begin[piece] + end->at * (parts.end[piece] - parts.begin[piece]);
       end->cutter = parts.source[end->cutter];
@@ -164,14 +169,14 @@ void name_sources(const GrooveParts& parts, Carved& carved) {
   }
 }
 
-Carved crossed(Scratches placed, const Bench& bench, const Board& board, int steps);
+Carved crossed(Scratches placed, const Bench& bench, const Board& board, const CutInto& cut);
 
 constexpr double kMostDepth_um = 1e9, kMostAlpha = 1;
 
 // Depths, roughnesses and crossings of scratches that have come to their places in the metal.
 // `told`: what the machine was told, where its screws bend the grooves.
 Carved grooves_at(Scratches placed, const Bench& bench, const Board& board, const Scratches* told = nullptr,
-                  std::span<const Eigen::AlignedBox2d> looked_at = {}, int crossing_steps = kCrossingSteps) {
+                  std::span<const Eigen::AlignedBox2d> looked_at = {}, const CutInto& cut = {}) {
   if (!bench.depth_field.is_constant() || !bench.alpha_field.is_constant()) {
     const std::vector<double> age = ages_of(placed);
     apply_field(bench.depth_field, bench.material.depth_um, kMostDepth_um, board.size_mm, age, placed, placed.depth_um);
@@ -186,13 +191,13 @@ Carved grooves_at(Scratches placed, const Bench& bench, const Board& board, cons
     within = parts_within(placed, looked_at);
     placed = std::move(within.pieces);
   }
-  Carved out = crossed(std::move(placed), bench, board, crossing_steps);
+  Carved out = crossed(std::move(placed), bench, board, cut);
   if (!looked_at.empty()) name_sources(within, out);
   if (told != nullptr) name_sources(bent, out);
   return out;
 }
 
-Carved crossed(Scratches placed, const Bench& bench, const Board& board, int steps) {
+Carved crossed(Scratches placed, const Bench& bench, const Board& board, const CutInto& cut) {
   Carved out;
   if (bench.crossings == Crossings::add) {
     out.scratches = std::move(placed);
@@ -203,8 +208,18 @@ Carved crossed(Scratches placed, const Bench& bench, const Board& board, int ste
   std::vector<std::size_t> order(placed.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return placed.is_carved(i); });
+  if (cut.lanes > 0) {
+    std::vector<std::uint32_t> rank(placed.size());
+    for (std::size_t k = 0; k < order.size(); ++k) rank[order[k]] = static_cast<std::uint32_t>(k);
+    out.lanes = std::make_shared<const VisibleLanes>(visible_lanes(placed, rank, board.tool_width_um,
+                                                                   bench.material.depth_um, bench.material.profile,
+                                                                   bench.crossings, cut.lanes, cut.cell_mm));
+    out.scratches = std::move(placed);
+    out.scratches.carved.clear();
+    return out;
+  }
   VisiblePieces pieces = visible_pieces(selected(placed, order), board.tool_width_um, bench.material.depth_um,
-                                        bench.material.profile, bench.crossings, steps);
+                                        bench.material.profile, bench.crossings, cut.steps);
   for (std::uint32_t& row : pieces.source) row = static_cast<std::uint32_t>(order[row]);
   for (std::vector<PieceEnd>* ends : {&pieces.begin, &pieces.end})
     for (PieceEnd& end : *ends) end.cutter = static_cast<std::uint32_t>(order[end.cutter]);
@@ -393,7 +408,7 @@ Sent compensated(const Designed& designed, const Bench& bench, const Board& boar
 }
 
 Carved carve(const Sent& sent, const Bench& bench, const Board& board, std::span<const Eigen::AlignedBox2d> looked_at,
-             int crossing_steps) {
+             const CutInto& cut) {
   Scratches placed = sent.scratches;
   move_new_rows(placed, [&](const Vector2d& p, const Vector2d& way) { return carved_end(bench, p, way); });
   for (std::size_t i = 0; i < placed.size(); ++i) {
@@ -403,7 +418,7 @@ Carved carve(const Sent& sent, const Bench& bench, const Board& board, std::span
       placed.alpha[i] = std::min(kMostAlpha, placed.alpha[i] * bench.material.alpha / board.material.alpha);
   }
   return grooves_at(std::move(placed), bench, board, bench.machine_errors.uneven() ? &sent.scratches : nullptr,
-                    looked_at, crossing_steps);
+                    looked_at, cut);
 }
 
 Carved carve(const Designed& designed, const Bench& bench, const Board& board) {

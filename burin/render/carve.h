@@ -14,6 +14,7 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -57,6 +58,8 @@ struct Carved {
   /// Empty: one whole groove for each row, in order.
   std::vector<std::uint32_t> source;
   std::vector<PieceEnd> begin, end;
+  /// What is left of each where they cut one another: then `scratches` are whole. Null: they are what is left.
+  std::shared_ptr<const VisibleLanes> lanes;
 
   /// How many there are.
   std::size_t size() const { return scratches.size(); }
@@ -69,9 +72,14 @@ struct Carved {
 Sent compensated(const Designed& designed, const Bench& bench, const Board& board);
 
 /// What the machine of this bench makes of what it was told. Of a board that is looked at in places: what of the
-/// grooves lies in any of these boxes, and is cut by others there, in `crossing_steps` (visible_pieces()).
+/// grooves lies in any of these boxes, and is cut by others there: into pieces, or where that is said in `lanes`.
+struct CutInto {
+  int steps = kCrossingSteps;  ///< of visible_pieces()
+  int lanes = 0;               ///< of visible_lanes(); 0: pieces
+  double cell_mm = 0.1;        ///< of visible_lanes()
+};
 Carved carve(const Sent& sent, const Bench& bench, const Board& board,
-             std::span<const Eigen::AlignedBox2d> looked_at = {}, int crossing_steps = kCrossingSteps);
+             std::span<const Eigen::AlignedBox2d> looked_at = {}, const CutInto& cut = {});
 
 /// What becomes of a design whose tool path compensates this bench's map: carve(compensated(designed)), but for the
 /// last bit. Where a bench has no fields and its grooves add, this is the design as it stands.

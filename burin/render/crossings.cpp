@@ -77,10 +77,11 @@ class CellIndex {
   /// Whether so many lie near one another that they are too many to look at; then there is nothing to find.
   bool is_crowded() const { return near_ > static_cast<double>(limit::kNear); }
 
-  /// Those that scratch i's center line may meet, from `least` on, in order.
-  void find_near(const Strips& strips, std::size_t i, std::size_t least, std::vector<std::uint32_t>& near) const {
+  /// Those that may be met within a margin of scratch i's center line, from `least` on, in order.
+  void find_near(const Strips& strips, std::size_t i, double margin_mm, std::size_t least,
+                 std::vector<std::uint32_t>& near) const {
     near.clear();
-    for_cells(strips, i, 0, [&](std::size_t cell) {
+    for_cells(strips, i, margin_mm, [&](std::size_t cell) {
       const auto begin = listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
                  end = listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]);
       near.insert(near.end(), std::lower_bound(begin, end, least), end);
@@ -253,7 +254,7 @@ struct Cutting {
   // Where other grooves cover groove i, in order along it.
   void find_changes(std::size_t i, SectionsMet& met, std::vector<std::uint32_t>& near,
                     std::vector<Change>& changes) const {
-    index.find_near(strips, i, deepest || burrs ? 0 : i + 1, near);
+    index.find_near(strips, i, 0, deepest || burrs ? 0 : i + 1, near);
     changes.clear();
     const auto cover = [&](std::uint32_t j, int level, const Reach& reach) {
       const Stretch stretch = covered_stretch(strips, i, j, 1e-3 * reach.um);
@@ -387,10 +388,9 @@ struct Pieces {
   bool too_near = false;             // so many scratches lie near one another that they were not looked at
 };
 
-Pieces pieces_in_parts(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,
-                       Crossings rule, int steps, std::size_t most) {
+std::vector<Section> sections_of(const Scratches& carved, double tool_width_um, double depth_um,
+                                 const GrooveProfile& profile) {
   std::vector<Section> sections(carved.size());
-  std::vector<double> half_width_mm(carved.size());
   for (std::size_t i = 0; i < carved.size(); ++i) {
     sections[i] = {carved.width_um.empty() ? tool_width_um : carved.width_um[i],
                    carved.depth_um.empty() ? depth_um : carved.depth_um[i], 0, 0};
@@ -400,8 +400,15 @@ Pieces pieces_in_parts(const Scratches& carved, double tool_width_um, double dep
       sections[i].half_width_um = half_width_um(profile, sections[i].width_um, sections[i].depth_um);
       sections[i].rim_by_depth = half_width_slope(profile, sections[i].width_um, sections[i].depth_um);
     }
-    half_width_mm[i] = 1e-3 * sections[i].half_width_um;
   }
+  return sections;
+}
+
+Pieces pieces_in_parts(const Scratches& carved, double tool_width_um, double depth_um, const GrooveProfile& profile,
+                       Crossings rule, int steps, std::size_t most) {
+  std::vector<Section> sections = sections_of(carved, tool_width_um, depth_um, profile);
+  std::vector<double> half_width_mm(carved.size());
+  for (std::size_t i = 0; i < carved.size(); ++i) half_width_mm[i] = 1e-3 * sections[i].half_width_um;
   const Cutting cutting{carved,
                         profile,
                         rule == Crossings::deepest,
@@ -469,6 +476,247 @@ double expected_pieces(const Scratches& scratches, double area_mm2) {
   for (std::size_t i = 0; i < scratches.size(); ++i)
     length_mm += std::hypot(scratches.x1_mm[i] - scratches.x0_mm[i], scratches.y1_mm[i] - scratches.y0_mm[i]);
   return static_cast<double>(scratches.size()) + expected_pieces(length_mm, area_mm2);
+}
+
+namespace {
+
+// What each lane of a groove shows is deeper than another groove within this distance of that one's middle, mm: the
+// mean over the lane of where the walls of both are equally low (docs/model.md 7.10).
+struct LaneReaches {
+  std::vector<double> middle_um;                // of each lane
+  std::vector<std::array<double, 2>> inner_um;  // how deep a groove that is as wide as each of its two nodes is
+  std::vector<double> reach_mm;                 // beside the section that was asked last
+  const Section* section = nullptr;
+  const Section* other = nullptr;
+
+  void meet(const GrooveProfile& profile, std::span<const Lane> lanes, const Section& of) {
+    if (section != nullptr && *section == of) return;
+    constexpr double kNode = 0.21132486540518708;  // Gauss and Legendre's two points
+    section = &of;
+    other = nullptr;
+    middle_um.resize(lanes.size());
+    inner_um.resize(lanes.size());
+    for (std::size_t l = 0; l < lanes.size(); ++l) {
+      middle_um[l] = lane_place(lanes[l], of.half_width_um, profile.burr_width_um).middle_um;
+      for (int node = 0; node < 2; ++node) {
+        const double share = lanes[l].from + (node == 0 ? kNode : 1 - kNode) * (lanes[l].to - lanes[l].from);
+        inner_um[l][node] = lanes[l].part == Lane::Part::groove
+                                ? depth_at_half_width_um(profile, of.width_um, std::abs(share) * of.half_width_um)
+                                : of.depth_um;
+      }
+    }
+  }
+  void reach(const GrooveProfile& profile, const Section& of, bool by_depth) {
+    if (other != nullptr && *other == of) return;
+    other = &of;
+    reach_mm.assign(inner_um.size(), 1e-3 * of.half_width_um);
+    if (!by_depth) return;
+    for (std::size_t l = 0; l < inner_um.size(); ++l) {
+      reach_mm[l] = 0;
+      for (const double inner : inner_um[l])
+        if (const double below = inner + of.depth_um - section->depth_um; below > 0)
+          reach_mm[l] += 0.5e-3 * half_width_um(profile, of.width_um, below);
+    }
+  }
+};
+
+// Another groove as one groove's line at x to the right of its middle, t along it, sees it: across it at
+// across + x * along_slope + t * across_slope, along it at along - x * across_slope + t * along_slope.
+struct GrooveMet {
+  double across, along, across_slope, along_slope, length_mm;
+  std::size_t reaches;  // where its reaches begin: one a lane
+  std::uint32_t groove;
+};
+
+struct CoveredSpan {
+  double from, to;
+  double from_moves = 0, to_moves = 0;  // outwards, as the cutter's rims do, mm by the depth's logarithm
+};
+
+struct LaneLayer {
+  const GrooveProfile& profile;
+  bool deepest, burrs;
+  // Whether others' rims bound what is seen of a lane, not walls that are equally low.
+  bool rims_cut_lane(std::size_t lane) const { return !deepest || lanes[lane].part != Lane::Part::groove; }
+  std::span<const Lane> lanes;
+  std::span<const std::uint32_t> order;
+  std::vector<Section> sections;
+  std::vector<double> margin_mm;
+  Strips strips;
+  CellIndex index{strips};
+
+  struct Work {
+    LaneReaches reaches;
+    std::vector<std::uint32_t> near;
+    std::vector<GrooveMet> met;
+    std::vector<double> reach_mm;
+    std::vector<CoveredSpan> covered;
+  };
+
+  // Which other grooves may take something of groove i, and how far each reaches.
+  void find_met(std::size_t i, Work& w) const {
+    index.find_near(strips, i, margin_mm[i], 0, w.near);
+    w.met.clear();
+    w.reach_mm.clear();
+    w.reaches.meet(profile, lanes, sections[i]);
+    const double uix = strips.ux[i], uiy = strips.uy[i], length = strips.length_mm[i];
+    for (const std::uint32_t j : w.near) {
+      if (j == i || (!deepest && !burrs && order[j] < order[i])) continue;
+      const double ux = strips.ux[j], uy = strips.uy[j];
+      const double ox = strips.x_mm[i] - strips.x_mm[j], oy = strips.y_mm[i] - strips.y_mm[j];
+      const GrooveMet met{ox * uy - oy * ux,
+                          ox * ux + oy * uy,
+                          uix * uy - uiy * ux,
+                          uix * ux + uiy * uy,
+                          strips.length_mm[j],
+                          w.reach_mm.size(),
+                          j};
+      // Both ends on one side of it, further than both are wide, or all before or behind it: they do not meet.
+      const double wide = strips.half_width_mm[j] + margin_mm[i], across_end = met.across + length * met.across_slope,
+                   along_end = met.along + length * met.along_slope;
+      if (std::min(met.across, across_end) > wide || std::max(met.across, across_end) < -wide ||
+          std::min(met.along, along_end) > met.length_mm + margin_mm[i] ||
+          std::max(met.along, along_end) < -margin_mm[i])
+        continue;
+      w.met.push_back(met);
+      w.reaches.reach(profile, sections[j], deepest);
+      for (std::size_t l = 0; l < lanes.size(); ++l) {
+        const bool is_burr = lanes[l].part != Lane::Part::groove;
+        const bool takes = is_burr || deepest || order[j] > order[i];
+        w.reach_mm.push_back(!takes ? 0 : is_burr ? 1e-3 * sections[j].half_width_um : w.reaches.reach_mm[l]);
+      }
+    }
+  }
+
+  // Where they cover a lane whose middle lies x to the right, in order along it.
+  void find_covered(std::size_t i, std::size_t lane, Work& w) const {
+    constexpr double kParallel = 1e-12;
+    const double x = 1e-3 * w.reaches.middle_um[lane], length = strips.length_mm[i];
+    w.covered.clear();
+    for (const GrooveMet& met : w.met) {
+      const double reach = w.reach_mm[met.reaches + lane];
+      if (!(reach > 0)) continue;
+      const double across = met.across + x * met.along_slope, along = met.along - x * met.across_slope;
+      CoveredSpan span{0, length};
+      if (std::abs(met.across_slope) > kParallel) {
+        const double middle = -across / met.across_slope, half = reach / std::abs(met.across_slope);
+        const double moves = rims_cut_lane(lane) ? 1e-3 * sections[met.groove].depth_um *
+                                                       sections[met.groove].rim_by_depth / std::abs(met.across_slope)
+                                                 : 0;
+        if (middle - half > span.from) span.from = middle - half, span.from_moves = moves;
+        if (middle + half < span.to) span.to = middle + half, span.to_moves = moves;
+      } else if (std::abs(across) > reach) {
+        continue;
+      }
+      if (std::abs(met.along_slope) > kParallel) {
+        const double a = -along / met.along_slope, b = (met.length_mm - along) / met.along_slope;
+        if (std::min(a, b) > span.from) span.from = std::min(a, b), span.from_moves = 0;
+        if (std::max(a, b) < span.to) span.to = std::max(a, b), span.to_moves = 0;
+      } else if (along < 0 || along > met.length_mm) {
+        continue;
+      }
+      if (span.from < span.to) w.covered.push_back(span);
+    }
+    std::sort(w.covered.begin(), w.covered.end(), [](const CoveredSpan& a, const CoveredSpan& b) {
+      return a.from < b.from || (a.from == b.from && a.to < b.to);
+    });
+  }
+
+  // Into the groove's cells, which hold nothing yet.
+  void lay(std::size_t i, std::size_t cells, Work& w, float* share, float* by_depth) const {
+    find_met(i, w);
+    const double cell_mm = strips.length_mm[i] / static_cast<double>(cells);
+    const auto cell_at = [&](double at_mm) {
+      return std::min(static_cast<std::size_t>(std::max(0.0, at_mm / cell_mm)), cells - 1);
+    };
+    for (std::size_t lane = 0; lane < lanes.size(); ++lane) {
+      find_covered(i, lane, w);
+      const auto add = [&](double from, double to) {
+        if (!(from < to)) return;
+        for (std::size_t cell = cell_at(from), last = cell_at(to); cell <= last; ++cell) {
+          const double begin = std::max(from, static_cast<double>(cell) * cell_mm),
+                       end = std::min(to, static_cast<double>(cell + 1) * cell_mm);
+          share[cell * lanes.size() + lane] += static_cast<float>((end - begin) / cell_mm);
+        }
+      };
+      const auto shorten = [&](double at, double by_mm) {
+        if (by_depth != nullptr && by_mm != 0)
+          by_depth[cell_at(at) * lanes.size() + lane] -= static_cast<float>(by_mm / cell_mm);
+      };
+      double free_from = 0, moves = 0;
+      for (const CoveredSpan& span : w.covered) {
+        if (span.from > free_from) {
+          add(free_from, span.from);
+          shorten(free_from, moves);
+          shorten(span.from, span.from_moves);
+        }
+        if (span.to <= free_from) continue;
+        free_from = span.to;
+        moves = span.to_moves;
+      }
+      add(free_from, strips.length_mm[i]);
+      if (free_from < strips.length_mm[i]) shorten(free_from, moves);
+    }
+  }
+};
+
+}  // namespace
+
+std::vector<Lane> lanes_across(const GrooveProfile& profile, int count) {
+  std::vector<Lane> out;
+  for (int k = 0; k < count; ++k) out.push_back({Lane::Part::groove, 2.0 * k / count - 1, 2.0 * (k + 1) / count - 1});
+  constexpr int kOfBurr = 2;
+  const auto burr = [&](double height_um, Lane::Part part) {
+    for (int k = 0; k < kOfBurr && height_um > 0; ++k)
+      out.push_back({part, static_cast<double>(k) / kOfBurr, static_cast<double>(k + 1) / kOfBurr});
+  };
+  burr(profile.burr_left_um, Lane::Part::left_burr);
+  burr(profile.burr_right_um, Lane::Part::right_burr);
+  return out;
+}
+
+LanePlace lane_place(const Lane& lane, double half_width_um, double burr_width_um) {
+  const double middle = 0.5 * (lane.from + lane.to), width = lane.to - lane.from;
+  if (lane.part == Lane::Part::groove) return {middle * half_width_um, width * half_width_um};
+  const double aside = half_width_um + middle * burr_width_um;
+  return {lane.part == Lane::Part::right_burr ? aside : -aside, width * burr_width_um};
+}
+
+VisibleLanes visible_lanes(const Scratches& grooves, std::span<const std::uint32_t> order, double tool_width_um,
+                           double depth_um, const GrooveProfile& profile, Crossings rule, int count, double cell_mm) {
+  VisibleLanes out;
+  out.lanes = lanes_across(profile, count);
+  out.first.assign(1, 0);
+  if (grooves.size() == 0) return out;
+  std::vector<Section> sections = sections_of(grooves, tool_width_um, depth_um, profile);
+  std::vector<double> half_width_mm, margin_mm;
+  for (const Section& section : sections) {
+    half_width_mm.push_back(1e-3 * section.half_width_um);
+    margin_mm.push_back(1e-3 * (section.half_width_um + (profile.has_burrs() ? profile.burr_width_um : 0)));
+  }
+  const LaneLayer layer{
+      profile, rule == Crossings::deepest, profile.has_burrs(),  out.lanes,
+      order,   std::move(sections),        std::move(margin_mm), Strips(grooves, std::move(half_width_mm))};
+  if (layer.index.is_crowded())
+    fail("crossings of " + std::to_string(grooves.size()) + " scratches",
+         "are too many: they lie more than " + std::to_string(limit::kNear) + " times near one another",
+         "carve fewer or shorter scratches");
+  for (const double length_mm : layer.strips.length_mm)
+    out.first.push_back(out.first.back() +
+                        std::max<std::size_t>(1, static_cast<std::size_t>(length_mm / cell_mm + 0.5)));
+  const std::size_t numbers = out.first.back() * out.lanes.size();
+  out.share.assign(numbers, 0);
+  if (!layer.deepest || layer.burrs) out.share_by_depth.assign(numbers, 0);
+  constexpr std::size_t kAtOnce = 64;
+  tbb::parallel_for(std::size_t{0}, (grooves.size() + kAtOnce - 1) / kAtOnce, [&](std::size_t part) {
+    LaneLayer::Work work;
+    for (std::size_t i = part * kAtOnce; i < std::min(grooves.size(), (part + 1) * kAtOnce); ++i) {
+      const std::size_t at = out.first[i] * out.lanes.size();
+      layer.lay(i, out.first[i + 1] - out.first[i], work, &out.share[at],
+                out.share_by_depth.empty() ? nullptr : &out.share_by_depth[at]);
+    }
+  });
+  return out;
 }
 
 }  // namespace burin

@@ -10,7 +10,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -55,6 +57,42 @@ struct VisiblePieces {
   std::vector<std::uint32_t> source;  ///< the row that each is a piece of
   std::vector<PieceEnd> begin, end;   ///< of each
 };
+
+/// A part of a groove's width that runs along all of it. `from` and `to` are shares: of the half-width, from -1 at the
+/// left rim to 1 at the right one; of a burr's width, from 0 at the rim.
+struct Lane {
+  enum class Part : std::uint8_t { groove, left_burr, right_burr };
+  Part part = Part::groove;
+  double from = 0, to = 0;
+
+  bool operator==(const Lane&) const = default;
+};
+
+/// What other grooves leave of each: of every lane, cell by cell along the groove, the share of its length that is
+/// seen. Unlike pieces, which are as wide to the left as to the right, lanes are cut where they lie: a groove that
+/// crosses another aslant takes one side earlier.
+struct VisibleLanes {
+  std::vector<Lane> lanes;         ///< of each groove, from left to right, burrs last
+  std::vector<std::size_t> first;  ///< cell of each groove, and one more; its cells are equally long
+  std::vector<float> share;        ///< lane by lane of each cell
+  /// By the logarithm of the depth of all grooves; empty where walls that are equally low bound what is seen, which
+  /// stay where they are.
+  std::vector<float> share_by_depth;
+};
+
+/// Across a groove: so many lanes, and two for each burr.
+std::vector<Lane> lanes_across(const GrooveProfile& profile, int count);
+
+/// The middle of a lane, um to the right of the groove's, and how wide it is there.
+struct LanePlace {
+  double middle_um = 0, width_um = 0;
+};
+LanePlace lane_place(const Lane& lane, double half_width_um, double burr_width_um);
+
+/// Lays what later grooves (Crossings::last), or all others (Crossings::deepest), leave of each, in cells about so
+/// long. `order`: the rank of each in carving order. Widths and depths as in visible_pieces().
+VisibleLanes visible_lanes(const Scratches& grooves, std::span<const std::uint32_t> order, double tool_width_um,
+                           double depth_um, const GrooveProfile& profile, Crossings rule, int count, double cell_mm);
 
 /// In how many steps Crossings::deepest takes a groove's width: the usual number; and the most. A crossing leaves up to
 /// 2 steps - 1 pieces more. Where grooves cover a share c of the board, walls of one lean show up to c / (2 steps) more

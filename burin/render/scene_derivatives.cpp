@@ -9,10 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "burin/render/error.h"
 #include "burin/render/exact/exact_sums.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/fast_view.h"
 #include "burin/render/fast/pixel_slopes.h"
+#include "burin/render/lanes_view.h"
 #include "burin/render/parts_derivatives.h"
 #include "burin/render/radiance_chain.h"
 #include "burin/render/view_renderer.h"
@@ -49,8 +51,16 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
   const int channels = options.channels;
   check_view(scene, channels);
   const FootprintGrid& grid = *scene.grid;
-  const std::optional<FastSums> fast = FastSums::of(scene, scratches, options, workspace);
-  const ExactPairs exact = fast ? ExactPairs{} : exact_pairs(scene, scratches);
+  std::optional<LanesView> lanes;
+  if (carved.lanes != nullptr) {
+    if (!takes_lanes(scene) || std::ranges::find(parameters, SceneParameter::width_um) != parameters.end())
+      fail("render_with_derivatives", "grooves in lanes have no derivative by width, and lie on a sheet under a lamp",
+           "cut them into pieces");
+    lanes.emplace(scene, 1);
+    lanes->find_slopes({scratches, *carved.lanes});
+  }
+  const std::optional<FastSums> fast = lanes ? std::nullopt : FastSums::of(scene, scratches, options, workspace);
+  const ExactPairs exact = fast || lanes ? ExactPairs{} : exact_pairs(scene, scratches);
 
   RadianceDerivatives result;
   result.radiance = Image(grid.width(), grid.height(), channels);
@@ -69,7 +79,9 @@ RadianceDerivatives render_with_derivatives(const ViewScene& scene, const Camera
     for (int c = 0; c < channels; ++c) result.radiance.data[i * channels + c] = static_cast<float>(ambient[c]);
     if (!p.lit) return;
     GrooveSums sums;
-    if (fast) {
+    if (lanes) {
+      sums = lanes->sums_of(i, p, corners, area);
+    } else if (fast) {
       if (fast->pixels[i].area_mm2 > 0) {
         const double strength = fast->in_lamps_unit ? channel_factors(scene, p.cos_ho, 1)[0] * p.direct : 1;
         sums = groove_sums(fast->pixels[i], strength > 0 ? 1 / strength : 0, p, corners, area, scene.material.alpha);

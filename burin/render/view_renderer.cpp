@@ -8,34 +8,51 @@
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/pairs.h"
 #include "burin/render/lamp_view.h"
+#include "burin/render/lanes_view.h"
 #include "burin/render/lights_view.h"
 
 namespace burin {
 
 struct ViewRenderer::State {
+  ViewScene scene;
   RenderOptions options;
-  int width = 0, height = 0;
+  std::shared_ptr<RenderWorkspace> workspace;
   std::size_t scratch_count = 0;
+  // Made when first asked for.
   std::unique_ptr<LampView> lamp;      // of a lone lamp that needs no sum
   std::unique_ptr<LightsView> lights;  // of all else
+  std::unique_ptr<LanesView> lanes;    // of grooves that come with what is left of them
+  Scratches grooves;                   // of its last forward()
+  std::shared_ptr<const VisibleLanes> left;
 
-  State(const ViewScene& scene, const RenderOptions& o, std::shared_ptr<RenderWorkspace> workspace) : options(o) {
+  State(ViewScene of, const RenderOptions& o, std::shared_ptr<RenderWorkspace> r)
+      : scene(std::move(of)), options(o), workspace(std::move(r)) {
     check_view(scene, options.channels);
-    width = scene.grid->width();
-    height = scene.grid->height();
-    if (!scene.light.is_lamp() || !(scene.light.size.is_point() || LampView::takes_area(scene, options)))
-      lights = std::make_unique<LightsView>(scene, options, std::move(workspace));
-    else
-      lamp = std::make_unique<LampView>(scene, options, std::move(workspace));
   }
+  LanedGrooves last_grooves() const { return {grooves, *left}; }
 
-  void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
+  void forward(const Carved& carved, bool keep_jacobian, Image& radiance) {
+    const Scratches& scratches = carved.scratches;
     check_scratches(scratches);
     scratch_count = scratches.size();
-    if (lights)
-      lights->forward(scratches, keep_jacobian, radiance);
-    else
+    left = carved.lanes;
+    if (left != nullptr) {
+      if (!takes_lanes(scene))
+        fail("grooves that cut one another", "are laid in lanes, which serve one lamp over a sheet",
+             "cut them into pieces");
+      if (!lanes) lanes = std::make_unique<LanesView>(scene, options.channels);
+      grooves = scratches;
+      lanes->forward(last_grooves(), radiance);
+      return;
+    }
+    const bool is_lone = scene.light.is_lamp() && (scene.light.size.is_point() || LampView::takes_area(scene, options));
+    if (is_lone) {
+      if (!lamp) lamp = std::make_unique<LampView>(scene, options, workspace);
       lamp->forward(scratches, keep_jacobian, radiance);
+    } else {
+      if (!lights) lights = std::make_unique<LightsView>(scene, options, workspace);
+      lights->forward(scratches, keep_jacobian, radiance);
+    }
   }
 };
 
@@ -45,15 +62,13 @@ ViewRenderer::~ViewRenderer() = default;
 ViewRenderer::ViewRenderer(ViewRenderer&&) noexcept = default;
 ViewRenderer& ViewRenderer::operator=(ViewRenderer&&) noexcept = default;
 
-int ViewRenderer::width() const { return state_->width; }
-int ViewRenderer::height() const { return state_->height; }
+int ViewRenderer::width() const { return state_->scene.grid->width(); }
+int ViewRenderer::height() const { return state_->scene.grid->height(); }
 
-void ViewRenderer::forward(const Carved& carved, Image& radiance) {
-  state_->forward(carved.scratches, false, radiance);
-}
+void ViewRenderer::forward(const Carved& carved, Image& radiance) { state_->forward(carved, false, radiance); }
 
 void ViewRenderer::forward_with_jacobian(const Carved& carved, Image& radiance) {
-  state_->forward(carved.scratches, true, radiance);
+  state_->forward(carved, true, radiance);
 }
 
 ScratchGradients ViewRenderer::backward(const Image& dE_dradiance) const {
@@ -73,7 +88,9 @@ void ViewRenderer::backward(const Image& dE_dradiance, ScratchGradients& gradien
     fail("ViewRenderer::backward", "the gradients are for " + std::to_string(gradients.x0_mm.size()) + " scratches",
          "give empty ones, or those of other views of the " + std::to_string(state_->scratch_count) +
              " scratches of the last forward_with_jacobian()");
-  if (state_->lights)
+  if (state_->left != nullptr)
+    state_->lanes->backward(state_->last_grooves(), dE_dradiance, gradients);
+  else if (state_->lights)
     state_->lights->backward(dE_dradiance, gradients);
   else
     state_->lamp->backward(dE_dradiance, gradients);
@@ -83,13 +100,16 @@ void ViewRenderer::add_contributions(std::vector<double>& contribution) const {
   if (contribution.size() != state_->scratch_count)
     fail("ViewRenderer::add_contributions", "there are " + std::to_string(contribution.size()) + " numbers",
          "give one for each of the " + std::to_string(state_->scratch_count) + " scratches of the last forward()");
-  if (state_->lights)
+  if (state_->left != nullptr)
+    state_->lanes->add_contributions(state_->last_grooves(), contribution);
+  else if (state_->lights)
     state_->lights->add_contributions(contribution);
   else
     state_->lamp->add_contributions(contribution);
 }
 
 std::size_t ViewRenderer::pair_count() const {
+  if (state_->left != nullptr) return state_->lanes->chord_count();
   return state_->lights ? state_->lights->pair_count() : state_->lamp->pair_count();
 }
 

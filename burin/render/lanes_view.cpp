@@ -1,0 +1,1263 @@
+#include "burin/render/lanes_view.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "burin/render/exact/exact_view.h"
+#include "burin/render/fast/machine_clones.h"
+#include "burin/render/groove_profile.h"
+#include "burin/render/lamp_size.h"
+
+namespace burin {
+namespace {
+
+using Eigen::Vector2d;
+
+// All that changes smoothly over a view, at every few of its pixels' corners.
+struct LampThere {
+  double hx = 0, hy = 0, cos_i = 1, cos_o = 1, strength = 0;  // of one of the lamp's points; beside the middle's
+};
+struct LatticeNode {
+  Vector2d place_mm{0, 0};
+  std::array<double, 3> factor{};   // of the lamp's middle: F intensity direct, by channel
+  double base = 0, base_slope = 0;  // of the plain face, in that unit
+  bool is_good = false;             // lit and seen
+};
+
+struct Lattice {
+  std::vector<int> xs, ys;         // where its columns and rows lie, in pixels' corners
+  std::size_t points = 0;          // of the lamp
+  std::vector<LatticeNode> nodes;  // row by row
+  std::vector<LampThere> lamps;    // points a node
+
+  std::size_t at(std::size_t column, std::size_t row) const { return row * xs.size() + column; }
+};
+
+// The cell of a lattice that a place in the picture lies in, and where within it; beyond the rim of the outermost cell.
+struct InCell {
+  std::size_t node;  // its upper left
+  double u, v;
+};
+std::size_t cell_of(const std::vector<int>& lines, double at) {
+  const int step = lines[1] - lines[0];
+  const double cell = std::floor((at - lines[0]) / step);
+  return static_cast<std::size_t>(std::clamp(cell, 0.0, static_cast<double>(lines.size() - 2)));
+}
+InCell in_cell(const Lattice& lattice, double x, double y) {
+  const std::size_t c = cell_of(lattice.xs, x), r = cell_of(lattice.ys, y);
+  return {lattice.at(c, r), (x - lattice.xs[c]) / (lattice.xs[c + 1] - lattice.xs[c]),
+          (y - lattice.ys[r]) / (lattice.ys[r + 1] - lattice.ys[r])};
+}
+template <typename Get>
+auto between(const Lattice& lattice, const InCell& cell, const Get& get) {
+  const std::size_t below = cell.node + lattice.xs.size();
+  using Value = std::decay_t<decltype(get(cell.node))>;
+  return Value((1 - cell.v) * ((1 - cell.u) * get(cell.node) + cell.u * get(cell.node + 1)) +
+               cell.v * ((1 - cell.u) * get(below) + cell.u * get(below + 1)));
+}
+
+// Of pixels' centers (or normals): at a corner between them, continued over the rim.
+template <typename Values>
+Eigen::Vector3d at_corner(const Values& values, int width, int height, int x, int y) {
+  struct Pair {
+    int a, b;
+    double of_a;
+  };
+  const auto pair = [](int at, int count) {
+    if (count == 1) return Pair{0, 0, 1};
+    if (at <= 0) return Pair{0, 1, 1.5};
+    if (at >= count) return Pair{count - 1, count - 2, 1.5};
+    return Pair{at - 1, at, 0.5};
+  };
+  const Pair px = pair(x, width), py = pair(y, height);
+  const auto value = [&](int c, int r) -> const Eigen::Vector3d& {
+    return values[static_cast<std::size_t>(r) * width + c];
+  };
+  return py.of_a * (px.of_a * value(px.a, py.a) + (1 - px.of_a) * value(px.b, py.a)) +
+         (1 - py.of_a) * (px.of_a * value(px.a, py.b) + (1 - px.of_a) * value(px.b, py.b));
+}
+
+std::vector<int> lattice_lines(int count, int step) {
+  std::vector<int> out;
+  for (int at = 0; at < count; at += step) out.push_back(at);
+  out.push_back(count);
+  return out;
+}
+
+// From one node to the next this share of the nearest distance, of lamp or camera: light between them is good to 1e-5.
+int lattice_step(const ViewScene& scene) {
+  constexpr int kMost = 16;
+  constexpr double kOfDistance = 0.002;
+  const FootprintGrid& grid = *scene.grid;
+  for (std::size_t i = grid.center_mm.size() / 2 + grid.width() / 2; i + 1 < grid.center_mm.size(); ++i) {
+    const Eigen::Vector3d& place = grid.center_mm[i];
+    const double mm = (grid.center_mm[i + 1] - place).norm();
+    if (!std::isfinite(mm) || !(mm > 0)) continue;
+    const double nearest_mm =
+        std::min((scene.light.position_mm - place).norm(), (scene.camera_center_mm - place).norm());
+    return std::clamp(static_cast<int>(kOfDistance * nearest_mm / mm), 1, kMost);
+  }
+  return 4;
+}
+
+double pixels_by_mm(const FootprintGrid& grid) {
+  for (std::size_t i = grid.center_mm.size() / 2 + grid.width() / 2; i + 1 < grid.center_mm.size(); ++i)
+    if (const double mm = (grid.center_mm[i + 1] - grid.center_mm[i]).norm(); std::isfinite(mm) && mm > 0)
+      return 1 / mm;
+  return 1;
+}
+
+// Nodes beside the face, or in the dark, continue what lies next to them in a straight line.
+void continue_lattice(Lattice& lattice, std::vector<char>& known) {
+  const auto columns = static_cast<std::ptrdiff_t>(lattice.xs.size()),
+             rows = static_cast<std::ptrdiff_t>(lattice.ys.size());
+  constexpr int kPasses = 3;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    std::vector<char> next = known;
+    for (std::ptrdiff_t r = 0; r < rows; ++r)
+      for (std::ptrdiff_t c = 0; c < columns; ++c) {
+        const std::size_t i = lattice.at(c, r);
+        if (known[i]) continue;
+        for (const auto& [dc, dr] : {std::pair(1, 0), std::pair(-1, 0), std::pair(0, 1), std::pair(0, -1)}) {
+          const std::ptrdiff_t c2 = c + 2 * dc, r2 = r + 2 * dr;
+          if (c2 < 0 || r2 < 0 || c2 >= columns || r2 >= rows) continue;
+          const std::size_t a = lattice.at(c + dc, r + dr), b = lattice.at(c2, r2);
+          if (!known[a] || !known[b]) continue;
+          const auto line = [](double near, double far) { return 2 * near - far; };
+          LatticeNode& to = lattice.nodes[i];
+          const LatticeNode &na = lattice.nodes[a], &nb = lattice.nodes[b];
+          to.place_mm = 2 * na.place_mm - nb.place_mm;
+          to.factor = na.factor;
+          to.base = na.base;
+          to.base_slope = na.base_slope;
+          for (std::size_t p = 0; p < lattice.points; ++p) {
+            LampThere& lamp = lattice.lamps[i * lattice.points + p];
+            const LampThere &la = lattice.lamps[a * lattice.points + p], &lb = lattice.lamps[b * lattice.points + p];
+            lamp = {line(la.hx, lb.hx), line(la.hy, lb.hy), la.cos_i, la.cos_o, la.strength};
+          }
+          next[i] = 1;
+          break;
+        }
+      }
+    known = std::move(next);
+  }
+}
+
+Lattice make_lattice(const ViewScene& scene, int channels) {
+  const FootprintGrid& grid = *scene.grid;
+  Lattice out;
+  const int step = lattice_step(scene);
+  out.xs = lattice_lines(grid.width(), step);
+  out.ys = lattice_lines(grid.height(), step);
+  const std::vector<LampPoint> points = lamp_points(scene.light);
+  out.points = points.size();
+  out.nodes.resize(out.xs.size() * out.ys.size());
+  out.lamps.resize(out.nodes.size() * out.points);
+  std::vector<char> known(out.nodes.size(), 0);
+  Light middle = scene.light;
+  middle.size = {};
+  tbb::parallel_for(std::size_t{0}, out.ys.size(), [&](std::size_t r) {
+    for (std::size_t c = 0; c < out.xs.size(); ++c) {
+      const std::size_t i = out.at(c, r);
+      LatticeNode& node = out.nodes[i];
+      const Eigen::Vector3d center = at_corner(grid.center_mm, grid.width(), grid.height(), out.xs[c], out.ys[r]);
+      const Eigen::Vector3d normal =
+          at_corner(grid.normal, grid.width(), grid.height(), out.xs[c], out.ys[r]).normalized();
+      const std::size_t corner = static_cast<std::size_t>(out.ys[r]) * (grid.width() + 1) + out.xs[c];
+      node.place_mm = {grid.corner_x_mm[corner], grid.corner_y_mm[corner]};
+      if (!center.allFinite() || !normal.allFinite() || !node.place_mm.allFinite()) continue;
+      const auto shade = [&](const Light& light) {
+        return shade_pixel(center, normal, scene.camera_center_mm, light, scene.material.base_alpha,
+                           scene.material.grain);
+      };
+      const PixelShading p = shade(middle);
+      if (!p.visible || !p.lit) continue;
+      const auto factor = channel_factors(scene, p.cos_ho, channels);
+      const double mean = channel_factors(scene, p.cos_ho, 1)[0] * p.direct;
+      for (int k = 0; k < channels; ++k) node.factor[k] = factor[k] * p.direct;
+      bool all = true;
+      for (std::size_t k = 0; k < points.size(); ++k) {
+        Light light = middle;
+        light.position_mm += points[k].offset_mm;
+        const PixelShading q = points.size() == 1 ? p : shade(light);
+        if (!q.lit) {
+          all = false;
+          continue;
+        }
+        const double strength = points[k].share * channel_factors(scene, q.cos_ho, 1)[0] * q.direct / mean;
+        out.lamps[i * out.points + k] = {q.h_face.x(), q.h_face.y(), q.cos_i, q.cos_o, strength};
+        node.base += strength * q.base;
+        node.base_slope += strength * base_slope(q, scene.material.base_alpha, scene.material.grain);
+      }
+      node.is_good = all;
+      known[i] = 1;
+    }
+  });
+  continue_lattice(out, known);
+  for (std::size_t i = 0; i < known.size(); ++i)
+    if (!known[i]) out.nodes[i].place_mm.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return out;
+}
+
+// Where a place of the board lies in the picture, from a first guess; and d(picture) / d(board), px / mm.
+struct InPicture {
+  Vector2d px{0, 0};
+  Eigen::Matrix2d by_mm = Eigen::Matrix2d::Zero();
+  bool is_found = false;
+};
+InPicture in_picture(const Lattice& lattice, const Vector2d& place_mm, const Vector2d& guess_px) {
+  InPicture out;
+  out.px = guess_px;
+  constexpr int kMost = 40;
+  constexpr double kGoodPx = 1e-6;
+  for (int step = 0; step < kMost; ++step) {
+    const std::size_t c = cell_of(lattice.xs, out.px.x()), r = cell_of(lattice.ys, out.px.y());
+    const double w = lattice.xs[c + 1] - lattice.xs[c], h = lattice.ys[r + 1] - lattice.ys[r];
+    const double u = (out.px.x() - lattice.xs[c]) / w, v = (out.px.y() - lattice.ys[r]) / h;
+    const std::size_t i = lattice.at(c, r), j = i + lattice.xs.size();
+    const Vector2d &a = lattice.nodes[i].place_mm, &b = lattice.nodes[i + 1].place_mm, &d = lattice.nodes[j].place_mm,
+                   &e = lattice.nodes[j + 1].place_mm;
+    const Vector2d here = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * d + u * e);
+    Eigen::Matrix2d by_px;
+    by_px.col(0) = ((1 - v) * (b - a) + v * (e - d)) / w;
+    by_px.col(1) = ((1 - u) * (d - a) + u * (e - b)) / h;
+    out.by_mm = by_px.inverse();
+    const Vector2d move = out.by_mm * (place_mm - here);
+    if (!move.allFinite()) return out;
+    out.px += move;
+    if (move.squaredNorm() < kGoodPx * kGoodPx) {
+      out.is_found = true;
+      return out;
+    }
+  }
+  return out;
+}
+
+// A groove at a node of its way: where that lies along it and in the picture, and how far a millimeter across goes
+// there.
+struct WayNode {
+  double at_mm = 0;
+  Vector2d px{0, 0}, by_across{0, 0};
+  Vector2d half{0, 0};  // of the lamp's first point
+};
+
+// Light that a lane sends, a number a lane and node: of one millimeter of it, mm; by alpha, and by the half vector
+// across the groove and along it.
+struct LaneLight {
+  std::vector<float> value, by_alpha, by_across, by_along;
+  std::vector<float> at_rims;  // D G at the left and the right rim: what a groove gains as it becomes deeper
+};
+
+struct Ways {
+  std::vector<std::size_t> first;  // node of each groove
+  std::vector<WayNode> nodes;
+  LaneLight light;
+};
+
+// Walls of a lane as nodes of a rule: Gauss and Legendre's three, in parts narrower than a lobe.
+struct WallNodes {
+  std::vector<float> sine, cosine, weight_mm;
+  std::vector<int> end;  // of each lane's
+  std::array<float, 2> rim_sine{}, rim_cosine{};
+
+  void make(const GrooveProfile& profile, std::span<const Lane> lanes, double width_um, double depth_um, double alpha);
+};
+
+void WallNodes::make(const GrooveProfile& profile, std::span<const Lane> lanes, double width_um, double depth_um,
+                     double alpha) {
+  constexpr std::array<double, 3> kNode{-0.7745966692414834, 0, 0.7745966692414834},
+      kWeight{5.0 / 18, 8.0 / 18, 5.0 / 18};
+  constexpr double kPartOfLobe = 0.6;
+  constexpr int kMostParts = 16;
+  sine.clear(), cosine.clear(), weight_mm.clear(), end.clear();
+  const double half_um = half_width_um(profile, width_um, depth_um);
+  const auto lean_at = [&](const Lane& lane, double share) {
+    if (lane.part == Lane::Part::groove) return wall_lean(profile, width_um, share * half_um);
+    const double from_middle = (share - 0.5) * profile.burr_width_um;
+    return lane.part == Lane::Part::right_burr ? burr_lean(profile.burr_right_um, profile.burr_width_um, from_middle)
+                                               : burr_lean(profile.burr_left_um, profile.burr_width_um, -from_middle);
+  };
+  for (const Lane& lane : lanes) {
+    const double width_of_lane_um = lane_place(lane, half_um, profile.burr_width_um).width_um;
+    const double leans = std::abs(lean_at(lane, lane.to) - lean_at(lane, lane.from));
+    const int parts = std::clamp(static_cast<int>(std::ceil(leans / (kPartOfLobe * alpha))), 1, kMostParts);
+    for (int part = 0; part < parts; ++part)
+      for (std::size_t k = 0; k < kNode.size(); ++k) {
+        const double share = lane.from + (lane.to - lane.from) * (part + 0.5 * (1 + kNode[k])) / parts;
+        const double lean = lean_at(lane, share);
+        sine.push_back(static_cast<float>(std::sin(lean)));
+        cosine.push_back(static_cast<float>(std::cos(lean)));
+        weight_mm.push_back(static_cast<float>(1e-3 * width_of_lane_um * kWeight[k] / parts));
+      }
+    end.push_back(static_cast<int>(sine.size()));
+  }
+  for (int side = 0; side < 2; ++side) {
+    const double lean = wall_lean(profile, width_um, (side == 0 ? -1 : 1) * half_um);
+    rim_sine[side] = static_cast<float>(std::sin(lean));
+    rim_cosine[side] = static_cast<float>(std::cos(lean));
+  }
+}
+
+// Where a groove lies.
+struct GroovePlace {
+  Vector2d first, along, across;
+  double length_mm;
+
+  GroovePlace(const Scratches& s, std::size_t i)
+      : first(s.x0_mm[i], s.y0_mm[i]),
+        along(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]),
+        across(0, 0),
+        length_mm(along.norm()) {
+    along /= length_mm;
+    across = {along.y(), -along.x()};
+  }
+};
+
+// Lanes beside one another that are one line of light: first .. last - 1.
+struct LaneGroup {
+  std::size_t first, last;
+};
+
+// As few as keep a line within this share of a pixel of its lanes.
+std::vector<LaneGroup> groups_of(std::span<const Lane> lanes, std::span<const float> width_mm, double px_by_mm) {
+  constexpr double kWidestPx = 0.1;
+  std::vector<LaneGroup> out;
+  double width_px = 0;
+  for (std::size_t l = 0; l < lanes.size(); ++l) {
+    const double lane_px = px_by_mm * width_mm[l];
+    if (out.empty() || lanes[l].part != lanes[l - 1].part || width_px + lane_px > kWidestPx) {
+      out.push_back({l, l});
+      width_px = 0;
+    }
+    out.back().last = l + 1;
+    width_px += lane_px;
+  }
+  return out;
+}
+
+// Where a groove's lanes lie; of grooves of one width and depth, one after the other, the same.
+struct LaneSpots {
+  double width_um = 0, depth_um = 0;
+  std::vector<float> width_mm, middle_mm;  // of each lane
+  double rim_by_depth_mm = 0;              // mm by um
+  std::size_t groove_lanes = 0;            // the first of all; burrs' come behind
+  std::vector<LaneGroup> groups;
+
+  // `px_by_mm`: of the picture.
+  void find(const GrooveProfile& profile, std::span<const Lane> lanes, double of_width_um, double of_depth_um,
+            double px_by_mm) {
+    if (of_width_um == width_um && of_depth_um == depth_um) return;
+    width_um = of_width_um;
+    depth_um = of_depth_um;
+    const double half_um = half_width_um(profile, width_um, depth_um);
+    width_mm.clear(), middle_mm.clear();
+    for (const Lane& lane : lanes) {
+      const LanePlace place = lane_place(lane, half_um, profile.burr_width_um);
+      width_mm.push_back(static_cast<float>(1e-3 * place.width_um));
+      middle_mm.push_back(static_cast<float>(1e-3 * place.middle_um));
+    }
+    rim_by_depth_mm = 1e-3 * half_width_slope(profile, width_um, depth_um);
+    groove_lanes = static_cast<std::size_t>(std::ranges::count(lanes, Lane::Part::groove, &Lane::part));
+    groups = groups_of(lanes, width_mm, px_by_mm);
+  }
+};
+
+// The NDF on walls (docs/model.md 3.7) for one half vector in the groove's frame, times `scale`, and its derivatives.
+struct LobeAt {
+  float across, along, up, across2, along2, scale;
+};
+BURIN_MACHINE_CLONES void lobes_on_walls(int n, const float* sine, const float* cosine, const float* weight, LobeAt h,
+                                         float* out) {
+  const float y2 = h.along * h.along * h.along2;
+  for (int k = 0; k < n; ++k) {
+    const float m = h.across * cosine[k] + h.up * sine[k], nh = h.up * cosine[k] - h.across * sine[k];
+    const float Q = m * m * h.across2 + y2 + nh * nh;
+    out[k] = nh > 0 ? weight[k] * h.scale / (Q * Q) : 0.0F;
+  }
+}
+BURIN_MACHINE_CLONES void lobe_slopes_on_walls(int n, const float* sine, const float* cosine, const float* weight,
+                                               LobeAt h, float* out, float* by_alpha, float* by_across,
+                                               float* by_along) {
+  const float y2 = h.along * h.along * h.along2, up_by_across = -h.across / h.up, up_by_along = -h.along / h.up;
+  for (int k = 0; k < n; ++k) {
+    const float m = h.across * cosine[k] + h.up * sine[k], nh = h.up * cosine[k] - h.across * sine[k];
+    const float rough = m * m * h.across2 + y2, Q = rough + nh * nh;
+    const float D = nh > 0 ? weight[k] * h.scale / (Q * Q) : 0.0F, by_Q = -4 * D / Q;
+    out[k] = D;
+    by_alpha[k] = -2 * D - by_Q * rough;  // by log
+    by_across[k] =
+        by_Q * (m * h.across2 * (cosine[k] + up_by_across * sine[k]) + nh * (up_by_across * cosine[k] - sine[k]));
+    by_along[k] = by_Q * (h.along * h.along2 + up_by_along * (m * h.across2 * sine[k] + nh * cosine[k]));
+  }
+}
+
+// What a pixel's grooves add up to with slopes: light and area; light by log alpha, by the half vector, by a turn of
+// the grooves (all, and with their direction's squares), by lengths in a direction; both by a deeper rim.
+enum SumOf : int {
+  kSumOfLight,
+  kSumOfArea,
+  kSumOfAlpha,
+  kSumOfHalfX,
+  kSumOfHalfY,
+  kSumOfTurn,
+  kSumOfTurnXX,
+  kSumOfTurnXY,
+  kSumOfLengthXX,
+  kSumOfLengthXY,
+  kSumOfAreaXX,
+  kSumOfAreaXY,
+  kSumOfRimLight,
+  kSumOfRimArea,
+  kSums = 16
+};
+
+// Light and area that cross a unit of an edge's way outwards, and their first moments along it.
+struct EdgeFlux {
+  float light = 0, area = 0, light_at = 0, area_at = 0;
+};
+
+struct Window {
+  int x0, y0, x1, y1;
+};
+
+// A lane between two nodes of its groove: a straight line in the picture.
+struct LaneLine {
+  double from_mm, to_mm;
+  Vector2d px, by_mm;  // at from_mm; a millimeter along
+};
+
+// What of from..to of a line lies within the window; whether it leaves it there through an upper or a lower row.
+bool clip_line(const LaneLine& line, const Window& window, double& from, double& to, bool& leaves_by_row) {
+  leaves_by_row = false;
+  const std::array<double, 2> low{static_cast<double>(window.x0), static_cast<double>(window.y0)},
+      high{static_cast<double>(window.x1), static_cast<double>(window.y1)};
+  for (int axis = 0; axis < 2; ++axis) {
+    const double rate = line.by_mm[axis];
+    if (std::abs(rate) < 1e-12) {
+      if (line.px[axis] < low[axis] || line.px[axis] >= high[axis]) return false;
+      continue;
+    }
+    const double a = line.from_mm + (low[axis] - line.px[axis]) / rate,
+                 b = line.from_mm + (high[axis] - line.px[axis]) / rate;
+    from = std::max(from, std::min(a, b));
+    if (std::max(a, b) >= to) continue;
+    to = std::max(a, b);
+    leaves_by_row = axis == 1;
+  }
+  return from < to;
+}
+
+// Goes along a line pixel by pixel: sink.chord(x, y, from, to), and sink.cross_column(line, row, at) or
+// sink.cross_row(column, line, at) where it goes from one to the next. The line must lie within the window.
+struct LineWalk {
+  const LaneLine& line;
+  const Window& window;
+  double at, next_x, next_y, step_x, step_y;
+  int x, y, way_x, way_y;
+
+  LineWalk(const LaneLine& of, const Window& within, double from) : line(of), window(within), at(from) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    const double px = line.px.x() + (from - line.from_mm) * line.by_mm.x(),
+                 py = line.px.y() + (from - line.from_mm) * line.by_mm.y();
+    x = std::clamp(static_cast<int>(std::floor(px)), window.x0, window.x1 - 1);
+    y = std::clamp(static_cast<int>(std::floor(py)), window.y0, window.y1 - 1);
+    const double rx = line.by_mm.x(), ry = line.by_mm.y();
+    step_x = rx != 0 ? 1 / std::abs(rx) : kNever;
+    step_y = ry != 0 ? 1 / std::abs(ry) : kNever;
+    next_x = rx > 0 ? from + (x + 1 - px) * step_x : rx < 0 ? from + (px - x) * step_x : kNever;
+    next_y = ry > 0 ? from + (y + 1 - py) * step_y : ry < 0 ? from + (py - y) * step_y : kNever;
+    way_x = rx > 0 ? 1 : -1;
+    way_y = ry > 0 ? 1 : -1;
+  }
+  template <typename Sink>
+  void go_to(double to, Sink& sink) {
+    while (std::min(next_x, next_y) < to) {
+      if (next_x < next_y) {
+        if (x + way_x < window.x0 || x + way_x >= window.x1) break;
+        sink.chord(x, y, at, next_x);
+        sink.cross_column(way_x > 0 ? x + 1 : x, y, next_x);
+        x += way_x;
+        at = next_x;
+        next_x += step_x;
+      } else {
+        if (y + way_y < window.y0 || y + way_y >= window.y1) break;
+        sink.chord(x, y, at, next_y);
+        sink.cross_row(x, way_y > 0 ? y + 1 : y, next_y);
+        y += way_y;
+        at = next_y;
+        next_y += step_y;
+      }
+    }
+    sink.chord(x, y, at, to);
+    at = to;
+  }
+};
+
+// Along the picture's rows or columns lanes would lie in one of them or in the next: there they are several lines.
+int lines_of_lanes(const WayNode& a, const WayNode& b, double width_mm) {
+  constexpr int kMost = 6;
+  const Vector2d way = (b.px - a.px).cwiseAbs();
+  const double drift = way.minCoeff() / std::max(way.maxCoeff(), 1e-12), wide_px = width_mm * a.by_across.norm();
+  return std::clamp(static_cast<int>(std::ceil(wide_px / std::max(drift, 1e-6))), 1, kMost);
+}
+
+// The sum over lanes of their shares times a number that changes evenly from one node to the next.
+float shared_sum(const float* share, const float* a, const float* b, float at, std::size_t count) {
+  float sum_a = 0, sum_b = 0;
+  for (std::size_t l = 0; l < count; ++l) {
+    sum_a += share[l] * a[l];
+    sum_b += share[l] * b[l];
+  }
+  return sum_a + at * (sum_b - sum_a);
+}
+
+// What lanes of a groove add by a millimeter, of all that follows from its place and direction.
+struct LaneNumbers {
+  float light, area, by_log_alpha, by_across, by_along, rim_light, rim_area;
+};
+
+}  // namespace
+
+bool takes_lanes(const ViewScene& scene) { return scene.light.is_lamp() && scene.grid->x_axis.empty(); }
+
+struct LanesView::Data {
+  const ViewScene scene;
+  const int channels;
+  const Lattice lattice;
+  const std::array<double, 3> ambient;
+  const double px_by_mm;  // of the picture, about
+
+  Ways ways;
+  std::vector<float> sums;  // light and area of each pixel; of find_slopes() kSums
+  std::vector<EdgeFlux> columns, rows;
+  std::size_t chords = 0;
+
+  Data(const ViewScene& of, int channel_count)
+      : scene(of),
+        channels(channel_count),
+        lattice(make_lattice(scene, channels)),
+        ambient(ambient_radiance(scene, channels)),
+        px_by_mm(pixels_by_mm(*scene.grid)) {}
+
+  int width() const { return scene.grid->width(); }
+  int height() const { return scene.grid->height(); }
+  std::size_t pixels() const { return static_cast<std::size_t>(width()) * height(); }
+  double alpha_of(const Scratches& s, std::size_t i) const {
+    return s.alpha.empty() ? scene.material.alpha : s.alpha[i];
+  }
+  double depth_of(const Scratches& s, std::size_t i) const {
+    return s.depth_um.empty() ? scene.material.depth_um : s.depth_um[i];
+  }
+  double width_of(const Scratches& s, std::size_t i) const {
+    return s.width_um.empty() ? scene.tool_width_um : s.width_um[i];
+  }
+
+  // The half vector of the lamp's first point at a place of the picture, as the face has it.
+  Vector2d half_at(const Vector2d& px) const {
+    return between(lattice, in_cell(lattice, px.x(), px.y()), [&](std::size_t k) {
+      const LampThere& lamp = lattice.lamps[k * lattice.points];
+      return Vector2d(lamp.hx, lamp.hy);
+    });
+  }
+  void find_way(const Scratches& s, std::size_t i, Vector2d& guess_px, std::vector<WayNode>& out) const;
+  void find_ways(const LanedGrooves& of, bool slopes);
+  struct LobeWork {
+    WallNodes walls;
+    double width_um = 0, depth_um = 0, alpha = 0;
+    std::vector<float> value, by_alpha, by_across, by_along;
+  };
+  void find_light(const LanedGrooves& of, std::size_t i, bool slopes, LobeWork& work);
+  template <typename Numbers, typename Sink>
+  void walk(const LanedGrooves& of, std::size_t i, const LaneSpots& spots, const Window& window,
+            const Numbers& numbers_of, Sink& sink) const;
+  template <typename Body>
+  void each_band(const Body& body) const;
+  LaneNumbers lane_numbers(const LanedGrooves& of, const LaneSpots& spots, std::size_t cell, const LaneGroup& group,
+                           std::size_t node, double at) const;
+  void find_spots(const LanedGrooves& of, std::size_t i, LaneSpots& spots) const {
+    spots.find(scene.material.profile, of.lanes.lanes, width_of(of.grooves, i), depth_of(of.grooves, i), px_by_mm);
+  }
+  struct Seen {
+    std::array<double, 3> factor{};
+    double base = 0, base_slope = 0, area_mm2 = 0;
+    bool is_visible = false, is_lit = false;
+  };
+  Seen seen_at(std::size_t pixel) const;
+};
+
+// Nodes so near that the way between them is straight in the picture, and light changes evenly.
+void LanesView::Data::find_way(const Scratches& s, std::size_t i, Vector2d& guess_px, std::vector<WayNode>& out) const {
+  constexpr double kStraightPx = 0.01, kOfAlpha = 0.05;
+  constexpr int kMostSpans = 400;
+  const Vector2d p0(s.x0_mm[i], s.y0_mm[i]), p1(s.x1_mm[i], s.y1_mm[i]);
+  const double length = (p1 - p0).norm();
+  if (!(length > 0)) return;
+  const Vector2d along = (p1 - p0) / length, across(along.y(), -along.x());
+  const auto node_at = [&](double share, WayNode& node) {
+    const InPicture found = in_picture(lattice, p0 + share * (p1 - p0), guess_px);
+    if (!found.is_found) return false;
+    guess_px = found.px;
+    node = {share * length, found.px, found.by_mm * across, half_at(found.px)};
+    return true;
+  };
+  WayNode first, middle, last;
+  if (!node_at(0, first) || !node_at(0.5, middle) || !node_at(1, last)) return;
+  const double bent_px = (middle.px - 0.5 * (first.px + last.px)).norm(),
+               turned = (last.half - first.half).norm() / (kOfAlpha * alpha_of(s, i));
+  const int spans =
+      std::clamp(static_cast<int>(std::ceil(std::max(std::sqrt(bent_px / kStraightPx), turned))), 1, kMostSpans);
+  const std::size_t before = out.size();
+  out.push_back(first);
+  for (int k = 1; k < spans; ++k) {
+    WayNode node;
+    if (!node_at(static_cast<double>(k) / spans, node)) {
+      out.resize(before);
+      return;
+    }
+    out.push_back(node);
+  }
+  out.push_back(last);
+}
+
+void LanesView::Data::find_light(const LanedGrooves& of, std::size_t i, bool slopes, LobeWork& work) {
+  const Scratches& s = of.grooves;
+  const std::vector<Lane>& lanes = of.lanes.lanes;
+  const GrooveProfile& profile = scene.material.profile;
+  const double alpha = alpha_of(s, i), width_um = width_of(s, i), depth_um = depth_of(s, i);
+  const double roughest = alpha * std::min(1.0, profile.across);
+  if (work.width_um != width_um || work.depth_um != depth_um || work.alpha != roughest) {
+    work.walls.make(profile, lanes, width_um, depth_um, roughest);
+    work.width_um = width_um, work.depth_um = depth_um, work.alpha = roughest;
+  }
+  const WallNodes& walls = work.walls;
+  const auto n = static_cast<int>(walls.sine.size());
+  for (auto* v : {&work.value, &work.by_alpha, &work.by_across, &work.by_along}) v->resize(n);
+  const Vector2d along = Vector2d(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]).normalized();
+  const Vector2d across(along.y(), -along.x());
+  const double along2 = 1 / (alpha * alpha), across2 = along2 / (profile.across * profile.across);
+  LaneLight& light = ways.light;
+  for (std::size_t node = ways.first[i]; node < ways.first[i + 1]; ++node) {
+    const Vector2d& px = ways.nodes[node].px;
+    const InCell cell = in_cell(lattice, px.x(), px.y());
+    for (std::size_t point = 0; point < lattice.points; ++point) {
+      const auto lamp = [&](std::size_t k) -> const LampThere& { return lattice.lamps[k * lattice.points + point]; };
+      const auto value = [&](double LampThere::*of_lamp) {
+        return between(lattice, cell, [&](std::size_t k) { return lamp(k).*of_lamp; });
+      };
+      const Vector2d h(value(&LampThere::hx), value(&LampThere::hy));
+      const double strength = value(&LampThere::strength);
+      const Shadowing g = shadowing(std::clamp(value(&LampThere::cos_i), 1e-3, 1.0),
+                                    std::clamp(value(&LampThere::cos_o), 1e-3, 1.0), alpha);
+      LobeAt at;
+      at.across = static_cast<float>(h.dot(across));
+      at.along = static_cast<float>(h.dot(along));
+      at.up = static_cast<float>(std::sqrt(std::max(1e-6, 1 - h.squaredNorm())));
+      at.across2 = static_cast<float>(across2);
+      at.along2 = static_cast<float>(along2);
+      at.scale = static_cast<float>(strength * g.G * along2 / (std::numbers::pi * profile.across));
+      if (slopes)
+        lobe_slopes_on_walls(n, walls.sine.data(), walls.cosine.data(), walls.weight_mm.data(), at, work.value.data(),
+                             work.by_alpha.data(), work.by_across.data(), work.by_along.data());
+      else
+        lobes_on_walls(n, walls.sine.data(), walls.cosine.data(), walls.weight_mm.data(), at, work.value.data());
+      const auto by_log_G = static_cast<float>(alpha * g.dG_dalpha / g.G);
+      int k = 0;
+      for (std::size_t l = 0; l < lanes.size(); ++l) {
+        const std::size_t to = node * lanes.size() + l;
+        float sum = 0, alpha_sum = 0, across_sum = 0, along_sum = 0;
+        for (; k < walls.end[l]; ++k) {
+          sum += work.value[k];
+          if (!slopes) continue;
+          alpha_sum += work.by_alpha[k];
+          across_sum += work.by_across[k];
+          along_sum += work.by_along[k];
+        }
+        light.value[to] += sum;
+        if (!slopes) continue;
+        light.by_alpha[to] += alpha_sum + by_log_G * sum;
+        light.by_across[to] += across_sum;
+        light.by_along[to] += along_sum;
+      }
+      if (!slopes) continue;
+      const std::array<float, 2> one{1, 1};
+      std::array<float, 2> rims{};
+      lobes_on_walls(2, walls.rim_sine.data(), walls.rim_cosine.data(), one.data(), at, rims.data());
+      for (int side = 0; side < 2; ++side) light.at_rims[2 * node + side] += rims[side];
+    }
+  }
+}
+
+void LanesView::Data::find_ways(const LanedGrooves& of, bool slopes) {
+  constexpr std::size_t kAtOnce = 256;
+  const std::size_t grooves = of.grooves.size(), parts = (grooves + kAtOnce - 1) / kAtOnce,
+                    lanes = of.lanes.lanes.size();
+  struct Part {
+    std::vector<WayNode> nodes;
+    std::vector<std::size_t> count;
+  };
+  std::vector<Part> of_part(parts);
+  const auto each_part = [&](const auto& body) {
+    tbb::parallel_for(std::size_t{0}, parts,
+                      [&](std::size_t part) { body(part, part * kAtOnce, std::min(grooves, (part + 1) * kAtOnce)); });
+  };
+  each_part([&](std::size_t part, std::size_t from, std::size_t to) {
+    Vector2d guess_px(0.5 * width(), 0.5 * height());
+    for (std::size_t i = from; i < to; ++i) {
+      const std::size_t before = of_part[part].nodes.size();
+      find_way(of.grooves, i, guess_px, of_part[part].nodes);
+      if (!guess_px.allFinite()) guess_px = {0.5 * width(), 0.5 * height()};
+      of_part[part].count.push_back(of_part[part].nodes.size() - before);
+    }
+  });
+  ways.first.assign(1, 0);
+  ways.nodes.clear();
+  for (const Part& part : of_part) {
+    for (const std::size_t count : part.count) ways.first.push_back(ways.first.back() + count);
+    ways.nodes.insert(ways.nodes.end(), part.nodes.begin(), part.nodes.end());
+  }
+  const std::size_t numbers = ways.nodes.size() * lanes;
+  ways.light.value.assign(numbers, 0);
+  for (auto* v : {&ways.light.by_alpha, &ways.light.by_across, &ways.light.by_along})
+    v->assign(slopes ? numbers : 0, 0);
+  ways.light.at_rims.assign(slopes ? 2 * ways.nodes.size() : 0, 0);
+  each_part([&](std::size_t, std::size_t from, std::size_t to) {
+    LobeWork work;
+    for (std::size_t i = from; i < to; ++i) find_light(of, i, slopes, work);
+  });
+}
+
+// Every line of light of a groove within a window, cell by cell: numbers_of(cell, group, node, share of the way to the
+// next node) gives what a millimeter of it adds, and `sink` takes its chords, with those in sink.numbers.
+template <typename Numbers, typename Sink>
+void LanesView::Data::walk(const LanedGrooves& of, std::size_t i, const LaneSpots& spots, const Window& window,
+                           const Numbers& numbers_of, Sink& sink) const {
+  const std::size_t first = ways.first[i], last = ways.first[i + 1];
+  if (last - first < 2) return;
+  double low = ways.nodes[first].px.y(), high = low, most_aside_mm = 0, most_px = 0;
+  for (std::size_t node = first; node < last; ++node) {
+    low = std::min(low, ways.nodes[node].px.y());
+    high = std::max(high, ways.nodes[node].px.y());
+    most_px = std::max(most_px, ways.nodes[node].by_across.norm());
+  }
+  for (const float middle : spots.middle_mm) most_aside_mm = std::max(most_aside_mm, std::abs<double>(middle));
+  if (high + most_px * most_aside_mm < window.y0 || low - most_px * most_aside_mm > window.y1) return;
+  const std::size_t first_cell = of.lanes.first[i], cells = of.lanes.first[i + 1] - first_cell;
+  const double cell_mm = ways.nodes[last - 1].at_mm / static_cast<double>(cells);
+  const auto& groups = spots.groups;
+  for (std::size_t node = first; node + 1 < last; ++node) {
+    const WayNode &a = ways.nodes[node], &b = ways.nodes[node + 1];
+    const double span_mm = b.at_mm - a.at_mm;
+    for (const LaneGroup& group : groups) {
+      double width_mm = 0, middle_mm = 0;
+      for (std::size_t l = group.first; l < group.last; ++l) {
+        width_mm += spots.width_mm[l];
+        middle_mm += static_cast<double>(spots.width_mm[l]) * spots.middle_mm[l];
+      }
+      middle_mm /= width_mm;
+      const int lines = lines_of_lanes(a, b, width_mm);
+      for (int k = 0; k < lines; ++k) {
+        const double aside = middle_mm + ((k + 0.5) / lines - 0.5) * width_mm;
+        const Vector2d px = a.px + aside * a.by_across;
+        const LaneLine line{a.at_mm, b.at_mm, px, (b.px + aside * b.by_across - px) / span_mm};
+        double from = a.at_mm, to = b.at_mm;
+        bool leaves_by_row = false;
+        if (!clip_line(line, window, from, to, leaves_by_row)) continue;
+        LineWalk way(line, window, from);
+        sink.begin_line(line);
+        for (auto cell = static_cast<std::size_t>(from / cell_mm); cell < cells && way.at < to; ++cell) {
+          const double end = cell + 1 == cells ? to : std::min(to, static_cast<double>(cell + 1) * cell_mm);
+          if (!(end > way.at)) continue;
+          numbers_of(first_cell + cell, group, node, (0.5 * (way.at + end) - a.at_mm) / span_mm, 1.0 / lines,
+                     sink.numbers);
+          way.go_to(end, sink);
+        }
+        if (leaves_by_row) {
+          const double end_x = line.px.x() + (to - line.from_mm) * line.by_mm.x();
+          sink.leave_row(std::clamp(static_cast<int>(std::floor(end_x)), window.x0, window.x1 - 1),
+                         line.by_mm.y() > 0 ? window.y1 : window.y0, to);
+        }
+      }
+    }
+  }
+}
+
+// Rows of the picture in parts, each by itself: every sum has one order, whatever the number of threads.
+template <typename Body>
+void LanesView::Data::each_band(const Body& body) const {
+  constexpr int kBands = 8;
+  const int bands = std::min(kBands, height());
+  tbb::parallel_for(0, bands, [&](int band) {
+    body(Window{0, static_cast<int>(static_cast<long>(height()) * band / bands), width(),
+                static_cast<int>(static_cast<long>(height()) * (band + 1) / bands)});
+  });
+}
+
+LanesView::Data::Seen LanesView::Data::seen_at(std::size_t pixel) const {
+  Seen out;
+  const int x = static_cast<int>(pixel % width()), y = static_cast<int>(pixel / width());
+  out.area_mm2 = footprint_area_mm2(*scene.grid, pixel, footprint_corners_mm(*scene.grid, x, y));
+  if (!(out.area_mm2 > 0)) return out;
+  const bool is_hidden = !scene.hidden_from_light.empty() && scene.hidden_from_light[pixel] != 0;
+  const InCell cell = in_cell(lattice, x + 0.5, y + 0.5);
+  const auto node = [&](std::size_t k) -> const LatticeNode& { return lattice.nodes[k]; };
+  const std::size_t below = cell.node + lattice.xs.size();
+  if (node(cell.node).is_good && node(cell.node + 1).is_good && node(below).is_good && node(below + 1).is_good) {
+    out.is_visible = true;
+    out.is_lit = !is_hidden;
+    if (is_hidden) return out;
+    for (int c = 0; c < channels; ++c)
+      out.factor[c] = between(lattice, cell, [&](std::size_t k) { return node(k).factor[c]; });
+    out.base = between(lattice, cell, [&](std::size_t k) { return node(k).base; });
+    out.base_slope = between(lattice, cell, [&](std::size_t k) { return node(k).base_slope; });
+    return out;
+  }
+  const PixelShading p = shade_pixel(scene, pixel);
+  out.is_visible = p.visible;
+  out.is_lit = p.lit;
+  if (!p.lit) return out;
+  const auto factor = channel_factors(scene, p.cos_ho, channels);
+  for (int c = 0; c < channels; ++c) out.factor[c] = factor[c] * p.direct;
+  out.base = p.base;
+  out.base_slope = base_slope(p, scene.material.base_alpha, scene.material.grain);
+  return out;
+}
+
+namespace {
+
+// Light and area of each pixel.
+struct ValueSink {
+  float* sums;
+  int width;
+  std::array<float, 2> numbers{};
+  std::size_t chords = 0;
+
+  void begin_line(const LaneLine&) {}
+  void chord(int x, int y, double from, double to) {
+    const auto length = static_cast<float>(to - from);
+    float* const at = sums + 2 * (static_cast<std::size_t>(y) * width + x);
+    at[0] += length * numbers[0];
+    at[1] += length * numbers[1];
+    ++chords;
+  }
+  void cross_column(int, int, double) {}
+  void cross_row(int, int, double) {}
+  void leave_row(int, int, double) {}
+};
+
+}  // namespace
+
+LanesView::LanesView(const ViewScene& scene, int channels) : data_(std::make_unique<Data>(scene, channels)) {}
+LanesView::~LanesView() = default;
+
+std::size_t LanesView::chord_count() const { return data_->chords; }
+
+void LanesView::forward(const LanedGrooves& of, Image& radiance) {
+  Data& d = *data_;
+  d.find_ways(of, false);
+  d.sums.assign(2 * d.pixels(), 0);
+  if (radiance.width != d.width() || radiance.height != d.height() || radiance.channels != d.channels)
+    radiance = Image(d.width(), d.height(), d.channels);
+  const std::size_t lanes = of.lanes.lanes.size();
+  std::vector<std::size_t> chords(static_cast<std::size_t>(d.height()) + 1, 0);
+  d.each_band([&](const Window& window) {
+    LaneSpots spots;
+    ValueSink sink{d.sums.data(), d.width()};
+    const std::vector<float>& light = d.ways.light.value;
+    for (std::size_t i = 0; i < of.grooves.size(); ++i) {
+      d.find_spots(of, i, spots);
+      d.walk(
+          of, i, spots, window,
+          [&](std::size_t cell, const LaneGroup& group, std::size_t node, double at, double scale,
+              std::array<float, 2>& to) {
+            const std::size_t count = group.last - group.first;
+            const float* const share = &of.lanes.share[cell * lanes + group.first];
+            const float* const a = &light[node * lanes + group.first];
+            const float* const width = &spots.width_mm[group.first];
+            to[0] = static_cast<float>(scale) * shared_sum(share, a, a + lanes, static_cast<float>(at), count);
+            to[1] = static_cast<float>(scale) * shared_sum(share, width, width, 0, count);
+          },
+          sink);
+    }
+    chords[window.y0] = sink.chords;
+    for (int y = window.y0; y < window.y1; ++y)
+      for (int x = 0; x < d.width(); ++x) {
+        const std::size_t pixel = static_cast<std::size_t>(y) * d.width() + x;
+        float* const to = &radiance.data[pixel * d.channels];
+        std::fill_n(to, d.channels, 0.0F);
+        const Data::Seen seen = d.seen_at(pixel);
+        if (!seen.is_visible) continue;
+        const double covered = std::min(1.0, d.sums[2 * pixel + 1] / seen.area_mm2),
+                     lobes = seen.is_lit ? d.sums[2 * pixel] / seen.area_mm2 + (1 - covered) * seen.base : 0;
+        for (int c = 0; c < d.channels; ++c) to[c] = static_cast<float>(seen.factor[c] * lobes + d.ambient[c]);
+      }
+  });
+  d.chords = std::accumulate(chords.begin(), chords.end(), std::size_t{0});
+}
+
+namespace {
+
+// A pixel's numbers (SumOf), and what crosses its edges.
+struct SlopeSink {
+  float* sums;
+  EdgeFlux *columns, *rows, *upwards;
+  int width;
+  std::array<float, kSums> numbers{};
+  const LaneLine* line = nullptr;
+  float inv_rate_x = 0, inv_rate_y = 0;
+
+  void begin_line(const LaneLine& of) {
+    line = &of;
+    inv_rate_x = of.by_mm.x() != 0 ? static_cast<float>(1 / std::abs(of.by_mm.x())) : 0;
+    inv_rate_y = of.by_mm.y() != 0 ? static_cast<float>(1 / std::abs(of.by_mm.y())) : 0;
+  }
+  void chord(int x, int y, double from, double to) {
+    const auto length = static_cast<float>(to - from);
+    float* const sum = sums + kSums * (static_cast<std::size_t>(y) * width + x);
+    for (int k = 0; k < kSums; ++k) sum[k] += length * numbers[k];
+  }
+  void add(EdgeFlux& edge, double along_edge, float inv_rate) const {
+    const auto share = static_cast<float>(along_edge);
+    const float light = inv_rate * numbers[kSumOfLight], area = inv_rate * numbers[kSumOfArea];
+    edge.light += light;
+    edge.area += area;
+    edge.light_at += share * light;
+    edge.area_at += share * area;
+  }
+  void cross_column(int x, int y, double at) const {
+    const double py = line->px.y() + (at - line->from_mm) * line->by_mm.y();
+    add(columns[static_cast<std::size_t>(y) * (width + 1) + x], std::clamp(py - y, 0.0, 1.0), inv_rate_x);
+  }
+  void cross_row(int x, int y, double at) const { add_row(rows[static_cast<std::size_t>(y) * width + x], x, at); }
+  void add_row(EdgeFlux& edge, int x, double at) const {
+    const double px = line->px.x() + (at - line->from_mm) * line->by_mm.x();
+    add(edge, std::clamp(px - x, 0.0, 1.0), inv_rate_y);
+  }
+  // Upwards into another band, which has that row of edges.
+  void leave_row(int x, int y, double at) const {
+    if (line->by_mm.y() > 0) return cross_row(x, y, at);
+    add_row(upwards[x], x, at);
+  }
+};
+
+}  // namespace
+
+// Of a group's lanes in a cell, between two nodes of the groove; by depth as the shared one grows by a um.
+LaneNumbers LanesView::Data::lane_numbers(const LanedGrooves& of, const LaneSpots& spots, std::size_t cell,
+                                          const LaneGroup& group, std::size_t node, double at) const {
+  const std::size_t lanes = of.lanes.lanes.size(), count = group.last - group.first, from = cell * lanes + group.first,
+                    to = node * lanes + group.first;
+  const float* const share = &of.lanes.share[from];
+  const auto f = static_cast<float>(at);
+  const auto sum = [&](const std::vector<float>& numbers) {
+    return shared_sum(share, &numbers[to], &numbers[to + lanes], f, count);
+  };
+  const float* const width = &spots.width_mm[group.first];
+  LaneNumbers out{sum(ways.light.value),
+                  shared_sum(share, width, width, 0, count),
+                  sum(ways.light.by_alpha),
+                  sum(ways.light.by_across),
+                  sum(ways.light.by_along),
+                  0,
+                  0};
+  const auto rim = static_cast<float>(spots.depth_um / scene.material.depth_um * spots.rim_by_depth_mm);
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t outermost = side == 0 ? 0 : spots.groove_lanes - 1;
+    if (outermost < group.first || outermost >= group.last) continue;
+    const float* const at_rims = &ways.light.at_rims[2 * node + side];
+    const float grows = rim * of.lanes.share[cell * lanes + outermost];
+    out.rim_light += grows * (at_rims[0] + f * (at_rims[2] - at_rims[0]));
+    out.rim_area += grows;
+  }
+  if (of.lanes.share_by_depth.empty()) return out;
+  const float* const by_depth = &of.lanes.share_by_depth[from];
+  const auto unit = static_cast<float>(1 / scene.material.depth_um);
+  out.rim_light += unit * shared_sum(by_depth, &ways.light.value[to], &ways.light.value[to + lanes], f, count);
+  out.rim_area += unit * shared_sum(by_depth, width, width, 0, count);
+  return out;
+}
+
+void LanesView::find_slopes(const LanedGrooves& of) {
+  Data& d = *data_;
+  d.find_ways(of, true);
+  d.sums.assign(kSums * d.pixels(), 0);
+  d.columns.assign(static_cast<std::size_t>(d.width() + 1) * d.height(), {});
+  d.rows.assign(static_cast<std::size_t>(d.width()) * (d.height() + 1), {});
+  std::vector<EdgeFlux> upwards(d.rows.size());  // through the uppermost edges of a band
+  d.each_band([&](const Window& window) {
+    LaneSpots spots;
+    SlopeSink sink{d.sums.data(), d.columns.data(), d.rows.data(),
+                   &upwards[static_cast<std::size_t>(window.y0) * d.width()], d.width()};
+    const double by_alpha = 1 / d.scene.material.alpha;  // by the log of a groove's own, in units of the shared one
+    for (std::size_t i = 0; i < of.grooves.size(); ++i) {
+      d.find_spots(of, i, spots);
+      const GroovePlace place(of.grooves, i);
+      const Vector2d &u = place.along, &across = place.across;
+      d.walk(
+          of, i, spots, window,
+          [&](std::size_t cell, const LaneGroup& group, std::size_t node, double at, double scale,
+              std::array<float, kSums>& to) {
+            const LaneNumbers n = d.lane_numbers(of, spots, cell, group, node, at);
+            const Vector2d h = (1 - at) * d.ways.nodes[node].half + at * d.ways.nodes[node + 1].half;
+            // A turn of the groove by a little turns h the other way in its frame.
+            const double turn = n.by_across * h.dot(u) - n.by_along * h.dot(across);
+            const std::array<double, kSums> numbers{n.light,
+                                                    n.area,
+                                                    by_alpha * n.by_log_alpha,
+                                                    n.by_across * across.x() + n.by_along * u.x(),
+                                                    n.by_across * across.y() + n.by_along * u.y(),
+                                                    turn,
+                                                    turn * u.x() * u.x(),
+                                                    turn * u.x() * u.y(),
+                                                    n.light * u.x() * u.x(),
+                                                    n.light * u.x() * u.y(),
+                                                    n.area * u.x() * u.x(),
+                                                    n.area * u.x() * u.y(),
+                                                    n.rim_light,
+                                                    n.rim_area,
+                                                    0,
+                                                    0};
+            for (int k = 0; k < kSums; ++k) to[k] = static_cast<float>(scale * numbers[k]);
+          },
+          sink);
+    }
+  });
+  for (std::size_t i = 0; i < d.rows.size(); ++i) {
+    d.rows[i].light += upwards[i].light;
+    d.rows[i].area += upwards[i].area;
+    d.rows[i].light_at += upwards[i].light_at;
+    d.rows[i].area_at += upwards[i].area_at;
+  }
+}
+
+namespace {
+
+// What one groove does to E, by what each pixel's light and area do.
+struct GradientSink {
+  const float *by_light, *by_area;
+  int width;
+  double length_mm;
+  LaneNumbers numbers{};
+  double turn = 0;                    // of the light there, as the groove turns
+  double across_x = 0, across_y = 0;  // px a millimeter across, over px a millimeter along
+  const WayNode* node = nullptr;
+  double by_alpha = 0, by_depth = 0, by_turn = 0, by_across = 0, by_across_along = 0, by_first = 0, by_last = 0;
+
+  void begin_line(const LaneLine& line) {
+    across_x = line.by_mm.x() != 0 ? node->by_across.x() / std::abs(line.by_mm.x()) : 0;
+    across_y = line.by_mm.y() != 0 ? node->by_across.y() / std::abs(line.by_mm.y()) : 0;
+  }
+  double at_pixel(std::size_t pixel, double light, double area) const {
+    return by_light[pixel] * light + by_area[pixel] * area;
+  }
+  void chord(int x, int y, double from, double to) {
+    constexpr double kRounding_mm = 1e-9;
+    const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
+    const double length = to - from;
+    by_alpha += length * by_light[pixel] * numbers.by_log_alpha;
+    by_turn += length * by_light[pixel] * turn;
+    by_depth += length * at_pixel(pixel, numbers.rim_light, numbers.rim_area);
+    if (from <= 0) by_first += at_pixel(pixel, numbers.light, numbers.area);
+    if (to >= length_mm - kRounding_mm) by_last += at_pixel(pixel, numbers.light, numbers.area);
+  }
+  void cross(std::size_t before, std::size_t after, double t, double rate) {
+    const double flux =
+        rate * (at_pixel(after, numbers.light, numbers.area) - at_pixel(before, numbers.light, numbers.area));
+    by_across += flux;
+    by_across_along += flux * t / length_mm;
+  }
+  void cross_column(int x, int y, double t) {
+    const std::size_t after = static_cast<std::size_t>(y) * width + x;
+    cross(after - 1, after, t, across_x);
+  }
+  void cross_row(int x, int y, double t) {
+    const std::size_t after = static_cast<std::size_t>(y) * width + x;
+    cross(after - width, after, t, across_y);
+  }
+  void leave_row(int, int, double) {}
+};
+
+struct LightSink {
+  const float* by_light;
+  int width;
+  float numbers = 0;
+  double sum = 0;
+
+  void begin_line(const LaneLine&) {}
+  void chord(int x, int y, double from, double to) {
+    sum += (to - from) * by_light[static_cast<std::size_t>(y) * width + x] * numbers;
+  }
+  void cross_column(int, int, double) {}
+  void cross_row(int, int, double) {}
+  void leave_row(int, int, double) {}
+};
+
+}  // namespace
+
+void LanesView::backward(const LanedGrooves& of, const Image& dE_dradiance, ScratchGradients& gradients) const {
+  Data& d = *data_;
+  std::vector<float> by_light(d.pixels(), 0), by_area(d.pixels(), 0);
+  std::vector<double> by_base_alpha(d.height(), 0);
+  tbb::parallel_for(0, d.height(), [&](int y) {
+    for (int x = 0; x < d.width(); ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * d.width() + x;
+      const Data::Seen seen = d.seen_at(pixel);
+      if (!seen.is_lit) continue;
+      double by_lobes = 0;
+      for (int c = 0; c < d.channels; ++c) by_lobes += dE_dradiance.data[pixel * d.channels + c] * seen.factor[c];
+      const double covered = std::min(1.0, d.sums[2 * pixel + 1] / seen.area_mm2);
+      by_light[pixel] = static_cast<float>(by_lobes / seen.area_mm2);
+      if (covered < 1) by_area[pixel] = static_cast<float>(-by_lobes * seen.base / seen.area_mm2);
+      by_base_alpha[y] += by_lobes * (1 - covered) * seen.base_slope;
+    }
+  });
+  gradients.shared_base_alpha =
+      std::accumulate(by_base_alpha.begin(), by_base_alpha.end(), gradients.shared_base_alpha);
+  d.find_ways(of, true);
+  const std::size_t grooves = of.grooves.size();
+  constexpr std::size_t kAtOnce = 64;
+  const Window whole{0, 0, d.width(), d.height()};
+  std::vector<Eigen::Array2d> shared((grooves + kAtOnce - 1) / kAtOnce, Eigen::Array2d::Zero());
+  tbb::parallel_for(std::size_t{0}, shared.size(), [&](std::size_t part) {
+    LaneSpots spots;
+    for (std::size_t i = part * kAtOnce; i < std::min(grooves, (part + 1) * kAtOnce); ++i) {
+      d.find_spots(of, i, spots);
+      const GroovePlace place(of.grooves, i);
+      const Vector2d &u = place.along, &across = place.across;
+      GradientSink sink{by_light.data(), by_area.data(), d.width(), place.length_mm};
+      sink.node = &d.ways.nodes[std::min(d.ways.first[i], d.ways.nodes.size() - 1)];
+      d.walk(
+          of, i, spots, whole,
+          [&](std::size_t cell, const LaneGroup& group, std::size_t node, double at, double scale, LaneNumbers& to) {
+            to = d.lane_numbers(of, spots, cell, group, node, at);
+            for (float* number :
+                 {&to.light, &to.area, &to.by_log_alpha, &to.by_across, &to.by_along, &to.rim_light, &to.rim_area})
+              *number *= static_cast<float>(scale);
+            const Vector2d h = (1 - at) * d.ways.nodes[node].half + at * d.ways.nodes[node + 1].half;
+            sink.turn = to.by_across * h.dot(u) - to.by_along * h.dot(across);
+          },
+          sink);
+      const double by_alpha = sink.by_alpha / d.alpha_of(of.grooves, i),
+                   by_depth = sink.by_depth * d.scene.material.depth_um / spots.depth_um,
+                   turn = sink.by_turn / place.length_mm, second = sink.by_across_along - turn,
+                   first = sink.by_across - sink.by_across_along + turn;
+      const Vector2d by_first = first * across - sink.by_first * u, by_last = second * across + sink.by_last * u;
+      gradients.x0_mm[i] += by_first.x();
+      gradients.y0_mm[i] += by_first.y();
+      gradients.x1_mm[i] += by_last.x();
+      gradients.y1_mm[i] += by_last.y();
+      gradients.depth_um[i] += by_depth;
+      gradients.alpha[i] += by_alpha;
+      shared[part] += Eigen::Array2d(by_depth, by_alpha);
+    }
+  });
+  for (const Eigen::Array2d& part : shared) {
+    gradients.shared_depth_um += part[0];
+    gradients.shared_alpha += part[1];
+  }
+}
+
+void LanesView::add_contributions(const LanedGrooves& of, std::vector<double>& contribution) const {
+  const Data& d = *data_;
+  std::vector<float> by_light(d.pixels(), 0);
+  tbb::parallel_for(0, d.height(), [&](int y) {
+    for (int x = 0; x < d.width(); ++x) {
+      const std::size_t pixel = static_cast<std::size_t>(y) * d.width() + x;
+      const Data::Seen seen = d.seen_at(pixel);
+      if (!seen.is_lit) continue;
+      const double mean = std::accumulate(seen.factor.begin(), seen.factor.begin() + d.channels, 0.0) / d.channels;
+      by_light[pixel] = static_cast<float>(mean / seen.area_mm2);
+    }
+  });
+  const std::size_t lanes = of.lanes.lanes.size();
+  const Window whole{0, 0, d.width(), d.height()};
+  tbb::parallel_for(std::size_t{0}, of.grooves.size(), [&](std::size_t i) {
+    LaneSpots spots;
+    d.find_spots(of, i, spots);
+    LightSink sink{by_light.data(), d.width()};
+    d.walk(
+        of, i, spots, whole,
+        [&](std::size_t cell, const LaneGroup& group, std::size_t node, double at, double scale, float& to) {
+          const float* const a = &d.ways.light.value[node * lanes + group.first];
+          to = static_cast<float>(scale) * shared_sum(&of.lanes.share[cell * lanes + group.first], a, a + lanes,
+                                                      static_cast<float>(at), group.last - group.first);
+        },
+        sink);
+    contribution[i] += sink.sum;
+  });
+}
+
+GrooveSums LanesView::sums_of(std::size_t pixel, const PixelShading& p, const std::array<Vector2d, 4>& corners_mm,
+                              double area_mm2) const {
+  const Data& d = *data_;
+  const float* const sum = &d.sums[kSums * pixel];
+  GrooveSums out;
+  out.light_mm2 = sum[kSumOfLight];
+  out.area_mm2 = sum[kSumOfArea];
+  if (!(out.area_mm2 > 0)) return out;
+  const double base = out.area_mm2 < area_mm2 ? p.base : 0;
+  out.depth_um = sum[kSumOfRimLight] - base * sum[kSumOfRimArea];
+  out.alpha = sum[kSumOfAlpha];
+  out.h_face = {sum[kSumOfHalfX], sum[kSumOfHalfY], 0};
+  const Shadowing g = shadowing(p.cos_i, p.cos_o, d.scene.material.alpha);
+  out.cos_i = out.light_mm2 * g.dG_dcos_i / g.G;
+  out.cos_o = out.light_mm2 * g.dG_dcos_o / g.G;
+
+  // Edges that move outwards.
+  const int x = static_cast<int>(pixel % d.width()), y = static_cast<int>(pixel / d.width());
+  Eigen::Matrix2d by_px;
+  by_px.col(0) = 0.5 * (corners_mm[1] + corners_mm[2] - corners_mm[0] - corners_mm[3]);
+  by_px.col(1) = 0.5 * (corners_mm[2] + corners_mm[3] - corners_mm[0] - corners_mm[1]);
+  const Eigen::Matrix2d by_mm = by_px.inverse();
+  const Vector2d to_x = by_mm.row(0), to_y = by_mm.row(1);
+  const auto add = [&](const EdgeFlux& edge, const Vector2d& outwards, int first, int second) {
+    const double whole = edge.light - base * edge.area, at = edge.light_at - base * edge.area_at;
+    out.corner_mm[first] += (whole - at) * outwards;
+    out.corner_mm[second] += at * outwards;
+  };
+  const std::size_t column = static_cast<std::size_t>(y) * (d.width() + 1) + x;
+  add(d.columns[column], -to_x, 0, 3);
+  add(d.columns[column + 1], to_x, 1, 2);
+  add(d.rows[pixel], -to_y, 0, 1);
+  add(d.rows[pixel + d.width()], to_y, 3, 2);
+
+  // Light is fixed to places, not to grooves: a pixel's gets no other light where an edge moves.
+  Eigen::Matrix2d half_by_px;
+  for (int axis = 0; axis < 2; ++axis) {
+    const Vector2d step(axis == 0 ? 0.5 : 0, axis == 0 ? 0 : 0.5), here(x + 0.5, y + 0.5);
+    half_by_px.col(axis) = d.half_at(here + step) - d.half_at(here - step);
+  }
+  const Vector2d by_place = (half_by_px * by_mm).transpose() * out.h_face.head<2>();
+  for (Vector2d& corner : out.corner_mm) corner -= 0.25 * by_place;
+
+  // Grooves that are mapped: as the footprint the other way round, and they grow longer and turn.
+  const Vector2d middle = 0.25 * (corners_mm[0] + corners_mm[1] + corners_mm[2] + corners_mm[3]);
+  Vector2d shift(0, 0);
+  Eigen::Matrix2d by_map = Eigen::Matrix2d::Zero();
+  for (int k = 0; k < 4; ++k) {
+    shift -= out.corner_mm[k];
+    by_map -= out.corner_mm[k] * (corners_mm[k] - middle).transpose();
+  }
+  const double xx = sum[kSumOfLengthXX] - base * sum[kSumOfAreaXX], xy = sum[kSumOfLengthXY] - base * sum[kSumOfAreaXY],
+               yy = out.light_mm2 - base * out.area_mm2 - xx;
+  const double turn_xx = sum[kSumOfTurnXX], turn_xy = sum[kSumOfTurnXY], turn_yy = sum[kSumOfTurn] - turn_xx;
+  by_map(0, 0) += xx - turn_xy;
+  by_map(0, 1) += xy - turn_yy;
+  by_map(1, 0) += xy + turn_xx;
+  by_map(1, 1) += yy + turn_xy;
+  for (int row = 0; row < 2; ++row) {
+    for (int k = 0; k < 2; ++k) out.affine[3 * row + k] = shift[row] * middle[k] + by_map(row, k);
+    out.affine[3 * row + 2] = shift[row];
+  }
+  return out;
+}
+
+}  // namespace burin
