@@ -164,7 +164,7 @@ void add_refine_command(CLI::App& burin) {
     std::string crossings = "auto";
     bool keep_lamp = false;
     std::string hold_out;
-    double pixel_mm = RefineOptions{}.finest_pixel_mm;
+    std::optional<double> pixel_mm;
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand(
@@ -193,10 +193,11 @@ void add_refine_command(CLI::App& burin) {
                        "number of folds (each takes as long again), or no value (a quarter of the views)")
           ->expected(0, 1);
   command
-      ->add_option("--pixel-mm", options->pixel_mm,
-                   "Bin photos until a pixel is this large on the board, mm; 0 takes them as they are (slow)")
-      ->check(CLI::Range(0.0, 100.0))
-      ->capture_default_str();
+      ->add_option(
+          "--pixel-mm", options->pixel_mm,
+          "Bin photos until a pixel is this large on the board, mm; 0 takes them as they are (slow). Left out: "
+          "0.8, or 0.25 if grooves cut one another")
+      ->check(CLI::Range(0.0, 100.0));
   command->footer(example("burin refine session/session.json --bench bench/bench.json"));
   command->callback([options, hold_out, command] {
     if (std::filesystem::is_directory(options->session)) options->session /= "session.json";

@@ -228,6 +228,7 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
   data.merged_bin = photos.empty() ? 1 : photos.front().bin;  // the bench's blur is in pixels of the photos
   if (!views.empty()) data.surroundings = views.front().surroundings;
   data.model.crossings = refined.bench.crossings;
+  if (data.model.crossings != Crossings::add && !data.surroundings) data.model.cut.lanes = kLanes;
   data.model.alpha_jitter = refined.alpha_jitter;
   data.model.depth_jitter = refined.depth_jitter;
   const State state = state_of(bench, data);

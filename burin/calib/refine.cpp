@@ -80,16 +80,23 @@ struct RefineRun {
   void look_at_photos(int bin) {
     data.photos = photos_at(views, bin, board, out.bench, blur_px());
     data.model.sample = {};
-    sample_what_is_cut();
+    if (data.model.cut.lanes == 0) sample_what_is_cut();
   }
 
-  // Grooves that are cut, in as many steps as they crowd.
+  // In the end; until then a sample of what is cut into pieces does.
+  bool comes_in_lanes() const { return data.model.crossings != Crossings::add && !data.surroundings; }
+  Bins find_bins() const {
+    const double finest_mm = options.finest_pixel_mm.value_or(comes_in_lanes() ? kCutPixelMm : kPixelMm);
+    return bins_for(views, out.bench, finest_mm, options.max_pixels);
+  }
+  // Grooves that are cut into pieces, in as many steps as they crowd.
   int finest_steps() const {
-    if (data.model.crossings != Crossings::deepest) return kCrossingSteps;
+    if (data.model.crossings != Crossings::deepest || comes_in_lanes()) return kCrossingSteps;
     return crossing_steps_for(covered_share(data.model, state.of(0)));
   }
+  // All of the board, where grooves are in lanes.
   void look_at_finest() {
-    data.model.crossing_steps = finest_steps();
+    data.model.cut = {finest_steps(), comes_in_lanes() ? kLanes : 0};
     look_at_photos(bins.finest);
   }
 
@@ -238,7 +245,7 @@ void RefineRun::find_lamp() {
 
 // A grid of starts over alpha and depth: what is believed of them may be off by factors.
 void RefineRun::try_grooves() {
-  bins = bins_for(views, out.bench, options.finest_pixel_mm, options.max_pixels);
+  bins = find_bins();
   out.bin = bins.finest;
   look_at_photos(bins.coarse);
   light_around(state, data);
@@ -351,6 +358,8 @@ void RefineRun::choose_crossings() {
     data.model.crossings = choice.rule;
     state = std::move(choice.state);
   }
+  bins.finest = find_bins().finest;
+  out.bin = bins.finest;
   for (PhotoData& photo : data.photos) photo.correction.clear();  // it was another rule's
   out.bench.crossings = data.model.crossings;
   sample_what_is_cut();
@@ -506,7 +515,7 @@ void RefineRun::find_profile() {
 }
 
 void RefineRun::fit_finest() {
-  if (bins.finest < bins.middle || finest_steps() != data.model.crossing_steps) {
+  if (bins.finest < bins.middle || finest_steps() != data.model.cut.steps || comes_in_lanes()) {
     const bool finer = bins.finest < bins.middle;
     look_at_finest();
     if (finer) fit(options.max_iterations, 1e-5, "fitting photos");
@@ -681,7 +690,7 @@ void RefineRun::doubt_profile() {
   const bool with_size = std::find(data.size_sought.begin(), data.size_sought.end(), true) != data.size_sought.end() ||
                          std::any_of(out.bench.lights.begin(), out.bench.lights.end(),
                                      [](const Light& light) { return !light.size.is_point(); });
-  data.model.crossing_steps = kCrossingSteps;
+  data.model.cut = {};
   look_at_photos(with_size ? bins.coarse : bins.middle);
   count_some_fine_pixels();
   weigh_photos(data, state);
@@ -751,9 +760,9 @@ void RefineRun::ask_of_believed_depth() {
 // grooves would cover 0.5, 0.8 and 1.4 times it was 0.5, 1.2 and 2.1 % too shallow.
 double RefineRun::depth_off_by_steps() const {
   constexpr double kSparse = 0.3, kOfSteps = 0.2;
-  if (data.model.crossings != Crossings::deepest) return 0;
+  if (data.model.crossings != Crossings::deepest || data.model.cut.lanes > 0) return 0;
   const double crowded = covered_share(data.model, state.of(0)) - kSparse;
-  return crowded > 0 ? kOfSteps * crowded / (2 * data.model.crossing_steps) : 0;
+  return crowded > 0 ? kOfSteps * crowded / (2 * data.model.cut.steps) : 0;
 }
 
 // What a mosaic's made-up colors lost of glints is in all photos, so that nothing else contradicts it.

@@ -35,6 +35,9 @@
 
 namespace burin {
 
+/// RefineOptions::finest_pixel_mm of grooves of which light adds where they cross, and of those that cut one another.
+inline constexpr double kPixelMm = 0.8, kCutPixelMm = 0.25;
+
 /// What `burin refine` fits, and how finely.
 struct RefineOptions {
   std::optional<Crossings> crossings;  ///< where grooves cross; empty: whichever explains the photos better
@@ -44,8 +47,8 @@ struct RefineOptions {
   bool fit_effects = true;  ///< seek backlash, uneven screws, a brushed face, other grooves (effect_choice.h)
   /// Photos are binned until a pixel is at least this large on the board, 0 for the photos as taken. Grooves are found
   /// far below a pixel, so binning loses little and is several times faster; what it distorts is corrected by
-  /// predictions on the photos' own pixels (correct_binning).
-  double finest_pixel_mm = 0.8;
+  /// predictions on the photos' own pixels (correct_binning). Empty: the number below that grooves ask for.
+  std::optional<double> finest_pixel_mm;
   int max_iterations = 12;              ///< of the trust region, at each resolution
   const Session* session = nullptr;     ///< whose photos these are, to name files in findings
   std::size_t max_pixels = 12'000'000;  ///< of all photos together at the finest resolution; they are binned to fit

@@ -46,10 +46,14 @@ std::shared_ptr<const Carved> CarvedStates::at(const Unknowns& x) const {
   tbb::this_task_arena::isolate([&] {
     entries_.push_back({std::move(key), std::make_shared<const Carved>(carved_at(model_, x))});
   });
+  const auto pieces_of = [](const Entry& entry) {
+    constexpr std::size_t kSharesAPiece = 32;  // by their memory
+    return entry.carved->size() + (entry.carved->lanes ? entry.carved->lanes->share.size() / kSharesAPiece : 0);
+  };
   std::size_t pieces = 0;
-  for (const Entry& entry : entries_) pieces += entry.carved->size();
+  for (const Entry& entry : entries_) pieces += pieces_of(entry);
   while (entries_.size() > 2 && (pieces > kMostPieces || entries_.size() > kMostStates)) {
-    pieces -= entries_.front().carved->size();
+    pieces -= pieces_of(entries_.front());
     entries_.pop_front();
   }
   return entries_.back().carved;

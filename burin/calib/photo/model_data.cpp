@@ -47,7 +47,7 @@ double covered_share(const ModelData& model, const Unknowns& x) {
 }
 
 Carved carved_at(const ModelData& model, const Unknowns& x) {
-  return carve(*model.sent, bench_at(model, x), *model.board, model.sample.surroundings, model.crossing_steps);
+  return carve(*model.sent, bench_at(model, x), *model.board, model.sample.surroundings, model.cut);
 }
 
 Carved carved_pieces(const ModelData& model, const Unknowns& x) {

@@ -171,7 +171,7 @@ void light_around(const State& state, Problem& data) {
 
 int photos_at_once(const ModelData& model) {
   constexpr double kMany = 800'000;
-  if (model.crossings == Crossings::add) return 4;
+  if (model.crossings == Crossings::add || model.cut.lanes > 0) return 4;
   return expected_pieces(model) > kMany ? 1 : 4;
 }
 
