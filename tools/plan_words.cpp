@@ -101,6 +101,15 @@ std::vector<Finding> focus_findings(const Plan& plan, const PlanFocus& focus) {
     out.push_back(make_warning(
         "from view \"" + view + "\" this lens sees no tag large enough to be measured: it is not photographed",
         "larger tags or a longer focal length would do"));
+  if (plan.own_lens_widening > 1) {
+    const LensScatter scatter = plan.bench.lens_scatter.value_or(LensScatter{});
+    out.push_back(make_warning(
+        "photos have lenses of their own, by " + significant(scatter.shift_px, 2) + " px and " +
+            significant(100 * scatter.focal, 2) + " % of the focal length: from the same tags cameras are known " +
+            significant(plan.own_lens_widening, 2) + " times less well",
+        significant(plan.own_lens_widening * plan.own_lens_widening, 2) +
+            " times as many tags or photos make up for it, as do focus by hand and a stabilizer that is off"));
+  }
   bool others = false;
   for (const PlannedShot& shot : plan.shots) {
     others = others || shot.view.empty();
@@ -146,6 +155,7 @@ std::string plan_text(const Plan& plan, const Board& board, const PlanFocus& foc
   json["format"] = "burin/plan";
   json["version"] = 1;
   json["straddles_cut_off"] = plan.straddles;
+  if (plan.own_lens_widening > 1) json["own_lens_widening"] = plan.own_lens_widening;
   json["focus"] = {
       {"distance_mm", focus.distance_mm}, {"near_mm", focus.range.near_mm}, {"far_mm", focus.range.far_mm}};
   json["parameters"] = Json::array();

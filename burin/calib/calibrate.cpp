@@ -203,10 +203,10 @@ void seek_turned_zoom(const Session& session, const Board& board, const std::vec
     }
 }
 
-// Lens, poses and tags. If the views that were left out for their focal length are all that were taken before, or
-// after, one moment, the zoom was turned then: views of that side which look straight at the board cannot tell their
-// focal length, fit any, and go with them.
-BoardSolution solve_with_one_zoom(const Session& session, const Board& board, const std::vector<ViewTags>& pictures,
+// Lens, poses and tags, by one lens. If the views that were left out for their focal length are all that were taken
+// before, or after, one moment, the zoom was turned then: views of that side which look straight at the board cannot
+// tell their focal length, fit any, and go with them.
+BoardSolution solve_with_one_lens(const Session& session, const Board& board, const std::vector<ViewTags>& pictures,
                                   PhotoSize size, BoardSolverOptions& solver, const Progress& progress) {
   BoardSolution solved = solve_board(board, pictures, size.width, size.height, solver, progress);
   if (solver.fix_lens) return solved;
@@ -256,12 +256,45 @@ BoardSolution solve_with_one_zoom(const Session& session, const Board& board, co
   return solved;
 }
 
+// The same; where lenses differ from photo to photo, each view has its own. First one lens must have told whether the
+// zoom was turned between two photos, since an own lens for each would explain that, too.
+BoardSolution solve_lenses(const Session& session, const Board& board, const std::vector<ViewTags>& pictures,
+                           PhotoSize size, BoardSolverOptions& solver, const Progress& progress) {
+  solver.own_lenses = false;
+  const std::vector<std::string> given = solver.leave_out;
+  BoardSolution solved = solve_with_one_lens(session, board, pictures, size, solver, progress);
+  solver.own_lenses = true;
+  const bool turned = solver.leave_out != given;
+  if (turned ? !solved.lenses_differ : !solved.lenses_differ && solved.odd_views.empty()) return solved;
+  BoardSolution own = solve_board(board, pictures, size.width, size.height, solver, progress);
+  if (turned) own.findings.insert(own.findings.begin(), solved.findings.front());
+  return own;
+}
+
 // A view under one light.
 using LitView = std::pair<std::string, std::string>;
 
+// Sigmas count how far lamps and face move where samples are as they would be `without` local tone mapping.
+void count_tones(const std::vector<LightSample>& without, const Board& board, const Bench& named, Bench& bench) {
+  std::vector<Finding> told_before;
+  const Bench other = with_lamps(without, board, named, told_before);
+  for (std::size_t i = 0; i < bench.lights.size(); ++i) {
+    Light& light = bench.lights[i];
+    if (!light.position_sigma_mm) continue;
+    const Eigen::Vector3d moved_mm = other.lights[i].position_mm - light.position_mm;
+    light.position_sigma_mm = (light.position_sigma_mm->cwiseAbs2() + moved_mm.cwiseAbs2()).cwiseSqrt();
+    Verdict& verdict = bench.verdict[parameter::light_position(light.id)];
+    verdict.degree = Degree::not_determined;
+    verdict.sigma = light.position_sigma_mm->norm();
+  }
+  if (auto& sigma = bench.material_sigma.base_alpha)
+    sigma = std::hypot(*sigma, other.material.base_alpha - bench.material.base_alpha);
+}
+
 // The lamps from the pictures that are left, and which of those were lit otherwise than the rest: these are returned.
+// `on_camera`: those that ride on the camera.
 std::set<LitView> find_lamps(const Session& session, std::vector<MergedView>&& merged, const Board& board,
-                             Calibration& out) {
+                             Calibration& out, std::vector<std::string>& on_camera) {
   std::set<LitView> odd;
   const Sent sent(board.scratches.empty() ? Scratches{} : read_scratches(board.scratches));
   std::vector<Finding> notes;
@@ -270,8 +303,23 @@ std::set<LitView> find_lamps(const Session& session, std::vector<MergedView>&& m
   std::erase_if(merged, [&](const MergedView& m) {
     return std::none_of(named.views.begin(), named.views.end(), [&](const View& v) { return v.name == m.view; });
   });
-  const std::vector<LightView> views = make_light_views(merged, board, named, notes);
+  std::vector<LightView> views = make_light_views(merged, board, named, notes);
   std::vector<LightSample> samples = gather_light_samples(views, board, named, sent);
+  on_camera = lamps_that_ride(views, samples, named);
+  if (!on_camera.empty()) {
+    for (MergedView& photo : merged)
+      if (std::ranges::find(on_camera, photo.light) != on_camera.end())
+        photo.light = lamp_on_camera(photo.light, photo.view);
+    out.findings.push_back({Finding::Severity::note,
+                            {},
+                            "the lamp \"" + on_camera.front() +
+                                "\" rides on the camera, such as a phone's torch: each view has a lamp of its own",
+                            "a lamp that stands still tells more, and is what a board is designed for"});
+    named = out.bench;
+    notes.clear();
+    views = make_light_views(merged, board, named, notes);
+    samples = gather_light_samples(views, board, named, sent);
+  }
   for (const LampGroup& group : photos_of_another_lamp(samples, named)) {
     std::set<std::size_t> left_out(group.light_views.begin(), group.light_views.end());
     std::set<std::string> names;
@@ -297,6 +345,10 @@ std::set<LitView> find_lamps(const Session& session, std::vector<MergedView>&& m
     for (const std::string& name : names) named.verdict.erase(parameter::pose(name));
   }
   out.bench = with_lamps(samples, board, named, notes);
+  if (const std::optional<LocalTones> tones = find_local_tones(views, samples, named)) {
+    notes.push_back(told(*tones));
+    count_tones(without_local_tones(views, samples, *tones, named), board, named, out.bench);
+  }
   for (Finding& finding : notes) {
     if (finding.remedy.empty()) finding.remedy = "burin refine needs a lamp to start from";
     out.findings.push_back(std::move(finding));
@@ -383,7 +435,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   solver.lens = options.lens;
   solver.fix_lens = options.fix_lens;
   solver.check_with_mrcal = options.check_with_mrcal;
-  out.geometry = solve_with_one_zoom(session, board, tags, {width, height}, solver, progress);
+  out.geometry = solve_lenses(session, board, tags, {width, height}, solver, progress);
   const auto tell = [&out](const std::vector<Finding>& more) { append(out.findings, more); };
   tell(out.geometry.findings);
   tell(rejected_tags(tags, board, out.geometry));
@@ -394,6 +446,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   out.tool_width_um = board.tool_width_um;
   out.bench.lens = out.geometry.lens;
   out.bench.views = out.geometry.views;
+  out.bench.lens_scatter = out.geometry.lens_scatter;
   out.bench.bow_mm = out.geometry.bow_mm;
   if (!out.geometry.options.fix_bow && !board.bend) out.bench.bow_sigma_mm = out.geometry.bow_sigma_mm;
   if (board.bend) {
@@ -408,8 +461,13 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
 
   if (options.find_lamps) {
     report("looking for the lamp", 0);
-    const std::set<LitView> odd = find_lamps(session, std::move(pictures.merged), board, out);
-    find_colors(session, brackets, std::move(pictures.paper_light), odd, board, out);
+    std::vector<std::string> on_camera;
+    const std::set<LitView> odd = find_lamps(session, std::move(pictures.merged), board, out, on_camera);
+    std::vector<Bracket> lit = brackets;
+    for (Bracket& bracket : lit)
+      if (std::ranges::find(on_camera, bracket.light) != on_camera.end())
+        bracket.light = lamp_on_camera(bracket.light, bracket.view);
+    find_colors(session, lit, std::move(pictures.paper_light), odd, board, out);
     report("looking for the lamp", 1);
   }
   return out;

@@ -86,7 +86,7 @@ void set_up(Rounds& run, const Bench& calibrated, const CouponReadOptions& optio
   const Bins bins = bins_for(run.views, run.bench, options.finest_pixel_mm, RefineOptions().max_pixels);
   problem.data.photos =
       photos_at(run.views, bins.finest, run.board, run.bench, std::exp(run.state.shared[unknown::log_blur]));
-  problem.data.geometry = geometry_prior(run.board, calibrated);
+  problem.data.geometry = geometry_prior(run.board, calibrated, false);
   run.correct();
   weigh_photos(problem.data, run.state);
   find_fans(run.state, problem);

@@ -96,6 +96,10 @@ HeldOutBundle held_out_bundle(const BoardSolution& solution, const BoardSolution
   HeldOutBundle out;
   out.bundle = fold.bundle;
   out.bundle.views = {known.T_camera_board};
+  // Its own lens is not known yet, but how much lenses differ is.
+  out.bundle.view_lenses.clear();
+  if (const auto at = static_cast<std::size_t>(view); at < solution.bundle.view_lenses.size())
+    out.bundle.view_lenses = {solution.bundle.view_lenses[at]};
   out.bundle.corners.clear();
   const Eigen::Vector2d middle = 0.5 * board.size_mm;
   std::map<double, int> around;
@@ -132,6 +136,7 @@ SquaredErrors predict_halves(const HeldOutBundle& held) {
     }
     solve_bundle(half, pose_only);
     other.views = half.views;
+    other.view_lenses = half.view_lenses;
     const std::vector<Eigen::Vector2d> residuals = bundle_residuals_px(other);
     double sigma2 = 0;
     std::size_t judged_axes = 0;
@@ -143,8 +148,9 @@ SquaredErrors predict_halves(const HeldOutBundle& held) {
     }
     out.axes += judged_axes;
     // The pose's uncertainty, seen by the corners that are judged: trace of P H.
-    const Eigen::Matrix<double, 6, 6> H = bundle_equations(half, pose_only).views[0].H;
-    const Eigen::Matrix<double, 6, 6> H_other = bundle_equations(other, pose_only).views[0].H;
+    for (ViewLens& lens : other.view_lenses) lens.prior = without_prior(lens.prior);
+    const Eigen::MatrixXd H = bundle_equations(half, pose_only).views[0].H;
+    const Eigen::MatrixXd H_other = bundle_equations(other, pose_only).views[0].H;
     const double from_pose = H.ldlt().solve(H_other).trace() / std::max<double>(1, static_cast<double>(judged_axes));
     out.expected += sigma2 * (1 + from_pose);
   }

@@ -20,6 +20,7 @@
 #include "burin/render/board_face.h"
 #include "burin/render/error.h"
 #include "burin/render/files/decimals.h"
+#include "burin/render/median.h"
 #include "burin/render/parameter_name.h"
 
 namespace burin {
@@ -242,9 +243,9 @@ Bench with_proposed_lamps(const Board& board, const Bench& nominal, const PlanOp
   return bench;
 }
 
-// What tags tell from each place.
-BundleEquations tags_from(const std::vector<CameraPlace>& places, const Board& board, const Bench& bench,
-                          const BundleOptions& bundle_options, double corner_sigma_px) {
+// What tags show from each place; lenses differ as much as the bench says.
+Bundle tags_from(const std::vector<CameraPlace>& places, const Board& board, const Bench& bench,
+                 double corner_sigma_px) {
   Bundle bundle;
   bundle.lens = bench.lens;
   bundle.surface = surface_of(board, bench);
@@ -254,8 +255,23 @@ BundleEquations tags_from(const std::vector<CameraPlace>& places, const Board& b
     placement.sigma_rad = placement.sigma_mm / (tag.size_mm / 2);
     bundle.tags.push_back(placement);
   }
-  append_candidates(bundle, board, places, corner_sigma_px);
-  return bundle_equations(bundle, bundle_options);
+  append_candidates(bundle, board, places, corner_sigma_px, bench.lens_scatter);
+  return bundle;
+}
+
+// How many times less well cameras are known for lenses that differ: the median over places, all that they share held.
+double widening_by_own_lenses(const Bundle& bundle) {
+  if (bundle.view_lenses.empty()) return 1;
+  BundleOptions held;
+  held.fix_lens = held.fix_bow = held.fix_tags = true;
+  Bundle one_lens = bundle;
+  one_lens.view_lenses.clear();
+  const BundleUncertainty with = bundle_uncertainty(bundle, held), without = bundle_uncertainty(one_lens, held);
+  std::vector<double> times;
+  for (std::size_t v = 0; v < bundle.views.size(); ++v)
+    if (const double before = without.center_mm2[v].trace(); before > 0)
+      times.push_back(std::sqrt(with.center_mm2[v].trace() / before));
+  return times.empty() ? 1 : median_of(std::move(times));
 }
 
 // What grooves and paper tell from each direction under each lamp: [direction][lamp].
@@ -458,7 +474,9 @@ Plan plan_shots(const Board& whole_board, const Bench& whole_bench, const Sent& 
   if (progress) progress("looking at the tags from everywhere", 0);
   BundleOptions bundle_options;
   bundle_options.fix_lens = options.fix_lens;
-  const BundleEquations geometry = tags_from(places, board, bench, bundle_options, options.corner_sigma_px);
+  const Bundle tags = tags_from(places, board, bench, options.corner_sigma_px);
+  const BundleEquations geometry = bundle_equations(tags, bundle_options);
+  out.own_lens_widening = widening_by_own_lenses(tags);
 
   const Problem data = make_problem(board, sent, bench);
   std::vector<AtDepth> depths = depths_of(places, data, bench, options, progress);

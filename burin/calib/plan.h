@@ -85,6 +85,9 @@ struct Plan {
   std::vector<PlanAtDepth> at_depth;  ///< the least depth first
   /// Designed places from which this lens sees no tag large enough: not among the shots.
   std::vector<std::string> unseen;
+  /// How many times less well cameras are known because lenses differ from photo to photo, as the bench says
+  /// (Bench::lens_scatter): as many tags or photos as its square would make up for it. 1: they do not.
+  double own_lens_widening = 1;
 };
 
 /// Plans for `nominal`: its lens, its lamps (each shot is taken under one of them; several are places that the lamp can

@@ -156,12 +156,11 @@ void leave_out_by_exif(std::vector<ExifPhoto>& photos, std::vector<Finding>& fin
     return false;
   });
   if (fired > 0 && mostly_fired)
-    findings.push_back(
-        {warning,
-         {},
-         "the flash fired in " + counted(fired, "photo") + ", by EXIF",
-         "a flash on the camera moves with it, and is no lamp that can be measured: switch it off, unless "
-         "it fires a strobe that stands still"});
+    findings.push_back({warning,
+                        {},
+                        "the flash fired in " + counted(fired, "photo") + ", by EXIF",
+                        "a flash on the camera moves with it: burin calibrate sees that and takes it for a lamp of its "
+                        "own at each view; a lamp that stands still tells more"});
 }
 
 // How far the tags that both photos show lie apart in them; nothing where they share too few.

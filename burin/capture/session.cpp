@@ -41,12 +41,14 @@ Session read_session(const fs::path& file) {
     photo.file = resolve_path(file, entry.text("file")).lexically_normal();
     photo.view = entry.text("view");
     photo.light = entry.text("light", photo.light);
+    photo.on_camera = entry.boolean("on_camera", false);
     photo.exposure_s = entry.positive("exposure_s");
     photo.iso = entry.positive("iso", photo.iso);
     photo.f_number = entry.positive("f_number");
     photo.encoding = encoding_of(entry);
     entry.finish();
     if (photo.view.empty()) entry.fail_field("view", "is empty", "give each place of the camera a name");
+    if (photo.on_camera) photo.light = lamp_on_camera(photo.light, photo.view);
     if (!seen.insert(photo.file).second)
       entry.fail_field("file", photo.file.string() + " is listed twice", "list each photo once");
     std::error_code unknown;
@@ -80,6 +82,10 @@ void write_session(const Session& session, const fs::path& file) {
     entry["file"] = path_beside(file, photo.file);
     entry["view"] = photo.view;
     entry["light"] = photo.light;
+    if (photo.on_camera) {
+      entry["light"] = photo.light.substr(0, photo.light.size() - lamp_on_camera("", photo.view).size());
+      entry["on_camera"] = true;
+    }
     entry["exposure_s"] = photo.exposure_s;
     entry["iso"] = photo.iso;
     entry["f_number"] = photo.f_number;
@@ -90,6 +96,8 @@ void write_session(const Session& session, const fs::path& file) {
   if (session.sharpening) json["sharpening"] = sharpening_json(*session.sharpening);
   write_json(json, file);
 }
+
+std::string lamp_on_camera(const std::string& lamp, const std::string& view) { return lamp + "@" + view; }
 
 std::string photo_name(const Session& session, const Photo& photo) {
   return session.file.empty() ? photo.file.generic_string() : path_beside(session.file, photo.file);

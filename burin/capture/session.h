@@ -26,6 +26,7 @@ struct Photo {
   Sharpening sharpening;
   Eigen::Vector3d balance{1, 1, 1};  ///< factors on R, G, B that are divided out
   GreenSites green_sites = GreenSites::unknown;
+  bool on_camera = false;  ///< the lamp rides on the camera: `light` is its name at this view (lamp_on_camera)
 };
 
 /// Photos of one bench (`session.json`).
@@ -36,6 +37,10 @@ struct Session {
   std::optional<Response> response;      ///< of all its photos, where it is known; none: sRGB's alone is "none" too
   std::optional<Sharpening> sharpening;  ///< of all its photos, where it is known
 };
+
+/// The name of a lamp that rides on the camera, as a phone's torch does, while it stands at a view: "torch@v03". Where
+/// the camera stands elsewhere so does the lamp: it is another one for each view.
+std::string lamp_on_camera(const std::string& lamp, const std::string& view);
 
 /// Reads `session.json`. Throws Error on anything missing, unknown or out of range, photos that do not exist included.
 Session read_session(const std::filesystem::path& file);

@@ -57,6 +57,24 @@ std::optional<Eigen::Vector3d> optional_sigma3(JsonObject& json, const std::stri
   return of_no_sign(json.vec3(key), json, key);
 }
 
+void read_own_lens(JsonObject json, View& view) {
+  const auto read = [&](const char* shift_key, const char* ratio_key, const OwnLens& usual) {
+    OwnLens out = usual;
+    if (json.has(shift_key)) out.shift_px = json.vec2(shift_key);
+    out.focal_ratio = json.number(ratio_key, out.focal_ratio);
+    return out;
+  };
+  view.own_lens = read("shift_px", "focal_ratio", {});
+  if (!(view.own_lens->focal_ratio > 0))
+    json.fail_field("focal_ratio", "is not above 0", "write the photo's focal length over that of the camera file");
+  if (json.has("shift_sigma_px") || json.has("focal_ratio_sigma")) {
+    view.own_lens_sigma = read("shift_sigma_px", "focal_ratio_sigma", {{0, 0}, 0});
+    if (view.own_lens_sigma->shift_px.minCoeff() < 0 || view.own_lens_sigma->focal_ratio < 0)
+      json.fail_field("shift_sigma_px", "or focal_ratio_sigma is negative", "standard deviations are 0 or greater");
+  }
+  json.finish();
+}
+
 View read_view(JsonObject& json) {
   View view;
   view.name = json.text("view");
@@ -70,6 +88,7 @@ View read_view(JsonObject& json) {
     view.tags = json.integer("tags");
     if (*view.tags < 0) json.fail_field("tags", "is " + std::to_string(*view.tags), "a number of tags is 0 or greater");
   }
+  if (json.has("own_lens")) read_own_lens(json.object("own_lens"), view);
   json.finish();
   return view;
 }
@@ -168,6 +187,15 @@ Json view_json(const View& view) {
   if (view.center_sigma_mm) json["center_sigma_mm"] = to_json(*view.center_sigma_mm);
   if (view.reprojection_rms_px) json["reprojection_rms_px"] = *view.reprojection_rms_px;
   if (view.tags) json["tags"] = *view.tags;
+  if (view.own_lens) {
+    Json& own = json["own_lens"];
+    own["shift_px"] = to_json(view.own_lens->shift_px);
+    own["focal_ratio"] = view.own_lens->focal_ratio;
+    if (view.own_lens_sigma) {
+      own["shift_sigma_px"] = to_json(view.own_lens_sigma->shift_px);
+      own["focal_ratio_sigma"] = view.own_lens_sigma->focal_ratio;
+    }
+  }
   return json;
 }
 
@@ -342,6 +370,12 @@ Bench read_bench(const std::filesystem::path& file) {
   Bench bench;
   const bool in_words = json.has("camera") && json.raw("camera").is_object();
   if (!in_words) bench.camera = resolve_path(file, json.text("camera"));
+  if (json.has("lens_scatter")) {
+    JsonObject scatter = json.object("lens_scatter");
+    bench.lens_scatter = {optional_sigma(scatter, "shift_px").value_or(0),
+                          optional_sigma(scatter, "focal").value_or(0)};
+    scatter.finish();
+  }
   if (json.has("views"))
     for (JsonObject& item : json.objects("views")) bench.views.push_back(read_view(item));
   if (json.has("lights"))
@@ -437,6 +471,8 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
   json["format"] = "burin/bench";
   json["version"] = kVersion;
   json["camera"] = path_beside(file, camera);
+  if (bench.lens_scatter)
+    json["lens_scatter"] = {{"shift_px", bench.lens_scatter->shift_px}, {"focal", bench.lens_scatter->focal}};
   json["views"] = Json::array();
   for (const View& view : bench.views) {
     fail_unless_aimed(view, file.string());
@@ -496,6 +532,10 @@ const Item& find_named(const std::vector<Item>& list, std::string_view wanted, N
 const Verdict* find_verdict(const Bench& bench, const std::string& parameter) {
   const auto found = bench.verdict.find(parameter);
   return found == bench.verdict.end() ? nullptr : &found->second;
+}
+
+Lens lens_of(const Bench& bench, const View& view) {
+  return view.own_lens ? with_own(bench.lens, *view.own_lens) : bench.lens;
 }
 
 const View& find_view(const Bench& bench, std::string_view name, std::string_view where) {

@@ -31,6 +31,8 @@ struct View {
   std::optional<Eigen::Vector3d> center_sigma_mm;  ///< of the center, board axes
   std::optional<double> reprojection_rms_px;       ///< per axis
   std::optional<int> tags;                         ///< tags used
+  /// Where lenses were found to differ from photo to photo: this one's, and its standard deviations.
+  std::optional<OwnLens> own_lens, own_lens_sigma;
   /// Set as long as a file says only where the eye is and the board was not looked at: T_camera_board then has the
   /// center alone (burin/render/bench_of_board.h, aim_views).
   std::optional<double> roll_to_middle_deg;
@@ -63,10 +65,17 @@ struct PaperCoat {
   double f0 = 0, alpha = 0.3;
 };
 
+/// How much lenses differ from photo to photo (OwnLens), as standard deviations: of each axis of the shift, and of the
+/// logarithm of the focal length.
+struct LensScatter {
+  double shift_px = 0, focal = 0;
+};
+
 /// A bench, believed or measured: everything but the board and the scratches that decides what a photo shows.
 struct Bench {
   Lens lens;
-  std::filesystem::path camera;  ///< where the lens is kept; empty if bench.json says it in words
+  std::filesystem::path camera;             ///< where the lens is kept; empty if bench.json says it in words
+  std::optional<LensScatter> lens_scatter;  ///< of the photos that it was measured from; nothing: one lens for all
   std::vector<View> views;
   std::vector<Light> lights;
   /// A lamp or window that shone into the photos beside each of their lamps, and that nobody named: find_lit() has it.
@@ -108,6 +117,9 @@ void write_bench(const Bench& bench, double tool_width_um, const std::filesystem
 
 /// What the bench says of a parameter; nullptr where it says nothing.
 const Verdict* find_verdict(const Bench& bench, const std::string& parameter);
+
+/// The lens that a view's photos were taken with.
+Lens lens_of(const Bench& bench, const View& view);
 
 /// The view of that name. Throws Error listing the names there are, and for a view that is not aimed yet. `where` is
 /// named in the message.

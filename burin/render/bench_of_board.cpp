@@ -178,7 +178,7 @@ bool is_in_picture(const Bench& bench, const View& view, const Board& board) {
   std::vector<Eigen::Vector3d> places = places_seen_from(view, board);
   std::erase_if(places, [](const Eigen::Vector3d& p) { return !(p.z() > 0); });
   std::vector<Eigen::Vector2d> pixels(places.size());
-  project(bench.lens, places, pixels);
+  project(lens_of(bench, view), places, pixels);
   return std::any_of(pixels.begin(), pixels.end(), [&](const Eigen::Vector2d& q) {
     return q.x() > -0.5 && q.y() > -0.5 && q.x() < bench.lens.width - 0.5 && q.y() < bench.lens.height - 0.5;
   });

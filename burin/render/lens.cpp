@@ -71,6 +71,15 @@ std::string digits17(double value) {
 
 }  // namespace
 
+Lens with_own(const Lens& lens, const OwnLens& own) {
+  Lens out = lens;
+  for (std::size_t i = 0; i < 2; ++i) {
+    out.intrinsics[i] *= own.focal_ratio;
+    out.intrinsics[2 + i] += own.shift_px[static_cast<Eigen::Index>(i)];
+  }
+  return out;
+}
+
 void project(const Lens& lens, std::span<const Eigen::Vector3d> p_camera, std::span<Eigen::Vector2d> q_px,
              std::vector<PixelByPoint>* dq_dp, std::vector<double>* dq_dintrinsics) {
   const mrcal_lensmodel_t model = checked_model(lens, "lens");

@@ -18,6 +18,17 @@ struct Lens {
   int width = 0, height = 0;
 };
 
+/// How the lens of one photo differs from that of all photos of its camera: a stabilizer moves the principal point, and
+/// the picture around it; focus and a digital zoom change the focal length. Where the lens of all shows q, and c is its
+/// principal point, this photo shows c + shift_px + focal_ratio (q - c).
+struct OwnLens {
+  Eigen::Vector2d shift_px{0, 0};
+  double focal_ratio = 1;
+};
+
+/// The lens of a photo that differs so.
+Lens with_own(const Lens& lens, const OwnLens& own);
+
 /// Gradient of one pixel position: rows u, v.
 using PixelByPoint = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
 

@@ -51,8 +51,8 @@ Image predicted_photo(const Bench& bench, const Board& board, const View& view, 
 }
 
 PixelWindow carve_window(const Bench& bench, const Board& board, const View& view) {
-  return window_of(bench.lens, view.T_camera_board, surface_of(board, bench), board.carve_min_mm, board.carve_max_mm,
-                   kWindowMargin_px);
+  return window_of(lens_of(bench, view), view.T_camera_board, surface_of(board, bench), board.carve_min_mm,
+                   board.carve_max_mm, kWindowMargin_px);
 }
 
 }  // namespace burin

@@ -114,7 +114,7 @@ std::size_t ViewRenderer::pair_count() const {
 }
 
 CameraView make_camera_view(const Bench& bench, const Board& board, const View& view, const PixelWindow& window) {
-  return {bench.lens, view.T_camera_board, surface_of(board, bench), window};
+  return {lens_of(bench, view), view.T_camera_board, surface_of(board, bench), window};
 }
 
 ViewScene make_scene(const Bench& bench, const Board& board, const CameraView& camera, const Light& light) {

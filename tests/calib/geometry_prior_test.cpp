@@ -124,9 +124,16 @@ TEST(Geometry, BowIsKnownAsWellAsTheTags) {
   EXPECT_GT(bow_sigma(0.001), 0.01);
 }
 
-TEST(Geometry, StepsBringThePosesBack) {
+// A scene whose pictures are those of `truth`; fitted from there but for what `spoil` makes wrong of the bench and of
+// what the tags say. How far off the board's middle is seen by each view before, and after three joint steps, px: lens
+// and pose trade with each other, this does not.
+struct Stepped {
+  std::vector<double> before_px, after_px;
+  double alpha_off = 0, alpha_sigma = 0;
+};
+template <typename Spoil>
+Stepped three_steps(const Bench& truth, const Spoil& spoil) {
   const Board board = board_of_few_tags();
-  const Bench truth = two_views();
   Sent sent;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> x(8, 52), y(8, 32), turn(0, std::numbers::pi);
@@ -156,44 +163,77 @@ TEST(Geometry, StepsBringThePosesBack) {
   for (std::size_t k = 0; k < truth.views.size(); ++k) {
     LightView v;
     v.merged = v.view = k;
-    v.lens = truth.lens;
     v.window = {0, 0, 160, 120};
     v.value = Image(160, 120, 1);
     v.sigma = Image(160, 120, 1, 0.02F);
     v.valid.assign(160 * 120, 1);
+    views.push_back(v);
+  }
+  take_lenses(truth, 1, views);
+  for (LightView& v : views) {
     const PhotoData photo = make_photo_data(v, 1, board, truth, 2);
     v.value = predict(data.model, photo, state.of(0), carved_at(data.model, state.of(0)));
-    views.push_back(v);
   }
   Bench bench = truth;
   data.geometry = geometry_prior(board, bench);
-  bench.views[1].T_camera_board =
-      moved_pose(truth.views[1].T_camera_board, (Vector6() << 4e-5, -3e-5, 5e-5, 0.01, -0.015, 0.02).finished());
-  data.geometry->T_camera_board[1] = bench.views[1].T_camera_board;  // what the tags said was wrong
+  spoil(bench, *data.geometry);
+  take_lenses(bench, 1, views);
   State start = state;
   start.shared[unknown::log_alpha] += 0.02;
-  // How far off the board's middle is seen, px: lens and pose trade with each other, this does not.
   const auto away = [&](std::size_t k) {
     const Eigen::Vector3d middle(30, 20, 0);
     std::vector<Eigen::Vector2d> q(1), true_q(1);
-    project(bench.lens, std::vector<Eigen::Vector3d>{bench.views[k].T_camera_board * middle}, q);
-    project(truth.lens, std::vector<Eigen::Vector3d>{truth.views[k].T_camera_board * middle}, true_q);
+    project(lens_of(bench, bench.views[k]), std::vector<Eigen::Vector3d>{bench.views[k].T_camera_board * middle}, q);
+    project(lens_of(truth, truth.views[k]), std::vector<Eigen::Vector3d>{truth.views[k].T_camera_board * middle},
+            true_q);
     return (q[0] - true_q[0]).norm();
   };
-  const double before = away(1);
-  ASSERT_GT(before, 0.04);
+  Stepped out;
+  for (std::size_t k = 0; k < truth.views.size(); ++k) out.before_px.push_back(away(k));
   Stage stage;
   stage.hold({Group::machine});  // a shift common to all views would be the machine's as well
   for (int step = 0; step < 3; ++step) {
     data.photos = photos_at(views, 1, board, bench, 0.8);
-    const Eigen::VectorXd lens = joint_step(data, stage, start, bench);
-    for (LightView& view : views) view.lens = moved_lens(view.lens, lens);
+    joint_step(data, stage, start, bench);
+    take_lenses(bench, 1, views);
   }
   data.photos = photos_at(views, 1, board, bench, 0.8);
-  for (std::size_t k = 0; k < truth.views.size(); ++k) EXPECT_LT(away(k), 0.15 * before) << k;
-  const double alpha_sigma = uncertainty_of(data, stage, start).sigma(unknown::log_alpha);
-  EXPECT_LT(alpha_sigma, 0.02);
-  EXPECT_NEAR(start.shared[unknown::log_alpha], std::log(0.15), 0.1 * alpha_sigma);
+  for (std::size_t k = 0; k < truth.views.size(); ++k) out.after_px.push_back(away(k));
+  out.alpha_sigma = uncertainty_of(data, stage, start).sigma(unknown::log_alpha);
+  out.alpha_off = start.shared[unknown::log_alpha] - std::log(0.15);
+  return out;
+}
+
+TEST(Geometry, StepsBringThePosesBack) {
+  const Bench truth = two_views();
+  const Stepped done = three_steps(truth, [&](Bench& bench, GeometryPrior& tags) {
+    bench.views[1].T_camera_board =
+        moved_pose(truth.views[1].T_camera_board, (Vector6() << 4e-5, -3e-5, 5e-5, 0.01, -0.015, 0.02).finished());
+    tags.T_camera_board[1] = bench.views[1].T_camera_board;  // what the tags said was wrong
+  });
+  ASSERT_GT(done.before_px[1], 0.04);
+  for (const double off : done.after_px) EXPECT_LT(off, 0.15 * done.before_px[1]);
+  EXPECT_LT(done.alpha_sigma, 0.02);
+  EXPECT_NEAR(done.alpha_off, 0, 0.1 * done.alpha_sigma);
+}
+
+// The same where each photo has a lens of its own, and the tags have two of them wrong: one that was zoomed, too.
+TEST(Geometry, StepsBringOwnLensesBack) {
+  Bench truth = two_views();
+  truth.lens_scatter = {3, 0.01};
+  truth.views[0].own_lens = {{1.5, -2}, 0.995};
+  truth.views[1].own_lens = {{-3, 1}, 1.2};
+  truth.views[2].own_lens = {{0.5, 2}, 1.004};
+  const Stepped done = three_steps(truth, [&](Bench& bench, GeometryPrior&) {
+    bench.views[0].own_lens->shift_px += Eigen::Vector2d(0.05, -0.03);
+    bench.views[1].own_lens->shift_px += Eigen::Vector2d(-0.04, 0.06);
+    bench.views[1].own_lens->focal_ratio *= 1.0002;
+  });
+  ASSERT_GT(done.before_px[0], 0.04);
+  ASSERT_GT(done.before_px[1], 0.04);
+  for (const double off : done.after_px) EXPECT_LT(off, 0.15 * done.before_px[0]);
+  EXPECT_LT(done.alpha_sigma, 0.02);
+  EXPECT_NEAR(done.alpha_off, 0, 0.1 * done.alpha_sigma);
 }
 
 // Photos that are darker everywhere than without any ambient light. Steps that take ambient light below nothing and

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "burin/render/error.h"
+#include "burin/render/files/json_file.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -62,6 +63,15 @@ TEST_F(SessionTest, RoundTrip) {
     EXPECT_EQ(back.photos[i].f_number, session.photos[i].f_number);
     EXPECT_EQ(back.photos[i].encoding, session.photos[i].encoding);
   }
+}
+
+TEST_F(SessionTest, ALampOnTheCameraIsOneForEachView) {
+  EXPECT_EQ(error_of(entry(R"(, "light": "torch", "on_camera": true)")), "no error");
+  Session session = read_session(file);
+  EXPECT_EQ(session.photos[0].light, "torch@v00");
+  write_session(session, file);
+  EXPECT_EQ(read_session(file).photos[0].light, "torch@v00");
+  EXPECT_THAT(read_text(file), testing::HasSubstr("\"light\": \"torch\""));
 }
 
 TEST_F(SessionTest, PathsAreRelativeToTheManifest) {

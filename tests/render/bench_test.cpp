@@ -26,6 +26,7 @@ Lens some_lens() {
 /// A bench in which every field differs from its default.
 Bench full_bench(const TemporaryFolder& folder) {
   Bench bench;
+  bench.lens_scatter = {4.5, 0.01};
   bench.lens = some_lens();
   bench.camera = folder / "lens.cameramodel";
   View view;
@@ -36,6 +37,8 @@ Bench full_bench(const TemporaryFolder& folder) {
   view.name = "v01";
   view.center_sigma_mm = Eigen::Vector3d(0.1, 0.2, 0.3);
   view.reprojection_rms_px = 0.0213;
+  view.own_lens = {{5.25, -3.5}, 1.0125};
+  view.own_lens_sigma = {{0.25, 0.125}, 0.0003};
   view.tags = 28;
   bench.views.push_back(view);
   Light light;
@@ -99,6 +102,17 @@ TEST(Bench, RoundTripKeepsEveryFieldToTheLastBit) {
   EXPECT_EQ(back.views[1].name, "v01");
   EXPECT_EQ(back.views[1].center_sigma_mm, bench.views[1].center_sigma_mm);
   EXPECT_EQ(back.views[1].reprojection_rms_px, 0.0213);
+  ASSERT_TRUE(back.views[1].own_lens && back.views[1].own_lens_sigma && back.lens_scatter);
+  EXPECT_EQ(back.views[1].own_lens->shift_px, Eigen::Vector2d(5.25, -3.5));
+  EXPECT_EQ(back.views[1].own_lens->focal_ratio, 1.0125);
+  EXPECT_EQ(back.views[1].own_lens_sigma->shift_px, Eigen::Vector2d(0.25, 0.125));
+  EXPECT_EQ(back.views[1].own_lens_sigma->focal_ratio, 0.0003);
+  EXPECT_EQ(back.lens_scatter->shift_px, 4.5);
+  EXPECT_EQ(back.lens_scatter->focal, 0.01);
+  EXPECT_FALSE(back.views[0].own_lens);
+  EXPECT_EQ(lens_of(back, back.views[0]).intrinsics, back.lens.intrinsics);
+  EXPECT_NEAR(lens_of(back, back.views[1]).intrinsics[0], 1.0125 * back.lens.intrinsics[0], 1e-9);
+  EXPECT_NEAR(lens_of(back, back.views[1]).intrinsics[3], back.lens.intrinsics[3] - 3.5, 1e-9);
   EXPECT_EQ(back.views[1].tags, 28);
   ASSERT_EQ(back.lights.size(), 2u);
   const Light& light = back.lights[0];

@@ -32,7 +32,9 @@ World finer_world(int count, double farther = 1) {
 
 // After changes to the bench.
 void see(World& w) {
-  w.camera = make_camera_view(w.bench, w.board, View{"", w.camera.T_camera_board, {}, {}, {}, {}}, w.camera.window);
+  View view;
+  view.T_camera_board = w.camera.T_camera_board;
+  w.camera = make_camera_view(w.bench, w.board, view, w.camera.window);
   w.scene = make_scene(w.bench, w.board, w.camera, w.bench.lights[0]);
 }
 

@@ -150,8 +150,8 @@ Shown photographed(const fs::path& round, const std::vector<std::string>& views,
   return nearest_exposure(target, seen, board, [&](const BoardFrame& frame) {
     Image sum;
     for (const LitView& one : lit) {
-      const Image flat =
-          rectified(one.light, 0, 0, bench.lens, one.view.T_camera_board, surface_of(board, bench), frame);
+      const Image flat = rectified(one.light, 0, 0, lens_of(bench, one.view), one.view.T_camera_board,
+                                   surface_of(board, bench), frame);
       if (sum.data.empty())
         sum = flat;
       else
@@ -174,7 +174,8 @@ Shown promised(const fs::path& scratches, const Board& board, const Bench& bench
       predicted_photo(bench, board, view, find_lit(bench, joined_lights(seen.lights), scratches.string()),
                       carve(Designed(read_scratches(scratches)), bench, board), options);
   return nearest_exposure(target, seen, board, [&](const BoardFrame& frame) {
-    return rectified(photo, window.x0, window.y0, bench.lens, view.T_camera_board, surface_of(board, bench), frame);
+    return rectified(photo, window.x0, window.y0, lens_of(bench, view), view.T_camera_board, surface_of(board, bench),
+                     frame);
   });
 }
 

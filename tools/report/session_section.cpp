@@ -118,10 +118,10 @@ PhotoComparison comparison(const Loaded& in, const MergedView& merged, const Vie
             "</h3><p>The carve area lies outside this photo.</p></section>\n"};
   const BoardFrame frame = board_frame(in.board.carve_min_mm, in.board.carve_max_mm, kRectifiedSidePx);
   const Image photo =
-      rectified(with_clipped_infinite(merged), 0, 0, in.bench.lens, view.T_camera_board, surface, frame);
+      rectified(with_clipped_infinite(merged), 0, 0, lens_of(in.bench, view), view.T_camera_board, surface, frame);
   const Image predicted = rectified(predicted_photo(in.bench, in.board, view, light, in.carved,
                                                     {.channels = merged.value.channels, .window = window}),
-                                    window.x0, window.y0, in.bench.lens, view.T_camera_board, surface, frame);
+                                    window.x0, window.y0, lens_of(in.bench, view), view.T_camera_board, surface, frame);
   const float white = percentile(photo, kWhitePercentile);
   const Agreement fit = agreement(photo, predicted);
   const bool clipped = std::any_of(merged.valid.begin(), merged.valid.end(), [](auto v) { return v == 0; });
@@ -156,7 +156,7 @@ std::string tag_outlines(const Loaded& in, const View& view, const Eigen::Vector
       p_camera.push_back(view.T_camera_board * above_face(surface, corner.x(), corner.y(), in.board.tags.z_mm));
     if (std::any_of(p_camera.begin(), p_camera.end(), [](const auto& p) { return !(p.z() > 0); })) continue;
     std::vector<Eigen::Vector2d> q_px(p_camera.size());
-    project(in.bench.lens, p_camera, q_px);
+    project(lens_of(in.bench, view), p_camera, q_px);
     for (Eigen::Vector2d& q : q_px) q = (q - corner_px) * scale;
     svg += svg_polygon(q_px, "fill=\"none\" stroke=\"#19c3ff\" stroke-width=\"1.2\"");
   }
@@ -174,7 +174,8 @@ double arrow_factor(const ResidualTable& residuals) {
 
 // The part of the photo that holds the board, with everything that is known about its corners drawn over it.
 Figure residual_photo(const Loaded& in, const MergedView& merged, const View& view, double factor) {
-  PixelWindow window = window_of(in.bench.lens, view.T_camera_board, surface_of(in), {0, 0}, in.board.size_mm, 24);
+  PixelWindow window =
+      window_of(lens_of(in.bench, view), view.T_camera_board, surface_of(in), {0, 0}, in.board.size_mm, 24);
   if (window.width == 0 || window.height == 0) window = {0, 0, merged.value.width, merged.value.height};
   Image part(window.width, window.height, merged.value.channels);
   for (int y = 0; y < part.height; ++y)

@@ -26,6 +26,12 @@ constexpr double kOddView_px = 0.2;  // the same once the lens is known: such a 
 constexpr double kOddFactor = 6;     // a focus that breathes by 2 % moves its camera by 2 % of its distance
 constexpr double kTornView = 0.3;    // share of a photo's tags that contradict it, while they suit the others
 
+// What a photo's lens may differ by that suits no other's: a digital zoom, or a crop that was enlarged.
+constexpr double kAnyShift = 0.1;                    // of the picture's longer side
+constexpr double kAnyFocal = 0.5;                    // of a logarithm
+constexpr double kZoomed = 5;                        // so many times the usual scatter is a zoom
+constexpr double kLittle_px = 0.02, kLittle = 1e-5;  // of views whose lenses are alike, beside one that was enlarged
+
 constexpr const char* kOddPhoto =
     "it was taken with another focal length or focus, was moved between its exposures or exposed twice; take it again";
 
@@ -63,9 +69,15 @@ struct Solver {
       if (c.view == view && c.used) ids.insert(c.tag);
     return static_cast<int>(ids.size());
   }
+  bool has_own_lens(int view) const {
+    const auto v = static_cast<std::size_t>(view);
+    return v < bundle.view_lenses.size() && bundle.view_lenses[v].moves();
+  }
+  LensScatter any_lens() const { return {kAnyShift * std::max(bundle.lens.width, bundle.lens.height), kAnyFocal}; }
   void drop_view(int view, const std::string& what, const std::string& remedy) {
     if (view_dropped[view]) return;
     view_dropped[view] = true;
+    if (has_own_lens(view)) bundle.view_lenses[static_cast<std::size_t>(view)] = {};
     for (BundleCorner& c : bundle.corners)
       if (c.view == view) c.used = false;
     if (remedy == kOddPhoto) out.odd_views.push_back(view_names[view]);
@@ -209,7 +221,7 @@ struct Solver {
     return rms;
   }
 
-  // Photos that this lens did not take.
+  // Photos that this lens did not take: what is in them may have been enlarged, or they are left out.
   bool drop_far_views(double far_px, double far_factor) {
     const auto rms = view_rms(bundle_residuals_px(bundle));
     std::vector<double> present;
@@ -221,6 +233,14 @@ struct Solver {
       if (!view_dropped[v] && rms[v] > far_px && rms[v] > far_factor * usual && (worst < 0 || rms[v] > rms[worst]))
         worst = static_cast<int>(v);
     if (worst < 0) return false;
+    if (options.own_lenses && !has_own_lens(worst)) {
+      const std::optional<OwnLensFit> fit = own_lens_fits(bundle)[static_cast<std::size_t>(worst)];
+      bundle.view_lenses.resize(view_names.size());
+      ViewLens& lens = bundle.view_lenses[static_cast<std::size_t>(worst)];
+      lens.prior = any_lens();
+      if (fit) lens.own = {fit->difference.head<2>(), std::exp(fit->difference[2])};
+      return true;
+    }
     drop_view(
         worst,
         "its tags miss their places by " + fixed(rms[worst], 2) + " px, the others' by " + fixed(usual, 2) + " px",
@@ -263,7 +283,7 @@ struct Solver {
       const Eigen::Isometry3d T_board_camera = bundle.views[c.view].inverse();
       for (int k = 0; k < 4; ++k) {
         Eigen::Vector3d v;
-        unproject(bundle.lens, {&bundle.corners[i + k].q_px, 1}, {&v, 1});
+        unproject(lens_of(bundle, static_cast<std::size_t>(c.view)), {&bundle.corners[i + k].q_px, 1}, {&v, 1});
         const Eigen::Vector3d d = T_board_camera.linear() * v, from = T_board_camera.translation();
         if (bundle.surface.bend) {
           constexpr double kNowhere = std::numeric_limits<double>::quiet_NaN();
@@ -480,6 +500,7 @@ struct Solver {
         p[k] = bundle.views[c.view] * bundle_point_mm(bundle, bundle.corners[i + k]);
         flat[k] = bundle_flat_mm(bundle, bundle.corners[i + k]);
       }
+      const Lens lens = lens_of(bundle, static_cast<std::size_t>(c.view));
       auto side = [&](int k, double t) {
         Eigen::Vector3d v = p[k] + t * (p[(k + 1) % 4] - p[k]);
         if (bundle.surface.bend) {  // the paper bends along
@@ -487,7 +508,7 @@ struct Solver {
           v = bundle.views[c.view] * above_face(bundle.surface, at.x(), at.y(), c.z_mm);
         }
         Eigen::Vector2d q;
-        project(bundle.lens, {&v, 1}, {&q, 1});
+        project(lens, {&v, 1}, {&q, 1});
         return q;
       };
       const auto bias = curved_side_bias_px(side, skip);
@@ -506,6 +527,65 @@ struct Solver {
 }  // namespace
 
 namespace {
+
+// By how much lenses differ: what was found of them, and what it may be off by. A view that differs by far more than
+// the others is a zoom, and its own prior says next to nothing.
+LensScatter set_lens_priors(Solver& s, const BundleOptions& o, Bundle& bundle) {
+  const BundleUncertainty u = bundle_uncertainty(bundle, o);
+  std::vector<double> shift2, focal2;
+  for (std::size_t v = 0; v < bundle.view_lenses.size(); ++v) {
+    if (s.view_dropped[v]) continue;
+    const OwnLens& own = bundle.view_lenses[v].own;
+    shift2.push_back(0.5 * (own.shift_px.squaredNorm() + u.own_lens[v].topLeftCorner<2, 2>().trace()));
+    focal2.push_back(std::pow(std::log(own.focal_ratio), 2) + u.own_lens[v](2, 2));
+  }
+  const auto usual = [](const std::vector<double>& squares) {
+    const double middle = median_of(squares);
+    double sum = 0, n = 0;
+    for (const double square : squares)
+      if (square <= kZoomed * kZoomed * middle) sum += square, ++n;
+    return std::sqrt(sum / std::max(1.0, n));
+  };
+  const LensScatter scatter{usual(shift2), usual(focal2)};
+  for (ViewLens& lens : bundle.view_lenses) {
+    const bool zoomed = lens.own.shift_px.norm() > kZoomed * std::numbers::sqrt2 * scatter.shift_px ||
+                        std::abs(std::log(lens.own.focal_ratio)) > kZoomed * scatter.focal;
+    lens.prior = zoomed ? s.any_lens() : scatter;
+  }
+  return scatter;
+}
+
+// Whether each view has a lens of its own: asked for where views fitted one by one differ beyond chance, and taken
+// where it explains the corners better than one lens does, for what three numbers more a view are worth.
+void ask_for_own_lenses(Solver& s, const BundleOptions& o, const std::string& model) {
+  std::vector<bool> counts;
+  for (std::size_t v = 0; v < s.view_names.size(); ++v)
+    counts.push_back(!s.view_dropped[v] && !s.has_own_lens(static_cast<int>(v)));
+  LensScatter scatter = lens_scatter(own_lens_fits(s.bundle), counts);
+  s.out.lenses_differ = scatter.shift_px > 0 || scatter.focal > 0;
+  if (!s.out.lenses_differ || !s.options.own_lenses) return;
+  // From much: what one lens hides shows little at first, and a prior that is too narrow would never widen.
+  constexpr double kMuchShift = 0.01, kMuchFocal = 0.02;  // of the picture's longer side; of a logarithm
+  scatter = {std::max(2 * scatter.shift_px, kMuchShift * std::max(s.bundle.lens.width, s.bundle.lens.height)),
+             std::max(2 * scatter.focal, kMuchFocal)};
+  Bundle with = s.bundle;
+  with.view_lenses.resize(with.views.size());
+  for (ViewLens& lens : with.view_lenses)
+    if (!lens.moves()) lens.prior = scatter;
+  if (!s.options.fix_lens && !s.options.lens)
+    with.lens = plain_lens("LENSMODEL_OPENCV4", with.lens.intrinsics[0], with.lens.width, with.lens.height);
+  Bundle without = s.bundle;
+  const BundleSummary before = solve_with_lens_model(without, o, without.lens.model);
+  BundleSummary after = solve_with_lens_model(with, o, model);
+  constexpr int kRounds = 5;
+  for (int round = 0; round < kRounds; ++round) {
+    scatter = set_lens_priors(s, o, with);
+    after = solve_with_lens_model(with, o, with.lens.model);
+  }
+  if (!(information_criterion(after, with) < information_criterion(before, without))) return;
+  s.bundle = std::move(with);
+  s.out.lens_scatter = scatter;
+}
 
 // Robustly: finds what contradicts the rest. Ends with the bundle's lens of the model that was chosen, which is told.
 std::string solve_robustly(Solver& s, const std::function<void(double)>& report) {
@@ -537,6 +617,8 @@ std::string solve_robustly(Solver& s, const std::function<void(double)>& report)
   s.straighten();
   s.reweigh();
   solve(s.bundle.lens.model);
+  ask_for_own_lenses(s, o, model);
+  s.reweigh();
   report(0.5);
   for (int round = 0; round < 30; ++round) {
     const bool changed = s.drop_far_views(kOddView_px, kOddFactor) || s.leave_out(o);
@@ -561,6 +643,7 @@ BundleOptions solve_finally(Solver& s, const std::string& model) {
   const auto solve = [&](const std::string& lens) { solve_with_lens_model(s.bundle, o, lens); };
   for (int round = 0; round < 3; ++round) {
     solve(round == 0 ? model : s.bundle.lens.model);
+    if (s.out.lens_scatter) s.out.lens_scatter = set_lens_priors(s, o, s.bundle);
     const bool changed = s.leave_out(o);
     s.straighten();
     s.reweigh();
@@ -584,7 +667,7 @@ void scale_weights(Solver& s, const std::vector<Eigen::Vector2d>& residuals) {
     n += 2;
   }
   double parameters = 4 + (s.options.fix_lens ? 0 : static_cast<double>(s.bundle.lens.intrinsics.size()));
-  for (const bool dropped : s.view_dropped) parameters += dropped ? 0 : 6;
+  for (std::size_t v = 0; v < s.view_dropped.size(); ++v) parameters += s.view_dropped[v] ? 0 : own_count(s.bundle, v);
   for (const bool dropped : s.tag_dropped) parameters += dropped ? 0 : 3;
   const double factor = std::sqrt(chi2 / std::max(1.0, n - parameters));
   for (BundleCorner& c : s.bundle.corners) c.sigma_px *= factor;
@@ -624,6 +707,11 @@ void tell_views(Solver& s, const BundleUncertainty& u, const std::vector<Eigen::
     view.center_sigma_mm = u.center_mm2[v].diagonal().cwiseMax(0).cwiseSqrt();
     view.reprojection_rms_px = std::sqrt(view2[v] / std::max(1.0, view_n[v]));
     view.tags = s.tags_in(static_cast<int>(v));
+    if (s.has_own_lens(static_cast<int>(v))) {
+      const Eigen::Vector3d sigma = u.own_lens[v].diagonal().cwiseMax(0).cwiseSqrt();
+      view.own_lens = s.bundle.view_lenses[v].own;
+      view.own_lens_sigma = {sigma.head<2>(), sigma[2] * view.own_lens->focal_ratio};
+    }
     s.out.views.push_back(view);
     s.out.center_covariance_mm2.push_back(u.center_mm2[v]);
     s.out.pose_covariance.push_back(u.pose[v]);
@@ -643,9 +731,38 @@ void tell_tags(Solver& s, const BundleUncertainty& u) {
   }
 }
 
+// Lenses of views' own, by how much they differ, and photos that were enlarged.
+void tell_own_lenses(Solver& s) {
+  for (std::size_t v = 0; v < s.bundle.view_lenses.size(); ++v) {
+    const ViewLens& lens = s.bundle.view_lenses[v];
+    if (s.view_dropped[v] || !(lens.prior.focal >= kAnyFocal)) continue;
+    s.finding(Finding::Severity::warning, s.file_of(static_cast<int>(v)),
+              "view " + s.view_names[v] + " has a focal length " + fixed(lens.own.focal_ratio, 4) +
+                  " times the others', its middle moved by " + fixed(lens.own.shift_px.norm(), 0) +
+                  " px: a digital zoom, or a crop that was enlarged; it is measured and used so",
+              "leave zoom and pictures as they are: what is enlarged shows no more");
+  }
+  if (!s.out.lens_scatter) {
+    // Of a zoom alone: all others have one lens.
+    const auto moves = [](const ViewLens& lens) { return lens.moves(); };
+    if (std::any_of(s.bundle.view_lenses.begin(), s.bundle.view_lenses.end(), moves))
+      s.out.lens_scatter = LensScatter{kLittle_px, kLittle};
+    return;
+  }
+  const LensScatter& scatter = *s.out.lens_scatter;
+  s.out.focal_scatter = scatter.focal;
+  s.finding(
+      Finding::Severity::warning, {},
+      "focal lengths differ from photo to photo by " + general(100 * scatter.focal, 2) + " % and principal points by " +
+          general(scatter.shift_px, 2) +
+          " px, as autofocus and a stabilizer make them: each photo's are measured, at the price of larger sigmas",
+      "focus once by hand, switch autofocus and stabilizer off, and leave the zoom alone");
+}
+
 // Focus that differs from photo to photo moves each camera along its axis by as much, which no corner shows: all sigmas
 // are raised until those of the cameras count it.
 void count_focal_scatter(Solver& s, const BundleOptions& o, BundleUncertainty& u) {
+  if (s.out.lens_scatter) return;  // and they do
   std::vector<bool> counts;
   for (const bool dropped : s.view_dropped) counts.push_back(!dropped);
   const double scatter = focal_scatter(own_focals(s.bundle), counts);
@@ -687,6 +804,7 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
   const auto residuals = bundle_residuals_px(s.bundle);
   scale_weights(s, residuals);
   BundleUncertainty u = bundle_uncertainty(s.bundle, o);
+  tell_own_lenses(s);
   count_focal_scatter(s, o, u);
   s.name_contradictions(residuals);
   s.out.lens = s.bundle.lens;

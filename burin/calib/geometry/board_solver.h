@@ -43,6 +43,7 @@ struct BoardSolverOptions {
   int min_tags = 3;                    ///< views with fewer are left out
   std::vector<std::string> leave_out;  ///< views that do not count; whoever names them says why
   double outlier_sigma = 5;            ///< corners further from their prediction are left out
+  bool own_lenses = true;  ///< whether each view may have a lens of its own (OwnLens) if the tags ask for it
 };
 
 /// One measured corner and what became of it.
@@ -73,8 +74,11 @@ struct BoardSolution {
   double rms_px = 0;                   ///< of the used corners, per axis
   double rms_board_mm = 0;             ///< the same on the board, roughly: rms_px over pixels per mm
   std::vector<std::string> odd_views;  ///< left out as of another focal length, or moved
+  /// By how much lenses differ from view to view, where each view was found to have its own: then it is solved for.
+  std::optional<LensScatter> lens_scatter;
+  bool lenses_differ = false;  ///< views fitted one by one differ beyond chance, whether that was followed or not
   /// By how much focal lengths differ from view to view: the standard deviation of their logarithms. 0: they do not.
-  /// Covariances and the bundle's sigmas count it.
+  /// Where views have no lenses of their own, covariances and the bundle's sigmas count it.
   double focal_scatter = 0;
   std::vector<std::string> not_determined;  ///< names of parameters that the photos hardly determine
   std::vector<Finding> findings;            ///< views, tags and corners left out, and why

@@ -117,14 +117,24 @@ Eigen::Vector3d board_point(const BundleCorner& c, const Surface& surface, const
   return {xy.x(), xy.y(), z};
 }
 
-// Blocks: lens, pose, shared, and the tag's placement if it has one.
+// What a view has of its own: its pose; behind it the shift of its principal point (px) and the logarithm of its focal
+// length over that of all.
+constexpr int kPose = 6, kOwn = 9;
+
+// Blocks: lens, the view's own, shared, and the tag's placement if it has one. A view's lens that does not move
+// is as the bundle has it.
 class ReprojectionCost final : public ceres::CostFunction {
  public:
   ReprojectionCost(const mrcal_lensmodel_t& model, int lens_parameters, const Surface& surface,
-                   const BundleCorner& corner)
-      : model_(model), lens_parameters_(lens_parameters), surface_(surface), corner_(corner) {
+                   const BundleCorner& corner, const ViewLens& view_lens)
+      : model_(model),
+        lens_parameters_(lens_parameters),
+        surface_(surface),
+        corner_(corner),
+        view_lens_(view_lens),
+        own_(view_lens.moves() ? kOwn : kPose) {
     set_num_residuals(2);
-    *mutable_parameter_block_sizes() = {lens_parameters, 6, kShared};
+    *mutable_parameter_block_sizes() = {lens_parameters, own_, kShared};
     if (corner.tag >= 0) mutable_parameter_block_sizes()->push_back(3);
   }
 
@@ -145,10 +155,18 @@ class ReprojectionCost final : public ceres::CostFunction {
     mrcal_point3_t q_by_v[2], point = {{v.x(), v.y(), v.z()}};
     const double weight = 1 / corner_.sigma_px;
     std::vector<double> q_by_lens;
-    const bool lens_too = jacobians && jacobians[0];
+    const bool lens_too = jacobians && (jacobians[0] || own_ == kOwn);
     if (lens_too) q_by_lens.resize(static_cast<std::size_t>(2) * lens_parameters_);
+    const double* const own = parameters[1] + kPose;
+    const Eigen::Vector2d shift = own_ == kOwn ? Eigen::Vector2d(own[0], own[1]) : view_lens_.own.shift_px;
+    const double ratio = own_ == kOwn ? std::exp(own[2]) : view_lens_.own.focal_ratio;
+    std::vector<double> lens(parameters[0], parameters[0] + lens_parameters_);
+    for (std::size_t i = 0; i < 2 && lens.size() >= 4; ++i) {
+      lens[i] *= ratio;
+      lens[2 + i] += shift[static_cast<Eigen::Index>(i)];
+    }
     if (!mrcal_project(&q, jacobians ? q_by_v : nullptr, lens_too ? q_by_lens.data() : nullptr, &point, 1, &model_,
-                       parameters[0]))
+                       lens.data()))
       return false;
     const double spread = parameters[2][kShared - 1];
     residuals[0] = weight * (q.x + spread * corner_.outward.x() - corner_.q_px.x());
@@ -159,9 +177,18 @@ class ReprojectionCost final : public ceres::CostFunction {
     Eigen::Matrix<double, 2, 3> D;
     D << q_by_v[0].x, q_by_v[0].y, q_by_v[0].z, q_by_v[1].x, q_by_v[1].y, q_by_v[1].z;
     D *= weight;
-    if (lens_too)
-      for (std::size_t i = 0; i < q_by_lens.size(); ++i) jacobians[0][i] = weight * q_by_lens[i];
-    if (jacobians[1]) Eigen::Map<RowMajor>(jacobians[1], 2, 6) = D * v_by_pose;
+    if (jacobians[1]) Eigen::Map<RowMajor>(jacobians[1], 2, own_).leftCols(kPose) = D * v_by_pose;
+    if (jacobians[1] && own_ == kOwn) {
+      const Eigen::Map<RowMajor> by_lens(q_by_lens.data(), 2, lens_parameters_);
+      Eigen::Map<RowMajor> by_own(jacobians[1], 2, own_);
+      by_own.middleCols(kPose, 2) = weight * by_lens.middleCols(2, 2);
+      by_own.rightCols(1) = weight * (lens[0] * by_lens.col(0) + lens[1] * by_lens.col(1));
+    }
+    if (jacobians[0]) {
+      Eigen::Map<RowMajor> by_lens(jacobians[0], 2, lens_parameters_);
+      by_lens = weight * Eigen::Map<RowMajor>(q_by_lens.data(), 2, lens_parameters_);
+      by_lens.leftCols(2) *= ratio;
+    }
     if (jacobians[2]) {
       Eigen::Map<RowMajor> by_shared(jacobians[2], 2, kShared);
       by_shared << D * v_by_p * p_by_shared, weight * corner_.outward;
@@ -175,7 +202,33 @@ class ReprojectionCost final : public ceres::CostFunction {
   int lens_parameters_;
   Surface surface_;
   BundleCorner corner_;
+  ViewLens view_lens_;
+  int own_;
 };
+
+// What a view's lens may differ by.
+class ViewLensPrior final : public ceres::CostFunction {
+ public:
+  explicit ViewLensPrior(const LensScatter& prior) : weight_{1 / prior.shift_px, 1 / prior.shift_px, 1 / prior.focal} {
+    set_num_residuals(3);
+    *mutable_parameter_block_sizes() = {kOwn};
+  }
+  bool Evaluate(double const* const* x, double* residuals, double** jacobians) const override {
+    for (int i = 0; i < 3; ++i) residuals[i] = weight_[i] * x[0][kPose + i];
+    if (jacobians && jacobians[0]) {
+      std::fill(jacobians[0], jacobians[0] + 3 * kOwn, 0.0);
+      for (int i = 0; i < 3; ++i) jacobians[0][i * kOwn + kPose + i] = weight_[i];
+    }
+    return true;
+  }
+
+ private:
+  std::array<double, 3> weight_;
+};
+
+ViewLens view_lens(const Bundle& b, std::size_t view) {
+  return view < b.view_lenses.size() ? b.view_lenses[view] : ViewLens{};
+}
 
 std::vector<double> shared_prior_sigma(const BundleOptions& o) {
   return {o.edge_prior_mm, o.bow_prior_mm, o.bow_prior_mm, o.bow_prior_mm, o.spread_prior_px};
@@ -267,13 +320,17 @@ struct Work {
 
   explicit Work(const Bundle& b) : view_corners(b.views.size()), tag_seen(b.tags.size()) {
     const std::size_t n_lens = b.lens.intrinsics.size();
-    all.resize(6 * b.views.size() + n_lens + kShared + 3 * b.tags.size());
+    all.resize(kOwn * b.views.size() + n_lens + kShared + 3 * b.tags.size());
     double* at = all.data();
-    for (const auto& T : b.views) {
-      const Pose pose = to_pose(T);
+    for (std::size_t v = 0; v < b.views.size(); ++v) {
+      const Pose pose = to_pose(b.views[v]);
       std::copy(pose.begin(), pose.end(), at);
+      const OwnLens own = view_lens(b, v).own;
+      at[kPose] = own.shift_px.x();
+      at[kPose + 1] = own.shift_px.y();
+      at[kPose + 2] = std::log(own.focal_ratio);
       poses.push_back(at);
-      at += 6;
+      at += kOwn;
     }
     lens = {at, n_lens};
     std::copy(b.lens.intrinsics.begin(), b.lens.intrinsics.end(), at);
@@ -307,7 +364,9 @@ struct Work {
         centers[c.tag] = c.center_mm;
       }
       ceres::LossFunction* loss = o.cauchy_sigma > 0 ? new ceres::CauchyLoss(o.cauchy_sigma) : nullptr;
-      problem->AddResidualBlock(new ReprojectionCost(model, static_cast<int>(lens.size()), b.surface, c), loss, blocks);
+      problem->AddResidualBlock(new ReprojectionCost(model, static_cast<int>(lens.size()), b.surface, c,
+                                                     view_lens(b, static_cast<std::size_t>(c.view))),
+                                loss, blocks);
       ++view_corners[c.view];
     }
     if (problem->NumResidualBlocks() == 0) return;
@@ -347,12 +406,23 @@ struct Work {
       seen_centers.push_back(centers[i]);
     }
     if (o.hold_tag_set && seen.size() >= 3) problem->AddResidualBlock(new TagSetHeld(seen_centers), nullptr, seen);
-    for (std::size_t v = 0; v < poses.size(); ++v)
-      if (view_corners[v] && o.fix_poses) problem->SetParameterBlockConstant(poses[v]);
+    for (std::size_t v = 0; v < poses.size(); ++v) {
+      if (!view_corners[v]) continue;
+      if (o.fix_poses)
+        problem->SetParameterBlockConstant(poses[v]);
+      else if (const ViewLens own = view_lens(b, v); own.moves())
+        problem->AddResidualBlock(new ViewLensPrior(own.prior), nullptr, poses[v]);
+    }
   }
 };
 
 }  // namespace
+
+int own_count(const Bundle& b, std::size_t view) { return view_lens(b, view).moves() ? kOwn : kPose; }
+
+Lens lens_of(const Bundle& b, std::size_t view) {
+  return view < b.view_lenses.size() ? with_own(b.lens, b.view_lenses[view].own) : b.lens;
+}
 
 std::array<Eigen::Vector2d, 4> outward_px(const std::array<Eigen::Vector2d, 4>& corners_px) {
   std::array<Eigen::Vector2d, 4> out;
@@ -389,7 +459,7 @@ std::array<BundleCorner, 4> corners_to_see(const Bundle& b, std::size_t view, st
     p[k] = b.views[view] * bundle_point_mm(b, c);
   }
   std::array<Eigen::Vector2d, 4> q;
-  project(b.lens, p, q);
+  project(lens_of(b, view), p, q);
   const std::array<Eigen::Vector2d, 4> outward = outward_px(q);
   for (std::size_t k = 0; k < 4; ++k) {
     out[k].q_px = p[k].z() > 0 ? q[k] : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
@@ -412,13 +482,15 @@ Eigen::Vector2d bundle_flat_mm(const Bundle& b, const BundleCorner& c) {
 
 std::vector<Eigen::Vector2d> bundle_residuals_px(const Bundle& b) {
   const mrcal_lensmodel_t model = model_of(b.lens);
+  std::vector<Lens> lenses;
+  for (std::size_t v = 0; v < b.views.size(); ++v) lenses.push_back(lens_of(b, v));
   std::vector<Eigen::Vector2d> out;
   out.reserve(b.corners.size());
   for (const BundleCorner& c : b.corners) {
     const Eigen::Vector3d v = b.views[c.view] * bundle_point_mm(b, c);
     mrcal_point2_t q;
     const mrcal_point3_t p = {{v.x(), v.y(), v.z()}};
-    if (v.z() > 0 && mrcal_project(&q, nullptr, nullptr, &p, 1, &model, b.lens.intrinsics.data()))
+    if (v.z() > 0 && mrcal_project(&q, nullptr, nullptr, &p, 1, &model, lenses[c.view].intrinsics.data()))
       out.emplace_back(Eigen::Vector2d(q.x, q.y) + b.spread_px * c.outward - c.q_px);
     else
       out.emplace_back(Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
@@ -463,7 +535,11 @@ BundleSummary solve_bundle(Bundle& b, const BundleOptions& o) {
          "check that board.json describes the photographed board");
   b.lens.intrinsics.assign(work.lens.begin(), work.lens.end());
   for (std::size_t v = 0; v < b.views.size(); ++v)
-    if (work.view_corners[v]) b.views[v] = to_isometry(work.poses[v]);
+    if (work.view_corners[v]) {
+      b.views[v] = to_isometry(work.poses[v]);
+      const double* const own = work.poses[v] + kPose;
+      if (own_count(b, v) == kOwn) b.view_lenses[v].own = {{own[0], own[1]}, std::exp(own[2])};
+    }
   b.edge_mm = work.shared[0];
   b.surface.bow_mm = {work.shared[1], work.shared[2], work.shared[3]};
   b.spread_px = work.shared[kShared - 1];
@@ -582,8 +658,12 @@ BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
   const Columns column = lay_out_columns(b, o, work, out);
   const int columns = out.columns;
   out.views.resize(b.views.size());
-  for (auto& v : out.views) {
-    v.B = Eigen::MatrixXd::Zero(6, columns);
+  for (std::size_t i = 0; i < out.views.size(); ++i) {
+    BundleEquations::OfView& v = out.views[i];
+    const int own = own_count(b, i);
+    v.H = Eigen::MatrixXd::Zero(own, own);
+    v.g = Eigen::VectorXd::Zero(own);
+    v.B = Eigen::MatrixXd::Zero(own, columns);
     v.information = Eigen::MatrixXd::Zero(columns, columns);
     v.gradient = Eigen::VectorXd::Zero(columns);
   }
@@ -597,7 +677,7 @@ BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
   for (const auto id : ids) add_residual(work, column, view_of, id, o.fix_poses, out);
   for (auto& v : out.views) {
     if (!v.used || columns == 0) continue;
-    const Eigen::LDLT<Matrix6> factor(v.H);
+    const Eigen::LDLT<Eigen::MatrixXd> factor(v.H);
     v.information -= v.B.transpose() * factor.solve(v.B);
     v.gradient -= v.B.transpose() * factor.solve(v.g);
   }
@@ -632,6 +712,12 @@ Eigen::Matrix<double, 3, 6> center_by_pose(const Eigen::Isometry3d& T_camera_boa
   return D;
 }
 
+Eigen::MatrixXd center_by_own(const Bundle& b, std::size_t view) {
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3, own_count(b, view));
+  out.leftCols<6>() = center_by_pose(b.views[view]);
+  return out;
+}
+
 BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
   const BundleEquations e = bundle_equations(b, o);
   Eigen::MatrixXd S = e.prior;
@@ -662,16 +748,19 @@ BundleUncertainty bundle_uncertainty(const Bundle& b, const BundleOptions& o) {
   }
   for (std::size_t v = 0; v < e.views.size(); ++v) {
     Matrix6 P = Matrix6::Zero();
-    Eigen::Matrix3d center = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d center = Eigen::Matrix3d::Zero(), own = Eigen::Matrix3d::Zero();
     if (e.views[v].used) {
-      const Matrix6 Hinv = Eigen::LDLT<Matrix6>(e.views[v].H).solve(Matrix6::Identity());
-      const Eigen::MatrixXd G = Hinv * e.views[v].B;
-      P = Hinv + G * C * G.transpose();
-      const Eigen::Matrix<double, 3, 6> D = center_by_pose(b.views[v]);
-      center = D * P * D.transpose();
+      const Eigen::MatrixXd& H = e.views[v].H;
+      const Eigen::MatrixXd Hinv = H.ldlt().solve(Eigen::MatrixXd::Identity(H.rows(), H.cols()));
+      const Eigen::MatrixXd G = Hinv * e.views[v].B, of_own = Hinv + G * C * G.transpose();
+      P = of_own.topLeftCorner<6, 6>();
+      if (of_own.rows() == kOwn) own = of_own.bottomRightCorner<3, 3>();
+      const Eigen::MatrixXd D = center_by_own(b, v);
+      center = D * of_own * D.transpose();
     }
     out.pose.push_back(P);
     out.center_mm2.push_back(center);
+    out.own_lens.push_back(own);
   }
   return out;
 }
@@ -938,8 +1027,14 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
     o.icam.intrinsics = 0;
     o.icam.extrinsics = slot[c.view];
     o.i_point = static_cast<int>(seen.points.size());
-    const Eigen::Vector2d q = c.q_px - b.spread_px * c.outward;
-    seen.pixels.push_back(mrcal_point3_t{{q.x(), q.y(), 1 / c.sigma_px}});
+    // Where the lens of all would show it: mrcal knows one.
+    const OwnLens own = view_lens(b, static_cast<std::size_t>(c.view)).own;
+    Eigen::Vector2d q = c.q_px - b.spread_px * c.outward;
+    if (b.lens.intrinsics.size() >= 4) {
+      const Eigen::Vector2d principal(b.lens.intrinsics[2], b.lens.intrinsics[3]);
+      q = principal + (q - principal - own.shift_px) / own.focal_ratio;
+    }
+    seen.pixels.push_back(mrcal_point3_t{{q.x(), q.y(), own.focal_ratio / c.sigma_px}});
     seen.observations.push_back(o);
     seen.points.push_back(mrcal_point3_t{{kMeter * p.x(), kMeter * p.y(), kMeter * p.z()}});
     sigmas.push_back(c.sigma_px);

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/lens.h"
 #include "burin/render/surface.h"
@@ -47,10 +48,23 @@ struct TagPlacement {
   double sigma_mm = 0.2, sigma_rad = 0.02;  ///< prior
 };
 
+/// What a view's lens differs by from the bundle's, and the prior of that: standard deviations about no difference, of
+/// each axis of the shift and of the logarithm of the focal length. Held where there is no prior.
+struct ViewLens {
+  OwnLens own;
+  LensScatter prior;
+
+  bool moves() const { return prior.shift_px > 0 && prior.focal > 0; }
+};
+
+/// A prior that says next to nothing.
+inline LensScatter without_prior(const LensScatter& prior) { return {1e6 * prior.shift_px, 1e6 * prior.focal}; }
+
 /// The problem, and after solve_bundle() its solution.
 struct Bundle {
-  Lens lens;
+  Lens lens;                             ///< of all views but for what each has of its own
   std::vector<Eigen::Isometry3d> views;  ///< T_camera_board
+  std::vector<ViewLens> view_lenses;     ///< one a view; the views behind the last have the bundle's
   Surface surface;
   double edge_mm = 0;  ///< by how much every tag's sides lie further out than believed (print gain)
   /// By how much they seem to in pictures, however a tag is seen: a camera that sharpens, or bends its curve, moves the
@@ -76,6 +90,7 @@ struct BundleUncertainty {
   Eigen::MatrixXd lens;                           ///< covariance of lens.intrinsics
   std::vector<Eigen::Matrix3d> center_mm2;        ///< of each view's camera center, board axes
   std::vector<Eigen::Matrix<double, 6, 6>> pose;  ///< of (rotation vector added to log R, translation mm)
+  std::vector<Eigen::Matrix3d> own_lens;          ///< of (shift x, shift y, px; logarithm of the focal length)
   Eigen::Matrix3d bow_mm2 = Eigen::Matrix3d::Zero();
   double edge_sigma_mm = 0;
   std::vector<Eigen::Vector3d> tag_sigma;  ///< shift x, shift y (mm), turn (rad)
@@ -93,19 +108,21 @@ struct BundleSummary {
 /// Solves in place. Throws Error if Ceres cannot evaluate the start (a point behind the camera).
 BundleSummary solve_bundle(Bundle& bundle, const BundleOptions& options);
 
-/// The normal equations at the present values, unit sigma_px taken as true, each view's pose eliminated. What one view
+/// The normal equations at the present values, unit sigma_px taken as true, what each view has of its own eliminated:
+/// its pose, and its lens' differences where these move. What one view
 /// tells of the parameters that all views share adds up: the information of any set of views is the sum of theirs and
 /// the priors', and so what a view more, or half of them, would have told follows without another solve.
 /// Shared columns: lens, edge and bow, each tag's placement; blocks that are held have none.
 struct BundleEquations {
-  /// What one view adds, its own pose eliminated.
+  /// What one view adds.
   struct OfView {
-    Eigen::Matrix<double, 6, 6> H = Eigen::Matrix<double, 6, 6>::Zero();  ///< by its own pose (BundleUncertainty::pose)
-    Eigen::Matrix<double, 6, 1> g = Eigen::Matrix<double, 6, 1>::Zero();  ///< J^T r
-    Eigen::MatrixXd B;                                                    ///< 6 x columns, pose by shared
-    Eigen::MatrixXd information;                                          ///< of the shared columns, pose eliminated
-    Eigen::VectorXd gradient;                                             ///< by them, pose eliminated
-    bool used = false;                                                    ///< has corners, and a pose that is free
+    /// By its own: the six of its pose (BundleUncertainty::pose), and the three of its lens (own_lens) where it moves.
+    Eigen::MatrixXd H;
+    Eigen::VectorXd g;            ///< J^T r
+    Eigen::MatrixXd B;            ///< its own by the shared columns
+    Eigen::MatrixXd information;  ///< of the shared columns, its own eliminated
+    Eigen::VectorXd gradient;     ///< by them, its own eliminated
+    bool used = false;            ///< has corners, and a pose that is free
   };
   int columns = 0;
   int lens_at = -1, shared_at = -1;  ///< first column; -1: held. shared: edge, bow's three, spread
@@ -122,11 +139,20 @@ BundleEquations bundle_equations(const Bundle& bundle, const BundleOptions& opti
 /// Covariance at the present values, unit sigma_px taken as true.
 BundleUncertainty bundle_uncertainty(const Bundle& bundle, const BundleOptions& options);
 
+/// How many numbers a view has of its own: 6, or 9 where its lens moves.
+int own_count(const Bundle& bundle, std::size_t view);
+
+/// The lens of one view.
+Lens lens_of(const Bundle& bundle, std::size_t view);
+
 /// Inverse of shared information; directions that nothing determines come out huge, not as NaN.
 Eigen::MatrixXd shared_covariance(const Eigen::MatrixXd& information);
 
 /// Derivative of the camera's center on the board by BundleUncertainty's pose parameters.
 Eigen::Matrix<double, 3, 6> center_by_pose(const Eigen::Isometry3d& T_camera_board);
+
+/// The same by all that a view has of its own (own_count()).
+Eigen::MatrixXd center_by_own(const Bundle& bundle, std::size_t view);
 
 /// Predicted minus measured, px, one a corner, used or not. NaN for corners behind the camera.
 std::vector<Eigen::Vector2d> bundle_residuals_px(const Bundle& bundle);

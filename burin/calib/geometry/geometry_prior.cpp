@@ -50,9 +50,20 @@ double beyond_noise(const Bundle& bundle, const BundleOptions& options, const st
 
 }  // namespace
 
-GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
-  GeometryPrior prior;
-  Bundle bundle;  // its corners lie where they are predicted: only their information is asked for
+namespace {
+
+// Of a view's lens as the bench has it: photos whose lens differs by far more than the others', as those of a digital
+// zoom, are known by that.
+ViewLens view_lens_of(const View& view, const LensScatter& scatter) {
+  const OwnLens own = view.own_lens.value_or(OwnLens{});
+  return {
+      own,
+      {std::max(scatter.shift_px, own.shift_px.norm()), std::max(scatter.focal, std::abs(std::log(own.focal_ratio)))}};
+}
+
+// The tags' corners where they are predicted: only their information is asked for.
+Bundle predicted_bundle(const Board& board, const Bench& bench) {
+  Bundle bundle;
   bundle.lens = bench.lens;
   bundle.surface = surface_of(board, bench);
   const std::vector<Tag>& tags = bench.tags.empty() ? board.tags.list : bench.tags;
@@ -62,10 +73,12 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
     placement.sigma_rad = placement.sigma_mm / (tag.size_mm / 2);
     bundle.tags.push_back(placement);
   }
+  for (const View& view : bench.views) {
+    bundle.views.push_back(view.T_camera_board);
+    if (bench.lens_scatter) bundle.view_lenses.push_back(view_lens_of(view, *bench.lens_scatter));
+  }
   for (std::size_t v = 0; v < bench.views.size(); ++v) {
     const View& view = bench.views[v];
-    prior.T_camera_board.push_back(view.T_camera_board);
-    bundle.views.push_back(view.T_camera_board);
     if (!view.reprojection_rms_px || !(*view.reprojection_rms_px > 0)) continue;
     const double seen = view.tags ? static_cast<double>(*view.tags) / static_cast<double>(tags.size()) : 1;
     if (!(seen > 0)) continue;
@@ -75,15 +88,51 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
       bundle.corners.insert(bundle.corners.end(), corners.begin(), corners.end());
     }
   }
+  return bundle;
+}
+
+constexpr double kExact = 1e18;
+
+// The information of all views' own and of the shared columns, which stand behind them. `own`: numbers a view.
+Eigen::MatrixXd whole_information(const BundleEquations& equations, const Bench& bench, Eigen::Index own) {
+  const auto views = static_cast<Eigen::Index>(bench.views.size());
+  const Eigen::Index columns = equations.columns;
+  Eigen::MatrixXd shared = equations.prior;
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(own * views + columns, own * views + columns);
+  for (Eigen::Index v = 0; v < views; ++v) {
+    const BundleEquations::OfView& view = equations.views[v];
+    if (!view.used) {
+      H.diagonal().segment(own * v, own).setConstant(kExact);
+      continue;
+    }
+    shared += view.information + view.B.transpose() * view.H.ldlt().solve(view.B);
+    Eigen::MatrixXd by_move = Eigen::MatrixXd::Identity(own, own);
+    by_move.topLeftCorner<6, 6>() = bundle_pose_by_move(bench.views[v].T_camera_board);
+    for (Eigen::Index i = 6; i + 1 < own; ++i) by_move(i, i) = bench.lens.intrinsics[i - 6];  // shifts; a logarithm
+    H.block(own * v, own * v, own, own) = by_move.transpose() * view.H * by_move;
+    H.block(own * v, own * views, own, columns) = by_move.transpose() * view.B;
+  }
+  H.bottomRightCorner(columns, columns) = shared;
+  H.bottomLeftCorner(columns, own * views) = H.topRightCorner(own * views, columns).transpose();
+  return H;
+}
+
+}  // namespace
+
+GeometryPrior geometry_prior(const Board& board, const Bench& bench, bool own_lenses_move) {
+  GeometryPrior prior;
+  for (const View& view : bench.views) prior.T_camera_board.push_back(view.T_camera_board);
+  Bundle bundle = predicted_bundle(board, bench);
   const auto views = static_cast<Eigen::Index>(bench.views.size());
   BundleOptions options;
   const Verdict* lens_verdict = find_verdict(bench, parameter::kLens);
   options.fix_lens = lens_verdict != nullptr && lens_verdict->source == Source::given;
-  const auto lens = static_cast<Eigen::Index>(options.fix_lens ? 0 : free_lens_parameters(bench.lens));
-  const Eigen::Index kept = 6 * views + 3 + lens;
+  const auto movable = static_cast<Eigen::Index>(free_lens_parameters(bench.lens));
+  const Eigen::Index lens = options.fix_lens ? 0 : movable, own = bench.lens_scatter ? 9 : 6;
+  prior.of_view = own_lenses_move && movable > 0 ? own : 6;
+  const Eigen::Index kept = prior.of_view * views + 3 + lens;
   prior.lens_parameters = lens;
   prior.moved = Eigen::VectorXd::Zero(kept);
-  constexpr double kExact = 1e18;
   prior.information = Eigen::MatrixXd::Zero(kept, kept);
   if (bundle.corners.empty()) {
     prior.information.diagonal().setConstant(kExact);
@@ -93,30 +142,19 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
   if (const double times = beyond_noise(bundle, options, bench.views); times > 1)
     for (BundleCorner& corner : bundle.corners) corner.sigma_px *= times;
 
-  // Poses, then what all views share, with bow and lens in front.
   const BundleEquations equations = bundle_equations(bundle, options);
-  const Eigen::Index columns = equations.columns, bow = equations.shared_at + 1;
-  std::vector<Eigen::Index> order{bow, bow + 1, bow + 2};
-  for (Eigen::Index i = 0; i < lens; ++i) order.push_back(equations.lens_at + i);
-  for (Eigen::Index i = 0; i < columns; ++i)
-    if (std::find(order.begin(), order.end(), i) == order.end()) order.push_back(i);
-  Eigen::MatrixXd shared = equations.prior;
-  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(6 * views + columns, 6 * views + columns);
-  for (Eigen::Index v = 0; v < views; ++v) {
-    const BundleEquations::OfView& view = equations.views[v];
-    if (!view.used) {
-      H.diagonal().segment<6>(6 * v).setConstant(kExact);
-      continue;
-    }
-    shared += view.information + view.B.transpose() * view.H.ldlt().solve(view.B);
-    const Eigen::Matrix<double, 6, 6> by_move = bundle_pose_by_move(bench.views[v].T_camera_board);
-    H.block<6, 6>(6 * v, 6 * v) = by_move.transpose() * view.H * by_move;
-    const Eigen::MatrixXd across = by_move.transpose() * view.B;
-    for (Eigen::Index i = 0; i < columns; ++i) H.block<6, 1>(6 * v, 6 * views + i) = across.col(order[i]);
-  }
-  for (Eigen::Index i = 0; i < columns; ++i)
-    for (Eigen::Index k = 0; k < columns; ++k) H(6 * views + i, 6 * views + k) = shared(order[i], order[k]);
-  H.bottomLeftCorner(columns, 6 * views) = H.topRightCorner(6 * views, columns).transpose();
+  // What moves in front: of each view, the bow, the lens.
+  const Eigen::Index shared = own * views, bow = shared + equations.shared_at + 1;
+  std::vector<Eigen::Index> order;
+  for (Eigen::Index v = 0; v < views; ++v)
+    for (Eigen::Index i = 0; i < prior.of_view; ++i) order.push_back(own * v + i);
+  for (Eigen::Index i = 0; i < 3; ++i) order.push_back(bow + i);
+  for (Eigen::Index i = 0; i < lens; ++i) order.push_back(shared + equations.lens_at + i);
+  std::vector<bool> in_front(static_cast<std::size_t>(shared + equations.columns), false);
+  for (const Eigen::Index i : order) in_front[static_cast<std::size_t>(i)] = true;
+  for (std::size_t i = 0; i < in_front.size(); ++i)
+    if (!in_front[i]) order.push_back(static_cast<Eigen::Index>(i));
+  const Eigen::MatrixXd H = whole_information(equations, bench, own)(order, order);
 
   const Eigen::Index rest = H.rows() - kept;
   const Eigen::MatrixXd across = H.topRightCorner(kept, rest);
@@ -130,6 +168,11 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench) {
     prior.information.col(kept - lens + i) *= unit;
   }
   return prior;
+}
+
+OwnLens moved_own_lens(const OwnLens& own, const Lens& lens, const Eigen::Vector3d& by) {
+  return {own.shift_px + Eigen::Vector2d(by.x() * lens.intrinsics[0], by.y() * lens.intrinsics[1]),
+          own.focal_ratio * std::exp(by.z())};
 }
 
 std::size_t free_lens_parameters(const Lens& lens) {

@@ -1,7 +1,8 @@
 // burin/calib/geometry/geometry_prior.h - what the tags say about cameras, bow and lens, for fits that let them move.
 // Frame: board, mm. Poses move as the renderer's: T' = exp(r) T_camera_board, then its translation + t; (r, t) in
-// radians and mm, camera axes. The geometry's unknowns in one vector: (r, t) of each view, bow_mm (3), and the lens as
-// moved_lens() takes it.
+// radians and mm, camera axes. The geometry's unknowns in one vector: (r, t) of each view, behind it what its own lens
+// differs by where lenses do (OwnLens: shift over the focal length, logarithm of focal_ratio); bow_mm (3), and the lens
+// as moved_lens() takes it.
 //
 // Tags give each pose to some hundredths of a pixel and the bow to a micrometer. That is not nothing: a micrometer of
 // bow moves a lamp that is seen by its glints by half a millimeter, and scratches tell lamp and machine better than
@@ -23,10 +24,12 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 struct GeometryPrior {
   std::vector<Eigen::Isometry3d> T_camera_board;  ///< one a view of the bench
+  Eigen::Index of_view = 6;                       ///< numbers a view: 9 where its own lens moves
   Eigen::Index lens_parameters = 0;               ///< those that move
   Eigen::VectorXd moved;                          ///< how far the geometry's unknowns have been moved since
-  Eigen::MatrixXd information;  ///< inverse covariance of the geometry's unknowns: 6 a view, 3, the lens' parameters
-  double weight = 1;            ///< of the tags against the photos' pixels (burin/calib/photo/geometry_agreement.h)
+  Eigen::MatrixXd
+      information;    ///< inverse covariance of the geometry's unknowns: of_view a view, 3, the lens' parameters
+  double weight = 1;  ///< of the tags against the photos' pixels (burin/calib/photo/geometry_agreement.h)
 };
 
 /// How many parameters of a lens move: all of one that has focal lengths and center and at most so many, else none.
@@ -43,8 +46,12 @@ Lens moved_lens(const Lens& lens, const Eigen::VectorXd& by);
 /// From a calibrated bench, by bundle_equations(): the four corners of as many tags as each view used, known to the
 /// view's reprojection RMS; tags to board.tags.sigma_mm, their mean shift, turn and growth zero (they are the frame); a
 /// lens that is free, unless the bench says that it was given. A view that says nothing of its tags has a pose that is
-/// taken as exact.
-GeometryPrior geometry_prior(const Board& board, const Bench& bench);
+/// taken as exact. Views' own lenses move where the bench says that lenses differ, and where `own_lenses_move`: else
+/// poses are as uncertain as they make them.
+GeometryPrior geometry_prior(const Board& board, const Bench& bench, bool own_lenses_move = true);
+
+/// The own lens moved by three numbers of the geometry's unknowns; `lens` is that of all views.
+OwnLens moved_own_lens(const OwnLens& own, const Lens& lens, const Eigen::Vector3d& by);
 
 /// (r, t) that takes `from` to `to`.
 Vector6 pose_difference(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to);

@@ -23,13 +23,14 @@ void climb(Lens& lens, int to) {
   lens.intrinsics.resize(lens_parameter_count(lens.model), 0.0);
 }
 
-double information(const BundleSummary& s, const Bundle& b) {
-  double n = 0;
-  for (const BundleCorner& c : b.corners) n += c.used ? 2 : 0;
-  return n * std::log(std::max(2 * s.cost, 1e-300) / n) + static_cast<double>(b.lens.intrinsics.size()) * std::log(n);
-}
-
 }  // namespace
+
+double information_criterion(const BundleSummary& s, const Bundle& b) {
+  double n = 0, parameters = static_cast<double>(b.lens.intrinsics.size());
+  for (const BundleCorner& c : b.corners) n += c.used ? 2 : 0;
+  for (const ViewLens& lens : b.view_lenses) parameters += lens.moves() ? 3 : 0;
+  return n * std::log(std::max(2 * s.cost, 1e-300) / n) + parameters * std::log(n);
+}
 
 BundleSummary solve_with_lens_model(Bundle& bundle, const BundleOptions& options, const std::string& model) {
   if (options.fix_lens) return solve_bundle(bundle, options);
@@ -49,7 +50,7 @@ BundleSummary solve_with_lens_model(Bundle& bundle, const BundleOptions& options
     Bundle next = bundle;
     climb(next.lens, i);
     const BundleSummary s = solve_bundle(next, options);
-    if (!model.empty() || information(s, next) < information(best, bundle)) {
+    if (!model.empty() || information_criterion(s, next) < information_criterion(best, bundle)) {
       bundle = std::move(next);
       best = s;
     }

@@ -56,4 +56,8 @@ LensSolution solve_lens(const std::vector<TargetView>& views, int width, int hei
 /// smaller one.
 BundleSummary solve_with_lens_model(Bundle& bundle, const BundleOptions& options, const std::string& model);
 
+/// Schwarz's criterion of a solved bundle, whose noise is unknown: of two that explain the same corners, the one with
+/// the smaller number is to be believed. Counts the lens' parameters, and three for each view whose own lens moves.
+double information_criterion(const BundleSummary& summary, const Bundle& bundle);
+
 }  // namespace burin

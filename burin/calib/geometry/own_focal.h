@@ -1,6 +1,6 @@
-// burin/calib/geometry/own_focal.h - whether all photos of a solved bundle have one focal length. Focus that a camera
-// sets anew for each photo changes it by 0.1 to 3 %; one lens for all then moves the cameras along their axes, and the
-// residuals that remain are too small to show it by themselves.
+// burin/calib/geometry/own_focal.h - whether all photos of a solved bundle have one lens. Focus that a camera sets anew
+// for each photo changes its focal length by 0.1 to 3 %, a stabilizer moves its principal point by some pixels; one
+// lens for all then moves the cameras, and the residuals that remain are too small to show it by themselves.
 #pragma once
 
 #include <cstddef>
@@ -20,6 +20,18 @@ struct OwnFocal {
 /// Fits each view's pose and the logarithm of its focal length to all corners that the view has, also to those that are
 /// not used; everything else is held. One entry per view of the bundle; none if its corners do not allow it.
 std::vector<std::optional<OwnFocal>> own_focals(const Bundle& bundle);
+
+/// What one view's lens differs by from the bundle's: shift x and y (px), logarithm of the focal length.
+struct OwnLensFit {
+  Eigen::Vector3d difference{0, 0, 0};
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+/// The same as own_focals() with the principal point.
+std::vector<std::optional<OwnLensFit>> own_lens_fits(const Bundle& bundle);
+
+/// By how much lenses scatter beyond the fits' sigmas; 0 each where chance explains it.
+LensScatter lens_scatter(const std::vector<std::optional<OwnLensFit>>& fits, const std::vector<bool>& counts);
 
 /// By how much the focal lengths of views scatter beyond their sigmas: the standard deviation of their logarithms. 0 if
 /// chance explains it.

@@ -149,8 +149,19 @@ LampFit fit_from_starts(const LampData& data, const LampParameters& blocks, std:
   return best;
 }
 
+// The ellipse with the second moments of a given area (9.15b): the root of their matrix.
+void put_area(const LampSize& size, LampBlocks& lamp) {
+  const LampArea area = lamp_area(size, 1);
+  const double xx = area.size2 + area.sides2[0], yy = area.size2 - area.sides2[0], xy = area.sides2[1];
+  const double root = std::sqrt(std::max(0.0, xx * yy - xy * xy)), by = 1 / std::sqrt(xx + yy + 2 * root);
+  lamp.area[0] = by * (xx + root);
+  lamp.area[1] = by * xy;
+  lamp.area[2] = by * (yy + root);
+}
+
 // Bare lamps that paper alone tells.
-LampParameters lamps_by_paper(const LampData& data, const std::vector<bool>& usable, const Board& board) {
+LampParameters lamps_by_paper(const LampData& data, const std::vector<bool>& usable, const Board& board,
+                              const Bench& bench) {
   std::vector<LightSample> paper;
   for (const LightSample& sample : data.samples)
     if (sample.kind != SampleKind::face) paper.push_back(sample);
@@ -162,20 +173,11 @@ LampParameters lamps_by_paper(const LampData& data, const std::vector<bool>& usa
   std::vector<Finding> told;  // before
   for (std::size_t light = 0; light < usable.size(); ++light) {
     if (!usable[light]) continue;
+    if (data.given_area[light]) put_area(bench.lights[light].size, out.lamps[light]);
     const LampFit fit = fit_from_starts(of_paper, out, light, "", told);
     if (fit.usable) out = fit.blocks;
   }
   return out;
-}
-
-// The ellipse with the second moments of a given area (9.15b): the root of their matrix.
-void put_area(const LampSize& size, LampBlocks& lamp) {
-  const LampArea area = lamp_area(size, 1);
-  const double xx = area.size2 + area.sides2[0], yy = area.size2 - area.sides2[0], xy = area.sides2[1];
-  const double root = std::sqrt(std::max(0.0, xx * yy - xy * xy)), by = 1 / std::sqrt(xx + yy + 2 * root);
-  lamp.area[0] = by * (xx + root);
-  lamp.area[1] = by * xy;
-  lamp.area[2] = by * (yy + root);
 }
 
 LampArea moments_of_area(const LampBlocks& lamp) {
@@ -377,7 +379,9 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   LampShapes shapes;
   shapes.spot.resize(usable.size(), false);
   shapes.moved_mm.resize(usable.size(), Eigen::Vector3d::Zero());
-  shapes.fit = fit_lamp_parameters(data, blocks, shapes.spot);
+  // Faces that show hardly more than what is around pull lamps that are sought one by one far aside; paper does not.
+  const LampParameters by_paper = lamps_by_paper(data, usable, board, bench);
+  shapes.fit = best_lamp_fit(data, std::array{blocks, by_paper}, shapes.spot);
   if (!shapes.fit.usable) return seed;
   if (options.fit_spot) try_spots(data, usable, shapes);
   // A face that is brushed, or whose highlight a large lamp draws out, hides a spot's fall-off as long as it is not.
@@ -385,7 +389,7 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   // Paper and face that are explained to within some expected errors leave nothing to another lamp.
   constexpr double kWellExplained = 0.2;
   const bool doubtful = shapes.fit.cost > kWellExplained * static_cast<double>(samples.size());
-  if (doubtful && usable == point && try_stray(data, lamps_by_paper(data, usable, board), shapes)) {
+  if (doubtful && usable == point && try_stray(data, by_paper, shapes)) {
     if (options.fit_spot) try_spots(data, usable, shapes);
     try_areas_and_coats(data, point, shapes);
   }

@@ -191,7 +191,7 @@ void hold_shared(const LampFitOptions& options, LampParameters& at, ceres::Probl
       problem.SetParameterUpperBound(at.stray, i, i < 2 ? kMostSlope : kMostLogarithm);
     }
   }
-  problem.SetParameterLowerBound(at.shared, 0, std::log(0.01));
+  problem.SetParameterLowerBound(at.shared, 0, std::log(kSmoothestFace));
   problem.SetParameterUpperBound(at.shared, 0, 0);
   problem.SetParameterLowerBound(at.shared, 1, 0);
   if (!options.fit_vignette) problem.SetManifold(at.shared, new ceres::SubsetManifold(kShared, {2, 3, 4}));

@@ -41,6 +41,10 @@ struct LampModel {
 /// may be off by.
 inline constexpr double kPlaneExponent = 1, kPlaneExponentSigma = 0.5;
 
+/// The smoothest plain face that fits may find. Mirrors have less than 0.001; all that photos from beside their
+/// highlight show of it is that it is dark, and a face that may not be so dark turns lamps away from it.
+inline constexpr double kSmoothestFace = 1e-4;
+
 /// Albedo of a tag's white or black paper, as board.json gives it.
 inline double paper_albedo(const Board& board, SampleKind kind) {
   return kind == SampleKind::white_paper ? board.tags.white_albedo : board.tags.black_albedo;

@@ -168,11 +168,61 @@ PixelWindow held_window(const MergedView& photo, const PixelWindow& window) {
   return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
 }
 
+// The lens that the view was taken with, in pixels that are bin x bin of the photo's.
+void set_lens(const Bench& bench, int bin, LightView& out) {
+  const Lens of_all = binned_lens(bench.lens, bin);
+  OwnLens own = bench.views[out.view].own_lens.value_or(OwnLens{});
+  own.shift_px /= bin;
+  out.lens = with_own(of_all, own);
+  out.focal_ratio = own.focal_ratio;
+  const Eigen::Vector2d center(of_all.intrinsics[2], of_all.intrinsics[3]);
+  out.ray_shift_px = (1 - own.focal_ratio) * center + own.shift_px;
+}
+
+// The window that the lens of all shows what the view's window shows in.
+PixelWindow window_of_all(const LightView& v) {
+  if (v.focal_ratio == 1 && v.ray_shift_px.isZero(0)) return v.window;
+  const Eigen::Vector2d first = (Eigen::Vector2d(v.window.x0, v.window.y0) - v.ray_shift_px) / v.focal_ratio,
+                        size = Eigen::Vector2d(v.window.width, v.window.height) / v.focal_ratio;
+  constexpr int kAround = 1;
+  const int x0 = static_cast<int>(std::floor(first.x())) - kAround,
+            y0 = static_cast<int>(std::floor(first.y())) - kAround;
+  return {x0, y0, static_cast<int>(std::ceil(first.x() + size.x())) + kAround - x0,
+          static_cast<int>(std::ceil(first.y() + size.y())) + kAround - y0};
+}
+
+void share_rays(std::span<LightView> views) {
+  for (LightView& v : views) v.rays = nullptr;
+  // Views of one size share their lens.
+  for (std::size_t first = 0; first < views.size(); ++first) {
+    if (views[first].rays != nullptr) continue;
+    Lens lens = views[first].lens;  // of all
+    for (std::size_t i = 0; i < 2; ++i) {
+      lens.intrinsics[i] /= views[first].focal_ratio;
+      lens.intrinsics[2 + i] =
+          (lens.intrinsics[2 + i] - views[first].ray_shift_px[static_cast<Eigen::Index>(i)]) / views[first].focal_ratio;
+    }
+    const auto same = [&](const LightView& v) { return v.lens.width == lens.width && v.lens.height == lens.height; };
+    int x0 = lens.width, y0 = lens.height, x1 = 0, y1 = 0;
+    for (const LightView& v : views) {
+      if (!same(v)) continue;
+      const PixelWindow window = window_of_all(v);
+      x0 = std::min(x0, window.x0);
+      y0 = std::min(y0, window.y0);
+      x1 = std::max(x1, window.x0 + window.width);
+      y1 = std::max(y1, window.y0 + window.height);
+    }
+    const auto rays = std::make_shared<const CornerRays>(corner_rays(lens, {x0, y0, x1 - x0, y1 - y0}));
+    for (LightView& v : views)
+      if (same(v)) v.rays = rays;
+  }
+}
+
 }  // namespace
 
 PixelWindow board_window(const Board& board, const Bench& bench, const View& view, int bin, int margin_px) {
-  return window_of(binned_lens(bench.lens, bin), view.T_camera_board, surface_of(board, bench), Eigen::Vector2d::Zero(),
-                   board.size_mm, margin_px);
+  return window_of(binned_lens(lens_of(bench, view), bin), view.T_camera_board, surface_of(board, bench),
+                   Eigen::Vector2d::Zero(), board.size_mm, margin_px);
 }
 
 std::vector<LightView> make_light_views(std::span<const MergedView> merged, const Board& board, Bench& bench,
@@ -192,7 +242,7 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
     v.view = static_cast<std::size_t>(view - bench.views.begin());
     v.light = lights.lamp;
     v.surroundings = lights.surroundings;
-    v.lens = binned_lens(bench.lens, photo.bin);
+    set_lens(bench, photo.bin, v);
     constexpr int kMarginPx = 4;
     v.window = held_window(photo, board_window(board, bench, *view, photo.bin, kMarginPx));
     if (v.window.width < 16 || v.window.height < 16) {
@@ -223,25 +273,9 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
   return views;
 }
 
-void share_rays(std::span<LightView> views) {
-  for (LightView& v : views) v.rays = nullptr;
-  // Views of one size share their lens.
-  for (std::size_t first = 0; first < views.size(); ++first) {
-    if (views[first].rays != nullptr) continue;
-    const Lens lens = views[first].lens;
-    const auto same = [&](const LightView& v) { return v.lens.width == lens.width && v.lens.height == lens.height; };
-    int x0 = lens.width, y0 = lens.height, x1 = 0, y1 = 0;
-    for (const LightView& v : views) {
-      if (!same(v)) continue;
-      x0 = std::min(x0, v.window.x0);
-      y0 = std::min(y0, v.window.y0);
-      x1 = std::max(x1, v.window.x0 + v.window.width);
-      y1 = std::max(y1, v.window.y0 + v.window.height);
-    }
-    const auto rays = std::make_shared<const CornerRays>(corner_rays(lens, {x0, y0, x1 - x0, y1 - y0}));
-    for (LightView& v : views)
-      if (same(v)) v.rays = rays;
-  }
+void take_lenses(const Bench& bench, int bin, std::span<LightView> views) {
+  for (LightView& view : views) set_lens(bench, bin, view);
+  share_rays(views);
 }
 
 FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_board, const Surface& surface) {
@@ -253,6 +287,22 @@ FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_b
   rays.window = view.window;
   const std::size_t row = static_cast<std::size_t>(all.window.width) + 1;
   rays.slope.reserve((static_cast<std::size_t>(view.window.width) + 1) * (view.window.height + 1));
+  if (view.focal_ratio != 1 || !view.ray_shift_px.isZero(0)) {
+    // Between four rays of the lens of all: a slope bends by less than 1e-9 of itself over a pixel.
+    for (int r = 0; r <= view.window.height; ++r)
+      for (int c = 0; c <= view.window.width; ++c) {
+        const Eigen::Vector2d corner((c + view.window.x0) * view.bin - 0.5, (r + view.window.y0) * view.bin - 0.5);
+        const Eigen::Vector2d at = ((corner - view.ray_shift_px) / view.focal_ratio).array() + 0.5;
+        const double x = at.x() - all.window.x0, y = at.y() - all.window.y0;
+        const auto i = static_cast<std::size_t>(std::clamp(x, 0.0, all.window.width - 1.0)),
+                   j = static_cast<std::size_t>(std::clamp(y, 0.0, all.window.height - 1.0));
+        const double u = x - static_cast<double>(i), v = y - static_cast<double>(j);
+        const Eigen::Vector2d* const above = all.slope.data() + j * row + i;
+        rays.slope.push_back((1 - v) * ((1 - u) * above[0] + u * above[1]) +
+                             v * ((1 - u) * above[row] + u * above[row + 1]));
+      }
+    return camera_grid(rays, T_camera_board, surface);
+  }
   for (int r = 0; r <= view.window.height; ++r)
     for (int c = 0; c <= view.window.width; ++c) {
       const int x = (c + view.window.x0) * view.bin - all.window.x0,
@@ -288,6 +338,8 @@ LightView binned(const LightView& view, int bin) {
   out.bin = view.bin * bin;
   out.rays = view.rays;
   out.lens = binned_lens(view.lens, bin);
+  out.focal_ratio = view.focal_ratio;
+  out.ray_shift_px = view.ray_shift_px;
   // Binned pixels start at multiples of `bin` of the whole photo, so that all of a photo's windows share one grid.
   const int x0 = (view.window.x0 + bin - 1) / bin, y0 = (view.window.y0 + bin - 1) / bin;
   const int x1 = (view.window.x0 + view.window.width) / bin, y1 = (view.window.y0 + view.window.height) / bin;

@@ -29,19 +29,24 @@ struct LightView {
   /// Index into bench.lights of the surroundings that shine beside the lamp; the same for all views. None: what comes
   /// from around is even.
   std::optional<std::size_t> surroundings;
-  Lens lens;                        ///< of the pixels below (that of the bench, or of binned pixels)
+  Lens lens;  ///< of the pixels below (lens_of() the view, or of binned pixels)
+  /// The view's own lens (OwnLens): where it shows q, that of all views shows (q - ray_shift_px) / focal_ratio, in the
+  /// session's pixels.
+  double focal_ratio = 1;
+  Eigen::Vector2d ray_shift_px{0, 0};
   PixelWindow window;               ///< of the whole (binned) photo; the images below are this large
   Image value, sigma;               ///< one channel
   std::vector<std::uint8_t> valid;  ///< 1 where the value is held by some exposure
   Image scattered;                  ///< what glare of share 1 would show, from the whole photo (glare_fit.h); or empty
   int bin = 1;                      ///< of binned(): how many of the session's pixels, either way
-  /// Of all that the session's views show, in its pixels: found once, since inverting a lens for millions of pixels
-  /// takes longer than to render them. None: from the lens.
+  /// Of all that the session's views show, in its pixels, by the lens of all: found once, since inverting a lens for
+  /// millions of pixels takes longer than to render them. None: from the lens.
   std::shared_ptr<const CornerRays> rays;
 };
 
-/// Finds the rays of views as make_light_views() makes them (not binned), whose lenses may have been moved since.
-void share_rays(std::span<LightView> views);
+/// Gives views as make_light_views() makes them (not binned) the lenses that the bench has now, and their rays. The
+/// session's pixels are `bin` x `bin` of the photos'.
+void take_lenses(const Bench& bench, int bin, std::span<LightView> views);
 
 /// The footprints of a light view's pixels.
 FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_board, const Surface& surface);

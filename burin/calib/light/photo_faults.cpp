@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
+#include <utility>
 
 #include "burin/render/files/decimals.h"
 #include "burin/render/median.h"
@@ -156,11 +158,12 @@ std::vector<Finding> unseen_tags(std::span<const ViewTags> pictures, const Board
         seen = seen || std::any_of(picture.rejected.begin(), picture.rejected.end(),
                                    [&](const RejectedTag& t) { return t.id == tag.id; });
       }
+      const Lens own = view.own_lens ? with_own(solved.lens, *view.own_lens) : solved.lens;
       std::array<Eigen::Vector2d, 4> q;
       for (int k = 0; k < 4; ++k) {
         const Eigen::Vector3d p = above_face(surface, corners[k].x(), corners[k].y(), board.tags.z_mm);
         const Eigen::Vector3d v = view.T_camera_board * p;
-        project(solved.lens, {&v, 1}, {&q[k], 1});
+        project(own, {&v, 1}, {&q[k], 1});
         inside = inside && v.z() > 0 && q[k].allFinite();
       }
       for (int k = 0; k < 4 && inside; ++k) {
@@ -263,6 +266,248 @@ std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> sampl
     }
   }
   return groups;
+}
+
+namespace {
+
+// White paper under one lamp: where it lies, what it shows, and the pose of the camera that saw it.
+struct LitPaper {
+  Eigen::Vector3d p_board, normal;
+  double log_value, radius2;
+  Eigen::Isometry3d T_board_camera;
+};
+
+// What is left of the paper's brightness under a lamp there, beside an intensity and vignetting that are taken as they
+// suit it best: the RMS of logarithms. `on_camera`: in the camera's frame, not in the board's.
+double paper_left(const std::vector<LitPaper>& paper, const Eigen::Vector3d& lamp_mm, bool on_camera) {
+  const auto n = static_cast<Eigen::Index>(paper.size());
+  Eigen::MatrixXd A(n, 3);
+  Eigen::VectorXd left(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const LitPaper& at = paper[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d lamp = on_camera ? Eigen::Vector3d(at.T_board_camera * lamp_mm) : lamp_mm;
+    const Eigen::Vector3d way = lamp - at.p_board;
+    const double cosine = way.normalized().dot(at.normal);
+    if (!(cosine > 1e-3)) return std::numeric_limits<double>::infinity();
+    left[i] = at.log_value - std::log(cosine / way.squaredNorm());
+    A.row(i) << 1, at.radius2, at.radius2 * at.radius2;
+  }
+  left -= A * A.colPivHouseholderQr().solve(left);
+  return std::sqrt(left.squaredNorm() / static_cast<double>(n));
+}
+
+// The least of it from a start, by a search along axes whose steps shrink.
+double least_paper_left(const std::vector<LitPaper>& paper, Eigen::Vector3d lamp_mm, double step_mm, bool on_camera) {
+  double best = paper_left(paper, lamp_mm, on_camera);
+  const double last_mm = 0.02 * step_mm;
+  constexpr int kMost = 400;
+  for (int round = 0; round < kMost && step_mm > last_mm; ++round) {
+    bool better = false;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double by : {-step_mm, step_mm}) {
+        const Eigen::Vector3d there = lamp_mm + by * Eigen::Vector3d::Unit(axis);
+        if (const double left = paper_left(paper, there, on_camera); left < best) {
+          best = left;
+          lamp_mm = there;
+          better = true;
+        }
+      }
+    if (!better) step_mm *= 0.5;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<std::string> lamps_that_ride(std::span<const LightView> views, std::span<const LightSample> samples,
+                                         const Bench& bench) {
+  constexpr std::size_t kFewestViews = 4, kFewestTags = 5;
+  constexpr double kExplained = 0.06, kFarBetter = 0.4;
+  std::vector<std::string> out;
+  for (std::size_t light = 0; light < bench.lights.size(); ++light) {
+    std::vector<LitPaper> paper;
+    std::map<std::size_t, std::size_t> tags;  // by view
+    double distance_mm = 0;
+    for (const LightSample& sample : samples) {
+      if (sample.light != light || sample.kind != SampleKind::white_paper || !(sample.value > 0)) continue;
+      const std::size_t view = views[sample.light_view].view;
+      const Eigen::Isometry3d T_board_camera = bench.views[view].T_camera_board.inverse();
+      paper.push_back({sample.p_board, sample.normal, std::log(sample.value), sample.radius2, T_board_camera});
+      distance_mm = std::max(distance_mm, (T_board_camera.translation() - sample.p_board).norm());
+      ++tags[view];
+    }
+    std::size_t usable = 0;
+    for (const auto& [view, count] : tags) usable += count >= kFewestTags ? 1 : 0;
+    if (usable < kFewestViews) continue;
+    const double riding = least_paper_left(paper, Eigen::Vector3d::Zero(), 0.1 * distance_mm, true);
+    if (!(riding < kExplained)) continue;
+    double standing = std::numeric_limits<double>::infinity();
+    const Eigen::Vector3d middle = paper[paper.size() / 2].p_board;
+    for (const double x : {-1., 0., 1.})
+      for (const double y : {-1., 0., 1.})
+        standing = std::min(standing, least_paper_left(paper, middle + distance_mm * Eigen::Vector3d(x, y, 1),
+                                                       0.5 * distance_mm, false));
+    if (riding < kFarBetter * standing) out.push_back(bench.lights[light].id);
+  }
+  return out;
+}
+
+namespace {
+
+constexpr double kTonesReach = 0.06;      // half the side of what surrounds a pixel, of the picture's width
+constexpr double kTonesStored = 1 / 2.2;  // about the curve that pictures are stored by
+
+// Sums over rectangles of a view's stored brightness, for means around any of its pixels.
+class BrightnessAround {
+ public:
+  explicit BrightnessAround(const LightView& view)
+      : width_(view.value.width),
+        height_(view.value.height),
+        reach_(std::max(2, static_cast<int>(kTonesReach * view.lens.width))),
+        sums_(static_cast<std::size_t>(width_ + 1) * (height_ + 1), 0) {
+    for (int y = 0; y < height_; ++y) {
+      double row = 0;
+      for (int x = 0; x < width_; ++x) {
+        row += std::pow(std::max(0.0, static_cast<double>(view.value.at(x, y))), kTonesStored);
+        sums_[at(x + 1, y + 1)] = sums_[at(x + 1, y)] + row;
+      }
+    }
+  }
+
+  // The logarithm of the mean around a pixel, without what lies nearer than `hole_px`.
+  double log_mean(int x, int y, int hole_px) const {
+    const auto [all, count] = sum(x, y, reach_);
+    const auto [hole, in_hole] = hole_px > 0 ? sum(x, y, std::min(hole_px, reach_ - 1)) : std::pair(0.0, 0.0);
+    return std::log(std::max(1e-12, (all - hole) / std::max(1.0, count - in_hole)));
+  }
+
+ private:
+  std::size_t at(int x, int y) const { return static_cast<std::size_t>(y) * (width_ + 1) + x; }
+  std::pair<double, double> sum(int x, int y, int reach) const {
+    const int x0 = std::clamp(x - reach, 0, width_), x1 = std::clamp(x + reach + 1, 0, width_),
+              y0 = std::clamp(y - reach, 0, height_), y1 = std::clamp(y + reach + 1, 0, height_);
+    return {sums_[at(x1, y1)] - sums_[at(x0, y1)] - sums_[at(x1, y0)] + sums_[at(x0, y0)],
+            static_cast<double>(x1 - x0) * (y1 - y0)};
+  }
+
+  int width_, height_, reach_;
+  std::vector<double> sums_;  // [y][x]: of all pixels above and left
+};
+
+// The logarithm of what surrounds each sample; paper without the tag that it is part of.
+std::vector<double> around_samples(std::span<const LightView> views, std::span<const LightSample> samples,
+                                   const Bench& bench) {
+  std::vector<BrightnessAround> around;
+  around.reserve(views.size());
+  for (const LightView& view : views) around.emplace_back(view);
+  std::map<int, double> side_mm;
+  for (const Tag& tag : bench.tags) side_mm[tag.id] = tag.size_mm;
+  std::vector<double> out;
+  for (const LightSample& sample : samples) {
+    const LightView& view = views[sample.light_view];
+    const Eigen::Vector3d v = bench.views[view.view].T_camera_board * sample.p_board;
+    Eigen::Vector2d q;
+    project(view.lens, {&v, 1}, {&q, 1});
+    constexpr double kOfSide = 0.8;  // half a tag, its border and the white beyond
+    const auto side = side_mm.find(sample.tag);
+    const double hole = side == side_mm.end() ? 0 : kOfSide * side->second * view.lens.intrinsics[0] / v.z();
+    out.push_back(around[sample.light_view].log_mean(static_cast<int>(std::lround(q.x())) - view.window.x0,
+                                                     static_cast<int>(std::lround(q.y())) - view.window.y0,
+                                                     static_cast<int>(hole)));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::optional<LocalTones> find_local_tones(std::span<const LightView> views, std::span<const LightSample> samples,
+                                           const Bench& bench) {
+  std::vector<LightSample> paper;
+  for (const LightSample& sample : samples)
+    if (sample.kind == SampleKind::white_paper && sample.value > 0) paper.push_back(sample);
+  const std::vector<double> around = around_samples(views, paper, bench);
+  // Numbers of photos (each under its lamp), of tags under a lamp, vignetting, and the power.
+  std::map<std::size_t, Eigen::Index> photos;
+  std::map<std::pair<std::size_t, int>, Eigen::Index> tags;
+  for (const LightSample& s : paper) {
+    photos.emplace(s.light_view, 0);
+    tags.emplace(std::pair(s.light, s.tag), 0);
+  }
+  Eigen::Index next = 0;
+  for (auto& [view, at] : photos) at = next++;
+  for (auto& [tag, at] : tags) at = next++;
+  const Eigen::Index vignette = next, power = next + 2, n = next + 3;
+  const auto count = static_cast<double>(paper.size());
+  constexpr double kFewestMore = 20;  // samples beyond the numbers
+  if (count < static_cast<double>(n) + kFewestMore) return std::nullopt;
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+  double scatter = 0, sigma = 0;
+  constexpr int kRounds = 6;
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::MatrixXd H = 1e-9 * Eigen::MatrixXd::Identity(n, n);  // photos and tags share a constant
+    Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
+    std::vector<double> off;
+    for (std::size_t i = 0; i < paper.size(); ++i) {
+      const LightSample& s = paper[i];
+      Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
+      row[photos.at(s.light_view)] = row[tags.at({s.light, s.tag})] = 1;
+      row[vignette] = s.radius2;
+      row[vignette + 1] = s.radius2 * s.radius2;
+      row[power] = around[i];
+      const double left = std::log(s.value) - row.dot(x);
+      off.push_back(std::abs(left));
+      constexpr double kRobust = 2;
+      const double weight = scatter > 0 ? 1 / (1 + std::pow(left / (kRobust * scatter), 2)) : 1;
+      H.selfadjointView<Eigen::Lower>().rankUpdate(row, weight);
+      g += weight * left * row;
+    }
+    const Eigen::LDLT<Eigen::MatrixXd> solver(H.selfadjointView<Eigen::Lower>());
+    x += solver.solve(g);
+    scatter = std::max(1e-6, 1.4826 * median_of(off));
+    const double freedom = std::sqrt(count / (count - static_cast<double>(n)));
+    sigma = freedom * scatter * std::sqrt(std::max(0.0, solver.solve(Eigen::VectorXd::Unit(n, power))[power]));
+  }
+  constexpr double kLeast = 0.03, kBeyondChance = 6;
+  if (x[power] > -kLeast || x[power] > -kBeyondChance * sigma) return std::nullopt;
+  return LocalTones{x[power], sigma};
+}
+
+Image without_local_tones(const LightView& view, const LocalTones& tones) {
+  const BrightnessAround around(view);
+  Image out(view.value.width, view.value.height, 1);
+  double sum = 0;
+  for (int y = 0; y < out.height; ++y)
+    for (int x = 0; x < out.width; ++x) {
+      const double log_factor = -tones.power * around.log_mean(x, y, 0);
+      out.at(x, y) = static_cast<float>(log_factor);
+      sum += log_factor;
+    }
+  const double mean = sum / std::max(1.0, static_cast<double>(out.data.size()));
+  for (float& v : out.data) v = static_cast<float>(std::exp(v - mean));
+  return out;
+}
+
+std::vector<LightSample> without_local_tones(std::span<const LightView> views, std::span<const LightSample> samples,
+                                             const LocalTones& tones, const Bench& bench) {
+  const std::vector<double> around = around_samples(views, samples, bench);
+  double mean = 0;
+  for (const double one : around) mean += one / static_cast<double>(around.size());
+  std::vector<LightSample> out(samples.begin(), samples.end());
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double factor = std::exp(-tones.power * (around[i] - mean));
+    out[i].value *= factor;
+    out[i].sigma *= factor;
+  }
+  return out;
+}
+
+Finding told(const LocalTones& tones) {
+  return make_warning("white paper is stored the darker the brighter its surroundings are (by their power of " +
+                          fixed(tones.power, 2) + " +- " + fixed(tones.sigma, 2) +
+                          "): the camera brightens the dark, by local tone mapping (\"HDR\", \"smart tones\"), which "
+                          "nothing undoes; lamp, "
+                          "roughnesses and depth may be far off, and their sigmas count by how much",
+                      "take raw files (DNG), or switch HDR and automatic enhancement off, and take the photos again");
 }
 
 }  // namespace burin

@@ -3,6 +3,7 @@
 // photos. Frames: board (mm), camera, pixels (center of the top-left pixel is (0, 0)).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/finding.h"
+#include "burin/render/image.h"
 
 namespace burin {
 
@@ -35,5 +37,34 @@ struct LampGroup {
   double spread = 0;                     ///< of log(white / white of the agreeing photos) over the board, RMS
 };
 std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> samples, const Bench& bench);
+
+/// Lamps that ride on the camera, by the paper in their photos: one place before the camera explains its brightness in
+/// all of them far better than one beside the board. Their names.
+std::vector<std::string> lamps_that_ride(std::span<const LightView> views, std::span<const LightSample> samples,
+                                         const Bench& bench);
+
+/// Whether a camera brightens what lies in the dark: local tone mapping, which phones do to their JPEGs as "HDR" or
+/// "smart tones". No curve undoes it: what a pixel is stored as depends on what surrounds it. White paper is equally
+/// bright from everywhere, so that the logarithm of a tag's brightness is a number of the tag, one of the photo, and
+/// vignetting; whatever else goes with the brightness around the tag the camera made (or glare, which brightens).
+///
+/// Linear values go with the power of the brightness around them, as stored; below 0 where the dark is brightened.
+struct LocalTones {
+  double power = 0, sigma = 0;
+};
+
+/// Nothing where paper does not ask for it beyond chance. `samples`: of `views`, as gather_light_samples() made them.
+std::optional<LocalTones> find_local_tones(std::span<const LightView> views, std::span<const LightSample> samples,
+                                           const Bench& bench);
+
+/// By what factor each pixel of a view would be brighter without, their mean taken as 1.
+Image without_local_tones(const LightView& view, const LocalTones& tones);
+
+/// The samples as they would be without.
+std::vector<LightSample> without_local_tones(std::span<const LightView> views, std::span<const LightSample> samples,
+                                             const LocalTones& tones, const Bench& bench);
+
+/// What a person should know of it.
+Finding told(const LocalTones& tones);
 
 }  // namespace burin

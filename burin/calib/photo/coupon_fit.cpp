@@ -449,10 +449,7 @@ double fit_fans(FanProblem& problem, const Stage& stage, int max_iterations, Sta
       }
       at.travel += share * step.segment<2>(2 * layout.fans);
       at.across += share * step.segment<2>(2 * layout.fans + 2);
-      const auto [least_blur, most_blur] = log_blur_range(problem.data);
-      double& log_blur = moved.shared[unknown::log_blur];
-      log_blur = std::clamp(log_blur, least_blur, most_blur);
-      moved.shared[unknown::ambient] = std::max(0.0, moved.shared[unknown::ambient]);
+      keep_within_bounds(problem.data, moved);
       const double there = total_cost(problem, moved, at, free);
       if (!(there < cost)) continue;
       better = true;

@@ -77,7 +77,9 @@ Asked significance(const Problem& data, const Stage& all, const State& state, co
   constexpr std::size_t kKnown = 1000;
   // Photos of a lamp with an area take many times as long to render: only where photos do not contradict already.
   if (size && !beyond(scatter_by_view(e, step), kKnown, sigmas)) return Asked::no;
-  const ViewEquations at_optimum = view_equations(data, all, moved_state(state, step));
+  State optimum = moved_state(state, step);
+  keep_within_bounds(data, optimum);  // what photos hardly hold leaps, and beyond its bounds nothing can be rendered
+  const ViewEquations at_optimum = view_equations(data, all, optimum);
   std::size_t places = 0;
   for (Eigen::Index t = 0; t < at_optimum.tiles.cols(); ++t)
     if (at_optimum.tiles(unknown::log_alpha, t) != 0) ++places;

@@ -1,6 +1,7 @@
 #include "burin/calib/photo/normal_system.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -14,11 +15,18 @@
 namespace burin {
 namespace {
 
+// How many of a photo's derivatives by its lens are asked for: what moves a view's own lens moves focal lengths and
+// center.
+Eigen::Index lens_columns(const GeometryPrior& geometry) {
+  constexpr Eigen::Index kCore = 4;
+  return std::max(geometry.lens_parameters, geometry.of_view > 6 ? kCore : 0);
+}
+
 // What normal_system() differentiates by: all that the stage frees, and poses, bow and lens where they may move.
 FreeUnknowns wanted_of(const Problem& data, const Stage& stage) {
   FreeUnknowns wanted{};
   if (data.geometry)
-    for (Eigen::Index i = 0; i < data.geometry->lens_parameters; ++i) wanted[unknown::lens + i] = true;
+    for (Eigen::Index i = 0; i < lens_columns(*data.geometry); ++i) wanted[unknown::lens + i] = true;
   for_each_unknown([&](const UnknownRow& row, int first) {
     if (row.scope == Scope::paper || first == unknown::lens) return;
     const bool free = row.scope == Scope::geometry
@@ -62,20 +70,43 @@ namespace {
 
 // Where the numbers of the geometry lie behind the n unknowns.
 struct Layout {
-  Eigen::Index n = 0, m = 0, lens = 0;  // unknowns; the geometry's numbers; the lens' among them
+  Eigen::Index n = 0, m = 0, lens = 0, of_view = 6;  // unknowns; the geometry's numbers; the lens'; those of a view
+  Eigen::Index lens_seen = 0;                        // lens_columns()
 
   Layout(const Problem& data, const State& state) : n(global_count(state.lamps.size())) {
     if (!data.geometry) return;
     m = data.geometry->information.rows();
     lens = data.geometry->lens_parameters;
+    of_view = data.geometry->of_view;
+    lens_seen = lens_columns(*data.geometry);
   }
   // How many of a photo's unknowns have a place.
-  int placed() const { return m > 0 ? unknown::lens + static_cast<int>(lens) : unknown::pose; }
-  Eigen::Index place(const PhotoData& photo, int index) const {
-    if (index < unknown::pose) return global_index(index, photo.photo.light);
-    if (index < unknown::bow) return n + 6 * static_cast<Eigen::Index>(photo.photo.view) + (index - unknown::pose);
-    if (index < unknown::lens) return n + m - lens - 3 + (index - unknown::bow);
-    return n + m - lens + (index - unknown::lens);
+  int placed() const { return m > 0 ? unknown::lens + static_cast<int>(lens_seen) : unknown::pose; }
+  // Where one of a photo's unknowns lies in the whole, and how much of it a unit there is. The lens lies in two places:
+  // that of all views, and the photo's own.
+  struct Place {
+    Eigen::Index at;
+    double unit;
+  };
+  struct Places {
+    std::array<Place, 2> all;
+    int count;
+    const Place* begin() const { return all.data(); }
+    const Place* end() const { return all.data() + count; }
+  };
+  Places places(const PhotoData& photo, int index) const {
+    const Eigen::Index first = n + of_view * static_cast<Eigen::Index>(photo.photo.view);
+    const auto one = [](Eigen::Index at) { return Places{{{{at, 1}, {at, 1}}}, 1}; };
+    if (index < unknown::pose) return one(global_index(index, photo.photo.light));
+    if (index < unknown::bow) return one(first + (index - unknown::pose));
+    if (index < unknown::lens) return one(n + m - lens - 3 + (index - unknown::bow));
+    const Eigen::Index of_lens = index - unknown::lens;
+    // Centers are told in units of the photo's own focal length.
+    const double unit = of_lens == 2 || of_lens == 3 ? 1 / photo.photo.focal_ratio : 1;
+    Places out{};
+    if (of_lens < lens) out.all[out.count++] = {n + m - lens + of_lens, unit};
+    if (of_view > 6 && of_lens < 4) out.all[out.count++] = {first + (of_lens < 2 ? 8 : 4 + of_lens), unit};
+    return out;
   }
 };
 
@@ -101,16 +132,17 @@ WholeEquations whole_equations(const Problem& data, const Layout& layout, Inform
     Eigen::MatrixXd& Hv = out.H_view.try_emplace(photo.photo.view, Eigen::MatrixXd::Zero(all, all)).first->second;
     Eigen::VectorXd gk = Eigen::VectorXd::Zero(all);
     if (out.tiles.size() == 0) out.tiles = Eigen::MatrixXd::Zero(all, e.tile_scores.cols());
-    for (int a = 0; a < count; ++a) {
-      const Eigen::Index pa = layout.place(photo, a);
-      gk[pa] += e.Jtr[a];
-      out.tiles.row(pa) += e.tile_scores.row(a);
-      for (int b = 0; b < count; ++b) {
-        const Eigen::Index pb = layout.place(photo, b);
-        Hv(pa, pb) += information == Information::curvature ? e.curvature_JtJ(a, b) : e.JtJ(a, b);
-        if (pa < n && pb < n) system.noise_H(pa, pb) += e.noise_JtJ(a, b);
+    for (int a = 0; a < count; ++a)
+      for (const auto& [pa, unit_a] : layout.places(photo, a)) {
+        gk[pa] += unit_a * e.Jtr[a];
+        out.tiles.row(pa) += unit_a * e.tile_scores.row(a);
+        for (int b = 0; b < count; ++b)
+          for (const auto& [pb, unit_b] : layout.places(photo, b)) {
+            Hv(pa, pb) +=
+                unit_a * unit_b * (information == Information::curvature ? e.curvature_JtJ(a, b) : e.JtJ(a, b));
+            if (pa < n && pb < n) system.noise_H(pa, pb) += e.noise_JtJ(a, b);
+          }
       }
-    }
     out.g += gk;
     out.g_photo.push_back(std::move(gk));
     system.cost += e.cost;
@@ -177,7 +209,7 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, const State&
     Eigen::VectorXd off = prior.moved;  // of poses exactly, where a photo says
     for (const PhotoData& photo : data.photos) {
       const std::size_t view = photo.photo.view;
-      off.segment<6>(6 * static_cast<Eigen::Index>(view)) =
+      off.segment<6>(prior.of_view * static_cast<Eigen::Index>(view)) =
           pose_difference(prior.T_camera_board[view], photo.camera.T_camera_board);
     }
     out.A = whole.H.bottomRightCorner(m, m) + weighted;
@@ -285,7 +317,7 @@ Eigen::VectorXd bounded_step(const Problem& data, const State& state, const Norm
 
 }  // namespace
 
-Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Bench& bench) {
+void joint_step(Problem& data, const Stage& stage, State& state, Bench& bench) {
   const std::vector<PhotoEquations> equations = equations_of_photos(data, stage, state, {data.model}).front();
   NormalSystem system = normal_system(data, stage, state, Information::weights, equations);
   if (data.geometry) {
@@ -296,18 +328,21 @@ Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Benc
   const Eigen::VectorXd step = bounded_step(data, state, system);
   state = moved_state(state, step);
   keep_within_bounds(data, state);  // to the last bit
-  if (!data.geometry) return {};
+  if (!data.geometry) return;
   const Eigen::VectorXd by = -inverse_times(system.A, system.geometry_g + system.B.transpose() * step);
   // Views without photos go along: their tags were seen through the same lens, on the same board.
-  for (std::size_t view = 0; view < bench.views.size(); ++view) {
-    Eigen::Isometry3d& T = bench.views[view].T_camera_board;
-    T = moved_pose(T, by.segment<6>(6 * static_cast<Eigen::Index>(view)));
+  const Eigen::Index of_view = data.geometry->of_view;
+  for (std::size_t v = 0; v < bench.views.size(); ++v) {
+    View& view = bench.views[v];
+    const Eigen::Index first = of_view * static_cast<Eigen::Index>(v);
+    view.T_camera_board = moved_pose(view.T_camera_board, by.segment<6>(first));
+    if (of_view > 6)
+      view.own_lens = moved_own_lens(view.own_lens.value_or(OwnLens{}), bench.lens, by.segment<3>(first + 6));
   }
   const Eigen::Index lens = data.geometry->lens_parameters;
   bench.bow_mm += by.segment<3>(by.size() - lens - 3);
   data.geometry->moved += by;
   bench.lens = moved_lens(bench.lens, by.tail(lens));
-  return by.tail(lens);
 }
 
 }  // namespace burin

@@ -44,8 +44,8 @@ struct ViewEquations {
 ViewEquations view_equations(const Problem& data, const Stage& stage, const State& state);
 
 /// One Gauss-Newton step of what `stage` frees and of all poses, the bow and the lens together (geometry_prior.h), from
-/// near the optimum. Moves `state` and `bench`'s poses, bow and lens; the problem's photos must be made anew
-/// afterwards, from views whose lens has been moved_lens() by what is returned.
-Eigen::VectorXd joint_step(Problem& data, const Stage& stage, State& state, Bench& bench);
+/// near the optimum. Moves `state` and `bench`'s poses, bow and lenses; the problem's photos must be made anew
+/// afterwards, from views with the bench's lenses (take_lenses).
+void joint_step(Problem& data, const Stage& stage, State& state, Bench& bench);
 
 }  // namespace burin

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -139,11 +140,13 @@ Image rendered_light(const PhotoData& photo, const Unknowns& x, const Carved& ca
 // where they cross stays as it is.
 Image light_of_changed(const PhotoData& photo, const Unknowns& x, const Carved& carved, int index, double step,
                        const std::vector<float>& falloff) {
+  const bool roughness = index == unknown::log_alpha;
+  const double most = roughness ? 1 : std::numeric_limits<double>::infinity();  // nothing is rougher
   Unknowns other = x;
-  other[index] += step;
+  other[index] = std::min(other[index] + step, std::log(most));
   Carved changed = carved;
-  for (double& own : index == unknown::log_alpha ? changed.scratches.alpha : changed.scratches.depth_um)
-    own *= std::exp(step);
+  for (double& own : roughness ? changed.scratches.alpha : changed.scratches.depth_um)
+    own = std::min(own * std::exp(step), most);
   return rendered_light(photo, other, changed, falloff);
 }
 

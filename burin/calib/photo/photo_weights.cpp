@@ -170,8 +170,14 @@ void weigh_photos(Problem& data, const State& state) { weigh(data, state, false)
 void weigh_photos_and_grooves(Problem& data, const State& state) {
   weigh(data, state, true);
   const GrooveScatter scatter = groove_scatter(data, state);
-  data.model.alpha_jitter = std::sqrt(scatter.variance[0]);
-  data.model.depth_jitter = std::sqrt(scatter.variance[1]);
+  // Slopes foretell no more: what asks for it is no difference of grooves.
+  constexpr double kMostJitter = 0.5;
+  const auto jitter = [&](int kind) {
+    const double found = std::sqrt(scatter.variance[kind]);
+    return found < kMostJitter ? found : 0;
+  };
+  data.model.alpha_jitter = jitter(0);
+  data.model.depth_jitter = jitter(1);
   data.model.alpha_jitter2_sigma = scatter.sigma[0];
   data.model.depth_jitter2_sigma = scatter.sigma[1];
   const Carved carved = carved_at(data.model, state.of(0));

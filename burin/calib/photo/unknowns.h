@@ -104,7 +104,7 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     // The grooves: logarithms of roughness and depth; of the plain face's roughness.
     {"log_alpha", 1, Scope::shared, Group::groove, Enters::light, {Bounds::Kind::of_log, 0.004, 0.8}},
     {"log_depth", 1, Scope::shared, Group::depth, Enters::light, {Bounds::Kind::of_log_per_tool_width, 1e-3, 0.7}},
-    {"log_base_alpha", 1, Scope::shared, Group::base, Enters::light, {Bounds::Kind::of_log, 0.01, 1.0}},
+    {"log_base_alpha", 1, Scope::shared, Group::base, Enters::light, {Bounds::Kind::of_log, kSmoothestFace, 1.0}},
     // GrooveField's terms: gx gy; qxx qxy qyy; wear.
     {"depth_linear", 2, Scope::shared, Group::depth_linear},
     {"depth_quadratic", 3, Scope::shared, Group::depth_quadratic},

@@ -202,7 +202,7 @@ std::vector<Light> turned_lamps(const Light& light, const Board& board, const st
 }
 
 void append_candidates(Bundle& bundle, const Board& board, const std::vector<CameraPlace>& places,
-                       double corner_sigma_px) {
+                       double corner_sigma_px, const std::optional<LensScatter>& lens_scatter) {
   std::set<int> known;
   for (const BundleCorner& c : bundle.corners)
     if (c.used) known.insert(c.tag);
@@ -210,6 +210,10 @@ void append_candidates(Bundle& bundle, const Board& board, const std::vector<Cam
   for (const CameraPlace& place : places) {
     const std::size_t view = bundle.views.size();
     bundle.views.push_back(place.T_camera_board);
+    if (lens_scatter) {
+      bundle.view_lenses.resize(view);
+      bundle.view_lenses.push_back({{}, *lens_scatter});
+    }
     for (std::size_t t = 0; t < board.tags.list.size(); ++t) {
       if (!all && !known.count(static_cast<int>(t))) continue;
       const auto seen = corners_to_see(bundle, view, t, board.tags.list[t], board.tags.z_mm, corner_sigma_px);

@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,9 +24,9 @@ namespace burin {
 
 /// Adds the corners that a photo from each place would hold, without error, as views of `bundle` (after those it has).
 /// Tags that the place sees smaller than 15 px or not at all are left out. Of the tags listed in `board`, bundle.tags
-/// in the same order.
+/// in the same order. `lens_scatter`: by how much their lenses will differ, if they will.
 void append_candidates(Bundle& bundle, const Board& board, const std::vector<CameraPlace>& places,
-                       double corner_sigma_px);
+                       double corner_sigma_px, const std::optional<LensScatter>& lens_scatter = {});
 
 /// How bright a candidate's photo would be, in radiance (linear value over gain and exposure factor).
 struct PredictedLight {

@@ -1,6 +1,7 @@
 #include "burin/calib/verdict/green_alone.h"
 
 #include <cstddef>
+#include <utility>
 
 #include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/board_tiles.h"
@@ -31,21 +32,32 @@ Image green_of(const MergedView& photo, const LightView& view) {
 
 }  // namespace
 
-Eigen::VectorXd half_shift_by_green_alone(std::span<const MergedView> merged, std::span<const LightView> views,
-                                          const Problem& data, const Stage& stage, const State& state) {
+Eigen::VectorXd shift_if_read_otherwise(const std::function<LightView(std::size_t)>& read,
+                                        std::vector<LightSample> paper, Problem& data, const Stage& stage,
+                                        const State& state) {
   const CellGrid tiles = board_tiles(*data.model.board);
-  std::vector<PhotoEquations> by_green(data.photos.size());
-  const std::vector<PhotoEquations> by_mean =
+  std::vector<PhotoEquations> otherwise(data.photos.size());
+  const std::vector<PhotoEquations> as_is =
       equations_of_photos(data, stage, state, {data.model}, [&](std::size_t k, const PhotoSlopes& slopes) {
-        LightView green = views[k];
-        green.value = green_of(merged[green.merged], green);
         PhotoData photo = data.photos[k];
-        photo.photo.value = binned(green, photo.bin).value;
-        by_green[k] = photo_equations(data.model, photo, slopes.at, slopes.light, slopes, &tiles);
+        photo.photo.value = binned(read(k), photo.bin).value;
+        otherwise[k] = photo_equations(data.model, photo, slopes.at, slopes.light, slopes, &tiles);
       }).front();
-  const NormalSystem mean = normal_system(data, stage, state, Information::curvature, by_mean);
-  const NormalSystem green = normal_system(data, stage, state, Information::curvature, by_green);
-  return -0.5 * safe_inverse(mean.H, mean.free) * (green.g - mean.g);
+  const NormalSystem before = normal_system(data, stage, state, Information::curvature, as_is);
+  std::swap(data.paper, paper);
+  const NormalSystem after = normal_system(data, stage, state, Information::curvature, otherwise);
+  std::swap(data.paper, paper);
+  return -safe_inverse(before.H, before.free) * (after.g - before.g);
+}
+
+Eigen::VectorXd half_shift_by_green_alone(std::span<const MergedView> merged, std::span<const LightView> views,
+                                          Problem& data, const Stage& stage, const State& state) {
+  const auto green = [&](std::size_t k) {
+    LightView out = views[k];
+    out.value = green_of(merged[out.merged], out);
+    return out;
+  };
+  return 0.5 * shift_if_read_otherwise(green, data.paper, data, stage, state);
 }
 
 }  // namespace burin

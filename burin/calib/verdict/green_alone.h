@@ -7,6 +7,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -16,10 +18,16 @@
 
 namespace burin {
 
+/// By how far the answer would move, to first order, over all unknowns (global_index()), if photo k and the paper were
+/// read as `read(k)`, a view like views[k], and `paper` have them.
+Eigen::VectorXd shift_if_read_otherwise(const std::function<LightView(std::size_t)>& read,
+                                        std::vector<LightSample> paper, Problem& data, const Stage& stage,
+                                        const State& state);
+
 /// By how far the answer would move, to first order, over all unknowns (global_index()), if photos were read by green
 /// alone, in the brightness that the mean of colors has on most pixels: half of it. `views`, one a photo of `data`,
 /// were made of `merged`, which is in color.
 Eigen::VectorXd half_shift_by_green_alone(std::span<const MergedView> merged, std::span<const LightView> views,
-                                          const Problem& data, const Stage& stage, const State& state);
+                                          Problem& data, const Stage& stage, const State& state);
 
 }  // namespace burin

@@ -110,6 +110,7 @@ std::vector<HalvesVerdict> pose_halves(const BoardSolution& geometry, const std:
       c.used = c.used && c.tag == static_cast<int>(tag);
       if (c.used) center = c.center_mm;
     }
+    for (ViewLens& lens : one.view_lenses) lens.prior = without_prior(lens.prior);  // counted once, below
     BundleOptions options = geometry.options;
     options.fix_lens = options.fix_bow = options.fix_tags = true;
     const BundleEquations equations = bundle_equations(one, options);
@@ -123,10 +124,19 @@ std::vector<HalvesVerdict> pose_halves(const BoardSolution& geometry, const std:
   }
   std::vector<HalvesVerdict> out;
   for (std::size_t i = 0; i < solved.size(); ++i) {
-    parts[i].prior = Eigen::MatrixXd::Zero(6, 6);
-    parts[i].prior_gradient = Eigen::VectorXd::Zero(6);
+    const int of_own = own_count(bundle, solved[i]);
+    parts[i].prior = Eigen::MatrixXd::Zero(of_own, of_own);
+    parts[i].prior_gradient = Eigen::VectorXd::Zero(of_own);
+    if (of_own > 6) {
+      const ViewLens& lens = bundle.view_lenses[solved[i]];
+      const Eigen::Vector3d known(std::pow(lens.prior.shift_px, -2), std::pow(lens.prior.shift_px, -2),
+                                  std::pow(lens.prior.focal, -2));
+      parts[i].prior.diagonal().tail<3>() = known;
+      parts[i].prior_gradient.tail<3>() = known.cwiseProduct(
+          Eigen::Vector3d(lens.own.shift_px.x(), lens.own.shift_px.y(), std::log(lens.own.focal_ratio)));
+    }
     parts[i].pairs = pair_neighbors(angle[i], std::vector<std::size_t>(angle[i].size(), 0));
-    const Eigen::Matrix<double, 3, 6> D = center_by_pose(bundle.views[solved[i]]);
+    const Eigen::MatrixXd D = center_by_own(bundle, solved[i]);
     const Eigen::Matrix3d own = D * whole[solved[i]].H.ldlt().solve(D.transpose());
     std::vector<Eigen::VectorXd> rows;
     std::vector<double> sigmas;
@@ -218,7 +228,7 @@ void judge_poses(GeometryJudge& j) {
   std::string worst_view;
   for (std::size_t i = 0; i < j.solved.size() && i < j.bench.views.size(); ++i) {
     View& view = j.bench.views[i];
-    const Eigen::Matrix<double, 3, 6> D = center_by_pose(j.geometry.bundle.views[j.solved[i]]);
+    const Eigen::MatrixXd D = center_by_own(j.geometry.bundle, j.solved[i]);
     const Eigen::Matrix3d own = D * j.equations.views[j.solved[i]].H.ldlt().solve(D.transpose());
     const double grow = widening(poses[i]);
     contradicting += poses[i].contradict();

@@ -81,7 +81,7 @@ void advise_geometry(const BoardSolution& geometry, const Board& board, const Co
   std::vector<double> distances;
   for (const Eigen::Isometry3d& T_camera_board : bundle.views) distances.push_back(distance_mm(T_camera_board, board));
   const std::vector<CameraPlace> places = places_in_focus(distances, board, geometry.lens, true);
-  append_candidates(bundle, board, places, median_of(sigmas));
+  append_candidates(bundle, board, places, median_of(sigmas), geometry.lens_scatter);
   const BundleEquations equations = bundle_equations(bundle, geometry.options);
   Eigen::MatrixXd H = equations.prior;
   for (std::size_t v = 0; v < taken; ++v) H += equations.views[v].information;

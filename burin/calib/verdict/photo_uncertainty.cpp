@@ -126,7 +126,7 @@ std::vector<Eigen::Vector3d> center_sigmas(const Problem& data, const NormalSyst
   Eigen::MatrixXd by_geometry = Eigen::MatrixXd::Zero(m, 3 * views);
   for (const PhotoData& photo : data.photos) {
     const auto view = static_cast<Eigen::Index>(photo.photo.view);
-    by_geometry.block<3, 3>(6 * view + 3, 3 * view) = -photo.camera.T_camera_board.linear();
+    by_geometry.block<3, 3>(data.geometry->of_view * view + 3, 3 * view) = -photo.camera.T_camera_board.linear();
   }
   const Eigen::MatrixXd by_own = inverse_times(system.A, by_geometry), by_unknowns = system.gain * by_geometry,
                         by_scores = inverse * by_unknowns;

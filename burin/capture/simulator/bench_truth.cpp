@@ -227,6 +227,18 @@ TruthView read_view(JsonObject& json, const BenchTruth& truth) {
     const Eigen::Vector3d middle(truth.board.size_mm.x() / 2, truth.board.size_mm.y() / 2, 0);
     view.T_camera_board = aimed_at(pose.T_camera_board, middle, *pose.roll_to_middle_deg);
   }
+  if (json.has("own_lens")) {
+    JsonObject own = json.object("own_lens");
+    const Eigen::Vector2d shift_px = own.has("shift_px") ? own.vec2("shift_px") : Eigen::Vector2d::Zero();
+    const double ratio = own.positive("focal_ratio", 1);
+    own.finish();
+    view.lens = truth.lens;
+    std::vector<double>& fxycxy = view.lens->intrinsics;
+    fxycxy[0] *= ratio;
+    fxycxy[1] *= ratio;
+    fxycxy[2] += shift_px.x();
+    fxycxy[3] += shift_px.y();
+  }
   for (JsonObject& item : json.objects("photos")) {
     TruthPhoto photo;
     photo.file = fs::path(item.text("file")).lexically_normal();

@@ -20,6 +20,9 @@
 //                              1 + wear/2 times at the first scratch to 1 - wear/2 at the last
 //                              profile (as in board.json), brushed {along_deg, alpha_along, alpha_across, streak_slope,
 //                              streak_mm [long, wide]}
+//   views[]                    as in bench.json, with photos; own_lens {shift_px [x, y], focal_ratio}: a stabilizer
+//   moved
+//                              the principal point, and focus or a digital zoom changed both focal lengths
 //   machine                    affine, and as in bench.json: backlash_mm, screw_mm, screw_period_mm, screw_phase_deg
 //   sensor                     {channels, encoding, bits, jpeg_quality, gain, full_well_e, read_noise_e}; bits of
 //                              linear files stand in the high end of 16
@@ -108,6 +111,7 @@ struct TruthPhoto {
 struct TruthView {
   std::string name;
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
+  std::optional<Lens> lens;  ///< where it differs from the truth's
   std::vector<TruthPhoto> photos;
 };
 

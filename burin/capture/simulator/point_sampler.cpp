@@ -301,6 +301,17 @@ struct PointSampler::State {
                     Vector3d& others) const;
 };
 
+namespace {
+
+// Rays through the upper corners of a row of pixels.
+void unproject_row(const Lens& lens, int row, std::span<Vector3d> rays) {
+  std::vector<Vector2d> q(rays.size());
+  for (std::size_t x = 0; x < q.size(); ++x) q[x] = {static_cast<double>(x) - 0.5, row - 0.5};
+  unproject(lens, q, rays);
+}
+
+}  // namespace
+
 PointSampler::PointSampler(const BenchTruth& truth, const Carved& grooves) : state_(std::make_unique<State>(truth)) {
   const Scratches& carved = grooves.scratches;
   const std::size_t n = carved.size();
@@ -320,9 +331,7 @@ PointSampler::PointSampler(const BenchTruth& truth, const Carved& grooves) : sta
   const int w = truth.lens.width + 1, h = truth.lens.height + 1;
   state_->rays.resize(static_cast<std::size_t>(w) * h);
   tbb::parallel_for(0, h, [&](int y) {
-    std::vector<Vector2d> q(w);
-    for (int x = 0; x < w; ++x) q[x] = {x - 0.5, y - 0.5};
-    unproject(truth.lens, q, std::span(state_->rays).subspan(static_cast<std::size_t>(y) * w, w));
+    unproject_row(truth.lens, y, std::span(state_->rays).subspan(static_cast<std::size_t>(y) * w, w));
   });
 }
 
@@ -333,9 +342,16 @@ void PointSampler::State::fill_corners(const TruthView& view, const Light& light
   const Eigen::Isometry3d T_board_camera = view.T_camera_board.inverse();
   const Vector3d camera = T_board_camera.translation();
   const Vector2d size = truth.board.size_mm;
+  std::span<const Vector3d> of_row(rays.data() + static_cast<std::size_t>(row) * corners.size(), corners.size());
+  std::vector<Vector3d> own;
+  if (view.lens) {
+    own.resize(corners.size());
+    unproject_row(*view.lens, row, own);
+    of_row = own;
+  }
   for (std::size_t i = 0; i < corners.size(); ++i) {
     Corner& corner = corners[i] = Corner{};
-    const Vector3d ray = T_board_camera.linear() * rays[static_cast<std::size_t>(row) * corners.size() + i];
+    const Vector3d ray = T_board_camera.linear() * of_row[i];
     const auto meet = [&](double z_mm) { return (z_mm - camera.z()) / ray.z(); };
     double s = meet(truth.cloth.z_mm);
     if (!(s > 0) || !std::isfinite(s)) continue;
