@@ -9,6 +9,7 @@
 
 #include "burin/optimize/carving/carving_order.h"
 #include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/carving_budget.h"
 #include "burin/optimize/design/crowding.h"
 #include "burin/optimize/design/design_start.h"
@@ -115,6 +116,7 @@ void DesignRun::read_targets() {
 // On `pixels_`.
 void DesignRun::lay_targets(std::vector<Finding>& found) {
   views_ = prepare_views(spec_, board_, bench_, options_, pixels_, limits_, found);
+  for (WorkView& v : views_) v.sees_lines = glints_along_lines(v, bench_);
   append(found, lift_blacks(views_, options_.lift_blacks, options_.loss));
   shown_ = spec_.views.size();
   const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
@@ -225,9 +227,12 @@ bool DesignRun::start_with_fewer() {
 bool DesignRun::start_with_less_to_cut() {
   constexpr double kFewer = 0.85;
   constexpr std::size_t kMostPieces = limit::kCuts / 5 * 4;
+  constexpr double kFarFromMost = 0.25;  // cutting them only to count takes as long as an iteration
   if (options_.from || bench_.crossings == Crossings::add) return false;
   const Scratches all =
       joined(new_ones(), carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
+  const Eigen::Vector2d area = limits_.max_mm - limits_.min_mm;
+  if (expected_pieces(all, area.prod()) < kFarFromMost * static_cast<double>(kMostPieces)) return false;
   if (!are_more_pieces(all, board_.tool_width_um, bench_.material.depth_um, bench_.material.profile, bench_.crossings,
                        kMostPieces))
     return false;
@@ -267,6 +272,11 @@ void DesignRun::join_carved() {
   scratches_ = joined(scratches_, carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
   scratches_.carved.assign(movable_, 0);
   scratches_.carved.resize(movable_ + carved_.size(), 1);
+}
+
+// As the search takes them, or as they will cut each other.
+LyingGrooves DesignRun::in_the_metal(bool cut) const {
+  return cut ? grooves_in(scratches_, metal_, views_) : LyingGrooves(carve(designed_, search_bench_, board_));
 }
 
 void DesignRun::put_in_carving_order(bool thoroughly) {
@@ -376,9 +386,9 @@ void DesignRun::warn_if_hardly_any_is_left() {
 }
 
 void DesignRun::measure_pictures() {
-  const Carved grooves = in_the_metal();
+  const LyingGrooves grooves = in_the_metal();
+  render_all(views_, grooves);
   for (WorkView& v : views_) {
-    v.renderer.forward(grooves, v.radiance);
     picture_from_radiance(v.radiance, std::exp(log_exposure_[v.exposure_group]), v.picture);
     v.value = v.loss.evaluate(v.picture, dE_dpicture_);
     result_.final_loss += v.value.total;
@@ -426,26 +436,35 @@ void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView
   out.color = color;
 }
 
+double DesignRun::eye_distance_mm() const {
+  const Eigen::Vector2d middle = (limits_.min_mm + limits_.max_mm) / 2;
+  double mean = 0;
+  for (const DesignView& v : spec_.views)
+    mean += (find_view(bench_, v.view, "design").T_camera_board * Eigen::Vector3d(middle.x(), middle.y(), 0)).norm() /
+            static_cast<double>(spec_.views.size());
+  return mean;
+}
+
 // What eyes in the views' places see: of the pixels that they tell apart, whatever the design looked at.
 void DesignRun::measure_for_eyes() {
-  const Eigen::Vector2d middle = (limits_.min_mm + limits_.max_mm) / 2;
-  double distance_mm = 0;
-  for (const DesignView& v : spec_.views)
-    distance_mm +=
-        (find_view(bench_, v.view, "design").T_camera_board * Eigen::Vector3d(middle.x(), middle.y(), 0)).norm() /
-        static_cast<double>(spec_.views.size());
-  result_.eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, distance_mm);
-  result_.eye_from_m = distance_mm / 1000;
+  result_.eye_from_m = eye_distance_mm() / 1000;
+  result_.eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm());
   if (result_.eye_px == pixels_) {
     for (DesignedView& v : result_.views) v.eye_psnr_db = v.psnr_db;
     return;
   }
   report("measuring what eyes see", 0);
+  std::vector<char> lines;
+  for (const WorkView& v : views_) lines.push_back(v.sees_lines);
   views_.clear();  // their memory
   views_ = views_to_look_at(spec_, board_, bench_, options_, result_.eye_px, limits_);
+  for (std::size_t k = 0; k < views_.size(); ++k) views_[k].sees_lines = lines[k];
   render_all(views_, in_the_metal());
   const auto shown = shown_views();
-  for (std::size_t k = 0; k < shown_; ++k) result_.views[k].eye_psnr_db = psnr_db(shown[k], Exposed::best);
+  for (std::size_t k = 0; k < shown_; ++k) {
+    DesignedView& out = result_.views[k];
+    out.eye_psnr_db = psnr_db(shown[k], Exposed::best);
+  }
 }
 
 void DesignRun::measure_ghosts() {
