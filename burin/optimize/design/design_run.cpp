@@ -12,6 +12,7 @@
 #include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/carving_budget.h"
 #include "burin/optimize/design/crowding.h"
+#include "burin/optimize/design/design_memory.h"
 #include "burin/optimize/design/design_start.h"
 #include "burin/optimize/design/lift_blacks.h"
 #include "burin/optimize/design/obey.h"
@@ -100,6 +101,10 @@ void DesignRun::read_targets() {
   report("reading targets", 0);
   limits_ = design_limits(board_, bench_, options_);
   pixels_ = asked_pixels();
+  const Eigen::Vector2d area = board_.carve_max_mm - board_.carve_min_mm;
+  const double pictures = static_cast<double>(spec_.views.size()) * (options_.tolerance_mm > 0 ? 3 : 1);
+  require_memory(pictures * pixels_ * pixels_ * area.minCoeff() / area.maxCoeff(), pixels_,
+                 static_cast<double>(new_at_first() + carved_.size()), free_bytes());
   std::vector<Finding> found;
   do {
     found.clear();
