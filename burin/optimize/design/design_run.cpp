@@ -252,7 +252,10 @@ bool DesignRun::start_with_less_to_cut() {
 bool DesignRun::is_crowded() {
   if (!grooves_cut_each_other() || options_.from || deadline_.wished_or_used(kStartShare)) return false;
   const double cover = cover_now();
-  const auto fewer = fewer_strokes(count(), pixels_a_stroke(views_, count()), cover);
+  // Pixels that eyes do not tell apart need no strokes of their own.
+  const double eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm()),
+               told_apart = std::pow(std::min(1.0, eye_px / pixels_), 2);
+  const auto fewer = fewer_strokes(count(), told_apart * pixels_a_stroke(views_, count()), cover);
   if (!fewer) return false;
   // What is in the metal stays; at least a fifth of the best is new.
   const std::size_t fewer_new =
@@ -369,6 +372,8 @@ void DesignRun::measure() {
         carving_curve(views_, log_exposure_, rules_, scratches_, movable_, metal_, options_.carve_machine, wished);
   }
   measure_for_eyes();
+  for (std::size_t k = 0; k < view_limits_.size(); ++k)
+    result_.findings.push_back(limits_in_words(result_.views[k].view, result_.views[k].eye_psnr_db, view_limits_[k]));
   if (options_.optimize_width) result_.width_um = std::exp(log_shared_[0]);
   if (options_.optimize_depth) result_.depth_um = std::exp(log_shared_[1]);
   if (options_.optimize_alpha) result_.alpha = std::exp(log_shared_[2]);
@@ -403,6 +408,14 @@ void DesignRun::measure_pictures() {
     measure_picture(shown[k], result_.views[k]);
     report("measuring", static_cast<double>(k + 1) / static_cast<double>(shown_));
   }
+  if (options_.note_few_strokes && !deadline_.wished()) measure_limits(grooves);
+}
+
+// What would lift each view: the same grooves, rendered without one thing at a time.
+void DesignRun::measure_limits(const LyingGrooves& grooves) {
+  report("measuring what limits the views", 0);
+  for (const std::span<WorkView> channels : shown_views())
+    view_limits_.push_back(limits_of(channels, log_exposure_, grooves, bench_, board_));
 }
 
 void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView& out) const {
@@ -469,6 +482,8 @@ void DesignRun::measure_for_eyes() {
   for (std::size_t k = 0; k < shown_; ++k) {
     DesignedView& out = result_.views[k];
     out.eye_psnr_db = psnr_db(shown[k], Exposed::best);
+    if (result_.eye_px > pixels_ && k < view_limits_.size())
+      view_limits_[k].pixels = pixels_limit_db(shown[k], log_exposure_, out.target);
   }
 }
 

@@ -26,6 +26,7 @@
 #include "burin/optimize/design/picture_pixels.h"
 #include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design/to_metal.h"
+#include "burin/optimize/design/view_limits.h"
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/design_options.h"
 #include "burin/optimize/design_result.h"
@@ -120,6 +121,7 @@ class DesignRun {
   void measure_pictures();
   void measure_picture(std::span<const WorkView> channels, DesignedView& out) const;
   double eye_distance_mm() const;
+  void measure_limits(const LyingGrooves& grooves);
   void measure_ghosts();
   void measure_for_eyes();
 
@@ -151,6 +153,7 @@ class DesignRun {
   DesignResult result_;
 
   std::size_t findings_before_start_ = 0, too_many_to_cut_ = 0;
+  std::vector<ViewLimits> view_limits_;  // a picture
   std::vector<WorkView> views_;          // first the spec's, in color three each; the rest stand aside of these
   std::size_t shown_ = 0;                // pictures, each of a view of the spec
   std::vector<Image> color_pictures_;    // what those who watch are shown last
