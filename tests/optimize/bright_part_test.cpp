@@ -50,7 +50,7 @@ TEST_F(BrightPartTest, PictureAndGradientAreThoseOfAllGrooves) {
     EXPECT_LT(rms_apart(v.radiance, whole), 1e-7 * peak(whole));
     ScratchGradients own;
     own.resize(grooves.size());
-    view_backward(v, part, dE_dradiance, own);
+    view_backward(v, part, {bench_, board_}, grooves, dE_dradiance, own);
     double off = 0, size = 0;
     for (std::size_t i = 0; i < grooves.size(); ++i) {
       off += std::pow(own.x0_mm[i] - all.x0_mm[i], 2) + std::pow(own.y1_mm[i] - all.y1_mm[i], 2);

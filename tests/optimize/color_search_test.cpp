@@ -125,7 +125,7 @@ TEST_F(ColorSearch, BalanceIsThatOfAViewsOwnPictures) {
   set_apart(10);
   add_view_beside();
   std::vector<WorkView> all = views();
-  render_all(all, {});
+  render_all(all, Carved{});
   ASSERT_TRUE(std::any_of(all.begin(), all.end(), [](const WorkView& v) {
     return std::any_of(v.lamps.begin(), v.lamps.end(), [](const WorkLamp& lamp) { return !lamp.ghosts.empty(); });
   }));

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "burin/optimize/carving/ends.h"
 #include "burin/optimize/design/color_views.h"
@@ -16,7 +18,7 @@ namespace burin {
 namespace {
 
 constexpr double kBright = 0.005;   // of the best direction's light
-constexpr double kDarkFace = 0.01;  // beside it
+constexpr double kDarkFace = 0.05;  // beside it
 
 void add_rows(const std::vector<double>& of_part, const std::vector<std::size_t>& rows, std::vector<double>& to) {
   for (std::size_t k = 0; k < of_part.size(); ++k) to[rows[k]] += of_part[k];
@@ -24,17 +26,21 @@ void add_rows(const std::vector<double>& of_part, const std::vector<std::size_t>
 
 }  // namespace
 
-bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& board) {
+bool glints_along_lines(const WorkView& view, const Bench& bench) {
   for (const std::string& id : lights_served(view.spec)) {
     const Light light = find_lit(bench, id, "design");
     if (!light.is_lamp() || !light.size.is_point()) return false;
   }
+  return !view.lamps.empty() && std::all_of(view.lamps.begin(), view.lamps.end(), [](const WorkLamp& lamp) {
+    return lamp.glint.of_one_lamp_on_a_flat_face();
+  });
+}
+
+bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& board) {
+  if (!glints_along_lines(view, bench)) return false;
   double sent =
       0;  // by a groove of the best direction along a mm; what it takes of the face has to be little beside it
-  for (const WorkLamp& lamp : view.lamps) {
-    if (!lamp.glint.of_one_lamp_on_a_flat_face()) return false;
-    sent = std::max(sent, mean_value(lamp.unit));
-  }
+  for (const WorkLamp& lamp : view.lamps) sent = std::max(sent, mean_value(lamp.unit));
   const double width_mm = 2e-3 * half_width_um(bench.material.profile, board.tool_width_um, bench.material.depth_um);
   const double brightest = *std::max_element(view.face.data.begin(), view.face.data.end());
   return brightest * width_mm / (view.pitch_mm * view.pitch_mm) < kDarkFace * sent;
@@ -60,7 +66,8 @@ std::vector<std::size_t> bright_rows(const WorkView& view, const Bench& bench, c
   return rows;
 }
 
-void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Carved& grooves, bool with_jacobian) {
+void render_view(WorkView& view, BrightPart& part, const Bench& bench, const LyingGrooves& grooves,
+                 bool with_jacobian) {
   const auto render = [&](const Carved& shown) {
     if (with_jacobian)
       view.renderer.forward_with_jacobian(shown, view.radiance);
@@ -68,38 +75,46 @@ void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Car
       view.renderer.forward(shown, view.radiance);
   };
   if (!part.apart) {
-    render(grooves);
+    part.grooves = seen_by(view, grooves);
+    render(part.grooves);
     return;
   }
-  part.rows = bright_rows(view, bench, grooves.scratches);
-  part.grooves.scratches = selected(grooves.scratches, part.rows);
+  part.rows = bright_rows(view, bench, grooves.whole.scratches);
+  part.grooves = seen_by(view, grooves, part.rows);
   const bool anew = part.others.data.empty();
-  if (anew) view.renderer.forward(grooves, part.others);
+  if (anew) view.renderer.forward(seen_by(view, grooves), part.others);
   render(part.grooves);
   if (anew)
     for (std::size_t i = 0; i < part.others.data.size(); ++i) part.others.data[i] -= view.radiance.data[i];
   for (std::size_t i = 0; i < part.others.data.size(); ++i) view.radiance.data[i] += part.others.data[i];
 }
 
-void view_backward(const WorkView& view, BrightPart& part, const Image& dE_dradiance, ScratchGradients& by_carved) {
-  if (!part.apart) {
-    view.renderer.backward(dE_dradiance, by_carved);
+void view_backward(const WorkView& view, BrightPart& part, const Metal& metal, const LyingGrooves& grooves,
+                   const Image& dE_dradiance, ScratchGradients& by_whole) {
+  if (!part.apart && !grooves.cuts) {
+    view.renderer.backward(dE_dradiance, by_whole);
     return;
   }
   ScratchGradients& own = part.gradients;
-  own.resize(part.rows.size());
+  own.resize(part.grooves.size());
   view.renderer.backward(dE_dradiance, own);
-  add_rows(own.x0_mm, part.rows, by_carved.x0_mm);
-  add_rows(own.y0_mm, part.rows, by_carved.y0_mm);
-  add_rows(own.x1_mm, part.rows, by_carved.x1_mm);
-  add_rows(own.y1_mm, part.rows, by_carved.y1_mm);
-  add_rows(own.width_um, part.rows, by_carved.width_um);
-  add_rows(own.depth_um, part.rows, by_carved.depth_um);
-  add_rows(own.alpha, part.rows, by_carved.alpha);
-  by_carved.shared_width_um += own.shared_width_um;
-  by_carved.shared_depth_um += own.shared_depth_um;
-  by_carved.shared_alpha += own.shared_alpha;
-  by_carved.shared_base_alpha += own.shared_base_alpha;
+  std::vector<std::size_t> rows = part.rows;
+  if (grooves.cuts) {
+    own = pull_back(part.grooves, Designed(grooves.whole.scratches), metal.bench, metal.board, std::move(own));
+    rows.resize(grooves.whole.size());
+    std::iota(rows.begin(), rows.end(), std::size_t{0});
+  }
+  add_rows(own.x0_mm, rows, by_whole.x0_mm);
+  add_rows(own.y0_mm, rows, by_whole.y0_mm);
+  add_rows(own.x1_mm, rows, by_whole.x1_mm);
+  add_rows(own.y1_mm, rows, by_whole.y1_mm);
+  add_rows(own.width_um, rows, by_whole.width_um);
+  add_rows(own.depth_um, rows, by_whole.depth_um);
+  add_rows(own.alpha, rows, by_whole.alpha);
+  by_whole.shared_width_um += own.shared_width_um;
+  by_whole.shared_depth_um += own.shared_depth_um;
+  by_whole.shared_alpha += own.shared_alpha;
+  by_whole.shared_base_alpha += own.shared_base_alpha;
 }
 
 }  // namespace burin

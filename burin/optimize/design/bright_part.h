@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "burin/optimize/design/design_views.h"
+#include "burin/optimize/design/to_metal.h"
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
@@ -22,13 +23,17 @@ inline constexpr int kOthersEvery = 16;  ///< iterations from one look at what h
 struct BrightPart {
   bool apart = false;             ///< whether the two are told apart; if not, all grooves are bright
   std::vector<std::size_t> rows;  ///< of the grooves in the metal, ascending
-  Carved grooves;                 ///< those
+  Carved grooves;                 ///< those, or what others leave of them
   Image others;                   ///< radiance that all other grooves add to these, as last seen; no pixels: not yet
   ScratchGradients gradients;     ///< by `grooves`
 };
 
+/// Whether each groove sends its light from one line along it: all lights of the view are point lamps, and the board is
+/// flat.
+bool glints_along_lines(const WorkView& view, const Bench& bench);
+
 /// Whether a view's bright grooves can be told by its half vectors and held apart: all its lights are point lamps, the
-/// board is flat, and what a groove takes of the face's light is less than a hundredth of what it sends when it is
+/// board is flat, and what a groove takes of the face's light is less than a twentieth of what it sends when it is
 /// turned to the view.
 bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& board);
 
@@ -38,10 +43,11 @@ std::vector<std::size_t> bright_rows(const WorkView& view, const Bench& bench, c
 
 /// Renders a view into its radiance: the bright grooves alone, and what the others added when last seen, or now if they
 /// were not. With derivatives, view_backward() may follow.
-void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Carved& grooves, bool with_jacobian);
+void render_view(WorkView& view, BrightPart& part, const Bench& bench, const LyingGrooves& grooves, bool with_jacobian);
 
-/// Adds the gradient of a loss by the view's radiance to that of all grooves, those that are not bright feeling nothing
-/// of it.
-void view_backward(const WorkView& view, BrightPart& part, const Image& dE_dradiance, ScratchGradients& by_carved);
+/// Adds the gradient of a loss by the view's radiance to that of the whole grooves, those that are not bright feeling
+/// nothing of it. `metal`: where they lie, without fields.
+void view_backward(const WorkView& view, BrightPart& part, const Metal& metal, const LyingGrooves& grooves,
+                   const Image& dE_dradiance, ScratchGradients& by_whole);
 
 }  // namespace burin

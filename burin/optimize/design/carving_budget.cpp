@@ -65,9 +65,8 @@ std::vector<CarvingPoint> carving_curve(std::vector<WorkView>& views, const std:
     const Scratches to_carve = selected(scratches, all_but(movable, gone));
     if (to_carve.size() == 0) break;
     CarvingPoint point{to_carve.size(), carving_time_s(to_carve, depth_um, machine) / 3600, {}, {}};
-    const Carved grooves = metal.carved(left);
+    render_all(views, grooves_in(left, metal, views));
     for (const std::span<WorkView> channels : shown_channels(views)) {
-      for (WorkView& view : channels) view.renderer.forward(grooves, view.radiance);
       const Image picture = shown_of(channels, best_exposures(channels, log_exposure)), target = target_of(channels);
       point.psnr_db.push_back(color_psnr_db(picture, target, channels[0].target.mask));
       point.ssim.push_back(color_ssim(picture, target, channels[0].target.mask));

@@ -37,10 +37,13 @@ void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_
   Image all_left, all;
   for (std::size_t k = 0; k < views.size(); ++k) {
     WorkView& v = views[k];
-    const auto seen = [&] { return blurred(light_of_grooves(v, v.radiance, exposure_of(v, log_exposure)), kBlurPx); };
-    left[k].first = seen();
-    v.renderer.forward(whole, v.radiance);
-    left[k].second = seen();
+    const auto seen = [&](Image radiance) {
+      return blurred(light_of_grooves(v, std::move(radiance), exposure_of(v, log_exposure)), kBlurPx);
+    };
+    left[k].first = seen(v.radiance);
+    Image uncut;
+    v.renderer.forward(whole, uncut);
+    left[k].second = seen(std::move(uncut));
     add(all_left, left[k].first);
     add(all, left[k].second);
   }

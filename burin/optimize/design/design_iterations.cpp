@@ -28,7 +28,7 @@ constexpr int kBudgetSteps = 6;  // in which scratches go, so that those that st
 // Part of the iterations from which rims are counted exactly, and when an order of carving is settled. A new order
 // changes which groove rules where two cross. The second half of the iterations makes up for that: less is not enough
 // (measured: 0.5 dB), and strokes searched after it would stand in an order that is no short way.
-constexpr double kRimsFrom = 0.75, kSettledFrom = 0.5;
+constexpr double kRimsFrom = 0.6, kSettledFrom = 0.5;
 
 constexpr double kLooksToEnd = 3;  // what comes after the iterations takes about so many looks
 
@@ -68,7 +68,6 @@ void DesignRun::iterate() {
     if (last && deadline_.wished() && !rims_count_ && best_) {
       merit_ = -std::numeric_limits<double>::infinity();
       rims_count_ = true;
-      forget_crossings(views_);
       break;
     }
     const bool rendered = (last || searches_are_over()) && count_rims();
@@ -77,6 +76,7 @@ void DesignRun::iterate() {
     record(last);
     if (last) break;
     move_ends();
+    if (rims_count_) relocate_cut_some();
     if (searches_are_over())
       settle_order();
     else
@@ -135,9 +135,9 @@ void DesignRun::forget_others() {
 // now.
 void DesignRun::look(bool last, bool rendered) {
   const double began_s = deadline_.seconds();
-  const Carved grooves = in_the_metal();
+  const LyingGrooves grooves = in_the_metal();
   by_carved_ = std::move(gradients_);  // its memory: the step has been made
-  by_carved_.resize(grooves.size());
+  by_carved_.resize(grooves.whole.size());
   d_log_exposure_.assign(log_exposure_.size(), 0.0);
   DesignIteration now;
   now.view_loss.assign(shown_, 0.0);
@@ -148,9 +148,9 @@ void DesignRun::look(bool last, bool rendered) {
   for (std::size_t k = 0; k < views_.size(); ++k) {
     WorkView& v = views_[k];
     const double exposure = std::exp(log_exposure_[v.exposure_group]);
-    if (last && !rendered) v.renderer.forward(grooves, v.radiance);
+    if (last && !rendered) v.renderer.forward(seen_by(v, grooves), v.radiance);
     if (!last) render_view(v, bright_[k], bench_, grooves, true);
-    leave_what_crossings_do(v, v.radiance);
+    leave_crossings(v, v.radiance);
     picture_from_radiance(v.radiance, exposure, v.picture);
     v.value = v.loss.evaluate(v.picture, dE_dpicture_);
     now.loss += v.value.total;
@@ -159,11 +159,11 @@ void DesignRun::look(bool last, bool rendered) {
     if (last) continue;
     d_log_exposure_[v.exposure_group] +=
         radiance_gradient(v.radiance, exposure, v.picture, dE_dpicture_, dE_dradiance_);
-    leave_what_crossings_do(v, dE_dradiance_);
-    view_backward(v, bright_[k], dE_dradiance_, by_carved_);
+    leave_crossings(v, dE_dradiance_);
+    view_backward(v, bright_[k], {even_bench_, board_}, grooves, dE_dradiance_, by_carved_);
   }
   if (!last) {
-    gradients_ = pull_back(grooves, designed_, bench_now(), board_, std::move(by_carved_));
+    gradients_ = pull_back(grooves.whole, designed_, search_bench_, board_, std::move(by_carved_));
     for (auto* g : {&gradients_.x0_mm, &gradients_.y0_mm, &gradients_.x1_mm, &gradients_.y1_mm})
       std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable_), g->end(), 0.0);  // what is carved stays
   }
@@ -179,7 +179,7 @@ void DesignRun::look(bool last, bool rendered) {
 }
 
 // What the grooves show as they will be carved, beside what the iterations see of them.
-void DesignRun::look_as_carved(const Carved& grooves) {
+void DesignRun::look_as_carved(const LyingGrooves& grooves) {
   render_all(views_, grooves);
   const std::vector<double> as_worked_on = std::exchange(log_exposure_, fitting_exposures(views_, log_exposure_));
   cut_look_ = DesignIteration{0, std::vector<double>(shown_, 0.0), 0, true};
@@ -340,7 +340,6 @@ bool DesignRun::count_rims() {
   if (rims_count_) return false;
   report("cutting rims away where scratches cross", 0);
   rims_count_ = true;
-  forget_crossings(views_);
   forget_others();
   render_all(views_, in_the_metal());
   log_exposure_ = fitting_exposures(views_, log_exposure_);
@@ -351,28 +350,56 @@ bool DesignRun::count_rims() {
 void DesignRun::look_at_crossings() {
   constexpr int kEvery = 5;
   if (rims_count_ || iteration_ % kEvery != 0) return;
-  const Carved whole = in_the_metal();
-  const Scratches& s = scratches_;
-  double length_mm = 0;
-  for (std::size_t i = 0; i < count(); ++i) length_mm += std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
-  const double width_mm = length_mm > 0 ? area_mm2(whole.scratches, bench_, board_) / length_mm : 0;
+  const LyingGrooves whole = in_the_metal();
   const double began_s = deadline_.seconds();
-  look_as_carved(carve(designed_, bench_, board_));
+  look_as_carved(in_the_metal(true));
   look_s_ = deadline_.seconds() - began_s;
-  see_crossings(views_, log_exposure_, whole, width_mm / views_.front().pitch_mm);
+  see_crossings(views_, log_exposure_, whole.whole, cover_of_pixel());
   if (iteration_ > 0) return;
   render_all(views_, whole);
   for (WorkView& v : views_) leave_what_crossings_do(v, v.radiance);
   log_exposure_ = fitting_exposures(views_, log_exposure_);
 }
 
+// Of what is rendered whole.
+void DesignRun::leave_crossings(const WorkView& view, Image& image) const {
+  if (!rims_count_) leave_what_crossings_do(view, image);
+}
+
+// Of a pixel, by a groove that crosses it along one pixel's length.
+double DesignRun::cover_of_pixel() const {
+  const Scratches& s = scratches_;
+  double length_mm = 0;
+  for (std::size_t i = 0; i < count(); ++i) length_mm += std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
+  const double area = area_mm2(metal_.carved_alone(scratches_).scratches, bench_, board_);
+  return length_mm > 0 ? area / (length_mm * views_.front().pitch_mm) : 0;
+}
+
+// A sweep that knows of every crossing, once grooves are cut.
+void DesignRun::relocate_cut_some() {
+  constexpr int kEvery = 2;  // searches of whole strokes: a sweep takes about twice as long
+  constexpr double kUntil = 0.97;
+  if (!grooves_cut_each_other() || options_.relocate_every <= 0 || part_ > kUntil ||
+      iteration_ % (kEvery * options_.relocate_every) != 0)
+    return;
+  const LyingGrooves grooves = in_the_metal();
+  for (std::size_t k = 0; k < views_.size(); ++k) render_view(views_[k], bright_[k], bench_, grooves, false);
+  see_crossings(views_, log_exposure_, grooves.whole, cover_of_pixel());
+  balance_views(views_, log_exposure_, options_.balance);
+  const std::vector<std::size_t> moved =
+      relocate_cut(scratches_, views_, log_exposure_, limits_, rules_, metal_, movable_,
+                   options_.seed + 3000 + iteration_, [this] { return time_to_end(); });
+  for (const std::size_t i : moved) momenta_.each_end([i](Adam& adam) { adam.restart(i); });
+  result_.relocated += moved.size();
+}
+
 void DesignRun::relocate_some() {
   if (options_.relocate_every <= 0 || iteration_ == 0 || iteration_ % options_.relocate_every != 0) return;
   // Looked at anew: strokes that are placed before Adam's step, by its picture, come out 0.3 dB worse.
-  const Carved grooves = in_the_metal();
+  const LyingGrooves grooves = in_the_metal();
   for (std::size_t k = 0; k < views_.size(); ++k) {
     render_view(views_[k], bright_[k], bench_, grooves, false);
-    leave_what_crossings_do(views_[k], views_[k].radiance);
+    leave_crossings(views_[k], views_[k].radiance);
   }
   balance_views(views_, log_exposure_, options_.balance);
   const std::vector<std::size_t> moved =
@@ -395,9 +422,10 @@ void DesignRun::drop_weak() {
   weak_dropped_ = true;
   if (!(options_.drop_share > 0 || options_.drop_light > 0 || options_.drop_error > 0)) return;
   report("dropping weak scratches", 0);
-  const Carved grooves = in_the_metal();
+  const LyingGrooves lying = in_the_metal();
   std::vector<double> light_sum(count(), 0.0);
   for (WorkView& v : views_) {
+    const Carved grooves = seen_by(v, lying);
     std::vector<double> of_groove(grooves.size(), 0.0);
     v.renderer.forward(grooves, v.radiance);
     v.renderer.add_contributions(of_groove);

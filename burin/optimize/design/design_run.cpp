@@ -9,8 +9,10 @@
 
 #include "burin/optimize/carving/carving_order.h"
 #include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/carving_budget.h"
 #include "burin/optimize/design/crowding.h"
+#include "burin/optimize/design/design_memory.h"
 #include "burin/optimize/design/design_start.h"
 #include "burin/optimize/design/lift_blacks.h"
 #include "burin/optimize/design/obey.h"
@@ -99,6 +101,10 @@ void DesignRun::read_targets() {
   report("reading targets", 0);
   limits_ = design_limits(board_, bench_, options_);
   pixels_ = asked_pixels();
+  const Eigen::Vector2d area = board_.carve_max_mm - board_.carve_min_mm;
+  const double pictures = static_cast<double>(spec_.views.size()) * (options_.tolerance_mm > 0 ? 3 : 1);
+  require_memory(pictures * pixels_ * pixels_ * area.minCoeff() / area.maxCoeff(), pixels_,
+                 static_cast<double>(new_at_first() + carved_.size()), free_bytes());
   std::vector<Finding> found;
   do {
     found.clear();
@@ -115,6 +121,7 @@ void DesignRun::read_targets() {
 // On `pixels_`.
 void DesignRun::lay_targets(std::vector<Finding>& found) {
   views_ = prepare_views(spec_, board_, bench_, options_, pixels_, limits_, found);
+  for (WorkView& v : views_) v.sees_lines = glints_along_lines(v, bench_);
   append(found, lift_blacks(views_, options_.lift_blacks, options_.loss));
   shown_ = spec_.views.size();
   const int last_group = std::max_element(views_.begin(), views_.end(), [](const WorkView& a, const WorkView& b) {
@@ -225,9 +232,12 @@ bool DesignRun::start_with_fewer() {
 bool DesignRun::start_with_less_to_cut() {
   constexpr double kFewer = 0.85;
   constexpr std::size_t kMostPieces = limit::kCuts / 5 * 4;
+  constexpr double kFarFromMost = 0.25;  // cutting them only to count takes as long as an iteration
   if (options_.from || bench_.crossings == Crossings::add) return false;
   const Scratches all =
       joined(new_ones(), carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
+  const Eigen::Vector2d area = limits_.max_mm - limits_.min_mm;
+  if (expected_pieces(all, area.prod()) < kFarFromMost * static_cast<double>(kMostPieces)) return false;
   if (!are_more_pieces(all, board_.tool_width_um, bench_.material.depth_um, bench_.material.profile, bench_.crossings,
                        kMostPieces))
     return false;
@@ -242,7 +252,10 @@ bool DesignRun::start_with_less_to_cut() {
 bool DesignRun::is_crowded() {
   if (!grooves_cut_each_other() || options_.from || deadline_.wished_or_used(kStartShare)) return false;
   const double cover = cover_now();
-  const auto fewer = fewer_strokes(count(), pixels_a_stroke(views_, count()), cover);
+  // Pixels that eyes do not tell apart need no strokes of their own.
+  const double eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm()),
+               told_apart = std::pow(std::min(1.0, eye_px / pixels_), 2);
+  const auto fewer = fewer_strokes(count(), told_apart * pixels_a_stroke(views_, count()), cover);
   if (!fewer) return false;
   // What is in the metal stays; at least a fifth of the best is new.
   const std::size_t fewer_new =
@@ -267,6 +280,11 @@ void DesignRun::join_carved() {
   scratches_ = joined(scratches_, carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
   scratches_.carved.assign(movable_, 0);
   scratches_.carved.resize(movable_ + carved_.size(), 1);
+}
+
+// As the search takes them, or as they will cut each other.
+LyingGrooves DesignRun::in_the_metal(bool cut) const {
+  return cut ? grooves_in(scratches_, metal_, views_) : LyingGrooves(carve(designed_, search_bench_, board_));
 }
 
 void DesignRun::put_in_carving_order(bool thoroughly) {
@@ -354,6 +372,8 @@ void DesignRun::measure() {
         carving_curve(views_, log_exposure_, rules_, scratches_, movable_, metal_, options_.carve_machine, wished);
   }
   measure_for_eyes();
+  for (std::size_t k = 0; k < view_limits_.size(); ++k)
+    result_.findings.push_back(limits_in_words(result_.views[k].view, result_.views[k].eye_psnr_db, view_limits_[k]));
   if (options_.optimize_width) result_.width_um = std::exp(log_shared_[0]);
   if (options_.optimize_depth) result_.depth_um = std::exp(log_shared_[1]);
   if (options_.optimize_alpha) result_.alpha = std::exp(log_shared_[2]);
@@ -376,9 +396,9 @@ void DesignRun::warn_if_hardly_any_is_left() {
 }
 
 void DesignRun::measure_pictures() {
-  const Carved grooves = in_the_metal();
+  const LyingGrooves grooves = in_the_metal();
+  render_all(views_, grooves);
   for (WorkView& v : views_) {
-    v.renderer.forward(grooves, v.radiance);
     picture_from_radiance(v.radiance, std::exp(log_exposure_[v.exposure_group]), v.picture);
     v.value = v.loss.evaluate(v.picture, dE_dpicture_);
     result_.final_loss += v.value.total;
@@ -388,6 +408,14 @@ void DesignRun::measure_pictures() {
     measure_picture(shown[k], result_.views[k]);
     report("measuring", static_cast<double>(k + 1) / static_cast<double>(shown_));
   }
+  if (options_.note_few_strokes && !deadline_.wished()) measure_limits(grooves);
+}
+
+// What would lift each view: the same grooves, rendered without one thing at a time.
+void DesignRun::measure_limits(const LyingGrooves& grooves) {
+  report("measuring what limits the views", 0);
+  for (const std::span<WorkView> channels : shown_views())
+    view_limits_.push_back(limits_of(channels, log_exposure_, grooves, bench_, board_));
 }
 
 void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView& out) const {
@@ -426,26 +454,37 @@ void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView
   out.color = color;
 }
 
+double DesignRun::eye_distance_mm() const {
+  const Eigen::Vector2d middle = (limits_.min_mm + limits_.max_mm) / 2;
+  double mean = 0;
+  for (const DesignView& v : spec_.views)
+    mean += (find_view(bench_, v.view, "design").T_camera_board * Eigen::Vector3d(middle.x(), middle.y(), 0)).norm() /
+            static_cast<double>(spec_.views.size());
+  return mean;
+}
+
 // What eyes in the views' places see: of the pixels that they tell apart, whatever the design looked at.
 void DesignRun::measure_for_eyes() {
-  const Eigen::Vector2d middle = (limits_.min_mm + limits_.max_mm) / 2;
-  double distance_mm = 0;
-  for (const DesignView& v : spec_.views)
-    distance_mm +=
-        (find_view(bench_, v.view, "design").T_camera_board * Eigen::Vector3d(middle.x(), middle.y(), 0)).norm() /
-        static_cast<double>(spec_.views.size());
-  result_.eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, distance_mm);
-  result_.eye_from_m = distance_mm / 1000;
+  result_.eye_from_m = eye_distance_mm() / 1000;
+  result_.eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm());
   if (result_.eye_px == pixels_) {
     for (DesignedView& v : result_.views) v.eye_psnr_db = v.psnr_db;
     return;
   }
   report("measuring what eyes see", 0);
+  std::vector<char> lines;
+  for (const WorkView& v : views_) lines.push_back(v.sees_lines);
   views_.clear();  // their memory
   views_ = views_to_look_at(spec_, board_, bench_, options_, result_.eye_px, limits_);
+  for (std::size_t k = 0; k < views_.size(); ++k) views_[k].sees_lines = lines[k];
   render_all(views_, in_the_metal());
   const auto shown = shown_views();
-  for (std::size_t k = 0; k < shown_; ++k) result_.views[k].eye_psnr_db = psnr_db(shown[k], Exposed::best);
+  for (std::size_t k = 0; k < shown_; ++k) {
+    DesignedView& out = result_.views[k];
+    out.eye_psnr_db = psnr_db(shown[k], Exposed::best);
+    if (result_.eye_px > pixels_ && k < view_limits_.size())
+      view_limits_[k].pixels = pixels_limit_db(shown[k], log_exposure_, out.target);
+  }
 }
 
 void DesignRun::measure_ghosts() {

@@ -26,6 +26,7 @@
 #include "burin/optimize/design/picture_pixels.h"
 #include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design/to_metal.h"
+#include "burin/optimize/design/view_limits.h"
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/design_options.h"
 #include "burin/optimize/design_result.h"
@@ -85,7 +86,7 @@ class DesignRun {
   void count_time();
   bool is_time_to_drop() const;
   void look(bool last, bool rendered);
-  void look_as_carved(const Carved& grooves);
+  void look_as_carved(const LyingGrooves& grooves);
   enum class Exposed { as_optimized, best };
   double psnr_db(std::span<const WorkView> channels, Exposed exposed) const;
   bool psnr_is_minimized() const;
@@ -102,7 +103,10 @@ class DesignRun {
   void settle_order();
   bool count_rims();
   void look_at_crossings();
+  void leave_crossings(const WorkView& view, Image& image) const;
+  double cover_of_pixel() const;
   void relocate_some();
+  void relocate_cut_some();
   void drop_weak();
   void keep_to_budget(double allowed_s);
   void keep_to_part_of_budget();
@@ -116,6 +120,8 @@ class DesignRun {
   void warn_if_hardly_any_is_left();
   void measure_pictures();
   void measure_picture(std::span<const WorkView> channels, DesignedView& out) const;
+  double eye_distance_mm() const;
+  void measure_limits(const LyingGrooves& grooves);
   void measure_ghosts();
   void measure_for_eyes();
 
@@ -140,17 +146,18 @@ class DesignRun {
   const Metal metal_{bench_, board_};
   // While places are searched, grooves that cut each other's rims away are taken whole: their many pieces take twenty
   // times as long. What they take from each other is seen now and then (crossing_loss).
-  const Bench search_bench_ = adding_rims(bench_);
+  const Bench search_bench_ = adding_rims(bench_), even_bench_ = without_fields(search_bench_);
   bool rims_count_ = !grooves_cut_each_other();
   Deadline deadline_;
   CarvingLimits limits_;
   DesignResult result_;
 
   std::size_t findings_before_start_ = 0, too_many_to_cut_ = 0;
-  std::vector<WorkView> views_;        // first the spec's, in color three each; the rest stand aside of these
-  std::size_t shown_ = 0;              // pictures, each of a view of the spec
-  std::vector<Image> color_pictures_;  // what those who watch are shown last
-  std::vector<double> log_exposure_;   // one a group
+  std::vector<ViewLimits> view_limits_;  // a picture
+  std::vector<WorkView> views_;          // first the spec's, in color three each; the rest stand aside of these
+  std::size_t shown_ = 0;                // pictures, each of a view of the spec
+  std::vector<Image> color_pictures_;    // what those who watch are shown last
+  std::vector<double> log_exposure_;     // one a group
   StrokeRules rules_;
   double mean_length_mm_ = 0;
 
@@ -160,8 +167,8 @@ class DesignRun {
   Scratches& scratches_ = designed_.scratches;
   std::size_t movable_ = 0;
   std::size_t count() const { return scratches_.size(); }
-  const Bench& bench_now() const { return rims_count_ ? bench_ : search_bench_; }
-  Carved in_the_metal() const { return carve(designed_, bench_now(), board_); }
+  LyingGrooves in_the_metal() const { return in_the_metal(rims_count_); }
+  LyingGrooves in_the_metal(bool cut) const;
 
   // What iterate() carries from step to step.
   struct Momenta {

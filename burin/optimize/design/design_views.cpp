@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -9,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "burin/optimize/carving/ends.h"
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/direction_light.h"
 #include "burin/optimize/design/glint.h"
@@ -447,8 +449,53 @@ std::vector<std::span<WorkView>> shown_channels(std::vector<WorkView>& views) {
   return out;
 }
 
-void render_all(std::vector<WorkView>& views, const Carved& carved) {
-  for (WorkView& v : views) v.renderer.forward(carved, v.radiance);
+LyingGrooves grooves_in(const Scratches& designed, const Metal& metal, const std::vector<WorkView>& views) {
+  if (metal.bench.crossings != Crossings::deepest) return metal.carved(designed);
+  LyingGrooves out(carve(Designed(designed), adding_rims(metal.bench), metal.board));
+  out.cuts.emplace(out.whole.scratches, metal.bench, metal.board);
+  if (!std::all_of(views.begin(), views.end(), [](const WorkView& v) { return v.sees_lines; }))
+    out.in_steps = metal.carved(designed);
+  return out;
+}
+
+Carved seen_by(const WorkView& view, const LyingGrooves& grooves, std::span<const std::size_t> rows) {
+  if (!grooves.cuts) {
+    Carved out;
+    out.scratches = selected(grooves.whole.scratches, rows);
+    return out;
+  }
+  // The lamp that a groove shows most of.
+  std::vector<const GlintView*> glints(rows.size(), &view.lamps.front().glint);
+  if (view.lamps.size() > 1)
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      const Ends e = ends_of(grooves.whole.scratches, rows[k]);
+      const Eigen::Vector2d middle = (e.a + e.b) / 2, u = (e.b - e.a).normalized();
+      double least = std::numeric_limits<double>::infinity();
+      for (const WorkLamp& lamp : view.lamps) {
+        const double q = std::abs(lobe_place(lamp.glint, middle, u, 1));
+        if (q >= least) continue;
+        least = q;
+        glints[k] = &lamp.glint;
+      }
+    }
+  return grooves.cuts->left_of(rows, glints);
+}
+
+Carved seen_by(const WorkView& view, const LyingGrooves& grooves) {
+  if (!grooves.cuts) return grooves.whole;
+  if (!view.sees_lines) return *grooves.in_steps;
+  std::vector<std::size_t> rows(grooves.whole.size());
+  std::iota(rows.begin(), rows.end(), std::size_t{0});
+  return seen_by(view, grooves, rows);
+}
+
+void render_all(std::vector<WorkView>& views, const LyingGrooves& grooves) {
+  for (WorkView& v : views) {
+    if (grooves.cuts)
+      v.renderer.forward(seen_by(v, grooves), v.radiance);
+    else
+      v.renderer.forward(grooves.whole, v.radiance);
+  }
 }
 
 }  // namespace burin

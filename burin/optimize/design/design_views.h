@@ -18,6 +18,7 @@
 
 #include "burin/optimize/carving/carving_limits.h"
 #include "burin/optimize/design/color_views.h"
+#include "burin/optimize/design/glint_lines.h"
 #include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/design_options.h"
@@ -71,8 +72,10 @@ struct WorkView {
   Image face{};              ///< radiance of the face without scratches
   double contrast = 0;       ///< of its light by a scratch's direction (DirectionLight); 0: not measured, one lamp
   CrossingLoss crossings{};  ///< nothing where grooves are rendered as they are cut
-  Image wanted{};            ///< the picture as asked for, where `target` is lifted (lift_blacks); else no pixels
-  Image mixable{};           ///< the target as near as the view's lights can mix its colors; no pixels: as it is
+  /// Whether grooves that cut each other are seen as the lines along which they glint (glint_lines.h).
+  bool sees_lines = false;
+  Image wanted{};                  ///< the picture as asked for, where `target` is lifted (lift_blacks); else no pixels
+  Image mixable{};                 ///< the target as near as the view's lights can mix its colors; no pixels: as it is
   Eigen::Vector3d gains{1, 1, 1};  ///< white_gains(); the channel's stands in the light of its scene
 };
 
@@ -143,8 +146,15 @@ std::vector<double> best_exposures(std::span<const WorkView> channels, const std
 /// 0 serves the mean of all views, much more than 1 the worst of them.
 void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_exposure, double exponent);
 
+/// Scratches as they will lie in the metal, for these views to look at.
+LyingGrooves grooves_in(const Scratches& designed, const Metal& metal, const std::vector<WorkView>& views);
+
+/// What of the grooves a view sees; of these rows alone, where `rows` are given.
+Carved seen_by(const WorkView& view, const LyingGrooves& grooves);
+Carved seen_by(const WorkView& view, const LyingGrooves& grooves, std::span<const std::size_t> rows);
+
 /// Fills every view's radiance.
-void render_all(std::vector<WorkView>& views, const Carved& carved);
+void render_all(std::vector<WorkView>& views, const LyingGrooves& grooves);
 
 /// Means of a gamma-encoded picture's light, and of an image.
 double mean_light(const Image& encoded);

@@ -37,7 +37,7 @@ Obeying obey(const Scratches& scratches, const CarvingLimits& limits, std::vecto
   std::vector<char> placed(scratches.size(), 0);
   for (int round = 0; round < kRounds && out.rows.size() < scratches.size() && !(stop && stop()); ++round) {
     const std::vector<std::size_t> left_over = rows_without(scratches.size(), out.rows);
-    render_all(views, metal.carved(out.scratches));
+    render_all(views, grooves_in(out.scratches, metal, views));
     std::vector<StrokeView> light = stroke_views(views, log_exposure, false);
     const std::vector<Stroke> strokes = place_strokes(light, rules, left_over.size(), seed + round, stop);
     if (strokes.empty()) break;

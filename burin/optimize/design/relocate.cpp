@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "burin/optimize/carving/ends.h"
+#include "burin/optimize/design/cut_search.h"
 #include "burin/optimize/design/stroke_field.h"
 #include "burin/optimize/design/stroke_sweep.h"
 
@@ -50,6 +51,18 @@ std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkVi
       moved.push_back(i);
       confine(scratches, i, limits, ends_of(before, i).a, ends_of(before, i).b);
     }
+  return moved;
+}
+
+std::vector<std::size_t> relocate_cut(Scratches& scratches, const std::vector<WorkView>& views,
+                                      const std::vector<double>& log_exposure, const CarvingLimits& limits,
+                                      const StrokeRules& rules, const Metal& metal, std::size_t movable,
+                                      std::uint64_t seed, const std::function<bool()>& stop) {
+  const Scratches before = scratches;
+  std::vector<StrokeField> fields = stroke_fields(stroke_views(views, log_exposure, false), rules);
+  const std::vector<std::size_t> view = views_of(fields, scratches);
+  std::vector<std::size_t> moved = improve_cut(fields, rules, metal, scratches, view, movable, seed, stop);
+  for (const std::size_t i : moved) confine(scratches, i, limits, ends_of(before, i).a, ends_of(before, i).b);
   return moved;
 }
 

@@ -21,4 +21,11 @@ std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkVi
                                   const StrokeRules& rules, std::size_t movable, double share, std::uint64_t seed,
                                   const std::function<bool()>& stop);
 
+/// Searches a better place for each as they cut each other (improve_cut()). The views must be as rendered so, with what
+/// crossings leave on average (see_crossings()).
+std::vector<std::size_t> relocate_cut(Scratches& scratches, const std::vector<WorkView>& views,
+                                      const std::vector<double>& log_exposure, const CarvingLimits& limits,
+                                      const StrokeRules& rules, const Metal& metal, std::size_t movable,
+                                      std::uint64_t seed, const std::function<bool()>& stop);
+
 }  // namespace burin

@@ -21,6 +21,7 @@ StrokeAside seen_under(const WorkView& v, const WorkLamp& lamp, double log_expos
   for (float& l : out.light.data) l *= e;
   for (float& u : out.unit.data) u *= e * static_cast<float>(v.pitch_mm);
   leave_what_crossings_do(v, out.unit);
+  out.kept = v.crossings.kept;
   return out;
 }
 
@@ -118,7 +119,9 @@ std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const s
                        std::move(one.unit),
                        one.weight,
                        {},
-                       one.picture});
+                       one.picture,
+                       {},
+                       std::move(one.kept)});
       }
   if (const Image cost = crossing_cost(views, log_exposure); !cost.data.empty())
     for (StrokeView& v : out) v.cost = cost;

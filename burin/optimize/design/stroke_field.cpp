@@ -145,6 +145,9 @@ StrokeField::StrokeField(const StrokeView& view, const StrokeRules& rules)
   for (auto& pixels : pixels_) pixels.resize(view.light.data.size());
   matters_ = squared(view.mask);
   cost_ = view.cost.data;
+  by_kept_.resize(lights.size());
+  for (std::size_t k = 0; k < lights.size(); ++k)
+    for (const float kept : (k == 0 ? view.kept : view.asides[k - 1].kept).data) by_kept_[k].push_back(1 / kept);
   if (std::any_of(view.asides.begin(), view.asides.end(), [](const StrokeAside& a) { return a.mask.has_value(); })) {
     matters_of_.push_back(matters_);
     for (const StrokeAside& aside : view.asides) matters_of_.push_back(aside.mask ? squared(*aside.mask) : matters_);
@@ -236,7 +239,8 @@ void StrokeField::each_part(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& 
 }
 
 // What a part's pixels have and show with it, seen from a place, and by how much their errors fall.
-void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, PartPixels& out) const {
+void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, bool uncut,
+                            PartPixels& out) const {
   const StrokePixel* const pixels = pixels_[k].data();
   int i = 0;
   for (; i + 4 <= part.count; i += 4)
@@ -248,6 +252,8 @@ void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& l
     out.target[i] = p.target;
     out.shown[i] = p.shown;
   }
+  if (uncut && !by_kept_[k].empty())
+    for (int n = 0; n < part.count; ++n) out.unit[n] *= by_kept_[k][part.at[n]];
   // Whole packets: what lies beyond the last has no light.
   const int packets = (part.count + kPacket - 1) / kPacket * kPacket;
   for (; i < packets; ++i) out.light[i] = out.unit[i] = out.target[i] = out.shown[i] = 0;
@@ -262,39 +268,53 @@ double StrokeField::cost_of(const StrokePart& part) const {
   return cost;
 }
 
+// Of all places, by how much the squared error falls; costs are not in it.
+double StrokeField::change(const StrokePart& part, const Lobe* lobes, bool uncut, StrokePixelsBefore* before) {
+  double fell = 0;
+  for (std::size_t k = 0; k < pixels_.size(); ++k) {
+    PartPixels out;
+    with_part(part, k, lobes[k], uncut, out);
+    const std::vector<float>& matters = matters_at(k);
+    StrokePixel* const pixels = pixels_[k].data();
+    for (int i = 0; i < part.count; ++i) {
+      StrokePixel& p = pixels[part.at[i]];
+      if (before != nullptr) before->pixels.push_back({part.at[i], static_cast<std::uint32_t>(k), p.light, p.shown});
+      p.light = out.light[i];
+      p.shown = out.after[i];
+      fell += matters.empty() ? out.fall[i] : matters[part.at[i]] * out.fall[i];
+    }
+    if (has_twins_)
+      for (int i = 0; i < part.count; ++i) tell_twins(k, part.at[i]);
+  }
+  return fell;
+}
+
 double StrokeField::add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
                         StrokePixelsBefore* before) {
   double fell = 0;
   each_part(a_mm, b_mm, times, box, [&](const StrokePart& part, const Lobe* lobes) {
-    fell -= cost_of(part);
-    for (std::size_t k = 0; k < pixels_.size(); ++k) {
-      PartPixels out;
-      with_part(part, k, lobes[k], out);
-      const std::vector<float>& matters = matters_at(k);
-      StrokePixel* const pixels = pixels_[k].data();
-      for (int i = 0; i < part.count; ++i) {
-        StrokePixel& p = pixels[part.at[i]];
-        if (before != nullptr) before->pixels.push_back({part.at[i], static_cast<std::uint32_t>(k), p.light, p.shown});
-        p.light = out.light[i];
-        p.shown = out.after[i];
-        fell += matters.empty() ? out.fall[i] : matters[part.at[i]] * out.fall[i];
-      }
-      if (has_twins_)
-        for (int i = 0; i < part.count; ++i) tell_twins(k, part.at[i]);
-    }
+    fell += change(part, lobes, false, before) - cost_of(part);
   });
   return fell;
 }
 
-void StrokeField::put_back(StrokePixelsBefore& before) {
-  for (std::size_t n = before.pixels.size(); n > 0; --n) {
+double StrokeField::add_uncut(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times,
+                              const PixelBox& box, StrokePixelsBefore& before) {
+  double fell = 0;
+  each_part(a_mm, b_mm, times, box,
+            [&](const StrokePart& part, const Lobe* lobes) { fell += change(part, lobes, true, &before); });
+  return fell;
+}
+
+void StrokeField::put_back(StrokePixelsBefore& before, std::size_t kept) {
+  for (std::size_t n = before.pixels.size(); n > kept; --n) {
     const StrokePixelsBefore::Pixel& was = before.pixels[n - 1];
     StrokePixel& p = pixels_[was.place][was.at];
     p.light = was.light;
     p.shown = was.shown;
     if (has_twins_) tell_twins(was.place, was.at);
   }
-  before.clear();
+  before.pixels.resize(std::min(kept, before.pixels.size()));
 }
 
 double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const {
@@ -303,7 +323,7 @@ double StrokeField::fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_m
     fell -= cost_of(part);
     for (std::size_t k = 0; k < pixels_.size(); ++k) {
       PartPixels out;
-      with_part(part, k, lobes[k], out);
+      with_part(part, k, lobes[k], false, out);
       const std::vector<float>& matters = matters_at(k);
       for (int i = 0; i < part.count; ++i) fell += matters.empty() ? out.fall[i] : matters[part.at[i]] * out.fall[i];
     }

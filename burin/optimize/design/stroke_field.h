@@ -64,6 +64,8 @@ class StrokeField {
     return {rules_.min_mm.x() + p.x() * pitch_x_, rules_.max_mm.y() - p.y() * pitch_y_};
   }
 
+  const GlintView& glint() const { return glints_.front(); }
+
   /// h . u / alpha of the view's own place, for a scratch of direction u (of length 1) at p: 0 where it glints best.
   double lobe_place(const Eigen::Vector2d& p_mm, const Eigen::Vector2d& u) const {
     return lobe_place(glints_.front(), p_mm, u);
@@ -73,8 +75,11 @@ class StrokeField {
   /// fell. With `before`, put_back() can undo it.
   double add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
              StrokePixelsBefore* before = nullptr);
-  /// Undoes all that `before` has seen, and empties it.
-  void put_back(StrokePixelsBefore& before);
+  /// The same of a part of a stroke that no other cuts, whatever crossings take from strokes there on average.
+  double add_uncut(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
+                   StrokePixelsBefore& before);
+  /// Undoes what `before` has seen, but for its first `kept` pixels, and forgets it.
+  void put_back(StrokePixelsBefore& before, std::size_t kept = 0);
   /// By how much the error would fall, nothing being changed.
   double fall(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times) const;
 
@@ -107,7 +112,8 @@ class StrokeField {
     return matters_of_.empty() ? matters_ : matters_of_[place];
   }
   std::vector<StrokeHalfVector> listed_half_vectors(const GlintView& glint) const;
-  void with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, PartPixels& out) const;
+  void with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, bool uncut, PartPixels& out) const;
+  double change(const StrokePart& part, const Lobe* lobes, bool uncut, StrokePixelsBefore* before);
   double cost_of(const StrokePart& part) const;  // below 0 for a part that is taken away
   void tell_twins(std::size_t k, std::size_t at) const {
     for (StrokePixel* twin : twins_[k]) {
@@ -130,6 +136,7 @@ class StrokeField {
   bool has_twins_ = false;
   std::vector<std::vector<StrokeHalfVector>> half_vectors_;  // none where eye and lamp say them
   std::vector<float> cost_;                                  // StrokeView::cost
+  std::vector<std::vector<float>> by_kept_;                  // of each place 1 / StrokeView::kept; empty: 1
   std::vector<float> matters_;                               // the mask squared; empty: all alike
   std::vector<std::vector<float>> matters_of_;               // each place's, where a mask is not the view's; else none
 };

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <bit>
 #include <cmath>
 #include <functional>
@@ -31,26 +30,15 @@ namespace {
 // Strokes between two looks at whether to stop: a fraction of a millisecond.
 constexpr std::size_t kAskEvery = 16;
 
-// Asks whether to stop until somebody says so.
-class Stopping {
- public:
-  explicit Stopping(const std::function<bool()>& stop) : stop_(stop) {}
-  bool operator()() {
-    if (!over_ && stop_ && stop_()) over_ = true;
-    return over_;
-  }
+}  // namespace
 
- private:
-  const std::function<bool()>& stop_;
-  std::atomic<bool> over_{false};
-};
-
-// A number that is another one for every (seed, view, step, tile).
 std::uint64_t seed_of(std::uint64_t seed, std::size_t view, std::size_t step, std::size_t tile) {
   std::uint64_t z = seed;
   for (const std::uint64_t part : {view, step, tile}) z = scattered(z + 0x9E3779B97F4A7C15ULL * (part + 1));
   return z;
 }
+
+namespace {
 
 // Tiles' least side, pixels: several strokes long, so that most lie within one, and few enough pixels for the cache.
 int tile_side(const StrokeField& field) {
@@ -70,8 +58,8 @@ Tiling tiling_of(const StrokeField& field, int side, SplitMix64& random) {
   return tiling;
 }
 
-// The tilings of one sweep: small tiles twice, laid differently, then larger and larger ones for the strokes that fit
-// into none, in the end all that a kernel can count.
+}  // namespace
+
 std::vector<Tiling> tilings_of_sweep(const StrokeField& field, std::uint64_t seed) {
   const PixelBox whole = field.whole();
   const int size = std::max(whole.x1, whole.y1), most = kMostWindowPixels / std::max(1, whole.x1);
@@ -91,7 +79,6 @@ std::vector<Tiling> tilings_of_sweep(const StrokeField& field, std::uint64_t see
   return tilings;
 }
 
-// The tile that a stroke lies in, or none (size()).
 std::size_t tile_of(const StrokeField& field, const Tiling& tiling, const Ends& e) {
   const Eigen::Vector2d a = field.pixel(e.a), b = field.pixel(e.b);
   const auto in = [&](const Eigen::Vector2d& p) {
@@ -101,6 +88,8 @@ std::size_t tile_of(const StrokeField& field, const Tiling& tiling, const Ends& 
   const std::size_t tile = tiling.tile_of(static_cast<int>(a.x()), static_cast<int>(a.y()));
   return tile == tiling.tile_of(static_cast<int>(b.x()), static_cast<int>(b.y())) ? tile : tiling.size();
 }
+
+namespace {
 
 // One view's part of a sweep.
 class ViewSweep {

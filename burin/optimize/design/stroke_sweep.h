@@ -3,16 +3,43 @@
 // its own: same seed, same bits, for any number of threads.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "burin/optimize/carving/ends.h"
 #include "burin/optimize/design/stroke_field.h"
+#include "burin/optimize/design/stroke_tiles.h"
 #include "burin/optimize/design/stroke_types.h"
 #include "burin/render/scratches.h"
 
 namespace burin {
+
+/// Asks whether to stop until somebody says so; by several threads at once. `stop` may be empty, and must outlive it.
+class Stopping {
+ public:
+  explicit Stopping(const std::function<bool()>& stop) : stop_(stop) {}
+  bool operator()() {
+    if (!over_ && stop_ && stop_()) over_ = true;
+    return over_;
+  }
+
+ private:
+  const std::function<bool()>& stop_;
+  std::atomic<bool> over_{false};
+};
+
+/// A number that is another one for every (seed, view, step, tile).
+std::uint64_t seed_of(std::uint64_t seed, std::size_t view, std::size_t step, std::size_t tile);
+
+/// The tilings of one sweep: small tiles twice, laid differently, then larger and larger ones for the strokes that fit
+/// into none, in the end all that a kernel can count.
+std::vector<Tiling> tilings_of_sweep(const StrokeField& field, std::uint64_t seed);
+
+/// The tile that a stroke lies in, or none (size()).
+std::size_t tile_of(const StrokeField& field, const Tiling& tiling, const Ends& ends);
 
 /// The views' pictures, shared where views show the same one; `rules` must outlive them.
 std::vector<StrokeField> stroke_fields(const std::vector<StrokeView>& views, const StrokeRules& rules);

@@ -24,6 +24,7 @@ struct StrokeAside {
   int picture = -1;   ///< as StrokeView::picture
   /// What matters of it, where that is not what matters of the view (a picture of another view): as StrokeView::mask.
   std::optional<Image> mask{};
+  Image kept{};  ///< as StrokeView::kept
 };
 
 /// One view as strokes see it. All images have the grid's size; light is relative to white. A view in color is one for
@@ -41,6 +42,7 @@ struct StrokeView {
   /// changes the light of all, and its errors count once. -1: a picture of its own.
   int picture = -1;
   Image cost{};  ///< of a pixel crossed along one pixel's length, off the gain; no pixels: nothing
+  Image kept{};  ///< the share of a stroke's light that others which cut it leave, in `unit` already; no pixels: all
 };
 
 inline constexpr std::size_t kMostAsides = 8;

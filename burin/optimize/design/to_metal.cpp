@@ -28,6 +28,11 @@ Bench adding_rims(Bench bench) {
   return bench;
 }
 
+Bench without_fields(Bench bench) {
+  bench.depth_field = bench.alpha_field = {};
+  return bench;
+}
+
 std::vector<double> by_design(const Carved& carved, const std::vector<double>& by_groove, std::size_t rows) {
   if (carved.source.empty()) return by_groove;
   std::vector<double> sum(rows, 0.0);

@@ -38,6 +38,9 @@ double area_mm2(const Scratches& grooves, const Bench& bench, const Board& board
 /// The bench with grooves that add where they cut each other's rims away (Crossings::deepest); else as it is.
 Bench adding_rims(Bench bench);
 
+/// The bench with grooves that are all alike.
+Bench without_fields(Bench bench);
+
 /// A number for each groove, such as its light, added up for each designed row that grooves are pieces of.
 std::vector<double> by_design(const Carved& carved, const std::vector<double>& by_groove, std::size_t rows);
 

@@ -1,0 +1,205 @@
+#include "burin/optimize/design/glint_lines.h"
+
+#include <tbb/parallel_for.h>
+
+#include <numbers>
+#include <numeric>
+
+#include "burin/optimize/carving/ends.h"
+#include "burin/render/groove_profile.h"
+
+namespace burin {
+namespace {
+
+using Boundary = PieceEnd::Boundary;
+
+double depth_of(const Scratches& s, std::size_t i, double shared_um) {
+  return s.depth_um.empty() ? shared_um : s.depth_um[i];
+}
+
+}  // namespace
+
+BrightPlaces::BrightPlaces(const GrooveProfile& profile, double width_um, double depth_um, double alpha) {
+  constexpr int kWalls = 200;
+  const double rim_um = half_width_um(profile, width_um, depth_um);
+  most_mm_ = 1e-3 * rim_um;
+  step_rad_ = std::numbers::pi / 2 / (kPlaces - 1);
+  for (std::size_t k = 0; k < kPlaces; ++k) {
+    const double lean = step_rad_ * static_cast<double>(k);
+    double all = 0, aside = 0, reach = 0;
+    for (int wall = -kWalls; wall < kWalls; ++wall) {
+      const double x = rim_um * (wall + 0.5) / kWalls;
+      // Of a wall that turns with x, light by x: the lobe's density by lean (docs/model.md 3.4).
+      const double off = (wall_lean(profile, width_um, x) - lean) / alpha,
+                   density = 1 / ((1 + off * off) * (1 + off * off));
+      all += density;
+      aside += density * x;
+      reach += density * std::abs(x);
+    }
+    const double mean = reach / all;
+    places_[k] = {1e-3 * aside / all, 1e-3 * mean,
+                  1e-3 * half_width_slope(profile, width_um, depth_at_half_width_um(profile, width_um, mean))};
+  }
+}
+
+BrightPlaces::Place BrightPlaces::at(double lean_rad) const {
+  const double place = std::clamp(lean_rad / step_rad_, 0.0, static_cast<double>(kPlaces - 1));
+  const std::size_t k = std::min(static_cast<std::size_t>(place), kPlaces - 2);
+  const double part = place - static_cast<double>(k);
+  const Place &low = places_[k], &high = places_[k + 1];
+  const auto between = [part](double a, double b) { return a + part * (b - a); };
+  return {between(low.aside_mm, high.aside_mm), between(low.reach_mm, high.reach_mm),
+          between(low.reach_by_depth, high.reach_by_depth)};
+}
+
+BrightPlaces bright_places(const Scratches& grooves, const Bench& bench, const Board& board) {
+  const auto shared = [](const std::vector<double>& own, double all) {
+    return own.empty() ? all : std::accumulate(own.begin(), own.end(), 0.0) / static_cast<double>(own.size());
+  };
+  return {bench.material.profile, shared(grooves.width_um, board.tool_width_um),
+          shared(grooves.depth_um, bench.material.depth_um), shared(grooves.alpha, bench.material.alpha)};
+}
+
+GlintLine glint_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double depth_um, const GlintView& glint,
+                     const BrightPlaces& places) {
+  GlintLine out;
+  out.a = a;
+  out.length = (b - a).norm();
+  out.u = (b - a) / out.length;
+  out.depth_um = depth_um;
+  const Eigen::Vector2d middle = (a + b) / 2;
+  const Eigen::Vector3d h = half_vector_at(glint, {middle.x(), middle.y(), 0});
+  const double leans = h.head<2>().dot(out.across());
+  out.bright = places.at(std::atan2(std::abs(leans), h.z()));
+  if (leans > 0) out.bright.aside_mm *= -1;  // a wall's normal leans to the groove's middle
+  return out;
+}
+
+GlintCut cut_of(const GlintLine& i, const GlintLine& j, std::uint32_t cutter) {
+  const double reach = i.bright.reach_mm + i.bright.reach_by_depth * (j.depth_um - i.depth_um);
+  const Eigen::Vector2d o = i.at(0) - j.a;
+  const double across_a = o.x() * j.u.y() - o.y() * j.u.x(), across_b = i.u.x() * j.u.y() - i.u.y() * j.u.x(),
+               across_end = across_a + i.length * across_b;
+  // Most that are near do not meet.
+  if (!(reach > 0) || std::min(across_a, across_end) > reach || std::max(across_a, across_end) < -reach) return {};
+  GlintCut out{.cutter = cutter, .to = i.length};
+  const auto clip = [&out](double a, double b, double from, double to, Boundary at_from, Boundary at_to) {
+    if (std::abs(b) < 1e-12) {
+      if (a < from || a > to) out.to = -1;
+      return;
+    }
+    double enters = (from - a) / b, leaves = (to - a) / b;
+    if (enters > leaves) {
+      std::swap(enters, leaves);
+      std::swap(at_from, at_to);
+    }
+    if (enters > out.from) out.from = enters, out.from_boundary = at_from;
+    if (leaves < out.to) out.to = leaves, out.to_boundary = at_to;
+  };
+  clip(across_a, across_b, -reach, reach, Boundary::side_minus, Boundary::side_plus);
+  if (out.from < out.to) clip(o.dot(j.u), i.u.dot(j.u), 0, j.length, Boundary::first_end, Boundary::last_end);
+  return out;
+}
+
+GlintCuts::GlintCuts(const Scratches& grooves, const Bench& bench, const Board& board)
+    : grooves_(grooves), places_(bright_places(grooves, bench, board)) {
+  constexpr double kLargestMm = 2, kMostCells = 4e6;
+  Eigen::Vector2d low(1e300, 1e300), high(-1e300, -1e300);
+  for (std::size_t i = 0; i < grooves.size(); ++i) {
+    const Ends e = ends_of(grooves, i);
+    GlintLine line;
+    line.a = e.a;
+    line.length = e.length();
+    line.u = (e.b - e.a) / line.length;
+    line.depth_um = depth_of(grooves, i, bench.material.depth_um);
+    lines_.push_back(line);
+    low = low.cwiseMin(e.a).cwiseMin(e.b);
+    high = high.cwiseMax(e.a).cwiseMax(e.b);
+  }
+  const double margin = 2 * places_.most_mm(), area = (high - low).prod(),
+               apart = std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, lines_.size())));
+  cells_ = {low, high, std::max({std::min(kLargestMm, apart), 2 * margin, std::sqrt(area / kMostCells), 1e-3})};
+  first_.assign(cells_.size() + 1, 0);
+  for (const GlintLine& line : lines_) cells_.each(line, margin, [&](std::size_t cell) { ++first_[cell + 1]; });
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  listed_.resize(first_.back());
+  std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+  for (std::size_t i = 0; i < lines_.size(); ++i)
+    cells_.each(lines_[i], margin, [&](std::size_t cell) { listed_[next[cell]++] = static_cast<std::uint32_t>(i); });
+}
+
+void GlintCuts::add_left(std::size_t row, const GlintView& glint, std::vector<std::uint32_t>& near,
+                         std::vector<GlintCut>& cuts, Carved& out) const {
+  constexpr double kShortestMm = 1e-4;
+  const Ends e = ends_of(grooves_, row);
+  const GlintLine line = glint_line(e.a, e.b, lines_[row].depth_um, glint, places_);
+  near.clear();
+  cells_.each(line, 0, [&](std::size_t cell) {
+    near.insert(near.end(), listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
+                listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]));
+  });
+  cuts.clear();
+  for (const std::uint32_t j : near) {
+    if (j == row) continue;
+    const GlintCut cut = cut_of(line, lines_[j], j);
+    if (cut.from < cut.to) cuts.push_back(cut);
+  }
+  // Those that are near in several cells come several times, and cover themselves.
+  std::sort(cuts.begin(), cuts.end(), [](const GlintCut& a, const GlintCut& b) {
+    return a.from != b.from ? a.from < b.from : a.cutter < b.cutter;
+  });
+  const auto end_at = [&](const GlintCut& cut, bool begins) {
+    const double slope = line.bright.reach_by_depth, by_um = 1e3;
+    return PieceEnd{(begins ? cut.from : cut.to) / line.length,
+                    begins ? cut.from_boundary : cut.to_boundary,
+                    cut.cutter,
+                    by_um * (line.bright.reach_mm + slope * (lines_[cut.cutter].depth_um - line.depth_um)),
+                    -by_um * slope,
+                    by_um * slope};
+  };
+  double from = 0;
+  PieceEnd begin;
+  const auto add_piece = [&](double to, const PieceEnd& end) {
+    if (to - from < kShortestMm) return;
+    out.scratches.x0_mm.push_back(line.a.x() + from * line.u.x());
+    out.scratches.y0_mm.push_back(line.a.y() + from * line.u.y());
+    out.scratches.x1_mm.push_back(line.a.x() + to * line.u.x());
+    out.scratches.y1_mm.push_back(line.a.y() + to * line.u.y());
+    for (const auto column : {&Scratches::width_um, &Scratches::depth_um, &Scratches::alpha})
+      if (!(grooves_.*column).empty()) (out.scratches.*column).push_back((grooves_.*column)[row]);
+    out.source.push_back(static_cast<std::uint32_t>(row));
+    out.begin.push_back(begin);
+    out.end.push_back(end);
+  };
+  for (const GlintCut& cut : cuts) {
+    if (cut.to <= from) continue;
+    if (cut.from > from) add_piece(cut.from, end_at(cut, true));
+    from = cut.to;
+    begin = end_at(cut, false);
+  }
+  if (from < line.length) add_piece(line.length, {.at = 1});
+}
+
+Carved GlintCuts::left_of(std::span<const std::size_t> rows, std::span<const GlintView* const> glints) const {
+  constexpr std::size_t kAtOnce = 256;
+  std::vector<Carved> parts((rows.size() + kAtOnce - 1) / kAtOnce);
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    std::vector<std::uint32_t> near;
+    std::vector<GlintCut> cuts;
+    for (std::size_t k = part * kAtOnce; k < std::min(rows.size(), (part + 1) * kAtOnce); ++k)
+      add_left(rows[k], *glints[k], near, cuts, parts[part]);
+  });
+  Carved out;
+  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  for (const Carved& part : parts) {
+    for (const auto column : {&Scratches::x0_mm, &Scratches::y0_mm, &Scratches::x1_mm, &Scratches::y1_mm,
+                              &Scratches::width_um, &Scratches::depth_um, &Scratches::alpha})
+      append(out.scratches.*column, part.scratches.*column);
+    append(out.source, part.source);
+    append(out.begin, part.begin);
+    append(out.end, part.end);
+  }
+  return out;
+}
+
+}  // namespace burin
