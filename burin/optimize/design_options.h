@@ -52,7 +52,7 @@ struct DesignOptions {
   int relocate_every = 2;        ///< iterations between such searches; 0: never
   int candidates = 16;           ///< places tried for each scratch in a search
   double relocate_until = 0.95;  ///< part of the iterations (or of the time limit) after which there are none;
-                                 ///< at most 0.5 where their order shows, 0.75 where they cut each other's rims away
+                                 ///< at most 0.5 where their order shows, 0.6 where they cut each other's rims away
   double relocate_share = 0.02;  ///< of the scratches, the least worthy, that may change their view each time
   double balance = 0.5;          ///< how much views that are worse than others draw scratches (balance_views)
   double tolerance_mm =

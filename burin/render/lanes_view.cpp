@@ -432,7 +432,7 @@ struct Window {
 // A lane between two nodes of its groove: a straight line in the picture.
 struct LaneLine {
   double from_mm, to_mm;
-  Vector2d px, by_mm;  // at from_mm; a millimeter along
+  Vector2d px, by_mm, by_across;  // at from_mm; a millimeter along, and across
 };
 
 // What of from..to of a line lies within the window; whether it leaves it there through an upper or a lower row.
@@ -767,7 +767,8 @@ void LanesView::Data::walk(const LanedGrooves& of, std::size_t i, const LaneSpot
       for (int k = 0; k < lines; ++k) {
         const double aside = middle_mm + ((k + 0.5) / lines - 0.5) * width_mm;
         const Vector2d px = a.px + aside * a.by_across;
-        const LaneLine line{a.at_mm, b.at_mm, px, (b.px + aside * b.by_across - px) / span_mm};
+        const LaneLine line{a.at_mm, b.at_mm, px, (b.px + aside * b.by_across - px) / span_mm,
+                            0.5 * (a.by_across + b.by_across)};
         double from = a.at_mm, to = b.at_mm;
         bool leaves_by_row = false;
         if (!clip_line(line, window, from, to, leaves_by_row)) continue;
@@ -1048,12 +1049,11 @@ struct GradientSink {
   LaneNumbers numbers{};
   double turn = 0;                    // of the light there, as the groove turns
   double across_x = 0, across_y = 0;  // px a millimeter across, over px a millimeter along
-  const WayNode* node = nullptr;
   double by_alpha = 0, by_depth = 0, by_turn = 0, by_across = 0, by_across_along = 0, by_first = 0, by_last = 0;
 
   void begin_line(const LaneLine& line) {
-    across_x = line.by_mm.x() != 0 ? node->by_across.x() / std::abs(line.by_mm.x()) : 0;
-    across_y = line.by_mm.y() != 0 ? node->by_across.y() / std::abs(line.by_mm.y()) : 0;
+    across_x = line.by_mm.x() != 0 ? line.by_across.x() / std::abs(line.by_mm.x()) : 0;
+    across_y = line.by_mm.y() != 0 ? line.by_across.y() / std::abs(line.by_mm.y()) : 0;
   }
   double at_pixel(std::size_t pixel, double light, double area) const {
     return by_light[pixel] * light + by_area[pixel] * area;
@@ -1133,7 +1133,6 @@ void LanesView::backward(const LanedGrooves& of, const Image& dE_dradiance, Scra
       const GroovePlace place(of.grooves, i);
       const Vector2d &u = place.along, &across = place.across;
       GradientSink sink{by_light.data(), by_area.data(), d.width(), place.length_mm};
-      sink.node = &d.ways.nodes[std::min(d.ways.first[i], d.ways.nodes.size() - 1)];
       d.walk(
           of, i, spots, whole,
           [&](std::size_t cell, const LaneGroup& group, std::size_t node, double at, double scale, LaneNumbers& to) {

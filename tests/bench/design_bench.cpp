@@ -118,6 +118,7 @@ double loss_of(DesignedView& v) {
 /// What a view's bright part leaves of its picture and gradient, as last seen some iterations before, against all that
 /// it shows now.
 void report_bright_part(benchmark::State& state, DesignedView& v, const Bench& bench, const Carved& carved) {
+  const Board board;
   ScratchGradients gradients[2];
   Image radiance[2];
   for (const int all : {0, 1}) {
@@ -126,7 +127,7 @@ void report_bright_part(benchmark::State& state, DesignedView& v, const Bench& b
     render_view(v.work, v.bright, bench, carved, true);
     radiance[all] = v.work.radiance;
     loss_of(v);
-    view_backward(v.work, v.bright, v.dE_dradiance, gradients[all]);
+    view_backward(v.work, v.bright, {bench, board}, carved, v.dE_dradiance, gradients[all]);
   }
   report_differences(state, radiance, gradients);
 }
@@ -141,6 +142,7 @@ void PaperDesign(benchmark::State& state) {
   if (placed) turn_to_views(views, scratches);
   Bench bench;
   bench.material = paper_scene(paper_grid(1)).material;
+  const Board board;
   ScratchGradients gradients;
   Carved carved = in_metal(scratches);
   set_exposures(views, carved);
@@ -165,7 +167,7 @@ void PaperDesign(benchmark::State& state) {
       if (iteration % kOthersEvery == 0) v.bright.others = {};
       render_view(v.work, v.bright, bench, carved, true);
       loss_of(v);
-      view_backward(v.work, v.bright, v.dE_dradiance, gradients);
+      view_backward(v.work, v.bright, {bench, board}, carved, v.dE_dradiance, gradients);
       pairs += v.work.renderer.pair_count();
     }
     const double rate = 1e-3 * kPaperBoard_mm;

@@ -25,7 +25,7 @@ struct ModelData {
   /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
   std::array<double, GrooveField::kTerms> alpha_field{};
   Crossings crossings = Crossings::add;  ///< overlap: see burin/render/carve.h
-  CutInto cut{};  ///< how grooves that are cut are laid (burin/render/carve.h)
+  CutInto cut{};                         ///< how grooves that are cut are laid (burin/render/carve.h)
   BoardSample sample{};                  ///< what photos look at, and carved_at() carves
   GrooveProfile profile;                 ///< its kind; its numbers are unknowns
   Eigen::Vector2d center_mm{0, 0};       ///< of the carve area
