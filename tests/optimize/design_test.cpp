@@ -364,8 +364,7 @@ TEST_F(DesignTest, HoweverEarlyItEndsADesignIsAsGoodAsTheBestThatWasSeenOfIt) {
   const auto expect_the_best = [&](const DesignResult& result) {
     EXPECT_GT(looks, 0);
     const double mean_db = mean_of_views_db(result, &DesignedView::psnr_db);
-    // Where light adds, what hardly shows is held for some iterations. Else another search for exposures differs.
-    EXPECT_GE(mean_db, seen_db - (bench_.crossings == Crossings::add ? 0.1 : 1e-3));
+    EXPECT_GE(mean_db, seen_db - 0.1);  // light that hardly shows is held for some iterations
     EXPECT_GE(mean_db, mean_of_views_db(result, &DesignedView::start_psnr_db) - 1e-3);
     seen_db = looks = 0;
   };

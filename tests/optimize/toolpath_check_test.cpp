@@ -235,7 +235,7 @@ TEST(Replay, AFileThatWasCutOffBetweenTwoScratchesIsFound) {
   EXPECT_NO_THROW(ended(head + start + first + second, "marlin"));
   EXPECT_NO_THROW(ended(start + first, "marlin"));  // another program's: nobody knows
   EXPECT_THAT([&] { ended(head + start + first, "marlin"); },
-              ThrowsMessage<Error>(AllOf(HasSubstr("carves 1 scratches of the 2 that its head names"),
+              ThrowsMessage<Error>(AllOf(HasSubstr("carves 1 scratch of the 2 that its head names"),
                                          HasSubstr("part 2 of 3, scratches 11 to 12 of 40"), HasSubstr("cut off"))));
 }
 
