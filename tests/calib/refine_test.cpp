@@ -49,8 +49,8 @@ void expect_within_its_sigmas(const Bench& bench, const nlohmann::json& truth) {
     return sigma ? std::optional((*sigma)[i]) : std::nullopt;
   };
   for (int i = 0; i < 3; ++i)
-    expect_near(bench.sensor.vignette[i], truth["vignette"][i], sigma_of(bench.sensor.vignette_sigma, i),
-                "vignette " + std::to_string(i));
+    expect_near(bench.sensor.vignette[i], truth.contains("vignette") ? truth["vignette"][i].get<double>() : 0,
+                sigma_of(bench.sensor.vignette_sigma, i), "vignette " + std::to_string(i));
   double ambient = 0;  // the mean of its channels is what is measured
   for (const double channel : truth["ambient"]) ambient += channel * truth["sensor"]["gain"].get<double>() / 3;
   expect_near(bench.ambient.mean(), ambient, sigma_of(bench.ambient_sigma, 0), "ambient");
