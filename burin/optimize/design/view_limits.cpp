@@ -116,9 +116,9 @@ Finding limits_in_words(const std::string& view, double psnr_db, const ViewLimit
       cost += (cost.empty() ? "" : ", ") + std::string(limit.what) + " " + fixed(limit.db, 1) + " dB";
   const bool any = !cost.empty();
   return {Finding::Severity::note, "design",
-          "view " + view + ", " + fixed(psnr_db, 1) +
-              " dB: " + (any ? cost + " (each alone)" : "nothing but how many scratches it has"),
-          any ? std::string(all[0].lift) + " would lift it most" : ""};
+          "view " + view + " reaches " + fixed(psnr_db, 1) + " dB; " +
+              (any ? "without one of these it would gain: " + cost : "the number of its scratches alone limits it"),
+          any ? std::string(all[0].lift) + " would lift it most" : "more scratches would lift it"};
 }
 
 }  // namespace burin
