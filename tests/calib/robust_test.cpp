@@ -311,10 +311,11 @@ TEST_P(RobustZoom, APhotoWithAnotherFocalLength) {
     cv::warpAffine(before, picture, cv::Matx23f(zoom, 0, (1 - zoom) * 399.5F, 0, zoom, (1 - zoom) * 299.5F),
                    picture.size(), cv::INTER_CUBIC);
   });
+  // It is used with a lens of its own, which eight views at 800 px hold less firmly than leaving it out: 0.1 to 0.9 mm.
   const Calibration c = solve();
-  EXPECT_LT(centers_mm(c), kGood_mm);
-  EXPECT_FALSE(has_view(c, "v05"));
-  EXPECT_THAT(told(c), AllOf(HasSubstr("view v05 is left out"), HasSubstr("focal length")));
+  EXPECT_LT(centers_mm(c), 1);
+  EXPECT_TRUE(has_view(c, "v05"));
+  EXPECT_THAT(told(c), HasSubstr("view v05 has a focal length"));
 }
 
 INSTANTIATE_TEST_SUITE_P(By, RobustZoom, testing::Values(1.02F, 1.1F, 1.4F),
