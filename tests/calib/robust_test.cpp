@@ -156,13 +156,20 @@ class Robust : public testing::Test {
     for (const Finding& f : c.findings) text += sentence(f) + "\n";
     return text;
   }
-  static double centers_mm(const Calibration& c) {
+  static Eigen::Vector3d center_error_mm(const View& view) {
+    return view.T_camera_board.inverse().translation() - camera_at(view.name[2] - '0').inverse().translation();
+  }
+  // Of all views, but one that is named.
+  static double centers_mm(const Calibration& c, const std::string& but = "") {
     double sum2 = 0;
-    for (const View& view : c.bench.views)
-      sum2 += (view.T_camera_board.inverse().translation() - camera_at(view.name[2] - '0').inverse().translation())
-                  .squaredNorm();
-    const double rms = std::sqrt(sum2 / static_cast<double>(c.bench.views.size()));
-    std::printf("centers %.3f mm RMS over %zu views\n%s", rms, c.bench.views.size(), told(c).c_str());
+    std::size_t count = 0;
+    for (const View& view : c.bench.views) {
+      if (view.name == but) continue;
+      sum2 += center_error_mm(view).squaredNorm();
+      ++count;
+    }
+    const double rms = std::sqrt(sum2 / static_cast<double>(count));
+    std::printf("centers %.3f mm RMS over %zu views\n%s", rms, count, told(c).c_str());
     return rms;
   }
   static double lamp_mm(const Calibration& c) {
@@ -311,10 +318,13 @@ TEST_P(RobustZoom, APhotoWithAnotherFocalLength) {
     cv::warpAffine(before, picture, cv::Matx23f(zoom, 0, (1 - zoom) * 399.5F, 0, zoom, (1 - zoom) * 299.5F),
                    picture.size(), cv::INTER_CUBIC);
   });
-  // It is used with a lens of its own, which eight views at 800 px hold less firmly than leaving it out: 0.1 to 0.9 mm.
+  // It is measured with a lens of its own, and does the others no harm.
   const Calibration c = solve();
-  EXPECT_LT(centers_mm(c), 1);
-  EXPECT_TRUE(has_view(c, "v05"));
+  EXPECT_LT(centers_mm(c, "v05"), kGood_mm);
+  const auto zoomed = std::ranges::find(c.bench.views, "v05", &View::name);
+  ASSERT_NE(zoomed, c.bench.views.end());
+  const Eigen::Vector3d z = center_error_mm(*zoomed).cwiseQuotient(*zoomed->center_sigma_mm);
+  EXPECT_LT(z.cwiseAbs().maxCoeff(), 4);
   EXPECT_THAT(told(c), HasSubstr("view v05 has a focal length"));
 }
 
