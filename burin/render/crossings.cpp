@@ -16,6 +16,7 @@
 #include "burin/render/error.h"
 #include "burin/render/groove.h"
 #include "burin/render/limits.h"
+#include "burin/render/line_cuts.h"
 
 namespace burin {
 namespace {
@@ -34,6 +35,12 @@ struct Strips {
     }
   }
   std::size_t size() const { return x_mm.size(); }
+  Eigen::Vector2d first_mm(std::size_t i) const { return {x_mm[i], y_mm[i]}; }
+  Eigen::Vector2d along(std::size_t i) const { return {ux[i], uy[i]}; }
+  // Scratch j as the middle line of scratch i sees it.
+  GrooveMet met(std::size_t i, std::size_t j) const {
+    return groove_met(first_mm(i), along(i), first_mm(j), along(j), length_mm[j]);
+  }
 };
 
 // A grid of square cells over the board, each listing the scratches whose strip touches it: finds those that a center
@@ -41,27 +48,23 @@ struct Strips {
 class CellIndex {
  public:
   explicit CellIndex(const Strips& strips) {
-    double x1 = -1e300, y1 = -1e300, reach = 0;
-    x0_ = y0_ = 1e300;
+    constexpr double kFar = 1e300;
+    Eigen::Vector2d low(kFar, kFar), high(-kFar, -kFar);
+    double reach = 0;
     for (std::size_t i = 0; i < strips.size(); ++i) {
-      const double ex = strips.x_mm[i] + strips.length_mm[i] * strips.ux[i],
-                   ey = strips.y_mm[i] + strips.length_mm[i] * strips.uy[i];
+      const Eigen::Vector2d first = strips.first_mm(i), last = first + strips.length_mm[i] * strips.along(i);
       reach = std::max(reach, strips.half_width_mm[i]);
-      x0_ = std::min({x0_, strips.x_mm[i], ex});
-      y0_ = std::min({y0_, strips.y_mm[i], ey});
-      x1 = std::max({x1, strips.x_mm[i], ex});
-      y1 = std::max({y1, strips.y_mm[i], ey});
+      low = low.cwiseMin(first).cwiseMin(last);
+      high = high.cwiseMax(first).cwiseMax(last);
     }
     // About a cell a scratch, but none smaller than what a strip is wide, and no more than a few for each strip.
     constexpr double kMostCells = 16e6, kLargestMm = 2, kCellsAStrip = 16;
     const double mean_mm =
         std::accumulate(strips.length_mm.begin(), strips.length_mm.end(), 0.0) / static_cast<double>(strips.size());
-    const double area = std::max(0.0, x1 - x0_) * std::max(0.0, y1 - y0_);
-    cell_mm_ = std::min(kLargestMm, std::sqrt(area / static_cast<double>(strips.size())));
-    cell_mm_ = std::max({cell_mm_, 2 * reach, std::sqrt(area / kMostCells), mean_mm / kCellsAStrip, 1e-3});
-    columns_ = static_cast<int>((x1 - x0_) / cell_mm_) + 1;
-    rows_ = static_cast<int>((y1 - y0_) / cell_mm_) + 1;
-    first_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
+    const double area = (high - low).cwiseMax(0).prod();
+    const double cell_mm = std::min(kLargestMm, std::sqrt(area / static_cast<double>(strips.size())));
+    cells_ = {low, high, std::max({cell_mm, 2 * reach, std::sqrt(area / kMostCells), mean_mm / kCellsAStrip, 1e-3})};
+    first_.assign(cells_.size() + 1, 0);
     for (std::size_t i = 0; i < strips.size(); ++i)
       for_cells(strips, i, strips.half_width_mm[i], [&](std::size_t cell) { ++first_[cell + 1]; });
     for (const std::size_t in_cell : first_) near_ += static_cast<double>(in_cell) * static_cast<double>(in_cell);
@@ -91,70 +94,19 @@ class CellIndex {
   }
 
  private:
-  int index(double offset_mm, int count) const {
-    return std::clamp(static_cast<int>(std::floor(offset_mm / cell_mm_)), 0, count - 1);
-  }
-
-  // Every cell that is within the margin of scratch i's center line, once: row by row, from where the line comes within
-  // the margin of the row to where it leaves it.
+  // Those within the margin of scratch i's center line.
   template <typename F>
-  void for_cells(const Strips& s, std::size_t i, double margin_mm, F&& f) const {
-    constexpr double kRounding = 1e-9;
-    const double m = margin_mm + kRounding, length = s.length_mm[i];
-    const double ax = s.x_mm[i] - x0_, ay = s.y_mm[i] - y0_, bx = length * s.ux[i], by = length * s.uy[i];
-    const int last_row = index(std::max(ay, ay + by) + m, rows_);
-    for (int row = index(std::min(ay, ay + by) - m, rows_); row <= last_row; ++row) {
-      double from = 0, to = 1;
-      if (std::abs(by) > kRounding) {
-        const double below = (row * cell_mm_ - m - ay) / by, above = ((row + 1) * cell_mm_ + m - ay) / by;
-        from = std::clamp(std::min(below, above), 0.0, 1.0);
-        to = std::clamp(std::max(below, above), 0.0, 1.0);
-      }
-      const double x_from = ax + from * bx, x_to = ax + to * bx;
-      const int last_column = index(std::max(x_from, x_to) + m, columns_);
-      for (int column = index(std::min(x_from, x_to) - m, columns_); column <= last_column; ++column)
-        f(static_cast<std::size_t>(row) * columns_ + column);
-    }
+  void for_cells(const Strips& s, std::size_t i, double margin_mm, const F& f) const {
+    cells_.each(s.first_mm(i), s.length_mm[i] * s.along(i), margin_mm, f);
   }
 
-  double cell_mm_ = 0, x0_ = 0, y0_ = 0, near_ = 0;
-  int columns_ = 0, rows_ = 0;
+  CellsOfLines cells_;
+  double near_ = 0;
   std::vector<std::size_t> first_;  // of a cell's list in listed_
   std::vector<std::uint32_t> listed_;
 };
 
 using Boundary = PieceEnd::Boundary;
-
-// The stretch of scratch i's center line, in mm from its first end, that lies within a half-width of scratch j. Empty
-// if from >= to.
-struct Stretch {
-  double from_mm, to_mm;
-  Boundary from_boundary = Boundary::own_end, to_boundary = Boundary::own_end;
-};
-Stretch covered_stretch(const Strips& s, std::size_t i, std::size_t j, double half_width_j_mm) {
-  const double ux = s.ux[j], uy = s.uy[j];
-  const double ox = s.x_mm[i] - s.x_mm[j], oy = s.y_mm[i] - s.y_mm[j];
-  // Along j and across it, as functions a + b t of the distance t along i.
-  const double along_a = ox * ux + oy * uy, along_b = s.ux[i] * ux + s.uy[i] * uy;
-  const double across_a = ox * uy - oy * ux, across_b = s.ux[i] * uy - s.uy[i] * ux;
-  Stretch out{.from_mm = 0, .to_mm = s.length_mm[i]};
-  const auto clip = [&](double a, double b, double from, double to, Boundary at_from, Boundary at_to) {
-    if (std::abs(b) < 1e-12) {
-      if (a < from || a > to) out.to_mm = out.from_mm;
-      return;
-    }
-    double enters = (from - a) / b, leaves = (to - a) / b;
-    if (enters > leaves) {
-      std::swap(enters, leaves);
-      std::swap(at_from, at_to);
-    }
-    if (enters > out.from_mm) out.from_mm = enters, out.from_boundary = at_from;
-    if (leaves < out.to_mm) out.to_mm = leaves, out.to_boundary = at_to;
-  };
-  clip(along_a, along_b, 0, s.length_mm[j], Boundary::first_end, Boundary::last_end);
-  clip(across_a, across_b, -half_width_j_mm, half_width_j_mm, Boundary::side_minus, Boundary::side_plus);
-  return out;
-}
 
 // How much of a groove is left where others cut it is a level: 0 nothing, `steps` its whole width without burrs,
 // `steps` + 1 all of it.
@@ -257,10 +209,10 @@ struct Cutting {
     index.find_near(strips, i, 0, deepest || burrs ? 0 : i + 1, near);
     changes.clear();
     const auto cover = [&](std::uint32_t j, int level, const Reach& reach) {
-      const Stretch stretch = covered_stretch(strips, i, j, 1e-3 * reach.um);
-      if (!(stretch.from_mm < stretch.to_mm)) return false;
-      changes.push_back({stretch.from_mm, false, level, stretch.from_boundary, j, reach});
-      changes.push_back({stretch.to_mm, true, level, stretch.to_boundary, j, reach});
+      const LineStretch stretch = covered_stretch(strips.met(i, j), strips.length_mm[i], 1e-3 * reach.um);
+      if (stretch.is_empty()) return false;
+      changes.push_back({stretch.from, false, level, stretch.from_boundary, j, reach});
+      changes.push_back({stretch.to, true, level, stretch.to_boundary, j, reach});
       return true;
     };
     if (deepest) met.meet(profile, sections[i]);
@@ -272,8 +224,7 @@ struct Cutting {
         continue;
       }
       // Most that are near do not meet: their walls are not looked at.
-      const Stretch whole = covered_stretch(strips, i, j, strips.half_width_mm[j]);
-      if (!(whole.from_mm < whole.to_mm)) continue;
+      if (covered_stretch(strips.met(i, j), strips.length_mm[i], strips.half_width_mm[j]).is_empty()) continue;
       met.reach(profile, sections[j]);
       if (burrs) cover(j, steps, rims());
       for (int level = steps - 1; level >= 0; --level)
@@ -520,12 +471,19 @@ struct LaneReaches {
   }
 };
 
-// Another groove as one groove's line at x to the right of its middle, t along it, sees it: across it at
-// across + x * along_slope + t * across_slope, along it at along - x * across_slope + t * along_slope.
-struct GrooveMet {
-  double across, along, across_slope, along_slope, length_mm;
+// Another groove as the middle line of one sees it.
+struct OtherGroove {
+  GrooveMet met;
   std::size_t reaches;  // where its reaches begin: one a lane
-  std::uint32_t groove;
+  std::uint32_t row;
+
+  // As a line sees it that lies so far to the right.
+  GrooveMet beside(double aside_mm) const {
+    GrooveMet out = met;
+    out.across += aside_mm * met.along_slope;
+    out.along -= aside_mm * met.across_slope;
+    return out;
+  }
 };
 
 struct CoveredSpan {
@@ -536,8 +494,6 @@ struct CoveredSpan {
 struct LaneLayer {
   const GrooveProfile& profile;
   bool deepest, burrs;
-  // Whether others' rims bound what is seen of a lane, not walls that are equally low.
-  bool rims_cut_lane(std::size_t lane) const { return !deepest || lanes[lane].part != Lane::Part::groove; }
   std::span<const Lane> lanes;
   std::span<const std::uint32_t> order;
   std::vector<Section> sections;
@@ -548,29 +504,24 @@ struct LaneLayer {
   struct Work {
     LaneReaches reaches;
     std::vector<std::uint32_t> near;
-    std::vector<GrooveMet> met;
+    std::vector<OtherGroove> others;
     std::vector<double> reach_mm;
     std::vector<CoveredSpan> covered;
   };
 
+  // Whether others' rims bound what is seen of a lane, not walls that are equally low.
+  bool rims_cut_lane(std::size_t lane) const { return !deepest || lanes[lane].part != Lane::Part::groove; }
+
   // Which other grooves may take something of groove i, and how far each reaches.
   void find_met(std::size_t i, Work& w) const {
     index.find_near(strips, i, margin_mm[i], 0, w.near);
-    w.met.clear();
+    w.others.clear();
     w.reach_mm.clear();
     w.reaches.meet(profile, lanes, sections[i]);
-    const double uix = strips.ux[i], uiy = strips.uy[i], length = strips.length_mm[i];
+    const double length = strips.length_mm[i];
     for (const std::uint32_t j : w.near) {
       if (j == i || (!deepest && !burrs && order[j] < order[i])) continue;
-      const double ux = strips.ux[j], uy = strips.uy[j];
-      const double ox = strips.x_mm[i] - strips.x_mm[j], oy = strips.y_mm[i] - strips.y_mm[j];
-      const GrooveMet met{ox * uy - oy * ux,
-                          ox * ux + oy * uy,
-                          uix * uy - uiy * ux,
-                          uix * ux + uiy * uy,
-                          strips.length_mm[j],
-                          w.reach_mm.size(),
-                          j};
+      const GrooveMet met = strips.met(i, j);
       // Both ends on one side of it, further than both are wide, or all before or behind it: they do not meet.
       const double wide = strips.half_width_mm[j] + margin_mm[i], across_end = met.across + length * met.across_slope,
                    along_end = met.along + length * met.along_slope;
@@ -578,7 +529,7 @@ struct LaneLayer {
           std::min(met.along, along_end) > met.length_mm + margin_mm[i] ||
           std::max(met.along, along_end) < -margin_mm[i])
         continue;
-      w.met.push_back(met);
+      w.others.push_back({met, w.reach_mm.size(), j});
       w.reaches.reach(profile, sections[j], deepest);
       for (std::size_t l = 0; l < lanes.size(); ++l) {
         const bool is_burr = lanes[l].part != Lane::Part::groove;
@@ -590,32 +541,19 @@ struct LaneLayer {
 
   // Where they cover a lane whose middle lies x to the right, in order along it.
   void find_covered(std::size_t i, std::size_t lane, Work& w) const {
-    constexpr double kParallel = 1e-12;
-    const double x = 1e-3 * w.reaches.middle_um[lane], length = strips.length_mm[i];
+    const double aside_mm = 1e-3 * w.reaches.middle_um[lane];
     w.covered.clear();
-    for (const GrooveMet& met : w.met) {
-      const double reach = w.reach_mm[met.reaches + lane];
+    for (const OtherGroove& other : w.others) {
+      const double reach = w.reach_mm[other.reaches + lane];
       if (!(reach > 0)) continue;
-      const double across = met.across + x * met.along_slope, along = met.along - x * met.across_slope;
-      CoveredSpan span{0, length};
-      if (std::abs(met.across_slope) > kParallel) {
-        const double middle = -across / met.across_slope, half = reach / std::abs(met.across_slope);
-        const double moves = rims_cut_lane(lane) ? 1e-3 * sections[met.groove].depth_um *
-                                                       sections[met.groove].rim_by_depth / std::abs(met.across_slope)
-                                                 : 0;
-        if (middle - half > span.from) span.from = middle - half, span.from_moves = moves;
-        if (middle + half < span.to) span.to = middle + half, span.to_moves = moves;
-      } else if (std::abs(across) > reach) {
-        continue;
-      }
-      if (std::abs(met.along_slope) > kParallel) {
-        const double a = -along / met.along_slope, b = (met.length_mm - along) / met.along_slope;
-        if (std::min(a, b) > span.from) span.from = std::min(a, b), span.from_moves = 0;
-        if (std::max(a, b) < span.to) span.to = std::max(a, b), span.to_moves = 0;
-      } else if (along < 0 || along > met.length_mm) {
-        continue;
-      }
-      if (span.from < span.to) w.covered.push_back(span);
+      const LineStretch stretch = covered_stretch(other.beside(aside_mm), strips.length_mm[i], reach);
+      if (stretch.is_empty()) continue;
+      const Section& section = sections[other.row];
+      const auto moves = [&](Boundary at) {
+        const bool is_rim = rims_cut_lane(lane) && (at == Boundary::side_minus || at == Boundary::side_plus);
+        return is_rim ? 1e-3 * section.depth_um * section.rim_by_depth / std::abs(other.met.across_slope) : 0;
+      };
+      w.covered.push_back({stretch.from, stretch.to, moves(stretch.from_boundary), moves(stretch.to_boundary)});
     }
     std::sort(w.covered.begin(), w.covered.end(), [](const CoveredSpan& a, const CoveredSpan& b) {
       return a.from < b.from || (a.from == b.from && a.to < b.to);

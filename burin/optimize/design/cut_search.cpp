@@ -77,10 +77,10 @@ class CutTile {
   }
 
   void list(std::uint32_t k) {
-    grid_.each(lines_[k], margin_, [&](std::size_t cell) { cells_[cell].push_back(k); });
+    grid_.each(lines_[k].a, lines_[k].way(), margin_, [&](std::size_t cell) { cells_[cell].push_back(k); });
   }
   void unlist(std::uint32_t k) {
-    grid_.each(lines_[k], margin_, [&](std::size_t cell) {
+    grid_.each(lines_[k].a, lines_[k].way(), margin_, [&](std::size_t cell) {
       auto& listed = cells_[cell];
       const auto at = std::find(listed.begin(), listed.end(), k);
       if (at == listed.end()) return;
@@ -93,7 +93,7 @@ class CutTile {
   void meet(std::uint32_t k, std::uint32_t least) {
     near_.clear();
     ++visit_;
-    grid_.each(lines_[k], 0, [&](std::size_t cell) {
+    grid_.each(lines_[k].a, lines_[k].way(), 0, [&](std::size_t cell) {
       for (const std::uint32_t j : cells_[cell]) {
         if (j == k || j < least || seen_[j] == visit_) continue;
         seen_[j] = visit_;

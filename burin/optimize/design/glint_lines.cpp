@@ -11,8 +11,6 @@
 namespace burin {
 namespace {
 
-using Boundary = PieceEnd::Boundary;
-
 double depth_of(const Scratches& s, std::size_t i, double shared_um) {
   return s.depth_um.empty() ? shared_um : s.depth_um[i];
 }
@@ -77,28 +75,11 @@ GlintLine glint_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double 
 
 GlintCut cut_of(const GlintLine& i, const GlintLine& j, std::uint32_t cutter) {
   const double reach = i.bright.reach_mm + i.bright.reach_by_depth * (j.depth_um - i.depth_um);
-  const Eigen::Vector2d o = i.at(0) - j.a;
-  const double across_a = o.x() * j.u.y() - o.y() * j.u.x(), across_b = i.u.x() * j.u.y() - i.u.y() * j.u.x(),
-               across_end = across_a + i.length * across_b;
+  const GrooveMet met = groove_met(i.at(0), i.u, j.a, j.u, j.length);
+  const double across_end = met.across + i.length * met.across_slope;
   // Most that are near do not meet.
-  if (!(reach > 0) || std::min(across_a, across_end) > reach || std::max(across_a, across_end) < -reach) return {};
-  GlintCut out{.cutter = cutter, .to = i.length};
-  const auto clip = [&out](double a, double b, double from, double to, Boundary at_from, Boundary at_to) {
-    if (std::abs(b) < 1e-12) {
-      if (a < from || a > to) out.to = -1;
-      return;
-    }
-    double enters = (from - a) / b, leaves = (to - a) / b;
-    if (enters > leaves) {
-      std::swap(enters, leaves);
-      std::swap(at_from, at_to);
-    }
-    if (enters > out.from) out.from = enters, out.from_boundary = at_from;
-    if (leaves < out.to) out.to = leaves, out.to_boundary = at_to;
-  };
-  clip(across_a, across_b, -reach, reach, Boundary::side_minus, Boundary::side_plus);
-  if (out.from < out.to) clip(o.dot(j.u), i.u.dot(j.u), 0, j.length, Boundary::first_end, Boundary::last_end);
-  return out;
+  if (!(reach > 0) || std::min(met.across, across_end) > reach || std::max(met.across, across_end) < -reach) return {};
+  return {covered_stretch(met, i.length, reach), cutter};
 }
 
 GlintCuts::GlintCuts(const Scratches& grooves, const Bench& bench, const Board& board)
@@ -120,12 +101,14 @@ GlintCuts::GlintCuts(const Scratches& grooves, const Bench& bench, const Board& 
                apart = std::sqrt(area / static_cast<double>(std::max<std::size_t>(1, lines_.size())));
   cells_ = {low, high, std::max({std::min(kLargestMm, apart), 2 * margin, std::sqrt(area / kMostCells), 1e-3})};
   first_.assign(cells_.size() + 1, 0);
-  for (const GlintLine& line : lines_) cells_.each(line, margin, [&](std::size_t cell) { ++first_[cell + 1]; });
+  for (const GlintLine& line : lines_)
+    cells_.each(line.a, line.way(), margin, [&](std::size_t cell) { ++first_[cell + 1]; });
   std::partial_sum(first_.begin(), first_.end(), first_.begin());
   listed_.resize(first_.back());
   std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
   for (std::size_t i = 0; i < lines_.size(); ++i)
-    cells_.each(lines_[i], margin, [&](std::size_t cell) { listed_[next[cell]++] = static_cast<std::uint32_t>(i); });
+    cells_.each(lines_[i].a, lines_[i].way(), margin,
+                [&](std::size_t cell) { listed_[next[cell]++] = static_cast<std::uint32_t>(i); });
 }
 
 void GlintCuts::add_left(std::size_t row, const GlintView& glint, std::vector<std::uint32_t>& near,
@@ -134,7 +117,7 @@ void GlintCuts::add_left(std::size_t row, const GlintView& glint, std::vector<st
   const Ends e = ends_of(grooves_, row);
   const GlintLine line = glint_line(e.a, e.b, lines_[row].depth_um, glint, places_);
   near.clear();
-  cells_.each(line, 0, [&](std::size_t cell) {
+  cells_.each(line.a, line.way(), 0, [&](std::size_t cell) {
     near.insert(near.end(), listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
                 listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]));
   });

@@ -25,6 +25,7 @@
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
 #include "burin/render/crossings.h"
+#include "burin/render/line_cuts.h"
 #include "burin/render/scratches.h"
 
 namespace burin {
@@ -61,6 +62,8 @@ struct GlintLine {
   BrightPlaces::Place bright;
 
   Eigen::Vector2d across() const { return {u.y(), -u.x()}; }
+  /// From its first end to its last.
+  Eigen::Vector2d way() const { return length * u; }
   /// The glinting place, `t` mm from the first end.
   Eigen::Vector2d at(double t) const { return a + t * u + bright.aside_mm * across(); }
 };
@@ -69,54 +72,13 @@ struct GlintLine {
 GlintLine glint_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double depth_um, const GlintView& glint,
                      const BrightPlaces& places);
 
-/// A stretch of a line that another groove takes, mm along it; empty if from >= to.
-struct GlintCut {
+/// A stretch of a line that another groove takes.
+struct GlintCut : LineStretch {
   std::uint32_t cutter = 0;
-  PieceEnd::Boundary from_boundary = PieceEnd::Boundary::own_end, to_boundary = PieceEnd::Boundary::own_end;
-  double from = 0, to = 0;
 };
 
 /// What groove j takes of i's line.
 GlintCut cut_of(const GlintLine& i, const GlintLine& j, std::uint32_t cutter);
-
-/// Square cells over a rectangle of the board.
-struct CellsOfLines {
-  Eigen::Vector2d min_mm{0, 0};
-  double cell_mm = 1;
-  int columns = 1, rows = 1;
-
-  CellsOfLines() = default;
-  CellsOfLines(const Eigen::Vector2d& low_mm, const Eigen::Vector2d& high_mm, double side_mm)
-      : min_mm(low_mm),
-        cell_mm(side_mm),
-        columns(static_cast<int>((high_mm.x() - low_mm.x()) / side_mm) + 1),
-        rows(static_cast<int>((high_mm.y() - low_mm.y()) / side_mm) + 1) {}
-
-  std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
-
-  /// Every cell within `margin_mm` of the middle line, once.
-  template <typename Visit>
-  void each(const GlintLine& line, double margin_mm, const Visit& visit) const {
-    const Eigen::Vector2d a = line.a - min_mm, d = line.length * line.u;
-    const auto index = [this](double offset, int count) {
-      return std::clamp(static_cast<int>(std::floor(offset / cell_mm)), 0, count - 1);
-    };
-    const int last_row = index(std::max(a.y(), a.y() + d.y()) + margin_mm, rows);
-    for (int row = index(std::min(a.y(), a.y() + d.y()) - margin_mm, rows); row <= last_row; ++row) {
-      double from = 0, to = 1;
-      if (std::abs(d.y()) > 1e-9) {
-        const double below = (row * cell_mm - margin_mm - a.y()) / d.y(),
-                     above = ((row + 1) * cell_mm + margin_mm - a.y()) / d.y();
-        from = std::clamp(std::min(below, above), 0.0, 1.0);
-        to = std::clamp(std::max(below, above), 0.0, 1.0);
-      }
-      const double x_from = a.x() + from * d.x(), x_to = a.x() + to * d.x();
-      const int last_column = index(std::max(x_from, x_to) + margin_mm, columns);
-      for (int column = index(std::min(x_from, x_to) - margin_mm, columns); column <= last_column; ++column)
-        visit(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column));
-    }
-  }
-};
 
 /// All grooves of a design, to be asked again and again for what is left of some of them.
 class GlintCuts {
